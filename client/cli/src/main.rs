@@ -1,0 +1,2 @@
+//! The `bendtwin` command.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Capture bundles, PhysTwin cases and motion capture: read, check, make, write.

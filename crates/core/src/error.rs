@@ -1,0 +1,74 @@
+//! What kind of thing went wrong, apart from any transport. Every error of the
+//! project can say its [`Category`] and a stable reason; only the server turns
+//! a category into an HTTP status or a gRPC code.
+
+use serde::{Deserialize, Serialize};
+
+/// The kind of an error, independent of HTTP and gRPC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Category {
+    /// The request, capture or settings are wrong; sending them again will not help.
+    InvalidArgument,
+    /// The named resource does not exist.
+    NotFound,
+    /// The resource exists already, with other content.
+    AlreadyExists,
+    /// The request is fine but the system is not in the state that it needs.
+    FailedPrecondition,
+    /// No or unknown credentials.
+    Unauthenticated,
+    /// Known credentials without the right.
+    PermissionDenied,
+    /// A quota, queue or memory limit is reached; retry later or ask for less.
+    ResourceExhausted,
+    /// A concurrent change won (a stale lease, say).
+    Aborted,
+    /// The caller's deadline passed.
+    DeadlineExceeded,
+    /// The caller or a user cancelled the work.
+    Cancelled,
+    /// A process that is needed cannot be reached at the moment.
+    Unavailable,
+    /// Acknowledged data is missing or damaged.
+    DataLoss,
+    /// A defect of this software.
+    Internal,
+}
+
+/// Implemented by every error enum of the project.
+pub trait Problem: std::error::Error {
+    /// What kind of thing went wrong.
+    fn category(&self) -> Category;
+    /// A stable UPPER_SNAKE_CASE word for programs to branch on.
+    fn reason(&self) -> &'static str;
+
+    /// The portable form: what a failed job keeps and a client is told.
+    fn fault(&self) -> Fault {
+        Fault {
+            category: self.category(),
+            reason: self.reason().to_owned(),
+            message: self.to_string(),
+        }
+    }
+}
+
+/// An error at rest: category, reason and message, as stored with a failed job
+/// and as sent over the wire.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fault {
+    /// What kind of thing went wrong.
+    pub category: Category,
+    /// Stable UPPER_SNAKE_CASE word.
+    pub reason: String,
+    /// What happened and what to do about it, for a person.
+    pub message: String,
+}
+
+impl std::fmt::Display for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Fault {}

@@ -1,0 +1,146 @@
+//! The graph of a twin: nodes, springs and bending triplets. Topology and rest
+//! geometry only; the numbers that fitting changes are in [`crate::Params`].
+
+use serde::{Deserialize, Serialize};
+
+use crate::Point;
+
+/// What a node stands for. Nodes are ordered by kind: all observed surface
+/// nodes, then completed surface, then interior. The numbers are the file format's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[repr(u8)]
+pub enum NodeKind {
+    /// A tracked point of the capture.
+    Observed = 0,
+    /// Surface from a shape prior, seen by no camera.
+    Completed = 1,
+    /// Inside the object.
+    Interior = 2,
+}
+
+impl NodeKind {
+    /// Whether metrics and the Chamfer loss count this node.
+    pub fn is_surface(self) -> bool {
+        self != Self::Interior
+    }
+}
+
+/// A node that a control point prescribes exactly, as a gripper that clamps a
+/// cable end: its position is the control point's plus `offset_m`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pin {
+    /// Node index.
+    pub node: u32,
+    /// Control point index.
+    pub control: u32,
+    /// Node minus control point at rest [m].
+    pub offset_m: Point,
+}
+
+/// Nodes, springs and triplets.
+///
+/// **Endpoints.** Springs and triplets name *endpoints*: `e < N` is node `e`,
+/// `N <= e < N + C` is control point `e - N`. A control spring is therefore a
+/// spring like any other, and a triplet may include a control point.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Graph {
+    /// Rest positions [m], shape [N, 3].
+    pub rest_positions: Vec<Point>,
+    /// Kind of each node, shape [N]; non-decreasing.
+    pub kinds: Vec<NodeKind>,
+    /// Mass of each node in node-mass units, shape [N]; positive.
+    pub masses: Vec<f32>,
+    /// Which object a node belongs to (contact acts between objects), shape [N].
+    pub object_ids: Vec<u32>,
+    /// For each node, the capture's observed point that it is, shape [N];
+    /// `u32::MAX` where it is none.
+    pub observed_points: Vec<u32>,
+    /// Control points at rest [m], shape [C, 3].
+    pub control_rest: Vec<Point>,
+    /// Axial springs as unordered endpoint pairs, shape [E, 2]; the first end is a node.
+    pub springs: Vec<[u32; 2]>,
+    /// Bending triplets as endpoints (i, j, k), j the centre, shape [T, 3].
+    pub triplets: Vec<[u32; 3]>,
+    /// Nodes prescribed by control points.
+    pub pins: Vec<Pin>,
+}
+
+impl Graph {
+    /// Marks a node that is no observed point of the capture.
+    pub const NOT_OBSERVED: u32 = u32::MAX;
+
+    /// Number of nodes N.
+    pub fn node_count(&self) -> usize {
+        self.rest_positions.len()
+    }
+
+    /// Number of control points C.
+    pub fn control_count(&self) -> usize {
+        self.control_rest.len()
+    }
+
+    /// Number of surface nodes; they are nodes `0..surface_count()`.
+    pub fn surface_count(&self) -> usize {
+        self.kinds.iter().take_while(|k| k.is_surface()).count()
+    }
+
+    /// Rest position of an endpoint, node or control point [m].
+    pub fn rest_endpoint(&self, endpoint: u32) -> Point {
+        let n = self.node_count();
+        let e = endpoint as usize;
+        if e < n { self.rest_positions[e] } else { self.control_rest[e - n] }
+    }
+
+    /// Checks that lengths agree, indices exist and numbers are finite.
+    ///
+    /// # Errors
+    /// The first contradiction found, as a sentence.
+    pub fn check(&self) -> Result<(), String> {
+        let (n, c) = (self.node_count(), self.control_count());
+        let lengths = [
+            ("kinds", self.kinds.len()),
+            ("masses", self.masses.len()),
+            ("object ids", self.object_ids.len()),
+            ("observed points", self.observed_points.len()),
+        ];
+        if let Some((what, len)) = lengths.into_iter().find(|(_, len)| *len != n) {
+            return Err(format!("{n} nodes but {len} {what}"));
+        }
+        if !self.kinds.is_sorted() {
+            return Err("nodes are not ordered by kind".into());
+        }
+        let points = self.rest_positions.iter().chain(&self.control_rest).flatten();
+        if !points.chain(self.pins.iter().flat_map(|p| &p.offset_m)).all(|x| x.is_finite()) {
+            return Err("a rest position is not finite".into());
+        }
+        if let Some(i) = self.masses.iter().position(|m| !(m.is_finite() && *m > 0.0)) {
+            return Err(format!("node {i} has mass {}: it must be positive", self.masses[i]));
+        }
+        let limit = (n + c) as u32;
+        for (i, &[a, b]) in self.springs.iter().enumerate() {
+            if a as usize >= n || b >= limit || a == b {
+                return Err(format!(
+                    "spring {i} joins endpoints {a} and {b} of {n} nodes and {c} control points"
+                ));
+            }
+        }
+        for (t, &[i, j, k]) in self.triplets.iter().enumerate() {
+            if i >= limit || j >= limit || k >= limit || i == j || j == k || i == k {
+                return Err(format!(
+                    "triplet {t} names endpoints {i}, {j}, {k} of {n} nodes and {c} control points"
+                ));
+            }
+        }
+        let mut pinned = vec![false; n];
+        for p in &self.pins {
+            if p.node as usize >= n || p.control as usize >= c {
+                return Err(format!("a pin joins node {} and control point {}", p.node, p.control));
+            }
+            if std::mem::replace(&mut pinned[p.node as usize], true) {
+                return Err(format!("node {} is pinned twice", p.node));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,102 @@
+//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`
+//! and `workers/{id}`; ids are UUIDv7, so they sort by creation time.
+
+use std::{fmt, str::FromStr};
+
+use serde::{Deserialize, Serialize};
+use uuid::Uuid;
+
+/// A resource name that does not parse.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{given}` is not a name of the form {collection}/{{uuid}}")]
+pub struct InvalidName {
+    /// The collection that was expected.
+    pub collection: &'static str,
+    /// What was given, cut to 80 characters.
+    pub given: String,
+}
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident, $collection:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+        #[serde(into = "String", try_from = "String")]
+        pub struct $name(Uuid);
+
+        impl $name {
+            /// The collection part of the name.
+            pub const COLLECTION: &'static str = $collection;
+
+            /// A new id; later ids sort after earlier ones.
+            pub fn generate() -> Self {
+                Self(Uuid::now_v7())
+            }
+
+            /// The bare UUID.
+            pub fn uuid(self) -> Uuid {
+                self.0
+            }
+        }
+
+        impl From<Uuid> for $name {
+            fn from(uuid: Uuid) -> Self {
+                Self(uuid)
+            }
+        }
+
+        /// The resource name, `collection/uuid`.
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, concat!($collection, "/{}"), self.0)
+            }
+        }
+
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                fmt::Display::fmt(self, f)
+            }
+        }
+
+        /// Takes the full name `collection/uuid` or the bare UUID.
+        impl FromStr for $name {
+            type Err = InvalidName;
+            fn from_str(s: &str) -> Result<Self, InvalidName> {
+                let bare = s.strip_prefix(concat!($collection, "/")).unwrap_or(s);
+                Uuid::parse_str(bare).map(Self).map_err(|_| InvalidName {
+                    collection: $collection,
+                    given: s.chars().take(80).collect(),
+                })
+            }
+        }
+
+        impl TryFrom<String> for $name {
+            type Error = InvalidName;
+            fn try_from(s: String) -> Result<Self, InvalidName> {
+                s.parse()
+            }
+        }
+
+        impl From<$name> for String {
+            fn from(id: $name) -> String {
+                id.to_string()
+            }
+        }
+    };
+}
+
+id!(
+    /// A stored capture.
+    CaptureId, "captures"
+);
+id!(
+    /// A fit job.
+    FitId, "fits"
+);
+id!(
+    /// A fitted twin.
+    TwinId, "twins"
+);
+id!(
+    /// A worker process, new at every start: a restarted worker is another one.
+    WorkerId, "workers"
+);

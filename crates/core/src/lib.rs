@@ -1,0 +1,30 @@
+//! Domain nouns of BendTwin: capture, graph, params, twin, settings, ids and
+//! error categories. No I/O, no async, no physics: every other crate speaks in
+//! these types, so one word means one thing everywhere.
+//!
+//! Units are SI. Frames are right-handed; up and ground are declared, never
+//! guessed. Arrays are flat `Vec`s whose shape stands in the field's comment.
+
+pub mod capture;
+pub mod environment;
+pub mod error;
+pub mod graph;
+pub mod ids;
+pub mod params;
+pub mod progress;
+pub mod quality;
+pub mod settings;
+pub mod twin;
+
+pub use capture::{Capture, Sequence};
+pub use environment::{Environment, Plane, Timing};
+pub use error::{Category, Fault, Problem};
+pub use graph::{Graph, NodeKind, Pin};
+pub use params::{Contact, Params};
+pub use progress::{Progress, Stage};
+pub use quality::Quality;
+pub use settings::FitSettings;
+pub use twin::Twin;
+
+/// A point or vector in space: x, y, z.
+pub type Point = [f32; 3];

@@ -1,0 +1,40 @@
+//! How far a fit job is.
+
+use serde::{Deserialize, Serialize};
+
+/// The stages of a fit job, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// Reading and checking the capture.
+    Ingest,
+    /// Zeroth-order search over global variables (CMA-ES).
+    Search,
+    /// First-order refinement of every spring and triplet (Adam).
+    Refine,
+    /// Scoring the twin on training and future frames.
+    Evaluate,
+}
+
+/// A progress report of a running fit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// The stage under way.
+    pub stage: Stage,
+    /// Which model is being fitted, where a job fits more than one: `bending` or `axial`.
+    pub variant: String,
+    /// Iterations of the stage that are done.
+    pub iteration: u32,
+    /// Iterations that the stage will have.
+    pub iterations: u32,
+    /// Share of the whole job that is done, 0..=1.
+    pub fraction: f64,
+    /// Loss of the last iteration, in the fit's own units.
+    pub loss: Option<f64>,
+    /// Best loss so far.
+    pub best_loss: Option<f64>,
+    /// Estimated seconds until the job ends.
+    pub eta_s: Option<f64>,
+    /// Something a person should know (a back-off, a raised substep count).
+    pub note: Option<String>,
+}

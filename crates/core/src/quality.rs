@@ -1,0 +1,63 @@
+//! How good a twin is: the table that evaluation makes and a twin carries.
+
+use serde::{Deserialize, Serialize};
+
+/// Errors over a span of frames, averaged over its frames. All in metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ErrorSummary {
+    /// One-sided Chamfer distance in the L1 norm, observed point to nearest surface node.
+    pub chamfer_l1_m: Option<f64>,
+    /// The same with Euclidean distances.
+    pub chamfer_l2_m: Option<f64>,
+    /// Mean Euclidean distance between ground-truth tracks and their nodes.
+    pub track_m: Option<f64>,
+    /// Mean absolute coordinate difference over all points (motion capture's metric).
+    pub coordinate_m: Option<f64>,
+}
+
+/// What a row of the table is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Predictor {
+    /// The fitted twin, with bending.
+    Bending,
+    /// The axial-only fit of the same nodes.
+    Axial,
+    /// Nothing moves.
+    StandingStill,
+    /// The twin's prediction plus its error in the last training frame.
+    LastResidual,
+    /// Free points interpolated between clamped ones (motion capture).
+    ClampInterpolation,
+}
+
+/// One predictor's errors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Score {
+    /// Who predicted.
+    pub predictor: Predictor,
+    /// Over the training frames ("reconstruction").
+    pub train: ErrorSummary,
+    /// Over the frames after the training split, or the held-out sequences ("future").
+    pub future: ErrorSummary,
+    /// Per frame over all sequences' frames, NaN-free; empty if not asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub per_frame: Vec<ErrorSummary>,
+}
+
+/// The quality table of a twin.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// One row per predictor, the twin's own first.
+    pub scores: Vec<Score>,
+    /// Warnings for the user: what is suspicious about the fit or the data.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+impl Quality {
+    /// The row of a predictor.
+    pub fn score(&self, predictor: Predictor) -> Option<&Score> {
+        self.scores.iter().find(|s| s.predictor == predictor)
+    }
+}

@@ -1,0 +1,270 @@
+//! What a user may choose about a fit. Every field has a default, unknown
+//! fields are refused, and [`FitSettings::validate`] reports all faults at once.
+
+use serde::{Deserialize, Serialize};
+
+use crate::environment::ControlVelocity;
+
+/// Settings of a fit job.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FitSettings {
+    /// Seed of every random choice; the same seed gives the same twin.
+    pub seed: u64,
+    /// Whether the twin has bending triplets.
+    pub bending: bool,
+    /// Also fit the same nodes without bending and report it beside.
+    pub compare_axial: bool,
+    /// How the graph is built.
+    pub graph: GraphSettings,
+    /// How time is divided.
+    pub substeps: Substeps,
+    /// What a control point's velocity counts as in dashpots.
+    pub control_velocity: ControlVelocity,
+    /// Contact between the nodes of one object.
+    pub self_contact: bool,
+    /// The loss.
+    pub loss: LossSettings,
+    /// Zeroth-order stage.
+    pub search: SearchSettings,
+    /// First-order stage.
+    pub refine: RefineSettings,
+}
+
+/// How nodes are sampled and joined.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct GraphSettings {
+    /// Fraction r of the capture's points kept as nodes, in (0, 1].
+    pub sampling_ratio: f64,
+    /// Upper bound on the number of nodes; lowers the ratio where it is exceeded.
+    pub max_nodes: usize,
+    /// Keep interior nodes; without them the graph is its surface only.
+    pub interior: bool,
+    /// Spring radius at full sampling [m]; scaled up as nodes get sparser.
+    pub radius_m: f64,
+    /// Most springs that a node opens.
+    pub max_neighbours: usize,
+    /// Radius of control springs at full sampling [m].
+    pub control_radius_m: f64,
+    /// Most springs that a control point opens.
+    pub control_neighbours: usize,
+    /// Most triplets per surface node.
+    pub max_triplets: usize,
+    /// Which neighbour is the reference arm of a node's triplets.
+    pub triplet_reference: TripletReference,
+}
+
+/// Choice of the reference neighbour r(j) of a centre j.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TripletReference {
+    /// The nearest surface neighbour.
+    Nearest,
+    /// The farthest surface neighbour.
+    Farthest,
+    /// The neighbour most nearly opposite to the mean of the others.
+    MostOpposite,
+    /// No single reference: the most nearly straight pairs, each neighbour at most once.
+    OppositePairs,
+}
+
+/// Substeps per frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Substeps {
+    /// As many as the stability estimate asks for, times a margin.
+    Auto {
+        /// Stable dt over used dt, above 1.
+        safety: f64,
+        /// Never more than this; candidates that would need more count as unstable.
+        max: u32,
+    },
+    /// Exactly this many; refused where unstable.
+    Fixed(u32),
+}
+
+/// Weights of the loss terms.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LossSettings {
+    /// One-sided Chamfer distance, mean squared.
+    pub chamfer_weight: f64,
+    /// Smooth L1 of tracked points.
+    pub track_weight: f64,
+    /// Where smooth L1 turns from quadratic to linear [m]; PhysTwin uses 1.
+    pub track_beta_m: f64,
+    /// Acceleration smoothness, search stage only.
+    pub acceleration_weight: f64,
+}
+
+/// CMA-ES over the global variables.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SearchSettings {
+    /// Generations; 0 skips the stage.
+    pub generations: u32,
+    /// Candidates a generation; 0 means 4 + 3 ln(variables).
+    pub population: usize,
+    /// Initial step size in the unit cube.
+    pub sigma: f64,
+    /// Whether radius and neighbour counts are variables too.
+    pub topology: bool,
+    /// Use only the first so many training frames (0: all).
+    pub max_frames: usize,
+}
+
+/// How gradients are cut in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GradientWindow {
+    /// A step a frame, gradient cut at each frame's start (PhysTwin).
+    Frame,
+    /// A step per window of so many frames, gradient cut at its start.
+    Frames(u32),
+    /// One step a pass, through all training frames.
+    Pass,
+}
+
+/// Adam on log-parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RefineSettings {
+    /// Passes over the training frames; 0 skips the stage.
+    pub passes: u32,
+    /// Learning rate in log space.
+    pub learning_rate: f64,
+    /// Decay of the first moment.
+    pub beta1: f64,
+    /// Decay of the second moment.
+    pub beta2: f64,
+    /// How far gradients reach back in time.
+    pub window: GradientWindow,
+    /// Fit rest lengths and rest angles too.
+    pub rest_shape: bool,
+}
+
+impl Default for FitSettings {
+    fn default() -> Self {
+        Self {
+            seed: 0,
+            bending: true,
+            compare_axial: false,
+            graph: GraphSettings::default(),
+            substeps: Substeps::Auto { safety: 1.5, max: 667 },
+            control_velocity: ControlVelocity::True,
+            self_contact: false,
+            loss: LossSettings::default(),
+            search: SearchSettings::default(),
+            refine: RefineSettings::default(),
+        }
+    }
+}
+
+impl Default for GraphSettings {
+    fn default() -> Self {
+        Self {
+            sampling_ratio: 1.0,
+            max_nodes: 200,
+            interior: true,
+            radius_m: 0.02,
+            max_neighbours: 30,
+            control_radius_m: 0.04,
+            control_neighbours: 50,
+            max_triplets: 6,
+            triplet_reference: TripletReference::OppositePairs,
+        }
+    }
+}
+
+impl Default for LossSettings {
+    fn default() -> Self {
+        Self { chamfer_weight: 1.0, track_weight: 1.0, track_beta_m: 1.0, acceleration_weight: 0.0 }
+    }
+}
+
+impl Default for SearchSettings {
+    fn default() -> Self {
+        Self { generations: 20, population: 0, sigma: 1.0 / 6.0, topology: true, max_frames: 0 }
+    }
+}
+
+impl Default for RefineSettings {
+    fn default() -> Self {
+        Self {
+            passes: 40,
+            learning_rate: 1e-2,
+            beta1: 0.9,
+            beta2: 0.99,
+            window: GradientWindow::Pass,
+            rest_shape: false,
+        }
+    }
+}
+
+impl FitSettings {
+    /// PhysTwin's scheme as published: full sampling, 667 substeps, a step a frame.
+    pub fn phystwin() -> Self {
+        Self {
+            bending: false,
+            substeps: Substeps::Fixed(667),
+            control_velocity: ControlVelocity::Ignored,
+            graph: GraphSettings { max_nodes: usize::MAX, ..GraphSettings::default() },
+            refine: RefineSettings {
+                passes: 200,
+                learning_rate: 1e-3,
+                window: GradientWindow::Frame,
+                ..RefineSettings::default()
+            },
+            ..Self::default()
+        }
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// All faults found, one sentence each.
+    pub fn validate(&self) -> Result<(), Vec<String>> {
+        let mut faults = Vec::new();
+        let mut within = |name: &str, value: f64, low: f64, high: f64| {
+            if !(value >= low && value <= high) {
+                faults.push(format!("{name} is {value}: it must lie in {low}..={high}"));
+            }
+        };
+        let g = &self.graph;
+        within("graph.sampling_ratio", g.sampling_ratio, 1e-4, 1.0);
+        within("graph.max_nodes", g.max_nodes.min(1 << 24) as f64, 1.0, f64::from(1 << 24));
+        within("graph.radius_m", g.radius_m, 1e-5, 10.0);
+        within("graph.max_neighbours", g.max_neighbours as f64, 1.0, 256.0);
+        within("graph.control_radius_m", g.control_radius_m, 0.0, 10.0);
+        within("graph.control_neighbours", g.control_neighbours as f64, 0.0, 1024.0);
+        within("graph.max_triplets", g.max_triplets as f64, 0.0, 256.0);
+        match self.substeps {
+            Substeps::Auto { safety, max } => {
+                within("substeps.auto.safety", safety, 1.0, 100.0);
+                within("substeps.auto.max", f64::from(max), 1.0, 100_000.0);
+            }
+            Substeps::Fixed(n) => within("substeps.fixed", f64::from(n), 1.0, 100_000.0),
+        }
+        let l = &self.loss;
+        within("loss.chamfer_weight", l.chamfer_weight, 0.0, 1e9);
+        within("loss.track_weight", l.track_weight, 0.0, 1e9);
+        within("loss.track_beta_m", l.track_beta_m, 1e-9, 1e3);
+        within("loss.acceleration_weight", l.acceleration_weight, 0.0, 1e9);
+        within("search.generations", f64::from(self.search.generations), 0.0, 10_000.0);
+        within("search.population", self.search.population as f64, 0.0, 10_000.0);
+        within("search.sigma", self.search.sigma, 1e-6, 1.0);
+        let r = &self.refine;
+        within("refine.passes", f64::from(r.passes), 0.0, 100_000.0);
+        within("refine.learning_rate", r.learning_rate, 1e-9, 1.0);
+        within("refine.beta1", r.beta1, 0.0, 0.999_999);
+        within("refine.beta2", r.beta2, 0.0, 0.999_999_9);
+        if r.window == GradientWindow::Frames(0) {
+            faults.push("refine.window.frames is 0: a window has at least one frame".to_owned());
+        }
+        if faults.is_empty() { Ok(()) } else { Err(faults) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,273 @@
+//! The twin file: one safetensors container. `docs/twin-format.md` specifies it
+//! for other programs; [`Twin::decode`] checks every index and number, so a
+//! decoded twin can be simulated without further checks.
+
+use std::borrow::Cow;
+
+use safetensors::{Dtype, SafeTensors, View};
+use serde::{Deserialize, Serialize};
+
+use super::{Provenance, Twin};
+use crate::{
+    Category, Contact, Environment, Graph, NodeKind, Params, Pin, Point, Problem, Quality, Timing,
+    environment::ControlVelocity,
+};
+
+/// Version that this build writes; it reads this and every earlier one.
+pub const VERSION: u32 = 1;
+
+/// Key of the JSON document in the container's metadata.
+const METADATA_KEY: &str = "bendtwin.twin";
+
+/// Why a twin file cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum FormatError {
+    /// Not a safetensors container, or a damaged one.
+    #[error("the twin file is damaged or not a safetensors file: {0}")]
+    Container(String),
+    /// The metadata document is missing or wrong.
+    #[error("the twin file's metadata is not a BendTwin twin: {0}")]
+    Metadata(String),
+    /// Written by a newer build.
+    #[error("the twin file has version {0}, this build reads up to {VERSION}: update BendTwin")]
+    Version(u32),
+    /// A tensor is missing or has another type or shape.
+    #[error("tensor `{name}`: {fault}")]
+    Tensor {
+        /// The tensor's name.
+        name: &'static str,
+        /// What is wrong with it.
+        fault: String,
+    },
+    /// Tensors contradict one another or hold impossible numbers.
+    #[error("the twin is inconsistent: {0}")]
+    Inconsistent(String),
+}
+
+impl Problem for FormatError {
+    fn category(&self) -> Category {
+        Category::InvalidArgument
+    }
+    fn reason(&self) -> &'static str {
+        "INVALID_TWIN_FILE"
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+struct Metadata {
+    version: u32,
+    environment: Environment,
+    timing: Timing,
+    control_velocity: ControlVelocity,
+    drag: f32,
+    contact: Contact,
+    provenance: Provenance,
+    quality: Quality,
+}
+
+struct Raw<'a> {
+    dtype: Dtype,
+    shape: Vec<usize>,
+    bytes: Cow<'a, [u8]>,
+}
+
+impl View for Raw<'_> {
+    fn dtype(&self) -> Dtype {
+        self.dtype
+    }
+    fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+    fn data(&self) -> Cow<'_, [u8]> {
+        Cow::Borrowed(&self.bytes)
+    }
+    fn data_len(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+fn raw<T: bytemuck::NoUninit>(dtype: Dtype, shape: &[usize], data: &[T]) -> Raw<'static> {
+    Raw { dtype, shape: shape.to_vec(), bytes: Cow::Owned(bytemuck::cast_slice(data).to_vec()) }
+}
+
+impl Twin {
+    /// The twin as bytes. Equal twins give equal bytes.
+    ///
+    /// # Errors
+    /// If the twin contradicts itself, see [`Twin::check`].
+    pub fn encode(&self) -> Result<Vec<u8>, FormatError> {
+        self.check()?;
+        let (g, p) = (&self.graph, &self.params);
+        let (n, c, e, t) = (g.node_count(), g.control_count(), g.springs.len(), g.triplets.len());
+        let kinds: Vec<u8> = g.kinds.iter().map(|k| *k as u8).collect();
+        let pins: Vec<[u32; 2]> = g.pins.iter().map(|p| [p.node, p.control]).collect();
+        let offsets: Vec<Point> = g.pins.iter().map(|p| p.offset_m).collect();
+        let tensors = vec![
+            ("nodes.rest_position", raw(Dtype::F32, &[n, 3], &g.rest_positions)),
+            ("nodes.kind", raw(Dtype::U8, &[n], &kinds)),
+            ("nodes.mass", raw(Dtype::F32, &[n], &g.masses)),
+            ("nodes.object_id", raw(Dtype::U32, &[n], &g.object_ids)),
+            ("nodes.observed_point", raw(Dtype::U32, &[n], &g.observed_points)),
+            ("controls.rest_position", raw(Dtype::F32, &[c, 3], &g.control_rest)),
+            ("springs.ends", raw(Dtype::U32, &[e, 2], &g.springs)),
+            ("springs.rest_length", raw(Dtype::F32, &[e], &p.rest_lengths_m)),
+            ("springs.stiffness", raw(Dtype::F32, &[e], &p.spring_stiffness)),
+            ("springs.dashpot", raw(Dtype::F32, &[e], &p.spring_dashpot)),
+            ("triplets.ends", raw(Dtype::U32, &[t, 3], &g.triplets)),
+            ("triplets.rest_angle", raw(Dtype::F32, &[t], &p.rest_angles_rad)),
+            ("triplets.bend_stiffness", raw(Dtype::F32, &[t], &p.bend_stiffness)),
+            ("triplets.bend_damping", raw(Dtype::F32, &[t], &p.bend_damping)),
+            ("pins.ends", raw(Dtype::U32, &[pins.len(), 2], &pins)),
+            ("pins.offset", raw(Dtype::F32, &[offsets.len(), 3], &offsets)),
+        ];
+        let metadata = Metadata {
+            version: VERSION,
+            environment: self.environment,
+            timing: self.timing,
+            control_velocity: self.control_velocity,
+            drag: p.drag,
+            contact: p.contact,
+            provenance: self.provenance.clone(),
+            quality: self.quality.clone(),
+        };
+        let json =
+            serde_json::to_string(&metadata).map_err(|e| FormatError::Metadata(e.to_string()))?;
+        let info = std::iter::once((METADATA_KEY.to_owned(), json)).collect();
+        safetensors::serialize(tensors, Some(info))
+            .map_err(|e| FormatError::Container(e.to_string()))
+    }
+
+    /// Reads a twin file.
+    ///
+    /// # Errors
+    /// If the bytes are no twin file, are damaged, or hold a twin that cannot be simulated.
+    pub fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
+        let container = |e: safetensors::SafeTensorError| FormatError::Container(e.to_string());
+        let (_, header) = SafeTensors::read_metadata(bytes).map_err(container)?;
+        let json = header
+            .metadata()
+            .as_ref()
+            .and_then(|m| m.get(METADATA_KEY))
+            .ok_or_else(|| FormatError::Metadata(format!("no `{METADATA_KEY}` entry")))?;
+        #[derive(Deserialize)]
+        struct Version {
+            version: u32,
+        }
+        let invalid = |e: serde_json::Error| FormatError::Metadata(e.to_string());
+        let version = serde_json::from_str::<Version>(json).map_err(invalid)?.version;
+        if version == 0 || version > VERSION {
+            return Err(FormatError::Version(version));
+        }
+        let metadata: Metadata = serde_json::from_str(json).map_err(invalid)?;
+        let file = Tensors(SafeTensors::deserialize(bytes).map_err(container)?);
+
+        let kinds = file
+            .read::<u8>("nodes.kind", Dtype::U8, None)?
+            .into_iter()
+            .map(|k| match k {
+                0 => Ok(NodeKind::Observed),
+                1 => Ok(NodeKind::Completed),
+                2 => Ok(NodeKind::Interior),
+                k => Err(FormatError::Inconsistent(format!("node kind {k} is not 0, 1 or 2"))),
+            })
+            .collect::<Result<_, _>>()?;
+        let pin_ends: Vec<[u32; 2]> = file.read("pins.ends", Dtype::U32, Some(2))?;
+        let pin_offsets: Vec<Point> = file.read("pins.offset", Dtype::F32, Some(3))?;
+        if pin_ends.len() != pin_offsets.len() {
+            return Err(FormatError::Inconsistent(
+                "pins.ends and pins.offset differ in length".into(),
+            ));
+        }
+        let twin = Self {
+            graph: Graph {
+                rest_positions: file.read("nodes.rest_position", Dtype::F32, Some(3))?,
+                kinds,
+                masses: file.read("nodes.mass", Dtype::F32, None)?,
+                object_ids: file.read("nodes.object_id", Dtype::U32, None)?,
+                observed_points: file.read("nodes.observed_point", Dtype::U32, None)?,
+                control_rest: file.read("controls.rest_position", Dtype::F32, Some(3))?,
+                springs: file.read("springs.ends", Dtype::U32, Some(2))?,
+                triplets: file.read("triplets.ends", Dtype::U32, Some(3))?,
+                pins: pin_ends
+                    .into_iter()
+                    .zip(pin_offsets)
+                    .map(|([node, control], offset_m)| Pin { node, control, offset_m })
+                    .collect(),
+            },
+            params: Params {
+                spring_stiffness: file.read("springs.stiffness", Dtype::F32, None)?,
+                spring_dashpot: file.read("springs.dashpot", Dtype::F32, None)?,
+                rest_lengths_m: file.read("springs.rest_length", Dtype::F32, None)?,
+                bend_stiffness: file.read("triplets.bend_stiffness", Dtype::F32, None)?,
+                bend_damping: file.read("triplets.bend_damping", Dtype::F32, None)?,
+                rest_angles_rad: file.read("triplets.rest_angle", Dtype::F32, None)?,
+                drag: metadata.drag,
+                contact: metadata.contact,
+            },
+            environment: metadata.environment,
+            timing: metadata.timing,
+            control_velocity: metadata.control_velocity,
+            provenance: metadata.provenance,
+            quality: metadata.quality,
+        };
+        twin.check()?;
+        Ok(twin)
+    }
+
+    /// Checks that the twin can be simulated: lengths agree, indices exist, numbers are finite.
+    ///
+    /// # Errors
+    /// The first contradiction found.
+    pub fn check(&self) -> Result<(), FormatError> {
+        let fail = |m: String| Err(FormatError::Inconsistent(m));
+        if let Err(m) = self.graph.check() {
+            return fail(m);
+        }
+        if let Err(m) = self.params.check(&self.graph) {
+            return fail(m);
+        }
+        let t = self.timing;
+        if !(t.fps.is_finite() && t.fps > 0.0 && t.substeps > 0) {
+            return fail(format!("{} frames per second with {} substeps", t.fps, t.substeps));
+        }
+        let e = &self.environment;
+        let ground =
+            e.ground.map_or([0.0; 4], |p| [p.normal[0], p.normal[1], p.normal[2], p.offset_m]);
+        if !e.gravity.iter().chain(&ground).all(|x| x.is_finite()) {
+            return fail("gravity or ground is not finite".into());
+        }
+        Ok(())
+    }
+}
+
+struct Tensors<'a>(SafeTensors<'a>);
+
+impl Tensors<'_> {
+    /// Reads a tensor of shape [n] or, with `width`, [n, width].
+    fn read<T: bytemuck::AnyBitPattern>(
+        &self,
+        name: &'static str,
+        dtype: Dtype,
+        width: Option<usize>,
+    ) -> Result<Vec<T>, FormatError> {
+        let fault = |fault: String| FormatError::Tensor { name, fault };
+        let view = self.0.tensor(name).map_err(|_| fault("is missing".into()))?;
+        if view.dtype() != dtype {
+            return Err(fault(format!("has type {:?}, not {dtype:?}", view.dtype())));
+        }
+        let fits = match (view.shape(), width) {
+            ([_], None) => true,
+            ([_, w], Some(width)) => *w == width,
+            _ => false,
+        };
+        if !fits {
+            let inner = width.map_or(String::new(), |w| format!(", {w}"));
+            return Err(fault(format!("has shape {:?}, not [n{inner}]", view.shape())));
+        }
+        // The container gives no alignment, so elements are read one by one.
+        Ok(view.data().chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests;

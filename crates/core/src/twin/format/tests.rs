@@ -1,0 +1,64 @@
+use super::*;
+use proptest::prelude::*;
+
+fn twin() -> Twin {
+    Twin {
+        graph: Graph {
+            rest_positions: vec![[0.0, 0.0, 0.1], [0.1, 0.0, 0.1], [0.2, 0.0, 0.1]],
+            kinds: vec![NodeKind::Observed, NodeKind::Completed, NodeKind::Interior],
+            masses: vec![1.0; 3],
+            object_ids: vec![0; 3],
+            observed_points: vec![0, Graph::NOT_OBSERVED, Graph::NOT_OBSERVED],
+            control_rest: vec![[0.3, 0.0, 0.1]],
+            springs: vec![[0, 1], [1, 2], [2, 3]],
+            triplets: vec![[0, 1, 2]],
+            pins: vec![Pin { node: 2, control: 0, offset_m: [-0.1, 0.0, 0.0] }],
+        },
+        params: Params {
+            spring_stiffness: vec![1e3, 2e3, 3e3],
+            spring_dashpot: vec![1.0; 3],
+            rest_lengths_m: vec![0.1; 3],
+            bend_stiffness: vec![0.5],
+            bend_damping: vec![0.01],
+            rest_angles_rad: vec![std::f32::consts::PI],
+            drag: 1.0,
+            contact: Contact::default(),
+        },
+        environment: Environment::Z_UP,
+        timing: Timing { fps: 30.0, substeps: 50 },
+        control_velocity: ControlVelocity::True,
+        provenance: Provenance::default(),
+        quality: Quality::default(),
+    }
+}
+
+#[test]
+fn a_twin_survives_its_file() {
+    let bytes = twin().encode().unwrap();
+    assert_eq!(Twin::decode(&bytes).unwrap(), twin());
+    assert_eq!(bytes, twin().encode().unwrap(), "encoding is deterministic");
+}
+
+#[test]
+fn contradictions_are_named() {
+    let mut bad = twin();
+    bad.graph.springs[1] = [1, 9];
+    assert!(bad.encode().unwrap_err().to_string().contains("spring 1"));
+    let mut bad = twin();
+    bad.params.bend_stiffness[0] = f32::NAN;
+    assert!(bad.encode().unwrap_err().to_string().contains("bend stiffness 0"));
+}
+
+proptest! {
+    /// A damaged file never panics, and what it decodes to is consistent.
+    #[test]
+    fn damage_is_an_error_or_harmless(at in 0usize..4096, byte: u8, cut in 0usize..4096) {
+        let mut bytes = twin().encode().unwrap();
+        let at = at % bytes.len();
+        bytes[at] = byte;
+        bytes.truncate(bytes.len() - cut % 64);
+        if let Ok(twin) = Twin::decode(&bytes) {
+            prop_assert!(twin.check().is_ok());
+        }
+    }
+}

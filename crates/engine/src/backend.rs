@@ -1,0 +1,296 @@
+//! The one coarse trait between the physics and everything that uses it: load a
+//! model, roll out a batch, loss of a batch, loss and gradient of a batch.
+//! Batch-first: one rollout is a batch of one. Instances of a batch may have
+//! different graphs. Same input, build and device: bit-identical output.
+
+use std::{
+    any::Any,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
+
+use bendtwin_core::{Category, Params, Point, Problem};
+
+use crate::{
+    model::{Model, State},
+    objective::Objective,
+};
+
+/// Why a backend refuses or fails.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// The model contradicts itself.
+    #[error("the model is inconsistent: {0}")]
+    InvalidModel(String),
+    /// The input does not fit the model.
+    #[error("the rollout's input is wrong: {0}")]
+    InvalidInput(String),
+    /// The substep is longer than the stability estimate allows.
+    #[error(
+        "{substeps} substeps a frame are too few for this model: it is stable from {needed} \
+         (stiffest node {node}); raise the substeps or lower the stiffness there"
+    )]
+    Unstable {
+        /// Substeps asked for.
+        substeps: u32,
+        /// Fewest stable substeps.
+        needed: u32,
+        /// Node with the largest share in the stiffest mode.
+        node: usize,
+    },
+    /// The device has too little memory.
+    #[error(
+        "the device has {available} bytes free, the model needs {needed}: use a coarser twin or a smaller batch"
+    )]
+    OutOfMemory {
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes free.
+        available: u64,
+    },
+    /// The work was cancelled through its token.
+    #[error("cancelled")]
+    Cancelled,
+    /// The device failed.
+    #[error("the compute device failed: {0}")]
+    Device(String),
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::InvalidModel(_) | Self::InvalidInput(_) | Self::Unstable { .. } => {
+                Category::InvalidArgument
+            }
+            Self::OutOfMemory { .. } => Category::ResourceExhausted,
+            Self::Cancelled => Category::Cancelled,
+            Self::Device(_) => Category::Internal,
+        }
+    }
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::InvalidModel(_) => "INVALID_MODEL",
+            Self::InvalidInput(_) => "INVALID_ROLLOUT_INPUT",
+            Self::Unstable { .. } => "TOO_FEW_SUBSTEPS",
+            Self::OutOfMemory { .. } => "DEVICE_OUT_OF_MEMORY",
+            Self::Cancelled => "CANCELLED",
+            Self::Device(_) => "DEVICE_FAILED",
+        }
+    }
+}
+
+/// Where and when a simulation left the finite numbers (or the room: a node
+/// farther than 1 km from the origin counts as diverged).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Divergence {
+    /// Frame during which it happened, 1-based.
+    pub frame: usize,
+    /// First node concerned.
+    pub node: usize,
+}
+
+/// Stops a batch early; checked between frames. Clones share the flag.
+#[derive(Clone, Debug, Default)]
+pub struct CancelToken(Arc<AtomicBool>);
+
+impl CancelToken {
+    /// Asks the work to stop.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+    /// Whether stopping was asked for.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// A model on the device. Cheap to clone.
+#[derive(Clone)]
+pub struct Loaded {
+    model: Arc<Model>,
+    resident: Arc<dyn Any + Send + Sync>,
+}
+
+impl Loaded {
+    /// Made by a backend: the model and whatever it keeps for it.
+    pub fn new(model: Arc<Model>, resident: Arc<dyn Any + Send + Sync>) -> Self {
+        Self { model, resident }
+    }
+    /// The model as loaded.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+    /// The backend's own part, if it is of type `T`.
+    pub fn resident<T: Any + Send + Sync>(&self) -> Option<&T> {
+        self.resident.downcast_ref()
+    }
+}
+
+impl std::fmt::Debug for Loaded {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Loaded")
+            .field("nodes", &self.model.graph.node_count())
+            .finish_non_exhaustive()
+    }
+}
+
+/// One simulation to run.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// The loaded model.
+    pub model: Loaded,
+    /// State at the start; pinned nodes are moved onto their control points.
+    pub initial: Arc<State>,
+    /// Control point positions at frame boundaries [m], shape [F + 1, C, 3]; row 0 belongs to the
+    /// initial state, F is the number of frames to simulate. With no control points, F comes from `frames`.
+    pub controls: Arc<Vec<Point>>,
+    /// Number of frames F to simulate.
+    pub frames: usize,
+    /// What to measure.
+    pub objective: Objective,
+}
+
+/// What a rollout should return apart from costs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recording {
+    /// Record the positions of every k-th frame (frames k, 2k, ...); 0 records none.
+    pub every: usize,
+    /// Record frame 0 too.
+    pub initial: bool,
+    /// Nodes to record; `None` means all.
+    pub nodes: Option<Arc<Vec<u32>>>,
+    /// Return the final state.
+    pub final_state: bool,
+    /// Compute [`Diagnostics`].
+    pub diagnostics: bool,
+}
+
+/// Physical sanity of a rollout.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Diagnostics {
+    /// Largest |l/l0 - 1| of any spring at any frame end.
+    pub max_strain: f32,
+    /// Largest node speed at any frame end [m/s].
+    pub max_speed_m_s: f32,
+    /// Kinetic energy at the end [J per unit mass scale].
+    pub kinetic_energy: f32,
+    /// Elastic energy at the end [J per unit mass scale].
+    pub elastic_energy: f32,
+    /// Nodes on the ground at the end.
+    pub ground_contacts: u32,
+}
+
+/// Result of one instance's rollout.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rollout {
+    /// Frames that were recorded.
+    pub frames: Vec<usize>,
+    /// Recorded positions [m], shape [frames.len(), recorded nodes, 3].
+    pub positions: Vec<Point>,
+    /// Weighted sum of the objective; infinite if it diverged.
+    pub cost: f64,
+    /// Weighted sums per group, shape [groups].
+    pub group_costs: Vec<f64>,
+    /// Final state if asked for.
+    pub final_state: Option<State>,
+    /// Diagnostics if asked for.
+    pub diagnostics: Option<Diagnostics>,
+    /// Where it diverged, if it did; nothing is recorded from that frame on.
+    pub diverged: Option<Divergence>,
+}
+
+/// Loss of one instance.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Loss {
+    /// Weighted sum of the objective; infinite if it diverged.
+    pub total: f64,
+    /// Weighted sums per group.
+    pub groups: Vec<f64>,
+    /// Where it diverged, if it did.
+    pub diverged: Option<Divergence>,
+}
+
+/// What to differentiate by, and how far back.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GradientRequest {
+    /// Cut the gradient at every k-th frame boundary (0: never): the state's adjoint is zeroed
+    /// there, as in PhysTwin with 1.
+    pub cut_every: usize,
+    /// Also return gradients with respect to the controls.
+    pub controls: bool,
+    /// Also return the gradient with respect to the initial state.
+    pub initial: bool,
+}
+
+/// Loss and gradient of one instance. Gradients are zero where it diverged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gradient {
+    /// The loss.
+    pub loss: Loss,
+    /// d loss / d params, arrays and fields as in [`Params`] (contact switches and the
+    /// collision distance, which has no derivative, stay at their defaults or zero).
+    pub params: Params,
+    /// d loss / d controls, shape [F + 1, C, 3]; empty if not asked for.
+    pub controls: Vec<Point>,
+    /// d loss / d initial state if asked for.
+    pub initial: Option<State>,
+}
+
+/// What a backend runs on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Device {
+    /// `cpu` or `cuda`.
+    pub kind: String,
+    /// Name of the device for people.
+    pub name: String,
+    /// How many instances run at once.
+    pub lanes: usize,
+}
+
+/// An implementation of the physics on some device.
+pub trait Backend: Send + Sync {
+    /// What it runs on.
+    fn device(&self) -> Device;
+
+    /// Checks a model (indices, lengths, finiteness, stability of its substep) and makes it resident.
+    ///
+    /// # Errors
+    /// If the model is inconsistent, unstable, or does not fit the device.
+    fn load(&self, model: Arc<Model>) -> Result<Loaded, Error>;
+
+    /// The same graph with other parameters: cheaper than loading anew.
+    ///
+    /// # Errors
+    /// As [`Backend::load`], except that stability is not checked again.
+    fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error>;
+
+    /// Simulates a batch. A diverging instance reports so in its own result.
+    ///
+    /// # Errors
+    /// If an instance's input does not fit its model, on cancellation, or if the device fails.
+    fn roll_out(
+        &self,
+        batch: &[Instance],
+        recording: &Recording,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Rollout>, Error>;
+
+    /// Losses of a batch.
+    ///
+    /// # Errors
+    /// As [`Backend::roll_out`].
+    fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error>;
+
+    /// Losses and gradients of a batch.
+    ///
+    /// # Errors
+    /// As [`Backend::roll_out`].
+    fn gradients(
+        &self,
+        batch: &[Instance],
+        request: &GradientRequest,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Gradient>, Error>;
+}

@@ -1,0 +1,53 @@
+//! A model is the constant half of a simulation; the state is the changing half.
+
+use std::sync::Arc;
+
+use bendtwin_core::{
+    Environment, Graph, Params, Point, Timing, Twin, environment::ControlVelocity,
+};
+
+/// Everything that stays constant during a rollout.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Topology and rest geometry; shared by all candidates of a fit.
+    pub graph: Arc<Graph>,
+    /// Fitted numbers.
+    pub params: Params,
+    /// Gravity and ground.
+    pub environment: Environment,
+    /// Frame rate and substeps.
+    pub timing: Timing,
+    /// What a control point's velocity counts as in dashpots.
+    pub control_velocity: ControlVelocity,
+}
+
+impl From<&Twin> for Model {
+    fn from(twin: &Twin) -> Self {
+        Self {
+            graph: Arc::new(twin.graph.clone()),
+            params: twin.params.clone(),
+            environment: twin.environment,
+            timing: twin.timing,
+            control_velocity: twin.control_velocity,
+        }
+    }
+}
+
+/// Positions and velocities of all nodes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Positions [m], shape [N, 3].
+    pub positions: Vec<Point>,
+    /// Velocities [m/s], shape [N, 3].
+    pub velocities: Vec<Point>,
+}
+
+impl State {
+    /// The rest shape, not moving.
+    pub fn rest(graph: &Graph) -> Self {
+        Self {
+            positions: graph.rest_positions.clone(),
+            velocities: vec![[0.0; 3]; graph.node_count()],
+        }
+    }
+}

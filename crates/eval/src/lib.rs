@@ -1,0 +1,1 @@
+//! How good a twin is: Chamfer distance, track error, baselines, pictures. Knows no optimiser.

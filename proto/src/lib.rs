@@ -1,0 +1,23 @@
+//! The wire contract: `bendtwin.v1` is public, `bendtwin.worker.v1` private
+//! between server and workers. Generated types, plus the one place where
+//! tensors are packed and unpacked.
+
+pub mod tensor;
+
+/// The public API.
+#[allow(missing_docs, unreachable_pub, clippy::all, clippy::pedantic)]
+pub mod v1 {
+    tonic::include_proto!("bendtwin.v1");
+}
+
+/// The private contract between server and workers.
+pub mod worker {
+    /// Version 1.
+    #[allow(missing_docs, unreachable_pub, clippy::all, clippy::pedantic)]
+    pub mod v1 {
+        tonic::include_proto!("bendtwin.worker.v1");
+    }
+}
+
+/// The encoded `FileDescriptorSet` of all services, for reflection and for the compatibility check.
+pub const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/descriptors.bin"));

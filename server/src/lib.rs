@@ -1,0 +1,1 @@
+//! Control plane: HTTP and gRPC on one port, queue, routing of rollouts. Knows no physics.
