@@ -222,6 +222,8 @@ pub struct GradientRequest {
     pub controls: bool,
     /// Also return the gradient with respect to the initial state.
     pub initial: bool,
+    /// Also return the state after the last frame (a step per frame goes on from there).
+    pub final_state: bool,
 }
 
 /// Loss and gradient of one instance. Gradients are zero where it diverged.
@@ -236,6 +238,8 @@ pub struct Gradient {
     pub controls: Vec<Point>,
     /// d loss / d initial state if asked for.
     pub initial: Option<State>,
+    /// State after the last frame if asked for.
+    pub final_state: Option<State>,
 }
 
 /// What a backend runs on.
