@@ -1,7 +1,8 @@
 //! The wire contract: `bendtwin.v1` is public, `bendtwin.worker.v1` private
 //! between server and workers. Generated types, plus the one place where
-//! tensors are packed and unpacked.
+//! tensors and faults are packed and unpacked.
 
+pub mod fault;
 pub mod tensor;
 
 /// The public API.
