@@ -3,6 +3,7 @@
 //! that every backend must pass. Knows no network, no files, no optimiser.
 
 pub mod backend;
+pub mod build;
 pub mod model;
 pub mod objective;
 
