@@ -1,1 +1,76 @@
-//! The durable truth: captures, fit jobs (the queue), twins and blobs, on SQLite and files.
+//! The durable truth: captures, fit jobs (the queue), twins, workers and blobs.
+//!
+//! Rows are in SQLite, content is in files behind [`object_store`]. What a call
+//! has acknowledged survives `kill -9` of any process and loss of power.
+//!
+//! # The queue as a design
+//! A fit is a row of `jobs`. Its states:
+//!
+//! ```text
+//!              claim (epoch + 1)            complete
+//!   queued ───────────────────────► running ────────► succeeded
+//!     ▲ │                            │ │ │
+//!     │ │ cancel                     │ │ └─ fail (permanent, or the third stalled attempt) ─► failed
+//!     │ └───────────► cancelled ◄────┘ │    cancelled by the worker, or lost while cancelling
+//!     └────────────────────────────────┘ released, failed, or lease expired
+//! ```
+//!
+//! * **Claim** takes the queued job of highest priority, oldest first, adds 1 to
+//!   `lease_epoch` and sets `lease_until`. One statement, so two claimants never
+//!   get the same job.
+//! * **Fencing**: every write of a worker names its epoch and applies only
+//!   `where lease_epoch = $mine and state = 'running'`; else [`Error::StaleLease`]
+//!   and nothing changes. A lease that has run out but that nobody took still
+//!   writes: expiry by itself changes nothing, the sweeper does.
+//! * **Leases** end by the database's clock. SQLite lives in this process, so
+//!   that is the process's [`Clock`]; with PostgreSQL it would be the database's.
+//! * **Attempts**: a claim adds 1 to `stalled`; a checkpoint with new content or a
+//!   report further along than any before resets it. An attempt that ends badly
+//!   with `stalled` at [`MAX_STALLED_ATTEMPTS`] fails the job; the faults of all
+//!   attempts stay with it.
+//! * **Completion** inserts the twin and ends the job in one transaction, and is
+//!   idempotent for one lease, so a lost reply can be asked for again.
+//!
+//! # Content before rows
+//! A blob is written under `incoming/`, synced, and renamed to the name that its
+//! BLAKE3 digest gives it, all before the transaction that first refers to it.
+//! So a crash can leave blobs without rows, never rows without blobs. Equal
+//! content is one blob. It is deleted when a row went and no other refers to it:
+//! the check and the deletion hold a gate that publishing shares, so a
+//! reference cannot appear in between. [`Store::open`] deletes what crashes left.
+//! The crash points are named in [`failpoint`] and are inputs of the tests.
+//!
+//! # Room for PostgreSQL and S3
+//! SQL is in one file per aggregate, in what both dialects share (`$1`,
+//! `returning`, `on conflict`). SQLite's own matters (pragmas, `begin immediate`,
+//! one writer, the lock on the folder) are in `database.rs`. PostgreSQL
+//! would add `for update skip locked` to the claim and an advisory lock in place
+//! of the gate. Blobs use only what every `ObjectStore` has, save the removal of
+//! half-written files at start, which S3 leaves to a lifecycle rule.
+
+mod blobs;
+mod captures;
+mod clock;
+mod database;
+mod error;
+pub mod failpoint;
+mod fits;
+mod page;
+mod store;
+mod twins;
+mod workers;
+
+pub use blobs::{Blobs, Content, Staged, Upload};
+pub use captures::{Capture, Captures, NewCapture};
+pub use clock::{Clock, ManualClock, SystemClock};
+pub use error::{Error, Result};
+pub use fits::{
+    AttemptEnd, Fit, Fits, Lease, MAX_STALLED_ATTEMPTS, NewFit, QueueDepth, Reported, State,
+};
+pub use page::{Page, PageRequest};
+pub use store::{Options, Store};
+pub use twins::{NewTwin, Twin, TwinFacts, Twins};
+pub use workers::{NewWorker, Worker, Workers};
+
+/// BLAKE3 digest of a blob.
+pub use blake3::Hash as Digest;

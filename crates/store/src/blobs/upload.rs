@@ -1,0 +1,114 @@
+//! Content on its way in: hashed and counted as it streams, synced when whole.
+//! Dropped at any point, it removes what it wrote.
+
+use bytes::{Bytes, BytesMut};
+use object_store::{MultipartUpload, path::Path};
+
+use super::Blobs;
+use crate::{Digest, Error, Result};
+
+/// Part size of multipart uploads; S3 asks for 5 MiB at least.
+const PART: usize = 8 << 20;
+
+/// An upload under way.
+#[derive(Debug)]
+pub struct Upload {
+    blobs: Blobs,
+    path: Path,
+    sink: Box<dyn MultipartUpload>,
+    hasher: Box<blake3::Hasher>,
+    part: BytesMut,
+    size_bytes: u64,
+    limit: u64,
+}
+
+impl Upload {
+    pub(super) fn new(
+        blobs: Blobs,
+        path: Path,
+        sink: Box<dyn MultipartUpload>,
+        limit: u64,
+    ) -> Self {
+        let (hasher, part) = (Box::default(), BytesMut::new());
+        Self { blobs, path, sink, hasher, part, size_bytes: 0, limit }
+    }
+
+    /// Appends a chunk.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`], [`Error::DiskFull`]; give the upload up then.
+    pub async fn write(&mut self, chunk: Bytes) -> Result<()> {
+        self.size_bytes = self.size_bytes.saturating_add(chunk.len() as u64);
+        if self.size_bytes > self.limit {
+            return Err(Error::TooLarge { limit: self.limit });
+        }
+        self.hasher.update(&chunk);
+        self.part.extend_from_slice(&chunk);
+        if self.part.len() >= PART {
+            let part = self.part.split().freeze();
+            self.sink.put_part(part.into()).await?;
+        }
+        Ok(())
+    }
+
+    /// Ends the upload: checks the digest if one is given, and syncs.
+    ///
+    /// # Errors
+    /// [`Error::DigestMismatch`], file errors.
+    pub async fn finish(mut self, expected: Option<Digest>) -> Result<Staged> {
+        let digest = self.hasher.finalize();
+        if let Some(given) = expected.filter(|given| *given != digest) {
+            return Err(Error::DigestMismatch { given, actual: digest });
+        }
+        self.sink.put_part(self.part.split().freeze().into()).await?;
+        self.sink.complete().await?;
+        let (blobs, size_bytes) = (self.blobs, self.size_bytes);
+        Ok(Staged { blobs, path: Some(self.path.clone()), digest, size_bytes })
+    }
+}
+
+/// Whole content that no row refers to yet: give it to the `create` of an aggregate.
+#[derive(Debug)]
+pub struct Staged {
+    blobs: Blobs,
+    /// None once it is published.
+    path: Option<Path>,
+    digest: Digest,
+    size_bytes: u64,
+}
+
+impl Staged {
+    /// BLAKE3 of the content.
+    pub fn digest(&self) -> Digest {
+        self.digest
+    }
+
+    /// Size in bytes.
+    pub fn size_bytes(&self) -> u64 {
+        self.size_bytes
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        static NONE: std::sync::LazyLock<Path> = std::sync::LazyLock::new(Path::default);
+        self.path.as_ref().unwrap_or(&NONE)
+    }
+
+    pub(super) fn disarm(mut self) {
+        self.path = None;
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        // Without a runtime the next start removes it.
+        if let (Some(path), Ok(runtime)) = (self.path.take(), tokio::runtime::Handle::try_current())
+        {
+            let blobs = self.blobs.clone();
+            runtime.spawn(async move {
+                if let Err(error) = blobs.delete_path(&path).await {
+                    tracing::warn!(%error, "an unused upload stays until the next start");
+                }
+            });
+        }
+    }
+}

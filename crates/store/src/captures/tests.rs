@@ -1,0 +1,67 @@
+use bendtwin_core::{Category, Problem, ids::CaptureId};
+
+use crate::{
+    Error, NewCapture, PageRequest,
+    store::tests::{Bench, new_fit},
+};
+
+async fn create(bench: &Bench, content: &'static str, key: &str) -> crate::Result<CaptureId> {
+    let content = bench.stage(content).await;
+    let request_id = Some(key.to_owned());
+    let new = NewCapture { display_name: "rope".into(), request_id, content };
+    bench.store.captures().create(new).await.map(|c| c.id)
+}
+
+#[tokio::test]
+async fn a_request_id_makes_creation_idempotent() {
+    let bench = Bench::new().await;
+    let first = create(&bench, "a", "key").await.unwrap();
+    assert_eq!(create(&bench, "a", "key").await.unwrap(), first);
+    let other = create(&bench, "b", "key").await.unwrap_err();
+    assert_eq!((other.category(), other.reason()), (Category::AlreadyExists, "REQUEST_ID_TAKEN"));
+    assert_eq!(bench.blob_count().await, 1);
+    assert_ne!(create(&bench, "a", "other key").await.unwrap(), first);
+}
+
+#[tokio::test]
+async fn stays_while_fits_need_it() {
+    let bench = Bench::new().await;
+    let capture = bench.capture("a").await;
+    let fit = bench.store.fits().create(new_fit(&capture)).await.unwrap();
+    let refused = bench.store.captures().delete(capture.id).await;
+    assert!(matches!(refused, Err(Error::CaptureInUse { fits: 1, .. })));
+    bench.store.fits().cancel(fit.id).await.unwrap();
+    bench.store.captures().delete(capture.id).await.unwrap();
+    let gone = bench.store.captures().delete(capture.id).await;
+    assert!(matches!(gone, Err(Error::NotFound { .. })));
+    let orphan = bench.store.fits().create(new_fit(&capture)).await;
+    assert!(matches!(orphan, Err(Error::NotFound { .. })));
+}
+
+#[tokio::test]
+async fn pages_newest_first_without_gaps() {
+    let bench = Bench::new().await;
+    let mut ids = Vec::new();
+    for _ in 0..7 {
+        ids.insert(0, bench.capture("a").await.id);
+    }
+    let mut seen = Vec::new();
+    let mut page = PageRequest { size: 3, token: String::new() };
+    loop {
+        let got = bench.store.captures().list(&page).await.unwrap();
+        seen.extend(got.items.iter().map(|c| c.id));
+        if got.next_token.is_empty() {
+            break;
+        }
+        page.token = got.next_token;
+    }
+    assert_eq!(seen, ids);
+    for token in ["x", "-", &page.token[1..], "00000000000000000000000000000000-00000000"] {
+        let page = PageRequest { size: 3, token: token.to_owned() };
+        let refused = bench.store.captures().list(&page).await;
+        assert!(matches!(refused, Err(Error::InvalidPageToken)), "{token}");
+    }
+    // A token of one listing is none of another.
+    let refused = bench.store.twins().list(&page, None).await;
+    assert!(matches!(refused, Err(Error::InvalidPageToken)));
+}

@@ -1,0 +1,149 @@
+//! A row of `jobs` and what it says.
+
+use bendtwin_core::ids::FitId;
+use sqlx::{FromRow, Sqlite, Transaction};
+use uuid::Uuid;
+
+use super::Fit;
+use crate::{Digest, Error, Result, clock::from_micros};
+
+/// Where a job is in its life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum State {
+    /// Waits for a worker.
+    Queued,
+    /// A worker holds its lease.
+    Running,
+    /// Ended with a twin.
+    Succeeded,
+    /// Ended with a fault.
+    Failed,
+    /// Ended because somebody asked for it.
+    Cancelled,
+}
+
+impl State {
+    /// The word in the database and in metrics.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Queued => "queued",
+            Self::Running => "running",
+            Self::Succeeded => "succeeded",
+            Self::Failed => "failed",
+            Self::Cancelled => "cancelled",
+        }
+    }
+
+    /// Whether nothing will happen to the job any more.
+    pub fn has_ended(self) -> bool {
+        matches!(self, Self::Succeeded | Self::Failed | Self::Cancelled)
+    }
+
+    pub(super) fn parse(word: &str) -> Option<Self> {
+        [Self::Queued, Self::Running, Self::Succeeded, Self::Failed, Self::Cancelled]
+            .into_iter()
+            .find(|s| s.as_str() == word)
+    }
+}
+
+#[derive(FromRow)]
+pub(super) struct Row {
+    pub(super) id: String,
+    pub(super) capture: String,
+    state: String,
+    priority: i64,
+    settings: String,
+    pub(super) attempts: i64,
+    pub(super) stalled: i64,
+    pub(super) furthest: f64,
+    pub(super) lease_epoch: i64,
+    lease_until: Option<i64>,
+    pub(super) worker: Option<String>,
+    progress: Option<String>,
+    pub(super) checkpoint: Option<String>,
+    pub(super) cancel_requested: bool,
+    pub(super) twin: Option<String>,
+    fault: Option<String>,
+    pub(super) attempt_faults: String,
+    trace_parent: Option<String>,
+    request_id: Option<String>,
+    created_at: i64,
+    started_at: Option<i64>,
+    ended_at: Option<i64>,
+    revision: i64,
+}
+
+impl Row {
+    pub(super) fn state(&self) -> Result<State> {
+        State::parse(&self.state).ok_or_else(|| self.corrupt("state"))
+    }
+
+    pub(super) fn lease_expired(&self, now: i64) -> bool {
+        self.lease_until.is_some_and(|until| until < now)
+    }
+
+    fn corrupt(&self, fault: &str) -> Error {
+        Error::CorruptRow { name: format!("fits/{}", self.id), fault: fault.to_owned() }
+    }
+
+    fn json<T: serde::de::DeserializeOwned>(&self, text: &Option<String>) -> Result<Option<T>> {
+        let Some(text) = text else { return Ok(None) };
+        serde_json::from_str(text).map(Some).map_err(|e| self.corrupt(&e.to_string()))
+    }
+}
+
+impl TryFrom<Row> for Fit {
+    type Error = Error;
+    fn try_from(row: Row) -> Result<Self> {
+        let uuid = |text: &String| Uuid::try_parse(text).map_err(|_| row.corrupt("an id"));
+        Ok(Self {
+            id: uuid(&row.id)?.into(),
+            capture: uuid(&row.capture)?.into(),
+            state: row.state()?,
+            priority: i32::try_from(row.priority).unwrap_or_default(),
+            attempts: u32::try_from(row.attempts).unwrap_or_default(),
+            lease_epoch: row.lease_epoch.max(0) as u64,
+            lease_until: row.lease_until.map(from_micros),
+            worker: row.worker.as_ref().map(uuid).transpose()?.map(Into::into),
+            progress: row.json(&row.progress)?,
+            checkpoint: match &row.checkpoint {
+                Some(hex) => Some(Digest::from_hex(hex).map_err(|_| row.corrupt("checkpoint"))?),
+                None => None,
+            },
+            cancel_requested: row.cancel_requested,
+            twin: row.twin.as_ref().map(uuid).transpose()?.map(Into::into),
+            fault: row.json(&row.fault)?,
+            attempt_faults: serde_json::from_str(&row.attempt_faults)
+                .map_err(|e| row.corrupt(&e.to_string()))?,
+            created: from_micros(row.created_at),
+            started: row.started_at.map(from_micros),
+            ended: row.ended_at.map(from_micros),
+            revision: row.revision.max(0) as u64,
+            settings: row.settings,
+            trace_parent: row.trace_parent,
+            request_id: row.request_id,
+        })
+    }
+}
+
+/// The row of a job, within a transaction.
+pub(super) async fn fetch(tx: &mut Transaction<'_, Sqlite>, id: FitId) -> Result<Row> {
+    let row: Option<Row> = sqlx::query_as("select * from jobs where id = $1")
+        .bind(id.uuid().to_string())
+        .fetch_optional(&mut **tx)
+        .await?;
+    row.ok_or_else(|| Error::NotFound { name: id.to_string() })
+}
+
+/// The row of a job, if it runs under this very lease.
+pub(super) async fn fetch_leased(
+    tx: &mut Transaction<'_, Sqlite>,
+    fit: FitId,
+    epoch: u64,
+) -> Result<Row> {
+    let row = fetch(tx, fit).await?;
+    if row.state()? != State::Running || row.lease_epoch != i64::try_from(epoch).unwrap_or(-1) {
+        return Err(Error::StaleLease { fit, epoch });
+    }
+    Ok(row)
+}

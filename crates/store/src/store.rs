@@ -1,0 +1,149 @@
+//! The store as a whole: opening, closing, and the way to the aggregates.
+
+use std::{path::PathBuf, sync::Arc};
+
+use jiff::Timestamp;
+use tokio::sync::{Notify, broadcast};
+
+use bendtwin_core::ids::FitId;
+
+use crate::{
+    Blobs, Captures, Clock, Fits, Result, SystemClock, Twins, Workers,
+    clock::micros,
+    database::Database,
+    failpoint::{Armed, Failpoint},
+};
+
+/// How to open a store.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The folder that holds everything; made if missing.
+    pub data_dir: PathBuf,
+    /// The clock that leases end by.
+    pub clock: Arc<dyn Clock>,
+}
+
+impl Options {
+    /// A folder, with the system's clock.
+    pub fn new(data_dir: impl Into<PathBuf>) -> Self {
+        Self { data_dir: data_dir.into(), clock: Arc::new(SystemClock) }
+    }
+}
+
+/// An open store. Clones share it.
+#[derive(Clone, Debug)]
+pub struct Store {
+    pub(crate) inner: Arc<Inner>,
+}
+
+#[derive(Debug)]
+pub(crate) struct Inner {
+    pub(crate) database: Database,
+    pub(crate) blobs: Blobs,
+    pub(crate) clock: Arc<dyn Clock>,
+    /// Ids of fits that changed.
+    pub(crate) changes: broadcast::Sender<FitId>,
+    /// Rung when a job enters the queue.
+    pub(crate) queued: Notify,
+    pub(crate) armed: Arc<Armed>,
+}
+
+impl Store {
+    /// Opens the folder, brings its tables up to date and deletes what crashes
+    /// left behind: half-written uploads and blobs that no row refers to.
+    ///
+    /// # Errors
+    /// [`crate::Error::DataDirInUse`] if another server has it open; database and file errors.
+    pub async fn open(options: Options) -> Result<Self> {
+        tokio::fs::create_dir_all(&options.data_dir).await?;
+        let database = Database::open(&options.data_dir).await?;
+        let armed = Arc::new(Armed::default());
+        let blobs = Blobs::open(&options.data_dir.join("blobs"), armed.clone()).await?;
+        let (changes, _) = broadcast::channel(1024);
+        let queued = Notify::new();
+        let inner = Inner { database, blobs, clock: options.clock, changes, queued, armed };
+        let store = Self { inner: Arc::new(inner) };
+        store.collect_garbage().await?;
+        Ok(store)
+    }
+
+    /// Captures.
+    pub fn captures(&self) -> Captures<'_> {
+        Captures { store: self }
+    }
+
+    /// Fit jobs: the queue.
+    pub fn fits(&self) -> Fits<'_> {
+        Fits { store: self }
+    }
+
+    /// Twins.
+    pub fn twins(&self) -> Twins<'_> {
+        Twins { store: self }
+    }
+
+    /// Worker processes.
+    pub fn workers(&self) -> Workers<'_> {
+        Workers { store: self }
+    }
+
+    /// Content: uploads and downloads.
+    pub fn blobs(&self) -> &Blobs {
+        &self.inner.blobs
+    }
+
+    /// The time by the clock that leases end by.
+    pub fn now(&self) -> Timestamp {
+        self.inner.clock.now()
+    }
+
+    /// Asks the database for an answer, any answer.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub async fn ping(&self) -> Result<()> {
+        sqlx::query("select 1").execute(self.inner.database.read()).await?;
+        Ok(())
+    }
+
+    /// Closes the database. Work under way fails.
+    pub async fn close(&self) {
+        self.inner.database.close().await;
+    }
+
+    /// Deletes blobs that no row refers to. Only before anything is uploaded.
+    async fn collect_garbage(&self) -> Result<()> {
+        for digest in self.inner.blobs.list().await? {
+            self.release(&digest).await?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn now_micros(&self) -> i64 {
+        micros(self.now())
+    }
+
+    pub(crate) fn pass(&self, point: Failpoint) -> Result<()> {
+        self.inner.armed.pass(point)
+    }
+
+    /// Deletes a blob unless a row refers to it.
+    pub(crate) async fn release(&self, digest: &str) -> Result<()> {
+        let _gate = self.inner.blobs.close_gate().await;
+        let referred: bool = sqlx::query_scalar(
+            "select exists (select 1 from captures where digest = $1)
+                 or exists (select 1 from twins where digest = $1)
+                 or exists (select 1 from jobs where checkpoint = $1)",
+        )
+        .bind(digest)
+        .fetch_one(self.inner.database.read())
+        .await?;
+        if !referred {
+            self.inner.blobs.delete(digest).await?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,263 @@
+//! Twins: content with the facts that listings show. A twin is made by
+//! importing a file or by completing a fit ([`crate::Fits::complete`]).
+
+use bendtwin_core::ids::{CaptureId, FitId, TwinId};
+use jiff::Timestamp;
+use sqlx::{FromRow, Sqlite, Transaction};
+use uuid::Uuid;
+
+use crate::{
+    Content, Digest, Error, Page, PageRequest, Result, Staged, Store, clock::from_micros,
+    failpoint::Failpoint,
+};
+
+/// What a twin's file says about it, for listings.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TwinFacts {
+    /// Nodes N.
+    pub node_count: u32,
+    /// Springs E.
+    pub spring_count: u32,
+    /// Triplets T.
+    pub triplet_count: u32,
+    /// Control points C.
+    pub control_count: u32,
+    /// Frames per second.
+    pub fps: f64,
+    /// Substeps per frame.
+    pub substeps: u32,
+    /// The quality table as JSON.
+    pub quality: String,
+}
+
+/// A stored twin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Twin {
+    /// Its id.
+    pub id: TwinId,
+    /// A person's name for it.
+    pub display_name: String,
+    /// The capture that it was fitted to; none if imported.
+    pub capture: Option<CaptureId>,
+    /// The fit that made it; none if imported.
+    pub fit: Option<FitId>,
+    /// When it was stored.
+    pub created: Timestamp,
+    /// Size of the twin file.
+    pub size_bytes: u64,
+    /// BLAKE3 of the twin file.
+    pub digest: Digest,
+    /// What its file says about it.
+    pub facts: TwinFacts,
+}
+
+/// A twin to be imported.
+#[derive(Debug)]
+pub struct NewTwin {
+    /// A person's name for it.
+    pub display_name: String,
+    /// Makes creation idempotent, if given.
+    pub request_id: Option<String>,
+    /// What its file says about it.
+    pub facts: TwinFacts,
+    /// The twin file.
+    pub content: Staged,
+}
+
+/// The twins of a store.
+#[derive(Clone, Copy, Debug)]
+pub struct Twins<'a> {
+    pub(crate) store: &'a Store,
+}
+
+#[derive(FromRow)]
+pub(crate) struct Row {
+    id: String,
+    display_name: String,
+    capture: Option<String>,
+    fit: Option<String>,
+    created_at: i64,
+    size_bytes: i64,
+    digest: String,
+    node_count: i64,
+    spring_count: i64,
+    triplet_count: i64,
+    control_count: i64,
+    fps: f64,
+    substeps: i64,
+    quality: String,
+}
+
+impl TryFrom<Row> for Twin {
+    type Error = Error;
+    fn try_from(row: Row) -> Result<Self> {
+        let corrupt = |fault: &str| Error::CorruptRow {
+            name: format!("twins/{}", row.id),
+            fault: fault.to_owned(),
+        };
+        let uuid = |text: &String| Uuid::try_parse(text).map_err(|_| corrupt("an id"));
+        let count = |n: i64| u32::try_from(n).unwrap_or(u32::MAX);
+        Ok(Self {
+            id: uuid(&row.id)?.into(),
+            capture: row.capture.as_ref().map(uuid).transpose()?.map(Into::into),
+            fit: row.fit.as_ref().map(uuid).transpose()?.map(Into::into),
+            created: from_micros(row.created_at),
+            size_bytes: row.size_bytes.max(0) as u64,
+            digest: Digest::from_hex(&row.digest).map_err(|_| corrupt("digest"))?,
+            facts: TwinFacts {
+                node_count: count(row.node_count),
+                spring_count: count(row.spring_count),
+                triplet_count: count(row.triplet_count),
+                control_count: count(row.control_count),
+                fps: row.fps,
+                substeps: count(row.substeps),
+                quality: row.quality,
+            },
+            display_name: row.display_name,
+        })
+    }
+}
+
+/// A row to be inserted.
+pub(crate) struct Insert<'a> {
+    pub(crate) display_name: &'a str,
+    pub(crate) origin: Option<(&'a str, &'a str)>,
+    pub(crate) size_bytes: u64,
+    pub(crate) digest: Digest,
+    pub(crate) facts: &'a TwinFacts,
+    pub(crate) request_id: Option<&'a str>,
+    pub(crate) now: i64,
+}
+
+/// Inserts a twin within the caller's transaction.
+pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) -> Result<Twin> {
+    let facts = new.facts;
+    let row: Row = sqlx::query_as(
+        "insert into twins (id, display_name, capture, fit, created_at, size_bytes, digest,
+             node_count, spring_count, triplet_count, control_count, fps, substeps, quality,
+             request_id)
+         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15) returning *",
+    )
+    .bind(TwinId::generate().uuid().to_string())
+    .bind(new.display_name)
+    .bind(new.origin.map(|(capture, _)| capture))
+    .bind(new.origin.map(|(_, fit)| fit))
+    .bind(new.now)
+    .bind(i64::try_from(new.size_bytes).unwrap_or(i64::MAX))
+    .bind(new.digest.to_hex().as_str())
+    .bind(i64::from(facts.node_count))
+    .bind(i64::from(facts.spring_count))
+    .bind(i64::from(facts.triplet_count))
+    .bind(i64::from(facts.control_count))
+    .bind(facts.fps)
+    .bind(i64::from(facts.substeps))
+    .bind(&facts.quality)
+    .bind(new.request_id)
+    .fetch_one(&mut **tx)
+    .await?;
+    row.try_into()
+}
+
+impl Twins<'_> {
+    /// Stores an imported twin. The same request id with the same content and
+    /// name gives the twin that it made before.
+    ///
+    /// # Errors
+    /// [`Error::RequestIdTaken`], database and file errors.
+    pub async fn create(&self, new: NewTwin) -> Result<Twin> {
+        let NewTwin { display_name, request_id, facts, content } = new;
+        let (digest, size_bytes) = (content.digest(), content.size_bytes());
+        let guard = self.store.blobs().publish(content).await?;
+        let mut tx = self.store.inner.database.write().await?;
+        if let Some(request_id) = &request_id {
+            let row: Option<Row> = sqlx::query_as("select * from twins where request_id = $1")
+                .bind(request_id)
+                .fetch_optional(&mut *tx)
+                .await?;
+            if let Some(row) = row {
+                let before = Twin::try_from(row)?;
+                drop((tx, guard));
+                if before.digest == digest && before.display_name == display_name {
+                    return Ok(before);
+                }
+                self.store.release(&digest.to_hex()).await?;
+                let (request_id, name) = (request_id.clone(), before.id.to_string());
+                return Err(Error::RequestIdTaken { request_id, name });
+            }
+        }
+        let new = Insert {
+            display_name: &display_name,
+            origin: None,
+            size_bytes,
+            digest,
+            facts: &facts,
+            request_id: request_id.as_deref(),
+            now: self.store.now_micros(),
+        };
+        let twin = insert(&mut tx, new).await?;
+        self.store.pass(Failpoint::BeforeCommit)?;
+        tx.commit().await?;
+        drop(guard);
+        self.store.pass(Failpoint::AfterCommit)?;
+        Ok(twin)
+    }
+
+    /// One twin.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`].
+    pub async fn get(&self, id: TwinId) -> Result<Twin> {
+        let row: Option<Row> = sqlx::query_as("select * from twins where id = $1")
+            .bind(id.uuid().to_string())
+            .fetch_optional(self.store.inner.database.read())
+            .await?;
+        row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
+    }
+
+    /// A page of twins, newest first; only those of a capture, if one is given.
+    ///
+    /// # Errors
+    /// [`Error::InvalidPageToken`].
+    pub async fn list(&self, page: &PageRequest, capture: Option<CaptureId>) -> Result<Page<Twin>> {
+        let capture = capture.map(|c| c.uuid().to_string());
+        let listing = format!("twins/{}", capture.as_deref().unwrap_or_default());
+        let rows: Vec<Row> = sqlx::query_as(
+            "select * from twins where id < $1 and ($3 is null or capture = $3)
+             order by id desc limit $2",
+        )
+        .bind(page.before(&listing)?)
+        .bind(page.fetch())
+        .bind(capture)
+        .fetch_all(self.store.inner.database.read())
+        .await?;
+        let items = rows.into_iter().map(Twin::try_from).collect::<Result<_>>()?;
+        Ok(Page::cut(items, page, &listing, |t: &Twin| t.id.uuid()))
+    }
+
+    /// The file of a twin.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`], [`Error::ContentLost`].
+    pub async fn content(&self, id: TwinId) -> Result<(Twin, Content)> {
+        let twin = self.get(id).await?;
+        let content = self.store.blobs().read(&twin.digest, &id.to_string()).await?;
+        Ok((twin, content))
+    }
+
+    /// Deletes a twin.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`].
+    pub async fn delete(&self, id: TwinId) -> Result<()> {
+        let mut tx = self.store.inner.database.write().await?;
+        let digest: Option<String> =
+            sqlx::query_scalar("delete from twins where id = $1 returning digest")
+                .bind(id.uuid().to_string())
+                .fetch_optional(&mut *tx)
+                .await?;
+        let digest = digest.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        tx.commit().await?;
+        self.store.pass(Failpoint::BeforeRelease)?;
+        self.store.release(&digest).await
+    }
+}

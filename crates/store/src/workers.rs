@@ -1,0 +1,155 @@
+//! Worker processes, as they registered. What they are doing at the moment is
+//! kept in memory by those who talk to them, not here.
+
+use bendtwin_core::ids::WorkerId;
+use jiff::Timestamp;
+use sqlx::FromRow;
+use uuid::Uuid;
+
+use crate::{Error, Result, Store, clock::from_micros};
+
+/// A worker as it registered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewWorker {
+    /// Its id, new at every start.
+    pub id: WorkerId,
+    /// Where it answers rollouts.
+    pub endpoint: String,
+    /// cpu or cuda.
+    pub backend: String,
+    /// The device's name.
+    pub device: String,
+    /// The software's version.
+    pub build: String,
+    /// Instances that it runs at once.
+    pub lanes: u32,
+    /// Whether the server started it, so that it ends with the server.
+    pub supervised: bool,
+}
+
+/// A worker that the store knows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Worker {
+    /// What it said of itself.
+    pub registration: NewWorker,
+    /// When it registered.
+    pub started: Timestamp,
+    /// When it was last heard of.
+    pub last_seen: Timestamp,
+}
+
+/// The workers of a store.
+#[derive(Clone, Copy, Debug)]
+pub struct Workers<'a> {
+    pub(crate) store: &'a Store,
+}
+
+#[derive(FromRow)]
+struct Row {
+    id: String,
+    endpoint: String,
+    backend: String,
+    device: String,
+    build: String,
+    lanes: i64,
+    supervised: bool,
+    started_at: i64,
+    last_seen_at: i64,
+}
+
+impl TryFrom<Row> for Worker {
+    type Error = Error;
+    fn try_from(row: Row) -> Result<Self> {
+        let id = Uuid::try_parse(&row.id).map_err(|_| Error::CorruptRow {
+            name: format!("workers/{}", row.id),
+            fault: "id".to_owned(),
+        })?;
+        Ok(Self {
+            registration: NewWorker {
+                id: id.into(),
+                endpoint: row.endpoint,
+                backend: row.backend,
+                device: row.device,
+                build: row.build,
+                lanes: u32::try_from(row.lanes).unwrap_or(0),
+                supervised: row.supervised,
+            },
+            started: from_micros(row.started_at),
+            last_seen: from_micros(row.last_seen_at),
+        })
+    }
+}
+
+impl Workers<'_> {
+    /// Makes a worker known, or known anew after it lost touch.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn register(&self, new: NewWorker) -> Result<Worker> {
+        let mut tx = self.store.inner.database.write().await?;
+        let row: Row = sqlx::query_as(
+            "insert into workers (id, endpoint, backend, device, build, lanes, supervised,
+                 started_at, last_seen_at)
+             values ($1, $2, $3, $4, $5, $6, $7, $8, $8)
+             on conflict (id) do update set endpoint = excluded.endpoint,
+                 backend = excluded.backend, device = excluded.device, build = excluded.build,
+                 lanes = excluded.lanes, last_seen_at = excluded.last_seen_at
+             returning *",
+        )
+        .bind(new.id.uuid().to_string())
+        .bind(new.endpoint)
+        .bind(new.backend)
+        .bind(new.device)
+        .bind(new.build)
+        .bind(i64::from(new.lanes))
+        .bind(new.supervised)
+        .bind(self.store.now_micros())
+        .fetch_one(&mut *tx)
+        .await?;
+        tx.commit().await?;
+        row.try_into()
+    }
+
+    /// Notes that a worker was heard of.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`] if it has to register first.
+    pub async fn seen(&self, id: WorkerId) -> Result<()> {
+        let mut tx = self.store.inner.database.write().await?;
+        let done = sqlx::query("update workers set last_seen_at = $2 where id = $1")
+            .bind(id.uuid().to_string())
+            .bind(self.store.now_micros())
+            .execute(&mut *tx)
+            .await?;
+        tx.commit().await?;
+        if done.rows_affected() == 0 {
+            return Err(Error::NotFound { name: id.to_string() });
+        }
+        Ok(())
+    }
+
+    /// All workers, newest first. They are few: one a device.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn all(&self) -> Result<Vec<Worker>> {
+        let rows: Vec<Row> = sqlx::query_as("select * from workers order by id desc")
+            .fetch_all(self.store.inner.database.read())
+            .await?;
+        rows.into_iter().map(Worker::try_from).collect()
+    }
+
+    /// Forgets a worker; whether it was known.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn forget(&self, id: WorkerId) -> Result<bool> {
+        let mut tx = self.store.inner.database.write().await?;
+        let done = sqlx::query("delete from workers where id = $1")
+            .bind(id.uuid().to_string())
+            .execute(&mut *tx)
+            .await?;
+        tx.commit().await?;
+        Ok(done.rows_affected() > 0)
+    }
+}
