@@ -1,0 +1,116 @@
+"""What can go wrong, as the server says it: category, reason, message."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import grpc
+from google.rpc import error_details_pb2, status_pb2
+
+if TYPE_CHECKING:
+    from bendtwin.resources import Fit
+
+_DETAILS_KEY = "grpc-status-details-bin"
+_REQUEST_ID_KEY = "x-request-id"
+
+
+class Category(str, enum.Enum):
+    """The kind of an error; the names of the gRPC codes."""
+
+    INVALID_ARGUMENT = "INVALID_ARGUMENT"
+    NOT_FOUND = "NOT_FOUND"
+    ALREADY_EXISTS = "ALREADY_EXISTS"
+    FAILED_PRECONDITION = "FAILED_PRECONDITION"
+    UNAUTHENTICATED = "UNAUTHENTICATED"
+    PERMISSION_DENIED = "PERMISSION_DENIED"
+    RESOURCE_EXHAUSTED = "RESOURCE_EXHAUSTED"
+    ABORTED = "ABORTED"
+    DEADLINE_EXCEEDED = "DEADLINE_EXCEEDED"
+    CANCELLED = "CANCELLED"
+    UNAVAILABLE = "UNAVAILABLE"
+    DATA_LOSS = "DATA_LOSS"
+    INTERNAL = "INTERNAL"
+
+    @property
+    def is_transient(self) -> bool:
+        """Whether the same call may succeed a little later."""
+        return self in (Category.UNAVAILABLE, Category.RESOURCE_EXHAUSTED, Category.ABORTED)
+
+
+_OTHER_CODES = {"OUT_OF_RANGE": Category.INVALID_ARGUMENT}
+
+
+def category_named(name: str) -> Category:
+    """The category of that name; one that this version does not know counts as INTERNAL."""
+    try:
+        return Category(name)
+    except ValueError:
+        return _OTHER_CODES.get(name, Category.INTERNAL)
+
+
+class BendTwinError(Exception):
+    """A call that failed. `str(error)` says what happened and what to do about it."""
+
+    def __init__(
+        self, category: Category, reason: str, message: str, request_id: str | None = None
+    ) -> None:
+        super().__init__(message)
+        #: The kind of error.
+        self.category = category
+        #: Stable UPPER_SNAKE_CASE word to branch on.
+        self.reason = reason
+        #: What happened and what to do about it.
+        self.message = message
+        #: Names the call in the server's log, where the server gave one.
+        self.request_id = request_id
+
+    def __str__(self) -> str:
+        return f"{self.message} [{self.reason}]"
+
+
+class FitFailed(BendTwinError):
+    """A fit that ended without a twin; `fit` has its whole record."""
+
+    def __init__(self, fit: Fit) -> None:
+        if fit.fault is None:
+            super().__init__(Category.CANCELLED, "FIT_CANCELLED", f"{fit.name} was cancelled")
+        else:
+            super().__init__(fit.fault.category, fit.fault.reason, fit.fault.message)
+        #: The fit as it ended.
+        self.fit = fit
+
+
+def from_rpc_error(error: grpc.RpcError) -> BendTwinError:
+    """The error that a gRPC status carries."""
+    category = category_named(error.code().name)
+    reason, request_id = category.value, None
+    for key, value in error.trailing_metadata() or ():
+        if key == _REQUEST_ID_KEY:
+            request_id = value
+        elif key == _DETAILS_KEY:
+            reason = _reason(value) or reason
+    return BendTwinError(category, reason, error.details() or category.value, request_id)
+
+
+def _reason(details: bytes) -> str | None:
+    status, info = status_pb2.Status(), error_details_pb2.ErrorInfo()
+    try:
+        status.ParseFromString(details)
+    except Exception:  # The message class differs between versions of protobuf.
+        return None
+    for detail in status.details:
+        if detail.Is(info.DESCRIPTOR) and detail.Unpack(info):
+            return str(info.reason)
+    return None
+
+
+@contextmanager
+def translated() -> Iterator[None]:
+    """Turns gRPC errors within into BendTwinError."""
+    try:
+        yield
+    except grpc.RpcError as error:
+        raise from_rpc_error(error) from error

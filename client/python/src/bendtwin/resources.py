@@ -1,0 +1,233 @@
+"""What the server keeps, as plain values: captures, fits, twins, workers."""
+
+from __future__ import annotations
+
+import enum
+import json
+from dataclasses import dataclass, field
+from datetime import datetime, timezone
+from typing import Any
+
+from bendtwin.errors import Category, category_named
+from bendtwin.v1 import capture_pb2, fault_pb2, fit_pb2, twin_pb2, worker_pb2
+
+
+class FitState(enum.Enum):
+    """Where a fit stands."""
+
+    QUEUED = fit_pb2.Fit.QUEUED
+    RUNNING = fit_pb2.Fit.RUNNING
+    SUCCEEDED = fit_pb2.Fit.SUCCEEDED
+    FAILED = fit_pb2.Fit.FAILED
+    CANCELLED = fit_pb2.Fit.CANCELLED
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether nothing will change any more."""
+        return self not in (FitState.QUEUED, FitState.RUNNING)
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Why something failed."""
+
+    category: Category
+    reason: str
+    message: str
+
+    @classmethod
+    def from_proto(cls, message: fault_pb2.Fault) -> Fault:
+        """Reads the wire form."""
+        return cls(category_named(message.category), message.reason, message.message)
+
+
+@dataclass(frozen=True)
+class Capture:
+    """A recording of a soft object."""
+
+    name: str
+    display_name: str
+    create_time: datetime | None
+    size_bytes: int
+    #: BLAKE3 of the archive, hex.
+    digest: str
+
+    @classmethod
+    def from_proto(cls, message: capture_pb2.Capture) -> Capture:
+        """Reads the wire form."""
+        return cls(
+            message.name,
+            message.display_name,
+            _time(message, "create_time"),
+            message.size_bytes,
+            message.digest,
+        )
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a fit is."""
+
+    #: ingest, search, refine or evaluate.
+    stage: str
+    #: bending or axial.
+    variant: str
+    iteration: int
+    iterations: int
+    #: Of the whole job, 0..1.
+    fraction: float
+    loss: float | None
+    best_loss: float | None
+    eta_s: float | None
+    note: str
+
+    @classmethod
+    def from_proto(cls, message: fit_pb2.Progress) -> Progress:
+        """Reads the wire form."""
+        return cls(
+            message.stage,
+            message.variant,
+            message.iteration,
+            message.iterations,
+            message.fraction,
+            _optional(message, "loss"),
+            _optional(message, "best_loss"),
+            _optional(message, "eta_s"),
+            message.note,
+        )
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fit job."""
+
+    name: str
+    capture: str
+    state: FitState
+    settings: dict[str, Any]
+    progress: Progress | None
+    #: twins/{uuid} once it has succeeded, else empty.
+    twin: str
+    fault: Fault | None
+    attempt_faults: list[Fault] = field(default_factory=list)
+    attempts: int = 0
+    priority: int = 0
+    worker: str = ""
+    cancel_requested: bool = False
+    create_time: datetime | None = None
+    start_time: datetime | None = None
+    end_time: datetime | None = None
+    #: Grows with every change.
+    revision: int = 0
+
+    @classmethod
+    def from_proto(cls, message: fit_pb2.Fit) -> Fit:
+        """Reads the wire form."""
+        return cls(
+            name=message.name,
+            capture=message.capture,
+            state=FitState(message.state),
+            settings=_json(message.settings_json),
+            progress=(
+                Progress.from_proto(message.progress) if message.HasField("progress") else None
+            ),
+            twin=message.twin,
+            fault=Fault.from_proto(message.fault) if message.HasField("fault") else None,
+            attempt_faults=[Fault.from_proto(f) for f in message.attempt_faults],
+            attempts=message.attempts,
+            priority=message.priority,
+            worker=message.worker,
+            cancel_requested=message.cancel_requested,
+            create_time=_time(message, "create_time"),
+            start_time=_time(message, "start_time"),
+            end_time=_time(message, "end_time"),
+            revision=message.revision,
+        )
+
+
+@dataclass(frozen=True)
+class TwinInfo:
+    """What the server says about a twin."""
+
+    name: str
+    display_name: str
+    capture: str
+    fit: str
+    create_time: datetime | None
+    size_bytes: int
+    #: BLAKE3 of the twin file, hex.
+    digest: str
+    node_count: int
+    spring_count: int
+    triplet_count: int
+    control_count: int
+    fps: float
+    substeps: int
+    #: The quality table, as docs/twin-format.md describes it.
+    quality: dict[str, Any]
+
+    @classmethod
+    def from_proto(cls, message: twin_pb2.Twin) -> TwinInfo:
+        """Reads the wire form."""
+        return cls(
+            message.name,
+            message.display_name,
+            message.capture,
+            message.fit,
+            _time(message, "create_time"),
+            message.size_bytes,
+            message.digest,
+            message.node_count,
+            message.spring_count,
+            message.triplet_count,
+            message.control_count,
+            message.fps,
+            message.substeps,
+            _json(message.quality_json),
+        )
+
+
+@dataclass(frozen=True)
+class Worker:
+    """A worker process that the server knows."""
+
+    name: str
+    backend: str
+    device: str
+    start_time: datetime | None
+    last_seen_time: datetime | None
+    fit: str
+    warm_twins: list[str]
+    rollouts_in_flight: int
+    build: str
+
+    @classmethod
+    def from_proto(cls, message: worker_pb2.Worker) -> Worker:
+        """Reads the wire form."""
+        return cls(
+            message.name,
+            message.backend,
+            message.device,
+            _time(message, "start_time"),
+            _time(message, "last_seen_time"),
+            message.fit,
+            list(message.warm_twins),
+            message.rollouts_in_flight,
+            message.build,
+        )
+
+
+def _time(message: Any, name: str) -> datetime | None:
+    if not message.HasField(name):
+        return None
+    moment: datetime = getattr(message, name).ToDatetime(tzinfo=timezone.utc)
+    return moment
+
+
+def _optional(message: Any, name: str) -> float | None:
+    return getattr(message, name) if message.HasField(name) else None
+
+
+def _json(text: str) -> dict[str, Any]:
+    value: dict[str, Any] = json.loads(text) if text else {}
+    return value

@@ -1,0 +1,152 @@
+"""What comes out of a rollout, and what to ask for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from bendtwin.tensors import pack_indices, unpack
+from bendtwin.v1 import rollout_pb2
+
+FloatArray = npt.NDArray[np.floating[Any]]
+IndexArray = npt.NDArray[np.uint32]
+
+_ENCODINGS: dict[str, rollout_pb2.Returns.Encoding] = {
+    "float32": rollout_pb2.Returns.FLOAT32,
+    "int16": rollout_pb2.Returns.INT16,
+}
+
+
+@dataclass(frozen=True)
+class Returns:
+    """What a rollout sends back. The default is costs alone: the least to transfer."""
+
+    #: Record the positions of every k-th frame; 0 records none.
+    every_frames: int = 0
+    #: Indices of the nodes to record; None means all.
+    nodes: npt.ArrayLike | None = None
+    #: int16 halves the size of positions at an error below 1/65535 of the extent.
+    encoding: Literal["float32", "int16"] = "float32"
+    #: Positions, final states and gradients of only the best k instances by cost; 0 means all.
+    best: int = 0
+    final_state: bool = False
+    diagnostics: bool = False
+    #: d cost / d control positions, dense.
+    control_gradients: bool = False
+
+    def to_proto(self) -> rollout_pb2.Returns:
+        """Makes the wire form."""
+        message = rollout_pb2.Returns(
+            every_frames=self.every_frames,
+            encoding=_ENCODINGS[self.encoding],
+            best=self.best,
+            final_state=self.final_state,
+            diagnostics=self.diagnostics,
+            control_gradients=self.control_gradients,
+        )
+        if self.nodes is not None:
+            message.nodes.CopyFrom(pack_indices("nodes", self.nodes))
+        return message
+
+
+@dataclass(frozen=True)
+class Diagnostics:
+    """What an instance went through."""
+
+    max_strain: float
+    max_speed_m_s: float
+    kinetic_energy: float
+    elastic_energy: float
+    ground_contacts: int
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """Where an instance stopped being physical."""
+
+    instance: int
+    #: 1-based.
+    frame: int
+    node: int
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Where the time went, at the worker."""
+
+    queue_s: float
+    compute_s: float
+
+
+@dataclass(frozen=True)
+class RolloutResult:
+    """The answer to a rollout: B instances, R of which are returned in detail.
+
+    Arrays are read-only views of the received bytes; those not asked for are None.
+    """
+
+    #: The first instance that this part covers; 0 unless streamed.
+    first_instance: int
+    #: Weighted sums [B], +inf where an instance diverged.
+    costs: FloatArray
+    #: Names of the terms.
+    cost_names: list[str]
+    #: Weighted terms [B, terms].
+    cost_terms: FloatArray | None
+    #: The instances [R] that positions, final states and gradients are of.
+    instances: IndexArray | None
+    #: Recorded frames [T], 1-based.
+    frames: IndexArray | None
+    #: Recorded positions [R, T, K, 3], metres.
+    positions: FloatArray | None
+    #: Final positions [R, N, 3], metres.
+    final_positions: FloatArray | None
+    #: Final velocities [R, N, 3], metres per second.
+    final_velocities: FloatArray | None
+    #: d cost / d control positions [R, F + 1, C, 3].
+    control_gradients: FloatArray | None
+    diagnostics: list[Diagnostics] = field(default_factory=list)
+    diverged: list[Divergence] = field(default_factory=list)
+    timing: Timing | None = None
+    #: workers/{uuid} that answered.
+    worker: str = ""
+
+    @classmethod
+    def from_proto(cls, message: rollout_pb2.RollOutResponse) -> RolloutResult:
+        """Reads the wire form."""
+        costs: Any = unpack(message.costs)
+        timing = message.timing
+        arrays: dict[str, Any] = {
+            name: unpack(getattr(message, name))
+            for name in (
+                "cost_terms",
+                "instances",
+                "frames",
+                "positions",
+                "final_positions",
+                "final_velocities",
+                "control_gradients",
+            )
+        }
+        return cls(
+            first_instance=message.first_instance,
+            costs=np.zeros(0) if costs is None else costs,
+            cost_names=list(message.cost_names),
+            diagnostics=[
+                Diagnostics(
+                    d.max_strain,
+                    d.max_speed_m_s,
+                    d.kinetic_energy,
+                    d.elastic_energy,
+                    d.ground_contacts,
+                )
+                for d in message.diagnostics
+            ],
+            diverged=[Divergence(d.instance, d.frame, d.node) for d in message.diverged],
+            timing=Timing(timing.queue_s, timing.compute_s) if message.HasField("timing") else None,
+            worker=message.worker,
+            **arrays,
+        )

@@ -1,0 +1,129 @@
+"""A twin that answers rollouts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy.typing as npt
+
+from bendtwin.actions import (
+    InitialState,
+    Interpolation,
+    Rest,
+    control_trajectories,
+    gripper_poses,
+)
+from bendtwin.costs import Cost
+from bendtwin.errors import translated
+from bendtwin.resources import TwinInfo
+from bendtwin.rollout import Returns, RolloutResult
+from bendtwin.v1 import rollout_pb2
+
+if TYPE_CHECKING:
+    from bendtwin.v1 import rollout_pb2_grpc
+
+_REST = Rest()
+_COSTS_ONLY = Returns()
+
+
+class Twin:
+    """A fitted twin at the server. Get one with `Client.twin`."""
+
+    def __init__(self, info: TwinInfo, rollouts: rollout_pb2_grpc.RolloutServiceStub) -> None:
+        #: What the server says about it.
+        self.info = info
+        self._rollouts = rollouts
+
+    @property
+    def name(self) -> str:
+        """twins/{uuid}."""
+        return self.info.name
+
+    def rollout(
+        self,
+        *,
+        trajectories: npt.ArrayLike | None = None,
+        poses: npt.ArrayLike | None = None,
+        gripper_of_control: npt.ArrayLike | None = None,
+        interpolation: Interpolation = "linear",
+        initial: InitialState = _REST,
+        frames: int = 0,
+        costs: Iterable[Cost] = (),
+        returns: Returns = _COSTS_ONLY,
+        timeout_s: float | None = None,
+    ) -> RolloutResult:
+        """Predicts what a batch of actions does.
+
+        Args:
+            trajectories: Positions [m] of every control point, [B, K, C, 3]. With `frames` left
+                out K = F + 1: row 0 belongs to the initial state. Otherwise K >= 2 knots are
+                spread evenly over the horizon.
+            poses: Instead of trajectories, poses of grippers that carry their control points
+                rigidly, [B, K, G, 7]: x, y, z, quaternion x, y, z, w.
+            gripper_of_control: The gripper of each control point [C]; None means gripper 0.
+            interpolation: Between knots.
+            initial: Where the twin starts.
+            frames: Horizon F; 0 means that of the dense actions.
+            costs: Terms to be summed into `RolloutResult.costs`.
+            returns: What to send back besides costs.
+            timeout_s: Deadline of the call.
+
+        Raises:
+            BendTwinError: With the server's reason.
+            ValueError: If an array's shape or content is wrong before anything is sent.
+        """
+        request = self._request(
+            trajectories, poses, gripper_of_control, interpolation, initial, frames, costs, returns
+        )
+        with translated():
+            return RolloutResult.from_proto(self._rollouts.RollOut(request, timeout=timeout_s))
+
+    def stream_rollout(
+        self,
+        *,
+        trajectories: npt.ArrayLike | None = None,
+        poses: npt.ArrayLike | None = None,
+        gripper_of_control: npt.ArrayLike | None = None,
+        interpolation: Interpolation = "linear",
+        initial: InitialState = _REST,
+        frames: int = 0,
+        costs: Iterable[Cost] = (),
+        returns: Returns = _COSTS_ONLY,
+        timeout_s: float | None = None,
+    ) -> Iterator[RolloutResult]:
+        """The same in parts, as instances finish; see `RolloutResult.first_instance`."""
+        request = self._request(
+            trajectories, poses, gripper_of_control, interpolation, initial, frames, costs, returns
+        )
+        with translated():
+            for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
+                yield RolloutResult.from_proto(part)
+
+    def _request(
+        self,
+        trajectories: npt.ArrayLike | None,
+        poses: npt.ArrayLike | None,
+        gripper_of_control: npt.ArrayLike | None,
+        interpolation: Interpolation,
+        initial: InitialState,
+        frames: int,
+        costs: Iterable[Cost],
+        returns: Returns,
+    ) -> rollout_pb2.RollOutRequest:
+        if (trajectories is None) == (poses is None):
+            raise ValueError("give either trajectories or poses")
+        if trajectories is not None and gripper_of_control is not None:
+            raise ValueError("gripper_of_control goes with poses, not with trajectories")
+        request = rollout_pb2.RollOutRequest(
+            twin=self.name,
+            initial=initial.to_proto(),
+            frames=frames,
+            costs=[cost.to_proto() for cost in costs],
+            returns=returns.to_proto(),
+        )
+        if trajectories is not None:
+            request.trajectories.CopyFrom(control_trajectories(trajectories, interpolation))
+        elif poses is not None:
+            request.poses.CopyFrom(gripper_poses(poses, gripper_of_control, interpolation))
+        return request

@@ -1,0 +1,175 @@
+"""A server in this process that answers as the real one would, with made-up physics."""
+
+from __future__ import annotations
+
+from concurrent import futures
+from dataclasses import dataclass, field
+
+import grpc
+import numpy as np
+from google.protobuf import any_pb2
+from google.rpc import error_details_pb2, status_pb2
+
+from bendtwin.v1 import (
+    capture_pb2,
+    capture_pb2_grpc,
+    fit_pb2,
+    fit_pb2_grpc,
+    rollout_pb2,
+    rollout_pb2_grpc,
+    tensor_pb2,
+    twin_pb2,
+    twin_pb2_grpc,
+)
+
+CAPTURE = "captures/0190a000-0000-7000-8000-000000000001"
+FIT = "fits/0190a000-0000-7000-8000-000000000002"
+TWIN = "twins/0190a000-0000-7000-8000-000000000003"
+
+_WIRE = tensor_pb2.Tensor
+_DTYPES = {"float32": _WIRE.FLOAT32, "float64": _WIRE.FLOAT64, "uint32": _WIRE.UINT32}
+
+
+def tensor(array: np.ndarray) -> tensor_pb2.Tensor:
+    return _WIRE(dtype=_DTYPES[array.dtype.name], shape=array.shape, data=array.tobytes())
+
+
+def refuse(context: grpc.ServicerContext, code: grpc.StatusCode, reason: str, message: str):
+    """Ends the call as the real server does: a status with ErrorInfo."""
+    detail = any_pb2.Any()
+    detail.Pack(error_details_pb2.ErrorInfo(reason=reason, domain="bendtwin"))
+    status = status_pb2.Status(code=code.value[0], message=message, details=[detail])
+    context.set_trailing_metadata(
+        [("grpc-status-details-bin", status.SerializeToString()), ("x-request-id", "r-1")]
+    )
+    context.abort(code, message)
+
+
+@dataclass
+class Fake(
+    capture_pb2_grpc.CaptureServiceServicer,
+    fit_pb2_grpc.FitServiceServicer,
+    twin_pb2_grpc.TwinServiceServicer,
+    rollout_pb2_grpc.RolloutServiceServicer,
+):
+    """What it was sent, and how it shall behave."""
+
+    uploaded: bytes = b""
+    metadata: capture_pb2.CaptureMetadata | None = None
+    fit_request: fit_pb2.CreateFitRequest | None = None
+    rollout_request: rollout_pb2.RollOutRequest | None = None
+    ends: int = fit_pb2.Fit.SUCCEEDED
+    watched_from: list[int] = field(default_factory=list)
+
+    def CreateCapture(self, messages, context):
+        self.metadata = next(messages).metadata
+        self.uploaded = b"".join(m.chunk for m in messages)
+        return capture_pb2.CreateCaptureResponse(
+            capture=capture_pb2.Capture(
+                name=CAPTURE,
+                display_name=self.metadata.display_name,
+                size_bytes=len(self.uploaded),
+            )
+        )
+
+    def ListCaptures(self, request, context):
+        page = int(request.page_token or 0)
+        return capture_pb2.ListCapturesResponse(
+            captures=[capture_pb2.Capture(name=f"captures/{page}-{i}") for i in range(2)],
+            next_page_token=str(page + 1) if page < 2 else "",
+        )
+
+    def CreateFit(self, request, context):
+        self.fit_request = request
+        return self._fit(1, fit_pb2.Fit.QUEUED)
+
+    def GetFit(self, request, context):
+        return self._fit(4, self.ends)
+
+    def WatchFit(self, request, context):
+        """Breaks off after every message, as if the server restarted each time."""
+        self.watched_from.append(request.after_revision)
+        revision = request.after_revision + 1
+        yield self._fit(revision, fit_pb2.Fit.RUNNING if revision < 4 else self.ends)
+        if revision < 4:
+            context.abort(grpc.StatusCode.UNAVAILABLE, "the server restarts")
+
+    def _fit(self, revision, state):
+        fit = fit_pb2.Fit(name=FIT, capture=CAPTURE, state=state, revision=revision)
+        fit.progress.CopyFrom(fit_pb2.Progress(stage="search", fraction=revision / 4, loss=0.5))
+        if state == fit_pb2.Fit.SUCCEEDED:
+            fit.twin = TWIN
+        if state == fit_pb2.Fit.FAILED:
+            fit.fault.category = "INVALID_ARGUMENT"
+            fit.fault.reason = "CAPTURE_WITHOUT_POINTS"
+            fit.fault.message = "the capture has no points: record again"
+        return fit
+
+    def GetTwin(self, request, context):
+        if request.name != TWIN:
+            refuse(
+                context,
+                grpc.StatusCode.NOT_FOUND,
+                "TWIN_NOT_FOUND",
+                f"there is no {request.name}: list twins to see what there is",
+            )
+        return twin_pb2.Twin(
+            name=TWIN, node_count=3, control_count=1, quality_json='{"scores": []}'
+        )
+
+    def ExportTwin(self, request, context):
+        yield twin_pb2.ExportTwinResponse(chunk=b"safe")
+        yield twin_pb2.ExportTwinResponse(chunk=b"tensors")
+
+    def RollOut(self, request, context):
+        self.rollout_request = request
+        if request.WhichOneof("actions") == "poses":
+            return rollout_pb2.RollOutResponse(costs=tensor(np.zeros(1)))
+        return self._answer(request, 0, request.trajectories.positions.shape[0])
+
+    def StreamRollOut(self, request, context):
+        for instance in range(request.trajectories.positions.shape[0]):
+            yield self._answer(request, instance, 1)
+
+    @staticmethod
+    def _answer(request, first, count):
+        """The cost is how far the last knot is from the origin; nodes sit on control point 0."""
+        positions = request.trajectories.positions
+        knots = np.frombuffer(positions.data, "<f4").reshape(tuple(positions.shape))
+        knots = knots[first : first + count]
+        reply = rollout_pb2.RollOutResponse(first_instance=first, worker="workers/w")
+        costs = np.linalg.norm(knots[:, -1, 0].astype(np.float64), axis=-1)
+        reply.costs.CopyFrom(tensor(costs))
+        reply.cost_terms.CopyFrom(tensor(costs[:, None].copy()))
+        reply.cost_names.extend(c.name or f"cost{i}" for i, c in enumerate(request.costs))
+        reply.timing.compute_s = 0.25
+        if request.returns.every_frames:
+            path = np.repeat(knots[:, 1:, :1], 3, axis=2)
+            if request.returns.encoding == rollout_pb2.Returns.INT16:
+                codes = np.round(path / 1e-3).astype("<i2")
+                reply.positions.CopyFrom(
+                    _WIRE(
+                        dtype=_WIRE.INT16_SCALED,
+                        shape=codes.shape,
+                        data=codes.tobytes(),
+                        scale=1e-3,
+                    )
+                )
+            else:
+                reply.positions.CopyFrom(tensor(path))
+            reply.frames.CopyFrom(tensor(np.arange(1, path.shape[1] + 1, dtype=np.uint32)))
+        if request.returns.control_gradients:
+            reply.control_gradients.CopyFrom(tensor(knots.copy()))
+        reply.diverged.add(instance=first, frame=3, node=2)
+        return reply
+
+
+def serve(fake: Fake) -> tuple[grpc.Server, str]:
+    server = grpc.server(futures.ThreadPoolExecutor(max_workers=4))
+    capture_pb2_grpc.add_CaptureServiceServicer_to_server(fake, server)
+    fit_pb2_grpc.add_FitServiceServicer_to_server(fake, server)
+    twin_pb2_grpc.add_TwinServiceServicer_to_server(fake, server)
+    rollout_pb2_grpc.add_RolloutServiceServicer_to_server(fake, server)
+    port = server.add_insecure_port("127.0.0.1:0")
+    server.start()
+    return server, f"127.0.0.1:{port}"

@@ -1,0 +1,85 @@
+import zipfile
+from io import BytesIO
+
+import pytest
+from fake import CAPTURE, FIT, TWIN
+
+from bendtwin import BendTwinError, Category, Client, FitFailed, FitState
+from bendtwin.v1 import fit_pb2
+
+
+def test_an_archive_is_uploaded_in_chunks(client, fake, tmp_path):
+    path = tmp_path / "rope.zip"
+    path.write_bytes(b"x" * 700_000)
+    capture = client.upload_capture(path, request_id="once")
+    assert (capture.name, capture.display_name, capture.size_bytes) == (CAPTURE, "rope", 700_000)
+    assert fake.metadata.request_id == "once"
+    assert fake.uploaded == path.read_bytes()
+
+
+def test_a_folder_is_packed_the_same_way_every_time(client, fake, tmp_path):
+    folder = tmp_path / "rope"
+    (folder / "arrays").mkdir(parents=True)
+    (folder / "capture.json").write_text("{}")
+    (folder / "arrays" / "points.npy").write_bytes(b"123")
+    client.upload_capture(folder)
+    first = fake.uploaded
+    client.upload_capture(folder)
+    assert fake.uploaded == first
+    with zipfile.ZipFile(BytesIO(first)) as archive:
+        assert archive.namelist() == ["arrays/points.npy", "capture.json"]
+
+
+def test_lists_follow_pages(client):
+    names = [c.name for c in client.captures()]
+    assert names == [f"captures/{page}-{i}" for page in range(3) for i in range(2)]
+
+
+def test_a_fit_is_waited_for_over_restarts_of_the_server(client, fake):
+    seen = []
+    fit = client.fit(CAPTURE, {"seed": 7}, priority=5)
+    assert fake.fit_request.settings_json == '{"seed": 7}'
+    assert fake.fit_request.request_id
+    ended = client.wait(fit, timeout_s=30, on_progress=lambda f: seen.append(f.revision))
+    assert ended.state is FitState.SUCCEEDED
+    assert ended.twin == TWIN
+    assert seen == [1, 2, 3, 4]
+    assert fake.watched_from == [0, 1, 2, 3]
+    assert ended.progress.loss == 0.5
+    assert ended.progress.eta_s is None
+
+
+def test_a_failed_fit_says_why(client, fake):
+    fake.ends = fit_pb2.Fit.FAILED
+    with pytest.raises(FitFailed, match="record again") as failure:
+        client.wait(FIT, timeout_s=30)
+    assert failure.value.reason == "CAPTURE_WITHOUT_POINTS"
+    assert failure.value.category is Category.INVALID_ARGUMENT
+    assert failure.value.fit.name == FIT
+
+
+def test_errors_carry_category_reason_and_request(client):
+    with pytest.raises(BendTwinError, match="list twins") as failure:
+        client.twin("twins/none")
+    error = failure.value
+    assert (error.category, error.reason) == (Category.NOT_FOUND, "TWIN_NOT_FOUND")
+    assert error.request_id == "r-1"
+    assert not error.category.is_transient
+
+
+def test_a_method_that_the_server_lacks_is_an_error_too(client):
+    with pytest.raises(BendTwinError) as failure:
+        list(client.workers())
+    assert failure.value.category is Category.INTERNAL
+
+
+def test_no_server_is_unavailable():
+    with Client("127.0.0.1:1") as client, pytest.raises(BendTwinError) as failure:
+        client.capture(CAPTURE)
+    assert failure.value.category is Category.UNAVAILABLE
+    assert failure.value.category.is_transient
+
+
+def test_a_twin_is_exported(client, tmp_path):
+    client.export_twin(TWIN, tmp_path / "twin.safetensors")
+    assert (tmp_path / "twin.safetensors").read_bytes() == b"safetensors"
