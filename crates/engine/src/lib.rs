@@ -3,10 +3,14 @@
 //! that every backend must pass. Knows no network, no files, no optimiser.
 
 pub mod backend;
+mod cpu;
+mod energy;
 pub mod build;
 pub mod model;
 pub mod objective;
 
 pub use backend::{Backend, Device, Error, Loaded};
+pub use cpu::{CpuBackend, cpu, cpu_with_threads};
+pub use energy::{Energy, energy};
 pub use model::Model;
 pub use objective::{Objective, PointLoss, Term};

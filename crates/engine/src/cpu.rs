@@ -1,0 +1,169 @@
+//! The CPU backend, the definition of correct. Rayon runs the instances of a batch side by side (so results
+//! do not depend on the number of threads), SIMD runs within each.
+
+pub(crate) mod bend;
+pub(crate) mod check;
+mod contact;
+mod control;
+mod diagnostics;
+mod ground;
+mod impulse;
+mod integrate;
+pub(crate) mod lanes;
+mod loss;
+mod nearest;
+pub(crate) mod parameters;
+pub(crate) mod real;
+pub(crate) mod rollout;
+mod spring;
+pub(crate) mod system;
+
+use std::sync::Arc;
+
+use bendtwin_core::Params;
+use rayon::prelude::*;
+
+use self::{
+    diagnostics::Observer,
+    parameters::Parameters,
+    real::quad,
+    rollout::{Case, Scorer, nodes_of},
+    system::{Layout, System},
+};
+use crate::{
+    Model,
+    backend::{
+        Backend, CancelToken, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss,
+        Recording, Rollout,
+    },
+};
+
+/// Runs on the CPU's cores. Make one with [`cpu`] or [`cpu_with_threads`].
+pub struct CpuBackend {
+    pool: rayon::ThreadPool,
+}
+
+/// A backend on all cores that this process may use.
+pub fn cpu() -> Arc<dyn Backend> {
+    cpu_with_threads(std::thread::available_parallelism().map_or(1, std::num::NonZero::get))
+}
+
+/// A backend on so many threads (at least one).
+pub fn cpu_with_threads(threads: usize) -> Arc<dyn Backend> {
+    Arc::new(CpuBackend::new(threads))
+}
+
+/// What the CPU keeps of a model.
+struct Resident {
+    system: System<f32>,
+    layout: Arc<Layout>,
+}
+
+impl CpuBackend {
+    /// On so many threads (at least one).
+    pub fn new(threads: usize) -> Self {
+        let named = |i: usize| format!("bendtwin-cpu-{i}");
+        let build = |n: usize| {
+            rayon::ThreadPoolBuilder::new().num_threads(n).thread_name(named).build()
+        };
+        // A machine that cannot give us threads still has the caller's own.
+        let pool = build(threads.max(1)).or_else(|_| {
+            rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build()
+        });
+        Self { pool: pool.expect("the calling thread exists") }
+    }
+
+    fn make(model: Arc<Model>, layout: Arc<Layout>) -> Loaded {
+        let system = System::new(&model, &layout, Parameters::from_params(&model.params));
+        Loaded::new(model, Arc::new(Resident { system, layout }))
+    }
+
+    /// Runs the instances side by side; the first error in batch order wins.
+    fn each<R: Send>(
+        &self,
+        batch: &[Instance],
+        work: impl Fn(&Case<'_, f32>) -> Result<R, Error> + Sync,
+    ) -> Result<Vec<R>, Error> {
+        for (index, instance) in batch.iter().enumerate() {
+            check::instance(index, instance)?;
+        }
+        let one = |instance: &Instance| work(&case(instance)?);
+        let results: Vec<_> = self.pool.install(|| batch.par_iter().map(one).collect());
+        results.into_iter().collect()
+    }
+}
+
+fn resident(loaded: &Loaded) -> Result<&Resident, Error> {
+    loaded.resident().ok_or_else(|| {
+        Error::InvalidInput("the model was loaded by another backend: load it here".into())
+    })
+}
+
+fn case(instance: &Instance) -> Result<Case<'_, f32>, Error> {
+    Ok(Case {
+        system: &resident(&instance.model)?.system,
+        initial: nodes_of(&instance.initial),
+        controls: instance.controls.iter().map(|&p| quad(p)).collect(),
+        frames: instance.frames,
+        objective: &instance.objective,
+    })
+}
+
+impl Backend for CpuBackend {
+    fn device(&self) -> Device {
+        Device {
+            kind: "cpu".into(),
+            name: format!("{} threads, {:?}", self.pool.current_num_threads(), pulp::Arch::new()),
+            lanes: self.pool.current_num_threads(),
+        }
+    }
+
+    fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
+        check::model(&model)?;
+        let layout = Arc::new(Layout::new(&model.graph));
+        Ok(Self::make(model, layout))
+    }
+
+    fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
+        let layout = resident(loaded)?.layout.clone();
+        let model = Model { params, ..Model::clone(loaded.model()) };
+        model.params.check(&model.graph).map_err(Error::InvalidModel)?;
+        Ok(Self::make(Arc::new(model), layout))
+    }
+
+    fn roll_out(
+        &self,
+        batch: &[Instance],
+        recording: &Recording,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Rollout>, Error> {
+        for (index, instance) in batch.iter().enumerate() {
+            check::recording(index, instance, recording)?;
+        }
+        self.each(batch, |case| {
+            let mut scorer = Scorer::new(case.objective, case.system.surface);
+            let mut observer = Observer::new(case, recording);
+            let diverged = case.run(cancel, |frame, nodes| {
+                scorer.see(frame, &nodes[..case.system.nodes]);
+                observer.see(frame, nodes);
+            })?;
+            Ok(observer.finish(scorer.finish(diverged)))
+        })
+    }
+
+    fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
+        self.each(batch, |case| rollout::losses(case, cancel))
+    }
+
+    fn gradients(
+        &self,
+        _batch: &[Instance],
+        _request: &GradientRequest,
+        _cancel: &CancelToken,
+    ) -> Result<Vec<Gradient>, Error> {
+        Err(Error::Device("gradients follow".into()))
+    }
+}
+
+#[cfg(test)]
+mod tests;

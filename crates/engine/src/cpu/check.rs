@@ -1,0 +1,121 @@
+//! Everything that a client can get wrong about a model or an instance, found before the simulation starts.
+
+use bendtwin_core::Point;
+
+use crate::{
+    Model,
+    backend::{Error, Instance, Recording},
+    objective::{PointLoss, Term, WeightedTerm},
+};
+
+/// Checks a model's graph, parameters, timing and environment.
+pub(crate) fn model(model: &Model) -> Result<(), Error> {
+    let invalid = Error::InvalidModel;
+    model.graph.check().map_err(invalid)?;
+    model.params.check(&model.graph).map_err(invalid)?;
+    let timing = model.timing;
+    if !(timing.fps.is_finite() && timing.fps > 0.0) {
+        return Err(invalid(format!("{} frames a second: it must be positive", timing.fps)));
+    }
+    if timing.substeps == 0 {
+        return Err(invalid("0 substeps a frame: at least one is needed".into()));
+    }
+    if !finite(&[model.environment.gravity]) {
+        return Err(invalid("gravity is not finite".into()));
+    }
+    if let Some(g) = model.environment.ground {
+        let length = g.normal.iter().map(|x| x * x).sum::<f32>().sqrt();
+        if !(g.offset_m.is_finite() && (length - 1.0).abs() < 1e-3) {
+            return Err(invalid(format!(
+                "the ground's normal has length {length} and its offset is {}: the normal must be a unit vector",
+                g.offset_m
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Checks an instance against its model.
+pub(crate) fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
+    let graph = &instance.model.model().graph;
+    let (n, c) = (graph.node_count(), graph.control_count());
+    let wrong = |what: String| Err(Error::InvalidInput(format!("instance {index}: {what}")));
+    let state = &instance.initial;
+    if state.positions.len() != n || state.velocities.len() != n {
+        return wrong(format!(
+            "{} initial positions and {} velocities for {n} nodes",
+            state.positions.len(),
+            state.velocities.len()
+        ));
+    }
+    if !finite(&state.positions) || !finite(&state.velocities) {
+        return wrong("the initial state is not finite".into());
+    }
+    let rows = instance.frames.checked_add(1).and_then(|f| f.checked_mul(c));
+    if rows != Some(instance.controls.len()) {
+        return wrong(format!(
+            "{} control positions, expected ({} frames + 1) x {c} control points",
+            instance.controls.len(),
+            instance.frames
+        ));
+    }
+    if !finite(&instance.controls) {
+        return wrong("a control position is not finite".into());
+    }
+    let groups = instance.objective.groups.len();
+    for (t, weighted) in instance.objective.terms.iter().enumerate() {
+        if let Err(what) = term(weighted, instance.frames, groups, n) {
+            return wrong(format!("objective term {t}: {what}"));
+        }
+    }
+    Ok(())
+}
+
+fn term(t: &WeightedTerm, frames: usize, groups: usize, nodes: usize) -> Result<(), String> {
+    if t.frame > frames {
+        return Err(format!("frame {} of a rollout of {frames} frames", t.frame));
+    }
+    if t.group >= groups {
+        return Err(format!("group {} of {groups} groups", t.group));
+    }
+    if !t.weight.is_finite() {
+        return Err("its weight is not finite".into());
+    }
+    match &t.term {
+        Term::Chamfer { targets } if !finite(targets) => Err("a target is not finite".into()),
+        Term::Track { nodes: of, targets, loss } => {
+            if of.len() != targets.len() {
+                return Err(format!("{} nodes but {} targets", of.len(), targets.len()));
+            }
+            if let Some(node) = of.iter().find(|&&i| i as usize >= nodes) {
+                return Err(format!("node {node} of {nodes} nodes"));
+            }
+            if !finite(targets) {
+                return Err("a target is not finite".into());
+            }
+            match loss {
+                PointLoss::SmoothL1 { beta_m } if !(beta_m.is_finite() && *beta_m >= 0.0) => {
+                    Err(format!("beta is {beta_m} m: it must be finite and not negative"))
+                }
+                _ => Ok(()),
+            }
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks what to record against an instance's model.
+pub(crate) fn recording(index: usize, of: &Instance, recording: &Recording) -> Result<(), Error> {
+    let n = of.model.model().graph.node_count();
+    let outside = recording.nodes.as_ref().and_then(|s| s.iter().find(|&&i| i as usize >= n));
+    match outside {
+        Some(node) => Err(Error::InvalidInput(format!(
+            "instance {index}: node {node} is to be recorded, but the model has {n} nodes"
+        ))),
+        None => Ok(()),
+    }
+}
+
+fn finite(points: &[Point]) -> bool {
+    points.iter().flatten().all(|x| x.is_finite())
+}

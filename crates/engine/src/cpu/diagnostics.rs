@@ -1,0 +1,102 @@
+//! What a rollout returns beside its costs: recorded positions, final state and physical sanity.
+
+use super::{
+    lanes::Node,
+    parameters::narrow,
+    real::{Real, dot},
+    rollout::Case,
+    system::System,
+};
+use crate::{
+    backend::{Diagnostics, Loss, Recording, Rollout},
+    energy,
+    model::State,
+};
+
+/// Nodes lower than this above the ground [m] stand on it.
+const ON_GROUND_M: f64 = 1e-3;
+
+/// Watches a rollout.
+pub(crate) struct Observer<'a, T> {
+    system: &'a System<T>,
+    recording: &'a Recording,
+    frames: usize,
+    rollout: Rollout,
+    sanity: Diagnostics,
+}
+
+impl<'a, T: Real> Observer<'a, T> {
+    pub(crate) fn new(case: &'a Case<'_, T>, recording: &'a Recording) -> Self {
+        Self {
+            system: case.system,
+            recording,
+            frames: case.frames,
+            rollout: Rollout::default(),
+            sanity: Diagnostics::default(),
+        }
+    }
+
+    pub(crate) fn see(&mut self, frame: usize, endpoints: &[Node<T>]) {
+        let nodes = &endpoints[..self.system.nodes];
+        let every = self.recording.every;
+        let wanted = if frame == 0 { self.recording.initial } else { every > 0 && frame % every == 0 };
+        if wanted {
+            self.rollout.frames.push(frame);
+            let positions = &mut self.rollout.positions;
+            match &self.recording.nodes {
+                None => positions.extend(nodes.iter().map(|n| point(n.x))),
+                Some(some) => positions.extend(some.iter().map(|&i| point(nodes[i as usize].x))),
+            }
+        }
+        let last = frame == self.frames;
+        if self.recording.final_state && last {
+            self.rollout.final_state = Some(state_of(nodes));
+        }
+        if self.recording.diagnostics && (frame > 0 || last) {
+            self.measure(endpoints, last);
+        }
+    }
+
+    fn measure(&mut self, endpoints: &[Node<T>], last: bool) {
+        let nodes = &endpoints[..self.system.nodes];
+        let speed = nodes.iter().map(|n| dot(n.v, n.v).to_f64()).fold(0.0, f64::max).sqrt();
+        self.sanity.max_speed_m_s = self.sanity.max_speed_m_s.max(narrow(speed));
+        let strain = energy::max_strain(self.system, endpoints);
+        self.sanity.max_strain = self.sanity.max_strain.max(narrow(strain));
+        if last {
+            let energy = energy::of_nodes(self.system, endpoints);
+            self.sanity.kinetic_energy = narrow(energy.kinetic);
+            self.sanity.elastic_energy = narrow(energy.elastic);
+            if let Some(g) = &self.system.ground {
+                let on_ground = |n: &&Node<T>| {
+                    (dot(g.normal, n.x) - g.offset).to_f64() < ON_GROUND_M
+                };
+                self.sanity.ground_contacts = nodes.iter().filter(on_ground).count() as u32;
+            }
+        }
+    }
+
+    pub(crate) fn finish(self, loss: Loss) -> Rollout {
+        let ended = loss.diverged.is_none();
+        Rollout {
+            cost: loss.total,
+            group_costs: loss.groups,
+            diverged: loss.diverged,
+            final_state: self.rollout.final_state.filter(|_| ended),
+            diagnostics: (self.recording.diagnostics && ended).then_some(self.sanity),
+            ..self.rollout
+        }
+    }
+}
+
+fn point<T: Real>(x: [T; 4]) -> [f32; 3] {
+    [narrow(x[0]), narrow(x[1]), narrow(x[2])]
+}
+
+/// A client's view of node states.
+pub(crate) fn state_of<T: Real>(nodes: &[Node<T>]) -> State {
+    State {
+        positions: nodes.iter().map(|n| point(n.x)).collect(),
+        velocities: nodes.iter().map(|n| point(n.v)).collect(),
+    }
+}

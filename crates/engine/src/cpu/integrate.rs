@@ -1,0 +1,151 @@
+//! One frame forward: forces, velocities, contact between nodes, ground, pins,
+//! for every substep (semi-implicit Euler, in the order of the model's definition).
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::{
+    bend::bend_forces,
+    contact::{Candidates, collide},
+    control::FrameControls,
+    ground::advance,
+    impulse::Law,
+    lanes::Node,
+    real::{Quad, Real, add_scaled, scale},
+    spring::spring_forces,
+    system::System,
+};
+
+/// Everything that changes during a rollout; allocated once.
+#[derive(Debug)]
+pub(crate) struct Workspace<T> {
+    /// Nodes, then control points, shape [N + C].
+    pub(crate) nodes: Vec<Node<T>>,
+    /// Forces [N], shape [N + C]; zero between substeps.
+    pub(crate) forces: Vec<Quad<T>>,
+    /// Velocities before contact, shape [N].
+    pub(crate) before: Vec<Quad<T>>,
+    /// Velocities after contact between nodes, shape [N].
+    pub(crate) after: Vec<Quad<T>>,
+    /// Of the current frame.
+    pub(crate) candidates: Candidates,
+}
+
+impl<T: Real> Workspace<T> {
+    /// Room for a system; all nodes in the origin.
+    pub(crate) fn new(system: &System<T>) -> Self {
+        let zero = [T::ZERO; 4];
+        Self {
+            nodes: vec![Node::default(); system.endpoints()],
+            forces: vec![zero; system.endpoints()],
+            before: vec![zero; system.nodes],
+            after: vec![zero; system.nodes],
+            candidates: Candidates::default(),
+        }
+    }
+}
+
+/// What the adjoint needs of each substep of a frame.
+#[derive(Debug, Default)]
+pub(crate) struct Tape<T> {
+    /// Endpoints as the forces saw them, shape [substeps, N + C].
+    pub(crate) nodes: Vec<Node<T>>,
+    /// Velocities before contact, shape [substeps, N].
+    pub(crate) before: Vec<Quad<T>>,
+}
+
+/// The ground's restitution and friction.
+pub(crate) fn ground_law<T: Real>(system: &System<T>) -> Law<T> {
+    Law {
+        restitution: system.parameters.ground_restitution,
+        friction: system.parameters.ground_friction,
+    }
+}
+
+/// Advances the workspace's nodes by a frame; fills the tape if there is one.
+pub(crate) fn run_frame<T: Real>(
+    system: &System<T>,
+    controls: FrameControls<'_, T>,
+    workspace: &mut Workspace<T>,
+    tape: Option<&mut Tape<T>>,
+) {
+    controls.begin(system, &mut workspace.nodes);
+    let Workspace { nodes, candidates, .. } = workspace;
+    candidates.find(system, nodes);
+    Arch::new().dispatch(Frame { system, controls, workspace, tape });
+}
+
+struct Frame<'a, T> {
+    system: &'a System<T>,
+    controls: FrameControls<'a, T>,
+    workspace: &'a mut Workspace<T>,
+    tape: Option<&'a mut Tape<T>>,
+}
+
+impl<T: Real> WithSimd for Frame<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { system, controls, workspace: w, mut tape } = self;
+        if let Some(tape) = &mut tape {
+            tape.nodes.clear();
+            tape.before.clear();
+        }
+        for substep in 0..system.substeps {
+            controls.place(system, substep, &mut w.nodes);
+            spring_forces(&system.springs, &w.nodes, &mut w.forces);
+            bend_forces(&system.triplets, &w.nodes, &mut w.forces);
+            accelerate(system, &w.nodes, &mut w.forces, &mut w.before);
+            controls.pin_velocities(system, &mut w.before);
+            if let Some(tape) = &mut tape {
+                tape.nodes.extend_from_slice(&w.nodes);
+                tape.before.extend_from_slice(&w.before);
+            }
+            if w.candidates.is_empty() {
+                travel(system, &mut w.nodes, &w.before);
+            } else {
+                collide(system, &w.candidates, &w.nodes, &w.before, &mut w.after);
+                travel(system, &mut w.nodes, &w.after);
+            }
+            controls.pin_nodes(system, substep, &mut w.nodes);
+        }
+    }
+}
+
+/// v <- (v + (f/m + g) dt) exp(-dt drag); forces start again from zero.
+#[inline(always)]
+fn accelerate<T: Real>(
+    system: &System<T>,
+    nodes: &[Node<T>],
+    forces: &mut [Quad<T>],
+    velocities: &mut [Quad<T>],
+) {
+    let kick = scale(system.gravity, system.dt);
+    let per_node = nodes.iter().zip(&mut *forces).zip(&system.inverse_mass).zip(velocities);
+    for (((node, f), &inverse_mass), v) in per_node {
+        for c in 0..4 {
+            v[c] = (node.v[c] + (f[c] * (inverse_mass * system.dt) + kick[c])) * system.decay;
+        }
+        *f = [T::ZERO; 4];
+    }
+    forces[system.nodes..].fill([T::ZERO; 4]);
+}
+
+/// x <- x + v dt, or the way over the ground.
+#[inline(always)]
+fn travel<T: Real>(system: &System<T>, nodes: &mut [Node<T>], velocities: &[Quad<T>]) {
+    let moving = nodes.iter_mut().zip(velocities);
+    match &system.ground {
+        None => {
+            for (node, &v) in moving {
+                *node = Node { x: add_scaled(node.x, system.dt, v), v };
+            }
+        }
+        Some(ground) => {
+            let law = ground_law(system);
+            for (node, &v) in moving {
+                *node = advance(ground, law, system.dt, node.x, v);
+            }
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Values and exact gradients of an objective's terms. The nearest node of a
+//! Chamfer target counts as fixed in the gradient, which is exact almost everywhere.
+
+use super::{
+    lanes::Node,
+    nearest::nearest,
+    real::{Quad, Real, add, add_scaled, dot, quad, scale, sub},
+};
+use crate::objective::{Objective, PointLoss, Term, WeightedTerm};
+
+/// Node states at a frame and at the two before it.
+#[derive(Clone, Copy)]
+pub(crate) struct Moment<'a, T> {
+    /// Shape [N].
+    pub(crate) now: &'a [Node<T>],
+    /// One and two frames earlier, if there were any.
+    pub(crate) earlier: Option<[&'a [Node<T>]; 2]>,
+    /// Number of surface nodes.
+    pub(crate) surface: usize,
+}
+
+/// The terms of an objective, found by frame.
+pub(crate) struct Terms<'a> {
+    terms: &'a [WeightedTerm],
+    order: Vec<u32>,
+}
+
+impl<'a> Terms<'a> {
+    pub(crate) fn new(objective: &'a Objective) -> Self {
+        let terms = objective.terms.as_slice();
+        let mut order: Vec<u32> = (0..terms.len() as u32).collect();
+        order.sort_by_key(|&t| terms[t as usize].frame);
+        Self { terms, order }
+    }
+
+    /// Terms at the end of a frame, in the objective's order.
+    pub(crate) fn at(&self, frame: usize) -> impl Iterator<Item = &'a WeightedTerm> + '_ {
+        let frame_of = |t: &u32| self.terms[*t as usize].frame;
+        let first = self.order.partition_point(|t| frame_of(t) < frame);
+        let count = self.order[first..].partition_point(|t| frame_of(t) <= frame);
+        self.order[first..first + count].iter().map(|&t| &self.terms[t as usize])
+    }
+
+    /// Whether a term looks at earlier frames.
+    pub(crate) fn look_back(&self) -> bool {
+        self.terms.iter().any(|t| t.term == Term::Acceleration)
+    }
+
+    /// Adds the terms of a frame to their groups.
+    pub(crate) fn score<T: Real>(&self, frame: usize, moment: Moment<'_, T>, groups: &mut [f64]) {
+        for t in self.at(frame) {
+            groups[t.group] += f64::from(t.weight) * value(&t.term, moment);
+        }
+    }
+
+    /// Adds d loss / d position of the terms of a frame to `bar`, as far as they look at that frame itself.
+    pub(crate) fn add_gradient<T: Real>(
+        &self,
+        frame: usize,
+        moment: Moment<'_, T>,
+        bar: &mut [Node<T>],
+    ) {
+        for t in self.at(frame) {
+            add_term_gradient(&t.term, f64::from(t.weight), moment, bar);
+        }
+    }
+
+    /// Adds d loss / d position of the terms of a later frame that look back `back` frames (1 or 2).
+    pub(crate) fn add_gradient_back<T: Real>(
+        &self,
+        later: usize,
+        back: usize,
+        moment: Moment<'_, T>,
+        bar: &mut [Node<T>],
+    ) {
+        let share = if back == 1 { -2.0 } else { 1.0 };
+        for t in self.at(later).filter(|t| t.term == Term::Acceleration) {
+            add_acceleration_gradient(f64::from(t.weight) * share, moment, bar);
+        }
+    }
+}
+
+fn mean_over(count: usize) -> f64 {
+    1.0 / count.max(1) as f64
+}
+
+fn value<T: Real>(term: &Term, at: Moment<'_, T>) -> f64 {
+    let square = |d: Quad<T>| dot(d, d).to_f64();
+    match term {
+        Term::Chamfer { targets } => {
+            let targets: Vec<Quad<T>> = targets.iter().map(|&p| quad(p)).collect();
+            let found = nearest(&at.now[..at.surface], &targets);
+            let pairs = targets.iter().zip(found);
+            let sum: f64 = pairs.map(|(&t, i)| square(sub(at.now[i as usize].x, t))).sum();
+            sum * mean_over(targets.len())
+        }
+        Term::Track { nodes, targets, loss } => {
+            let differences = nodes.iter().zip(targets);
+            let sum: f64 = differences
+                .map(|(&n, &t)| {
+                    let d = sub(at.now[n as usize].x, quad(t));
+                    match *loss {
+                        PointLoss::SmoothL1 { beta_m } => smooth_l1(d, beta_m),
+                        PointLoss::Distance => square(d).sqrt(),
+                        PointLoss::SquaredDistance => square(d),
+                    }
+                })
+                .sum();
+            sum * mean_over(nodes.len())
+        }
+        Term::Acceleration => {
+            let Some([one, two]) = at.earlier else { return 0.0 };
+            let sum: f64 = (0..at.now.len()).map(|i| square(second_difference(at.now, one, two, i))).sum();
+            sum * mean_over(at.now.len())
+        }
+    }
+}
+
+fn smooth_l1<T: Real>(d: Quad<T>, beta_m: f32) -> f64 {
+    let beta = f64::from(beta_m);
+    let each = d[..3].iter().map(|x| {
+        let x = x.to_f64().abs();
+        if x < beta { x * x / (2.0 * beta) } else { x - beta / 2.0 }
+    });
+    each.sum::<f64>() / 3.0
+}
+
+fn second_difference<T: Real>(
+    now: &[Node<T>],
+    one: &[Node<T>],
+    two: &[Node<T>],
+    i: usize,
+) -> Quad<T> {
+    add(add_scaled(now[i].x, -T::from_f64(2.0), one[i].x), two[i].x)
+}
+
+fn add_term_gradient<T: Real>(term: &Term, weight: f64, at: Moment<'_, T>, bar: &mut [Node<T>]) {
+    match term {
+        Term::Chamfer { targets } => {
+            let targets: Vec<Quad<T>> = targets.iter().map(|&p| quad(p)).collect();
+            let found = nearest(&at.now[..at.surface], &targets);
+            let w = T::from_f64(2.0 * weight * mean_over(targets.len()));
+            for (&t, i) in targets.iter().zip(found) {
+                let i = i as usize;
+                bar[i].x = add_scaled(bar[i].x, w, sub(at.now[i].x, t));
+            }
+        }
+        Term::Track { nodes, targets, loss } => {
+            let w = weight * mean_over(nodes.len());
+            for (&n, &t) in nodes.iter().zip(targets) {
+                let n = n as usize;
+                let d = sub(at.now[n].x, quad(t));
+                bar[n].x = add_scaled(bar[n].x, T::from_f64(w), point_gradient(*loss, d));
+            }
+        }
+        Term::Acceleration => add_acceleration_gradient(weight, at, bar),
+    }
+}
+
+fn point_gradient<T: Real>(loss: PointLoss, d: Quad<T>) -> Quad<T> {
+    match loss {
+        PointLoss::SmoothL1 { beta_m } => {
+            let beta = f64::from(beta_m);
+            d.map(|x| {
+                let x = x.to_f64();
+                let slope = if x.abs() < beta { x / beta } else if x == 0.0 { 0.0 } else { x.signum() };
+                T::from_f64(slope / 3.0)
+            })
+        }
+        PointLoss::Distance => {
+            let length = dot(d, d).sqrt();
+            if length > T::ZERO { scale(d, T::ONE / length) } else { [T::ZERO; 4] }
+        }
+        PointLoss::SquaredDistance => scale(d, T::from_f64(2.0)),
+    }
+}
+
+fn add_acceleration_gradient<T: Real>(weight: f64, at: Moment<'_, T>, bar: &mut [Node<T>]) {
+    let Some([one, two]) = at.earlier else { return };
+    let w = T::from_f64(2.0 * weight * mean_over(at.now.len()));
+    for (i, bar) in bar.iter_mut().enumerate().take(at.now.len()) {
+        bar.x = add_scaled(bar.x, w, second_difference(at.now, one, two, i));
+    }
+}

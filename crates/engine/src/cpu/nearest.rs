@@ -1,0 +1,67 @@
+//! Nearest surface node of each target, by brute force over lanes: for the few thousand nodes of a twin
+//! that is faster than building a tree for every frame. Ties go to the lower index.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::{
+    lanes::{LANES, Lane, Node},
+    real::{Quad, Real},
+};
+
+/// Index of the nearest of `nodes` for each target; empty if there are no nodes.
+pub(crate) fn nearest<T: Real>(nodes: &[Node<T>], targets: &[Quad<T>]) -> Vec<u32> {
+    if nodes.is_empty() {
+        return Vec::new();
+    }
+    let far = T::from_f64(1e15);
+    let blocks = nodes
+        .chunks(LANES)
+        .map(|chunk| {
+            let mut block = [[far; LANES]; 3];
+            for (l, node) in chunk.iter().enumerate() {
+                for c in 0..3 {
+                    block[c][l] = node.x[c];
+                }
+            }
+            block
+        })
+        .collect();
+    Arch::new().dispatch(Search { blocks, targets })
+}
+
+struct Search<'a, T> {
+    blocks: Vec<[Lane<T>; 3]>,
+    targets: &'a [Quad<T>],
+}
+
+impl<T: Real> WithSimd for Search<'_, T> {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<u32> {
+        let mut found = Vec::with_capacity(self.targets.len());
+        for t in self.targets {
+            let mut best = [T::from_f64(1e30); LANES];
+            let mut best_block = [0_u32; LANES];
+            for (index, b) in self.blocks.iter().enumerate() {
+                let index = index as u32;
+                for l in 0..LANES {
+                    let (x, y, z) = (b[0][l] - t[0], b[1][l] - t[1], b[2][l] - t[2]);
+                    let square = x * x + y * y + z * z;
+                    let nearer = square < best[l];
+                    best[l] = if nearer { square } else { best[l] };
+                    best_block[l] = if nearer { index } else { best_block[l] };
+                }
+            }
+            let mut winner = (best[0], best_block[0] * LANES as u32);
+            for l in 1..LANES {
+                let index = best_block[l] * LANES as u32 + l as u32;
+                if best[l] < winner.0 || (best[l] == winner.0 && index < winner.1) {
+                    winner = (best[l], index);
+                }
+            }
+            found.push(winner.1);
+        }
+        found
+    }
+}

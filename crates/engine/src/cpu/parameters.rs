@@ -1,0 +1,94 @@
+//! The fitted numbers in the simulation's scalar; gradients have the same shape.
+
+use bendtwin_core::{Contact, Params};
+
+use super::real::Real;
+
+/// [`Params`] over any scalar.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Parameters<T> {
+    /// As in [`Params::spring_stiffness`].
+    pub spring_stiffness: Vec<T>,
+    /// As in [`Params::spring_dashpot`].
+    pub spring_dashpot: Vec<T>,
+    /// As in [`Params::rest_lengths_m`].
+    pub rest_lengths_m: Vec<T>,
+    /// As in [`Params::bend_stiffness`].
+    pub bend_stiffness: Vec<T>,
+    /// As in [`Params::bend_damping`].
+    pub bend_damping: Vec<T>,
+    /// As in [`Params::rest_angles_rad`].
+    pub rest_angles_rad: Vec<T>,
+    /// As in [`Params::drag`].
+    pub drag: T,
+    /// As in [`Contact::ground_restitution`].
+    pub ground_restitution: T,
+    /// As in [`Contact::ground_friction`].
+    pub ground_friction: T,
+    /// As in [`Contact::object_restitution`].
+    pub object_restitution: T,
+    /// As in [`Contact::object_friction`].
+    pub object_friction: T,
+}
+
+impl<T: Real> Parameters<T> {
+    /// The same numbers in another scalar.
+    pub(crate) fn from_params(p: &Params) -> Self {
+        let each = |v: &[f32]| v.iter().map(|&x| T::from_f32(x)).collect();
+        Self {
+            spring_stiffness: each(&p.spring_stiffness),
+            spring_dashpot: each(&p.spring_dashpot),
+            rest_lengths_m: each(&p.rest_lengths_m),
+            bend_stiffness: each(&p.bend_stiffness),
+            bend_damping: each(&p.bend_damping),
+            rest_angles_rad: each(&p.rest_angles_rad),
+            drag: T::from_f32(p.drag),
+            ground_restitution: T::from_f32(p.contact.ground_restitution),
+            ground_friction: T::from_f32(p.contact.ground_friction),
+            object_restitution: T::from_f32(p.contact.object_restitution),
+            object_friction: T::from_f32(p.contact.object_friction),
+        }
+    }
+
+    /// All zero, for so many springs and triplets.
+    pub(crate) fn zero(springs: usize, triplets: usize) -> Self {
+        Self {
+            spring_stiffness: vec![T::ZERO; springs],
+            spring_dashpot: vec![T::ZERO; springs],
+            rest_lengths_m: vec![T::ZERO; springs],
+            bend_stiffness: vec![T::ZERO; triplets],
+            bend_damping: vec![T::ZERO; triplets],
+            rest_angles_rad: vec![T::ZERO; triplets],
+            ..Self::default()
+        }
+    }
+
+    /// As a client sees a gradient: what has no derivative is zero or off.
+    pub(crate) fn into_gradient(self) -> Params {
+        let each = |v: Vec<T>| v.into_iter().map(narrow).collect();
+        Params {
+            spring_stiffness: each(self.spring_stiffness),
+            spring_dashpot: each(self.spring_dashpot),
+            rest_lengths_m: each(self.rest_lengths_m),
+            bend_stiffness: each(self.bend_stiffness),
+            bend_damping: each(self.bend_damping),
+            rest_angles_rad: each(self.rest_angles_rad),
+            drag: narrow(self.drag),
+            contact: Contact {
+                ground_restitution: narrow(self.ground_restitution),
+                ground_friction: narrow(self.ground_friction),
+                object_restitution: narrow(self.object_restitution),
+                object_friction: narrow(self.object_friction),
+                collision_distance_m: 0.0,
+                ..Contact::default()
+            },
+        }
+    }
+}
+
+/// To `f32`; a gradient that exploded beyond it saturates instead of becoming infinite, NaN becomes zero.
+#[allow(clippy::cast_possible_truncation)]
+pub(crate) fn narrow<T: Real>(x: T) -> f32 {
+    let x = x.to_f64() as f32;
+    if x.is_nan() { 0.0 } else { x.clamp(-f32::MAX, f32::MAX) }
+}

@@ -1,0 +1,133 @@
+//! One instance through all its frames, in any scalar.
+
+use super::{
+    control::FrameControls,
+    integrate::{Workspace, run_frame},
+    lanes::Node,
+    loss::{Moment, Terms},
+    real::{Quad, Real, quad},
+    system::System,
+};
+use crate::{
+    backend::{CancelToken, Divergence, Error, Loss},
+    model::State,
+    objective::Objective,
+};
+
+/// A node farther out than this [m] has diverged.
+const ROOM_M: f64 = 1000.0;
+
+/// One simulation to run.
+pub(crate) struct Case<'a, T> {
+    pub(crate) system: &'a System<T>,
+    /// Initial state, shape [N].
+    pub(crate) initial: Vec<Node<T>>,
+    /// Shape [F + 1, C].
+    pub(crate) controls: Vec<Quad<T>>,
+    /// Frames F.
+    pub(crate) frames: usize,
+    pub(crate) objective: &'a Objective,
+}
+
+/// A client's state in the simulation's scalar.
+pub(crate) fn nodes_of<T: Real>(state: &State) -> Vec<Node<T>> {
+    let both = state.positions.iter().zip(&state.velocities);
+    both.map(|(&x, &v)| Node { x: quad(x), v: quad(v) }).collect()
+}
+
+impl<T: Real> Case<'_, T> {
+    /// What the controls do during a frame, 0-based.
+    pub(crate) fn controls_of(&self, frame: usize) -> FrameControls<'_, T> {
+        let row = |f: usize| {
+            let c = self.system.controls;
+            &self.controls[f * c..(f + 1) * c]
+        };
+        FrameControls { from: row(frame), to: row((frame + 1).min(self.frames)) }
+    }
+
+    /// A workspace at the initial state, pinned nodes on their control points.
+    pub(crate) fn start(&self) -> Workspace<T> {
+        let mut workspace = Workspace::new(self.system);
+        workspace.nodes[..self.system.nodes].copy_from_slice(&self.initial);
+        self.controls_of(0).begin(self.system, &mut workspace.nodes);
+        workspace
+    }
+
+    /// Runs all frames and shows the endpoints (shape [N + C]) at every frame's end, the initial
+    /// ones first, until a frame has diverged.
+    pub(crate) fn run(
+        &self,
+        cancel: &CancelToken,
+        mut on_frame: impl FnMut(usize, &[Node<T>]),
+    ) -> Result<Option<Divergence>, Error> {
+        let n = self.system.nodes;
+        let mut workspace = self.start();
+        on_frame(0, &workspace.nodes);
+        for frame in 1..=self.frames {
+            if cancel.is_cancelled() {
+                return Err(Error::Cancelled);
+            }
+            run_frame(self.system, self.controls_of(frame - 1), &mut workspace, None);
+            if let Some(node) = first_diverged(&workspace.nodes[..n]) {
+                return Ok(Some(Divergence { frame, node }));
+            }
+            on_frame(frame, &workspace.nodes);
+        }
+        Ok(None)
+    }
+}
+
+/// First node that is not finite or has left the room.
+fn first_diverged<T: Real>(nodes: &[Node<T>]) -> Option<usize> {
+    let room = T::from_f64(ROOM_M);
+    let inside = |n: &Node<T>| {
+        n.x[..3].iter().all(|x| x.abs() <= room) && n.v[..3].iter().all(|v| v.is_finite())
+    };
+    nodes.iter().position(|n| !inside(n))
+}
+
+/// Adds up an objective along a rollout.
+pub(crate) struct Scorer<'a, T> {
+    terms: Terms<'a>,
+    groups: Vec<f64>,
+    surface: usize,
+    /// The two latest frames, newest last, if a term looks back.
+    recent: Vec<Vec<Node<T>>>,
+}
+
+impl<'a, T: Real> Scorer<'a, T> {
+    pub(crate) fn new(objective: &'a Objective, surface: usize) -> Self {
+        let groups = vec![0.0; objective.groups.len()];
+        Self { terms: Terms::new(objective), groups, surface, recent: Vec::new() }
+    }
+
+    pub(crate) fn see(&mut self, frame: usize, now: &[Node<T>]) {
+        let earlier = match &*self.recent {
+            [two, one] => Some([&**one, &**two]),
+            _ => None,
+        };
+        self.terms.score(frame, Moment { now, earlier, surface: self.surface }, &mut self.groups);
+        if self.terms.look_back() {
+            if self.recent.len() == 2 {
+                self.recent.remove(0);
+            }
+            self.recent.push(now.to_vec());
+        }
+    }
+
+    pub(crate) fn finish(self, diverged: Option<Divergence>) -> Loss {
+        let groups = match diverged {
+            None => self.groups,
+            Some(_) => vec![f64::INFINITY; self.groups.len()],
+        };
+        let total = if diverged.is_some() { f64::INFINITY } else { groups.iter().sum() };
+        Loss { total, groups, diverged }
+    }
+}
+
+/// The initial state and every frame's end.
+pub(crate) fn losses<T: Real>(case: &Case<'_, T>, cancel: &CancelToken) -> Result<Loss, Error> {
+    let mut scorer = Scorer::new(case.objective, case.system.surface);
+    let diverged = case.run(cancel, |frame, nodes| scorer.see(frame, &nodes[..case.system.nodes]))?;
+    Ok(scorer.finish(diverged))
+}

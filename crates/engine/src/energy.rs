@@ -1,0 +1,100 @@
+//! Energies of a state: what the conformance suite budgets and diagnostics report.
+
+use bendtwin_core::Point;
+
+use crate::{
+    Model,
+    cpu::{
+        bend,
+        lanes::{LANES, Node},
+        parameters::Parameters,
+        real::{Real, dot, quad, sub},
+        rollout::nodes_of,
+        system::{Layout, System},
+    },
+    model::State,
+};
+
+/// Energies [J per unit mass scale].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// Sum of m v²/2.
+    pub kinetic: f64,
+    /// Of springs, k (l - l0)² / (2 l0), and of triplets, k (theta - theta0)² / 2.
+    pub elastic: f64,
+    /// Sum of -m g . x; zero at the origin.
+    pub gravitational: f64,
+}
+
+impl Energy {
+    /// All of it.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.gravitational
+    }
+}
+
+/// Energies of a state, in double precision, with the control points at `controls` [m], shape [C, 3].
+/// `None` if the lengths do not fit the model or the model contradicts itself.
+pub fn energy(model: &Model, state: &State, controls: &[Point]) -> Option<Energy> {
+    let n = model.graph.node_count();
+    let fits = state.positions.len() == n
+        && state.velocities.len() == n
+        && controls.len() == model.graph.control_count()
+        && crate::cpu::check::model(model).is_ok();
+    fits.then(|| {
+        let parameters = Parameters::<f64>::from_params(&model.params);
+        let system = System::new(model, &Layout::new(&model.graph), parameters);
+        let mut nodes = nodes_of(state);
+        nodes.extend(controls.iter().map(|&p| Node { x: quad(p), v: [0.0; 4] }));
+        of_nodes(&system, &nodes)
+    })
+}
+
+/// Energies of endpoints, shape [N + C].
+pub(crate) fn of_nodes<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> Energy {
+    let mut energy = Energy { elastic: elastic(system, nodes), ..Energy::default() };
+    for (node, m) in nodes.iter().zip(&system.masses) {
+        let m = m.to_f64();
+        energy.kinetic += 0.5 * m * dot(node.v, node.v).to_f64();
+        energy.gravitational -= m * dot(system.gravity, node.x).to_f64();
+    }
+    energy
+}
+
+fn elastic<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> f64 {
+    let mut sum = 0.0;
+    for b in &system.springs {
+        for l in 0..LANES {
+            let stretch = length(nodes, b.first[l], b.second[l]) - b.rest[l].to_f64();
+            sum += 0.5 * b.rate[l].to_f64() * stretch * stretch;
+        }
+    }
+    for b in &system.triplets {
+        for l in 0..LANES {
+            let arm = |e: u32| {
+                let d = sub(nodes[e as usize].x, nodes[b.j[l] as usize].x);
+                [d[0].to_f64(), d[1].to_f64(), d[2].to_f64()]
+            };
+            let deviation = bend::deviation(arm(b.i[l]), arm(b.k[l]), b.rest_bend[l].to_f64());
+            sum += 0.5 * b.stiffness[l].to_f64() * deviation * deviation;
+        }
+    }
+    sum
+}
+
+fn length<T: Real>(nodes: &[Node<T>], i: u32, j: u32) -> f64 {
+    let r = sub(nodes[j as usize].x, nodes[i as usize].x);
+    dot(r, r).to_f64().sqrt()
+}
+
+/// Largest |l/l0 - 1| of any spring that has a rest length.
+pub(crate) fn max_strain<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> f64 {
+    let mut most = 0.0_f64;
+    for b in &system.springs {
+        for l in (0..LANES).filter(|&l| b.rest[l] > T::ZERO) {
+            let strain = length(nodes, b.first[l], b.second[l]) / b.rest[l].to_f64() - 1.0;
+            most = most.max(strain.abs());
+        }
+    }
+    most
+}
