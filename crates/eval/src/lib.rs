@@ -1,1 +1,9 @@
-//! How good a twin is: Chamfer distance, track error, baselines, pictures. Knows no optimiser.
+//! How good a twin is: Chamfer distance, track error, free baselines, pictures. Knows no optimiser.
+
+mod error;
+mod evaluate;
+mod trajectory;
+
+pub use error::Error;
+pub use evaluate::{EvaluateOptions, evaluate};
+pub use trajectory::{Trajectory, check_capture, initial_state, instance, predict, slice_len};

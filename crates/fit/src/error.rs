@@ -1,0 +1,72 @@
+//! Why a fit cannot start, go on or end.
+
+use bendtwin_core::{Category, Problem};
+use bendtwin_engine::{backend, build};
+
+/// What an observer answers when it cannot keep a checkpoint.
+pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Why a fit fails.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Settings out of range.
+    #[error("the fit's settings are wrong: {}", .0.join("; "))]
+    Settings(Vec<String>),
+    /// There is nothing to fit to.
+    #[error("the capture cannot be fitted: {0}")]
+    Capture(String),
+    /// The capture cannot become a graph.
+    #[error(transparent)]
+    Graph(#[from] build::Error),
+    /// The simulation failed.
+    #[error(transparent)]
+    Backend(#[from] backend::Error),
+    /// The finished twin could not be evaluated.
+    #[error(transparent)]
+    Evaluation(#[from] bendtwin_eval::Error),
+    /// No candidate could be simulated to its end.
+    #[error(
+        "no candidate of the search could be simulated ({0}): raise substeps.auto.max, or narrow the graph"
+    )]
+    NothingStable(String),
+    /// The checkpoint is damaged or of another version.
+    #[error("the checkpoint cannot be read ({0}): start the fit again without it")]
+    Checkpoint(String),
+    /// The checkpoint belongs to another fit.
+    #[error(
+        "the checkpoint belongs to another capture, other settings or another build: start the fit again without it"
+    )]
+    OtherCheckpoint,
+    /// The observer could not keep a checkpoint (a lost lease, say).
+    #[error("the fit's checkpoint could not be kept: {0}")]
+    Observer(#[source] ObserverError),
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::Settings(_) | Self::Capture(_) | Self::NothingStable(_) => {
+                Category::InvalidArgument
+            }
+            Self::Graph(e) => e.category(),
+            Self::Backend(e) => e.category(),
+            Self::Evaluation(e) => e.category(),
+            Self::Checkpoint(_) | Self::OtherCheckpoint => Category::FailedPrecondition,
+            Self::Observer(_) => Category::Aborted,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Settings(_) => "INVALID_FIT_SETTINGS",
+            Self::Capture(_) => "CAPTURE_CANNOT_BE_FITTED",
+            Self::Graph(e) => e.reason(),
+            Self::Backend(e) => e.reason(),
+            Self::Evaluation(e) => e.reason(),
+            Self::NothingStable(_) => "NO_STABLE_CANDIDATE",
+            Self::Checkpoint(_) => "CHECKPOINT_UNREADABLE",
+            Self::OtherCheckpoint => "CHECKPOINT_OF_ANOTHER_FIT",
+            Self::Observer(_) => "CHECKPOINT_NOT_KEPT",
+        }
+    }
+}
