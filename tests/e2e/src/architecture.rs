@@ -1,0 +1,142 @@
+//! The dependency rules of ARCHITECTURE.md, read off `cargo metadata`: what a crate must not reach,
+//! directly or through others. Dependencies of tests do not count.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use cargo_metadata::{DependencyKind, MetadataCommand, PackageId};
+
+use crate::workspace;
+
+/// Crates that talk to a network or wait for one.
+const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
+const DATABASE: [&str; 5] =
+    ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
+const PHYSICS: [&str; 5] =
+    ["bendtwin-engine", "bendtwin-fit", "bendtwin-eval", "bendtwin-capture", "bendtwin-cuda"];
+
+struct Rule {
+    /// Crates that the rule is about.
+    of: &'static [&'static str],
+    because: &'static str,
+    never: &'static [&'static [&'static str]],
+}
+
+const RULES: [Rule; 6] = [
+    Rule {
+        of: &["bendtwin-server", "bendtwin-store"],
+        because: "the control plane knows no physics",
+        never: &[&PHYSICS, &["bendtwin-worker"]],
+    },
+    Rule {
+        of: &["bendtwin-worker"],
+        because: "a worker knows no database",
+        never: &[&DATABASE, &["bendtwin-server"]],
+    },
+    Rule {
+        of: &["bendtwin-engine", "bendtwin-fit", "bendtwin-eval", "bendtwin-capture"],
+        because: "physics knows no network and no database",
+        never: &[&NETWORK, &DATABASE, &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"]],
+    },
+    Rule {
+        of: &["bendtwin-core"],
+        because: "the nouns know neither I/O nor any other part",
+        never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "zip"]],
+    },
+    Rule {
+        of: &["bendtwin-proto", "bendtwin-client"],
+        because: "the contract and its client know neither physics nor a database",
+        never: &[&PHYSICS, &DATABASE, &["bendtwin-server", "bendtwin-worker"]],
+    },
+    Rule {
+        of: &["bendtwin-eval"],
+        because: "scores must not know how a twin was fitted",
+        never: &[&["bendtwin-fit"]],
+    },
+];
+
+#[test]
+fn no_crate_reaches_what_it_must_not_know() {
+    let graph = Graph::read();
+    let mut broken = Vec::new();
+    for rule in &RULES {
+        for from in rule.of {
+            for to in rule.never.iter().flat_map(|names| names.iter()) {
+                if let Some(path) = graph.path(from, to) {
+                    broken.push(format!("{}: {}", rule.because, path.join(" -> ")));
+                }
+            }
+        }
+    }
+    assert!(broken.is_empty(), "forbidden dependencies:\n{}", broken.join("\n"));
+}
+
+#[test]
+fn the_search_sees_indirect_dependencies() {
+    let graph = Graph::read();
+    let path = graph.path("bendtwin-cli", "bendtwin-store").unwrap();
+    assert!(path.len() > 2, "{path:?}");
+    assert_eq!(graph.path("bendtwin-core", "bendtwin-cli"), None);
+}
+
+#[test]
+fn only_one_crate_names_cuda() {
+    let graph = Graph::read();
+    let users: Vec<_> = graph
+        .edges
+        .iter()
+        .filter(|(_, to)| to.iter().any(|id| graph.names[id] == "cudarc"))
+        .map(|(from, _)| graph.names[from].as_str())
+        .filter(|name| name.starts_with("bendtwin-") && *name != "bendtwin-cuda")
+        .collect();
+    assert!(users.is_empty(), "cudarc belongs behind bendtwin-cuda, not in {users:?}");
+}
+
+/// Who depends on whom, tests apart.
+struct Graph {
+    names: BTreeMap<PackageId, String>,
+    edges: BTreeMap<PackageId, Vec<PackageId>>,
+}
+
+impl Graph {
+    fn read() -> Self {
+        let metadata = MetadataCommand::new()
+            .current_dir(workspace::root())
+            .other_options(["--locked".to_owned()])
+            .exec()
+            .unwrap();
+        let names = metadata.packages.iter().map(|p| (p.id.clone(), p.name.to_string())).collect();
+        let nodes = metadata.resolve.unwrap().nodes;
+        let edges = nodes
+            .into_iter()
+            .map(|node| {
+                let used = node.deps.into_iter().filter(|d| {
+                    d.dep_kinds.iter().any(|k| k.kind != DependencyKind::Development)
+                });
+                (node.id, used.map(|d| d.pkg).collect())
+            })
+            .collect();
+        Self { names, edges }
+    }
+
+    /// The shortest chain of dependencies between two crates, if one exists.
+    fn path(&self, from: &str, to: &str) -> Option<Vec<&str>> {
+        let start = self.names.iter().find(|(_, name)| *name == from).map(|(id, _)| id)?;
+        let mut came_from = BTreeMap::from([(start, None)]);
+        let mut queue = VecDeque::from([start]);
+        while let Some(id) = queue.pop_front() {
+            if self.names[id] == to {
+                let chain = std::iter::successors(Some(id), |id| came_from[*id]);
+                let mut path: Vec<_> = chain.map(|id| self.names[id].as_str()).collect();
+                path.reverse();
+                return Some(path);
+            }
+            for next in self.edges.get(id).into_iter().flatten() {
+                if !came_from.contains_key(next) {
+                    came_from.insert(next, Some(id));
+                    queue.push_back(next);
+                }
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,63 @@
+//! The source tree that the tests belong to.
+
+use std::path::{Path, PathBuf};
+
+/// Folders and root files with the project's own text.
+const PARTS: [&str; 13] = [
+    "proto",
+    "crates",
+    "server",
+    "worker",
+    "client",
+    "tests",
+    "docs",
+    "deploy",
+    ".ci",
+    "Cargo.toml",
+    "README.md",
+    "ARCHITECTURE.md",
+    "CONTRIBUTING.md",
+];
+
+/// The root of the workspace.
+pub(crate) fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().and_then(Path::parent).unwrap().to_owned()
+}
+
+/// Every file that a person wrote, with its path from the root.
+pub(crate) fn files() -> Vec<(String, PathBuf)> {
+    let root = root();
+    let mut found = Vec::new();
+    for part in PARTS {
+        walk(&root.join(part), &mut found);
+    }
+    let mut files: Vec<_> = found
+        .into_iter()
+        .map(|path| (path.strip_prefix(&root).unwrap().to_string_lossy().into_owned(), path))
+        .filter(|(name, _)| !is_generated(name))
+        .collect();
+    files.sort();
+    files
+}
+
+fn is_generated(name: &str) -> bool {
+    name.starts_with("client/python/src/bendtwin/v1/") || name.ends_with("Cargo.lock")
+}
+
+fn walk(path: &Path, found: &mut Vec<PathBuf>) {
+    if path.is_file() {
+        found.push(path.to_owned());
+        return;
+    }
+    for entry in std::fs::read_dir(path).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let ours = !name.starts_with('.')
+            && !name.ends_with(".egg-info")
+            && !["target", "node_modules", "__pycache__", "dist"].contains(&name.as_str());
+        if ours {
+            walk(&path, found);
+        }
+    }
+}
