@@ -6,6 +6,7 @@ pub mod backend;
 mod cpu;
 mod energy;
 pub mod build;
+pub mod conformance;
 pub mod model;
 pub mod objective;
 

@@ -307,10 +307,10 @@ fn wrong_captures_are_refused() {
         ("CAPTURE_INCONSISTENT", |c| c.sequences.clear()),
         ("CAPTURE_INCONSISTENT", |c| c.sequences[0].start_frames = 9),
         ("CAPTURE_INCONSISTENT", |c| {
-            let _ = c.sequences[0].points.pop();
+            c.sequences[0].points.pop();
         }),
         ("CAPTURE_INCONSISTENT", |c| {
-            let _ = c.sequences[0].visible.pop();
+            c.sequences[0].visible.pop();
         }),
         ("CAPTURE_INCONSISTENT", |c| c.sequences[0].frame_count = usize::MAX),
         ("CAPTURE_INCONSISTENT", |c| c.object.edges.push([0, 6])),
@@ -318,7 +318,7 @@ fn wrong_captures_are_refused() {
         ("CAPTURE_INCONSISTENT", |c| c.object.pins.push(HeldPoint { point: 0, control: 0 })),
         ("CAPTURE_INCONSISTENT", |c| c.object.pins.push(HeldPoint { point: 1, control: 1 })),
         ("CAPTURE_INCONSISTENT", |c| {
-            let _ = c.object.rest_points.pop();
+            c.object.rest_points.pop();
         }),
         ("CAPTURE_POINT_MISSING", |c| c.sequences[0].points[3][1] = f32::NAN),
         ("CAPTURE_CONTROL_MISSING", |c| c.sequences[0].controls[0][1] = f32::NAN),

@@ -1,0 +1,174 @@
+//! What every backend must get right, as one list of named cases. A backend's
+//! crate turns each into a test line of its own:
+//!
+//! ```ignore
+//! bendtwin_engine::conformance_tests!(MyBackend::new());
+//! ```
+//!
+//! A case knows the physics only from first principles (closed forms, `f64`
+//! energies, conservation laws) or compares a backend with itself (batches,
+//! repeats, finite differences of its own losses). Every tolerance is stated
+//! where it is used, with its reason.
+
+mod batches;
+mod bending;
+mod conservation;
+mod contact;
+mod degenerate;
+mod energy;
+mod expect;
+mod gradients;
+mod ground;
+mod objectives;
+mod random;
+mod refusals;
+mod scene;
+mod springs;
+
+use crate::Backend;
+
+pub use self::random::{RandomOptions, random_model, random_motion};
+
+/// One named case.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// Name, unique within the suite.
+    pub name: &'static str,
+    /// Runs it; the error says what was expected and what came.
+    pub check: fn(&dyn Backend) -> Result<(), String>,
+}
+
+/// What became of the suite on one backend.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Cases that passed.
+    pub passed: Vec<&'static str>,
+    /// Cases that failed, with what was expected and what came.
+    pub failed: Vec<(&'static str, String)>,
+}
+
+impl Report {
+    /// Whether all cases passed.
+    pub fn is_ok(&self) -> bool {
+        self.failed.is_empty()
+    }
+}
+
+impl std::fmt::Display for Report {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "{} passed, {} failed", self.passed.len(), self.failed.len())?;
+        self.failed.iter().try_for_each(|(name, why)| writeln!(f, "{name}: {why}"))
+    }
+}
+
+/// Runs all cases on a backend. A panic counts as a failure of its case.
+pub fn run(backend: &dyn Backend) -> Report {
+    let mut report = Report::default();
+    for case in cases() {
+        match run_case(&case, backend) {
+            Ok(()) => report.passed.push(case.name),
+            Err(why) => report.failed.push((case.name, why)),
+        }
+    }
+    report
+}
+
+/// Runs one case; a panic becomes an error.
+///
+/// # Errors
+/// What was expected and what came.
+pub fn run_case(case: &Case, backend: &dyn Backend) -> Result<(), String> {
+    let check = std::panic::AssertUnwindSafe(|| (case.check)(backend));
+    std::panic::catch_unwind(check).unwrap_or_else(|_| Err("the backend panicked".into()))
+}
+
+/// The case of that name.
+pub fn case(name: &str) -> Option<Case> {
+    cases().into_iter().find(|c| c.name == name)
+}
+
+/// Lists the cases once, for [`cases`] and for [`conformance_tests!`] alike.
+/// `$d` is a dollar sign, which the inner macro needs and cannot be written here.
+macro_rules! suite {
+    (($d:tt) $($module:ident: $($case:ident),+;)+) => {
+        /// All cases.
+        pub fn cases() -> Vec<Case> {
+            vec![$($(Case { name: stringify!($case), check: $module::$case },)+)+]
+        }
+
+        /// Makes one `#[test]` of every case of the conformance suite, on the
+        /// backend that the expression gives. Attributes in front of it are
+        /// put on every test: `conformance_tests!(#[ignore = "..."] backend())`.
+        #[macro_export]
+        macro_rules! conformance_tests {
+            ($d(#[$d attribute:meta])* $d backend:expr) => {
+                $($(
+                    #[test]
+                    $d(#[$d attribute])*
+                    fn $case() {
+                        let case = $d crate::conformance::case(stringify!($case));
+                        let case = case.expect("the suite has a case of this name");
+                        if let Err(why) = (case.check)(&$d backend) {
+                            panic!("{why}");
+                        }
+                    }
+                )+)+
+            };
+        }
+    };
+}
+
+suite! { ($)
+    springs:
+        oscillator_frequency,
+        damped_oscillator_decays,
+        hanging_chain_stretches,
+        drag_decays_exponentially,
+        pinned_node_follows_its_control,
+        control_spring_drags_a_node,
+        ignored_control_velocity_leaves_a_lag;
+    bending:
+        forces_are_minus_the_energy_gradient,
+        damping_forces_take_power,
+        cantilever_bends_like_the_discrete_beam,
+        straight_rod_stays_smooth_through_pi;
+    ground:
+        bouncing_node_loses_restitution_squared,
+        sliding_node_stops_by_coulomb_friction,
+        friction_holds_on_a_slope;
+    contact:
+        colliding_objects_exchange_momentum,
+        a_node_takes_the_mean_of_its_contacts,
+        self_contact_keeps_distance,
+        self_contact_spares_neighbours;
+    conservation:
+        energy_of_an_undamped_network,
+        momentum_of_a_free_body,
+        axial_dashpots_never_raise_energy,
+        bend_damping_never_raises_energy;
+    objectives:
+        losses_match_their_definitions,
+        recordings_are_as_asked,
+        diagnostics_match_the_state;
+    gradients:
+        gradients_match_finite_differences,
+        gradients_through_ground_contact,
+        gradients_through_object_contact,
+        gradients_of_every_term,
+        cut_gradients_are_sums_of_windows;
+    batches:
+        batch_equals_one_by_one,
+        repeats_are_identical,
+        resuming_continues_exactly,
+        new_params_equal_a_new_model,
+        cancellation_stops_everything;
+    degenerate:
+        random_graphs_stay_finite,
+        degenerate_geometry_stays_finite,
+        empty_and_lonely_graphs_work,
+        divergence_says_where;
+    refusals:
+        unstable_substeps_are_refused,
+        wrong_models_are_refused,
+        wrong_inputs_are_refused;
+}

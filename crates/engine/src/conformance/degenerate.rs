@@ -1,0 +1,224 @@
+//! What no engine may choke on: random graphs, degenerate geometry, empty and
+//! lonely graphs, and motion that runs away.
+
+use std::{f32::consts::PI, sync::Arc};
+
+use super::{
+    expect::{Outcome, close, ensure, finite},
+    random::{RandomOptions, random_model, random_motion, random_objective},
+    scene::Scene,
+};
+use crate::{
+    Backend, PointLoss, Term,
+    backend::{CancelToken, Gradient, GradientRequest, Recording},
+    objective::WeightedTerm,
+};
+
+const EVERYTHING: GradientRequest =
+    GradientRequest { cut_every: 0, controls: true, initial: true, final_state: true };
+
+fn finite_gradient(what: &str, gradient: &Gradient) -> Outcome {
+    let p = &gradient.params;
+    let arrays = [
+        &p.spring_stiffness,
+        &p.spring_dashpot,
+        &p.rest_lengths_m,
+        &p.bend_stiffness,
+        &p.bend_damping,
+        &p.rest_angles_rad,
+    ];
+    let c = &p.contact;
+    let globals =
+        [p.drag, c.ground_restitution, c.ground_friction, c.object_restitution, c.object_friction];
+    let ok = arrays.into_iter().flatten().chain(&globals).all(|x| x.is_finite())
+        && gradient.controls.iter().flatten().all(|x| x.is_finite())
+        && gradient.loss.total.is_finite();
+    ensure(ok, || format!("{what}: the gradient is not finite"))?;
+    gradient.initial.as_ref().map_or(Ok(()), |s| finite(&format!("{what}: gradient"), s))
+}
+
+/// Tracks every node to the origin in the last frame.
+fn track_all(scene: &mut Scene) {
+    let nodes: Vec<u32> = (0..scene.graph.node_count() as u32).collect();
+    let targets = vec![[0.01, 0.02, 0.03]; nodes.len()];
+    let track = Term::Track { nodes, targets: targets.clone(), loss: PointLoss::Distance };
+    let term = |term| WeightedTerm { frame: scene.frames, weight: 1.0, group: 0, term };
+    scene.objective.terms =
+        Arc::new(vec![term(track), term(Term::Chamfer { targets }), term(Term::Acceleration)]);
+    scene.objective.groups = vec!["all".into()];
+}
+
+fn runs_finite(what: &str, scene: &mut Scene, backend: &dyn Backend) -> Outcome {
+    scene.stabilise(backend).map_err(|e| format!("{what}: {e}"))?;
+    track_all(scene);
+    let end = scene.end(backend).map_err(|e| format!("{what}: {e}"))?;
+    finite(what, &end)?;
+    let gradient = scene.gradient(backend, &EVERYTHING).map_err(|e| format!("{what}: {e}"))?;
+    finite_gradient(what, &gradient)
+}
+
+/// Forty random graphs with every feature on and off: finite states, losses and gradients.
+pub(super) fn random_graphs_stay_finite(backend: &dyn Backend) -> Outcome {
+    for seed in 0..40_u64 {
+        let bit = |i: u32| (seed >> i) & 1 == 1;
+        let options = RandomOptions {
+            nodes: 1 + (seed as usize * 7) % 50,
+            controls: seed as usize % 4,
+            pins: seed as usize % 3,
+            objects: 1 + seed as u32 % 3,
+            bending: !bit(0) || bit(3),
+            damping: !bit(1),
+            ground: bit(2),
+            contact: bit(1),
+        };
+        let model = random_model(seed, &options);
+        let frames = 8;
+        let (state, controls) = random_motion(seed, &model, frames);
+        let objective = random_objective(seed, &model, frames);
+        let mut scene = Scene::around(model, state, controls, frames);
+        scene.objective = objective;
+        let what = format!("seed {seed}");
+        let end = scene.end(backend).map_err(|e| format!("{what}: {e}"))?;
+        finite(&what, &end)?;
+        finite_gradient(&what, &scene.gradient(backend, &EVERYTHING)?)?;
+    }
+    Ok(())
+}
+
+/// Geometry for which directions and angles do not exist.
+pub(super) fn degenerate_geometry_stays_finite(backend: &dyn Backend) -> Outcome {
+    let line = [[0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0]];
+    let folded = [[0.1, 0.0, 0.0], [0.0; 3], [0.1, 0.0, 0.0]];
+    let together = [[0.1, 0.1, 0.1]; 3];
+    let arm_gone = [[0.1, 0.0, 0.0], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0]];
+    let shapes = [
+        ("a straight triplet", line),
+        ("a folded triplet", folded),
+        ("all nodes in one point", together),
+        ("an arm of length zero", arm_gone),
+    ];
+    for (shape, points) in shapes {
+        for rest_angle in [PI, 0.0, 1.5] {
+            for moving in [false, true] {
+                let mut scene = Scene::of(&points);
+                scene.spring([0, 1], 10.0, 0.5);
+                scene.spring([1, 2], 10.0, 0.5);
+                scene.params.rest_lengths_m.fill(0.1);
+                scene.triplet([0, 1, 2], rest_angle, 0.01, 1e-4);
+                scene.environment.gravity = [0.0, 0.0, -9.81];
+                scene.ground([0.0, 0.0, 1.0], -0.5, 0.5, 0.3);
+                scene.params.contact.within_object = true;
+                scene.graph.object_ids[2] = 1;
+                scene.params.contact.between_objects = true;
+                if moving {
+                    scene.initial.velocities[0] = [0.1, 0.2, -0.1];
+                }
+                scene.last(5);
+                let what = format!("{shape}, rest angle {rest_angle}, moving {moving}");
+                runs_finite(&what, &mut scene, backend)?;
+            }
+        }
+    }
+    // A control point upon its node, and a node that starts on the ground, exactly.
+    let mut scene = Scene::of(&[[0.0; 3]]);
+    let control = scene.control([0.0; 3]);
+    scene.spring([0, control], 10.0, 1.0);
+    scene.params.rest_lengths_m[0] = 0.05;
+    scene.ground([0.0, 0.0, 1.0], 0.0, 0.0, 2.0);
+    scene.last(5);
+    runs_finite("a control point upon its node", &mut scene, backend)?;
+    // Rest length zero: a strain does not exist. Refused or survived, not NaN.
+    let mut scene = Scene::of(&line[..2]);
+    scene.spring([0, 1], 10.0, 0.5);
+    scene.params.rest_lengths_m[0] = 0.0;
+    scene.last(5);
+    match backend.load(Arc::new(scene.model())) {
+        Err(crate::Error::InvalidModel(_) | crate::Error::Unstable { .. }) => Ok(()),
+        _ => runs_finite("a rest length of zero", &mut scene, backend),
+    }
+}
+
+/// No nodes, one node, nodes without springs: all run, and free fall is free fall (to 0.1 %:
+/// one substep of 0.5 ms in a second).
+pub(super) fn empty_and_lonely_graphs_work(backend: &dyn Backend) -> Outcome {
+    for nodes in [0, 1, 5] {
+        let points: Vec<_> = (0..nodes).map(|i| [0.1 * i as f32, 0.0, 0.0]).collect();
+        let mut scene = Scene::of(&points);
+        scene.environment.gravity[2] = -9.81;
+        scene.last(100);
+        track_all(&mut scene);
+        let rollout = scene.roll_out(backend).map_err(|e| format!("{nodes} nodes: {e}"))?;
+        ensure(rollout.positions.len() == 101 * nodes, || {
+            format!("{} positions of {nodes} nodes", rollout.positions.len())
+        })?;
+        for x in rollout.positions.iter().skip(100 * nodes) {
+            close("fall in a second", f64::from(x[2]), -9.81 / 2.0, 5e-3)?;
+        }
+        let gradient = scene.gradient(backend, &EVERYTHING)?;
+        finite_gradient(&format!("{nodes} nodes"), &gradient)?;
+        ensure(gradient.initial.is_some_and(|s| s.positions.len() == nodes), || {
+            "the initial gradient has another shape".to_owned()
+        })?;
+    }
+    // Controls that hold nothing, and no frames at all.
+    let mut scene = Scene::of(&[[0.0; 3]]);
+    scene.control([1.0, 0.0, 0.0]);
+    scene.last(3);
+    runs_finite("a control point that holds nothing", &mut scene, backend)?;
+    scene.last(0);
+    scene.objective = Default::default();
+    let rollout = scene.roll_out(backend).map_err(|e| format!("no frames: {e}"))?;
+    ensure(rollout.frames == [0] && rollout.final_state == Some(scene.initial.clone()), || {
+        "zero frames do not return the start".to_owned()
+    })
+}
+
+/// A node that flies away is reported with its frame and index, costs infinitely, has no
+/// gradient, and does not disturb its neighbours in the batch.
+pub(super) fn divergence_says_where(backend: &dyn Backend) -> Outcome {
+    let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0]]);
+    scene.spring([0, 1], 10.0, 0.1);
+    scene.last(6);
+    track_all(&mut scene);
+    let calm = scene.clone();
+    // 400 m a frame: past a kilometre in frame 3.
+    scene.initial.velocities[2] = [0.0, 40_000.0, 0.0];
+    let batch = [
+        calm.instance(calm.load(backend)?),
+        scene.instance(scene.load(backend)?),
+        calm.instance(calm.load(backend)?),
+    ];
+    let recording = Recording { every: 1, final_state: true, ..Recording::default() };
+    let cancel = CancelToken::default();
+    let rollouts = backend.roll_out(&batch, &recording, &cancel).map_err(|e| e.to_string())?;
+    let losses = backend.losses(&batch, &cancel).map_err(|e| e.to_string())?;
+    let gradients = backend.gradients(&batch, &EVERYTHING, &cancel).map_err(|e| e.to_string())?;
+    let (Some(rollout), Some(loss), Some(gradient)) =
+        (rollouts.get(1), losses.get(1), gradients.get(1))
+    else {
+        return Err("too few results".into());
+    };
+    for (call, d) in [
+        ("roll_out", rollout.diverged),
+        ("losses", loss.diverged),
+        ("gradients", gradient.loss.diverged),
+    ] {
+        let at = d.map(|d| (d.frame, d.node));
+        ensure(at == Some((3, 2)), || {
+            format!("{call}: diverged at {at:?} (frame, node), expected frame 3, node 2")
+        })?;
+    }
+    let costs = [rollout.cost, loss.total, gradient.loss.total];
+    ensure(costs.iter().all(|c| *c == f64::INFINITY), || format!("costs {costs:?}"))?;
+    ensure(rollout.frames == [1, 2], || format!("recorded frames {:?}", rollout.frames))?;
+    let p = &gradient.params;
+    let zero = p.spring_stiffness.iter().chain(&p.spring_dashpot).all(|g| *g == 0.0)
+        && gradient.initial.iter().flat_map(|s| &s.positions).flatten().all(|g| *g == 0.0);
+    ensure(zero && p.spring_stiffness.len() == 1, || "its gradient is not zero".into())?;
+    for i in [0, 2] {
+        ensure(rollouts[i].diverged.is_none() && losses[i].total.is_finite(), || {
+            format!("instance {i} suffers from another one's divergence")
+        })?;
+    }
+    Ok(())
+}

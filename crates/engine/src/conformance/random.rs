@@ -1,0 +1,238 @@
+//! Seeded random models and motions, public so that backends can be compared on them.
+
+use std::sync::Arc;
+
+use bendtwin_core::{
+    Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
+    environment::ControlVelocity, settings::TripletReference,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{
+    Model, Objective, PointLoss, Term,
+    build::{Connectivity, LeftOut, NodeSample, Triplets, connect, rest_geometry},
+    model::State,
+    objective::WeightedTerm,
+};
+
+/// What a random model is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RandomOptions {
+    /// Nodes, scattered 3 cm apart.
+    pub nodes: usize,
+    /// Control points near nodes, each with a few control springs.
+    pub controls: usize,
+    /// Nodes pinned to further control points.
+    pub pins: usize,
+    /// Objects, side by side along x, about to touch.
+    pub objects: u32,
+    /// With bending triplets.
+    pub bending: bool,
+    /// With dashpots, bending damping and drag.
+    pub damping: bool,
+    /// With gravity and a slightly tilted ground just below.
+    pub ground: bool,
+    /// With contact between objects and within them.
+    pub contact: bool,
+}
+
+impl Default for RandomOptions {
+    fn default() -> Self {
+        Self {
+            nodes: 24,
+            controls: 2,
+            pins: 1,
+            objects: 1,
+            bending: true,
+            damping: true,
+            ground: false,
+            contact: false,
+        }
+    }
+}
+
+const SPACING_M: f32 = 0.03;
+
+/// A random model: a pure function of its arguments. Stable at its own
+/// substep (0.25 ms) with a margin of several times.
+pub fn random_model(seed: u64, options: &RandomOptions) -> Model {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let sample = scatter(&mut rng, options);
+    let connectivity = Connectivity {
+        radius_m: f64::from(1.7 * SPACING_M),
+        max_neighbours: 8,
+        control_radius_m: f64::from(1.5 * SPACING_M),
+        control_neighbours: 4,
+        triplets: options
+            .bending
+            .then_some(Triplets { max_per_node: 4, reference: TripletReference::OppositePairs }),
+    };
+    let graph = connect(&sample, &connectivity);
+    let params = params(&mut rng, &graph, &sample, options);
+    let gravity = if options.ground { [0.3, 0.0, -9.81] } else { [0.0; 3] };
+    let ground = options.ground.then(|| {
+        let (sine, cosine) = 0.1_f32.sin_cos();
+        Plane { normal: [sine, 0.0, cosine], offset_m: -0.01 }
+    });
+    Model {
+        graph: Arc::new(graph),
+        params,
+        environment: Environment { gravity, ground },
+        timing: Timing { fps: 100.0, substeps: 40 },
+        control_velocity: if seed.is_multiple_of(2) {
+            ControlVelocity::True
+        } else {
+            ControlVelocity::Ignored
+        },
+    }
+}
+
+fn scatter(rng: &mut ChaCha8Rng, options: &RandomOptions) -> NodeSample {
+    let n = options.nodes;
+    let side = SPACING_M * (n as f32).cbrt();
+    let mut points: Vec<Point> = Vec::with_capacity(n);
+    // Best of several candidates: random, but without nearly coincident nodes.
+    for _ in 0..n {
+        let candidates: [Point; 8] =
+            std::array::from_fn(|_| std::array::from_fn(|_| side * rng.random::<f32>()));
+        let room = |c: &Point| {
+            let gaps = points.iter().map(|p| distance_squared(*p, *c));
+            gaps.fold(f32::INFINITY, f32::min)
+        };
+        points.extend(candidates.iter().max_by(|a, b| room(a).total_cmp(&room(b))).copied());
+    }
+    let object = |p: &Point| (p[0] / side * options.objects as f32) as u32;
+    let object_ids = points.iter().map(|p| object(p).min(options.objects.max(1) - 1)).collect();
+    let kinds = (0..n).map(|i| match i * 5 / n.max(1) {
+        0..=2 => NodeKind::Observed,
+        3 => NodeKind::Completed,
+        _ => NodeKind::Interior,
+    });
+    let kinds: Vec<NodeKind> = kinds.collect();
+    let observed = |(i, k): (usize, &NodeKind)| {
+        if *k == NodeKind::Observed { i as u32 } else { Graph::NOT_OBSERVED }
+    };
+    let mut near_node = || {
+        let at = points.get(rng.random_range(0..n.max(1))).copied().unwrap_or_default();
+        at.map(|x| x + SPACING_M * (rng.random::<f32>() - 0.5))
+    };
+    let mut control_rest: Vec<Point> = (0..options.controls).map(|_| near_node()).collect();
+    let pins = (0..options.pins.min(n)).map(|i| {
+        let node = i * n / options.pins;
+        control_rest.push(points[node].map(|x| x + 0.01));
+        let control = control_rest.len() as u32 - 1;
+        Pin { node: node as u32, control, offset_m: [-0.01; 3] }
+    });
+    NodeSample {
+        pins: pins.collect(),
+        observed_points: kinds.iter().enumerate().map(|(i, k)| observed((i, k))).collect(),
+        kinds,
+        object_ids,
+        control_rest,
+        edges: None,
+        rest_shape: None,
+        spacing_scale: 1.0,
+        left_out: LeftOut::default(),
+        positions: points,
+    }
+}
+
+fn params(
+    rng: &mut ChaCha8Rng,
+    graph: &Graph,
+    sample: &NodeSample,
+    options: &RandomOptions,
+) -> Params {
+    let (e, t) = (graph.springs.len(), graph.triplets.len());
+    let damping = if options.damping { 1.0 } else { 0.0 };
+    let mut values = |n: usize, low: f32, high: f32| -> Vec<f32> {
+        (0..n).map(|_| low * (high / low).powf(rng.random::<f32>())).collect()
+    };
+    let (rest_lengths_m, rest_angles_rad) = rest_geometry(graph, sample);
+    Params {
+        spring_stiffness: values(e, 20.0, 200.0),
+        spring_dashpot: values(e, 0.1, 1.0).iter().map(|x| x * damping).collect(),
+        rest_lengths_m: rest_lengths_m
+            .iter()
+            .zip(values(e, 0.97, 1.03))
+            .map(|(l, s)| l * s)
+            .collect(),
+        bend_stiffness: values(t, 3e-3, 0.1),
+        bend_damping: values(t, 1e-5, 1e-3).iter().map(|x| x * damping).collect(),
+        rest_angles_rad: rest_angles_rad
+            .iter()
+            .zip(values(t, 0.9, 1.0))
+            .map(|(a, s)| a * s)
+            .collect(),
+        drag: damping * 0.5,
+        contact: Contact {
+            ground_restitution: 0.4,
+            ground_friction: 0.3,
+            object_restitution: 0.6,
+            object_friction: 0.2,
+            collision_distance_m: 0.6 * SPACING_M,
+            between_objects: options.contact,
+            within_object: options.contact,
+        },
+    }
+}
+
+/// A random start near the rest shape and random smooth paths of the control
+/// points: the initial state and the controls, shape [frames + 1, C, 3].
+pub fn random_motion(seed: u64, model: &Model, frames: usize) -> (State, Vec<Point>) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x006d_6f76_6500);
+    let mut around =
+        |size: f32| -> Point { std::array::from_fn(|_| size * (2.0 * rng.random::<f32>() - 1.0)) };
+    let sum = |a: Point, b: Point| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+    let graph = &model.graph;
+    let state = State {
+        positions: graph.rest_positions.iter().map(|p| sum(*p, around(0.1 * SPACING_M))).collect(),
+        velocities: graph.rest_positions.iter().map(|_| around(0.2)).collect(),
+    };
+    let paths: Vec<(Point, Point)> =
+        graph.control_rest.iter().map(|_| (around(0.002), around(0.01))).collect();
+    let controls = (0..=frames).flat_map(|f| {
+        let (f, paths) = (f as f32, &paths);
+        graph.control_rest.iter().zip(paths).map(move |(rest, (steady, swing))| {
+            let swing = swing.map(|s| s * (0.3 * f).sin());
+            sum(*rest, sum(steady.map(|s| s * f), swing))
+        })
+    });
+    let controls = controls.collect();
+    (state, controls)
+}
+
+/// A random objective over surface nodes with every kind of term.
+pub(super) fn random_objective(seed: u64, model: &Model, frames: usize) -> Objective {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x006c_6f73_7300);
+    let mut terms = Vec::new();
+    let surface = model.graph.surface_count();
+    for frame in 1..=frames {
+        let mut near = |node: u32| -> Point {
+            let at = model.graph.rest_positions[node as usize];
+            at.map(|x| x + 2.0 * SPACING_M * (rng.random::<f32>() - 0.5))
+        };
+        let nodes: Vec<u32> = (0..surface as u32).filter(|i| (i + frame as u32) % 3 != 0).collect();
+        let targets: Vec<Point> = nodes.iter().map(|&i| near(i)).collect();
+        let loss = match frame % 3 {
+            0 => PointLoss::Distance,
+            1 => PointLoss::SmoothL1 { beta_m: 0.02 },
+            _ => PointLoss::SquaredDistance,
+        };
+        let all = [
+            (0, 1.5, Term::Chamfer { targets: targets.clone() }),
+            (1, 0.7, Term::Track { nodes, targets, loss }),
+            (2, 0.3, Term::Acceleration),
+        ];
+        terms.extend(all.map(|(group, weight, term)| WeightedTerm { frame, weight, group, term }));
+    }
+    Objective {
+        groups: ["chamfer", "track", "acceleration"].map(str::to_owned).to_vec(),
+        terms: Arc::new(terms),
+    }
+}
+
+fn distance_squared(a: Point, b: Point) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}

@@ -1,0 +1,204 @@
+//! What a backend must refuse, with a typed error and never a panic.
+
+use std::sync::Arc;
+
+use bendtwin_core::{Pin, Plane};
+
+use super::{
+    expect::{Outcome, ensure},
+    random::{RandomOptions, random_model, random_motion, random_objective},
+    scene::Scene,
+};
+use crate::{
+    Backend, Error, Loaded, PointLoss, Term,
+    backend::{CancelToken, GradientRequest, Instance, Recording},
+    objective::WeightedTerm,
+};
+
+fn scene() -> Scene {
+    let options = RandomOptions { ground: true, ..RandomOptions::default() };
+    let model = random_model(3, &options);
+    let (state, controls) = random_motion(3, &model, 2);
+    let objective = random_objective(3, &model, 2);
+    let mut scene = Scene::around(model, state, controls, 2);
+    scene.objective = objective;
+    scene
+}
+
+/// A substep beyond the stability limit is refused with the number that would do and the node
+/// that needs it; that number then is accepted and runs finite. The limit of semi-implicit Euler is
+/// w dt < 2, so `needed` is at least the exact w dt / 2 and, as an estimate, at most 4 times that.
+pub(super) fn unstable_substeps_are_refused(backend: &dyn Backend) -> Outcome {
+    let spring = |stiffness: f32, dashpot: f32| {
+        let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.21, 0.0, 0.0]]);
+        scene.spring([0, 1], 1.0, 0.01);
+        scene.spring([1, 2], 1.0, 0.01);
+        scene.spring([2, 3], stiffness, dashpot);
+        scene.timing.fps = 30.0;
+        scene.timing.substeps = 5;
+        scene.last(30);
+        scene
+    };
+    // w² = (k/l0)(1/m1 + 1/m2) = 2e7; a dashpot alone needs gamma (1/m1 + 1/m2) dt < 2.
+    let stiff = (spring(1e5, 0.0), (2e7_f64).sqrt() / 2.0 / 30.0);
+    let viscous = (spring(1.0, 1e3), 2e3 / 2.0 / 30.0);
+    let mut bent = Scene::of(&[[0.0; 3], [0.01, 0.0, 0.0], [0.02, 0.0, 0.0]]);
+    bent.triplet([0, 1, 2], std::f32::consts::PI, 1.0, 0.0);
+    bent.timing = stiff.0.timing;
+    bent.last(30);
+    // theta = pi - (w0 - 2 w1 + w2)/h: w² = 6 k_theta / h².
+    let bent = (bent, (6.0_f64 / 1e-4).sqrt() / 2.0 / 30.0);
+    for (name, (mut scene, limit), nodes) in [
+        ("a stiff spring", stiff, 2..=3),
+        ("a strong dashpot", viscous, 2..=3),
+        ("a stiff triplet", bent, 0..=2),
+    ] {
+        let refused = backend.load(Arc::new(scene.model()));
+        let Err(Error::Unstable { substeps, needed, node }) = refused else {
+            return Err(format!("{name} at {} substeps: {refused:?}", scene.timing.substeps));
+        };
+        let plausible = f64::from(needed) >= limit && f64::from(needed) <= 4.0 * limit + 2.0;
+        ensure(substeps == 5 && plausible && nodes.contains(&node), || {
+            format!(
+                "{name}: needed {needed} (exact limit {limit:.1}), substeps {substeps}, node {node}"
+            )
+        })?;
+        scene.timing.substeps = needed;
+        scene.initial.velocities[0] = [0.01, 0.02, 0.0];
+        scene.end(backend).map_err(|e| format!("{name} at {needed} substeps: {e}"))?;
+    }
+    Ok(())
+}
+
+/// Every contradiction in a model is InvalidModel.
+pub(super) fn wrong_models_are_refused(backend: &dyn Backend) -> Outcome {
+    let breaks: [(&str, fn(&mut Scene)); 24] = [
+        ("a spring to nowhere", |s| s.graph.springs[0] = [0, 10_000]),
+        ("a spring to itself", |s| s.graph.springs[0] = [4, 4]),
+        ("a spring that starts at a control point", |s| {
+            s.graph.springs[0] = [s.graph.node_count() as u32, 0];
+        }),
+        ("a triplet to nowhere", |s| s.graph.triplets[0] = [0, 1, u32::MAX]),
+        ("a triplet with an arm twice", |s| s.graph.triplets[0] = [0, 1, 0]),
+        ("a mass of zero", |s| s.graph.masses[2] = 0.0),
+        ("a negative mass", |s| s.graph.masses[2] = -1.0),
+        ("a rest position that is no number", |s| s.graph.rest_positions[0][1] = f32::NAN),
+        ("too few kinds", |s| {
+            s.graph.kinds.pop();
+        }),
+        ("kinds out of order", |s| s.graph.kinds.reverse()),
+        ("a pin of no node", |s| s.graph.pins[0].node = 999),
+        ("a pin to no control point", |s| s.graph.pins[0].control = 999),
+        ("a node pinned twice", |s| {
+            let pin: Pin = s.graph.pins[0];
+            s.graph.pins.push(pin);
+        }),
+        ("a stiffness too few", |s| {
+            s.params.spring_stiffness.pop();
+        }),
+        ("a rest angle too many", |s| s.params.rest_angles_rad.push(1.0)),
+        ("a negative stiffness", |s| s.params.spring_stiffness[1] = -1.0),
+        ("a damping that is no number", |s| s.params.bend_damping[0] = f32::NAN),
+        ("an infinite dashpot", |s| s.params.spring_dashpot[0] = f32::INFINITY),
+        ("a restitution above one", |s| s.params.contact.ground_restitution = 1.5),
+        ("negative drag", |s| s.params.drag = -1.0),
+        ("gravity that is no number", |s| s.environment.gravity[0] = f32::NAN),
+        ("a ground without direction", |s| {
+            s.environment.ground = Some(Plane { normal: [0.0; 3], offset_m: 0.0 });
+        }),
+        ("no substeps", |s| s.timing.substeps = 0),
+        ("a frame rate that is no number", |s| s.timing.fps = f64::NAN),
+    ];
+    scene().load(backend)?;
+    for (what, break_it) in breaks {
+        let mut scene = scene();
+        break_it(&mut scene);
+        let got = backend.load(Arc::new(scene.model()));
+        ensure(matches!(got, Err(Error::InvalidModel(_))), || {
+            format!("{what}: {got:?}, expected InvalidModel")
+        })?;
+    }
+    Ok(())
+}
+
+/// What one call is asked to do.
+struct Request {
+    instance: Instance,
+    recording: Recording,
+}
+
+fn state(request: &mut Request) -> &mut crate::model::State {
+    Arc::make_mut(&mut request.instance.initial)
+}
+
+fn add_term(request: &mut Request, frame: usize, group: usize, term: Term) {
+    let terms = Arc::make_mut(&mut request.instance.objective.terms);
+    terms.push(WeightedTerm { frame, weight: 1.0, group, term });
+}
+
+fn track(nodes: Vec<u32>, targets: Vec<[f32; 3]>) -> Term {
+    Term::Track { nodes, targets, loss: PointLoss::Distance }
+}
+
+/// Every input that does not fit its model is InvalidInput, in all three calls (a wrong recording:
+/// in the one that records), and a good input after it still runs.
+pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
+    let breaks: [(&str, fn(&mut Request)); 17] = [
+        ("a position too few", |r| {
+            state(r).positions.pop();
+        }),
+        ("a velocity too many", |r| state(r).velocities.push([0.0; 3])),
+        ("no state at all", |r| *state(r) = Default::default()),
+        ("a position that is no number", |r| state(r).positions[3][0] = f32::NAN),
+        ("an infinite velocity", |r| state(r).velocities[3][0] = f32::INFINITY),
+        ("a control too few", |r| {
+            Arc::make_mut(&mut r.instance.controls).pop();
+        }),
+        ("no controls", |r| Arc::make_mut(&mut r.instance.controls).clear()),
+        ("more frames than controls", |r| r.instance.frames += 1),
+        ("a control that is no number", |r| {
+            Arc::make_mut(&mut r.instance.controls)[1][2] = f32::NAN;
+        }),
+        ("a term after the last frame", |r| add_term(r, 99, 0, Term::Acceleration)),
+        ("a term of no group", |r| add_term(r, 2, 7, Term::Acceleration)),
+        ("a track of no node", |r| add_term(r, 2, 0, track(vec![9999], vec![[0.0; 3]]))),
+        ("a track without targets", |r| add_term(r, 2, 0, track(vec![0, 1], vec![[0.0; 3]]))),
+        ("a target that is no number", |r| {
+            add_term(r, 2, 0, Term::Chamfer { targets: vec![[f32::NAN; 3]] });
+        }),
+        ("a weight that is no number", |r| {
+            add_term(r, 2, 0, Term::Acceleration);
+            if let Some(term) = Arc::make_mut(&mut r.instance.objective.terms).last_mut() {
+                term.weight = f32::NAN;
+            }
+        }),
+        ("a recording of no node", |r| r.recording.nodes = Some(Arc::new(vec![0, 9999]))),
+        ("a model of another backend", |r| {
+            let model = r.instance.model.model().clone();
+            r.instance.model = Loaded::new(model, Arc::new("not yours"));
+        }),
+    ];
+    let scene = scene();
+    let loaded = scene.load(backend)?;
+    let cancel = CancelToken::default();
+    for (what, break_it) in breaks {
+        let mut request =
+            Request { instance: scene.instance(loaded.clone()), recording: Recording::default() };
+        break_it(&mut request);
+        let records = request.recording != Recording::default();
+        let good = scene.instance(loaded.clone());
+        let batch = [good.clone(), request.instance];
+        let mut errors = vec![backend.roll_out(&batch, &request.recording, &cancel).err()];
+        if !records {
+            errors.push(backend.losses(&batch, &cancel).err());
+            errors.push(backend.gradients(&batch, &GradientRequest::default(), &cancel).err());
+        }
+        for error in errors {
+            ensure(matches!(error, Some(Error::InvalidInput(_))), || {
+                format!("{what}: {error:?}, expected InvalidInput")
+            })?;
+        }
+        backend.losses(&[good], &cancel).map_err(|e| format!("after {what}: {e}"))?;
+    }
+    Ok(())
+}

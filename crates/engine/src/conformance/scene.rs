@@ -1,0 +1,299 @@
+//! A small scene, written by hand: a model, how it starts, what drives it.
+
+use std::sync::Arc;
+
+use bendtwin_core::{
+    Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
+    environment::ControlVelocity,
+};
+
+use crate::{
+    Backend, Error, Loaded, Model, Objective,
+    backend::{CancelToken, Gradient, GradientRequest, Instance, Loss, Recording, Rollout},
+    build::{NodeSample, rest_geometry},
+    model::State,
+};
+
+/// Nodes of mass 1 in empty space: no gravity, ground, drag or contact until asked for.
+#[derive(Clone, Debug)]
+pub(super) struct Scene {
+    pub(super) graph: Graph,
+    pub(super) params: Params,
+    pub(super) environment: Environment,
+    pub(super) timing: Timing,
+    pub(super) control_velocity: ControlVelocity,
+    pub(super) initial: State,
+    /// Control points, shape [F + 1, C, 3].
+    pub(super) controls: Vec<Point>,
+    pub(super) frames: usize,
+    pub(super) objective: Objective,
+}
+
+impl Scene {
+    /// Nodes at rest at these positions; 100 frames a second, 20 substeps each.
+    pub(super) fn of(positions: &[Point]) -> Self {
+        let n = positions.len();
+        let graph = Graph {
+            rest_positions: positions.to_vec(),
+            kinds: vec![NodeKind::Observed; n],
+            masses: vec![1.0; n],
+            object_ids: vec![0; n],
+            observed_points: (0..n as u32).collect(),
+            ..Graph::default()
+        };
+        let contact =
+            Contact { between_objects: false, within_object: false, ..Contact::default() };
+        Self {
+            initial: State::rest(&graph),
+            graph,
+            params: Params { contact, ..Params::default() },
+            environment: Environment { gravity: [0.0; 3], ground: None },
+            timing: Timing { fps: 100.0, substeps: 20 },
+            control_velocity: ControlVelocity::True,
+            controls: Vec::new(),
+            frames: 1,
+            objective: Objective::default(),
+        }
+    }
+
+    /// A scene around a finished model.
+    pub(super) fn around(
+        model: Model,
+        initial: State,
+        controls: Vec<Point>,
+        frames: usize,
+    ) -> Self {
+        Self {
+            graph: (*model.graph).clone(),
+            params: model.params,
+            environment: model.environment,
+            timing: model.timing,
+            control_velocity: model.control_velocity,
+            initial,
+            controls,
+            frames,
+            objective: Objective::default(),
+        }
+    }
+
+    /// Adds a spring whose rest length is the rest positions' distance.
+    pub(super) fn spring(&mut self, ends: [u32; 2], stiffness: f32, dashpot: f32) {
+        let (a, b) = (self.graph.rest_endpoint(ends[0]), self.graph.rest_endpoint(ends[1]));
+        let squared: f32 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+        self.graph.springs.push(ends);
+        self.params.rest_lengths_m.push(squared.sqrt());
+        self.params.spring_stiffness.push(stiffness);
+        self.params.spring_dashpot.push(dashpot);
+    }
+
+    /// Adds a triplet with the given rest angle.
+    pub(super) fn triplet(
+        &mut self,
+        ends: [u32; 3],
+        rest_angle: f32,
+        stiffness: f32,
+        damping: f32,
+    ) {
+        self.graph.triplets.push(ends);
+        self.params.rest_angles_rad.push(rest_angle);
+        self.params.bend_stiffness.push(stiffness);
+        self.params.bend_damping.push(damping);
+    }
+
+    /// Adds a control point, resting where it is until driven; returns its endpoint.
+    pub(super) fn control(&mut self, at: Point) -> u32 {
+        self.graph.control_rest.push(at);
+        (self.graph.node_count() + self.graph.control_count() - 1) as u32
+    }
+
+    /// Pins a node to control point `control` at their present offset.
+    pub(super) fn pin(&mut self, node: u32, control: u32) {
+        let (x, c) =
+            (self.graph.rest_positions[node as usize], self.graph.control_rest[control as usize]);
+        let offset_m = [x[0] - c[0], x[1] - c[1], x[2] - c[2]];
+        self.graph.pins.push(Pin { node, control, offset_m });
+    }
+
+    /// Pins a node where it is.
+    pub(super) fn fix(&mut self, node: u32) {
+        let at = self.graph.rest_positions[node as usize];
+        let control = self.control(at) - self.graph.node_count() as u32;
+        self.pin(node, control);
+    }
+
+    /// Runs for `frames`, control points displaced by `path(frame)`.
+    pub(super) fn drive(&mut self, frames: usize, path: impl Fn(usize) -> Point) {
+        self.frames = frames;
+        self.controls = (0..=frames)
+            .flat_map(|f| {
+                let d = path(f);
+                self.graph.control_rest.iter().map(move |c| [c[0] + d[0], c[1] + d[1], c[2] + d[2]])
+            })
+            .collect();
+    }
+
+    /// Runs for `frames`, control points resting.
+    pub(super) fn last(&mut self, frames: usize) {
+        self.drive(frames, |_| [0.0; 3]);
+    }
+
+    pub(super) fn ground(&mut self, normal: Point, offset_m: f32, restitution: f32, friction: f32) {
+        self.environment.ground = Some(Plane { normal, offset_m });
+        self.params.contact.ground_restitution = restitution;
+        self.params.contact.ground_friction = friction;
+    }
+
+    /// Rest lengths and angles as the rest positions have them.
+    pub(super) fn relax(&mut self) {
+        let sample = NodeSample {
+            positions: self.graph.rest_positions.clone(),
+            kinds: self.graph.kinds.clone(),
+            observed_points: self.graph.observed_points.clone(),
+            object_ids: self.graph.object_ids.clone(),
+            control_rest: self.graph.control_rest.clone(),
+            pins: self.graph.pins.clone(),
+            edges: None,
+            rest_shape: None,
+            spacing_scale: 1.0,
+            left_out: Default::default(),
+        };
+        (self.params.rest_lengths_m, self.params.rest_angles_rad) =
+            rest_geometry(&self.graph, &sample);
+    }
+
+    pub(super) fn model(&self) -> Model {
+        Model {
+            graph: Arc::new(self.graph.clone()),
+            params: self.params.clone(),
+            environment: self.environment,
+            timing: self.timing,
+            control_velocity: self.control_velocity,
+        }
+    }
+
+    pub(super) fn load(&self, backend: &dyn Backend) -> Result<Loaded, String> {
+        backend.load(Arc::new(self.model())).map_err(|e| format!("load: {e}"))
+    }
+
+    /// Raises the substeps to what the backend asks for, where it refuses the present number.
+    pub(super) fn stabilise(&mut self, backend: &dyn Backend) -> Result<(), String> {
+        match backend.load(Arc::new(self.model())) {
+            Err(Error::Unstable { needed, .. }) => {
+                // Room for stretched states, which are stiffer than the rest shape.
+                self.timing.substeps = needed.saturating_mul(2);
+                self.load(backend).map(drop)
+            }
+            other => other.map(drop).map_err(|e| format!("load: {e}")),
+        }
+    }
+
+    pub(super) fn instance(&self, model: Loaded) -> Instance {
+        Instance {
+            model,
+            initial: Arc::new(self.initial.clone()),
+            controls: Arc::new(self.controls.clone()),
+            frames: self.frames,
+            objective: self.objective.clone(),
+        }
+    }
+
+    /// Rolls out alone: every frame, the initial one too, final state and diagnostics.
+    pub(super) fn roll_out(&self, backend: &dyn Backend) -> Result<Rollout, String> {
+        let recording = Recording {
+            every: 1,
+            initial: true,
+            nodes: None,
+            final_state: true,
+            diagnostics: true,
+        };
+        let rollout = self.roll_out_raw(backend, &recording)?;
+        match rollout.diverged {
+            None => Ok(rollout),
+            Some(d) => Err(format!("diverged in frame {} at node {}", d.frame, d.node)),
+        }
+    }
+
+    pub(super) fn roll_out_raw(
+        &self,
+        backend: &dyn Backend,
+        recording: &Recording,
+    ) -> Result<Rollout, String> {
+        let batch = [self.instance(self.load(backend)?)];
+        let rollouts = backend.roll_out(&batch, recording, &CancelToken::default());
+        only(rollouts.map_err(|e| format!("roll_out: {e}"))?)
+    }
+
+    /// State after the last frame.
+    pub(super) fn end(&self, backend: &dyn Backend) -> Result<State, String> {
+        self.roll_out(backend)?.final_state.ok_or_else(|| "no final state came back".to_owned())
+    }
+
+    /// States after each frame, the initial one first. Restarts every frame, as velocities are
+    /// returned for the last frame only.
+    pub(super) fn states(&self, backend: &dyn Backend) -> Result<Vec<State>, String> {
+        let recording = Recording { final_state: true, ..Recording::default() };
+        let loaded = self.load(backend)?;
+        let c = self.graph.control_count();
+        let mut states = vec![self.initial.clone()];
+        for frame in 0..self.frames {
+            let mut step = self.instance(loaded.clone());
+            step.frames = 1;
+            step.objective = Objective::default();
+            step.controls = Arc::new(self.controls[frame * c..(frame + 2) * c].to_vec());
+            step.initial = Arc::new(states[frame].clone());
+            let rollouts = backend.roll_out(&[step], &recording, &CancelToken::default());
+            let rollout = only(rollouts.map_err(|e| format!("roll_out: {e}"))?)?;
+            match (rollout.final_state, rollout.diverged) {
+                (Some(state), None) => states.push(state),
+                (_, diverged) => return Err(format!("frame {}: {diverged:?}", frame + 1)),
+            }
+        }
+        Ok(states)
+    }
+
+    pub(super) fn loss(&self, backend: &dyn Backend) -> Result<Loss, String> {
+        let batch = [self.instance(self.load(backend)?)];
+        only(backend.losses(&batch, &CancelToken::default()).map_err(|e| format!("losses: {e}"))?)
+    }
+
+    pub(super) fn gradient(
+        &self,
+        backend: &dyn Backend,
+        request: &GradientRequest,
+    ) -> Result<Gradient, String> {
+        let batch = [self.instance(self.load(backend)?)];
+        let gradients = backend.gradients(&batch, request, &CancelToken::default());
+        only(gradients.map_err(|e| format!("gradients: {e}"))?)
+    }
+
+    pub(super) fn dt(&self) -> f64 {
+        self.timing.dt_s()
+    }
+}
+
+/// The one result of a batch of one.
+pub(super) fn only<T>(results: Vec<T>) -> Result<T, String> {
+    let count = results.len();
+    let mut results = results.into_iter();
+    match (results.next(), results.next()) {
+        (Some(one), None) => Ok(one),
+        _ => Err(format!("{count} results for a batch of one")),
+    }
+}
+
+/// `a - b` in double precision.
+pub(super) fn difference(a: Point, b: Point) -> [f64; 3] {
+    [0, 1, 2].map(|i| f64::from(a[i]) - f64::from(b[i]))
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(super) fn norm(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}

@@ -1,0 +1,5 @@
+//! The conformance suite on the CPU backend, a test line per case.
+
+use bendtwin_engine::CpuBackend;
+
+bendtwin_engine::conformance_tests!(CpuBackend::new(2));
