@@ -1,14 +1,18 @@
 //! The CPU backend, the definition of correct. Rayon runs the instances of a batch side by side (so results
 //! do not depend on the number of threads), SIMD runs within each.
 
+mod adjoint;
 pub(crate) mod bend;
 pub(crate) mod check;
 mod contact;
 mod control;
 mod diagnostics;
+pub(crate) mod gradient;
 mod ground;
 mod impulse;
 mod integrate;
+#[cfg(test)]
+mod jacobian;
 pub(crate) mod lanes;
 mod loss;
 mod nearest;
@@ -24,7 +28,7 @@ use bendtwin_core::Params;
 use rayon::prelude::*;
 
 use self::{
-    diagnostics::Observer,
+    diagnostics::{Observer, point, state_of},
     parameters::Parameters,
     real::quad,
     rollout::{Case, Scorer, nodes_of},
@@ -63,9 +67,8 @@ impl CpuBackend {
     /// On so many threads (at least one).
     pub fn new(threads: usize) -> Self {
         let named = |i: usize| format!("bendtwin-cpu-{i}");
-        let build = |n: usize| {
-            rayon::ThreadPoolBuilder::new().num_threads(n).thread_name(named).build()
-        };
+        let build =
+            |n: usize| rayon::ThreadPoolBuilder::new().num_threads(n).thread_name(named).build();
         // A machine that cannot give us threads still has the caller's own.
         let pool = build(threads.max(1)).or_else(|_| {
             rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build()
@@ -157,11 +160,22 @@ impl Backend for CpuBackend {
 
     fn gradients(
         &self,
-        _batch: &[Instance],
-        _request: &GradientRequest,
-        _cancel: &CancelToken,
+        batch: &[Instance],
+        request: &GradientRequest,
+        cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
-        Err(Error::Device("gradients follow".into()))
+        self.each(batch, |case| {
+            let g = gradient::gradient(case, request.cut_every, cancel)?;
+            let diverged = g.loss.diverged.is_some();
+            let controls = g.controls.into_iter().map(point);
+            Ok(Gradient {
+                loss: g.loss,
+                params: g.parameters.into_gradient(),
+                controls: if request.controls { controls.collect() } else { Vec::new() },
+                initial: request.initial.then(|| state_of(&g.initial)),
+                final_state: (request.final_state && !diverged).then(|| state_of(&g.last)),
+            })
+        })
     }
 }
 

@@ -3,12 +3,13 @@
 //! that every backend must pass. Knows no network, no files, no optimiser.
 
 pub mod backend;
-mod cpu;
-mod energy;
 pub mod build;
 pub mod conformance;
+mod cpu;
+mod energy;
 pub mod model;
 pub mod objective;
+pub mod reference;
 
 pub use backend::{Backend, Device, Error, Loaded};
 pub use cpu::{CpuBackend, cpu, cpu_with_threads};

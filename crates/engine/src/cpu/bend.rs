@@ -55,11 +55,8 @@ pub(crate) struct TripletGradient<T> {
 }
 
 impl<T: Real> TripletGradient<T> {
-    pub(crate) const ZERO: Self = Self {
-        stiffness: [T::ZERO; LANES],
-        damping: [T::ZERO; LANES],
-        rest: [T::ZERO; LANES],
-    };
+    pub(crate) const ZERO: Self =
+        Self { stiffness: [T::ZERO; LANES], damping: [T::ZERO; LANES], rest: [T::ZERO; LANES] };
 }
 
 /// pi - theta0, exactly zero where theta0 is pi.
@@ -97,8 +94,7 @@ fn bent<T: Real>(u: [T; 3], w: [T; 3], rest_bend: T) -> Bent<T> {
     let n = v3::cross(u, w);
     let m2 = v3::dot(n, n);
     let cosine = v3::dot(u, w);
-    let regular =
-        armed & (m2 * inverse_u2 * inverse_w2 >= T::from_f64(MIN_SINE * MIN_SINE));
+    let regular = armed & (m2 * inverse_u2 * inverse_w2 >= T::from_f64(MIN_SINE * MIN_SINE));
     let straight = armed & !regular & (rest_bend == T::ZERO) & (cosine < T::ZERO);
     let m = m2.sqrt();
     Bent {
@@ -131,8 +127,7 @@ pub(crate) fn bend_forces<T: Real>(
             let rate = v3::dot(t.a_u, lanes::at(&u_dot, l)) + v3::dot(t.a_w, lanes::at(&w_dot, l));
             let elastic = if t.straight { T::ONE / t.cosine } else { t.deviation * t.inverse_m };
             let damping = (b.damping[l] * rate * t.inverse_m * t.inverse_m).only_if(t.regular);
-            let magnitude =
-                -(b.stiffness[l] * elastic.only_if(t.regular | t.straight) + damping);
+            let magnitude = -(b.stiffness[l] * elastic.only_if(t.regular | t.straight) + damping);
             for c in 0..3 {
                 f_i[c][l] = magnitude * t.a_u[c];
                 f_k[c][l] = magnitude * t.a_w[c];
@@ -268,3 +263,6 @@ pub(crate) fn deviation<T: Real>(u: [T; 3], w: [T; 3], rest_bend: T) -> T {
     let t = bent(u, w, rest_bend);
     t.deviation.only_if(t.inverse_u2 > T::ZERO)
 }
+
+#[cfg(test)]
+mod tests;

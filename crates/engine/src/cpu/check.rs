@@ -5,7 +5,7 @@ use bendtwin_core::Point;
 use crate::{
     Model,
     backend::{Error, Instance, Recording},
-    objective::{PointLoss, Term, WeightedTerm},
+    objective::{Objective, PointLoss, Term, WeightedTerm},
 };
 
 /// Checks a model's graph, parameters, timing and environment.
@@ -62,11 +62,14 @@ pub(crate) fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
     if !finite(&instance.controls) {
         return wrong("a control position is not finite".into());
     }
-    let groups = instance.objective.groups.len();
-    for (t, weighted) in instance.objective.terms.iter().enumerate() {
-        if let Err(what) = term(weighted, instance.frames, groups, n) {
-            return wrong(format!("objective term {t}: {what}"));
-        }
+    objective(&instance.objective, instance.frames, n).or_else(wrong)
+}
+
+/// Checks an objective of a rollout of so many frames and nodes.
+pub(crate) fn objective(objective: &Objective, frames: usize, nodes: usize) -> Result<(), String> {
+    let groups = objective.groups.len();
+    for (t, weighted) in objective.terms.iter().enumerate() {
+        term(weighted, frames, groups, nodes).map_err(|e| format!("objective term {t}: {e}"))?;
     }
     Ok(())
 }

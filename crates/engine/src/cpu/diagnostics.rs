@@ -39,7 +39,8 @@ impl<'a, T: Real> Observer<'a, T> {
     pub(crate) fn see(&mut self, frame: usize, endpoints: &[Node<T>]) {
         let nodes = &endpoints[..self.system.nodes];
         let every = self.recording.every;
-        let wanted = if frame == 0 { self.recording.initial } else { every > 0 && frame % every == 0 };
+        let wanted =
+            if frame == 0 { self.recording.initial } else { every > 0 && frame % every == 0 };
         if wanted {
             self.rollout.frames.push(frame);
             let positions = &mut self.rollout.positions;
@@ -68,9 +69,8 @@ impl<'a, T: Real> Observer<'a, T> {
             self.sanity.kinetic_energy = narrow(energy.kinetic);
             self.sanity.elastic_energy = narrow(energy.elastic);
             if let Some(g) = &self.system.ground {
-                let on_ground = |n: &&Node<T>| {
-                    (dot(g.normal, n.x) - g.offset).to_f64() < ON_GROUND_M
-                };
+                let on_ground =
+                    |n: &&Node<T>| (dot(g.normal, n.x) - g.offset).to_f64() < ON_GROUND_M;
                 self.sanity.ground_contacts = nodes.iter().filter(on_ground).count() as u32;
             }
         }
@@ -89,7 +89,8 @@ impl<'a, T: Real> Observer<'a, T> {
     }
 }
 
-fn point<T: Real>(x: [T; 4]) -> [f32; 3] {
+/// To a client's point.
+pub(crate) fn point<T: Real>(x: [T; 4]) -> [f32; 3] {
     [narrow(x[0]), narrow(x[1]), narrow(x[2])]
 }
 

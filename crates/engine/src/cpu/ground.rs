@@ -20,8 +20,7 @@ fn height<T: Real>(ground: &Ground<T>, x: Quad<T>) -> T {
 /// Whether a node hits the ground in a substep that would end at `next`.
 #[inline(always)]
 fn hits<T: Real>(ground: &Ground<T>, v: Quad<T>, next: Quad<T>) -> bool {
-    (height(ground, next) < T::ZERO)
-        & (dot(ground.normal, v) < -T::from_f64(MIN_APPROACH_M_S))
+    (height(ground, next) < T::ZERO) & (dot(ground.normal, v) < -T::from_f64(MIN_APPROACH_M_S))
 }
 
 /// The node after a substep that it starts at `x` with velocity `v`.
@@ -64,7 +63,8 @@ pub(crate) fn advance_adjoint<T: Real>(
     let change = impact(law, v, n);
     let tau = impact_time(ground, dt, x, v);
     let after_bar = add_scaled(bar.v, dt - tau, bar.x);
-    let ImpactAdjoint { v: v_bar, restitution, friction, .. } = impact_adjoint(law, v, n, after_bar);
+    let ImpactAdjoint { v: v_bar, restitution, friction, .. } =
+        impact_adjoint(law, v, n, after_bar);
     law_bar.restitution += restitution;
     law_bar.friction += friction;
     let mut out = Node { x: bar.x, v: add(add(v_bar, after_bar), scale(bar.x, tau)) };

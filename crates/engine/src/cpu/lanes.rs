@@ -33,11 +33,7 @@ pub(crate) fn zero3<T: Real>() -> Lane3<T> {
 
 /// Positions and velocities of `b` relative to `a`.
 #[inline(always)]
-pub(crate) fn relative<T: Real>(
-    nodes: &[Node<T>],
-    a: &Index,
-    b: &Index,
-) -> (Lane3<T>, Lane3<T>) {
+pub(crate) fn relative<T: Real>(nodes: &[Node<T>], a: &Index, b: &Index) -> (Lane3<T>, Lane3<T>) {
     let (mut x, mut v) = (zero3(), zero3());
     for l in 0..LANES {
         let (a, b) = (&nodes[a[l] as usize], &nodes[b[l] as usize]);
@@ -82,10 +78,6 @@ pub(crate) mod v3 {
     #[inline(always)]
     pub(crate) fn add<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
         [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-    }
-    #[inline(always)]
-    pub(crate) fn sub<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-        [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
     }
     #[inline(always)]
     pub(crate) fn scale<T: Real>(a: [T; 3], s: T) -> [T; 3] {

@@ -110,7 +110,8 @@ fn value<T: Real>(term: &Term, at: Moment<'_, T>) -> f64 {
         }
         Term::Acceleration => {
             let Some([one, two]) = at.earlier else { return 0.0 };
-            let sum: f64 = (0..at.now.len()).map(|i| square(second_difference(at.now, one, two, i))).sum();
+            let sum: f64 =
+                (0..at.now.len()).map(|i| square(second_difference(at.now, one, two, i))).sum();
             sum * mean_over(at.now.len())
         }
     }
@@ -163,7 +164,13 @@ fn point_gradient<T: Real>(loss: PointLoss, d: Quad<T>) -> Quad<T> {
             let beta = f64::from(beta_m);
             d.map(|x| {
                 let x = x.to_f64();
-                let slope = if x.abs() < beta { x / beta } else if x == 0.0 { 0.0 } else { x.signum() };
+                let slope = if x.abs() < beta {
+                    x / beta
+                } else if x == 0.0 {
+                    0.0
+                } else {
+                    x.signum()
+                };
                 T::from_f64(slope / 3.0)
             })
         }

@@ -31,6 +31,8 @@ pub struct Parameters<T> {
     pub object_friction: T,
 }
 
+// The scalars are f32 and f64; nobody outside needs the trait that says so.
+#[allow(private_bounds)]
 impl<T: Real> Parameters<T> {
     /// The same numbers in another scalar.
     pub(crate) fn from_params(p: &Params) -> Self {

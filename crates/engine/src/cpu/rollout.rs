@@ -128,6 +128,7 @@ impl<'a, T: Real> Scorer<'a, T> {
 /// The initial state and every frame's end.
 pub(crate) fn losses<T: Real>(case: &Case<'_, T>, cancel: &CancelToken) -> Result<Loss, Error> {
     let mut scorer = Scorer::new(case.objective, case.system.surface);
-    let diverged = case.run(cancel, |frame, nodes| scorer.see(frame, &nodes[..case.system.nodes]))?;
+    let diverged =
+        case.run(cancel, |frame, nodes| scorer.see(frame, &nodes[..case.system.nodes]))?;
     Ok(scorer.finish(diverged))
 }

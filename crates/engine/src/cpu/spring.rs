@@ -44,11 +44,8 @@ pub(crate) struct SpringGradient<T> {
 }
 
 impl<T: Real> SpringGradient<T> {
-    pub(crate) const ZERO: Self = Self {
-        stiffness: [T::ZERO; LANES],
-        dashpot: [T::ZERO; LANES],
-        rest: [T::ZERO; LANES],
-    };
+    pub(crate) const ZERO: Self =
+        Self { stiffness: [T::ZERO; LANES], dashpot: [T::ZERO; LANES], rest: [T::ZERO; LANES] };
 }
 
 /// Length and its inverse; the inverse of (almost) nothing is zero.
@@ -143,3 +140,6 @@ pub(crate) fn spring_adjoint<T: Real>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

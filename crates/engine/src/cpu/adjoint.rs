@@ -1,0 +1,173 @@
+//! One frame backward: the adjoint of [`super::integrate`], substep by substep
+//! from the tape, in exactly the reverse order.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::{
+    bend::{TripletGradient, bend_adjoint},
+    contact::{collide, collide_adjoint},
+    control::{FrameControls, FrameControlsAdjoint},
+    ground::advance_adjoint,
+    impulse::Law,
+    integrate::{Tape, Workspace, ground_law, run_frame},
+    lanes::{LANES, Node},
+    parameters::Parameters,
+    real::{Quad, Real, add_scaled, dot, scale},
+    spring::{SpringGradient, spring_adjoint},
+    system::System,
+};
+
+/// d loss / d everything, as far back as the frames gone through.
+#[derive(Debug)]
+pub(crate) struct Adjoint<T> {
+    /// Of the state, shape [N + C]; control points' are zero between substeps.
+    pub(crate) bar: Vec<Node<T>>,
+    /// Of the frame's controls.
+    pub(crate) controls: FrameControlsAdjoint<T>,
+    /// Of the forces, shape [N + C]; zero for control points.
+    lambda: Vec<Quad<T>>,
+    springs: Vec<SpringGradient<T>>,
+    triplets: Vec<TripletGradient<T>>,
+    drag: T,
+    ground: Law<T>,
+    object: Law<T>,
+    tape: Tape<T>,
+}
+
+impl<T: Real> Adjoint<T> {
+    pub(crate) fn zero(system: &System<T>) -> Self {
+        let law = Law { restitution: T::ZERO, friction: T::ZERO };
+        Self {
+            bar: vec![Node::default(); system.endpoints()],
+            controls: FrameControlsAdjoint::zero(system.controls),
+            lambda: vec![[T::ZERO; 4]; system.endpoints()],
+            springs: vec![SpringGradient::ZERO; system.springs.len()],
+            triplets: vec![TripletGradient::ZERO; system.triplets.len()],
+            drag: T::ZERO,
+            ground: law,
+            object: law,
+            tape: Tape::default(),
+        }
+    }
+
+    /// Runs a frame again from the workspace's state, which starts it, and then backward: turns the
+    /// adjoint of the state at its end into that at its start.
+    pub(crate) fn back_frame(
+        &mut self,
+        system: &System<T>,
+        controls: FrameControls<'_, T>,
+        workspace: &mut Workspace<T>,
+    ) {
+        run_frame(system, controls, workspace, Some(&mut self.tape));
+        self.controls.clear();
+        Arch::new().dispatch(BackFrame { system, workspace, adjoint: self });
+        self.controls.begin(system, &mut self.bar);
+    }
+
+    /// The gradient by parameter, elements in the graph's order.
+    pub(crate) fn parameters(&self, system: &System<T>) -> Parameters<T> {
+        let p = &system.parameters;
+        let mut out = Parameters::zero(p.spring_stiffness.len(), p.bend_stiffness.len());
+        for (b, g) in self.springs.iter().enumerate() {
+            for l in 0..LANES {
+                let Some(s) = system.spring_at(b, l) else { break };
+                out.spring_stiffness[s] = g.stiffness[l];
+                out.spring_dashpot[s] = g.dashpot[l];
+                out.rest_lengths_m[s] = g.rest[l];
+            }
+        }
+        for (b, g) in self.triplets.iter().enumerate() {
+            for l in 0..LANES {
+                let Some(t) = system.triplet_at(b, l) else { break };
+                out.bend_stiffness[t] = g.stiffness[l];
+                out.bend_damping[t] = g.damping[l];
+                out.rest_angles_rad[t] = g.rest[l];
+            }
+        }
+        out.drag = self.drag;
+        out.ground_restitution = self.ground.restitution;
+        out.ground_friction = self.ground.friction;
+        out.object_restitution = self.object.restitution;
+        out.object_friction = self.object.friction;
+        out
+    }
+}
+
+struct BackFrame<'a, T> {
+    system: &'a System<T>,
+    workspace: &'a mut Workspace<T>,
+    adjoint: &'a mut Adjoint<T>,
+}
+
+impl<T: Real> WithSimd for BackFrame<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { system, workspace: w, adjoint: a } = self;
+        let (e, n) = (system.endpoints(), system.nodes);
+        for substep in (0..system.substeps).rev() {
+            let nodes = &a.tape.nodes[substep * e..(substep + 1) * e];
+            let before = &a.tape.before[substep * n..(substep + 1) * n];
+            a.controls.pin_nodes(system, substep, &mut a.bar);
+            if w.candidates.is_empty() {
+                travel_adjoint(system, nodes, before, &mut a.bar, &mut a.ground);
+            } else {
+                collide(system, &w.candidates, nodes, before, &mut w.after);
+                travel_adjoint(system, nodes, &w.after, &mut a.bar, &mut a.ground);
+                let (bar, scratch) = (&mut a.bar, &mut w.after);
+                let law_bar = &mut a.object;
+                collide_adjoint(system, &w.candidates, nodes, before, bar, scratch, law_bar);
+            }
+            a.controls.pin_velocities(system, &mut a.bar);
+            a.drag += accelerate_adjoint(system, before, &mut a.bar, &mut a.lambda);
+            spring_adjoint(&system.springs, nodes, &a.lambda, &mut a.bar, &mut a.springs);
+            bend_adjoint(&system.triplets, nodes, &a.lambda, &mut a.bar, &mut a.triplets);
+            a.controls.place(system, substep, &mut a.bar);
+        }
+    }
+}
+
+/// Adjoint of `travel`, from the end of the substep to velocities after contact between nodes.
+#[inline(always)]
+fn travel_adjoint<T: Real>(
+    system: &System<T>,
+    nodes: &[Node<T>],
+    velocities: &[Quad<T>],
+    bar: &mut [Node<T>],
+    law_bar: &mut Law<T>,
+) {
+    let moving = nodes.iter().zip(velocities).zip(bar);
+    match &system.ground {
+        None => {
+            for (_, bar) in moving {
+                bar.v = add_scaled(bar.v, system.dt, bar.x);
+            }
+        }
+        Some(ground) => {
+            let law = ground_law(system);
+            for ((node, &v), bar) in moving {
+                *bar = advance_adjoint(ground, law, system.dt, (node.x, v), *bar, law_bar);
+            }
+        }
+    }
+}
+
+/// Adjoint of `accelerate`: velocities before contact to velocities before the substep, and
+/// forces; gives d loss / d drag.
+#[inline(always)]
+fn accelerate_adjoint<T: Real>(
+    system: &System<T>,
+    before: &[Quad<T>],
+    bar: &mut [Node<T>],
+    lambda: &mut [Quad<T>],
+) -> T {
+    let mut decay = T::ZERO;
+    let per_node = before.iter().zip(bar).zip(lambda).zip(&system.inverse_mass);
+    for (((&v, bar), lambda), &inverse_mass) in per_node {
+        decay += dot(bar.v, v);
+        bar.v = scale(bar.v, system.decay);
+        *lambda = scale(bar.v, inverse_mass * system.dt);
+    }
+    -(decay * system.dt)
+}

@@ -1,0 +1,127 @@
+//! Loss and gradient of one instance: forward with a checkpoint at every frame,
+//! then backward frame by frame, each run again with its substeps on tape. Memory is the frame-end states plus
+//! one frame's tape.
+
+use super::{
+    adjoint::Adjoint,
+    lanes::Node,
+    loss::{Moment, Terms},
+    parameters::Parameters,
+    real::{Quad, Real, add},
+    rollout::{Case, Scorer},
+};
+use crate::backend::{CancelToken, Error, Loss};
+
+/// Loss and gradient in the simulation's scalar.
+#[derive(Debug)]
+pub(crate) struct Sensitivity<T> {
+    pub(crate) loss: Loss,
+    pub(crate) parameters: Parameters<T>,
+    /// Shape [F + 1, C].
+    pub(crate) controls: Vec<Quad<T>>,
+    /// Shape [N].
+    pub(crate) initial: Vec<Node<T>>,
+    /// State after the last frame, shape [N]; the last good one if it diverged.
+    pub(crate) last: Vec<Node<T>>,
+}
+
+/// Loss and gradient; `cut_every` as in [`crate::backend::GradientRequest`].
+pub(crate) fn gradient<T: Real>(
+    case: &Case<'_, T>,
+    cut_every: usize,
+    cancel: &CancelToken,
+) -> Result<Sensitivity<T>, Error> {
+    let system = case.system;
+    let n = system.nodes;
+    let mut scorer = Scorer::new(case.objective, system.surface);
+    let mut states: Vec<Vec<Node<T>>> = Vec::with_capacity(case.frames + 1);
+    let diverged = case.run(cancel, |frame, endpoints| {
+        scorer.see(frame, &endpoints[..n]);
+        states.push(endpoints[..n].to_vec());
+    })?;
+    let loss = scorer.finish(diverged);
+    let mut adjoint = Adjoint::zero(system);
+    let mut controls = vec![[T::ZERO; 4]; case.controls.len()];
+    if diverged.is_none() {
+        let mut backward = Backward { case, states: &states, terms: Terms::new(case.objective) };
+        backward.run(&mut adjoint, &mut controls, cut_every, cancel)?;
+    }
+    let parameters = adjoint.parameters(system);
+    adjoint.bar.truncate(n);
+    let last = states.pop().unwrap_or_default();
+    Ok(Sensitivity { loss, parameters, controls, initial: adjoint.bar, last })
+}
+
+struct Backward<'a, T> {
+    case: &'a Case<'a, T>,
+    /// Frame-end states, shape [F + 1, N].
+    states: &'a [Vec<Node<T>>],
+    terms: Terms<'a>,
+}
+
+impl<T: Real> Backward<'_, T> {
+    fn run(
+        &mut self,
+        adjoint: &mut Adjoint<T>,
+        controls: &mut [Quad<T>],
+        cut_every: usize,
+        cancel: &CancelToken,
+    ) -> Result<(), Error> {
+        let (case, c) = (self.case, self.case.system.controls);
+        let mut workspace = case.start();
+        for frame in (0..=case.frames).rev() {
+            self.add_later_terms(frame, &mut adjoint.bar);
+            if cut_every > 0 && frame % cut_every == 0 {
+                adjoint.bar.fill(Node::default());
+            }
+            if let Some(moment) = self.moment(frame) {
+                self.terms.add_gradient(frame, moment, &mut adjoint.bar);
+            }
+            if frame == 0 {
+                break;
+            }
+            if cancel.is_cancelled() {
+                return Err(Error::Cancelled);
+            }
+            workspace.nodes[..case.system.nodes].copy_from_slice(&self.states[frame - 1]);
+            adjoint.back_frame(case.system, case.controls_of(frame - 1), &mut workspace);
+            accumulate(&mut controls[(frame - 1) * c..frame * c], &adjoint.controls.from);
+            accumulate(&mut controls[frame * c..(frame + 1) * c], &adjoint.controls.to);
+        }
+        // Pinned nodes were put onto their control points before frame 0 was measured.
+        adjoint.controls.clear();
+        adjoint.controls.begin(case.system, &mut adjoint.bar);
+        accumulate(&mut controls[..c], &adjoint.controls.from);
+        if case.frames > 0 {
+            accumulate(&mut controls[c..2 * c], &adjoint.controls.to);
+        }
+        Ok(())
+    }
+
+    fn moment(&self, frame: usize) -> Option<Moment<'_, T>> {
+        let now = self.states.get(frame)?;
+        let earlier = match frame.checked_sub(2) {
+            Some(two) => Some([&*self.states[frame - 1], &*self.states[two]]),
+            None => None,
+        };
+        Some(Moment { now, earlier, surface: self.case.system.surface })
+    }
+
+    /// Terms of the next two frames that look back at this one.
+    fn add_later_terms(&self, frame: usize, bar: &mut [Node<T>]) {
+        if !self.terms.look_back() {
+            return;
+        }
+        for back in [1, 2] {
+            if let Some(moment) = self.moment(frame + back) {
+                self.terms.add_gradient_back(frame + back, back, moment, bar);
+            }
+        }
+    }
+}
+
+fn accumulate<T: Real>(into: &mut [Quad<T>], from: &[Quad<T>]) {
+    for (a, b) in into.iter_mut().zip(from) {
+        *a = add(*a, *b);
+    }
+}

@@ -1,0 +1,159 @@
+//! The same simulation in `f64`, with parameters in `f64`: what other results are
+//! compared with, and what finite differences perturb.
+
+pub use crate::cpu::parameters::Parameters;
+use crate::{
+    Model, Objective,
+    backend::{CancelToken, Error, Loss},
+    cpu::{
+        check,
+        gradient::gradient,
+        lanes::Node,
+        real::Quad,
+        rollout::{Case, losses},
+        system::{Layout, System},
+    },
+};
+
+/// A point or vector in double precision.
+pub type Point64 = [f64; 3];
+
+/// One simulation in double precision. Fields may be changed at will; lengths must stay as they are.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    model: Model,
+    /// Parameters; start as the model's.
+    pub parameters: Parameters<f64>,
+    /// Initial positions [m], shape [N, 3]; start at rest.
+    pub positions: Vec<Point64>,
+    /// Initial velocities [m/s], shape [N, 3]; start at zero.
+    pub velocities: Vec<Point64>,
+    /// Control positions at frame boundaries [m], shape [F + 1, C, 3]; start at rest.
+    pub controls: Vec<Point64>,
+    frames: usize,
+}
+
+/// Loss and gradient in double precision.
+#[derive(Clone, Debug)]
+pub struct ReferenceGradient {
+    /// The loss.
+    pub loss: Loss,
+    /// By parameter.
+    pub parameters: Parameters<f64>,
+    /// By initial position, shape [N, 3].
+    pub positions: Vec<Point64>,
+    /// By initial velocity, shape [N, 3].
+    pub velocities: Vec<Point64>,
+    /// By control position, shape [F + 1, C, 3].
+    pub controls: Vec<Point64>,
+}
+
+impl Reference {
+    /// A model at rest, to be run for so many frames.
+    ///
+    /// # Errors
+    /// If the model contradicts itself.
+    pub fn new(model: &Model, frames: usize) -> Result<Self, Error> {
+        check::model(model)?;
+        let wide = |p: &[f32; 3]| p.map(f64::from);
+        let rest: Vec<Point64> = model.graph.rest_positions.iter().map(wide).collect();
+        let held: Vec<Point64> = model.graph.control_rest.iter().map(wide).collect();
+        Ok(Self {
+            parameters: Parameters::from_params(&model.params),
+            velocities: vec![[0.0; 3]; rest.len()],
+            positions: rest,
+            controls: held.repeat(frames + 1),
+            model: model.clone(),
+            frames,
+        })
+    }
+
+    /// Positions and velocities at every frame's end, the initial state first, shape [F + 1, N, 3] each; fewer
+    /// frames if it diverges.
+    ///
+    /// # Errors
+    /// If a length or the objective does not fit.
+    pub fn roll_out(&self) -> Result<Vec<(Vec<Point64>, Vec<Point64>)>, Error> {
+        let objective = Objective::default();
+        let mut states = Vec::new();
+        self.with_case(&objective, |case| {
+            case.run(&CancelToken::default(), |_, endpoints| {
+                let nodes = &endpoints[..case.system.nodes];
+                states.push((
+                    nodes.iter().map(|n| point(n.x)).collect(),
+                    nodes.iter().map(|n| point(n.v)).collect(),
+                ));
+            })
+        })?;
+        Ok(states)
+    }
+
+    /// The loss.
+    ///
+    /// # Errors
+    /// If a length or the objective does not fit.
+    pub fn loss(&self, objective: &Objective) -> Result<Loss, Error> {
+        self.with_case(objective, |case| losses(case, &CancelToken::default()))
+    }
+
+    /// Loss and gradient, `cut_every` as in [`crate::backend::GradientRequest`].
+    ///
+    /// # Errors
+    /// If a length or the objective does not fit.
+    pub fn gradient(
+        &self,
+        objective: &Objective,
+        cut_every: usize,
+    ) -> Result<ReferenceGradient, Error> {
+        let g =
+            self.with_case(objective, |case| gradient(case, cut_every, &CancelToken::default()))?;
+        Ok(ReferenceGradient {
+            loss: g.loss,
+            parameters: g.parameters,
+            positions: g.initial.iter().map(|n| point(n.x)).collect(),
+            velocities: g.initial.iter().map(|n| point(n.v)).collect(),
+            controls: g.controls.into_iter().map(point).collect(),
+        })
+    }
+
+    fn with_case<R>(
+        &self,
+        objective: &Objective,
+        work: impl FnOnce(&Case<'_, f64>) -> Result<R, Error>,
+    ) -> Result<R, Error> {
+        let graph = &self.model.graph;
+        let (n, c, p) = (graph.node_count(), graph.control_count(), &self.parameters);
+        let (e, t) = (graph.springs.len(), graph.triplets.len());
+        let springs = [&p.spring_stiffness, &p.spring_dashpot, &p.rest_lengths_m];
+        let triplets = [&p.bend_stiffness, &p.bend_damping, &p.rest_angles_rad];
+        let fits = self.positions.len() == n
+            && self.velocities.len() == n
+            && self.controls.len() == (self.frames + 1) * c
+            && springs.iter().all(|v| v.len() == e)
+            && triplets.iter().all(|v| v.len() == t);
+        if !fits {
+            return Err(Error::InvalidInput("a length of the reference was changed".into()));
+        }
+        check::objective(objective, self.frames, n).map_err(Error::InvalidInput)?;
+        let system = System::new(&self.model, &Layout::new(graph), p.clone());
+        let both = self.positions.iter().zip(&self.velocities);
+        work(&Case {
+            system: &system,
+            initial: both.map(|(&x, &v)| Node { x: quad(x), v: quad(v) }).collect(),
+            controls: self.controls.iter().map(|&p| quad(p)).collect(),
+            frames: self.frames,
+            objective,
+        })
+    }
+}
+
+fn quad(p: Point64) -> Quad<f64> {
+    [p[0], p[1], p[2], 0.0]
+}
+
+fn point(q: Quad<f64>) -> Point64 {
+    [q[0], q[1], q[2]]
+}
+
+#[cfg(test)]
+mod tests;
