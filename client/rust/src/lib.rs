@@ -1,1 +1,63 @@
-//! The typed client of a BendTwin server.
+//! The typed client of a BendTwin server: upload a capture, fit it, roll the
+//! twin out.
+//!
+//! ```no_run
+//! use bendtwin_client::{Client, Cost, FitSettings, FitState, Rollout};
+//!
+//! # async fn example() -> Result<(), bendtwin_client::Error> {
+//! let client = Client::connect("http://127.0.0.1:7070").await?;
+//!
+//! // A recording becomes a twin.
+//! let capture = client.captures().upload("rope.zip".as_ref(), "rope").await?;
+//! let fit = client.fits().create(capture.name, &FitSettings::default(), 0).await?;
+//! let fit = client.fits().wait(fit.name).await?;
+//! assert_eq!(fit.state, FitState::Succeeded);
+//! let twin = fit.twin.expect("a fit that succeeded has a twin");
+//!
+//! // 64 ways to move one control point by a centimetre over 30 frames: which comes nearest?
+//! let (from, goal) = ([0.0, 0.0, 0.2], [0.01, 0.0, 0.2]);
+//! let ends = (0..64).map(|i| [0.01 * (i as f32).cos(), 0.01 * (i as f32).sin(), 0.2]);
+//! let knots: Vec<_> = ends.flat_map(|end| [from, end]).collect();
+//! let rollout = Rollout::of(twin)
+//!     .trajectories([64, 2, 1], knots)
+//!     .frames(30)
+//!     .cost(Cost::keypoints("tip", 1.0, &[0], &[goal]));
+//! let reply = client.rollouts().run(rollout).await?;
+//! println!("instance {:?} is best", reply.best());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Captures travel over HTTP, streamed from disk; everything else is gRPC over
+//! one connection. Every [`Error`] carries the server's category, reason,
+//! message and request id.
+
+mod captures;
+mod client;
+mod error;
+mod fits;
+mod page;
+mod problem;
+mod resources;
+mod rollouts;
+mod twins;
+mod workers;
+
+pub use bendtwin_core::{
+    Category, Fault, FitSettings, Point, Quality, Twin as TwinModel,
+    ids::{CaptureId, FitId, TwinId, WorkerId},
+};
+
+pub use self::{
+    captures::Captures,
+    client::Client,
+    error::Error,
+    fits::{Fits, Watch},
+    page::{Page, PageRequest},
+    resources::{Capture, Fit, FitProgress, FitState, Twin, Worker},
+    rollouts::{
+        Cost, Diagnostics, Divergence, GripperPoses, Reply, Rollout, RolloutTiming, Rollouts,
+    },
+    twins::Twins,
+    workers::Workers,
+};

@@ -1,0 +1,96 @@
+//! The connection.
+
+use std::time::Duration;
+
+use bendtwin_proto::v1::{
+    capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,
+    rollout_service_client::RolloutServiceClient, twin_service_client::TwinServiceClient,
+    worker_service_client::WorkerServiceClient,
+};
+use tonic::transport::{Channel, Endpoint};
+
+use crate::{Captures, Error, Fits, Rollouts, Twins, Workers};
+
+/// Longest message that is accepted: the largest reply of a rollout [bytes].
+const MAX_MESSAGE: usize = 1 << 30;
+/// How long connecting may take.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// A connection to a server. Clones share it; it reconnects by itself.
+#[derive(Clone, Debug)]
+pub struct Client {
+    /// Without a slash at the end.
+    url: String,
+    channel: Channel,
+    http: reqwest::Client,
+}
+
+impl Client {
+    /// Connects to a server, `http://127.0.0.1:7070` say.
+    ///
+    /// # Errors
+    /// If the address is none, or if nobody answers there.
+    pub async fn connect(url: &str) -> Result<Self, Error> {
+        let url = url.trim_end_matches('/');
+        let invalid = || {
+            Error::invalid(format!(
+                "`{url}` is no server address: give one like http://127.0.0.1:7070"
+            ))
+        };
+        let parsed = reqwest::Url::parse(url).map_err(|_| invalid())?;
+        if parsed.scheme() != "http" || !parsed.has_host() {
+            return Err(invalid());
+        }
+        let endpoint = Endpoint::from_shared(url.to_owned())
+            .map_err(|_| invalid())?
+            .connect_timeout(CONNECT_TIMEOUT)
+            .tcp_nodelay(true)
+            // Rollouts send and receive megabytes: windows of 64 KiB would wait for the round trip.
+            .initial_stream_window_size(8 << 20)
+            .initial_connection_window_size(16 << 20);
+        let channel = endpoint.connect().await.map_err(|e| Error::unreachable(url, root(&e)))?;
+        let http = reqwest::Client::builder()
+            .connect_timeout(CONNECT_TIMEOUT)
+            .build()
+            .map_err(|e| Error::invalid(format!("no HTTP client can be made: {e}")))?;
+        Ok(Self { url: url.to_owned(), channel, http })
+    }
+
+    /// The address that was connected to.
+    pub fn url(&self) -> &str {
+        &self.url
+    }
+
+    /// Recordings.
+    pub fn captures(&self) -> Captures {
+        let service = CaptureServiceClient::new(self.channel.clone());
+        Captures::new(service, self.http.clone(), self.url.clone())
+    }
+
+    /// Fit jobs.
+    pub fn fits(&self) -> Fits {
+        Fits::new(FitServiceClient::new(self.channel.clone()))
+    }
+
+    /// Fitted twins.
+    pub fn twins(&self) -> Twins {
+        let service = TwinServiceClient::new(self.channel.clone());
+        Twins::new(service.max_decoding_message_size(MAX_MESSAGE))
+    }
+
+    /// Worker processes that the server knows.
+    pub fn workers(&self) -> Workers {
+        Workers::new(WorkerServiceClient::new(self.channel.clone()))
+    }
+
+    /// Predictions.
+    pub fn rollouts(&self) -> Rollouts {
+        let service = RolloutServiceClient::new(self.channel.clone());
+        Rollouts::new(service.max_decoding_message_size(MAX_MESSAGE))
+    }
+}
+
+/// The innermost cause, which says more than `transport error`.
+fn root<'a>(error: &'a (dyn std::error::Error + 'static)) -> &'a (dyn std::error::Error + 'static) {
+    std::iter::successors(Some(error), |e| e.source()).last().unwrap_or(error)
+}

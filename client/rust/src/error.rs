@@ -1,0 +1,101 @@
+//! What can go wrong in a call.
+
+use bendtwin_core::{Category, Fault};
+use bendtwin_proto::fault;
+use tonic::Status;
+use tonic_types::StatusExt as _;
+
+/// A call that failed: what the server said, or why it could not be asked.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{fault}")]
+pub struct Error {
+    fault: Fault,
+    request_id: Option<String>,
+}
+
+impl Error {
+    /// What kind of thing went wrong.
+    pub fn category(&self) -> Category {
+        self.fault.category
+    }
+
+    /// A stable UPPER_SNAKE_CASE word to branch on.
+    pub fn reason(&self) -> &str {
+        &self.fault.reason
+    }
+
+    /// What happened and what to do about it, for a person.
+    pub fn message(&self) -> &str {
+        &self.fault.message
+    }
+
+    /// The server's name for the call, to be quoted when reporting a problem.
+    pub fn request_id(&self) -> Option<&str> {
+        self.request_id.as_deref()
+    }
+
+    /// Category, reason and message together.
+    pub fn fault(&self) -> &Fault {
+        &self.fault
+    }
+
+    /// Whether the same call may succeed a moment later.
+    pub fn is_transient(&self) -> bool {
+        matches!(self.category(), Category::Unavailable)
+    }
+
+    pub(crate) fn new(category: Category, reason: &str, message: impl Into<String>) -> Self {
+        let fault = Fault { category, reason: reason.to_owned(), message: message.into() };
+        Self { fault, request_id: None }
+    }
+
+    pub(crate) fn with_request_id(self, request_id: Option<String>) -> Self {
+        Self { request_id: request_id.filter(|id| !id.is_empty()), ..self }
+    }
+
+    /// An argument that the client itself refuses.
+    pub(crate) fn invalid(message: impl Into<String>) -> Self {
+        Self::new(Category::InvalidArgument, "INVALID_ARGUMENT", message)
+    }
+
+    /// A reply that breaks the contract.
+    pub(crate) fn malformed(what: impl std::fmt::Display) -> Self {
+        let message = format!("the server's reply cannot be read: {what}; do the versions match?");
+        Self::new(Category::Internal, "MALFORMED_REPLY", message)
+    }
+
+    /// A server that cannot be reached.
+    pub(crate) fn unreachable(url: &str, why: impl std::fmt::Display) -> Self {
+        let message = format!(
+            "no BendTwin server answers at {url} ({why}): start one with `bendtwin server`, or name another address"
+        );
+        Self::new(Category::Unavailable, "SERVER_UNREACHABLE", message)
+    }
+
+    /// A file of the caller's that cannot be read or written.
+    pub(crate) fn file(path: &std::path::Path, error: &std::io::Error) -> Self {
+        let category = match error.kind() {
+            std::io::ErrorKind::NotFound => Category::NotFound,
+            std::io::ErrorKind::PermissionDenied => Category::PermissionDenied,
+            _ => Category::Internal,
+        };
+        Self::new(category, "FILE_UNUSABLE", format!("{}: {error}", path.display()))
+    }
+}
+
+impl From<Status> for Error {
+    fn from(status: Status) -> Self {
+        let request_id = status.get_details_request_info().map(|info| info.request_id);
+        let mut fault = fault::fault(&status);
+        if status.get_details_error_info().is_none() {
+            // Not from the server's own code: the connection, most likely.
+            let transport = std::error::Error::source(&status).is_some();
+            if transport {
+                fault.category = Category::Unavailable;
+                fault.reason = "CONNECTION_LOST".to_owned();
+                fault.message = format!("the connection to the server broke: {}", fault.message);
+            }
+        }
+        Self { fault, request_id: None }.with_request_id(request_id)
+    }
+}

@@ -1,0 +1,305 @@
+//! The server's resources as Rust types.
+
+use bendtwin_core::{
+    Fault, Quality,
+    ids::{CaptureId, FitId, TwinId, WorkerId},
+};
+use bendtwin_proto::v1;
+use jiff::Timestamp;
+use serde::Serialize;
+
+use crate::Error;
+
+/// A stored capture.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Capture {
+    /// Its name.
+    pub name: CaptureId,
+    /// A person's name for it.
+    pub display_name: String,
+    /// When it was uploaded.
+    pub create_time: Timestamp,
+    /// Size of the archive [bytes].
+    pub size_bytes: u64,
+    /// BLAKE3 of the archive, hex.
+    pub digest: String,
+}
+
+/// Where a fit is in its life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FitState {
+    /// Waits for a worker.
+    Queued,
+    /// A worker is at it.
+    Running,
+    /// There is a twin.
+    Succeeded,
+    /// There will be none.
+    Failed,
+    /// A user stopped it.
+    Cancelled,
+}
+
+impl FitState {
+    /// Whether it will not change any more.
+    pub fn has_ended(self) -> bool {
+        matches!(self, Self::Succeeded | Self::Failed | Self::Cancelled)
+    }
+
+    /// The state as one lower-case word.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Queued => "queued",
+            Self::Running => "running",
+            Self::Succeeded => "succeeded",
+            Self::Failed => "failed",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// How far a running fit is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FitProgress {
+    /// `ingest`, `search`, `refine` or `evaluate`.
+    pub stage: String,
+    /// `bending` or `axial`.
+    pub variant: String,
+    /// Iterations of the stage that are done.
+    pub iteration: u32,
+    /// Iterations that the stage will have.
+    pub iterations: u32,
+    /// Share of the whole job, 0..=1.
+    pub fraction: f64,
+    /// Loss of the last iteration.
+    pub loss: Option<f64>,
+    /// Best loss so far.
+    pub best_loss: Option<f64>,
+    /// Estimated seconds until it ends.
+    pub eta_s: Option<f64>,
+    /// Something a person should know; empty if nothing.
+    pub note: String,
+}
+
+/// A fit job.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fit {
+    /// Its name.
+    pub name: FitId,
+    /// What is fitted.
+    pub capture: CaptureId,
+    /// Where it is in its life.
+    pub state: FitState,
+    /// The settings in force.
+    pub settings: serde_json::Value,
+    /// How far it is.
+    pub progress: Option<FitProgress>,
+    /// The result.
+    pub twin: Option<TwinId>,
+    /// Why it failed.
+    pub fault: Option<Fault>,
+    /// Why earlier attempts failed.
+    pub attempt_faults: Vec<Fault>,
+    /// How often it was started.
+    pub attempts: u32,
+    /// Higher runs earlier.
+    pub priority: i32,
+    /// Who is at it.
+    pub worker: Option<WorkerId>,
+    /// Whether it was asked to stop.
+    pub cancel_requested: bool,
+    /// When it was asked for.
+    pub create_time: Timestamp,
+    /// When it was first started.
+    pub start_time: Option<Timestamp>,
+    /// When it ended.
+    pub end_time: Option<Timestamp>,
+    /// Grows with every change.
+    pub revision: u64,
+}
+
+/// A stored twin.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Twin {
+    /// Its name.
+    pub name: TwinId,
+    /// A person's name for it.
+    pub display_name: String,
+    /// What it was fitted to; none if it was imported.
+    pub capture: Option<CaptureId>,
+    /// The job that made it; none if it was imported.
+    pub fit: Option<FitId>,
+    /// When it was stored.
+    pub create_time: Timestamp,
+    /// Size of its file [bytes].
+    pub size_bytes: u64,
+    /// BLAKE3 of its file, hex.
+    pub digest: String,
+    /// Nodes.
+    pub node_count: u32,
+    /// Springs.
+    pub spring_count: u32,
+    /// Bending triplets.
+    pub triplet_count: u32,
+    /// Control points.
+    pub control_count: u32,
+    /// Frames per second.
+    pub fps: f64,
+    /// Substeps per frame.
+    pub substeps: u32,
+    /// How good it is.
+    pub quality: Quality,
+}
+
+/// A worker process.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Worker {
+    /// Its name; a restarted worker is another one.
+    pub name: WorkerId,
+    /// `cpu` or `cuda`.
+    pub backend: String,
+    /// What it computes on.
+    pub device: String,
+    /// When it registered.
+    pub start_time: Timestamp,
+    /// When it was last heard of.
+    pub last_seen_time: Timestamp,
+    /// The fit that it is at.
+    pub fit: Option<FitId>,
+    /// Twins that it answers for at once.
+    pub warm_twins: Vec<TwinId>,
+    /// Rollouts under way.
+    pub rollouts_in_flight: u32,
+    /// Version of its software.
+    pub build: String,
+}
+
+impl TryFrom<v1::Capture> for Capture {
+    type Error = Error;
+    fn try_from(wire: v1::Capture) -> Result<Self, Error> {
+        Ok(Self {
+            name: id(&wire.name)?,
+            display_name: wire.display_name,
+            create_time: time(wire.create_time)?,
+            size_bytes: wire.size_bytes,
+            digest: wire.digest,
+        })
+    }
+}
+
+impl TryFrom<v1::Fit> for Fit {
+    type Error = Error;
+    fn try_from(wire: v1::Fit) -> Result<Self, Error> {
+        use v1::fit::State;
+        let state = match wire.state() {
+            State::Queued => FitState::Queued,
+            State::Running => FitState::Running,
+            State::Succeeded => FitState::Succeeded,
+            State::Failed => FitState::Failed,
+            State::Cancelled => FitState::Cancelled,
+            State::Unspecified => {
+                return Err(Error::malformed(format!("fit state {}", wire.state)));
+            }
+        };
+        let settings = match wire.settings_json.as_str() {
+            "" => serde_json::Value::Null,
+            json => serde_json::from_str(json).map_err(Error::malformed)?,
+        };
+        Ok(Self {
+            name: id(&wire.name)?,
+            capture: id(&wire.capture)?,
+            state,
+            settings,
+            progress: wire.progress.map(FitProgress::from),
+            twin: optional_id(&wire.twin)?,
+            fault: wire.fault.as_ref().map(Fault::from),
+            attempt_faults: wire.attempt_faults.iter().map(Fault::from).collect(),
+            attempts: wire.attempts,
+            priority: wire.priority,
+            worker: optional_id(&wire.worker)?,
+            cancel_requested: wire.cancel_requested,
+            create_time: time(wire.create_time)?,
+            start_time: optional_time(wire.start_time)?,
+            end_time: optional_time(wire.end_time)?,
+            revision: wire.revision,
+        })
+    }
+}
+
+impl From<v1::Progress> for FitProgress {
+    fn from(wire: v1::Progress) -> Self {
+        Self {
+            stage: wire.stage,
+            variant: wire.variant,
+            iteration: wire.iteration,
+            iterations: wire.iterations,
+            fraction: wire.fraction,
+            loss: wire.loss,
+            best_loss: wire.best_loss,
+            eta_s: wire.eta_s,
+            note: wire.note,
+        }
+    }
+}
+
+impl TryFrom<v1::Twin> for Twin {
+    type Error = Error;
+    fn try_from(wire: v1::Twin) -> Result<Self, Error> {
+        let quality = match wire.quality_json.as_str() {
+            "" => Quality::default(),
+            json => serde_json::from_str(json).map_err(Error::malformed)?,
+        };
+        Ok(Self {
+            name: id(&wire.name)?,
+            display_name: wire.display_name,
+            capture: optional_id(&wire.capture)?,
+            fit: optional_id(&wire.fit)?,
+            create_time: time(wire.create_time)?,
+            size_bytes: wire.size_bytes,
+            digest: wire.digest,
+            node_count: wire.node_count,
+            spring_count: wire.spring_count,
+            triplet_count: wire.triplet_count,
+            control_count: wire.control_count,
+            fps: wire.fps,
+            substeps: wire.substeps,
+            quality,
+        })
+    }
+}
+
+impl TryFrom<v1::Worker> for Worker {
+    type Error = Error;
+    fn try_from(wire: v1::Worker) -> Result<Self, Error> {
+        Ok(Self {
+            name: id(&wire.name)?,
+            backend: wire.backend,
+            device: wire.device,
+            start_time: time(wire.start_time)?,
+            last_seen_time: time(wire.last_seen_time)?,
+            fit: optional_id(&wire.fit)?,
+            warm_twins: wire.warm_twins.iter().map(|t| id(t)).collect::<Result<_, _>>()?,
+            rollouts_in_flight: wire.rollouts_in_flight,
+            build: wire.build,
+        })
+    }
+}
+
+fn id<T: std::str::FromStr<Err: std::fmt::Display>>(name: &str) -> Result<T, Error> {
+    name.parse().map_err(Error::malformed)
+}
+
+fn optional_id<T: std::str::FromStr<Err: std::fmt::Display>>(
+    name: &str,
+) -> Result<Option<T>, Error> {
+    if name.is_empty() { Ok(None) } else { id(name).map(Some) }
+}
+
+fn time(wire: Option<prost_types::Timestamp>) -> Result<Timestamp, Error> {
+    optional_time(wire)?.ok_or_else(|| Error::malformed("a time is missing"))
+}
+
+fn optional_time(wire: Option<prost_types::Timestamp>) -> Result<Option<Timestamp>, Error> {
+    wire.map(|t| Timestamp::new(t.seconds, t.nanos).map_err(Error::malformed)).transpose()
+}

@@ -1,0 +1,154 @@
+//! A rollout's reply, unpacked.
+
+use bendtwin_core::{Point, ids::WorkerId};
+use bendtwin_proto::v1::{RollOutResponse, Tensor, roll_out_response as wire};
+use serde::Serialize;
+
+use crate::Error;
+
+/// The reply to a rollout, or a part of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reply {
+    /// The first instance that it covers.
+    pub first_instance: usize,
+    /// Cost of each instance covered, shape [B']; infinite where it diverged.
+    pub costs: Vec<f64>,
+    /// Names of the costs.
+    pub cost_names: Vec<String>,
+    /// Weighted costs by name, shape [B', names].
+    pub cost_terms: Vec<f64>,
+    /// The instances that the arrays below are of, shape [R]; best first if only the best were
+    /// asked for.
+    pub instances: Vec<usize>,
+    /// Recorded frames, 1-based, shape [T'].
+    pub frames: Vec<usize>,
+    /// Recorded positions [m], shape [R, T', nodes].
+    pub positions: Vec<Point>,
+    /// Final positions [m], shape [R, N].
+    pub final_positions: Vec<Point>,
+    /// Final velocities [m/s], shape [R, N].
+    pub final_velocities: Vec<Point>,
+    /// d cost / d control positions, shape [R, F + 1, C].
+    pub control_gradients: Vec<Point>,
+    /// One for each instance covered, if asked for.
+    pub diagnostics: Vec<Diagnostics>,
+    /// The instances that diverged.
+    pub diverged: Vec<Divergence>,
+    /// Where the time went.
+    pub timing: RolloutTiming,
+    /// Who computed it.
+    pub worker: Option<WorkerId>,
+}
+
+/// Physical sanity of an instance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Diagnostics {
+    /// Largest |l/l0 - 1| of any spring.
+    pub max_strain: f32,
+    /// Largest node speed [m/s].
+    pub max_speed_m_s: f32,
+    /// At the end [J per unit mass scale].
+    pub kinetic_energy: f32,
+    /// At the end [J per unit mass scale].
+    pub elastic_energy: f32,
+    /// Nodes on the ground at the end.
+    pub ground_contacts: u32,
+}
+
+/// Where an instance left the finite numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Divergence {
+    /// The instance.
+    pub instance: usize,
+    /// During which frame, 1-based.
+    pub frame: usize,
+    /// The first node concerned.
+    pub node: usize,
+}
+
+/// Where the time of a rollout went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct RolloutTiming {
+    /// Waiting for the device [s].
+    pub queue_s: f64,
+    /// Computing [s].
+    pub compute_s: f64,
+}
+
+impl Reply {
+    /// The instance of lowest cost; none if the reply covers no instance.
+    pub fn best(&self) -> Option<usize> {
+        let best = self.costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        best.map(|(i, _)| self.first_instance + i)
+    }
+
+    /// Recorded positions of the `row`-th instance of `instances` in the `frame`-th of `frames`
+    /// [m]; none if there is no such row.
+    pub fn recorded(&self, row: usize, frame: usize) -> Option<&[Point]> {
+        let rows = self.instances.len() * self.frames.len();
+        let width = self.positions.len().checked_div(rows)?;
+        let start = (row * self.frames.len() + frame) * width;
+        (frame < self.frames.len()).then(|| self.positions.get(start..start + width)).flatten()
+    }
+}
+
+impl TryFrom<RollOutResponse> for Reply {
+    type Error = Error;
+    fn try_from(wire: RollOutResponse) -> Result<Self, Error> {
+        let timing = wire.timing.unwrap_or_default();
+        let worker = match wire.worker.as_str() {
+            "" => None,
+            name => Some(name.parse().map_err(Error::malformed)?),
+        };
+        Ok(Self {
+            first_instance: wire.first_instance as usize,
+            costs: values(wire.costs, "costs")?,
+            cost_names: wire.cost_names,
+            cost_terms: values(wire.cost_terms, "cost_terms")?,
+            instances: indices(wire.instances, "instances")?,
+            frames: indices(wire.frames, "frames")?,
+            positions: points(wire.positions, "positions")?,
+            final_positions: points(wire.final_positions, "final_positions")?,
+            final_velocities: points(wire.final_velocities, "final_velocities")?,
+            control_gradients: points(wire.control_gradients, "control_gradients")?,
+            diagnostics: wire.diagnostics.into_iter().map(Diagnostics::from).collect(),
+            diverged: wire.diverged.into_iter().map(Divergence::from).collect(),
+            timing: RolloutTiming { queue_s: timing.queue_s, compute_s: timing.compute_s },
+            worker,
+        })
+    }
+}
+
+impl From<wire::Diagnostics> for Diagnostics {
+    fn from(d: wire::Diagnostics) -> Self {
+        Self {
+            max_strain: d.max_strain,
+            max_speed_m_s: d.max_speed_m_s,
+            kinetic_energy: d.kinetic_energy,
+            elastic_energy: d.elastic_energy,
+            ground_contacts: d.ground_contacts,
+        }
+    }
+}
+
+impl From<wire::Divergence> for Divergence {
+    fn from(d: wire::Divergence) -> Self {
+        Self { instance: d.instance as usize, frame: d.frame as usize, node: d.node as usize }
+    }
+}
+
+fn values(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<f64>, Error> {
+    let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
+    Ok(tensor.unpack::<f64>(name).map_err(Error::malformed)?.1)
+}
+
+fn indices(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<usize>, Error> {
+    let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
+    let (_, values) = tensor.unpack::<u32>(name).map_err(Error::malformed)?;
+    Ok(values.into_iter().map(|v| v as usize).collect())
+}
+
+fn points(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<Point>, Error> {
+    let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
+    Ok(tensor.unpack_points(name).map_err(Error::malformed)?.1)
+}

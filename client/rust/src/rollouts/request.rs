@@ -1,0 +1,199 @@
+//! A rollout request, built step by step.
+
+use bendtwin_core::{
+    Point,
+    ids::{CaptureId, TwinId},
+};
+use bendtwin_proto::v1::{
+    self, ControlTrajectories, InitialState, Interpolation, Returns, RollOutRequest, Tensor,
+    initial_state::{CaptureFrame, GivenState, State},
+    returns::Encoding,
+    roll_out_request::Actions,
+};
+
+use super::Cost;
+use crate::Error;
+
+/// A batch of rollouts of one twin.
+#[derive(Clone, Debug)]
+pub struct Rollout {
+    request: RollOutRequest,
+    returns: Returns,
+    /// The first argument that cannot be sent.
+    fault: Option<Error>,
+}
+
+/// Poses of rigid grippers that carry the control points.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GripperPoses {
+    /// Instances B, knots K, grippers G.
+    pub shape: [usize; 3],
+    /// x, y, z [m], quaternion x, y, z, w; shape [B, K, G].
+    pub poses: Vec<[f32; 7]>,
+    /// The gripper of each control point, shape [C]; empty means gripper 0 for all.
+    pub gripper_of_control: Vec<u32>,
+}
+
+impl Rollout {
+    /// A rollout of a twin from its rest shape; costs and diagnostics come back.
+    pub fn of(twin: TwinId) -> Self {
+        let request = RollOutRequest { twin: twin.to_string(), ..RollOutRequest::default() };
+        Self { request, returns: Returns::default(), fault: None }
+    }
+
+    /// Positions of every control point [m], shape [instances B, knots K, control points C].
+    /// Knots are spread evenly over the horizon; without [`Rollout::frames`] there is one a frame.
+    #[must_use]
+    pub fn trajectories(mut self, shape: [usize; 3], positions: Vec<Point>) -> Self {
+        if self.fits("trajectories", &shape, positions.len()) {
+            self.request.actions = Some(Actions::Trajectories(ControlTrajectories {
+                positions: Some(Tensor::pack_points(&shape, &positions)),
+                interpolation: Interpolation::Linear.into(),
+            }));
+        }
+        self
+    }
+
+    /// Poses of grippers instead of control points.
+    #[must_use]
+    pub fn poses(mut self, poses: GripperPoses) -> Self {
+        let [b, k, g] = poses.shape;
+        if self.fits("poses", &poses.shape, poses.poses.len()) {
+            let grippers = &poses.gripper_of_control;
+            self.request.actions = Some(Actions::Poses(v1::GripperPoses {
+                poses: Some(Tensor::pack(&[b, k, g, 7], poses.poses.as_flattened())),
+                gripper_of_control: (!grippers.is_empty())
+                    .then(|| Tensor::pack(&[grippers.len()], grippers)),
+                interpolation: Interpolation::Linear.into(),
+            }));
+        }
+        self
+    }
+
+    /// Smooth curves through the knots instead of straight lines.
+    #[must_use]
+    pub fn cubic(mut self) -> Self {
+        match &mut self.request.actions {
+            Some(Actions::Trajectories(t)) => t.interpolation = Interpolation::Cubic.into(),
+            Some(Actions::Poses(p)) => p.interpolation = Interpolation::Cubic.into(),
+            None => {
+                self.refuse("cubic() needs actions: call trajectories() or poses() before it");
+            }
+        }
+        self
+    }
+
+    /// Starts where the twin is after following the controls of a capture (its own, if none is
+    /// given) up to a frame.
+    #[must_use]
+    pub fn from_capture_frame(
+        self,
+        capture: Option<CaptureId>,
+        sequence: u32,
+        frame: u32,
+    ) -> Self {
+        let capture = capture.map(|c| c.to_string()).unwrap_or_default();
+        self.start(State::CaptureFrame(CaptureFrame { capture, sequence, frame }))
+    }
+
+    /// Starts all instances from given positions [m] and velocities [m/s], shape [N].
+    #[must_use]
+    pub fn from_state(self, positions: &[Point], velocities: &[Point]) -> Self {
+        self.start(State::Given(GivenState {
+            positions: Some(Tensor::pack_points(&[positions.len()], positions)),
+            velocities: Some(Tensor::pack_points(&[velocities.len()], velocities)),
+        }))
+    }
+
+    /// The horizon in frames.
+    #[must_use]
+    pub fn frames(mut self, frames: u32) -> Self {
+        self.request.frames = frames;
+        self
+    }
+
+    /// Adds a cost.
+    #[must_use]
+    pub fn cost(mut self, cost: Cost) -> Self {
+        self.request.costs.push(cost.0);
+        self
+    }
+
+    /// Asks for the positions of every k-th frame.
+    #[must_use]
+    pub fn record_every(mut self, frames: u32) -> Self {
+        self.returns.every_frames = frames;
+        self
+    }
+
+    /// Records only these nodes.
+    #[must_use]
+    pub fn record_nodes(mut self, nodes: &[u32]) -> Self {
+        self.returns.nodes = Some(Tensor::pack(&[nodes.len()], nodes));
+        self
+    }
+
+    /// Positions as scaled 16-bit integers on the wire: half the size.
+    #[must_use]
+    pub fn int16(mut self) -> Self {
+        self.returns.encoding = Encoding::Int16.into();
+        self
+    }
+
+    /// Asks for the arrays of only the best `count` instances by cost.
+    #[must_use]
+    pub fn best(mut self, count: u32) -> Self {
+        self.returns.best = count;
+        self
+    }
+
+    /// Asks for the final states.
+    #[must_use]
+    pub fn final_state(mut self) -> Self {
+        self.returns.final_state = true;
+        self
+    }
+
+    /// Asks for strains, speeds and energies.
+    #[must_use]
+    pub fn diagnostics(mut self) -> Self {
+        self.returns.diagnostics = true;
+        self
+    }
+
+    /// Asks for the gradients of the cost with respect to the control positions of every frame.
+    #[must_use]
+    pub fn control_gradients(mut self) -> Self {
+        self.returns.control_gradients = true;
+        self
+    }
+
+    /// The request as it is sent.
+    ///
+    /// # Errors
+    /// If an array does not have its shape.
+    pub fn into_request(self) -> Result<RollOutRequest, Error> {
+        match self.fault {
+            Some(fault) => Err(fault),
+            None => Ok(RollOutRequest { returns: Some(self.returns), ..self.request }),
+        }
+    }
+
+    fn start(mut self, state: State) -> Self {
+        self.request.initial = Some(InitialState { state: Some(state) });
+        self
+    }
+
+    fn fits(&mut self, what: &str, shape: &[usize], len: usize) -> bool {
+        let product = shape.iter().try_fold(1usize, |p, d| p.checked_mul(*d));
+        let fits = product == Some(len);
+        if !fits {
+            self.refuse(&format!("{what} have shape {shape:?} but {len} elements"));
+        }
+        fits
+    }
+
+    fn refuse(&mut self, message: &str) {
+        self.fault.get_or_insert_with(|| Error::invalid(message));
+    }
+}

@@ -1,0 +1,46 @@
+use bendtwin_core::ids::TwinId;
+use bendtwin_proto::v1::{RollOutResponse, Tensor, roll_out_request::Actions};
+
+use super::*;
+
+#[test]
+fn a_builder_makes_the_request_it_describes() {
+    let request = Rollout::of(TwinId::generate())
+        .trajectories([2, 3, 1], vec![[0.0; 3]; 6])
+        .cubic()
+        .frames(20)
+        .cost(Cost::keypoints("tip", 2.0, &[4], &[[1.0, 2.0, 3.0]]).squared().every_frame())
+        .record_every(5)
+        .best(1)
+        .into_request()
+        .unwrap();
+    assert!(matches!(request.actions, Some(Actions::Trajectories(_))));
+    assert_eq!((request.frames, request.costs.len()), (20, 1));
+    assert_eq!(request.returns.unwrap().every_frames, 5);
+}
+
+#[test]
+fn a_wrong_shape_is_refused_before_it_is_sent() {
+    let rollout = Rollout::of(TwinId::generate()).trajectories([2, 3, 1], vec![[0.0; 3]; 5]);
+    let error = rollout.into_request().unwrap_err();
+    assert!(error.message().contains("5 elements"), "{error}");
+    let huge = Rollout::of(TwinId::generate()).trajectories([usize::MAX, 3, 1], Vec::new());
+    assert!(huge.into_request().is_err());
+}
+
+#[test]
+fn a_reply_unpacks() {
+    let reply = Reply::try_from(RollOutResponse {
+        first_instance: 8,
+        costs: Some(Tensor::pack(&[3], &[2.0, 1.0, f64::INFINITY])),
+        instances: Some(Tensor::pack(&[1], &[9u32])),
+        frames: Some(Tensor::pack(&[2], &[5u32, 10])),
+        positions: Some(Tensor::pack_points(&[1, 2, 1], &[[1.0; 3], [2.0; 3]])),
+        ..RollOutResponse::default()
+    })
+    .unwrap();
+    assert_eq!(reply.best(), Some(9));
+    assert_eq!(reply.recorded(0, 1), Some(&[[2.0; 3]][..]));
+    assert_eq!(reply.recorded(0, 2), None);
+    assert_eq!(reply.recorded(1, 0), None);
+}

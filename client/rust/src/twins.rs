@@ -1,0 +1,126 @@
+//! Fitted twins.
+
+use bendtwin_core::{
+    Twin as TwinModel,
+    ids::{CaptureId, TwinId},
+};
+use bendtwin_proto::v1::{
+    CreateTwinRequest, DeleteTwinRequest, ExportTwinRequest, GetTwinRequest, ListTwinsRequest,
+    TwinMetadata, create_twin_request::Part, twin_service_client::TwinServiceClient,
+};
+use bytes::Bytes;
+use tonic::transport::Channel;
+use uuid::Uuid;
+
+use crate::{
+    Category, Error, Twin,
+    page::{self, Page, PageRequest},
+};
+
+/// Bytes of one chunk of an upload.
+const CHUNK: usize = 256 << 10;
+
+/// Calls about twins.
+#[derive(Clone, Debug)]
+pub struct Twins {
+    service: TwinServiceClient<Channel>,
+}
+
+impl Twins {
+    pub(crate) fn new(service: TwinServiceClient<Channel>) -> Self {
+        Self { service }
+    }
+
+    /// One twin's entry.
+    ///
+    /// # Errors
+    /// If there is none of that name, or the server cannot be asked.
+    pub async fn get(&self, name: TwinId) -> Result<Twin, Error> {
+        let request = GetTwinRequest { name: name.to_string() };
+        self.service.clone().get_twin(request).await?.into_inner().try_into()
+    }
+
+    /// A page of the twins, of one capture if given.
+    ///
+    /// # Errors
+    /// If the server cannot be asked.
+    pub async fn list(
+        &self,
+        capture: Option<CaptureId>,
+        page: PageRequest,
+    ) -> Result<Page<Twin>, Error> {
+        let request = ListTwinsRequest {
+            page_size: page.size,
+            page_token: page.token,
+            capture: capture.map(|c| c.to_string()).unwrap_or_default(),
+        };
+        let reply = self.service.clone().list_twins(request).await?.into_inner();
+        Page::new(reply.twins, reply.next_page_token, Twin::try_from)
+    }
+
+    /// All twins, of one capture if given.
+    ///
+    /// # Errors
+    /// If the server cannot be asked.
+    pub async fn all(&self, capture: Option<CaptureId>) -> Result<Vec<Twin>, Error> {
+        page::all(|page| self.list(capture, page)).await
+    }
+
+    /// Deletes a twin.
+    ///
+    /// # Errors
+    /// If there is none of that name, or the server cannot be asked.
+    pub async fn delete(&self, name: TwinId) -> Result<(), Error> {
+        let request = DeleteTwinRequest { name: name.to_string() };
+        self.service.clone().delete_twin(request).await?;
+        Ok(())
+    }
+
+    /// The twin file, checked against its digest.
+    ///
+    /// # Errors
+    /// If there is none of that name, it arrives damaged, or the server cannot be asked.
+    pub async fn export(&self, name: TwinId) -> Result<Vec<u8>, Error> {
+        let digest = self.get(name).await?.digest;
+        let request = ExportTwinRequest { name: name.to_string() };
+        let mut chunks = self.service.clone().export_twin(request).await?.into_inner();
+        let mut file = Vec::new();
+        while let Some(part) = chunks.message().await? {
+            file.extend_from_slice(&part.chunk);
+        }
+        if blake3::hash(&file).to_hex().as_str() != digest {
+            let message = format!("{name} arrived damaged: its digest is not {digest}");
+            return Err(Error::new(Category::DataLoss, "DIGEST_MISMATCH", message));
+        }
+        Ok(file)
+    }
+
+    /// The twin itself, ready to be inspected or simulated.
+    ///
+    /// # Errors
+    /// As [`Twins::export`], and if this build cannot read the file.
+    pub async fn download(&self, name: TwinId) -> Result<TwinModel, Error> {
+        let file = self.export(name).await?;
+        TwinModel::decode(&file).map_err(Error::malformed)
+    }
+
+    /// Stores a twin file that was exported elsewhere.
+    ///
+    /// # Errors
+    /// If it is no twin file, or the server cannot be asked.
+    pub async fn import(&self, file: Vec<u8>, display_name: &str) -> Result<Twin, Error> {
+        let metadata = TwinMetadata {
+            display_name: display_name.to_owned(),
+            request_id: Uuid::new_v4().to_string(),
+            digest: blake3::hash(&file).to_hex().to_string(),
+        };
+        let file = Bytes::from(file);
+        let chunks = (0..file.len()).step_by(CHUNK).map(move |start| {
+            let end = (start + CHUNK).min(file.len());
+            CreateTwinRequest { part: Some(Part::Chunk(file.slice(start..end))) }
+        });
+        let first = CreateTwinRequest { part: Some(Part::Metadata(metadata)) };
+        let parts = futures::stream::iter(std::iter::once(first).chain(chunks));
+        self.service.clone().create_twin(parts).await?.into_inner().try_into()
+    }
+}
