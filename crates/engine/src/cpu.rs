@@ -40,6 +40,7 @@ use crate::{
         Backend, CancelToken, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss,
         Recording, Rollout,
     },
+    stability::stable_substeps,
 };
 
 /// Runs on the CPU's cores. Make one with [`cpu`] or [`cpu_with_threads`].
@@ -123,6 +124,14 @@ impl Backend for CpuBackend {
 
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
         check::model(&model)?;
+        let stable = stable_substeps(&model);
+        if model.timing.substeps < stable.needed {
+            return Err(Error::Unstable {
+                substeps: model.timing.substeps,
+                needed: stable.needed,
+                node: stable.stiffest_node,
+            });
+        }
         let layout = Arc::new(Layout::new(&model.graph));
         Ok(Self::make(model, layout))
     }

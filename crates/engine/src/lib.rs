@@ -10,9 +10,11 @@ mod energy;
 pub mod model;
 pub mod objective;
 pub mod reference;
+mod stability;
 
 pub use backend::{Backend, Device, Error, Loaded};
 pub use cpu::{CpuBackend, cpu, cpu_with_threads};
 pub use energy::{Energy, energy};
 pub use model::Model;
 pub use objective::{Objective, PointLoss, Term};
+pub use stability::{StableSubsteps, stable_substeps};

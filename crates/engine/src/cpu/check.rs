@@ -10,15 +10,21 @@ use crate::{
 
 /// Checks a model's graph, parameters, timing and environment.
 pub(crate) fn model(model: &Model) -> Result<(), Error> {
+    unstepped_model(model)?;
+    if model.timing.substeps == 0 {
+        return Err(Error::InvalidModel("0 substeps a frame: at least one is needed".into()));
+    }
+    Ok(())
+}
+
+/// Checks a model whose number of substeps is still to be chosen.
+pub(crate) fn unstepped_model(model: &Model) -> Result<(), Error> {
     let invalid = Error::InvalidModel;
     model.graph.check().map_err(invalid)?;
     model.params.check(&model.graph).map_err(invalid)?;
     let timing = model.timing;
     if !(timing.fps.is_finite() && timing.fps > 0.0) {
         return Err(invalid(format!("{} frames a second: it must be positive", timing.fps)));
-    }
-    if timing.substeps == 0 {
-        return Err(invalid("0 substeps a frame: at least one is needed".into()));
     }
     if !finite(&[model.environment.gravity]) {
         return Err(invalid("gravity is not finite".into()));

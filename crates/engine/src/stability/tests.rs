@@ -1,0 +1,166 @@
+use std::sync::Arc;
+
+use bendtwin_core::{
+    Contact, Environment, Graph, NodeKind, Params, Timing, environment::ControlVelocity,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+use crate::reference::Reference;
+
+fn model(positions: Vec<[f32; 3]>, springs: Vec<[u32; 2]>, triplets: Vec<[u32; 3]>) -> Model {
+    let n = positions.len();
+    let distance = |a: u32, b: u32| {
+        let (a, b) = (positions[a as usize], positions[b as usize]);
+        (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f32>().sqrt()
+    };
+    let angle = |[i, j, k]: [u32; 3]| {
+        let (a, b, c) = (distance(i, j), distance(k, j), distance(i, k));
+        ((a * a + b * b - c * c) / (2.0 * a * b)).clamp(-1.0, 1.0).acos()
+    };
+    let (e, t) = (springs.len(), triplets.len());
+    Model {
+        params: Params {
+            spring_stiffness: vec![100.0; e],
+            spring_dashpot: vec![0.0; e],
+            rest_lengths_m: springs.iter().map(|&[a, b]| distance(a, b)).collect(),
+            bend_stiffness: vec![0.0; t],
+            bend_damping: vec![0.0; t],
+            rest_angles_rad: triplets.iter().map(|&t| angle(t)).collect(),
+            drag: 0.0,
+            contact: Contact::default(),
+        },
+        graph: Arc::new(Graph {
+            kinds: vec![NodeKind::Observed; n],
+            masses: vec![1.0; n],
+            object_ids: vec![0; n],
+            observed_points: vec![Graph::NOT_OBSERVED; n],
+            control_rest: vec![],
+            rest_positions: positions,
+            springs,
+            triplets,
+            pins: vec![],
+        }),
+        environment: Environment { gravity: [0.0; 3], ground: None },
+        timing: Timing { fps: 1.0, substeps: 1 },
+        control_velocity: ControlVelocity::True,
+    }
+}
+
+/// A random cloud whose nodes are joined with their near ones, with bending and both kinds of damping.
+fn cloud(seed: u64, stiffness: f32, dashpot: f32, bend: f32, bend_damping: f32) -> Model {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let positions: Vec<[f32; 3]> =
+        (0..40).map(|_| std::array::from_fn(|_| rng.random_range(0.0..0.1))).collect();
+    let (mut springs, mut triplets) = (Vec::new(), Vec::new());
+    for a in 0..40_u32 {
+        for b in a + 1..40 {
+            let d = (0..3).map(|c| positions[a as usize][c] - positions[b as usize][c]);
+            if d.map(|x| x * x).sum::<f32>() < 0.035_f32.powi(2) {
+                springs.push([a, b]);
+            }
+        }
+    }
+    for w in springs.windows(2).filter(|w| w[0][0] == w[1][0]) {
+        triplets.push([w[0][1], w[0][0], w[1][1]]);
+    }
+    let mut model = model(positions, springs, triplets);
+    let p = &mut model.params;
+    p.spring_stiffness.iter_mut().for_each(|k| *k = stiffness * rng.random_range(0.3..1.0_f32));
+    p.spring_dashpot.iter_mut().for_each(|g| *g = dashpot * rng.random_range(0.3..1.0_f32));
+    p.bend_stiffness.iter_mut().for_each(|k| *k = bend * rng.random_range(0.3..1.0_f32));
+    p.bend_damping.iter_mut().for_each(|c| *c = bend_damping * rng.random_range(0.3..1.0_f32));
+    model
+}
+
+/// Largest displacement from rest after so many substeps, having started with tiny velocities.
+fn excursion(model: &Model, substeps: u32) -> f64 {
+    let mut model = model.clone();
+    model.timing.substeps = substeps;
+    let frames = 4000_usize.div_ceil(substeps as usize);
+    let mut r = Reference::new(&model, frames).unwrap();
+    for (i, v) in r.velocities.iter_mut().enumerate() {
+        *v = std::array::from_fn(|c| 1e-9 * ((3 * i + c) as f64 * 1.7).sin());
+    }
+    let states = r.roll_out().unwrap();
+    if states.len() <= frames {
+        return f64::INFINITY;
+    }
+    let moved = states[frames].0.iter().flatten().zip(r.positions.iter().flatten());
+    moved.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn two_nodes_are_stable_up_to_two_over_omega() {
+    let mut model = model(vec![[0.0; 3], [0.5, 0.0, 0.0]], vec![[0, 1]], vec![]);
+    let omega = (2.0 * 100.0 / 0.5_f64).sqrt();
+    let found = stable_substeps(&model);
+    assert!((found.dt_s / (MARGIN * 2.0 / omega) - 1.0).abs() < 1e-6, "{found:?}");
+    model.params.spring_stiffness[0] = 0.0;
+    model.params.spring_dashpot[0] = 30.0;
+    let found = stable_substeps(&model);
+    assert!((found.dt_s / (MARGIN * 2.0 / 60.0) - 1.0).abs() < 1e-6, "{found:?}");
+    model.params.spring_dashpot[0] = 0.0;
+    assert_eq!(stable_substeps(&model).needed, 1);
+    assert_eq!(stable_substeps(&model).dt_s, f64::INFINITY);
+}
+
+#[test]
+fn random_graphs_hold_at_the_estimate_and_blow_up_soon_beyond_it() {
+    let cases = [
+        (1000.0, 0.0, 0.0, 0.0),
+        (1000.0, 20.0, 0.0, 0.0),
+        (100.0, 150.0, 0.0, 0.0),
+        (10.0, 0.0, 0.5, 0.0),
+        (10.0, 0.2, 0.1, 5e-3),
+    ];
+    for (case, (k, gamma, bend, damping)) in cases.into_iter().enumerate() {
+        for seed in 0..3 {
+            let model = cloud(seed, k, gamma, bend, damping);
+            let found = stable_substeps(&model);
+            assert!(found.needed > 5, "{case}: {found:?}");
+            // Rest angles in f32 are not quite at rest: a few micrometres are no instability.
+            let held = excursion(&model, found.needed);
+            assert!(held < 2e-5, "case {case} {seed}: {held} at {found:?}");
+            let beyond = (f64::from(found.needed) * 0.85).floor() as u32;
+            let blown = excursion(&model, beyond);
+            assert!(blown > 1e-3, "case {case} {seed}: {blown} at {beyond} of {found:?}");
+        }
+    }
+}
+
+#[test]
+fn the_stiffest_node_is_named() {
+    let mut model = cloud(5, 100.0, 1.0, 0.0, 0.0);
+    for (s, spring) in model.graph.springs.iter().enumerate() {
+        if spring.contains(&17) {
+            model.params.spring_stiffness[s] = 1e5;
+        }
+    }
+    let found = stable_substeps(&model);
+    assert_eq!(found.stiffest_node, 17);
+}
+
+#[test]
+fn straight_and_degenerate_triplets_count() {
+    let rod = |y: f32| {
+        let mut m = model(vec![[0.0; 3], [0.1, 0.0, 0.0], [0.2, y, 0.0]], vec![], vec![[0, 1, 2]]);
+        m.params.bend_stiffness[0] = 0.3;
+        stable_substeps(&m)
+    };
+    // k |g|² = 0.3 (1 + 4 + 1) / 0.01 = 180.
+    assert!((rod(0.0).dt_s / (MARGIN * 2.0 / 180.0_f64.sqrt()) - 1.0).abs() < 1e-3);
+    assert!((rod(1e-3).dt_s / rod(0.0).dt_s - 1.0).abs() < 1e-2);
+    let mut m = model(vec![[0.0; 3]; 3], vec![[0, 1], [1, 2]], vec![[0, 1, 2]]);
+    m.params.rest_angles_rad[0] = 1.0;
+    assert_eq!(stable_substeps(&m).needed, 1);
+}
+
+#[test]
+fn absurd_stiffness_saturates() {
+    let mut m = model(vec![[0.0; 3], [0.5, 0.0, 0.0]], vec![[0, 1]], vec![]);
+    m.params.spring_stiffness[0] = f32::MAX;
+    m.params.rest_lengths_m[0] = 1e-30;
+    assert_eq!(stable_substeps(&m).needed, u32::MAX);
+}
