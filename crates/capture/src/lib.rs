@@ -1,1 +1,30 @@
 //! Capture bundles, PhysTwin cases and motion capture: read, check, make, write.
+//!
+//! [`read()`] accepts what people have and gives a [`bendtwin_core::Capture`] in
+//! metres with z up. Everything that comes in is treated as hostile: sizes are
+//! checked before allocation, archives are never extracted, pickles go through an
+//! allow-list. [`check()`] says in plain words why a capture will not fit.
+
+pub mod bundle;
+pub mod check;
+pub mod mocap;
+pub mod read;
+
+mod array;
+mod digest;
+mod error;
+mod files;
+mod frame;
+mod limits;
+mod npy;
+mod phystwin;
+mod pickle;
+mod structure;
+
+pub use bundle::{write_bundle, write_bundle_file};
+pub use check::{CheckReport, Finding, Severity, check, check_path};
+pub use digest::digest;
+pub use error::Error;
+pub use limits::Limits;
+pub use read::{read, read_bytes, read_checked};
+pub use structure::validate;

@@ -1,0 +1,156 @@
+//! `capture.json`: what the arrays mean.
+
+use bendtwin_core::{Environment, Plane, Point, environment::STANDARD_GRAVITY};
+use serde::{Deserialize, Serialize};
+
+use super::VERSION;
+use crate::{
+    Error,
+    frame::{self, Frame},
+    phystwin::json,
+};
+
+pub(crate) const MARKER: &str = "capture.json";
+
+/// The word in `format`.
+pub(super) const FORMAT: &str = "bendtwin-capture";
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Manifest {
+    pub(super) format: String,
+    pub(super) version: u64,
+    #[serde(default)]
+    pub(super) name: String,
+    pub(super) units: String,
+    pub(super) up_axis: String,
+    pub(super) handedness: String,
+    pub(super) fps: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) gravity_m_s2: Option<Point>,
+    /// Declared even where there is none: `null` says so.
+    #[serde(deserialize_with = "Option::deserialize")]
+    pub(super) ground: Option<Ground>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) source_to_world: Option<[[f32; 3]; 3]>,
+    pub(super) sequences: Vec<SequenceEntry>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Ground {
+    pub(super) normal: Point,
+    pub(super) offset: f32,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SequenceEntry {
+    #[serde(default)]
+    pub(super) name: String,
+    #[serde(default)]
+    pub(super) folder: String,
+    pub(super) train_frame_count: i64,
+    #[serde(default = "one")]
+    pub(super) start_frames: usize,
+}
+
+fn one() -> usize {
+    1
+}
+
+impl Manifest {
+    /// Parses the document; the version is looked at first, so that a newer
+    /// bundle is told apart from a wrong one.
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Error> {
+        let wrong =
+            |fault: &str| Error::Document { at: MARKER.to_owned(), fault: fault.to_owned() };
+        let document: serde_json::Value = json(bytes, MARKER)?;
+        if document.get("format").and_then(|f| f.as_str()) != Some(FORMAT) {
+            return Err(wrong(&format!("`format` is not \"{FORMAT}\"")));
+        }
+        let found = document
+            .get("version")
+            .and_then(serde_json::Value::as_u64)
+            .ok_or_else(|| wrong("`version` is not a whole number"))?;
+        if found == 0 || found > VERSION {
+            return Err(Error::Version { found, known: VERSION });
+        }
+        for (key, example) in [
+            ("units", "\"m\""),
+            ("up_axis", "\"+z\""),
+            ("handedness", "\"right\""),
+            ("ground", "{\"normal\": [0, 0, 1], \"offset\": 0} or null"),
+        ] {
+            if document.get(key).is_none() {
+                return Err(Error::Axes(format!(
+                    "`{MARKER}` does not declare `{key}`, and BendTwin does not guess: add \"{key}\": {example}"
+                )));
+            }
+        }
+        serde_json::from_value(document)
+            .map_err(|e| Error::Document { at: MARKER.to_owned(), fault: e.to_string() })
+    }
+
+    /// Rotation and scale to the world.
+    pub(super) fn frame(&self) -> Result<Frame, Error> {
+        match self.handedness.as_str() {
+            "right" => {}
+            "left" => {
+                return Err(Error::Axes(
+                    "the frame is declared left-handed: mirror one axis (x to -x, say) of all arrays and \
+                     declare \"handedness\": \"right\""
+                        .to_owned(),
+                ));
+            }
+            other => {
+                return Err(Error::Axes(format!(
+                    "`handedness` is `{other}`: it must be \"right\""
+                )));
+            }
+        }
+        let frame = Frame::from_up(&self.up_axis).ok_or_else(|| {
+            Error::Axes(format!(
+                "`up_axis` is `{}`: it must be one of +x, -x, +y, -y, +z, -z",
+                self.up_axis
+            ))
+        })?;
+        Ok(Frame { metres: Frame::metres_per(&self.units)?, ..frame })
+    }
+
+    /// Rotation from the source's frame, this bundle's own turn included.
+    pub(super) fn source_to_world(&self, frame: &Frame) -> Result<[[f32; 3]; 3], Error> {
+        let Some(before) = self.source_to_world else { return Ok(frame.rotation) };
+        if !frame::is_rotation(&before) {
+            let mirrored = if frame::determinant(&before) < 0.0 {
+                "it mirrors, so one of the frames is left-handed"
+            } else {
+                "its rows are not orthonormal"
+            };
+            return Err(Error::Axes(format!(
+                "`source_to_world` is no rotation ({mirrored}): correct it"
+            )));
+        }
+        Ok(frame::compose(&frame.rotation, &before))
+    }
+
+    /// Gravity and ground in the world.
+    pub(super) fn environment(&self, frame: &Frame) -> Result<Environment, Error> {
+        let gravity =
+            self.gravity_m_s2.map_or([0.0, 0.0, -STANDARD_GRAVITY], |gravity| frame.turn(gravity));
+        let ground = match &self.ground {
+            None => None,
+            Some(Ground { normal, offset }) => {
+                let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
+                if !(length.is_finite() && length > 1e-6 && offset.is_finite()) {
+                    return Err(Error::Axes(format!(
+                        "the ground's normal {normal:?} has no direction: give a unit vector away from the ground"
+                    )));
+                }
+                let normal = frame.turn(*normal).map(|x| x / length);
+                Some(Plane { normal, offset_m: offset * frame.metres / length })
+            }
+        };
+        Ok(Environment { gravity, ground })
+    }
+}

@@ -1,0 +1,80 @@
+//! Why does my data not fit: looks for what goes wrong in recordings and says it
+//! in plain words, with numbers and what to do. Reading refuses what cannot be
+//! understood; this judges what can.
+
+mod controls;
+mod geometry;
+mod motion;
+mod report;
+mod setting;
+mod tracks;
+
+use std::path::Path;
+
+use bendtwin_core::{Capture, Problem, Sequence};
+
+pub(crate) use report::Note;
+pub use report::{CheckReport, Finding, Severity};
+
+use crate::{Limits, read::read_noting, structure::validate};
+
+/// Checks a capture in memory. Findings come with errors first.
+pub fn check(capture: &Capture) -> CheckReport {
+    let mut findings = Vec::new();
+    if let Err(error) = validate(capture) {
+        findings.push(Finding::error(error.reason(), error.to_string()));
+        return CheckReport { findings };
+    }
+    setting::check(capture, &mut findings);
+    for sequence in &capture.sequences {
+        tracks::check(capture, sequence, &mut findings);
+    }
+    // Numbers that are not there cannot be judged further.
+    if !findings.iter().any(|f| f.severity == Severity::Error) {
+        geometry::check(capture, &mut findings);
+        for sequence in &capture.sequences {
+            motion::check(capture, sequence, &mut findings);
+        }
+    }
+    controls::check(capture, &mut findings);
+    CheckReport { findings: report::merge(findings) }
+}
+
+/// Reads and checks a capture; what reading refuses becomes a finding too.
+pub fn check_path(path: &Path, limits: &Limits) -> CheckReport {
+    match read_noting(path, limits) {
+        Ok((capture, notes)) => {
+            let mut report = check(&capture);
+            report.findings.extend(notes.into_iter().map(|n| n.0));
+            report.findings = report::merge(report.findings);
+            report
+        }
+        Err(error) => {
+            CheckReport { findings: vec![Finding::error(error.reason(), error.to_string())] }
+        }
+    }
+}
+
+/// Positions of a frame's visible, finite points.
+fn visible_points(sequence: &Sequence, frame: usize) -> Vec<bendtwin_core::Point> {
+    let seen = sequence.points_at(frame).iter().zip(sequence.visible_at(frame));
+    seen.filter(|(p, v)| **v && p.iter().all(|x| x.is_finite())).map(|(p, _)| *p).collect()
+}
+
+fn distance(a: &bendtwin_core::Point, b: &bendtwin_core::Point) -> f32 {
+    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    (x * x + y * y + z * z).sqrt()
+}
+
+/// Median of finite numbers; 0 of none.
+fn median(mut values: Vec<f32>) -> f32 {
+    values.sort_by(f32::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+fn percent(part: usize, whole: usize) -> usize {
+    (100 * part).checked_div(whole).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,112 @@
+//! What a check says.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+
+/// How bad a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// A fit is impossible or meaningless.
+    Error,
+    /// A fit will run, and be worse than it could be.
+    Warning,
+    /// Worth knowing.
+    Info,
+}
+
+/// One thing that a check found.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Finding {
+    /// How bad it is.
+    pub severity: Severity,
+    /// Stable UPPER_SNAKE_CASE word for programs.
+    pub code: String,
+    /// What is wrong, with numbers, and what to do, for a person.
+    pub message: String,
+}
+
+impl Finding {
+    pub(super) fn error(code: &str, message: String) -> Self {
+        Self { severity: Severity::Error, code: code.to_owned(), message }
+    }
+
+    pub(super) fn warning(code: &str, message: String) -> Self {
+        Self { severity: Severity::Warning, code: code.to_owned(), message }
+    }
+
+    pub(super) fn info(code: &str, message: String) -> Self {
+        Self { severity: Severity::Info, code: code.to_owned(), message }
+    }
+}
+
+/// What a reader noticed without failing.
+#[derive(Debug)]
+pub(crate) struct Note(pub(crate) Finding);
+
+impl Note {
+    pub(crate) fn info(code: &str, message: String) -> Self {
+        Self(Finding::info(code, message))
+    }
+}
+
+/// Everything that a check found.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CheckReport {
+    /// Findings, the worst first.
+    pub findings: Vec<Finding>,
+}
+
+impl CheckReport {
+    /// Whether a fit can run: there is no error.
+    pub fn is_usable(&self) -> bool {
+        self.of(Severity::Error).next().is_none()
+    }
+
+    /// Findings of one severity.
+    pub fn of(&self, severity: Severity) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(move |f| f.severity == severity)
+    }
+
+    /// Whether a code was found.
+    pub fn has(&self, code: &str) -> bool {
+        self.findings.iter().any(|f| f.code == code)
+    }
+
+    /// Turns errors into one failure that names them all.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] if there is any error.
+    pub fn require(&self) -> Result<(), Error> {
+        let Some(first) = self.of(Severity::Error).next() else { return Ok(()) };
+        let all: Vec<&str> = self.of(Severity::Error).map(|f| f.message.as_str()).collect();
+        Err(Error::Unusable { code: first.code.clone(), message: all.join("; ") })
+    }
+}
+
+/// Most messages that are kept of one code; a capture of 70 sequences with one
+/// fault should not say it 70 times.
+const PER_CODE: usize = 3;
+
+/// Sorts by severity and shortens repetitions.
+pub(super) fn merge(findings: Vec<Finding>) -> Vec<Finding> {
+    let mut kept: Vec<Finding> = Vec::new();
+    let mut dropped: Vec<(String, Severity, usize)> = Vec::new();
+    for finding in findings {
+        if kept.iter().filter(|f| f.code == finding.code).count() < PER_CODE {
+            kept.push(finding);
+            continue;
+        }
+        match dropped.iter_mut().find(|(code, ..)| *code == finding.code) {
+            Some((_, _, count)) => *count += 1,
+            None => dropped.push((finding.code, finding.severity, 1)),
+        }
+    }
+    for (code, severity, count) in dropped {
+        let message = format!("the same in {count} more places");
+        kept.push(Finding { severity, code, message });
+    }
+    kept.sort_by_key(|f| f.severity);
+    kept
+}

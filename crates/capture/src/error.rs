@@ -1,0 +1,296 @@
+//! Why a capture cannot be read, in words that tell its owner what to do. The
+//! reasons double as codes of [`crate::check`] findings.
+
+use bendtwin_core::{Category, Problem};
+
+/// Why a capture cannot be read, written or made.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Nothing there.
+    #[error("there is no capture at `{0}`: check the path")]
+    NotFound(String),
+    /// The operating system failed.
+    #[error("`{at}` cannot be read or written: {source}")]
+    Io {
+        /// The file concerned.
+        at: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Neither a bundle, nor a PhysTwin case, nor motion capture.
+    #[error(
+        "`{0}` is no capture: it has neither `capture.json` (a BendTwin bundle) nor `final_data.pkl` \
+         (a PhysTwin case), nor is it an .npz with its .json beside it (motion capture)"
+    )]
+    UnknownKind(String),
+    /// A recorded but unprocessed case.
+    #[error(
+        "`{0}` is a raw recording without `final_data.pkl`: run PhysTwin's data processing first, \
+         or send tracked points as a BendTwin bundle"
+    )]
+    RawOnly(String),
+    /// More than one capture in one archive or folder.
+    #[error("there are several captures ({0}): send one capture at a time")]
+    Several(String),
+    /// A ZIP archive that is cut off or corrupted.
+    #[error("the ZIP archive is damaged or cut off ({0}): upload or copy it again")]
+    ArchiveDamaged(String),
+    /// Too many entries.
+    #[error(
+        "the ZIP archive has {entries} entries, the limit is {limit}: pack only the capture's files"
+    )]
+    ArchiveEntries {
+        /// Entries found.
+        entries: usize,
+        /// Entries allowed.
+        limit: usize,
+    },
+    /// A compression bomb.
+    #[error(
+        "`{at}` unpacks to {ratio} times its size (limit {limit}), as only a decompression bomb does: \
+         store it uncompressed if it is real"
+    )]
+    ArchiveRatio {
+        /// The entry.
+        at: String,
+        /// Decompressed over compressed size.
+        ratio: u64,
+        /// Largest accepted ratio.
+        limit: u64,
+    },
+    /// A name that leaves the archive, is absolute, or is too long.
+    #[error(
+        "the archive has an entry named `{0}`, which is not a plain path inside it: pack the folder anew"
+    )]
+    ArchiveName(String),
+    /// A link, device or encrypted entry where a file is needed.
+    #[error("`{at}` in the archive is {kind}, not a regular file: pack the files themselves")]
+    ArchiveEntryKind {
+        /// The entry.
+        at: String,
+        /// What it is.
+        kind: &'static str,
+    },
+    /// Two entries of one name.
+    #[error("the archive has several entries of the same name: pack the folder anew")]
+    ArchiveDuplicate,
+    /// A limit on sizes.
+    #[error(
+        "{what} needs {bytes} bytes, beyond the limit of {limit}: use fewer frames or points, or split the capture"
+    )]
+    TooLarge {
+        /// What is too large.
+        what: String,
+        /// Its size.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// A limit on counts.
+    #[error("{what}: {count}, the limit is {limit}: use a smaller capture")]
+    TooMany {
+        /// What is too many.
+        what: &'static str,
+        /// How many.
+        count: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// A file that must be there is not.
+    #[error("`{0}` is missing: add it to the capture")]
+    MissingFile(String),
+    /// An array inside a file that must be there is not.
+    #[error("`{at}` has no array `{array}`: add it")]
+    MissingArray {
+        /// The file.
+        at: String,
+        /// The array.
+        array: String,
+    },
+    /// A JSON document that is wrong.
+    #[error("`{at}` is not as specified: {fault}")]
+    Document {
+        /// The file.
+        at: String,
+        /// What is wrong.
+        fault: String,
+    },
+    /// A newer bundle.
+    #[error("`capture.json` has version {found}, this build reads up to {known}: update BendTwin")]
+    Version {
+        /// Version found.
+        found: u64,
+        /// Newest version known.
+        known: u64,
+    },
+    /// Units other than those known.
+    #[error("the units are `{0}`: declare one of m, cm, mm")]
+    Units(String),
+    /// Undeclared or impossible axes.
+    #[error("{0}")]
+    Axes(String),
+    /// An .npy, .npz or pickle file that is cut off or corrupted.
+    #[error("`{at}` is damaged or cut off: {fault}; write it again")]
+    Damaged {
+        /// The file.
+        at: String,
+        /// What is wrong.
+        fault: String,
+    },
+    /// A header that claims more than there is.
+    #[error(
+        "`{at}` claims {claimed} bytes of data but holds {present}: it is cut off or its header is wrong"
+    )]
+    Absurd {
+        /// The file or array.
+        at: String,
+        /// Bytes that its header claims, saturated.
+        claimed: u64,
+        /// Bytes that are there.
+        present: u64,
+    },
+    /// A pickle that names something outside the allow-list.
+    #[error(
+        "`{at}` asks to load `{global}`: only plain numpy arrays, dictionaries, lists and numbers are read; \
+         save it again with `numpy.asarray` on each array"
+    )]
+    PickleGlobal {
+        /// The file.
+        at: String,
+        /// The refused global.
+        global: String,
+    },
+    /// A pickle beyond the limits or with an opcode outside the allow-list.
+    #[error("`{at}` is refused: {fault}")]
+    Pickle {
+        /// The file.
+        at: String,
+        /// Why.
+        fault: String,
+    },
+    /// An array of another type.
+    #[error("`{at}` holds {found}: it must hold {needed}")]
+    Dtype {
+        /// The array.
+        at: String,
+        /// Its type.
+        found: String,
+        /// The types accepted.
+        needed: &'static str,
+    },
+    /// An array of another shape.
+    #[error("`{at}` has shape {found:?}: it must be {needed}")]
+    Shape {
+        /// The array.
+        at: String,
+        /// Its shape.
+        found: Vec<usize>,
+        /// The shape needed, in letters.
+        needed: String,
+    },
+    /// Arrays that disagree in length.
+    #[error("{0}")]
+    Lengths(String),
+    /// An edge that names a point that is not there.
+    #[error(
+        "edge {index} joins points {a} and {b}, but there are {points} points (0 to {points} exclusive, two different ones)"
+    )]
+    EdgeRange {
+        /// Which edge.
+        index: usize,
+        /// First end.
+        a: i64,
+        /// Second end.
+        b: i64,
+        /// Number of points.
+        points: usize,
+    },
+    /// A pin that names a point or control point that is not there.
+    #[error(
+        "pin {index} joins point {point} and control point {control}, but there are {points} points and {controls} control points"
+    )]
+    PinRange {
+        /// Which pin.
+        index: usize,
+        /// Its point.
+        point: i64,
+        /// Its control point.
+        control: i64,
+        /// Number of points.
+        points: usize,
+        /// Number of control points.
+        controls: usize,
+    },
+    /// A split outside the recording.
+    #[error(
+        "sequence `{sequence}` is split at frame {split}, but it has {frames} frames: the split lies in 0..={frames}"
+    )]
+    SplitRange {
+        /// The sequence.
+        sequence: String,
+        /// Where it is split.
+        split: i64,
+        /// Its length.
+        frames: usize,
+    },
+    /// Readable, but not fit for fitting: the first error of the check.
+    #[error("the capture cannot be fitted: {message} ({code})")]
+    Unusable {
+        /// Code of the finding.
+        code: String,
+        /// The messages of all errors.
+        message: String,
+    },
+    /// The generator's simulation failed.
+    #[error("the generator's simulation failed: {0}")]
+    Simulation(String),
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::NotFound(_) => Category::NotFound,
+            Self::Io { .. } | Self::Simulation(_) => Category::Internal,
+            Self::TooLarge { .. } | Self::TooMany { .. } | Self::ArchiveEntries { .. } => {
+                Category::ResourceExhausted
+            }
+            _ => Category::InvalidArgument,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::NotFound(_) => "CAPTURE_NOT_FOUND",
+            Self::Io { .. } => "CAPTURE_IO",
+            Self::UnknownKind(_) => "UNKNOWN_CAPTURE_KIND",
+            Self::RawOnly(_) => "RAW_CAPTURE",
+            Self::Several(_) => "SEVERAL_CAPTURES",
+            Self::ArchiveDamaged(_) => "ARCHIVE_DAMAGED",
+            Self::ArchiveEntries { .. } => "ARCHIVE_TOO_MANY_ENTRIES",
+            Self::ArchiveRatio { .. } => "ARCHIVE_BOMB",
+            Self::ArchiveName(_) => "ARCHIVE_UNSAFE_NAME",
+            Self::ArchiveEntryKind { .. } => "ARCHIVE_NOT_A_FILE",
+            Self::ArchiveDuplicate => "ARCHIVE_DUPLICATE_NAME",
+            Self::TooLarge { .. } => "CAPTURE_TOO_LARGE",
+            Self::TooMany { .. } => "CAPTURE_TOO_MANY",
+            Self::MissingFile(_) => "MISSING_FILE",
+            Self::MissingArray { .. } => "MISSING_ARRAY",
+            Self::Document { .. } => "INVALID_DOCUMENT",
+            Self::Version { .. } => "UNSUPPORTED_VERSION",
+            Self::Units(_) => "UNKNOWN_UNITS",
+            Self::Axes(_) => "INVALID_AXES",
+            Self::Damaged { .. } => "FILE_DAMAGED",
+            Self::Absurd { .. } => "HEADER_CLAIMS_TOO_MUCH",
+            Self::PickleGlobal { .. } => "PICKLE_GLOBAL_REFUSED",
+            Self::Pickle { .. } => "PICKLE_REFUSED",
+            Self::Dtype { .. } => "WRONG_DTYPE",
+            Self::Shape { .. } => "WRONG_SHAPE",
+            Self::Lengths(_) => "LENGTH_MISMATCH",
+            Self::EdgeRange { .. } => "EDGE_OUT_OF_RANGE",
+            Self::PinRange { .. } => "PIN_OUT_OF_RANGE",
+            Self::SplitRange { .. } => "SPLIT_OUT_OF_RANGE",
+            Self::Unusable { .. } => "UNUSABLE_CAPTURE",
+            Self::Simulation(_) => "SIMULATION_FAILED",
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! The files of a capture, from a folder or a ZIP archive, read into memory one
+//! by one under the caps of [`Limits`]. Nothing is ever extracted to disk.
+
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::{BufReader, Cursor, Read, Seek},
+    path::{Path, PathBuf},
+};
+
+use zip::ZipArchive;
+
+use crate::{Error, Limits, limits::Budget};
+
+trait ReadSeek: Read + Seek {}
+impl<T: Read + Seek> ReadSeek for T {}
+
+enum Source<'a> {
+    Folder(PathBuf),
+    Zip(Box<ZipArchive<Box<dyn ReadSeek + 'a>>>),
+}
+
+/// Files by their names relative to the capture's root.
+pub(crate) struct Files<'a> {
+    /// The folder's or archive's own name, without extension.
+    pub(crate) name: String,
+    pub(crate) limits: &'a Limits,
+    pub(crate) budget: Budget,
+    source: Source<'a>,
+    /// Entry index of each name; empty for a folder.
+    entries: BTreeMap<String, usize>,
+    /// Put before every name: the folder inside the archive that holds the capture.
+    prefix: String,
+}
+
+/// How deep inside an archive or folder a capture may lie.
+const MAX_NESTING: usize = 2;
+
+impl<'a> Files<'a> {
+    /// Opens a folder or an archive.
+    pub(crate) fn open(path: &Path, limits: &'a Limits) -> Result<Self, Error> {
+        let at = path.display().to_string();
+        let io = |source: std::io::Error| match source.kind() {
+            std::io::ErrorKind::NotFound => Error::NotFound(at.clone()),
+            _ => Error::Io { at: at.clone(), source },
+        };
+        let metadata = std::fs::metadata(path).map_err(io)?;
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        if metadata.is_dir() {
+            // A folder's name may contain dots, and `.` has no name at all.
+            let full = path.canonicalize().map_err(io)?;
+            let name = full.file_name().unwrap_or_default().to_string_lossy();
+            return Ok(Self {
+                name: name.into_owned(),
+                limits,
+                budget: Budget::new(limits),
+                source: Source::Folder(path.to_owned()),
+                entries: BTreeMap::new(),
+                prefix: String::new(),
+            });
+        }
+        let file = BufReader::new(File::open(path).map_err(io)?);
+        Self::zip(&stem, Box::new(file), limits)
+    }
+
+    /// Opens an archive in memory.
+    pub(crate) fn from_bytes(
+        name: &str,
+        bytes: &'a [u8],
+        limits: &'a Limits,
+    ) -> Result<Self, Error> {
+        Self::zip(name, Box::new(Cursor::new(bytes)), limits)
+    }
+
+    fn zip(
+        name: &str,
+        mut reader: Box<dyn ReadSeek + 'a>,
+        limits: &'a Limits,
+    ) -> Result<Self, Error> {
+        let mut magic = [0; 2];
+        let is_zip = reader.read_exact(&mut magic).is_ok() && &magic == b"PK";
+        if !is_zip {
+            return Err(Error::UnknownKind(name.to_owned()));
+        }
+        let mut budget = Budget::new(limits);
+        let archive = ZipArchive::new(reader).map_err(|e| Error::ArchiveDamaged(e.to_string()))?;
+        let directory = archive.metadata();
+        let entries = directory.len();
+        if entries > limits.archive_entries {
+            return Err(Error::ArchiveEntries { entries, limit: limits.archive_entries });
+        }
+        if directory.has_duplicate_names() {
+            return Err(Error::ArchiveDuplicate);
+        }
+        let mut names = BTreeMap::new();
+        for index in 0..entries {
+            let entry = directory.entry(index).map_err(|e| Error::ArchiveDamaged(e.to_string()))?;
+            let raw = String::from_utf8_lossy(entry.name_raw()).into_owned();
+            if raw.len() > limits.name_bytes {
+                return Err(Error::ArchiveName(
+                    raw.chars().take(80).chain("...".chars()).collect(),
+                ));
+            }
+            let enclosed = entry.enclosed_name().and_then(|p| p.to_str().map(str::to_owned));
+            let Some(enclosed) =
+                enclosed.filter(|_| !raw.split(['/', '\\']).any(|part| part == ".."))
+            else {
+                return Err(Error::ArchiveName(raw));
+            };
+            if !entry.is_dir() {
+                names.insert(enclosed.replace('\\', "/"), index);
+            }
+        }
+        budget.take(entries as u64 * 256, "the archive's directory")?;
+        Ok(Self {
+            name: name.to_owned(),
+            limits,
+            budget,
+            source: Source::Zip(Box::new(archive)),
+            entries: names,
+            prefix: String::new(),
+        })
+    }
+
+    /// Moves the root to the one place where a file of this name lies, at most
+    /// two folders deep.
+    ///
+    /// # Errors
+    /// If there are several.
+    pub(crate) fn enter(&mut self, marker: &str) -> Result<bool, Error> {
+        let found: Vec<String> = match &self.source {
+            Source::Folder(root) => {
+                if root.join(marker).is_file() {
+                    return Ok(true);
+                }
+                let inner = std::fs::read_dir(root)
+                    .map_err(|source| Error::Io { at: self.name.clone(), source })?;
+                inner
+                    .take(self.limits.archive_entries)
+                    .filter_map(|entry| {
+                        let entry = entry.ok()?;
+                        let name = entry.file_name().to_str()?.to_owned();
+                        entry.path().join(marker).is_file().then(|| format!("{name}/"))
+                    })
+                    .collect()
+            }
+            Source::Zip(_) => {
+                if self.entries.contains_key(marker) {
+                    return Ok(true);
+                }
+                let ending = format!("/{marker}");
+                let prefixes = self.entries.keys().filter(|n| !n.starts_with("__MACOSX/"));
+                prefixes
+                    .filter_map(|n| n.strip_suffix(&ending))
+                    .filter(|p| p.split('/').count() <= MAX_NESTING)
+                    .map(|p| format!("{p}/"))
+                    .collect()
+            }
+        };
+        match found.as_slice() {
+            [] => Ok(false),
+            [one] => {
+                self.prefix.clone_from(one);
+                if let Some(name) = one.trim_end_matches('/').rsplit('/').next() {
+                    name.clone_into(&mut self.name);
+                }
+                Ok(true)
+            }
+            several => {
+                let names: Vec<&str> =
+                    several.iter().take(5).map(|p| p.trim_end_matches('/')).collect();
+                Err(Error::Several(names.join(", ")))
+            }
+        }
+    }
+
+    /// Whether a file of this name exists.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        let full = format!("{}{name}", self.prefix);
+        match &self.source {
+            Source::Folder(root) => root.join(full).is_file(),
+            Source::Zip(_) => self.entries.contains_key(&full),
+        }
+    }
+
+    /// Whether some file's name starts so (`color/`, say).
+    pub(crate) fn has_under(&self, folder: &str) -> bool {
+        let full = format!("{}{folder}", self.prefix);
+        match &self.source {
+            Source::Folder(root) => root.join(full).is_dir(),
+            Source::Zip(_) => self.entries.keys().any(|n| n.starts_with(&full)),
+        }
+    }
+
+    /// Refuses counts of frames and points beyond the limits.
+    pub(crate) fn check_counts(&self, frames: usize, points: usize) -> Result<(), Error> {
+        at_most("frames", frames, self.limits.frames)?;
+        at_most("tracked points", points, self.limits.points)
+    }
+
+    /// Refuses counts of control points beyond the limits.
+    pub(crate) fn check_controls(&self, controls: usize) -> Result<(), Error> {
+        at_most("control points", controls, self.limits.controls)
+    }
+
+    /// Refuses counts of sequences beyond the limits.
+    pub(crate) fn check_sequences(&self, sequences: usize) -> Result<(), Error> {
+        at_most("sequences", sequences, self.limits.sequences)
+    }
+
+    /// Reads a file that must exist.
+    pub(crate) fn read(&mut self, name: &str) -> Result<Vec<u8>, Error> {
+        self.find(name)?.ok_or_else(|| Error::MissingFile(name.to_owned()))
+    }
+
+    /// Reads a file that may be missing.
+    pub(crate) fn find(&mut self, name: &str) -> Result<Option<Vec<u8>>, Error> {
+        let full = format!("{}{name}", self.prefix);
+        match &mut self.source {
+            Source::Folder(root) => {
+                let path = root.join(&full);
+                let Ok(metadata) = std::fs::metadata(&path) else { return Ok(None) };
+                if !metadata.is_file() {
+                    return Ok(None);
+                }
+                let io = |source| Error::Io { at: full.clone(), source };
+                let file = File::open(&path).map_err(io)?;
+                read_capped(name, file, metadata.len(), self.limits, &mut self.budget).map(Some)
+            }
+            Source::Zip(archive) => {
+                let Some(&index) = self.entries.get(&full) else { return Ok(None) };
+                let entry =
+                    archive.by_index(index).map_err(|e| Error::ArchiveDamaged(e.to_string()))?;
+                let kind = match entry.unix_mode().map(|m| m & 0o170_000) {
+                    _ if entry.encrypted() => Some("encrypted"),
+                    _ if entry.is_symlink() => Some("a link"),
+                    Some(0 | 0o100_000) | None => None,
+                    Some(_) => Some("a special file"),
+                };
+                if let Some(kind) = kind {
+                    return Err(Error::ArchiveEntryKind { at: full, kind });
+                }
+                let size = entry.size();
+                let ratio = size / entry.compressed_size().max(1);
+                if size >= self.limits.ratio_from_bytes && ratio > self.limits.compression_ratio {
+                    let limit = self.limits.compression_ratio;
+                    return Err(Error::ArchiveRatio { at: full, ratio, limit });
+                }
+                read_capped(name, entry, size, self.limits, &mut self.budget).map(Some)
+            }
+        }
+    }
+}
+
+fn at_most(what: &'static str, count: usize, limit: usize) -> Result<(), Error> {
+    if count > limit {
+        return Err(Error::TooMany { what, count: count as u64, limit: limit as u64 });
+    }
+    Ok(())
+}
+
+/// Reads exactly the announced bytes; the announcement is checked first and not trusted after.
+fn read_capped(
+    name: &str,
+    reader: impl Read,
+    size: u64,
+    limits: &Limits,
+    budget: &mut Budget,
+) -> Result<Vec<u8>, Error> {
+    if size > limits.file_bytes {
+        let limit = limits.file_bytes;
+        return Err(Error::TooLarge { what: format!("`{name}`"), bytes: size, limit });
+    }
+    budget.take(size, &format!("`{name}`"))?;
+    let damaged = |fault: String| Error::Damaged { at: name.to_owned(), fault };
+    // Grows as bytes arrive: a header that lies about its size costs nothing.
+    let mut bytes = Vec::new();
+    reader.take(size + 1).read_to_end(&mut bytes).map_err(|e| damaged(e.to_string()))?;
+    if bytes.len() as u64 != size {
+        return Err(damaged(format!("it announces {size} bytes but holds {}", bytes.len())));
+    }
+    Ok(bytes)
+}

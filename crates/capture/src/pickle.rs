@@ -1,0 +1,121 @@
+//! Python pickles of numpy arrays, protocols 2 to 5, read without recursion
+//! through an allow-list. Nothing is ever imported or called: the few globals
+//! that numpy needs are known by name, everything else is refused.
+
+mod machine;
+mod numpy;
+
+use std::borrow::Cow;
+
+use crate::{Error, Limits, array::Array, limits::Budget};
+
+/// Index of a value in its [`Pickle`].
+type Id = u32;
+
+/// A value on the pickle machine's stack or in its memo.
+#[derive(Clone, Debug)]
+enum Value<'a> {
+    None,
+    Bool(bool),
+    Int(i64),
+    /// Read past, never used: captures keep their floats in arrays.
+    Float,
+    Str(Cow<'a, str>),
+    Bytes(Cow<'a, [u8]>),
+    Tuple(Vec<Id>),
+    List(Vec<Id>),
+    Dict(Vec<(Id, Id)>),
+    Global(numpy::Global),
+    Dtype(numpy::Descr),
+    /// What `_reconstruct` returns, before its state is set.
+    EmptyArray,
+    Array(Array<'a>),
+}
+
+/// A finished pickle: values by index, so that nesting costs no stack.
+#[derive(Debug)]
+pub(crate) struct Pickle<'a> {
+    at: String,
+    values: Vec<Value<'a>>,
+    root: Id,
+}
+
+/// Reads a pickle; `at` is the file's name in messages.
+///
+/// # Errors
+/// If it is damaged, beyond the limits, or asks for anything but arrays,
+/// containers and numbers.
+pub(crate) fn read<'a>(
+    at: &str,
+    bytes: &'a [u8],
+    limits: &Limits,
+    budget: &mut Budget,
+) -> Result<Pickle<'a>, Error> {
+    let (values, root) = machine::Machine::new(at, bytes, limits, budget).run()?;
+    Ok(Pickle { at: at.to_owned(), values, root })
+}
+
+impl<'a> Pickle<'a> {
+    fn value(&self, id: Id) -> &Value<'a> {
+        // Ids are only made by pushing values, so each has one.
+        self.values.get(id as usize).unwrap_or(&Value::None)
+    }
+
+    /// The root as an array.
+    pub(crate) fn array(&self) -> Result<Array<'a>, Error> {
+        match self.value(self.root) {
+            Value::Array(array) => Ok(array.clone().named(&self.at)),
+            other => Err(self.not_as_needed("", other, "a numpy array")),
+        }
+    }
+
+    /// The array under a key of the root dictionary, `None` where there is no such
+    /// key or it holds Python's None.
+    pub(crate) fn entry(&self, key: &str) -> Result<Option<Array<'a>>, Error> {
+        let Value::Dict(entries) = self.value(self.root) else {
+            return Err(self.not_as_needed(
+                "",
+                self.value(self.root),
+                "a dictionary of numpy arrays",
+            ));
+        };
+        // The last entry of a key counts, as in Python.
+        let found =
+            entries.iter().rev().find(|(k, _)| matches!(self.value(*k), Value::Str(s) if s == key));
+        match found.map(|(_, v)| self.value(*v)) {
+            None | Some(Value::None) => Ok(None),
+            Some(Value::Array(array)) => {
+                Ok(Some(array.clone().named(&format!("{}: {key}", self.at))))
+            }
+            Some(other) => Err(self.not_as_needed(&format!(": {key}"), other, "a numpy array")),
+        }
+    }
+
+    fn not_as_needed(&self, within: &str, value: &Value<'_>, needed: &'static str) -> Error {
+        Error::Dtype { at: format!("{}{within}", self.at), found: value.kind().to_owned(), needed }
+    }
+}
+
+impl Value<'_> {
+    /// What it is, for messages.
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::None => "None",
+            Self::Bool(_) => "a bool",
+            Self::Int(_) => "an int",
+            Self::Float => "a float",
+            Self::Str(_) => "a str",
+            Self::Bytes(_) => "bytes",
+            Self::Tuple(_) => "a tuple",
+            Self::List(_) => "a list",
+            Self::Dict(_) => "a dict",
+            Self::Global(_) => "a function",
+            Self::Dtype(_) => "a dtype",
+            Self::EmptyArray => "an unfinished array",
+            Self::Array(_) => "an array",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,77 @@
+//! The one way in: finds out what kind of capture lies at a path and reads it.
+
+use std::path::Path;
+
+use bendtwin_core::Capture;
+
+use crate::{
+    Error, Limits, bundle,
+    check::{CheckReport, Note, check},
+    files::Files,
+    mocap, phystwin,
+    structure::validate,
+};
+
+/// Reads a capture from a folder, a ZIP archive or an .npz of motion capture
+/// with its .json beside it.
+///
+/// The result is structurally sound (lengths agree, indices exist), in metres
+/// with z up. Whether its numbers make sense is for [`check()`].
+///
+/// # Errors
+/// If there is no capture, it is damaged, or it exceeds the limits.
+pub fn read(path: &Path, limits: &Limits) -> Result<Capture, Error> {
+    read_noting(path, limits).map(|(capture, _)| capture)
+}
+
+/// Reads a capture from the bytes of a ZIP archive; `name` stands in for its file name.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_bytes(name: &str, bytes: &[u8], limits: &Limits) -> Result<Capture, Error> {
+    let mut files = Files::from_bytes(name, bytes, limits)?;
+    read_files(&mut files, &mut Vec::new())
+}
+
+/// Reads a capture and checks that it is fit for fitting.
+///
+/// # Errors
+/// As [`read`], and [`Error::Unusable`] with the first error of the check.
+pub fn read_checked(path: &Path, limits: &Limits) -> Result<(Capture, CheckReport), Error> {
+    let (capture, notes) = read_noting(path, limits)?;
+    let mut report = check(&capture);
+    report.findings.extend(notes.into_iter().map(|n| n.0));
+    report.require()?;
+    Ok((capture, report))
+}
+
+pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Vec<Note>), Error> {
+    let mut notes = Vec::new();
+    // A person may point at the document inside the bundle.
+    let path = match (path.file_name(), path.parent()) {
+        (Some(name), Some(parent)) if name == bundle::MARKER && path.is_file() => {
+            if parent.as_os_str().is_empty() { Path::new(".") } else { parent }
+        }
+        _ => path,
+    };
+    let capture = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz")) {
+        mocap::read_npz(path, &path.with_extension("json"), limits)?
+    } else {
+        read_files(&mut Files::open(path, limits)?, &mut notes)?
+    };
+    Ok((capture, notes))
+}
+
+fn read_files(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
+    let capture = if files.enter(bundle::MARKER)? {
+        bundle::read(files, notes)?
+    } else if files.enter(phystwin::MARKER)? {
+        phystwin::read(files, notes)?
+    } else if files.enter("metadata.json")? && files.has_under("color") {
+        return Err(Error::RawOnly(files.name.clone()));
+    } else {
+        return Err(Error::UnknownKind(files.name.clone()));
+    };
+    validate(&capture)?;
+    Ok(capture)
+}
