@@ -303,7 +303,8 @@ fn unusable_points_are_counted_and_left_out() {
 #[test]
 fn wrong_captures_are_refused() {
     use bendtwin_core::Problem;
-    let breaks: [(&str, fn(&mut Capture)); 13] = [
+    type Break = (&'static str, fn(&mut Capture));
+    let breaks: [Break; 13] = [
         ("CAPTURE_INCONSISTENT", |c| c.sequences.clear()),
         ("CAPTURE_INCONSISTENT", |c| c.sequences[0].start_frames = 9),
         ("CAPTURE_INCONSISTENT", |c| {

@@ -35,10 +35,10 @@ pub(super) fn forces_are_minus_the_energy_gradient(backend: &dyn Backend) -> Out
         let end = scene.end(backend)?;
         for (i, force) in forces.iter().enumerate() {
             let m = f64::from(scene.graph.masses[i]);
-            for axis in 0..3 {
+            for (axis, expected) in force.iter().enumerate() {
                 let got = f64::from(end.velocities[i][axis]) * m / scene.dt();
                 let what = format!("seed {seed}: force on node {i} along axis {axis}");
-                close(&what, got, force[axis], 1e-3 * largest)?;
+                close(&what, got, *expected, 1e-3 * largest)?;
             }
         }
     }
@@ -172,7 +172,7 @@ pub(super) fn straight_rod_stays_smooth_through_pi(backend: &dyn Backend) -> Out
     let p = (1.0 - (w * dt).powi(2) / 2.0).acos();
     let rollout = scene.roll_out(backend)?;
     for (&frame, nodes) in rollout.frames.iter().zip(rollout.positions.chunks_exact(3)) {
-        let n = (frame as u32 * scene.timing.substeps) as f64;
+        let n = frame as f64 * f64::from(scene.timing.substeps);
         let exact = a * ((n * p).cos() - (p / 2.0).tan() * (n * p).sin());
         close(&format!("swing in frame {frame}"), f64::from(nodes[1][2]), exact, 1e-2 * a)?;
     }

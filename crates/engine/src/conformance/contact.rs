@@ -56,8 +56,8 @@ pub(super) fn colliding_objects_exchange_momentum(backend: &dyn Backend) -> Outc
         let j = impulse(&scene, 0, 1);
         for (node, sign) in [(0, -1.0), (1, 1.0)] {
             let m = f64::from(scene.graph.masses[node]);
-            for axis in 0..3 {
-                let expected = f64::from(scene.initial.velocities[node][axis]) + sign * j[axis] / m;
+            for (axis, j) in j.iter().enumerate() {
+                let expected = f64::from(scene.initial.velocities[node][axis]) + sign * j / m;
                 let what = format!("velocity {axis} of node {node}, {sideways} m/s sideways");
                 close(&what, f64::from(end.velocities[node][axis]), expected, 1e-5)?;
             }
@@ -87,8 +87,8 @@ pub(super) fn a_node_takes_the_mean_of_its_contacts(backend: &dyn Backend) -> Ou
     let (a, b) = (impulse(&scene, 0, 1), impulse(&scene, 0, 2));
     let kicks = [[0, 1, 2].map(|i| -(a[i] + b[i]) / 2.0), a, b];
     for (node, kick) in kicks.into_iter().enumerate() {
-        for axis in 0..3 {
-            let expected = f64::from(scene.initial.velocities[node][axis]) + kick[axis];
+        for (axis, kick) in kick.iter().enumerate() {
+            let expected = f64::from(scene.initial.velocities[node][axis]) + kick;
             let got = f64::from(end.velocities[node][axis]);
             close(&format!("velocity {axis} of node {node}"), got, expected, 1e-5)?;
         }

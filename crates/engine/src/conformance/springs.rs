@@ -35,7 +35,7 @@ pub(super) fn oscillator_frequency(backend: &dyn Backend) -> Outcome {
     let p = (1.0 - (w * dt).powi(2) / 2.0).acos();
     let rollout = scene.roll_out(backend)?;
     for (frame, e) in extensions(&rollout) {
-        let n = (frame as u32 * scene.timing.substeps) as f64;
+        let n = frame as f64 * f64::from(scene.timing.substeps);
         let exact = a * ((n * p).cos() - (p / 2.0).tan() * (n * p).sin());
         close(&format!("extension in frame {frame}"), e, exact, 2e-3 * a)?;
         let t = n * dt;
