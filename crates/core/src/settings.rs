@@ -112,6 +112,8 @@ pub struct SearchSettings {
     pub topology: bool,
     /// Use only the first so many training frames (0: all).
     pub max_frames: usize,
+    /// Use only so many training sequences, spread evenly over all of them (0: all).
+    pub max_sequences: usize,
 }
 
 /// How gradients are cut in time.
@@ -140,6 +142,8 @@ pub struct RefineSettings {
     pub beta2: f64,
     /// How far gradients reach back in time.
     pub window: GradientWindow,
+    /// Training sequences a step (0: all); each pass deals them out anew.
+    pub batch: usize,
     /// Fit rest lengths and rest angles too.
     pub rest_shape: bool,
 }
@@ -185,7 +189,7 @@ impl Default for LossSettings {
 
 impl Default for SearchSettings {
     fn default() -> Self {
-        Self { generations: 20, population: 0, sigma: 1.0 / 6.0, topology: true, max_frames: 0 }
+        Self { generations: 20, population: 0, sigma: 1.0 / 6.0, topology: true, max_frames: 0, max_sequences: 8 }
     }
 }
 
@@ -197,6 +201,7 @@ impl Default for RefineSettings {
             beta1: 0.9,
             beta2: 0.99,
             window: GradientWindow::Pass,
+            batch: 8,
             rest_shape: false,
         }
     }

@@ -2,10 +2,24 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, FitSettings, Progress, Twin};
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::{Capture, FitSettings, Progress, Stage, Twin, quality::Predictor};
+use bendtwin_engine::{
+    Backend,
+    backend::{self, CancelToken},
+};
+use bendtwin_eval::{EvaluateOptions, evaluate};
 
-use crate::{Error, ObserverError};
+use crate::{
+    Error, ObserverError,
+    checkpoint::{Checkpoint, Identity, VariantState},
+    cmaes::default_population,
+    meter::{Meter, Report},
+    refine,
+    search::Search,
+    task::Task,
+    variant::Variant,
+    warnings,
+};
 
 /// One fit: what to fit, how, and on which device.
 #[derive(Clone)]
@@ -63,7 +77,198 @@ impl FitJob<'_> {
         observer: &mut dyn Observer,
         cancel: &CancelToken,
     ) -> Result<Outcome, Error> {
-        let _ = (checkpoint, observer, cancel);
-        Err(Error::Capture("fitting follows".into()))
+        let task = Task::new(self.capture, &self.settings)?;
+        let mut run = Run::new(self, &task, observer, cancel);
+        let states = match checkpoint {
+            Some(bytes) => run.restore(bytes)?,
+            None => run.variants.iter().map(Variant::begin).collect(),
+        };
+        let states = run.search(states)?;
+        let finished = run.refine(states)?;
+        run.evaluate(finished)
     }
 }
+
+/// A fit under way.
+struct Run<'a> {
+    job: &'a FitJob<'a>,
+    task: &'a Task<'a>,
+    variants: Vec<Variant>,
+    identity: Identity,
+    meter: Meter,
+    observer: &'a mut dyn Observer,
+    cancel: &'a CancelToken,
+}
+
+/// A variant whose refinement is done.
+struct Finished {
+    twin: Twin,
+    warnings: Vec<String>,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        job: &'a FitJob<'a>,
+        task: &'a Task<'a>,
+        observer: &'a mut dyn Observer,
+        cancel: &'a CancelToken,
+    ) -> Self {
+        let variants = Variant::all(task);
+        let identity = Identity {
+            capture_digest: job.capture_digest.clone(),
+            settings: job.settings.clone(),
+            build: crate::BUILD.to_owned(),
+            backend: job.backend.device().kind,
+        };
+        let search_frames = task.search_set().iter().map(|t| t.frames).sum();
+        let population = match job.settings.search.population {
+            0 => default_population(variants[0].space.start().len()),
+            n => n,
+        };
+        let meter = Meter::new(task, search_frames, population);
+        Self { job, task, variants, identity, meter, observer, cancel }
+    }
+
+    fn restore(&self, bytes: &[u8]) -> Result<Vec<VariantState>, Error> {
+        let checkpoint = Checkpoint::from_bytes(bytes, &self.identity)?;
+        if checkpoint.variants.len() == self.variants.len() {
+            Ok(checkpoint.variants)
+        } else {
+            Err(Error::Checkpoint("it has another number of variants".into()))
+        }
+    }
+
+    fn keep(&mut self, variants: Vec<VariantState>) -> Result<(), Error> {
+        let checkpoint = Checkpoint { identity: self.identity.clone(), variants };
+        self.observer.checkpoint(checkpoint.to_bytes()?).map_err(Error::Observer)
+    }
+
+    fn report(&mut self, report: Report<'_>) {
+        let progress = self.meter.progress(report);
+        self.observer.progress(progress);
+    }
+
+    fn check_cancelled(&self) -> Result<(), Error> {
+        if self.cancel.is_cancelled() { Err(backend::Error::Cancelled.into()) } else { Ok(()) }
+    }
+
+    /// Generations until all are done; states that are past the search come back as they are.
+    fn search(&mut self, mut states: Vec<VariantState>) -> Result<Vec<VariantState>, Error> {
+        let generations = u64::from(self.job.settings.search.generations);
+        let mut search = Search::new(self.task);
+        loop {
+            self.check_cancelled()?;
+            let mut open: Vec<_> = self
+                .variants
+                .iter()
+                .zip(&mut states)
+                .filter_map(|(variant, state)| match state {
+                    VariantState::Search(cma) => Some((&variant.space, cma)),
+                    VariantState::Refine { .. } => None,
+                })
+                .filter(|(_, cma)| cma.generation() < generations)
+                .collect();
+            if open.is_empty() {
+                return Ok(states);
+            }
+            let results = search.generation(&mut open, &*self.job.backend, self.cancel)?;
+            self.keep(states.clone())?;
+            for (index, result) in results.into_iter().enumerate() {
+                let VariantState::Search(cma) = &states[index] else { continue };
+                let losses = result.losses.iter().copied();
+                let (best, done) = (cma.best().map(|b| b.loss), cma.generation() as u32);
+                let variant = self.variants[index].name;
+                self.report(Report {
+                    variant,
+                    stage: Stage::Search,
+                    iteration: done,
+                    loss: losses.clone().reduce(f64::min),
+                    best_loss: best,
+                    note: result.failures.note(losses.len()),
+                });
+            }
+        }
+    }
+
+    /// Passes until all are done.
+    fn refine(&mut self, states: Vec<VariantState>) -> Result<Vec<Finished>, Error> {
+        let backend = &*self.job.backend;
+        let (mut points, mut walks) = (Vec::new(), Vec::new());
+        for (variant, state) in self.variants.iter().zip(&states) {
+            let (point, walk) = variant.walk(self.task, state, backend)?;
+            points.push(point);
+            walks.push(walk);
+        }
+        if states.iter().any(|s| matches!(s, VariantState::Search(_))) {
+            refine::score_start(self.task, &mut walks, backend, self.cancel)?;
+        }
+        let passes = self.job.settings.refine.passes;
+        while walks.iter().any(|w| w.state.pass < passes) {
+            self.check_cancelled()?;
+            refine::pass(self.task, &mut walks, backend, self.cancel)?;
+            let states = points.iter().zip(&walks).map(|(point, walk)| VariantState::Refine {
+                point: point.clone(),
+                walk: walk.state.clone(),
+            });
+            self.keep(states.collect())?;
+            for (index, walk) in walks.iter_mut().enumerate() {
+                let variant = self.variants[index].name;
+                self.report(Report {
+                    variant,
+                    stage: Stage::Refine,
+                    iteration: walk.state.pass,
+                    loss: Some(walk.state.loss),
+                    best_loss: Some(walk.state.best.loss),
+                    note: walk.note.take(),
+                });
+            }
+        }
+        let mut finished = Vec::new();
+        for ((variant, walk), point) in self.variants.iter().zip(&walks).zip(&points) {
+            let twin = variant.twin(self.job, walk)?;
+            let (fabric, _) = variant.realise(self.task, point);
+            let warnings = warnings::of_fit(self.task, variant, point, &fabric);
+            finished.push(Finished { twin, warnings });
+        }
+        Ok(finished)
+    }
+
+    /// The quality table, and the end.
+    fn evaluate(&mut self, finished: Vec<Finished>) -> Result<Outcome, Error> {
+        self.check_cancelled()?;
+        let variant = self.variants[0].name;
+        let report = |iteration: u32| Report {
+            variant,
+            stage: Stage::Evaluate,
+            iteration,
+            loss: None,
+            best_loss: None,
+            note: None,
+        };
+        self.report(report(0));
+        let mut finished = finished.into_iter();
+        let Some(Finished { mut twin, warnings }) = finished.next() else {
+            return Err(Error::NothingStable("there is no variant".into()));
+        };
+        let mut axial = finished.next().map(|f| f.twin);
+        let options = EvaluateOptions { axial: axial.as_ref(), per_frame: false };
+        let mut quality = evaluate(
+            &*self.job.backend,
+            &twin,
+            self.job.capture,
+            &options,
+            self.cancel,
+        )?;
+        quality.warnings.splice(0..0, warnings);
+        if let Some(axial) = &mut axial {
+            let row = quality.score(Predictor::Axial).cloned();
+            axial.quality.scores = row.into_iter().collect();
+        }
+        twin.quality = quality;
+        self.report(report(1));
+        Ok(Outcome { twin, axial })
+    }
+}
+
+#[cfg(test)]
+mod tests;

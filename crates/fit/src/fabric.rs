@@ -1,0 +1,97 @@
+//! From a candidate to a model on the device: its graph (kept, since candidates often share one), its
+//! substeps, its parameters.
+
+use std::sync::Arc;
+
+use bendtwin_core::{Graph, Params, Timing, settings::Substeps};
+use bendtwin_engine::{
+    Backend, Loaded, Model, backend,
+    build::{Connectivity, Notes, connect_with_notes, rest_geometry},
+    stable_substeps,
+};
+
+use crate::task::Task;
+
+/// Graphs kept at a time: as many as two generations of candidates need.
+const KEPT: usize = 32;
+
+/// A graph with its rest geometry.
+#[derive(Debug)]
+pub(crate) struct Fabric {
+    pub(crate) graph: Arc<Graph>,
+    pub(crate) rest_lengths_m: Vec<f32>,
+    pub(crate) rest_angles_rad: Vec<f32>,
+    pub(crate) notes: Notes,
+}
+
+/// Graphs by connectivity, the least recently made forgotten first.
+#[derive(Default)]
+pub(crate) struct Fabrics {
+    kept: Vec<(Connectivity, Arc<Fabric>)>,
+}
+
+impl Fabrics {
+    pub(crate) fn get(&mut self, task: &Task<'_>, connectivity: &Connectivity) -> Arc<Fabric> {
+        if let Some((_, fabric)) = self.kept.iter().find(|(c, _)| c == connectivity) {
+            return fabric.clone();
+        }
+        let (graph, notes) = connect_with_notes(&task.sample, connectivity);
+        let (rest_lengths_m, rest_angles_rad) = rest_geometry(&graph, &task.sample);
+        let fabric =
+            Arc::new(Fabric { graph: Arc::new(graph), rest_lengths_m, rest_angles_rad, notes });
+        if self.kept.len() == KEPT {
+            self.kept.remove(0);
+        }
+        self.kept.push((*connectivity, fabric.clone()));
+        fabric
+    }
+}
+
+/// Why a candidate cannot be simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Refusal {
+    /// It needs so many substeps, more than the settings allow.
+    TooStiff(u32),
+}
+
+/// The model of a graph with parameters, with as many substeps as it needs.
+pub(crate) fn model(
+    task: &Task<'_>,
+    graph: &Arc<Graph>,
+    params: Params,
+) -> Result<Model, Refusal> {
+    let mut model = Model {
+        graph: graph.clone(),
+        params,
+        environment: task.capture.environment,
+        timing: Timing { fps: task.capture.fps, substeps: 1 },
+        control_velocity: task.settings.control_velocity,
+    };
+    model.timing.substeps = substeps(&model, task.settings.substeps)?;
+    Ok(model)
+}
+
+/// Substeps that a model should have.
+pub(crate) fn substeps(model: &Model, setting: Substeps) -> Result<u32, Refusal> {
+    let needed = stable_substeps(model).needed;
+    match setting {
+        Substeps::Fixed(n) if needed <= n => Ok(n),
+        Substeps::Auto { safety, max } if needed <= max => {
+            // Up to the limit the margin is a wish; the stability itself is not.
+            Ok(((f64::from(needed) * safety).ceil() as u32).clamp(1, max))
+        }
+        _ => Err(Refusal::TooStiff(needed)),
+    }
+}
+
+/// Loads a model; one that the backend finds unstable is refused like one that needs too many substeps.
+pub(crate) fn load(
+    backend: &dyn Backend,
+    model: Model,
+) -> Result<Result<Loaded, Refusal>, backend::Error> {
+    match backend.load(Arc::new(model)) {
+        Ok(loaded) => Ok(Ok(loaded)),
+        Err(backend::Error::Unstable { needed, .. }) => Ok(Err(Refusal::TooStiff(needed))),
+        Err(e) => Err(e),
+    }
+}

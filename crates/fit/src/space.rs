@@ -1,0 +1,226 @@
+//! What the search varies: physical constants of the whole object and, if asked for, how its nodes are
+//! joined. Every variable is scaled to 0..=1.
+//!
+//! Stiffness, dashpots, drag and bending are searched in logarithms: what matters about them is their
+//! order of magnitude, and the useful part of a linear scale (PhysTwin's 0..1e5, say) would be a thin
+//! slice at one end. Ratios and lengths are searched as they are. Variables without effect on the
+//! capture (friction of an object in the air) are left out: each costs the search evaluations.
+
+use bendtwin_core::{Contact, Params, params::MAX_SPRING_STIFFNESS};
+use bendtwin_engine::build::Connectivity;
+
+use crate::task::Task;
+
+/// Steps of searched radii [m]: finer ones would only make graphs that are equal in all but name.
+const RADIUS_STEP_M: f64 = 5e-4;
+
+/// A quantity that the search varies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Variable {
+    Stiffness,
+    Dashpot,
+    Drag,
+    BendStiffness,
+    BendDamping,
+    GroundRestitution,
+    GroundFriction,
+    ObjectRestitution,
+    ObjectFriction,
+    CollisionDistance,
+    Radius,
+    Neighbours,
+    ControlRadius,
+    ControlNeighbours,
+}
+
+impl std::fmt::Display for Variable {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Stiffness => "spring stiffness",
+            Self::Dashpot => "spring dashpot",
+            Self::Drag => "drag",
+            Self::BendStiffness => "bending stiffness",
+            Self::BendDamping => "bending damping",
+            Self::GroundRestitution => "ground restitution",
+            Self::GroundFriction => "ground friction",
+            Self::ObjectRestitution => "object restitution",
+            Self::ObjectFriction => "object friction",
+            Self::CollisionDistance => "collision distance",
+            Self::Radius => "spring radius",
+            Self::Neighbours => "neighbours",
+            Self::ControlRadius => "control radius",
+            Self::ControlNeighbours => "control neighbours",
+        })
+    }
+}
+
+/// A variable with its range.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    variable: Variable,
+    low: f64,
+    high: f64,
+    start: f64,
+    is_log: bool,
+}
+
+impl Axis {
+    fn log(variable: Variable, low: f64, high: f64, start: f64) -> Self {
+        Self { variable, low, high, start, is_log: true }
+    }
+
+    /// The range grows where the start lies outside it: a setting is never overruled.
+    fn linear(variable: Variable, low: f64, high: f64, start: f64) -> Self {
+        Self { variable, low: low.min(start), high: high.max(start), start, is_log: false }
+    }
+
+    fn value(&self, x: f64) -> f64 {
+        let value = if self.is_log {
+            (self.low.ln() + x * (self.high / self.low).ln()).exp()
+        } else {
+            self.low + x * (self.high - self.low)
+        };
+        value.clamp(self.low, self.high)
+    }
+
+    fn coordinate(&self) -> f64 {
+        let x = if self.is_log {
+            (self.start / self.low).ln() / (self.high / self.low).ln()
+        } else {
+            (self.start - self.low) / (self.high - self.low)
+        };
+        x.clamp(0.0, 1.0)
+    }
+}
+
+/// The unit cube that the search explores.
+pub(crate) struct Space {
+    axes: Vec<Axis>,
+    start: Candidate,
+}
+
+/// A point of the search space in physical units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Candidate {
+    pub(crate) connectivity: Connectivity,
+    stiffness: f64,
+    dashpot: f64,
+    drag: f64,
+    bend_stiffness: f64,
+    bend_damping: f64,
+    contact: Contact,
+}
+
+impl Space {
+    pub(crate) fn new(task: &Task<'_>, bending: bool) -> Self {
+        use Variable::*;
+        let settings = task.settings;
+        let connectivity = Connectivity::from_settings(&settings.graph, bending);
+        let mut axes = vec![
+            Axis::log(Stiffness, 1e2, f64::from(MAX_SPRING_STIFFNESS), 3e3),
+            Axis::log(Dashpot, 0.1, 300.0, 20.0),
+            Axis::log(Drag, 0.01, 20.0, 1.0),
+        ];
+        if connectivity.triplets.is_some() {
+            // A triplet with arms of length l and stiffness k l² resists a sideways
+            // displacement as a spring of stiffness k [N/m] would.
+            let square = task.spacing_m * task.spacing_m;
+            axes.push(Axis::log(BendStiffness, 0.1 * square, 1e5 * square, 100.0 * square));
+            axes.push(Axis::log(BendDamping, 1e-2 * square, 1e3 * square, square));
+        }
+        if task.nears_ground() {
+            axes.push(Axis::linear(GroundRestitution, 0.0, 1.0, 0.3));
+            axes.push(Axis::linear(GroundFriction, 0.0, 2.0, 0.5));
+        }
+        if task.has_contact() {
+            axes.push(Axis::linear(ObjectRestitution, 0.0, 1.0, 0.5));
+            axes.push(Axis::linear(ObjectFriction, 0.0, 2.0, 0.3));
+            axes.push(Axis::linear(CollisionDistance, 0.01, 0.05, 0.02));
+        }
+        if settings.search.topology {
+            let graph = &settings.graph;
+            if task.sample.edges.is_none() {
+                axes.push(Axis::linear(Radius, 0.01, 0.05, graph.radius_m));
+                axes.push(Axis::linear(Neighbours, 10.0, 50.0, graph.max_neighbours as f64));
+            }
+            if task.has_control_springs() {
+                axes.push(Axis::linear(ControlRadius, 0.01, 0.08, graph.control_radius_m));
+                let neighbours = graph.control_neighbours as f64;
+                axes.push(Axis::linear(ControlNeighbours, 10.0, 80.0, neighbours));
+            }
+        }
+        let contact = Contact { within_object: settings.self_contact, ..Contact::default() };
+        let mut start = Candidate {
+            connectivity,
+            stiffness: 0.0,
+            dashpot: 0.0,
+            drag: 0.0,
+            bend_stiffness: 0.0,
+            bend_damping: 0.0,
+            contact,
+        };
+        axes.iter().for_each(|a| start.set(a.variable, a.start));
+        Self { axes, start }
+    }
+
+    /// Where the search starts.
+    pub(crate) fn start(&self) -> Vec<f64> {
+        self.axes.iter().map(Axis::coordinate).collect()
+    }
+
+    /// The candidate at a point of the cube.
+    pub(crate) fn candidate(&self, point: &[f64]) -> Candidate {
+        let mut candidate = self.start;
+        for (axis, &x) in self.axes.iter().zip(point) {
+            candidate.set(axis.variable, axis.value(x));
+        }
+        candidate
+    }
+
+    /// Physical variables that ended within a hundredth of an end of their range.
+    pub(crate) fn at_bounds(&self, point: &[f64]) -> Vec<(Variable, f64)> {
+        let at_end = |x: f64| !(0.01..=0.99).contains(&x);
+        let pairs = self.axes.iter().zip(point).filter(|(a, x)| a.is_log && at_end(**x));
+        pairs.map(|(a, &x)| (a.variable, a.value(x))).collect()
+    }
+}
+
+impl Candidate {
+    fn set(&mut self, variable: Variable, value: f64) {
+        let c = &mut self.contact;
+        let to_grid = |x: f64| (x / RADIUS_STEP_M).round() * RADIUS_STEP_M;
+        match variable {
+            Variable::Stiffness => self.stiffness = value,
+            Variable::Dashpot => self.dashpot = value,
+            Variable::Drag => self.drag = value,
+            Variable::BendStiffness => self.bend_stiffness = value,
+            Variable::BendDamping => self.bend_damping = value,
+            Variable::GroundRestitution => c.ground_restitution = value as f32,
+            Variable::GroundFriction => c.ground_friction = value as f32,
+            Variable::ObjectRestitution => c.object_restitution = value as f32,
+            Variable::ObjectFriction => c.object_friction = value as f32,
+            Variable::CollisionDistance => c.collision_distance_m = value as f32,
+            Variable::Radius => self.connectivity.radius_m = to_grid(value),
+            Variable::Neighbours => self.connectivity.max_neighbours = value.round() as usize,
+            Variable::ControlRadius => self.connectivity.control_radius_m = to_grid(value),
+            Variable::ControlNeighbours => {
+                self.connectivity.control_neighbours = value.round() as usize;
+            }
+        }
+    }
+
+    /// Parameters of a graph: the same for every spring and every triplet.
+    pub(crate) fn params(&self, rest_lengths_m: &[f32], rest_angles_rad: &[f32]) -> Params {
+        let (e, t) = (rest_lengths_m.len(), rest_angles_rad.len());
+        Params {
+            spring_stiffness: vec![self.stiffness as f32; e],
+            spring_dashpot: vec![self.dashpot as f32; e],
+            rest_lengths_m: rest_lengths_m.to_vec(),
+            bend_stiffness: vec![self.bend_stiffness as f32; t],
+            bend_damping: vec![self.bend_damping as f32; t],
+            rest_angles_rad: rest_angles_rad.to_vec(),
+            drag: self.drag as f32,
+            contact: self.contact,
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! The constant half of a fit: nodes, training sequences and what a prediction of them is measured by.
+
+use std::sync::Arc;
+
+use bendtwin_core::{Capture, FitSettings, Graph, Sequence, settings::LossSettings};
+use bendtwin_engine::{
+    Objective, PointLoss, Term,
+    build::{NodeSample, mean_spacing, sample_nodes},
+    objective::WeightedTerm,
+};
+
+use crate::Error;
+
+/// Everything about a fit that no iteration changes.
+pub(crate) struct Task<'a> {
+    pub(crate) capture: &'a Capture,
+    pub(crate) settings: &'a FitSettings,
+    pub(crate) sample: NodeSample,
+    /// Training sequences, in the capture's order.
+    pub(crate) training: Vec<Training<'a>>,
+    /// Typical distance of neighbouring nodes [m]: what bending is measured by.
+    pub(crate) spacing_m: f64,
+}
+
+/// A sequence that is fitted to, as far as it is.
+pub(crate) struct Training<'a> {
+    pub(crate) sequence: &'a Sequence,
+    /// Frames to simulate from the start frame on.
+    pub(crate) frames: usize,
+    /// The loss, a mean over these frames.
+    pub(crate) objective: Objective,
+}
+
+/// Groups of the loss, as progress and checkpoints know them.
+const GROUPS: [&str; 3] = ["chamfer", "track", "acceleration"];
+
+impl<'a> Task<'a> {
+    pub(crate) fn new(capture: &'a Capture, settings: &'a FitSettings) -> Result<Self, Error> {
+        settings.validate().map_err(Error::Settings)?;
+        bendtwin_eval::check_capture(capture)?;
+        let sample = sample_nodes(capture, &settings.graph, settings.seed)?;
+        let training: Vec<_> = capture
+            .sequences
+            .iter()
+            .filter_map(|s| Training::new(s, s.train_frame_count, &sample, &settings.loss))
+            .collect();
+        if training.is_empty() {
+            return Err(Error::Capture(
+                "no sequence has training frames with visible points after its start: \
+                 raise the training share of its split"
+                    .into(),
+            ));
+        }
+        let spacing_m = spacing(&sample);
+        Ok(Self { capture, settings, sample, training, spacing_m })
+    }
+
+    /// What the search is measured by: fewer sequences and frames if the settings say so, and the
+    /// acceleration term, which only helps to find the right region.
+    pub(crate) fn search_set(&self) -> Vec<Training<'a>> {
+        let settings = &self.settings.search;
+        let limit = |n: usize, most: usize| if most == 0 { n } else { n.min(most) };
+        let count = limit(self.training.len(), settings.max_sequences);
+        let spread = (0..count).map(|i| i * self.training.len() / count);
+        let mut set = Vec::with_capacity(count);
+        for sequence in spread.map(|i| self.training[i].sequence) {
+            let most = limit(sequence.train_frame_count, settings.max_frames.saturating_add(
+                // 0 keeps meaning "all".
+                if settings.max_frames == 0 { 0 } else { sequence.start_frame() + 1 },
+            ));
+            let Some(mut training) =
+                Training::new(sequence, most, &self.sample, &self.settings.loss)
+            else {
+                continue;
+            };
+            training.add_acceleration(self.settings.loss.acceleration_weight);
+            set.push(training);
+        }
+        set
+    }
+
+    /// Whether an object of the capture comes near the ground in training.
+    pub(crate) fn nears_ground(&self) -> bool {
+        const NEAR_M: f32 = 0.05;
+        let Some(ground) = self.capture.environment.ground else { return false };
+        self.training.iter().any(|t| {
+            let s = t.sequence;
+            (s.start_frame()..=s.start_frame() + t.frames).any(|f| {
+                s.points_at(f).iter().zip(s.visible_at(f)).any(|(p, seen)| {
+                    let height: f32 = p.iter().zip(ground.normal).map(|(x, n)| x * n).sum();
+                    *seen && height - ground.offset_m < NEAR_M
+                })
+            })
+        })
+    }
+
+    /// Whether nodes can collide with each other.
+    pub(crate) fn has_contact(&self) -> bool {
+        self.settings.self_contact || self.sample.object_ids.iter().any(|&o| o != 0)
+    }
+
+    /// Whether control points hold nodes by springs.
+    pub(crate) fn has_control_springs(&self) -> bool {
+        let pins = &self.sample.pins;
+        (0..self.sample.control_rest.len()).any(|c| !pins.iter().any(|p| p.control as usize == c))
+    }
+}
+
+impl<'a> Training<'a> {
+    /// `None` if no frame after the start shows anything.
+    fn new(
+        sequence: &'a Sequence,
+        end: usize,
+        sample: &NodeSample,
+        loss: &LossSettings,
+    ) -> Option<Self> {
+        let start = sequence.start_frame();
+        let frames = end.checked_sub(start + 1).filter(|&n| n > 0)?;
+        let objective = objective(sequence, frames, sample, loss);
+        (!objective.terms.is_empty()).then_some(Self { sequence, frames, objective })
+    }
+
+    fn add_acceleration(&mut self, weight: f64) {
+        if weight > 0.0 {
+            let mut terms = self.objective.terms.as_ref().clone();
+            let each = (weight / self.frames as f64) as f32;
+            terms.extend((2..=self.frames).map(|frame| WeightedTerm {
+                frame,
+                weight: each,
+                group: 2,
+                term: Term::Acceleration,
+            }));
+            terms.sort_by_key(|t| t.frame);
+            self.objective.terms = Arc::new(terms);
+        }
+    }
+
+    /// The loss of frames `first + 1 ..= first + count` alone, for a rollout that starts at the end
+    /// of frame `first`; a mean over these frames.
+    pub(crate) fn window(&self, first: usize, count: usize) -> Objective {
+        let scale = self.frames as f32 / count.max(1) as f32;
+        let inside = |t: &&WeightedTerm| t.frame > first && t.frame <= first + count;
+        let shifted = |t: &WeightedTerm| WeightedTerm {
+            frame: t.frame - first,
+            weight: t.weight * scale,
+            ..t.clone()
+        };
+        Objective {
+            groups: self.objective.groups.clone(),
+            terms: Arc::new(self.objective.terms.iter().filter(inside).map(shifted).collect()),
+        }
+    }
+}
+
+/// Mean over frames of Chamfer distance and tracking loss.
+///
+/// - Chamfer: visible points against the surface. Left out where every visible point is tracked
+///   by a node of its own: then it has nothing to add.
+/// - Track: points whose motion is valid against their own nodes, pinned ones excepted. Smooth L1 is
+///   scaled by beta (which makes it Huber's loss), so that beta says where outliers begin without
+///   changing the weight against the Chamfer distance.
+fn objective(
+    sequence: &Sequence,
+    frames: usize,
+    sample: &NodeSample,
+    loss: &LossSettings,
+) -> Objective {
+    let start = sequence.start_frame();
+    let beta_m = loss.track_beta_m as f32;
+    let mut is_free = vec![true; sample.node_count()];
+    sample.pins.iter().for_each(|p| is_free[p.node as usize] = false);
+    let tracked: Vec<(u32, usize)> = (0..)
+        .zip(&sample.observed_points)
+        .filter(|&(node, &p): &(u32, &u32)| is_free[node as usize] && p != Graph::NOT_OBSERVED)
+        .map(|(node, &p)| (node, p as usize))
+        .collect();
+    let mut has_node = vec![false; sequence.points_at(start).len()];
+    let observed = sample.observed_points.iter().filter(|p| **p != Graph::NOT_OBSERVED);
+    observed.for_each(|&p| has_node[p as usize] = true);
+    let all_tracked = has_node.iter().all(|&n| n) && loss.track_weight > 0.0;
+
+    let mut terms = Vec::new();
+    let per_frame = |weight: f64| (weight / frames as f64) as f32;
+    for frame in 1..=frames {
+        let (points, visible) =
+            (sequence.points_at(start + frame), sequence.visible_at(start + frame));
+        let valid = sequence.motion_valid_at(start + frame);
+        let is_seen = |p: usize| visible[p] && points[p].iter().all(|x| x.is_finite());
+        let all_valid = (0..points.len()).all(|p| valid[p] || !is_seen(p));
+        if loss.chamfer_weight > 0.0 && !(all_tracked && all_valid) {
+            let targets: Vec<_> =
+                (0..points.len()).filter(|&p| is_seen(p)).map(|p| points[p]).collect();
+            if !targets.is_empty() {
+                terms.push(WeightedTerm {
+                    frame,
+                    weight: per_frame(loss.chamfer_weight),
+                    group: 0,
+                    term: Term::Chamfer { targets },
+                });
+            }
+        }
+        if loss.track_weight > 0.0 {
+            let (nodes, targets): (Vec<u32>, Vec<_>) = tracked
+                .iter()
+                .filter(|&&(_, p)| valid[p] && is_seen(p))
+                .map(|&(node, p)| (node, points[p]))
+                .unzip();
+            if !nodes.is_empty() {
+                terms.push(WeightedTerm {
+                    frame,
+                    weight: per_frame(loss.track_weight) * beta_m,
+                    group: 1,
+                    term: Term::Track { nodes, targets, loss: PointLoss::SmoothL1 { beta_m } },
+                });
+            }
+        }
+    }
+    Objective { groups: GROUPS.map(str::to_owned).to_vec(), terms: Arc::new(terms) }
+}
+
+/// Mean length of known edges, mean distance of surface nodes otherwise; 1 cm where neither says anything.
+fn spacing(sample: &NodeSample) -> f64 {
+    let points = sample.undeformed();
+    let length = |&[a, b]: &[u32; 2]| {
+        let (a, b) = (points[a as usize], points[b as usize]);
+        a.iter().zip(b).map(|(x, y)| f64::from(x - y).powi(2)).sum::<f64>().sqrt()
+    };
+    let spacing = match &sample.edges {
+        Some(edges) => edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64,
+        None => mean_spacing(points),
+    };
+    if spacing.is_finite() && spacing > 1e-6 { spacing } else { 0.01 }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,56 @@
+//! What is suspicious about a fit or its data, in sentences for the user.
+
+use crate::{fabric::Fabric, task::Task, variant::Variant};
+
+/// Warnings about the graph and the search's result.
+pub(crate) fn of_fit(
+    task: &Task<'_>,
+    variant: &Variant,
+    point: &[f64],
+    fabric: &Fabric,
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let loose = loose_controls(fabric);
+    if loose > 0 {
+        warnings.push(format!(
+            "{loose} of {} control points hold nothing: they are farther from the object than \
+             graph.control_radius_m",
+            fabric.graph.control_count()
+        ));
+    }
+    let notes = fabric.notes.to_string();
+    if !notes.is_empty() {
+        warnings.push(notes);
+    }
+    let left_out = task.sample.left_out;
+    if left_out.total() > 0 {
+        warnings.push(format!(
+            "{} tracked points could not become nodes ({} not finite, {} never visible, {} hidden at the start)",
+            left_out.total(),
+            left_out.not_finite,
+            left_out.never_visible,
+            left_out.hidden_at_start
+        ));
+    }
+    for (variable, value) in variant.space.at_bounds(point) {
+        warnings.push(format!(
+            "the search left {variable} at {value:.3e}, an end of its range: the capture may not \
+             determine it"
+        ));
+    }
+    warnings
+}
+
+/// Control points without a spring or a pin.
+fn loose_controls(fabric: &Fabric) -> usize {
+    let graph = &fabric.graph;
+    let n = graph.node_count();
+    let mut holds = vec![false; graph.control_count()];
+    for &[_, b] in &graph.springs {
+        if let Some(c) = (b as usize).checked_sub(n) {
+            holds[c] = true;
+        }
+    }
+    graph.pins.iter().for_each(|p| holds[p.control as usize] = true);
+    holds.iter().filter(|h| !**h).count()
+}
