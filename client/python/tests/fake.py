@@ -35,13 +35,12 @@ def tensor(array: np.ndarray) -> tensor_pb2.Tensor:
 
 
 def refuse(context: grpc.ServicerContext, code: grpc.StatusCode, reason: str, message: str):
-    """Ends the call as the real server does: a status with ErrorInfo."""
-    detail = any_pb2.Any()
-    detail.Pack(error_details_pb2.ErrorInfo(reason=reason, domain="bendtwin"))
-    status = status_pb2.Status(code=code.value[0], message=message, details=[detail])
-    context.set_trailing_metadata(
-        [("grpc-status-details-bin", status.SerializeToString()), ("x-request-id", "r-1")]
-    )
+    """Ends the call as the real server does: a status with ErrorInfo and RequestInfo."""
+    details = [any_pb2.Any(), any_pb2.Any()]
+    details[0].Pack(error_details_pb2.ErrorInfo(reason=reason, domain="bendtwin"))
+    details[1].Pack(error_details_pb2.RequestInfo(request_id="r-1"))
+    status = status_pb2.Status(code=code.value[0], message=message, details=details)
+    context.set_trailing_metadata([("grpc-status-details-bin", status.SerializeToString())])
     context.abort(code, message)
 
 

@@ -6,6 +6,18 @@ mod architecture;
 #[cfg(test)]
 mod documents;
 #[cfg(test)]
+mod first_five_minutes;
+#[cfg(test)]
+mod fits;
+#[cfg(test)]
+mod harness;
+#[cfg(test)]
+mod rollouts;
+#[cfg(test)]
+mod survival;
+#[cfg(test)]
 mod tidy;
+#[cfg(test)]
+mod uploads;
 #[cfg(test)]
 mod workspace;

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any
 
 import grpc
+from google.protobuf.message import DecodeError
 from google.rpc import error_details_pb2, status_pb2
 
 if TYPE_CHECKING:
     from bendtwin.resources import Fit
 
 _DETAILS_KEY = "grpc-status-details-bin"
-_REQUEST_ID_KEY = "x-request-id"
 
 
 class Category(str, enum.Enum):
@@ -87,24 +87,23 @@ def from_rpc_error(error: grpc.RpcError) -> BendTwinError:
     """The error that a gRPC status carries."""
     category = category_named(error.code().name)
     reason, request_id = category.value, None
-    for key, value in error.trailing_metadata() or ():
-        if key == _REQUEST_ID_KEY:
-            request_id = value
-        elif key == _DETAILS_KEY:
-            reason = _reason(value) or reason
+    info, request = error_details_pb2.ErrorInfo(), error_details_pb2.RequestInfo()
+    for detail in _details(error):
+        if detail.Is(info.DESCRIPTOR) and detail.Unpack(info):
+            reason = info.reason
+        elif detail.Is(request.DESCRIPTOR) and detail.Unpack(request):
+            request_id = request.request_id
     return BendTwinError(category, reason, error.details() or category.value, request_id)
 
 
-def _reason(details: bytes) -> str | None:
-    status, info = status_pb2.Status(), error_details_pb2.ErrorInfo()
-    try:
-        status.ParseFromString(details)
-    except Exception:  # The message class differs between versions of protobuf.
-        return None
-    for detail in status.details:
-        if detail.Is(info.DESCRIPTOR) and detail.Unpack(info):
-            return str(info.reason)
-    return None
+def _details(error: grpc.RpcError) -> list[Any]:
+    for key, value in error.trailing_metadata() or ():
+        if key == _DETAILS_KEY:
+            status = status_pb2.Status()
+            with suppress(DecodeError):
+                status.ParseFromString(value)
+            return list(status.details)
+    return []
 
 
 @contextmanager

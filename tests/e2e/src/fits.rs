@@ -1,0 +1,157 @@
+//! The life of fit jobs as their owner sees it: created once, ordered by
+//! priority, cancelled at once, taken over when a worker dies, watched.
+
+use std::time::{Duration, Instant};
+
+use bendtwin_proto::v1::{
+    CreateFitRequest, DeleteCaptureRequest, DeleteFitRequest, Fit, WatchFitRequest, fit::State,
+};
+use tonic::Code;
+
+use crate::harness::{
+    Server, Setup,
+    api::{fraction, has_ended},
+    reference::{ENDLESS, FIT, SETTINGS, capture},
+    within,
+};
+
+/// A fit of well under a second.
+const SHORT: &str =
+    r#"{"graph": {"max_nodes": 20}, "search": {"generations": 1}, "refine": {"passes": 1}}"#;
+const STATE: Duration = Duration::from_secs(60);
+
+fn running(fit: &Fit) -> bool {
+    fit.state() == State::Running && fraction(fit) > 0.0
+}
+
+#[tokio::test]
+async fn creating_twice_with_one_request_id_is_creating_once() {
+    let mut server = Server::start(Setup { own_workers: 0, ..Setup::default() }).await;
+    let api = server.api();
+    let archive = capture().await;
+    let capture = api.upload(&archive, "once").await.unwrap();
+    assert_eq!(api.upload(&archive, "once").await.unwrap().name, capture.name);
+
+    let request = CreateFitRequest {
+        capture: capture.name.clone(),
+        settings_json: SHORT.to_owned(),
+        priority: 3,
+        request_id: "once".to_owned(),
+    };
+    let first = api.fits().create_fit(request.clone()).await.unwrap().into_inner();
+    server.kill();
+    server.start_again().await;
+    let again = api.fits().create_fit(request.clone()).await.unwrap().into_inner();
+    assert_eq!(first.name, again.name);
+    assert_eq!(api.list_fits().await.unwrap().len(), 1);
+    assert_eq!(api.list_captures().await.unwrap().len(), 1);
+
+    let other = CreateFitRequest { priority: 4, ..request };
+    let refused = api.fits().create_fit(other).await.unwrap_err();
+    assert_eq!(refused.code(), Code::AlreadyExists, "{}", refused.message());
+}
+
+#[tokio::test]
+async fn higher_priorities_run_first_and_equal_ones_in_order() {
+    let mut server = Server::start(Setup { own_workers: 0, ..Setup::default() }).await;
+    let api = server.api();
+    let capture = api.upload(&capture().await, "").await.unwrap();
+    let mut fits = Vec::new();
+    for priority in [0, -5, 7, 0] {
+        fits.push(api.fit(&capture.name, SHORT, priority).await.unwrap().name);
+    }
+    server.start_worker().await;
+    let mut started = Vec::new();
+    for name in &fits {
+        let fit = api.succeeded(name, FIT).await;
+        let time = fit.start_time.unwrap();
+        started.push(((time.seconds, time.nanos), name.clone()));
+    }
+    started.sort();
+    let order: Vec<_> = started.into_iter().map(|(_, name)| name).collect();
+    assert_eq!(order, [2, 0, 3, 1].map(|i| fits[i].clone()));
+}
+
+#[tokio::test]
+async fn a_running_fit_is_cancelled_within_a_second() {
+    let server = Server::start(Setup { alone: true, ..Setup::default() }).await;
+    let api = server.api();
+    let capture = api.upload(&capture().await, "").await.unwrap();
+    let fit = api.fit(&capture.name, ENDLESS, 0).await.unwrap();
+    api.fit_when(&fit.name, "running", STATE, running).await;
+    let refused = api.fits().delete_fit(DeleteFitRequest { name: fit.name.clone() }).await;
+    assert_eq!(refused.unwrap_err().code(), Code::FailedPrecondition);
+    let refused = api.captures().delete_capture(DeleteCaptureRequest { name: capture.name }).await;
+    assert_eq!(refused.unwrap_err().code(), Code::FailedPrecondition);
+
+    let asked = Instant::now();
+    api.cancel(&fit.name).await.unwrap();
+    let fit = api.fit_when(&fit.name, "cancelled", STATE, has_ended).await;
+    let took = asked.elapsed();
+    assert_eq!(fit.state(), State::Cancelled, "{:?}", fit.fault);
+    assert!(took < Duration::from_secs(1), "cancelling took {took:?}");
+    println!("a running fit was cancelled in {took:?}");
+    assert_eq!(api.cancel(&fit.name).await.unwrap().state(), State::Cancelled);
+    api.fits().delete_fit(DeleteFitRequest { name: fit.name.clone() }).await.unwrap();
+    assert_eq!(api.get_fit(&fit.name).await.unwrap_err().code(), Code::NotFound);
+}
+
+#[tokio::test]
+async fn a_queued_fit_is_cancelled_at_once() {
+    let server = Server::start(Setup { own_workers: 0, ..Setup::default() }).await;
+    let api = server.api();
+    let capture = api.upload(&capture().await, "").await.unwrap();
+    let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
+    assert_eq!(fit.state(), State::Queued);
+    assert_eq!(api.cancel(&fit.name).await.unwrap().state(), State::Cancelled);
+}
+
+#[tokio::test]
+async fn another_worker_takes_over_from_a_dead_one() {
+    let setup = Setup { own_workers: 0, lease_s: 1.0, ..Setup::default() };
+    let mut server = Server::start(setup).await;
+    let api = server.api();
+    let capture = api.upload(&capture().await, "").await.unwrap();
+    let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
+    let first = server.start_worker().await.name;
+    api.fit_when(&fit.name, "run by the first worker", STATE, |f| f.worker == first).await;
+    let second = server.start_worker().await.name;
+    server.kill_own_worker();
+    let killed = Instant::now();
+    api.fit_when(&fit.name, "run by the second worker", STATE, |f| f.worker == second).await;
+    println!("with a lease of 1 s the next worker had the job after {:?}", killed.elapsed());
+    let fit = api.succeeded(&fit.name, FIT).await;
+    assert_eq!(fit.attempts, 2);
+}
+
+#[tokio::test]
+async fn watching_shows_every_stage_and_resumes_after_a_revision() {
+    let server = Server::ordinary().await;
+    let api = server.api();
+    let capture = api.upload(&capture().await, "").await.unwrap();
+    let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
+    let seen = watch(&server, &fit.name, 0).await;
+    assert!(seen.is_sorted_by(|a, b| a.revision < b.revision), "revisions grow");
+    assert!(seen.iter().any(running), "progress was shown");
+    let fractions: Vec<_> = seen.iter().map(fraction).collect();
+    assert!(fractions.is_sorted(), "{fractions:?}");
+    let last = seen.last().unwrap();
+    assert_eq!(last.state(), State::Succeeded);
+    // Who comes back having seen everything but the end is told the end.
+    let rest = watch(&server, &fit.name, last.revision - 1).await;
+    assert_eq!(rest.len(), 1);
+    assert_eq!(rest[0].revision, last.revision);
+}
+
+async fn watch(server: &Server, name: &str, after_revision: u64) -> Vec<Fit> {
+    let request = WatchFitRequest { name: name.to_owned(), after_revision };
+    let mut changes = server.api().fits().watch_fit(request).await.unwrap().into_inner();
+    let mut seen = Vec::new();
+    within("a watched fit", FIT, async {
+        while let Some(fit) = changes.message().await.unwrap() {
+            seen.push(fit);
+        }
+    })
+    .await;
+    seen
+}

@@ -1,0 +1,54 @@
+//! The `bendtwin` command itself.
+
+use std::{
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+use serde_json::Value;
+
+/// The binary: `BENDTWIN_BIN`, or `bendtwin` in the target folder that this test was built into.
+pub(crate) fn binary() -> PathBuf {
+    if let Some(path) = std::env::var_os("BENDTWIN_BIN") {
+        return path.into();
+    }
+    let test = std::env::current_exe().unwrap();
+    let path = test.parent().and_then(Path::parent).unwrap().join("bendtwin");
+    assert!(path.is_file(), "{} is missing: run `cargo build` first", path.display());
+    path
+}
+
+pub(crate) fn bendtwin() -> Command {
+    let mut command = Command::new(binary());
+    command.env_remove("RUST_LOG").env("NO_COLOR", "1");
+    command
+}
+
+/// Runs `bendtwin` to its end.
+pub(crate) fn run(arguments: &[&str]) -> Output {
+    bendtwin().args(arguments).output().unwrap()
+}
+
+/// Runs `bendtwin`, which must end well, and returns what it printed.
+pub(crate) fn run_ok(arguments: &[&str]) -> String {
+    let output = run(arguments);
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(
+        output.status.success(),
+        "bendtwin {}: {}\n{}{}",
+        arguments.join(" "),
+        output.status,
+        text(&output.stdout),
+        text(&output.stderr)
+    );
+    text(&output.stdout)
+}
+
+/// Runs `bendtwin ... --json` and reads its last line.
+pub(crate) fn run_json(arguments: &[&str]) -> Value {
+    let text = run_ok(&[arguments, &["--json"]].concat());
+    let last = text.trim().lines().last().unwrap_or_default();
+    serde_json::from_str(&text)
+        .or_else(|_| serde_json::from_str(last))
+        .unwrap_or_else(|e| panic!("bendtwin {} --json: {e}\n{text}", arguments.join(" ")))
+}

@@ -1,0 +1,62 @@
+//! Plain HTTP calls, and requests that no HTTP library would send.
+
+use std::time::Duration;
+
+use reqwest::{Client, Method, RequestBuilder, Response, StatusCode};
+use serde_json::Value;
+use tokio::{
+    io::{AsyncReadExt as _, AsyncWriteExt as _},
+    net::TcpStream,
+};
+
+use super::pace::within;
+
+const DEADLINE: Duration = Duration::from_secs(60);
+
+/// A server's HTTP side.
+#[derive(Clone, Debug)]
+pub(crate) struct Http {
+    url: String,
+    client: Client,
+}
+
+impl Http {
+    pub(crate) fn new(url: &str) -> Self {
+        Self { url: url.to_owned(), client: Client::builder().build().unwrap() }
+    }
+
+    pub(crate) async fn is_ready(&self) -> bool {
+        self.request(Method::GET, "/readyz")
+            .timeout(Duration::from_secs(2))
+            .send()
+            .await
+            .is_ok_and(|reply| reply.status() == StatusCode::OK)
+    }
+
+    pub(crate) fn request(&self, method: Method, path: &str) -> RequestBuilder {
+        self.client.request(method, format!("{}{path}", self.url)).timeout(DEADLINE)
+    }
+
+    pub(crate) async fn get(&self, path: &str) -> Response {
+        self.request(Method::GET, path).send().await.unwrap()
+    }
+
+    pub(crate) async fn get_json(&self, path: &str) -> Value {
+        let reply = self.get(path).await;
+        assert_eq!(reply.status(), StatusCode::OK, "{path}");
+        reply.json().await.unwrap()
+    }
+
+    /// Sends bytes as they are and returns the status of the first reply, if there was one.
+    pub(crate) async fn send_raw(&self, bytes: &[u8]) -> Option<u16> {
+        let address = self.url.strip_prefix("http://").unwrap();
+        let mut stream = TcpStream::connect(address).await.unwrap();
+        // The server may answer and close before it has read everything.
+        stream.write_all(bytes).await.ok();
+        stream.shutdown().await.ok();
+        let mut reply = Vec::new();
+        within("an answer to raw bytes", DEADLINE, stream.read_to_end(&mut reply)).await.ok();
+        let line = String::from_utf8_lossy(&reply).into_owned();
+        line.strip_prefix("HTTP/1.1 ")?.get(..3)?.parse().ok()
+    }
+}

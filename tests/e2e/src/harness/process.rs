@@ -1,0 +1,74 @@
+//! Processes of a world, found and killed by a mark in their environment that
+//! children inherit, so that nothing outlives a test.
+
+use std::{
+    path::Path,
+    process::{Child, Command, Stdio},
+};
+
+/// The environment variable that marks a world's processes.
+const MARK: &str = "BENDTWIN_E2E_WORLD";
+
+/// A world's processes.
+#[derive(Debug)]
+pub(crate) struct Processes {
+    mark: String,
+}
+
+impl Processes {
+    pub(crate) fn new(world: &Path) -> Self {
+        Self { mark: format!("{MARK}={}", world.display()) }
+    }
+
+    /// Starts a process of this world; its output goes to `log`.
+    pub(crate) fn start(&self, command: &mut Command, log: &Path) -> Child {
+        let log = std::fs::OpenOptions::new().create(true).append(true).open(log).unwrap();
+        let (name, value) = self.mark.split_once('=').unwrap();
+        command
+            .env(name, value)
+            .stdin(Stdio::null())
+            .stdout(log.try_clone().unwrap())
+            .stderr(log)
+            .spawn()
+            .unwrap()
+    }
+
+    /// Ids of the live worker processes, in no particular order.
+    pub(crate) fn workers(&self) -> Vec<u32> {
+        let is_worker = |pid: &u32| {
+            let arguments = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+            arguments.split(|b| *b == 0).nth(1) == Some(b"worker")
+        };
+        self.all().into_iter().filter(is_worker).collect()
+    }
+
+    fn all(&self) -> Vec<u32> {
+        let pids = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+        pids.filter_map(|entry| entry.file_name().to_string_lossy().parse().ok())
+            .filter(|pid: &u32| {
+                let environment = std::fs::read(format!("/proc/{pid}/environ")).unwrap_or_default();
+                environment.split(|b| *b == 0).any(|entry| entry == self.mark.as_bytes())
+            })
+            .collect()
+    }
+}
+
+impl Drop for Processes {
+    fn drop(&mut self) {
+        // A process that is just being started escapes one look; none escapes until nothing is left.
+        for _ in 0..10 {
+            let all = self.all();
+            if all.is_empty() {
+                break;
+            }
+            all.into_iter().for_each(kill);
+        }
+    }
+}
+
+/// kill -9.
+pub(crate) fn kill(pid: u32) {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &format!("kill -9 {pid}")]).stderr(Stdio::null());
+    shell.status().unwrap();
+}

@@ -1,0 +1,68 @@
+//! One small capture and the twin that an undisturbed fit makes of it, made once
+//! for all stories.
+
+use std::time::Duration;
+
+use bytes::Bytes;
+use tokio::sync::OnceCell;
+
+use super::{Server, command::run_ok, pace::until};
+
+/// How long a small fit may take, however often it is disturbed.
+pub(crate) const FIT: Duration = Duration::from_secs(240);
+
+/// A fit of seconds, with all stages and enough steps to be disturbed in.
+pub(crate) const SETTINGS: &str = r#"{
+    "seed": 11,
+    "graph": {"max_nodes": 40},
+    "search": {"generations": 12, "population": 8},
+    "refine": {"passes": 24}
+}"#;
+
+/// A fit that never ends by itself within a test.
+pub(crate) const ENDLESS: &str = r#"{
+    "graph": {"max_nodes": 40},
+    "search": {"generations": 10000, "population": 8}
+}"#;
+
+/// What an undisturbed fit makes of the capture.
+#[derive(Clone, Debug)]
+pub(crate) struct Reference {
+    /// BLAKE3 of the twin file.
+    pub(crate) digest: String,
+    /// The twin file.
+    pub(crate) file: Bytes,
+}
+
+/// The archive of a small capture: a rope of a few dozen points.
+pub(crate) async fn capture() -> Bytes {
+    static CAPTURE: OnceCell<Bytes> = OnceCell::const_new();
+    let make = async || {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rope.zip");
+        tokio::task::spawn_blocking(move || {
+            run_ok(&["capture", "make", "rope", path.to_str().unwrap()]);
+            Bytes::from(std::fs::read(&path).unwrap())
+        })
+        .await
+        .unwrap()
+    };
+    CAPTURE.get_or_init(make).await.clone()
+}
+
+/// The twin of [`capture`] under [`SETTINGS`], fitted in peace.
+pub(crate) async fn reference() -> Reference {
+    static REFERENCE: OnceCell<Reference> = OnceCell::const_new();
+    let fit = async || {
+        let server = Server::ordinary().await;
+        let api = server.api();
+        let capture = api.upload(&capture().await, "").await.unwrap();
+        let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
+        let started = std::time::Instant::now();
+        let fit = api.succeeded(&fit.name, FIT).await;
+        println!("an undisturbed fit took {:.1} s", started.elapsed().as_secs_f64());
+        let twin = until("the twin", FIT, async || api.get_twin(&fit.twin).await.ok()).await;
+        Reference { digest: twin.digest, file: api.export(&twin.name).await.unwrap() }
+    };
+    REFERENCE.get_or_init(fit).await.clone()
+}

@@ -1,0 +1,110 @@
+//! A fit survives the death of any process, at any moment, and ends in the twin
+//! that it would have ended in otherwise.
+
+use std::time::Duration;
+
+use bendtwin_proto::v1::{Fit, fit::State};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::harness::{
+    Api, Server,
+    api::{fraction, has_ended},
+    reference::{FIT, SETTINGS, capture, reference},
+};
+
+const WORKER_KILLS: usize = 20;
+const SERVER_KILLS: usize = 10;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Victim {
+    Worker,
+    Server,
+}
+
+#[tokio::test]
+async fn a_fit_survives_twenty_deaths_of_its_worker() {
+    disturb(1, &[Victim::Worker; WORKER_KILLS]).await;
+}
+
+#[tokio::test]
+async fn a_fit_survives_ten_deaths_of_the_server() {
+    disturb(2, &[Victim::Server; SERVER_KILLS]).await;
+}
+
+#[tokio::test]
+async fn a_fit_survives_deaths_of_both_in_turn() {
+    disturb(3, &[Victim::Worker, Victim::Server].repeat(SERVER_KILLS)).await;
+}
+
+/// Runs a fit, kills as listed, spread over the run, and compares the twin.
+async fn disturb(seed: u64, victims: &[Victim]) {
+    let expected = reference().await;
+    let mut server = Server::ordinary().await;
+    let api = server.api();
+    let capture = api.upload(&capture().await, "").await.unwrap();
+    let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
+
+    let mut moments = Moments::new(seed, victims.len());
+    for victim in victims {
+        moments.wait_for_next(&api, &fit.name).await;
+        match victim {
+            Victim::Worker => server.kill_workers(),
+            Victim::Server => {
+                server.kill();
+                server.start_again().await;
+            }
+        }
+    }
+
+    let ended = api.succeeded(&fit.name, FIT).await;
+    let twins = api.list_twins().await.unwrap();
+    assert_eq!(twins.len(), 1, "one fit, one twin");
+    assert_eq!(twins[0].name, ended.twin);
+    assert_eq!(twins[0].digest, expected.digest, "disturbed and undisturbed twin differ");
+    assert_eq!(api.export(&ended.twin).await.unwrap(), expected.file);
+    println!(
+        "{} kills at {:?}, {} attempts: the same twin",
+        victims.len(),
+        moments.struck.iter().map(|f| (f * 100.0).round() / 100.0).collect::<Vec<_>>(),
+        ended.attempts
+    );
+}
+
+/// When to kill: at random moments that spread over the run. A job fails after three attempts
+/// without progress, so at most every other kill comes before new progress.
+struct Moments {
+    random: ChaCha8Rng,
+    /// Fractions of the job at which kills are due, ascending.
+    due: std::vec::IntoIter<f64>,
+    /// The fractions at which it happened.
+    struck: Vec<f64>,
+    last_attempt: u32,
+}
+
+impl Moments {
+    fn new(seed: u64, count: usize) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut due: Vec<f64> = (0..count).map(|_| random.random_range(0.0..0.9)).collect();
+        due.sort_by(f64::total_cmp);
+        Self { random, due: due.into_iter(), struck: Vec::new(), last_attempt: 0 }
+    }
+
+    async fn wait_for_next(&mut self, api: &Api, fit: &str) {
+        let due = self.due.next().unwrap();
+        let impatient = self.struck.len() % 3 == 2;
+        let before = self.struck.last().copied().unwrap_or(-1.0);
+        let ready = |fit: &Fit| {
+            let new_attempt = fit.state() == State::Running && fit.attempts > self.last_attempt;
+            let progressed = fraction(fit) > before && fraction(fit) >= due;
+            has_ended(fit) || (new_attempt && (impatient || progressed))
+        };
+        let what = format!("under way for kill {}", self.struck.len() + 1);
+        let fit = api.fit_when(fit, &what, FIT, ready).await;
+        assert!(!has_ended(&fit), "the fit ended before kill {}: {fit:?}", self.struck.len() + 1);
+        self.struck.push(fraction(&fit).max(before));
+        self.last_attempt = fit.attempts;
+        let delay = self.random.random_range(0..150);
+        tokio::time::sleep(Duration::from_millis(delay)).await;
+    }
+}
