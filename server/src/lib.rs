@@ -1,1 +1,33 @@
-//! Control plane: HTTP and gRPC on one port, queue, routing of rollouts. Knows no physics.
+//! Control plane: HTTP and gRPC on one port, the queue of fits, routing of
+//! rollouts to workers, and the worker processes themselves. Knows no physics.
+//!
+//! ```no_run
+//! # async fn run() -> Result<(), bendtwin_server::StartError> {
+//! use bendtwin_server::{Options, Service};
+//! let handle = Service::start(Options::default()).await?;
+//! println!("http://{}", handle.local_addr());
+//! handle.shutdown().await;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! `app/` has the use cases and knows no transport; `http/` and `grpc/` turn
+//! them into two APIs over one error table (`error.rs`); `dispatch/` knows the
+//! workers and routes rollouts; `supervise.rs` keeps worker processes alive.
+
+mod app;
+mod context;
+mod dispatch;
+mod error;
+mod grpc;
+mod http;
+mod listen;
+mod metrics;
+mod options;
+mod service;
+mod supervise;
+mod tokens;
+
+pub use options::{Limits, Options, WorkerPolicy};
+pub use service::{Handle, Service, StartError};
+pub use supervise::{SERVER_VARIABLE, TOKEN_VARIABLE};

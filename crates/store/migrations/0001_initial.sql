@@ -79,6 +79,5 @@ create table workers (
     lanes        bigint  not null,
     -- Started by the server, so it is gone when the server starts anew.
     supervised   boolean not null,
-    started_at   bigint  not null,
-    last_seen_at bigint  not null
+    started_at   bigint  not null
 );

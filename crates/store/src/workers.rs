@@ -34,8 +34,6 @@ pub struct Worker {
     pub registration: NewWorker,
     /// When it registered.
     pub started: Timestamp,
-    /// When it was last heard of.
-    pub last_seen: Timestamp,
 }
 
 /// The workers of a store.
@@ -54,7 +52,6 @@ struct Row {
     lanes: i64,
     supervised: bool,
     started_at: i64,
-    last_seen_at: i64,
 }
 
 impl TryFrom<Row> for Worker {
@@ -75,7 +72,6 @@ impl TryFrom<Row> for Worker {
                 supervised: row.supervised,
             },
             started: from_micros(row.started_at),
-            last_seen: from_micros(row.last_seen_at),
         })
     }
 }
@@ -89,11 +85,11 @@ impl Workers<'_> {
         let mut tx = self.store.inner.database.write().await?;
         let row: Row = sqlx::query_as(
             "insert into workers (id, endpoint, backend, device, build, lanes, supervised,
-                 started_at, last_seen_at)
-             values ($1, $2, $3, $4, $5, $6, $7, $8, $8)
+                 started_at)
+             values ($1, $2, $3, $4, $5, $6, $7, $8)
              on conflict (id) do update set endpoint = excluded.endpoint,
                  backend = excluded.backend, device = excluded.device, build = excluded.build,
-                 lanes = excluded.lanes, last_seen_at = excluded.last_seen_at
+                 lanes = excluded.lanes
              returning *",
         )
         .bind(new.id.uuid().to_string())
@@ -108,24 +104,6 @@ impl Workers<'_> {
         .await?;
         tx.commit().await?;
         row.try_into()
-    }
-
-    /// Notes that a worker was heard of.
-    ///
-    /// # Errors
-    /// [`Error::NotFound`] if it has to register first.
-    pub async fn seen(&self, id: WorkerId) -> Result<()> {
-        let mut tx = self.store.inner.database.write().await?;
-        let done = sqlx::query("update workers set last_seen_at = $2 where id = $1")
-            .bind(id.uuid().to_string())
-            .bind(self.store.now_micros())
-            .execute(&mut *tx)
-            .await?;
-        tx.commit().await?;
-        if done.rows_affected() == 0 {
-            return Err(Error::NotFound { name: id.to_string() });
-        }
-        Ok(())
     }
 
     /// All workers, newest first. They are few: one a device.

@@ -1,0 +1,109 @@
+//! The use cases, free of transport: what HTTP and gRPC both call. Arguments
+//! are checked here, so that both refuse the same things with the same words.
+
+mod captures;
+mod error;
+mod fits;
+mod jobs;
+mod twins;
+mod upload;
+mod watch;
+mod workers;
+
+use std::{str::FromStr, sync::Arc};
+
+use bendtwin_core::ids::InvalidName;
+use bendtwin_store::Store;
+use tokio_util::sync::CancellationToken;
+
+use crate::{dispatch::Dispatch, metrics::Metrics, options::Options, tokens::Tokens};
+
+pub(crate) use captures::CaptureUpload;
+pub(crate) use error::{Error, Result};
+pub(crate) use jobs::Attempt;
+pub(crate) use twins::TwinUpload;
+pub(crate) use upload::Body;
+
+/// The application. Clones share it.
+#[derive(Clone, Debug)]
+pub(crate) struct App {
+    inner: Arc<Inner>,
+}
+
+#[derive(Debug)]
+pub(crate) struct Inner {
+    pub(crate) options: Options,
+    pub(crate) store: Store,
+    pub(crate) dispatch: Dispatch,
+    pub(crate) tokens: Tokens,
+    pub(crate) metrics: Metrics,
+    /// Cancelled when the server begins to stop: streams end then.
+    pub(crate) stopping: CancellationToken,
+}
+
+impl std::ops::Deref for App {
+    type Target = Inner;
+    fn deref(&self) -> &Inner {
+        &self.inner
+    }
+}
+
+impl App {
+    pub(crate) fn new(options: Options, store: Store) -> Self {
+        let metrics = Metrics::new();
+        let inner = Inner {
+            dispatch: Dispatch::new(&options, store.clone(), metrics.clone()),
+            tokens: Tokens::new(options.worker_token.as_deref()),
+            metrics,
+            stopping: CancellationToken::new(),
+            options,
+            store,
+        };
+        Self { inner: Arc::new(inner) }
+    }
+}
+
+/// Parses a resource name.
+pub(crate) fn name<T: FromStr<Err = InvalidName>>(text: &str) -> Result<T> {
+    text.parse().map_err(Error::Name)
+}
+
+/// Parses the name of an optional filter; empty means none.
+pub(crate) fn optional_name<T: FromStr<Err = InvalidName>>(text: &str) -> Result<Option<T>> {
+    if text.is_empty() { Ok(None) } else { name(text).map(Some) }
+}
+
+/// Checks a person's name for a thing.
+fn display_name(text: String) -> Result<String> {
+    const LONGEST: usize = 200;
+    if text.chars().count() > LONGEST {
+        return Err(Error::invalid("display_name", format!("is longer than {LONGEST} characters")));
+    }
+    if text.chars().any(char::is_control) {
+        return Err(Error::invalid("display_name", "has control characters"));
+    }
+    Ok(text)
+}
+
+/// Checks an idempotency key; empty means none.
+fn request_id(text: String) -> Result<Option<String>> {
+    const LONGEST: usize = 128;
+    if text.is_empty() {
+        return Ok(None);
+    }
+    if text.chars().count() > LONGEST || text.chars().any(char::is_control) {
+        let rule = format!("must be up to {LONGEST} characters without control characters");
+        return Err(Error::invalid("request_id", rule));
+    }
+    Ok(Some(text))
+}
+
+/// Parses a BLAKE3 digest; empty means none.
+pub(crate) fn digest(text: &str) -> Result<Option<bendtwin_store::Digest>> {
+    if text.is_empty() {
+        return Ok(None);
+    }
+    bendtwin_store::Digest::from_hex(text)
+        .map(Some)
+        .map_err(|_| Error::invalid("digest", "is not 64 hexadecimal digits of a BLAKE3 digest"))
+}

@@ -1,0 +1,51 @@
+//! Captures: what was recorded. Their content is opaque here; workers read it.
+
+use bendtwin_core::ids::CaptureId;
+use bendtwin_store::{Capture, Content, NewCapture, Page, PageRequest};
+
+use super::{App, Body, Error, Result};
+
+/// A capture to be uploaded, as asked for.
+pub(crate) struct CaptureUpload {
+    pub(crate) display_name: String,
+    pub(crate) request_id: String,
+    /// BLAKE3 in hex; checked if not empty.
+    pub(crate) digest: String,
+    pub(crate) body: Body,
+}
+
+impl App {
+    pub(crate) async fn create_capture(&self, upload: CaptureUpload) -> Result<Capture> {
+        let display_name = super::display_name(upload.display_name)?;
+        let request_id = super::request_id(upload.request_id)?;
+        let digest = super::digest(&upload.digest)?;
+        let limit = self.options.limits.capture_bytes;
+        let content = self.receive(upload.body, limit, digest, |_| ()).await?;
+        if content.size_bytes() == 0 {
+            return Err(Error::invalid("content", "is empty: send the capture archive"));
+        }
+        let new = NewCapture { display_name, request_id, content };
+        let capture = self.store.captures().create(new).await?;
+        tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");
+        Ok(capture)
+    }
+
+    pub(crate) async fn capture(&self, name: &str) -> Result<Capture> {
+        Ok(self.store.captures().get(super::name(name)?).await?)
+    }
+
+    pub(crate) async fn captures(&self, page: &PageRequest) -> Result<Page<Capture>> {
+        Ok(self.store.captures().list(page).await?)
+    }
+
+    pub(crate) async fn capture_content(&self, name: &str) -> Result<(Capture, Content)> {
+        Ok(self.store.captures().content(super::name(name)?).await?)
+    }
+
+    pub(crate) async fn delete_capture(&self, name: &str) -> Result<()> {
+        let id: CaptureId = super::name(name)?;
+        self.store.captures().delete(id).await?;
+        tracing::info!(capture = %id, "capture deleted");
+        Ok(())
+    }
+}

@@ -1,0 +1,117 @@
+//! Why a use case was refused or failed.
+
+use std::time::Duration;
+
+use bendtwin_core::{Category, Fault, Problem, ids::InvalidName};
+
+/// Result with this module's [`Error`].
+pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// An error of a use case.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Error {
+    #[error(transparent)]
+    Store(#[from] bendtwin_store::Error),
+    #[error("{0}")]
+    Name(InvalidName),
+    #[error("`{field}` {fault}")]
+    Invalid { field: &'static str, fault: String },
+    #[error("the settings are not accepted: {}", .0.join("; "))]
+    Settings(Vec<String>),
+    #[error(transparent)]
+    TwinFile(#[from] bendtwin_core::twin::format::FormatError),
+    #[error("the upload broke off: {0}")]
+    UploadBroken(String),
+    #[error("the upload was silent for {} s: send it again", .0.as_secs())]
+    UploadIdle(Duration),
+    #[error("the worker token is missing or unknown")]
+    BadToken,
+    #[error("{0} is not registered: register it first")]
+    WorkerUnknown(String),
+    #[error("no worker is ready for rollouts: retry, or start one")]
+    NoWorker,
+    #[error("the worker broke down during the rollout and no other could take over: retry")]
+    WorkerLost,
+    #[error("{waiting} rollouts wait already for each worker with room for this twin: retry later")]
+    Busy { waiting: usize },
+    #[error("the deadline passed before the rollout was done: ask for less or allow more time")]
+    Deadline,
+    #[error("the server is stopping: retry")]
+    Stopping,
+    /// What a worker answered, as it said it.
+    #[error("{0}")]
+    Worker(Fault),
+    #[error("{0}")]
+    Internal(String),
+}
+
+impl Error {
+    pub(crate) fn invalid(field: &'static str, fault: impl Into<String>) -> Self {
+        Self::Invalid { field, fault: fault.into() }
+    }
+
+    /// When trying again makes sense, if it does.
+    pub(crate) fn retry_after(&self) -> Option<Duration> {
+        match self {
+            Self::Busy { .. } | Self::WorkerLost => Some(Duration::from_millis(250)),
+            Self::NoWorker | Self::Stopping => Some(Duration::from_secs(1)),
+            Self::Worker(fault) if fault.category == Category::ResourceExhausted => {
+                Some(Duration::from_millis(250))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::Store(error) => error.category(),
+            Self::TwinFile(error) => error.category(),
+            Self::Worker(fault) => fault.category,
+            Self::Name(_)
+            | Self::Invalid { .. }
+            | Self::Settings(_)
+            | Self::UploadBroken(_)
+            | Self::UploadIdle(_) => Category::InvalidArgument,
+            Self::BadToken => Category::Unauthenticated,
+            Self::WorkerUnknown(_) => Category::NotFound,
+            Self::NoWorker | Self::WorkerLost | Self::Stopping => Category::Unavailable,
+            Self::Busy { .. } => Category::ResourceExhausted,
+            Self::Deadline => Category::DeadlineExceeded,
+            Self::Internal(_) => Category::Internal,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Store(error) => error.reason(),
+            Self::TwinFile(error) => error.reason(),
+            Self::Name(_) => "INVALID_NAME",
+            Self::Invalid { .. } => "INVALID_FIELD",
+            Self::Settings(_) => "INVALID_SETTINGS",
+            Self::UploadBroken(_) => "UPLOAD_BROKEN",
+            Self::UploadIdle(_) => "UPLOAD_IDLE",
+            Self::BadToken => "BAD_WORKER_TOKEN",
+            Self::WorkerUnknown(_) => "WORKER_UNKNOWN",
+            Self::NoWorker => "NO_WORKER",
+            Self::WorkerLost => "WORKER_LOST",
+            Self::Busy { .. } => "WORKERS_BUSY",
+            Self::Deadline => "DEADLINE_EXCEEDED",
+            Self::Stopping => "STOPPING",
+            Self::Worker(_) => "WORKER_FAULT",
+            Self::Internal(_) => "INTERNAL",
+        }
+    }
+
+    fn fault(&self) -> Fault {
+        match self {
+            Self::Worker(fault) => fault.clone(),
+            _ => Fault {
+                category: self.category(),
+                reason: self.reason().to_owned(),
+                message: self.to_string(),
+            },
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! Fit jobs as workers see them: leased, reported, checkpointed, ended.
+
+use std::time::Duration;
+
+use bendtwin_core::{
+    Fault, Progress,
+    ids::{CaptureId, FitId, TwinId, WorkerId},
+};
+use bendtwin_store::{AttemptEnd, Capture, Content, Fit, Lease, TwinFacts};
+
+use super::{App, Body, Error, Result};
+
+/// One attempt at a job, as a worker names it in every call.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Attempt {
+    pub(crate) worker: WorkerId,
+    pub(crate) lease: Lease,
+}
+
+/// What workers may download.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Downloadable {
+    Capture(CaptureId),
+    Twin(TwinId),
+    /// The checkpoint of a fit.
+    Checkpoint(FitId),
+}
+
+impl std::str::FromStr for Downloadable {
+    type Err = Error;
+    fn from_str(name: &str) -> Result<Self> {
+        match name.split_once('/').map(|(collection, _)| collection) {
+            Some("captures") => Ok(Self::Capture(super::name(name)?)),
+            Some("twins") => Ok(Self::Twin(super::name(name)?)),
+            Some("fits") => Ok(Self::Checkpoint(super::name(name)?)),
+            _ => Err(Error::invalid("name", "names no capture, twin or fit")),
+        }
+    }
+}
+
+/// Longest that a worker may wait for a job in one call.
+const LONGEST_WAIT: Duration = Duration::from_secs(60);
+
+impl App {
+    /// Waits for a job and leases it.
+    pub(crate) async fn lease_fit(
+        &self,
+        worker: WorkerId,
+        wait: Duration,
+    ) -> Result<Option<(Fit, Capture)>> {
+        self.known(worker)?;
+        let fits = self.store.fits();
+        let claimed = fits.claim_within(worker, self.options.lease(), wait.min(LONGEST_WAIT));
+        let claimed = tokio::select! {
+            () = self.stopping.cancelled() => return Ok(None),
+            claimed = claimed => claimed?,
+        };
+        let Some(fit) = claimed else { return Ok(None) };
+        // Whoever ends from here on without having told the worker gives the job back.
+        let mut unsent = Unsent { app: self.clone(), lease: Some(lease_of(&fit)) };
+        // A process that ended while it waited must not hold the job until the lease runs out:
+        // its registration was dropped before its leases were.
+        self.known(worker)?;
+        let capture = self.store.captures().get(fit.capture).await?;
+        unsent.lease = None;
+        let queued = fit.created.duration_until(self.store.now()).as_secs_f64();
+        self.metrics.fit_leased(queued);
+        self.dispatch.set_fit(worker, Some(fit.id));
+        tracing::info!(fit = %fit.id, %worker, epoch = fit.lease_epoch, "fit leased");
+        Ok(Some((fit, capture)))
+    }
+
+    /// Renews a lease; whether the job has been asked to stop.
+    pub(crate) async fn report_fit(
+        &self,
+        attempt: Attempt,
+        progress: Option<&Progress>,
+    ) -> Result<bool> {
+        let renew = self.options.lease();
+        let reported = self.store.fits().report(attempt.lease, progress, renew).await?;
+        Ok(reported.cancel_requested)
+    }
+
+    pub(crate) async fn save_checkpoint(
+        &self,
+        attempt: Attempt,
+        digest: &str,
+        body: Body,
+    ) -> Result<()> {
+        let limit = self.options.limits.checkpoint_bytes;
+        let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
+        let renew = self.options.lease();
+        Ok(self.store.fits().save_checkpoint(attempt.lease, content, renew).await?)
+    }
+
+    pub(crate) async fn complete_fit(
+        &self,
+        attempt: Attempt,
+        facts: &TwinFacts,
+        digest: &str,
+        body: Body,
+    ) -> Result<TwinId> {
+        if !(facts.fps.is_finite() && facts.fps > 0.0) {
+            return Err(Error::invalid("fps", "must be positive and finite"));
+        }
+        if serde_json::from_str::<serde::de::IgnoredAny>(&facts.quality).is_err() {
+            return Err(Error::invalid("quality_json", "is not JSON"));
+        }
+        let limit = self.options.limits.twin_bytes;
+        let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
+        let twin = self.store.fits().complete(attempt.lease, facts, content).await?;
+        self.dispatch.set_fit(attempt.worker, None);
+        self.metrics.fit_ended("succeeded");
+        tracing::info!(fit = %attempt.lease.fit, %twin, "fit succeeded");
+        Ok(twin)
+    }
+
+    pub(crate) async fn end_attempt(&self, attempt: Attempt, end: AttemptEnd) -> Result<()> {
+        let fit = self.store.fits().end_attempt(attempt.lease, end).await?;
+        self.dispatch.set_fit(attempt.worker, None);
+        self.note_end(&fit);
+        Ok(())
+    }
+
+    /// Opens what a worker asks for.
+    pub(crate) async fn download(&self, what: Downloadable) -> Result<Content> {
+        Ok(match what {
+            Downloadable::Capture(id) => self.store.captures().content(id).await?.1,
+            Downloadable::Twin(id) => self.store.twins().content(id).await?.1,
+            Downloadable::Checkpoint(id) => self.store.fits().checkpoint(id).await?,
+        })
+    }
+
+    /// A worker process has ended: its jobs go back at once.
+    pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
+        self.dispatch.remove(worker);
+        for fit in self.store.fits().forfeit(worker, true).await? {
+            self.note_end(&fit);
+        }
+        self.store.workers().forget(worker).await?;
+        Ok(())
+    }
+
+    /// Ends the attempts of workers that fell silent, and forgets them.
+    pub(crate) async fn sweep(&self) -> Result<()> {
+        for fit in self.store.fits().sweep().await? {
+            self.note_end(&fit);
+        }
+        for worker in self.dispatch.silent(self.options.lease()) {
+            tracing::warn!(%worker, "worker fell silent");
+            self.dispatch.remove(worker);
+            self.store.workers().forget(worker).await?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn known(&self, worker: WorkerId) -> Result<()> {
+        if self.dispatch.knows(worker) {
+            return Ok(());
+        }
+        Err(Error::WorkerUnknown(worker.to_string()))
+    }
+
+    fn note_end(&self, fit: &Fit) {
+        let fault = fit.fault.as_ref().or(fit.attempt_faults.last());
+        let fault: Option<&Fault> = fault;
+        let (state, reason) = (fit.state.as_str(), fault.map_or("", |f| f.reason.as_str()));
+        tracing::info!(fit = %fit.id, state, reason, attempts = fit.attempts, "attempt ended");
+        self.metrics.fit_ended(state);
+    }
+}
+
+fn lease_of(fit: &Fit) -> Lease {
+    Lease { fit: fit.id, epoch: fit.lease_epoch }
+}
+
+/// Gives a job back that its claimant never heard of.
+struct Unsent {
+    app: App,
+    lease: Option<Lease>,
+}
+
+impl Drop for Unsent {
+    fn drop(&mut self) {
+        let Some(lease) = self.lease.take() else { return };
+        let app = self.app.clone();
+        tokio::spawn(async move {
+            if let Err(error) = app.store.fits().end_attempt(lease, AttemptEnd::Released).await {
+                tracing::warn!(%error, "a job that nobody heard of stays until its lease ends");
+            }
+        });
+    }
+}

@@ -1,0 +1,37 @@
+//! Content on its way in, whatever carries it: streamed to disk, bounded,
+//! given up when it falls silent. A broken upload leaves nothing behind.
+
+use bendtwin_store::{Digest, Staged};
+use bytes::Bytes;
+use futures::{StreamExt, stream::BoxStream};
+
+use super::{App, Error, Result};
+
+/// The chunks of an upload; an error says how the transport broke.
+pub(crate) type Body = BoxStream<'static, Result<Bytes>>;
+
+impl App {
+    /// Receives a body of at most `limit` bytes. `tap` sees every chunk.
+    pub(super) async fn receive(
+        &self,
+        mut body: Body,
+        limit: u64,
+        expected: Option<Digest>,
+        mut tap: impl FnMut(&Bytes),
+    ) -> Result<Staged> {
+        let idle = self.options.limits.upload_idle();
+        let mut upload = self.store.blobs().upload(limit).await?;
+        loop {
+            match tokio::time::timeout(idle, body.next()).await {
+                Err(_) => return Err(Error::UploadIdle(idle)),
+                Ok(None) => break,
+                Ok(Some(chunk)) => {
+                    let chunk = chunk?;
+                    tap(&chunk);
+                    upload.write(chunk).await?;
+                }
+            }
+        }
+        Ok(upload.finish(expected).await?)
+    }
+}

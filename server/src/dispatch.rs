@@ -1,0 +1,158 @@
+//! The workers that are there, and the routing of rollouts to them. All of it
+//! is in memory: a worker that the server forgot registers again.
+
+mod check;
+mod registry;
+mod rollout;
+mod route;
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    time::Duration,
+};
+
+use bendtwin_core::ids::{FitId, TwinId, WorkerId};
+use bendtwin_store::{Store, Twin, Worker};
+use tokio::time::Instant;
+
+use crate::{
+    app::{Error, Result},
+    metrics::Metrics,
+    options::{Limits, Options},
+    tokens::Child,
+};
+
+use registry::Entry;
+pub(crate) use registry::WorkerView;
+pub(crate) use rollout::RollOut;
+
+/// Twins whose facts are kept at hand.
+const REMEMBERED_TWINS: usize = 1024;
+
+/// The routing table. Clones share it.
+#[derive(Clone, Debug)]
+pub(crate) struct Dispatch {
+    store: Store,
+    limits: Limits,
+    metrics: Metrics,
+    beat_interval: Duration,
+    workers: Arc<Mutex<HashMap<WorkerId, Arc<Entry>>>>,
+    /// Twins never change, so the hot path asks the database once for each.
+    twins: Arc<Mutex<HashMap<TwinId, Arc<Twin>>>>,
+}
+
+impl Dispatch {
+    pub(crate) fn new(options: &Options, store: Store, metrics: Metrics) -> Self {
+        Self {
+            store,
+            limits: options.limits.clone(),
+            metrics,
+            beat_interval: options.beat_interval(),
+            workers: Arc::default(),
+            twins: Arc::default(),
+        }
+    }
+
+    /// Adds a worker; `token` is what it expects to be shown.
+    pub(crate) fn add(&self, worker: Worker, child: Option<Child>, token: &str) -> Result<()> {
+        let id = worker.registration.id;
+        let entry = Entry::new(worker, child, token, &self.limits, self.store.now())?;
+        self.lock().insert(id, Arc::new(entry));
+        Ok(())
+    }
+
+    pub(crate) fn remove(&self, worker: WorkerId) {
+        self.lock().remove(&worker);
+    }
+
+    pub(crate) fn knows(&self, worker: WorkerId) -> bool {
+        self.lock().contains_key(&worker)
+    }
+
+    /// A sign of life. False if the worker has to register first.
+    pub(crate) fn beat(&self, worker: WorkerId, warm: Vec<TwinId>, in_flight: u32) -> bool {
+        let entry = self.lock().get(&worker).cloned();
+        let Some(entry) = entry else { return false };
+        entry.beat(self.store.now(), warm, in_flight);
+        true
+    }
+
+    /// What fit a worker is at.
+    pub(crate) fn set_fit(&self, worker: WorkerId, fit: Option<FitId>) {
+        if let Some(entry) = self.lock().get(&worker) {
+            entry.live().fit = fit;
+        }
+    }
+
+    /// Workers without a sign of life for so long.
+    pub(crate) fn silent(&self, span: Duration) -> Vec<WorkerId> {
+        let now = Instant::now();
+        let silent = |e: &Entry| now.duration_since(e.live().last_beat) > span;
+        self.lock().iter().filter(|(_, e)| silent(e)).map(|(id, _)| *id).collect()
+    }
+
+    /// The workers that a child process registered as; more than one if it was quick.
+    pub(crate) fn of_child(&self, child: Child) -> Vec<WorkerId> {
+        self.lock().iter().filter(|(_, e)| e.child == Some(child)).map(|(id, _)| *id).collect()
+    }
+
+    /// All workers, newest first.
+    pub(crate) fn views(&self) -> Vec<WorkerView> {
+        let mut views: Vec<_> = self.lock().values().map(|e| e.view()).collect();
+        views.sort_by_key(|v| std::cmp::Reverse(v.worker.registration.id));
+        views
+    }
+
+    /// How many workers are there, and how many rollouts they are at.
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        let workers = self.lock();
+        (workers.len(), workers.values().map(|e| e.load()).sum())
+    }
+
+    /// What is known of a twin.
+    async fn twin(&self, id: TwinId) -> Result<Arc<Twin>> {
+        if let Some(twin) = self.twins_lock().get(&id) {
+            return Ok(twin.clone());
+        }
+        let twin = Arc::new(self.store.twins().get(id).await?);
+        let mut twins = self.twins_lock();
+        if twins.len() >= REMEMBERED_TWINS {
+            twins.clear();
+        }
+        twins.insert(id, twin.clone());
+        Ok(twin)
+    }
+
+    pub(crate) fn forget_twin(&self, id: TwinId) {
+        self.twins_lock().remove(&id);
+    }
+
+    /// The worker to send a rollout of this twin to; `tried` have failed it.
+    fn choose(&self, twin: TwinId, tried: &[WorkerId]) -> Result<Arc<Entry>> {
+        let entries: Vec<Arc<Entry>> = self.lock().values().cloned().collect();
+        let fresh = self.beat_interval * 3;
+        let candidates: Vec<route::Candidate> = entries
+            .iter()
+            .map(|e| e.candidate(twin, fresh))
+            .map(|c| route::Candidate { usable: c.usable && !tried.contains(&c.worker), ..c })
+            .collect();
+        let bounds = route::Bounds {
+            running: self.limits.rollouts_per_worker,
+            waiting: self.limits.rollout_queue,
+        };
+        match route::choose(twin, &candidates, bounds) {
+            route::Choice::Worker(i) => entries.get(i).cloned().ok_or(Error::NoWorker),
+            route::Choice::AllFull => Err(Error::Busy { waiting: self.limits.rollout_queue }),
+            route::Choice::NoneThere => Err(Error::NoWorker),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<WorkerId, Arc<Entry>>> {
+        self.workers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn twins_lock(&self) -> MutexGuard<'_, HashMap<TwinId, Arc<Twin>>> {
+        self.twins.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

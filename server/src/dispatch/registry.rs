@@ -1,0 +1,213 @@
+//! One worker in the routing table: what it said of itself, what it is at, and
+//! the connection to it.
+
+use std::{
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::Duration,
+};
+
+use bendtwin_core::ids::{FitId, TwinId};
+use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
+use bendtwin_store::Worker;
+use jiff::Timestamp;
+use tokio::{
+    sync::{OwnedSemaphorePermit, Semaphore},
+    time::Instant,
+};
+use tonic::{
+    metadata::AsciiMetadataValue,
+    transport::{Channel, Endpoint},
+};
+
+use super::route::Candidate;
+use crate::{
+    app::{Error, Result},
+    options::Limits,
+    tokens::Child,
+};
+
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
+/// How long a worker that broke a connection is left alone.
+const BROKEN_FOR: Duration = Duration::from_secs(2);
+/// Replies of many megabytes should not wait for window updates.
+const WINDOW: u32 = 16 << 20;
+
+/// A worker in the routing table.
+#[derive(Debug)]
+pub(super) struct Entry {
+    worker: Worker,
+    /// The process of the server's that it is, if it is one.
+    pub(super) child: Option<Child>,
+    live: Mutex<Live>,
+    slots: Arc<Semaphore>,
+    /// Rollouts under way or waiting for a slot; at most `room`.
+    load: Arc<AtomicUsize>,
+    room: usize,
+    client: WorkerRolloutsClient<Channel>,
+    token: AsciiMetadataValue,
+}
+
+/// What changes while a worker lives.
+#[derive(Debug)]
+pub(super) struct Live {
+    pub(super) last_beat: Instant,
+    last_seen: Timestamp,
+    warm: Vec<TwinId>,
+    in_flight: u32,
+    pub(super) fit: Option<FitId>,
+    broken_until: Option<Instant>,
+}
+
+/// A worker as listings show it.
+#[derive(Clone, Debug)]
+pub(crate) struct WorkerView {
+    pub(crate) worker: Worker,
+    pub(crate) last_seen: Timestamp,
+    pub(crate) warm: Vec<TwinId>,
+    pub(crate) in_flight: u32,
+    pub(crate) fit: Option<FitId>,
+}
+
+/// A place in a worker's line: waiting at first, then with a slot.
+#[derive(Debug)]
+pub(super) struct Place {
+    load: Arc<AtomicUsize>,
+    /// Given back when the place is.
+    slot: Option<OwnedSemaphorePermit>,
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.load.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+impl Entry {
+    pub(super) fn new(
+        worker: Worker,
+        child: Option<Child>,
+        token: &str,
+        limits: &Limits,
+        now: Timestamp,
+    ) -> Result<Self> {
+        let url = &worker.registration.endpoint;
+        let channel = Endpoint::from_shared(url.clone())
+            .ok()
+            .filter(|e| e.uri().scheme_str() == Some("http") && e.uri().host().is_some())
+            .ok_or_else(|| Error::invalid("endpoint", "is not of the form http://host:port"))?
+            .connect_timeout(CONNECT_TIMEOUT)
+            .tcp_nodelay(true)
+            .initial_stream_window_size(WINDOW)
+            .initial_connection_window_size(WINDOW)
+            .http2_keep_alive_interval(Duration::from_secs(10))
+            .keep_alive_timeout(Duration::from_secs(10))
+            .connect_lazy();
+        let client = WorkerRolloutsClient::new(channel)
+            .max_decoding_message_size(limits.rollout_bytes)
+            .max_encoding_message_size(limits.rollout_bytes);
+        let mut token =
+            AsciiMetadataValue::try_from(format!("Bearer {token}")).map_err(|_| Error::BadToken)?;
+        token.set_sensitive(true);
+        let live = Live {
+            last_beat: Instant::now(),
+            last_seen: now,
+            warm: Vec::new(),
+            in_flight: 0,
+            fit: None,
+            broken_until: None,
+        };
+        Ok(Self {
+            worker,
+            child,
+            live: Mutex::new(live),
+            slots: Arc::new(Semaphore::new(limits.rollouts_per_worker)),
+            load: Arc::default(),
+            room: limits.rollouts_per_worker + limits.rollout_queue,
+            client,
+            token,
+        })
+    }
+
+    pub(super) fn id(&self) -> bendtwin_core::ids::WorkerId {
+        self.worker.registration.id
+    }
+
+    /// The connection, and the token to show.
+    pub(super) fn client(&self) -> (WorkerRolloutsClient<Channel>, AsciiMetadataValue) {
+        (self.client.clone(), self.token.clone())
+    }
+
+    pub(super) fn live(&self) -> MutexGuard<'_, Live> {
+        self.live.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn beat(&self, now: Timestamp, warm: Vec<TwinId>, in_flight: u32) {
+        let mut live = self.live();
+        live.last_beat = Instant::now();
+        live.last_seen = now;
+        live.warm = warm;
+        live.in_flight = in_flight;
+    }
+
+    /// The worker answered a rollout of this twin: it has it loaded.
+    pub(super) fn warmed(&self, twin: TwinId) {
+        let mut live = self.live();
+        live.broken_until = None;
+        if !live.warm.contains(&twin) {
+            live.warm.push(twin);
+        }
+    }
+
+    /// The connection broke: leave the worker alone for a while.
+    pub(super) fn broke(&self) {
+        self.live().broken_until = Some(Instant::now() + BROKEN_FOR);
+    }
+
+    pub(super) fn load(&self) -> usize {
+        self.load.load(Ordering::SeqCst)
+    }
+
+    /// Joins the line. The place counts as load from now until it is dropped.
+    pub(super) fn place(&self) -> Result<Place> {
+        let place = Place { load: self.load.clone(), slot: None };
+        // Others may have joined since the worker was chosen.
+        if self.load.fetch_add(1, Ordering::SeqCst) >= self.room {
+            return Err(Error::Busy { waiting: self.room });
+        }
+        Ok(place)
+    }
+
+    /// Waits for a slot.
+    pub(super) async fn slot(&self, place: &mut Place) -> Result<()> {
+        // Slots are never closed.
+        let slot = self.slots.clone().acquire_owned().await.map_err(|_| Error::Stopping)?;
+        place.slot = Some(slot);
+        Ok(())
+    }
+
+    pub(super) fn candidate(&self, twin: TwinId, fresh: Duration) -> Candidate {
+        let live = self.live();
+        let now = Instant::now();
+        let broken = live.broken_until.is_some_and(|until| until > now);
+        Candidate {
+            worker: self.id(),
+            usable: !broken && now.duration_since(live.last_beat) <= fresh,
+            warm: live.warm.contains(&twin),
+            load: self.load(),
+        }
+    }
+
+    pub(super) fn view(&self) -> WorkerView {
+        let live = self.live();
+        WorkerView {
+            worker: self.worker.clone(),
+            last_seen: live.last_seen,
+            warm: live.warm.clone(),
+            in_flight: live.in_flight.max(u32::try_from(self.load()).unwrap_or(u32::MAX)),
+            fit: live.fit,
+        }
+    }
+}

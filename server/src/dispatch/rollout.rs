@@ -1,0 +1,222 @@
+//! One rollout's way: check, choose a worker, wait for a slot, pass the parts
+//! on. A worker that breaks down before its first part is replaced once; a
+//! caller that goes away drops the stream, and with it the worker's work.
+
+use std::{pin::Pin, sync::Arc, time::Duration};
+
+use bendtwin_core::ids::TwinId;
+use bendtwin_proto::{
+    fault,
+    v1::{RollOutRequest, RollOutResponse, roll_out_response},
+    worker::v1::{ExecuteRollOutRequest, ExecuteRollOutResponse},
+};
+use futures::{Stream, StreamExt, stream};
+use tokio::time::Instant;
+use tonic::{Code, Request, Status, Streaming};
+use tonic_types::StatusExt as _;
+
+use super::{
+    Dispatch, check,
+    registry::{Entry, Place},
+};
+use crate::{
+    app::{self, Error, Result},
+    context::Context,
+    metrics::Metrics,
+};
+
+/// Instances of a part when a stream is asked for.
+const PART_INSTANCES: u32 = 16;
+/// Longest that a rollout without a deadline of its own may take.
+const LONGEST: Duration = Duration::from_secs(3600);
+
+/// A rollout to be routed.
+pub(crate) struct RollOut {
+    pub(crate) request: RollOutRequest,
+    /// Time that the caller allows, if it said.
+    pub(crate) timeout: Option<Duration>,
+    /// Whether the reply may come in parts.
+    pub(crate) in_parts: bool,
+}
+
+/// Parts of a reply as they come.
+pub(crate) type Parts = Pin<Box<dyn Stream<Item = Result<RollOutResponse>> + Send>>;
+
+/// A reply under way at a worker.
+struct Running {
+    replies: Streaming<ExecuteRollOutResponse>,
+    entry: Arc<Entry>,
+    /// Held until the last part has come.
+    #[expect(dead_code, reason = "held, not read")]
+    place: Place,
+    started: Instant,
+    queued: Duration,
+    deadline: Instant,
+    metrics: Metrics,
+    outcome: &'static str,
+}
+
+/// Also counts those that nobody waited for.
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.metrics.rollout(self.outcome, self.queued, self.started.elapsed());
+    }
+}
+
+impl Dispatch {
+    /// The reply in one part. Workers are asked not to split it: `best` ranks
+    /// the whole batch, and 16-bit positions have one scale.
+    pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<RollOutResponse> {
+        let mut parts = self.parts(RollOut { in_parts: false, ..rollout }).await?;
+        let whole = parts.next().await.ok_or(Error::WorkerLost)??;
+        match parts.next().await {
+            None => Ok(whole),
+            Some(Ok(_)) => Err(Error::Internal("the worker split a reply".to_owned())),
+            Some(Err(error)) => Err(error),
+        }
+    }
+
+    /// The reply in the parts that the worker sends. The first has come when this returns.
+    pub(crate) async fn parts(&self, rollout: RollOut) -> Result<Parts> {
+        let RollOut { request, timeout, in_parts } = rollout;
+        let id: TwinId = app::name(&request.twin)?;
+        let twin = self.twin(id).await?;
+        check::check(&request, &twin.facts, &self.limits)?;
+        let best = request.returns.as_ref().is_some_and(|r| r.best > 0);
+        let execute = ExecuteRollOutRequest {
+            capture: twin.capture.map(|c| c.to_string()).unwrap_or_default(),
+            part_instances: if in_parts && !best { PART_INSTANCES } else { 0 },
+            request_id: Context::current().request_id,
+            request: Some(request),
+        };
+        let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
+        let started = self.start(id, execute, deadline);
+        let (first, running) =
+            tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
+        let rest = stream::unfold(Some(running), |running| async {
+            let mut running = running?;
+            match running.next().await {
+                Ok(Some(part)) => Some((Ok(part), Some(running))),
+                Ok(None) => None,
+                Err(error) => Some((Err(error), None)),
+            }
+        });
+        Ok(stream::iter([Ok(first)]).chain(rest).boxed())
+    }
+
+    /// Gets a worker to send a first part: a second one if the first breaks down.
+    async fn start(
+        &self,
+        twin: TwinId,
+        execute: ExecuteRollOutRequest,
+        deadline: Instant,
+    ) -> Result<(RollOutResponse, Running)> {
+        let mut tried = Vec::new();
+        loop {
+            let chosen = self.choose(twin, &tried);
+            let entry = match chosen {
+                Err(Error::NoWorker) if !tried.is_empty() => return Err(Error::WorkerLost),
+                chosen => chosen?,
+            };
+            match self.start_at(&entry, execute.clone(), deadline).await? {
+                Some(started) => {
+                    entry.warmed(twin);
+                    return Ok(started);
+                }
+                None if tried.is_empty() => {
+                    tracing::warn!(worker = %entry.id(), "worker unreachable, trying another");
+                    entry.broke();
+                    tried.push(entry.id());
+                }
+                None => {
+                    entry.broke();
+                    return Err(Error::WorkerLost);
+                }
+            }
+        }
+    }
+
+    /// None if the worker cannot be reached or broke down.
+    async fn start_at(
+        &self,
+        entry: &Arc<Entry>,
+        execute: ExecuteRollOutRequest,
+        deadline: Instant,
+    ) -> Result<Option<(RollOutResponse, Running)>> {
+        let started = Instant::now();
+        let mut place = entry.place()?;
+        entry.slot(&mut place).await?;
+        let queued = started.elapsed();
+        let (mut client, token) = entry.client();
+        let mut call = Request::new(execute);
+        call.metadata_mut().insert("authorization", token);
+        call.set_timeout(deadline.saturating_duration_since(Instant::now()));
+        let replies = match client.roll_out(call).await {
+            Ok(replies) => replies.into_inner(),
+            Err(status) if is_breakdown(&status) => return Ok(None),
+            Err(status) => return Err(failure(&status)),
+        };
+        let (entry, metrics) = (entry.clone(), self.metrics.clone());
+        let outcome = "abandoned";
+        let mut running =
+            Running { replies, entry, place, started, queued, deadline, metrics, outcome };
+        match running.receive().await {
+            Ok(Some(mut first)) => {
+                let timing = first.timing.get_or_insert_with(Default::default);
+                *timing = roll_out_response::Timing {
+                    queue_s: timing.queue_s + queued.as_secs_f64(),
+                    ..*timing
+                };
+                Ok(Some((first, running)))
+            }
+            Ok(None) => Ok(None),
+            Err(status) if is_breakdown(&status) => Ok(None),
+            Err(status) => Err(failure(&status)),
+        }
+    }
+}
+
+impl Running {
+    /// The next part, within the deadline.
+    async fn next(&mut self) -> Result<Option<RollOutResponse>> {
+        let received = tokio::time::timeout_at(self.deadline, self.receive()).await;
+        match received.map_err(|_| Error::Deadline)? {
+            Ok(part) => Ok(part),
+            Err(status) if is_breakdown(&status) => {
+                self.entry.broke();
+                Err(Error::WorkerLost)
+            }
+            Err(status) => Err(failure(&status)),
+        }
+    }
+
+    async fn receive(&mut self) -> Result<Option<RollOutResponse>, Status> {
+        let worker = self.entry.id();
+        let part = self.replies.message().await;
+        match &part {
+            Ok(None) => self.outcome = "done",
+            Err(_) => self.outcome = "failed",
+            Ok(Some(_)) => {}
+        }
+        let Some(reply) = part? else { return Ok(None) };
+        let response = reply.response.unwrap_or_default();
+        Ok(Some(RollOutResponse { worker: worker.to_string(), ..response }))
+    }
+}
+
+/// Whether the worker or the way to it broke, as opposed to its having answered
+/// with an error: answers carry an `ErrorInfo`.
+fn is_breakdown(status: &Status) -> bool {
+    let broken = matches!(
+        status.code(),
+        Code::Unavailable | Code::Unknown | Code::Internal | Code::Cancelled
+    );
+    broken && status.get_details_error_info().is_none()
+}
+
+fn failure(status: &Status) -> Error {
+    match status.code() {
+        Code::DeadlineExceeded => Error::Deadline,
+        _ => Error::Worker(fault::fault(status)),
+    }
+}

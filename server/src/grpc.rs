@@ -1,0 +1,137 @@
+//! The gRPC form of the API: every method turns its request into a call of the
+//! application and the outcome into a message. No decisions are made here.
+
+mod captures;
+mod convert;
+mod fits;
+mod link;
+mod rollouts;
+mod twins;
+mod upload;
+mod workers;
+
+use std::time::Duration;
+
+use bendtwin_proto::{
+    DESCRIPTORS,
+    v1::{
+        capture_service_server::CaptureServiceServer, fit_service_server::FitServiceServer,
+        rollout_service_server::RolloutServiceServer, twin_service_server::TwinServiceServer,
+        worker_service_server::WorkerServiceServer,
+    },
+    worker::v1::worker_link_server::WorkerLinkServer,
+};
+use futures::{Stream, StreamExt, stream::BoxStream};
+use tonic::{Status, metadata::MetadataMap, service::Routes};
+
+use crate::{
+    app::{self, App},
+    context::Context,
+    error::Refusal,
+    service::StartError,
+};
+
+/// Bytes of one message of an ordinary call; chunks of uploads are to be smaller.
+const MESSAGE: usize = 16 << 20;
+/// Bytes of a chunk that is sent.
+const CHUNK: usize = 1 << 20;
+
+/// A stream of messages to a client.
+type Reply<T> = BoxStream<'static, Result<T, Status>>;
+
+/// The application as gRPC services.
+#[derive(Clone, Debug)]
+struct Api {
+    app: App,
+}
+
+/// All services as one router.
+pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
+    let api = Api { app: app.clone() };
+    let rollout_bytes = app.options.limits.rollout_bytes;
+    let reflection = tonic_reflection::server::Builder::configure()
+        .register_encoded_file_descriptor_set(DESCRIPTORS)
+        .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+        .build_v1()
+        .map_err(|e| StartError::Descriptors(e.to_string()))?;
+    let (health, health_service) = tonic_health::server::health_reporter();
+    health.set_serving::<CaptureServiceServer<Api>>().await;
+    health.set_serving::<FitServiceServer<Api>>().await;
+    health.set_serving::<TwinServiceServer<Api>>().await;
+    health.set_serving::<WorkerServiceServer<Api>>().await;
+    health.set_serving::<RolloutServiceServer<Api>>().await;
+    let mut routes = Routes::builder();
+    routes
+        .add_service(health_service)
+        .add_service(reflection)
+        .add_service(CaptureServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
+        .add_service(FitServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
+        .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
+        .add_service(WorkerServiceServer::new(api.clone()))
+        .add_service(
+            RolloutServiceServer::new(api.clone())
+                .max_decoding_message_size(rollout_bytes)
+                .max_encoding_message_size(rollout_bytes),
+        )
+        .add_service(WorkerLinkServer::new(api).max_decoding_message_size(MESSAGE));
+    Ok(routes.routes().into_axum_router())
+}
+
+/// Turns items into messages and errors into statuses of this request.
+fn reply<T, M: 'static>(
+    items: impl Stream<Item = app::Result<T>> + Send + 'static,
+    message: impl Fn(T) -> M + Send + 'static,
+) -> Reply<M> {
+    // Streams outlive the scope of the request's context.
+    let context = Context::current();
+    let status = move |e: app::Error| Refusal::from(e).into_status(&context);
+    items.map(move |item| item.map(&message).map_err(&status)).boxed()
+}
+
+/// Sends content in chunks of a size that every client accepts.
+fn chunks<M: 'static>(
+    content: bendtwin_store::Content,
+    message: impl Fn(bytes::Bytes) -> M + Send + 'static,
+) -> Reply<M> {
+    let split = content.chunks.map(|chunk| chunk.map_err(app::Error::from)).flat_map(|chunk| {
+        let pieces = match chunk {
+            Ok(mut bytes) => {
+                let mut pieces = Vec::new();
+                while bytes.len() > CHUNK {
+                    pieces.push(Ok(bytes.split_to(CHUNK)));
+                }
+                pieces.push(Ok(bytes));
+                pieces
+            }
+            Err(error) => vec![Err(error)],
+        };
+        futures::stream::iter(pieces)
+    });
+    reply(split, message)
+}
+
+/// The `grpc-timeout` of a call.
+fn timeout(metadata: &MetadataMap) -> Option<Duration> {
+    let text = metadata.get("grpc-timeout")?.to_str().ok()?;
+    let (digits, unit) = text.split_at_checked(text.len().checked_sub(1)?)?;
+    if digits.len() > 8 {
+        return None;
+    }
+    let n: u64 = digits.parse().ok()?;
+    Some(match unit {
+        "H" => Duration::from_secs(n * 3600),
+        "M" => Duration::from_secs(n * 60),
+        "S" => Duration::from_secs(n),
+        "m" => Duration::from_millis(n),
+        "u" => Duration::from_micros(n),
+        "n" => Duration::from_nanos(n),
+        _ => return None,
+    })
+}
+
+/// `?` on application errors within service methods.
+impl From<app::Error> for Status {
+    fn from(error: app::Error) -> Self {
+        Refusal::from(error).into()
+    }
+}

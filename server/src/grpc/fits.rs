@@ -1,0 +1,66 @@
+//! `bendtwin.v1.FitService`.
+
+use bendtwin_proto::v1::{
+    CancelFitRequest, CreateFitRequest, DeleteFitRequest, DeleteFitResponse, Fit, GetFitRequest,
+    ListFitsRequest, ListFitsResponse, WatchFitRequest, fit_service_server::FitService,
+};
+use tonic::{Request, Response, Status};
+
+use super::{Api, Reply, convert, reply};
+
+#[tonic::async_trait]
+impl FitService for Api {
+    async fn create_fit(
+        &self,
+        request: Request<CreateFitRequest>,
+    ) -> Result<Response<Fit>, Status> {
+        let r = request.into_inner();
+        let fit =
+            self.app.create_fit(&r.capture, &r.settings_json, r.priority, r.request_id).await?;
+        Ok(Response::new(convert::fit(fit)))
+    }
+
+    async fn get_fit(&self, request: Request<GetFitRequest>) -> Result<Response<Fit>, Status> {
+        let fit = self.app.fit(&request.get_ref().name).await?;
+        Ok(Response::new(convert::fit(fit)))
+    }
+
+    async fn list_fits(
+        &self,
+        request: Request<ListFitsRequest>,
+    ) -> Result<Response<ListFitsResponse>, Status> {
+        let r = request.into_inner();
+        let page = self.app.fits(&convert::page(r.page_size, r.page_token), &r.capture).await?;
+        Ok(Response::new(ListFitsResponse {
+            fits: page.items.into_iter().map(convert::fit).collect(),
+            next_page_token: page.next_token,
+        }))
+    }
+
+    async fn cancel_fit(
+        &self,
+        request: Request<CancelFitRequest>,
+    ) -> Result<Response<Fit>, Status> {
+        let fit = self.app.cancel_fit(&request.get_ref().name).await?;
+        Ok(Response::new(convert::fit(fit)))
+    }
+
+    async fn delete_fit(
+        &self,
+        request: Request<DeleteFitRequest>,
+    ) -> Result<Response<DeleteFitResponse>, Status> {
+        self.app.delete_fit(&request.get_ref().name).await?;
+        Ok(Response::new(DeleteFitResponse {}))
+    }
+
+    type WatchFitStream = Reply<Fit>;
+
+    async fn watch_fit(
+        &self,
+        request: Request<WatchFitRequest>,
+    ) -> Result<Response<Self::WatchFitStream>, Status> {
+        let r = request.into_inner();
+        let fits = self.app.watch_fit(&r.name, r.after_revision).await?;
+        Ok(Response::new(reply(fits, convert::fit)))
+    }
+}

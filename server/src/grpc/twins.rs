@@ -1,0 +1,68 @@
+//! `bendtwin.v1.TwinService`.
+
+use bendtwin_proto::v1::{
+    CreateTwinRequest, DeleteTwinRequest, DeleteTwinResponse, ExportTwinRequest,
+    ExportTwinResponse, GetTwinRequest, ListTwinsRequest, ListTwinsResponse, Twin,
+    create_twin_request, twin_service_server::TwinService,
+};
+use tonic::{Request, Response, Status, Streaming};
+
+use super::{Api, Reply, chunks, convert, upload};
+use crate::app::TwinUpload;
+
+#[tonic::async_trait]
+impl TwinService for Api {
+    async fn create_twin(
+        &self,
+        request: Request<Streaming<CreateTwinRequest>>,
+    ) -> Result<Response<Twin>, Status> {
+        let (metadata, body) = upload::open(request.into_inner(), |m| match m.part {
+            Some(create_twin_request::Part::Metadata(m)) => upload::Part::Metadata(m),
+            Some(create_twin_request::Part::Chunk(c)) => upload::Part::Chunk(c),
+            None => upload::Part::Neither,
+        })
+        .await?;
+        let upload = TwinUpload {
+            display_name: metadata.display_name,
+            request_id: metadata.request_id,
+            digest: metadata.digest,
+            body,
+        };
+        Ok(Response::new(convert::twin(self.app.create_twin(upload).await?)))
+    }
+
+    async fn get_twin(&self, request: Request<GetTwinRequest>) -> Result<Response<Twin>, Status> {
+        let twin = self.app.twin(&request.get_ref().name).await?;
+        Ok(Response::new(convert::twin(twin)))
+    }
+
+    async fn list_twins(
+        &self,
+        request: Request<ListTwinsRequest>,
+    ) -> Result<Response<ListTwinsResponse>, Status> {
+        let r = request.into_inner();
+        let page = self.app.twins(&convert::page(r.page_size, r.page_token), &r.capture).await?;
+        Ok(Response::new(ListTwinsResponse {
+            twins: page.items.into_iter().map(convert::twin).collect(),
+            next_page_token: page.next_token,
+        }))
+    }
+
+    async fn delete_twin(
+        &self,
+        request: Request<DeleteTwinRequest>,
+    ) -> Result<Response<DeleteTwinResponse>, Status> {
+        self.app.delete_twin(&request.get_ref().name).await?;
+        Ok(Response::new(DeleteTwinResponse {}))
+    }
+
+    type ExportTwinStream = Reply<ExportTwinResponse>;
+
+    async fn export_twin(
+        &self,
+        request: Request<ExportTwinRequest>,
+    ) -> Result<Response<Self::ExportTwinStream>, Status> {
+        let (_, content) = self.app.twin_content(&request.get_ref().name).await?;
+        Ok(Response::new(chunks(content, |chunk| ExportTwinResponse { chunk })))
+    }
+}

@@ -1,0 +1,100 @@
+//! The HTTP form of the API: JSON resources, raw content, server-sent events,
+//! and a document that describes all of it. No decisions are made here.
+
+mod captures;
+mod docs;
+mod events;
+mod extract;
+mod fits;
+mod operations;
+pub(crate) mod outer;
+mod resource;
+mod rollouts;
+mod tensors;
+mod twins;
+mod workers;
+
+use axum::{
+    body::Body,
+    http::{StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use bendtwin_store::Content;
+use futures::TryStreamExt;
+use utoipa::OpenApi;
+use utoipa_axum::{router::OpenApiRouter, routes};
+
+use crate::{app::App, error::Refusal};
+
+/// Result of a handler.
+type Result<T, E = Refusal> = std::result::Result<T, E>;
+
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "BendTwin",
+        description = "Captures in, twins out, rollouts served. The same API over gRPC is \
+                       bendtwin.v1, on the same port."
+    ),
+    tags(
+        (name = "captures", description = "Recordings of soft objects"),
+        (name = "fits", description = "Fit jobs: capture in, twin out"),
+        (name = "twins", description = "Fitted twins"),
+        (name = "rollouts", description = "Predictions"),
+        (name = "workers", description = "Worker processes"),
+        (name = "operations", description = "Health and metrics"),
+    )
+)]
+struct Description;
+
+/// All routes, and the fallbacks for what is none.
+pub(crate) fn router(app: &App) -> axum::Router {
+    let (router, description) = described().split_for_parts();
+    router
+        .merge(docs::router(&description))
+        .route_layer(axum::middleware::from_fn(outer::note_route))
+        .fallback(|| async {
+            let message = "there is nothing at this path: see /docs for what there is";
+            Refusal::http_only(StatusCode::NOT_FOUND, "NO_SUCH_ROUTE", message)
+        })
+        .method_not_allowed_fallback(|| async {
+            let message = "this path does not have that method: see /docs for what it has";
+            Refusal::http_only(StatusCode::METHOD_NOT_ALLOWED, "METHOD_NOT_ALLOWED", message)
+        })
+        .with_state(app.clone())
+}
+
+fn described() -> OpenApiRouter<App> {
+    OpenApiRouter::with_openapi(Description::openapi())
+        .routes(routes!(captures::list, captures::create))
+        .routes(routes!(captures::get, captures::delete))
+        .routes(routes!(captures::content))
+        .routes(routes!(fits::list, fits::create))
+        .routes(routes!(fits::get, fits::delete))
+        .routes(routes!(fits::cancel))
+        .routes(routes!(events::watch))
+        .routes(routes!(twins::list, twins::create))
+        .routes(routes!(twins::get, twins::delete))
+        .routes(routes!(twins::content))
+        .routes(routes!(rollouts::create))
+        .routes(routes!(workers::list))
+        .routes(routes!(workers::get))
+        .routes(routes!(operations::healthz))
+        .routes(routes!(operations::readyz))
+        .routes(routes!(operations::metrics))
+}
+
+/// Content as a download.
+fn download(content: Content, media_type: &'static str, file_name: &str) -> Response {
+    let headers = [
+        (header::CONTENT_TYPE, media_type.to_owned()),
+        (header::CONTENT_LENGTH, content.size_bytes.to_string()),
+        (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file_name}\"")),
+    ];
+    // A read that fails in mid-stream cuts the body short of its length.
+    let chunks = content.chunks.inspect_err(|error| tracing::error!(%error, "download broke off"));
+    (headers, Body::from_stream(chunks)).into_response()
+}
+
+#[cfg(test)]
+mod tests;

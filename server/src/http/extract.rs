@@ -1,0 +1,122 @@
+//! Reading requests: axum's extractors with this API's problem documents.
+
+use axum::{
+    extract::{FromRequest, FromRequestParts, Path, Query, Request},
+    http::{HeaderMap, StatusCode, header, request::Parts},
+};
+use bytes::Bytes;
+use futures::{StreamExt, TryStreamExt};
+use http_body_util::{BodyExt, LengthLimitError, Limited};
+use serde::de::DeserializeOwned;
+
+use crate::{
+    app::{self, App, Error},
+    error::Refusal,
+};
+
+/// The id of a path.
+pub(super) struct Id(pub(super) String);
+
+impl<S: Send + Sync> FromRequestParts<S> for Id {
+    type Rejection = Refusal;
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Refusal> {
+        let path = Path::<String>::from_request_parts(parts, state).await;
+        path.map(|Path(id)| Self(id)).map_err(|e| Error::invalid("path", e.body_text()).into())
+    }
+}
+
+/// Query parameters.
+pub(super) struct Params<T>(pub(super) T);
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Params<T> {
+    type Rejection = Refusal;
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Refusal> {
+        let query = Query::<T>::from_request_parts(parts, state).await;
+        query.map(|Query(t)| Self(t)).map_err(|e| Error::invalid("query", e.body_text()).into())
+    }
+}
+
+/// A JSON body of ordinary size.
+pub(super) struct Json<T>(pub(super) T);
+
+impl<T: DeserializeOwned> FromRequest<App> for Json<T> {
+    type Rejection = Refusal;
+    async fn from_request(request: Request, app: &App) -> Result<Self, Refusal> {
+        expect_type(request.headers(), &["application/json"])?;
+        let bytes = whole(request, app.options.limits.json_bytes).await?;
+        json(&bytes).map(Self)
+    }
+}
+
+/// Refuses bodies that say they are something else; silence is taken as consent.
+pub(super) fn expect_type(headers: &HeaderMap, types: &[&str]) -> Result<(), Refusal> {
+    let Some(given) = headers.get(header::CONTENT_TYPE) else { return Ok(()) };
+    let given = given.to_str().unwrap_or_default();
+    let media_type = given.split(';').next().unwrap_or_default().trim();
+    if types.iter().any(|t| media_type.eq_ignore_ascii_case(t)) {
+        return Ok(());
+    }
+    let message = format!("send the body as {}", types.join(" or "));
+    Err(Refusal::http_only(StatusCode::UNSUPPORTED_MEDIA_TYPE, "UNSUPPORTED_MEDIA_TYPE", &message))
+}
+
+pub(super) fn json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Refusal> {
+    serde_json::from_slice(bytes).map_err(|e| {
+        let fault = format!("is not the JSON that is expected: {e}");
+        Error::Invalid { field: "body", fault }.into()
+    })
+}
+
+/// A body read to its end.
+pub(super) async fn whole(request: Request, limit: usize) -> Result<Bytes, Refusal> {
+    let body = Limited::new(request.into_body(), limit);
+    body.collect().await.map(|c| c.to_bytes()).map_err(|error| {
+        if error.downcast_ref::<LengthLimitError>().is_some() {
+            let message = format!("the body is larger than the limit of {limit} bytes");
+            return Refusal::http_only(
+                StatusCode::PAYLOAD_TOO_LARGE,
+                "CONTENT_TOO_LARGE",
+                &message,
+            );
+        }
+        Error::UploadBroken("the body ended early".to_owned()).into()
+    })
+}
+
+/// A body that is streamed on.
+pub(super) fn upload_body(request: Request) -> app::Body {
+    let broken = |_| Error::UploadBroken("the body ended early".to_owned());
+    TryStreamExt::map_err(request.into_body().into_data_stream(), broken).boxed()
+}
+
+/// The digest that an upload declares: `X-Content-Blake3: {hex}`, or
+/// `Content-Digest: blake3=:{base64}:` (RFC 9530). Empty if none.
+pub(super) fn declared_digest(headers: &HeaderMap) -> Result<String, Refusal> {
+    use base64::{Engine, prelude::BASE64_STANDARD};
+    let text = |name: &str| headers.get(name).map(|v| v.to_str().unwrap_or("?"));
+    if let Some(hex) = text("x-content-blake3") {
+        return Ok(hex.to_owned());
+    }
+    let Some(digests) = text("content-digest") else { return Ok(String::new()) };
+    let member = digests.split(',').find_map(|d| d.trim().strip_prefix("blake3="));
+    // Other algorithms are not known here; RFC 9530 lets them be ignored.
+    let Some(member) = member else { return Ok(String::new()) };
+    let bytes = member
+        .strip_prefix(':')
+        .and_then(|m| m.strip_suffix(':'))
+        .and_then(|m| BASE64_STANDARD.decode(m).ok())
+        .and_then(|b| <[u8; 32]>::try_from(b).ok())
+        .ok_or_else(|| Error::invalid("content-digest", "is not blake3=:{base64 of 32 bytes}:"))?;
+    Ok(bendtwin_store::Digest::from_bytes(bytes).to_hex().to_string())
+}
+
+/// The idempotency key of a creation; empty if none.
+pub(super) fn idempotency_key(headers: &HeaderMap) -> Result<String, Refusal> {
+    match headers.get("idempotency-key").map(|v| v.to_str()) {
+        None => Ok(String::new()),
+        Some(Ok(key)) if !key.is_empty() => Ok(key.to_owned()),
+        Some(_) => {
+            Err(Error::invalid("idempotency-key", "must be printable ASCII and not empty").into())
+        }
+    }
+}

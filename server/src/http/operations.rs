@@ -1,0 +1,52 @@
+//! `/healthz`, `/readyz`, `/metrics`: for those who run the server.
+
+use axum::{
+    Json,
+    extract::State,
+    http::{StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::Result;
+use crate::{app::App, error::ProblemDocument};
+
+/// Whether the server can do its work.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Readiness {
+    /// Whether the store answers and the server is not stopping.
+    ready: bool,
+    /// Workers that are there; fits and rollouts wait while there is none.
+    workers: usize,
+    /// Rollouts under way or waiting.
+    rollouts: usize,
+}
+
+/// Whether the process lives
+#[utoipa::path(get, path = "/healthz", tag = "operations",
+    responses((status = 200, body = String, content_type = "text/plain")))]
+pub(super) async fn healthz() -> &'static str {
+    "ok\n"
+}
+
+/// Whether the server can do its work
+#[utoipa::path(get, path = "/readyz", tag = "operations",
+    responses((status = 200, body = Readiness), (status = 503, body = Readiness)))]
+pub(super) async fn readyz(State(app): State<App>) -> Response {
+    let ready = !app.stopping.is_cancelled() && app.store.ping().await.is_ok();
+    let (workers, rollouts) = app.dispatch.counts();
+    let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
+    (status, Json(Readiness { ready, workers, rollouts })).into_response()
+}
+
+/// Metrics for Prometheus
+#[utoipa::path(get, path = "/metrics", tag = "operations",
+    responses((status = 200, body = String, content_type = "text/plain"),
+        (status = "default", body = ProblemDocument)))]
+pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
+    let depth = app.store.fits().depth().await?;
+    let (workers, rollouts) = app.dispatch.counts();
+    let text = app.metrics.render(&depth, workers, rollouts);
+    Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response())
+}

@@ -1,0 +1,278 @@
+//! Resources as JSON documents. Field names are those of the proto messages;
+//! settings and quality are nested objects, times are RFC 3339.
+
+use bendtwin_core::{Fault, Progress, ids};
+use bendtwin_store as store;
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+use utoipa::{IntoParams, ToSchema};
+
+use crate::dispatch::WorkerView;
+
+/// A stored capture.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Capture {
+    /// `captures/{uuid}`
+    name: String,
+    display_name: String,
+    /// RFC 3339.
+    create_time: String,
+    size_bytes: u64,
+    /// BLAKE3 of the archive, hex.
+    digest: String,
+}
+
+impl From<store::Capture> for Capture {
+    fn from(capture: store::Capture) -> Self {
+        Self {
+            name: capture.id.to_string(),
+            display_name: capture.display_name,
+            create_time: capture.created.to_string(),
+            size_bytes: capture.size_bytes,
+            digest: capture.digest.to_hex().to_string(),
+        }
+    }
+}
+
+/// A page of captures, newest first.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Captures {
+    pub(super) captures: Vec<Capture>,
+    /// Empty on the last page.
+    pub(super) next_page_token: String,
+}
+
+/// A fit job.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Fit {
+    /// `fits/{uuid}`
+    name: String,
+    /// `captures/{uuid}`
+    capture: String,
+    /// QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED.
+    state: String,
+    /// The settings in force.
+    #[schema(value_type = Object)]
+    settings: Box<RawValue>,
+    #[schema(value_type = Option<Object>)]
+    progress: Option<Progress>,
+    /// `twins/{uuid}` once it has succeeded.
+    twin: Option<String>,
+    /// Why it failed: category, reason, message.
+    #[schema(value_type = Option<Object>)]
+    fault: Option<Fault>,
+    /// Why earlier attempts ended.
+    #[schema(value_type = Vec<Object>)]
+    attempt_faults: Vec<Fault>,
+    attempts: u32,
+    /// Higher runs earlier.
+    priority: i32,
+    /// `workers/{uuid}` while it runs.
+    worker: Option<String>,
+    cancel_requested: bool,
+    create_time: String,
+    start_time: Option<String>,
+    end_time: Option<String>,
+    /// Grows with every change.
+    revision: u64,
+}
+
+impl From<store::Fit> for Fit {
+    fn from(fit: store::Fit) -> Self {
+        let time = |t: Option<jiff::Timestamp>| t.map(|t| t.to_string());
+        Self {
+            name: fit.id.to_string(),
+            capture: fit.capture.to_string(),
+            state: fit.state.as_str().to_uppercase(),
+            settings: raw(fit.settings),
+            progress: fit.progress,
+            twin: fit.twin.map(|t| t.to_string()),
+            fault: fit.fault,
+            attempt_faults: fit.attempt_faults,
+            attempts: fit.attempts,
+            priority: fit.priority,
+            worker: fit.worker.map(|w| w.to_string()),
+            cancel_requested: fit.cancel_requested,
+            create_time: fit.created.to_string(),
+            start_time: time(fit.started),
+            end_time: time(fit.ended),
+            revision: fit.revision,
+        }
+    }
+}
+
+/// A page of fits, newest first.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Fits {
+    pub(super) fits: Vec<Fit>,
+    /// Empty on the last page.
+    pub(super) next_page_token: String,
+}
+
+/// A fit to be queued.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NewFit {
+    /// `captures/{uuid}`
+    pub(super) capture: String,
+    /// What differs from the default settings.
+    #[schema(value_type = Option<Object>)]
+    pub(super) settings: Option<Box<RawValue>>,
+    /// Higher runs earlier, -100..=100.
+    #[serde(default)]
+    pub(super) priority: i32,
+}
+
+/// A stored twin.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Twin {
+    /// `twins/{uuid}`
+    name: String,
+    display_name: String,
+    /// None if it was imported.
+    capture: Option<String>,
+    /// None if it was imported.
+    fit: Option<String>,
+    create_time: String,
+    size_bytes: u64,
+    /// BLAKE3 of the twin file, hex.
+    digest: String,
+    node_count: u32,
+    spring_count: u32,
+    triplet_count: u32,
+    control_count: u32,
+    fps: f64,
+    substeps: u32,
+    /// The quality table.
+    #[schema(value_type = Object)]
+    quality: Box<RawValue>,
+}
+
+impl From<store::Twin> for Twin {
+    fn from(twin: store::Twin) -> Self {
+        let facts = twin.facts;
+        Self {
+            name: twin.id.to_string(),
+            display_name: twin.display_name,
+            capture: twin.capture.map(|c| c.to_string()),
+            fit: twin.fit.map(|f| f.to_string()),
+            create_time: twin.created.to_string(),
+            size_bytes: twin.size_bytes,
+            digest: twin.digest.to_hex().to_string(),
+            node_count: facts.node_count,
+            spring_count: facts.spring_count,
+            triplet_count: facts.triplet_count,
+            control_count: facts.control_count,
+            fps: facts.fps,
+            substeps: facts.substeps,
+            quality: raw(facts.quality),
+        }
+    }
+}
+
+/// A page of twins, newest first.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Twins {
+    pub(super) twins: Vec<Twin>,
+    /// Empty on the last page.
+    pub(super) next_page_token: String,
+}
+
+/// A worker process.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Worker {
+    /// `workers/{uuid}`
+    name: String,
+    /// cpu or cuda.
+    backend: String,
+    device: String,
+    start_time: String,
+    last_seen_time: String,
+    /// `fits/{uuid}` under way.
+    fit: Option<String>,
+    /// Twins that are loaded and answer at once.
+    warm_twins: Vec<String>,
+    rollouts_in_flight: u32,
+    build: String,
+}
+
+impl From<WorkerView> for Worker {
+    fn from(view: WorkerView) -> Self {
+        let said = view.worker.registration;
+        Self {
+            name: said.id.to_string(),
+            backend: said.backend,
+            device: said.device,
+            start_time: view.worker.started.to_string(),
+            last_seen_time: view.last_seen.to_string(),
+            fit: view.fit.map(|f: ids::FitId| f.to_string()),
+            warm_twins: view.warm.iter().map(ToString::to_string).collect(),
+            rollouts_in_flight: view.in_flight,
+            build: said.build,
+        }
+    }
+}
+
+/// All workers, newest first.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Workers {
+    pub(super) workers: Vec<Worker>,
+    /// Always empty: workers are few.
+    pub(super) next_page_token: String,
+}
+
+/// Which page.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct Paging {
+    /// At most 1000; 0 means 50.
+    #[serde(default)]
+    page_size: u32,
+    /// From the page before.
+    #[serde(default)]
+    page_token: String,
+}
+
+impl From<Paging> for store::PageRequest {
+    fn from(paging: Paging) -> Self {
+        Self { size: paging.page_size, token: paging.page_token }
+    }
+}
+
+/// Which page, of one capture or of all.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct PagingByCapture {
+    /// At most 1000; 0 means 50.
+    #[serde(default)]
+    page_size: u32,
+    /// From the page before.
+    #[serde(default)]
+    page_token: String,
+    /// Only of this capture.
+    #[serde(default)]
+    capture: String,
+}
+
+impl PagingByCapture {
+    pub(super) fn split(self) -> (store::PageRequest, String) {
+        (store::PageRequest { size: self.page_size, token: self.page_token }, self.capture)
+    }
+}
+
+/// The name of an upload.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct UploadParams {
+    /// A person's name for it.
+    #[serde(default)]
+    pub(super) display_name: String,
+}
+
+/// Stored JSON as it is; null if it is none.
+fn raw(json: String) -> Box<RawValue> {
+    RawValue::from_string(json).unwrap_or_else(|_| RawValue::NULL.to_owned())
+}

@@ -1,0 +1,81 @@
+//! `/v1/twins`.
+
+use axum::{
+    Json,
+    extract::{Request, State},
+    http::{StatusCode, header},
+    response::{IntoResponse, Response},
+};
+
+use super::{
+    Result,
+    extract::{self, Id, Params},
+    resource::{PagingByCapture, Twin, Twins, UploadParams},
+};
+use crate::{
+    app::{App, TwinUpload},
+    error::ProblemDocument,
+};
+
+/// List twins
+#[utoipa::path(get, path = "/v1/twins", tag = "twins", params(PagingByCapture),
+    responses((status = 200, body = Twins), (status = "default", body = ProblemDocument)))]
+pub(super) async fn list(
+    State(app): State<App>,
+    Params(paging): Params<PagingByCapture>,
+) -> Result<Json<Twins>> {
+    let (page, capture) = paging.split();
+    let page = app.twins(&page, &capture).await?;
+    let twins = page.items.into_iter().map(Twin::from).collect();
+    Ok(Json(Twins { twins, next_page_token: page.next_token }))
+}
+
+/// Import a twin file
+#[utoipa::path(post, path = "/v1/twins", tag = "twins",
+    params(
+        UploadParams,
+        ("Idempotency-Key" = Option<String>, Header, description = "Makes the import idempotent"),
+        ("X-Content-Blake3" = Option<String>, Header, description = "BLAKE3 of the body, hex; checked")),
+    request_body(content = Vec<u8>, content_type = "application/octet-stream"),
+    responses((status = 201, body = Twin), (status = "default", body = ProblemDocument)))]
+pub(super) async fn create(
+    State(app): State<App>,
+    Params(params): Params<UploadParams>,
+    request: Request,
+) -> Result<Response> {
+    extract::expect_type(request.headers(), &["application/octet-stream"])?;
+    let upload = TwinUpload {
+        display_name: params.display_name,
+        request_id: extract::idempotency_key(request.headers())?,
+        digest: extract::declared_digest(request.headers())?,
+        body: extract::upload_body(request),
+    };
+    let twin = app.create_twin(upload).await?;
+    let location = [(header::LOCATION, format!("/v1/{}", twin.id))];
+    Ok((StatusCode::CREATED, location, Json(Twin::from(twin))).into_response())
+}
+
+/// One twin
+#[utoipa::path(get, path = "/v1/twins/{id}", tag = "twins", params(("id" = String, Path)),
+    responses((status = 200, body = Twin), (status = "default", body = ProblemDocument)))]
+pub(super) async fn get(State(app): State<App>, Id(id): Id) -> Result<Json<Twin>> {
+    Ok(Json(app.twin(&id).await?.into()))
+}
+
+/// Delete a twin
+#[utoipa::path(delete, path = "/v1/twins/{id}", tag = "twins", params(("id" = String, Path)),
+    responses((status = 204), (status = "default", body = ProblemDocument)))]
+pub(super) async fn delete(State(app): State<App>, Id(id): Id) -> Result<StatusCode> {
+    app.delete_twin(&id).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Download a twin file
+#[utoipa::path(get, path = "/v1/twins/{id}/content", tag = "twins", params(("id" = String, Path)),
+    responses((status = 200, body = Vec<u8>, content_type = "application/octet-stream"),
+        (status = "default", body = ProblemDocument)))]
+pub(super) async fn content(State(app): State<App>, Id(id): Id) -> Result<Response> {
+    let (twin, content) = app.twin_content(&id).await?;
+    let file_name = format!("{}.safetensors", twin.id.uuid());
+    Ok(super::download(content, "application/octet-stream", &file_name))
+}

@@ -1,0 +1,98 @@
+//! The socket: HTTP/1 and HTTP/2 on one port, without TLS. `axum::serve` is not
+//! used because it leaves TCP_NODELAY off (44 ms on small replies), cannot set
+//! windows, and waits for slow headers without end.
+
+use std::{net::SocketAddr, sync::Arc, time::Duration};
+
+use hyper_util::{
+    rt::{TokioExecutor, TokioIo, TokioTimer},
+    server::conn::auto::Builder,
+    service::TowerToHyperService,
+};
+use tokio::{
+    net::{TcpListener, TcpStream},
+    sync::Semaphore,
+};
+use tokio_util::{sync::CancellationToken, task::TaskTracker};
+
+use crate::http::outer::Outer;
+
+/// Stream and connection windows: a rollout of megabytes should not wait for updates.
+const WINDOW: u32 = 4 << 20;
+const MAX_STREAMS: u32 = 1024;
+/// How long a client may take to send the headers of a request.
+const HEADERS_TIMEOUT: Duration = Duration::from_secs(30);
+/// Idle HTTP/2 connections are asked whether they live.
+const PING_EVERY: Duration = Duration::from_secs(20);
+/// Open connections; further ones wait in the system's backlog.
+const MAX_CONNECTIONS: usize = 4096;
+
+/// Accepts connections until told to stop; then lets the requests under way
+/// finish, and returns when all have.
+pub(crate) async fn serve(listener: TcpListener, outer: Outer, stop: CancellationToken) {
+    // A router takes bodies of any type, so it turns hyper's into axum's.
+    let service = axum::Router::new()
+        .fallback_service(tower::service_fn(move |request| outer.clone().answer(request)));
+    let connections = TaskTracker::new();
+    let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    loop {
+        let place = tokio::select! {
+            () = stop.cancelled() => break,
+            place = places.clone().acquire_owned() => place,
+        };
+        let accepted = tokio::select! {
+            () = stop.cancelled() => break,
+            accepted = listener.accept() => accepted,
+        };
+        match accepted {
+            Ok((stream, peer)) => {
+                let (service, stop) = (service.clone(), stop.clone());
+                connections.spawn(async move {
+                    connection(stream, peer, service, stop).await;
+                    drop(place);
+                });
+            }
+            Err(error) => {
+                // Out of file descriptors, say: others may close theirs.
+                tracing::warn!(%error, "cannot accept");
+                tokio::time::sleep(Duration::from_millis(50)).await;
+            }
+        }
+    }
+    drop(listener);
+    connections.close();
+    connections.wait().await;
+}
+
+async fn connection(
+    stream: TcpStream,
+    peer: SocketAddr,
+    service: axum::Router,
+    stop: CancellationToken,
+) {
+    if let Err(error) = stream.set_nodelay(true) {
+        tracing::debug!(%error, %peer, "no TCP_NODELAY");
+    }
+    let mut builder = Builder::new(TokioExecutor::new());
+    builder.http1().timer(TokioTimer::new()).header_read_timeout(HEADERS_TIMEOUT);
+    builder
+        .http2()
+        .timer(TokioTimer::new())
+        .initial_stream_window_size(WINDOW)
+        .initial_connection_window_size(4 * WINDOW)
+        .max_concurrent_streams(MAX_STREAMS)
+        .keep_alive_interval(PING_EVERY)
+        .keep_alive_timeout(PING_EVERY);
+    let serving = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(service));
+    let mut serving = std::pin::pin!(serving);
+    let ended = tokio::select! {
+        ended = serving.as_mut() => ended,
+        () = stop.cancelled() => {
+            serving.as_mut().graceful_shutdown();
+            serving.await
+        }
+    };
+    if let Err(error) = ended {
+        tracing::debug!(error, %peer, "connection broke off");
+    }
+}

@@ -1,0 +1,99 @@
+//! Prometheus metrics of one server. They are this server's own, not the
+//! process's, so that several servers in one test do not count together.
+
+use std::{fmt, sync::Arc, time::Duration};
+
+use ::metrics::{Key, Label, Level, Metadata, Recorder as _};
+use bendtwin_store::QueueDepth;
+use metrics_exporter_prometheus::{
+    BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
+};
+
+const SECONDS: [f64; 14] =
+    [0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0, 5.0, 30.0, 300.0, 3600.0];
+
+static METADATA: Metadata<'static> = Metadata::new("bendtwin_server", Level::INFO, None);
+
+/// The metrics. Clones share them.
+#[derive(Clone)]
+pub(crate) struct Metrics {
+    recorder: Arc<PrometheusRecorder>,
+    handle: PrometheusHandle,
+}
+
+impl fmt::Debug for Metrics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Metrics").finish_non_exhaustive()
+    }
+}
+
+impl Metrics {
+    pub(crate) fn new() -> Self {
+        let builder = with_buckets().unwrap_or_else(|error| {
+            tracing::error!(%error, "histograms have no buckets");
+            PrometheusBuilder::new()
+        });
+        let recorder = builder.build_recorder();
+        Self { handle: recorder.handle(), recorder: Arc::new(recorder) }
+    }
+
+    /// One request answered. `route` is the pattern, never the path: its values are few.
+    pub(crate) fn request(&self, transport: &'static str, route: &str, code: &str, took: Duration) {
+        let labels =
+            || vec![Label::new("transport", transport), Label::new("route", route.to_owned())];
+        let mut with_code = labels();
+        with_code.push(Label::new("code", code.to_owned()));
+        self.count("bendtwin_requests_total", with_code);
+        self.seconds("bendtwin_request_seconds", labels(), took.as_secs_f64());
+    }
+
+    /// A job went to a worker after so many seconds.
+    pub(crate) fn fit_leased(&self, queued_s: f64) {
+        self.seconds("bendtwin_fit_queue_seconds", Vec::new(), queued_s.max(0.0));
+    }
+
+    /// An attempt ended and left its job in this state.
+    pub(crate) fn fit_ended(&self, state: &'static str) {
+        self.count("bendtwin_fit_attempts_total", vec![Label::new("state", state)]);
+    }
+
+    /// A rollout ended.
+    pub(crate) fn rollout(&self, outcome: &'static str, queued: Duration, took: Duration) {
+        self.count("bendtwin_rollouts_total", vec![Label::new("outcome", outcome)]);
+        self.seconds("bendtwin_rollout_queue_seconds", Vec::new(), queued.as_secs_f64());
+        self.seconds("bendtwin_rollout_seconds", Vec::new(), took.as_secs_f64());
+    }
+
+    /// All metrics as text, after setting those that are a state and no event.
+    pub(crate) fn render(&self, depth: &QueueDepth, workers: usize, rollouts: usize) -> String {
+        use bendtwin_store::State::{Cancelled, Failed, Queued, Running, Succeeded};
+        for state in [Queued, Running, Succeeded, Failed, Cancelled] {
+            let count = depth.by_state.iter().find(|(s, _)| *s == state).map_or(0, |(_, n)| *n);
+            let label = Label::new("state", state.as_str());
+            self.gauge("bendtwin_fits", vec![label], count as f64);
+        }
+        let oldest = depth.oldest_queued.unwrap_or_default().as_secs_f64();
+        self.gauge("bendtwin_oldest_queued_fit_seconds", Vec::new(), oldest);
+        self.gauge("bendtwin_workers", Vec::new(), workers as f64);
+        self.gauge("bendtwin_rollouts_in_flight", Vec::new(), rollouts as f64);
+        self.handle.run_upkeep();
+        self.handle.render()
+    }
+
+    fn count(&self, name: &'static str, labels: Vec<Label>) {
+        self.recorder.register_counter(&Key::from_parts(name, labels), &METADATA).increment(1);
+    }
+
+    fn seconds(&self, name: &'static str, labels: Vec<Label>, value: f64) {
+        self.recorder.register_histogram(&Key::from_parts(name, labels), &METADATA).record(value);
+    }
+
+    fn gauge(&self, name: &'static str, labels: Vec<Label>, value: f64) {
+        self.recorder.register_gauge(&Key::from_parts(name, labels), &METADATA).set(value);
+    }
+}
+
+fn with_buckets() -> Result<PrometheusBuilder, BuildError> {
+    PrometheusBuilder::new()
+        .set_buckets_for_metric(Matcher::Suffix("_seconds".to_owned()), &SECONDS)
+}

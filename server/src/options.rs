@@ -1,0 +1,200 @@
+//! What an operator may choose about a server. Every field has a default,
+//! unknown fields are refused, and [`Options::validate`] reports all faults at once.
+
+use std::{net::SocketAddr, path::PathBuf, time::Duration};
+
+use serde::{Deserialize, Serialize};
+
+/// Options of a server.
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    /// Where to listen for HTTP and gRPC; port 0 takes a free one. There is no
+    /// authentication of users yet, so anything but loopback trusts its network.
+    pub listen: SocketAddr,
+    /// The folder of the database and the blobs; made if missing.
+    pub data_dir: PathBuf,
+    /// The token that workers started by others must show; without one, only
+    /// the server's own workers are let in.
+    pub worker_token: Option<String>,
+    /// The server's own worker processes.
+    pub workers: WorkerPolicy,
+    /// Bounds on what one request may ask.
+    pub limits: Limits,
+    /// How long a job stays a worker's without a sign of life [s].
+    pub lease_s: f64,
+    /// How often workers give signs of life [s].
+    pub beat_interval_s: f64,
+    /// How long a shutdown waits for requests and workers to end [s].
+    pub shutdown_grace_s: f64,
+}
+
+/// Which worker processes the server starts, and how it restarts them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct WorkerPolicy {
+    /// How many; 0 leaves it to others to start workers.
+    pub count: u32,
+    /// The program; none means this very program.
+    pub program: Option<PathBuf>,
+    /// Its arguments.
+    pub args: Vec<String>,
+    /// Wait before the first restart [s]; it doubles up to `max_backoff_s`.
+    pub min_backoff_s: f64,
+    /// Longest wait before a restart [s].
+    pub max_backoff_s: f64,
+}
+
+/// Bounds on what one request may ask.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Limits {
+    /// Size of a capture archive [bytes].
+    pub capture_bytes: u64,
+    /// Size of a twin file [bytes].
+    pub twin_bytes: u64,
+    /// Size of a checkpoint [bytes].
+    pub checkpoint_bytes: u64,
+    /// Size of a JSON body other than a rollout's [bytes].
+    pub json_bytes: usize,
+    /// Size of a rollout request, and of one message of its reply [bytes].
+    pub rollout_bytes: usize,
+    /// Instances of a rollout.
+    pub rollout_instances: u64,
+    /// Instances x frames x nodes of a rollout.
+    pub rollout_points: u64,
+    /// Rollouts under way at one worker.
+    pub rollouts_per_worker: usize,
+    /// Rollouts waiting for one worker; more are refused with a retry delay.
+    pub rollout_queue: usize,
+    /// Silence after which an upload is given up [s].
+    pub upload_idle_s: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            listen: SocketAddr::from(([127, 0, 0, 1], 7070)),
+            data_dir: PathBuf::from("bendtwin-data"),
+            worker_token: None,
+            workers: WorkerPolicy::default(),
+            limits: Limits::default(),
+            lease_s: 30.0,
+            beat_interval_s: 5.0,
+            shutdown_grace_s: 10.0,
+        }
+    }
+}
+
+impl Default for WorkerPolicy {
+    fn default() -> Self {
+        Self {
+            count: 1,
+            program: None,
+            args: vec!["worker".to_owned()],
+            min_backoff_s: 0.1,
+            max_backoff_s: 5.0,
+        }
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            capture_bytes: 8 << 30,
+            twin_bytes: 256 << 20,
+            checkpoint_bytes: 4 << 30,
+            json_bytes: 1 << 20,
+            rollout_bytes: 256 << 20,
+            rollout_instances: 1 << 16,
+            rollout_points: 100_000_000_000,
+            rollouts_per_worker: 8,
+            rollout_queue: 64,
+            upload_idle_s: 60.0,
+        }
+    }
+}
+
+/// Leaves the token out.
+impl std::fmt::Debug for Options {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Options")
+            .field("listen", &self.listen)
+            .field("data_dir", &self.data_dir)
+            .field("workers", &self.workers)
+            .field("limits", &self.limits)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Options {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// All faults found, one sentence each.
+    pub fn validate(&self) -> Result<(), Vec<String>> {
+        let mut faults = Vec::new();
+        let mut within = |name: &str, value: f64, low: f64, high: f64| {
+            if !(value >= low && value <= high) {
+                faults.push(format!("{name} is {value}: it must lie in {low}..={high}"));
+            }
+        };
+        within("lease_s", self.lease_s, 0.1, 86_400.0);
+        within("beat_interval_s", self.beat_interval_s, 0.01, 3_600.0);
+        within("shutdown_grace_s", self.shutdown_grace_s, 0.0, 3_600.0);
+        let workers = &self.workers;
+        within("workers.count", f64::from(workers.count), 0.0, 256.0);
+        within("workers.min_backoff_s", workers.min_backoff_s, 0.001, 3_600.0);
+        within("workers.max_backoff_s", workers.max_backoff_s, workers.min_backoff_s, 86_400.0);
+        let limits = &self.limits;
+        let large = (1u64 << 50) as f64;
+        within("limits.capture_bytes", limits.capture_bytes as f64, 1.0, large);
+        within("limits.twin_bytes", limits.twin_bytes as f64, 1.0, large);
+        within("limits.checkpoint_bytes", limits.checkpoint_bytes as f64, 1.0, large);
+        within("limits.json_bytes", limits.json_bytes as f64, 1024.0, large);
+        within("limits.rollout_bytes", limits.rollout_bytes as f64, 1024.0, f64::from(i32::MAX));
+        within("limits.rollout_instances", limits.rollout_instances as f64, 1.0, large);
+        within("limits.rollout_points", limits.rollout_points as f64, 1.0, large);
+        within("limits.rollouts_per_worker", limits.rollouts_per_worker as f64, 1.0, 65_536.0);
+        within("limits.rollout_queue", limits.rollout_queue as f64, 0.0, 1e6);
+        within("limits.upload_idle_s", limits.upload_idle_s, 0.1, 86_400.0);
+        if self.beat_interval_s > self.lease_s / 2.0 {
+            faults.push(format!(
+                "beat_interval_s is {}: it must be at most half of lease_s ({})",
+                self.beat_interval_s, self.lease_s
+            ));
+        }
+        if let Some(token) = &self.worker_token
+            && (token.len() < 16 || !token.bytes().all(|b| b.is_ascii_graphic()))
+        {
+            faults.push(
+                "worker_token must be at least 16 printable characters without spaces".to_owned(),
+            );
+        }
+        if self.data_dir.as_os_str().is_empty() {
+            faults.push("data_dir is empty: name a folder".to_owned());
+        }
+        if faults.is_empty() { Ok(()) } else { Err(faults) }
+    }
+
+    pub(crate) fn lease(&self) -> Duration {
+        Duration::from_secs_f64(self.lease_s)
+    }
+
+    pub(crate) fn beat_interval(&self) -> Duration {
+        Duration::from_secs_f64(self.beat_interval_s)
+    }
+
+    pub(crate) fn shutdown_grace(&self) -> Duration {
+        Duration::from_secs_f64(self.shutdown_grace_s)
+    }
+}
+
+impl Limits {
+    pub(crate) fn upload_idle(&self) -> Duration {
+        Duration::from_secs_f64(self.upload_idle_s)
+    }
+}
+
+#[cfg(test)]
+mod tests;

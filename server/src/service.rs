@@ -1,0 +1,147 @@
+//! The server as a whole: started, running, shut down.
+
+use std::{net::SocketAddr, time::Duration};
+
+use bendtwin_core::{Category, Problem};
+use bendtwin_store::Store;
+use tokio::{net::TcpListener, task::JoinHandle};
+use tokio_util::sync::CancellationToken;
+
+use crate::{app::App, grpc, http, listen, options::Options, supervise};
+
+/// Why a server did not start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// Some options cannot be.
+    #[error("the options are not accepted: {}", .0.join("; "))]
+    Options(Vec<String>),
+    /// The address is taken, or not this machine's.
+    #[error("cannot listen on {address}: {source}: choose another address")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The data folder cannot be opened.
+    #[error("cannot open the data folder: {0}")]
+    Store(#[from] bendtwin_store::Error),
+    /// The server's own program cannot be found to start workers with.
+    #[error("cannot find this program to start workers with: {0}: name it in workers.program")]
+    Program(std::io::Error),
+    /// The descriptors that are compiled in are damaged.
+    #[error("descriptors of the API: {0}")]
+    Descriptors(String),
+    /// What the last run left cannot be taken up.
+    #[error("cannot take up what the last run left: {0}")]
+    Recovery(String),
+}
+
+impl Problem for StartError {
+    fn category(&self) -> Category {
+        match self {
+            Self::Options(_) => Category::InvalidArgument,
+            Self::Listen { .. } | Self::Program(_) => Category::FailedPrecondition,
+            Self::Store(error) => error.category(),
+            Self::Descriptors(_) | Self::Recovery(_) => Category::Internal,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Options(_) => "INVALID_OPTIONS",
+            Self::Listen { .. } => "CANNOT_LISTEN",
+            Self::Store(error) => error.reason(),
+            Self::Program(_) => "NO_WORKER_PROGRAM",
+            Self::Descriptors(_) => "DESCRIPTORS",
+            Self::Recovery(_) => "RECOVERY",
+        }
+    }
+}
+
+/// A server to be started.
+#[derive(Debug)]
+pub struct Service;
+
+/// A running server. Dropping it leaves it running; worker processes end with
+/// the process in any case.
+#[derive(Debug)]
+pub struct Handle {
+    address: SocketAddr,
+    grace: Duration,
+    app: App,
+    /// Cancelled to close the socket.
+    close: CancellationToken,
+    listener: JoinHandle<()>,
+    sweeper: JoinHandle<()>,
+    workers: supervise::Supervisor,
+}
+
+impl Service {
+    /// Opens the store, listens, takes up what the last run left, and starts workers.
+    ///
+    /// # Errors
+    /// See [`StartError`].
+    pub async fn start(options: Options) -> Result<Handle, StartError> {
+        options.validate().map_err(StartError::Options)?;
+        let cannot_listen = |source| StartError::Listen { address: options.listen, source };
+        let store = Store::open(bendtwin_store::Options::new(&options.data_dir)).await?;
+        let socket = TcpListener::bind(options.listen).await.map_err(cannot_listen)?;
+        let address = socket.local_addr().map_err(cannot_listen)?;
+        if !address.ip().is_loopback() {
+            tracing::warn!(%address, "listening beyond loopback without authentication of users");
+        }
+        let grace = options.shutdown_grace();
+        let app = App::new(options, store);
+        app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
+        let outer = http::outer::Outer {
+            http: http::router(&app),
+            grpc: grpc::router(&app).await?,
+            metrics: app.metrics.clone(),
+        };
+        let close = CancellationToken::new();
+        let listener = tokio::spawn(listen::serve(socket, outer, close.clone()));
+        let sweeper = tokio::spawn(sweep(app.clone()));
+        let workers = supervise::start(&app, address)?;
+        tracing::info!(%address, "listening");
+        Ok(Handle { address, grace, app, close, listener, sweeper, workers })
+    }
+}
+
+impl Handle {
+    /// Where it listens; the port is the real one where port 0 was asked for.
+    pub fn local_addr(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Shuts down in good order: workers give their jobs back and end, streams
+    /// end, requests under way finish within the grace, the store closes.
+    pub async fn shutdown(self) {
+        tracing::info!("stopping");
+        self.app.stopping.cancel();
+        // Workers need the socket to say goodbye.
+        self.workers.stop(self.grace).await;
+        self.close.cancel();
+        let abort = self.listener.abort_handle();
+        if tokio::time::timeout(self.grace, self.listener).await.is_err() {
+            tracing::warn!("requests under way are cut off");
+            abort.abort();
+        }
+        self.sweeper.abort();
+        self.app.store.close().await;
+        tracing::info!("stopped");
+    }
+}
+
+/// Ends leases that have run out, and forgets workers that fell silent.
+async fn sweep(app: App) {
+    let every = (app.options.lease() / 10).clamp(Duration::from_millis(20), Duration::from_secs(1));
+    let mut tick = tokio::time::interval(every);
+    tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+    loop {
+        tick.tick().await;
+        if let Err(error) = app.sweep().await {
+            tracing::error!(%error, "sweeping failed; trying again");
+        }
+    }
+}

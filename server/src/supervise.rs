@@ -1,0 +1,189 @@
+//! The server's own worker processes: started, restarted when they end, and
+//! ended with the server.
+//!
+//! A child is told the server's address and a token of its own in its
+//! environment. Its standard input is a pipe that the server holds open: when
+//! it ends, by a shutdown or because the server died, the child is to exit.
+//! When a child ends, its jobs go back to the queue at once.
+
+use std::{ffi::OsString, net::SocketAddr, path::PathBuf, process::Stdio, time::Duration};
+
+use tokio::{
+    process::{Child as Process, Command},
+    time::Instant,
+};
+use tokio_util::{sync::CancellationToken, task::TaskTracker};
+
+use crate::{app::App, service::StartError, tokens::Child};
+
+/// The environment variable with the server's address, `http://127.0.0.1:7070` say.
+pub const SERVER_VARIABLE: &str = "BENDTWIN_SERVER";
+/// The environment variable with the worker token.
+pub const TOKEN_VARIABLE: &str = "BENDTWIN_WORKER_TOKEN";
+
+/// A child that lived so long was healthy: the next restart is quick again.
+const HEALTHY_AFTER: Duration = Duration::from_secs(3);
+
+/// The supervisor of all children.
+#[derive(Debug)]
+pub(crate) struct Supervisor {
+    stop: CancellationToken,
+    /// Past the grace: kill.
+    kill: CancellationToken,
+    tasks: TaskTracker,
+}
+
+/// What to run, for every child alike.
+#[derive(Clone, Debug)]
+struct Recipe {
+    program: PathBuf,
+    args: Vec<OsString>,
+    server: String,
+    min_backoff: Duration,
+    max_backoff: Duration,
+}
+
+/// Starts the children that the options ask for.
+pub(crate) fn start(app: &App, address: SocketAddr) -> Result<Supervisor, StartError> {
+    let policy = &app.options.workers;
+    let supervisor = Supervisor {
+        stop: CancellationToken::new(),
+        kill: CancellationToken::new(),
+        tasks: TaskTracker::new(),
+    };
+    if policy.count == 0 {
+        return Ok(supervisor);
+    }
+    let program = match &policy.program {
+        Some(program) => program.clone(),
+        None => std::env::current_exe().map_err(StartError::Program)?,
+    };
+    let recipe = Recipe {
+        program,
+        args: policy.args.iter().map(OsString::from).collect(),
+        server: format!("http://{}", reachable(address)),
+        min_backoff: Duration::from_secs_f64(policy.min_backoff_s),
+        max_backoff: Duration::from_secs_f64(policy.max_backoff_s),
+    };
+    for slot in 0..policy.count {
+        let (stop, kill) = (supervisor.stop.clone(), supervisor.kill.clone());
+        let keeper = Keeper { app: app.clone(), recipe: recipe.clone(), slot, stop, kill };
+        supervisor.tasks.spawn(keeper.run());
+    }
+    Ok(supervisor)
+}
+
+/// The address as this machine's processes reach it.
+fn reachable(address: SocketAddr) -> SocketAddr {
+    let mut address = address;
+    if address.ip().is_unspecified() {
+        address.set_ip(match address {
+            SocketAddr::V4(_) => std::net::Ipv4Addr::LOCALHOST.into(),
+            SocketAddr::V6(_) => std::net::Ipv6Addr::LOCALHOST.into(),
+        });
+    }
+    address
+}
+
+impl Supervisor {
+    /// Ends all children: asked first, killed after the grace.
+    pub(crate) async fn stop(self, grace: Duration) {
+        self.stop.cancel();
+        self.tasks.close();
+        if tokio::time::timeout(grace, self.tasks.wait()).await.is_err() {
+            self.kill.cancel();
+            self.tasks.wait().await;
+        }
+    }
+}
+
+/// Keeps one slot filled.
+struct Keeper {
+    app: App,
+    recipe: Recipe,
+    slot: u32,
+    stop: CancellationToken,
+    kill: CancellationToken,
+}
+
+impl Keeper {
+    async fn run(self) {
+        let mut backoff = self.recipe.min_backoff;
+        let mut generation = 0u32;
+        while !self.stop.is_cancelled() {
+            let child = Child(u64::from(generation) << 32 | u64::from(self.slot));
+            generation = generation.wrapping_add(1);
+            let started = Instant::now();
+            match self.spawn(child) {
+                Ok(process) => self.attend(child, process).await,
+                Err(error) => {
+                    let program = self.recipe.program.display();
+                    tracing::error!(%error, %program, "cannot start a worker");
+                }
+            }
+            self.clean_up(child).await;
+            if started.elapsed() >= HEALTHY_AFTER {
+                backoff = self.recipe.min_backoff;
+            }
+            let () = tokio::select! {
+                () = self.stop.cancelled() => (),
+                () = tokio::time::sleep(backoff) => (),
+            };
+            backoff = (backoff * 2).min(self.recipe.max_backoff);
+        }
+    }
+
+    fn spawn(&self, child: Child) -> std::io::Result<Process> {
+        Command::new(&self.recipe.program)
+            .args(&self.recipe.args)
+            .env(SERVER_VARIABLE, &self.recipe.server)
+            .env(TOKEN_VARIABLE, self.app.tokens.issue(child))
+            .stdin(Stdio::piped())
+            .kill_on_drop(true)
+            .spawn()
+    }
+
+    /// Waits until the process ends, by itself or because it is told to.
+    async fn attend(&self, child: Child, mut process: Process) {
+        tracing::info!(slot = self.slot, pid = process.id(), "worker started");
+        // Dropping it ends the child's standard input.
+        let stdin = process.stdin.take();
+        let ended = tokio::select! {
+            ended = process.wait() => Some(ended),
+            () = self.stop.cancelled() => None,
+        };
+        drop(stdin);
+        let ended = match ended {
+            Some(ended) => ended,
+            None => tokio::select! {
+                ended = process.wait() => ended,
+                () = self.kill.cancelled() => {
+                    tracing::warn!(slot = self.slot, "worker does not end: killing it");
+                    match process.kill().await {
+                        Ok(()) => process.wait().await,
+                        Err(error) => Err(error),
+                    }
+                }
+            },
+        };
+        match ended {
+            Ok(status) if self.stop.is_cancelled() => {
+                tracing::info!(slot = self.slot, %status, "worker ended");
+            }
+            Ok(status) => {
+                tracing::warn!(slot = self.slot, %status, ?child, "worker ended, restarting")
+            }
+            Err(error) => tracing::error!(slot = self.slot, %error, "worker lost from sight"),
+        }
+    }
+
+    /// No call with the child's token gets through any more; its jobs go back.
+    async fn clean_up(&self, child: Child) {
+        self.app.tokens.revoke(child);
+        for worker in self.app.dispatch.of_child(child) {
+            if let Err(error) = self.app.worker_gone(worker).await {
+                tracing::error!(%error, %worker, "its jobs wait for their leases to run out");
+            }
+        }
+    }
+}
