@@ -1,1 +1,30 @@
-//! Data plane: leases fit jobs, owns the compute device, answers rollouts. Knows no database.
+//! Data plane: leases fit jobs, owns the compute device, answers rollouts.
+//! Knows no database. One process per device; the server may start it, but it
+//! needs nothing from the server's process apart from its address and token.
+//!
+//! ```text
+//!   lease loop ──► fit thread ──┐ background
+//!                               ├──► device thread ──► backend
+//!   rollout calls ──────────────┘ interactive
+//! ```
+//!
+//! Everything that computes goes through the [`device`] thread in slices, so a
+//! rollout waits for one slice of a fit at most. Whatever happens to this
+//! process, the server's lease runs out and another worker goes on from the
+//! last checkpoint.
+
+mod artifact;
+mod device;
+mod error;
+mod fit;
+mod ingest;
+mod leasing;
+mod link;
+mod options;
+mod presence;
+mod rollout;
+mod run;
+
+pub use error::Error;
+pub use options::{BackendChoice, Limits, Options};
+pub use run::run;

@@ -1,0 +1,123 @@
+//! Captures, twins and checkpoints fetched from the server.
+
+use std::{io::Write as _, path::Path};
+
+use bendtwin_core::{Category, Problem};
+use bytes::{Bytes, BytesMut};
+use tempfile::NamedTempFile;
+
+use crate::link::{Link, LinkError};
+
+/// Why content could not be fetched.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum FetchError {
+    /// The server did not give it.
+    #[error("cannot fetch {name}: {}", fault.message)]
+    Server {
+        /// What was wanted.
+        name: String,
+        /// What the server said.
+        fault: bendtwin_core::Fault,
+    },
+    /// Another worker has the job.
+    #[error("another worker has the job")]
+    Stale,
+    /// It is larger than this worker takes.
+    #[error(
+        "{name} is larger than {limit} bytes, the most that this worker takes: raise its limit"
+    )]
+    TooLarge {
+        /// What was wanted.
+        name: String,
+        /// The limit.
+        limit: u64,
+    },
+    /// What arrived is not what was stored.
+    #[error("{name} has digest {found} where {expected} was stored: the stored file is damaged")]
+    Digest {
+        /// What was wanted.
+        name: String,
+        /// Digest of what arrived.
+        found: String,
+        /// Digest that it should have.
+        expected: String,
+    },
+    /// The temporary file cannot be written.
+    #[error("cannot keep {name} in a temporary file: {source}; free disk space or set --cache-dir")]
+    Disk {
+        /// What was wanted.
+        name: String,
+        /// Why.
+        source: std::io::Error,
+    },
+}
+
+impl Problem for FetchError {
+    fn category(&self) -> Category {
+        match self {
+            Self::Server { fault, .. } => fault.category,
+            Self::Stale => Category::Aborted,
+            Self::TooLarge { .. } | Self::Disk { .. } => Category::ResourceExhausted,
+            Self::Digest { .. } => Category::DataLoss,
+        }
+    }
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Server { .. } => "CONTENT_UNAVAILABLE",
+            Self::Stale => "STALE_LEASE",
+            Self::TooLarge { .. } => "CONTENT_TOO_LARGE",
+            Self::Digest { .. } => "CONTENT_DAMAGED",
+            Self::Disk { .. } => "NO_DISK_SPACE",
+        }
+    }
+}
+
+fn server(name: &str, error: LinkError) -> FetchError {
+    match error {
+        LinkError::Stale => FetchError::Stale,
+        other => FetchError::Server { name: name.to_owned(), fault: other.fault() },
+    }
+}
+
+/// Fetches content into memory, up to `limit` bytes.
+pub(crate) async fn fetch(link: &Link, name: &str, limit: u64) -> Result<Bytes, FetchError> {
+    let mut download = link.download(name.to_owned()).await.map_err(|e| server(name, e))?;
+    let mut content = BytesMut::new();
+    while let Some(chunk) = download.next().await.map_err(|e| server(name, e))? {
+        if (content.len() + chunk.len()) as u64 > limit {
+            return Err(FetchError::TooLarge { name: name.to_owned(), limit });
+        }
+        content.extend_from_slice(&chunk);
+    }
+    Ok(content.freeze())
+}
+
+/// Fetches content into a temporary file in `dir` and checks its digest where one is known.
+pub(crate) async fn fetch_file(
+    link: &Link,
+    name: &str,
+    digest: Option<&str>,
+    dir: &Path,
+) -> Result<NamedTempFile, FetchError> {
+    let disk = |source| FetchError::Disk { name: name.to_owned(), source };
+    let mut file = tempfile::Builder::new()
+        .prefix("bendtwin-")
+        .suffix(".zip")
+        .tempfile_in(dir)
+        .map_err(disk)?;
+    let mut hasher = blake3::Hasher::new();
+    let mut download = link.download(name.to_owned()).await.map_err(|e| server(name, e))?;
+    // Chunks are small and go to the page cache, so writing in place blocks no one for long.
+    while let Some(chunk) = download.next().await.map_err(|e| server(name, e))? {
+        hasher.update(&chunk);
+        file.write_all(&chunk).map_err(disk)?;
+    }
+    file.flush().map_err(disk)?;
+    let found = hasher.finalize().to_hex().to_string();
+    match digest.filter(|d| !d.is_empty() && !d.eq_ignore_ascii_case(&found)) {
+        Some(expected) => {
+            Err(FetchError::Digest { name: name.to_owned(), found, expected: expected.to_owned() })
+        }
+        None => Ok(file),
+    }
+}

@@ -1,0 +1,174 @@
+//! A [`Backend`] that sends its batches to the device thread in slices.
+//!
+//! Instances are independent, so a batch may be cut anywhere and run in any
+//! order without changing a bit of any result. Slices are cut by estimated
+//! work: instances of like size run side by side, so that no core idles long.
+
+use std::{
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
+
+use bendtwin_core::Params;
+use bendtwin_engine::{
+    Backend, Device as Description, Loaded, Model,
+    backend::{CancelToken, Error, Gradient, GradientRequest, Instance, Loss, Recording, Rollout},
+};
+
+use super::{Device, Priority, SLICE};
+
+/// Device time that a lane has used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Usage {
+    /// Time in which the device computed for this lane.
+    pub(crate) compute: Duration,
+    /// Work done in it, in element substeps.
+    work: f64,
+}
+
+/// The device as one caller sees it.
+pub(crate) struct Lane {
+    device: Device,
+    priority: Priority,
+    /// Per kind of call, for a gradient costs several times a rollout.
+    forward: Mutex<Usage>,
+    backward: Mutex<Usage>,
+}
+
+impl Lane {
+    pub(super) fn new(device: Device, priority: Priority) -> Self {
+        Self { device, priority, forward: Mutex::default(), backward: Mutex::default() }
+    }
+
+    /// Device time used so far.
+    pub(crate) fn compute(&self) -> Duration {
+        lock(&self.forward).compute + lock(&self.backward).compute
+    }
+
+    fn sliced<R: Send + 'static>(
+        &self,
+        batch: &[Instance],
+        usage: &Mutex<Usage>,
+        cancel: &CancelToken,
+        run: impl Fn(&dyn Backend, &[Instance]) -> Result<Vec<R>, Error> + Clone + Send + 'static,
+    ) -> Result<Vec<R>, Error> {
+        let work: Vec<f64> = batch.iter().map(instance_work).collect();
+        let mut order: Vec<usize> = (0..batch.len()).collect();
+        // Stable, so that equal instances keep their order.
+        order.sort_by(|a, b| work[*b].total_cmp(&work[*a]));
+        let mut results: Vec<Option<R>> = batch.iter().map(|_| None).collect();
+        let mut rest = order.as_slice();
+        while !rest.is_empty() {
+            if cancel.is_cancelled() {
+                return Err(Error::Cancelled);
+            }
+            let budget = lock(usage).affordable();
+            let count = slice_len(rest, &work, budget, self.device.description().lanes);
+            let (slice, later) = rest.split_at(count);
+            rest = later;
+            let instances: Vec<Instance> = slice.iter().map(|i| batch[*i].clone()).collect();
+            let run = run.clone();
+            let (values, took) =
+                self.device.call(self.priority, move |backend| run(backend, &instances))?;
+            let values = values?;
+            if values.len() != slice.len() {
+                let fault = format!("{} results for {} instances", values.len(), slice.len());
+                return Err(Error::Device(fault));
+            }
+            lock(usage).add(took, slice.iter().map(|i| work[*i]).sum());
+            for (index, value) in slice.iter().zip(values) {
+                results[*index] = Some(value);
+            }
+        }
+        Ok(results.into_iter().flatten().collect())
+    }
+}
+
+impl Backend for Lane {
+    fn device(&self) -> Description {
+        self.device.description().clone()
+    }
+
+    fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
+        self.device.call(self.priority, move |backend| backend.load(model))?.0
+    }
+
+    fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
+        let loaded = loaded.clone();
+        self.device.call(self.priority, move |backend| backend.with_params(&loaded, params))?.0
+    }
+
+    fn roll_out(
+        &self,
+        batch: &[Instance],
+        recording: &Recording,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Rollout>, Error> {
+        let (recording, token) = (recording.clone(), cancel.clone());
+        self.sliced(batch, &self.forward, cancel, move |backend, slice| {
+            backend.roll_out(slice, &recording, &token)
+        })
+    }
+
+    fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
+        let token = cancel.clone();
+        self.sliced(batch, &self.forward, cancel, move |backend, slice| {
+            backend.losses(slice, &token)
+        })
+    }
+
+    fn gradients(
+        &self,
+        batch: &[Instance],
+        request: &GradientRequest,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Gradient>, Error> {
+        let (request, token) = (request.clone(), cancel.clone());
+        self.sliced(batch, &self.backward, cancel, move |backend, slice| {
+            backend.gradients(slice, &request, &token)
+        })
+    }
+}
+
+impl Usage {
+    fn add(&mut self, took: Duration, work: f64) {
+        self.compute += took;
+        self.work += work;
+    }
+
+    /// Work that fits a slice at the speed seen so far; nothing is known at first, so one round
+    /// of the device's lanes is tried.
+    fn affordable(&self) -> f64 {
+        let seconds = self.compute.as_secs_f64();
+        if seconds > 0.0 { self.work / seconds * SLICE.as_secs_f64() } else { 0.0 }
+    }
+}
+
+/// How many of the instances in `rest` the next slice takes: whole rounds of
+/// lanes while they fit the budget, and one round at least.
+fn slice_len(rest: &[usize], work: &[f64], budget: f64, lanes: usize) -> usize {
+    let lanes = lanes.max(1);
+    let mut taken = lanes.min(rest.len());
+    let mut sum: f64 = rest[..taken].iter().map(|i| work[*i]).sum();
+    while taken < rest.len() {
+        let next = (taken + lanes).min(rest.len());
+        sum += rest[taken..next].iter().map(|i| work[*i]).sum::<f64>();
+        if sum > budget {
+            break;
+        }
+        taken = next;
+    }
+    taken
+}
+
+/// Estimated work of an instance, in element substeps.
+fn instance_work(instance: &Instance) -> f64 {
+    let model = instance.model.model();
+    let elements =
+        model.graph.node_count() + model.graph.springs.len() + 2 * model.graph.triplets.len();
+    elements.max(1) as f64 * f64::from(model.timing.substeps) * instance.frames.max(1) as f64
+}
+
+fn lock(usage: &Mutex<Usage>) -> std::sync::MutexGuard<'_, Usage> {
+    usage.lock().unwrap_or_else(PoisonError::into_inner)
+}

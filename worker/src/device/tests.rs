@@ -1,0 +1,170 @@
+use std::sync::{
+    Mutex,
+    atomic::{AtomicUsize, Ordering},
+};
+
+use bendtwin_core::{Environment, Graph, Params, Timing};
+use bendtwin_engine::{
+    Loaded, Model, Objective,
+    backend::{
+        CancelToken, Error as EngineError, Gradient, GradientRequest, Instance, Loss, Recording,
+        Rollout,
+    },
+    model::State,
+};
+
+use super::*;
+
+/// Takes a set time for every instance and answers with the instance's frame count.
+#[derive(Default)]
+struct Slow {
+    each: Duration,
+    /// Sizes of the batches seen.
+    batches: Arc<Mutex<Vec<usize>>>,
+    panics: bool,
+}
+
+impl Slow {
+    fn run(&self, batch: &[Instance]) -> Vec<f64> {
+        assert!(!self.panics, "the device is broken");
+        self.batches.lock().unwrap().push(batch.len());
+        std::thread::sleep(self.each * batch.len() as u32);
+        batch.iter().map(|i| i.frames as f64).collect()
+    }
+}
+
+impl Backend for Slow {
+    fn device(&self) -> Description {
+        Description { kind: "cpu".into(), name: "slow".into(), lanes: 2 }
+    }
+    fn load(&self, model: Arc<Model>) -> Result<Loaded, EngineError> {
+        Ok(Loaded::new(model, Arc::new(())))
+    }
+    fn with_params(&self, loaded: &Loaded, _: Params) -> Result<Loaded, EngineError> {
+        Ok(loaded.clone())
+    }
+    fn roll_out(
+        &self,
+        batch: &[Instance],
+        _: &Recording,
+        _: &CancelToken,
+    ) -> Result<Vec<Rollout>, EngineError> {
+        let costs = self.run(batch).into_iter();
+        Ok(costs.map(|cost| Rollout { cost, ..Rollout::default() }).collect())
+    }
+    fn losses(&self, batch: &[Instance], _: &CancelToken) -> Result<Vec<Loss>, EngineError> {
+        let totals = self.run(batch).into_iter();
+        Ok(totals.map(|total| Loss { total, ..Loss::default() }).collect())
+    }
+    fn gradients(
+        &self,
+        batch: &[Instance],
+        _: &GradientRequest,
+        _: &CancelToken,
+    ) -> Result<Vec<Gradient>, EngineError> {
+        self.run(batch);
+        Ok(batch.iter().map(|_| Gradient::default()).collect())
+    }
+}
+
+fn device(backend: Slow) -> (Device, mpsc::UnboundedReceiver<Error>) {
+    let (fatal, died) = mpsc::unbounded_channel();
+    (Device::spawn(move || Ok(Arc::new(backend) as _), fatal).unwrap(), died)
+}
+
+fn instances(lane: &Lane, frames: impl IntoIterator<Item = usize>) -> Vec<Instance> {
+    let graph = Graph { rest_positions: vec![[0.0; 3]], ..Graph::default() };
+    let model = Model {
+        graph: Arc::new(graph),
+        params: Params::default(),
+        environment: Environment::Z_UP,
+        timing: Timing { fps: 30.0, substeps: 10 },
+        control_velocity: Default::default(),
+    };
+    let model = lane.load(Arc::new(model)).unwrap();
+    let instance = |frames| Instance {
+        model: model.clone(),
+        initial: Arc::new(State::default()),
+        controls: Arc::new(Vec::new()),
+        frames,
+        objective: Objective::default(),
+    };
+    frames.into_iter().map(instance).collect()
+}
+
+#[test]
+fn results_come_back_in_order_whatever_the_slices() {
+    let (device, _died) = device(Slow::default());
+    let lane = device.lane(Priority::Background);
+    let frames: Vec<usize> = (1..=23).map(|i| i * 7 % 11 + 1).collect();
+    let losses = lane.losses(&instances(&lane, frames.clone()), &CancelToken::default()).unwrap();
+    let expected: Vec<f64> = frames.iter().map(|f| *f as f64).collect();
+    assert_eq!(losses.iter().map(|l| l.total).collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn a_rollout_is_answered_while_a_long_fit_batch_runs() {
+    let (device, _died) = device(Slow { each: Duration::from_millis(20), ..Slow::default() });
+    let fit = device.lane(Priority::Background);
+    let batch = instances(&fit, std::iter::repeat_n(1, 100));
+    let done = Arc::new(AtomicUsize::new(0));
+    let finished = Arc::clone(&done);
+    let fitting = std::thread::spawn(move || {
+        let losses = fit.losses(&batch, &CancelToken::default()).unwrap();
+        finished.store(losses.len(), Ordering::SeqCst);
+    });
+    std::thread::sleep(Duration::from_millis(100));
+    let lane = device.lane(Priority::Interactive);
+    let started = Instant::now();
+    let rollout = instances(&lane, [3]);
+    let costs = lane.roll_out(&rollout, &Recording::default(), &CancelToken::default()).unwrap();
+    // The whole batch takes two seconds, a slice a tenth of one.
+    assert!(started.elapsed() < Duration::from_millis(800), "{:?}", started.elapsed());
+    assert_eq!(done.load(Ordering::SeqCst), 0, "the fit must still be running");
+    assert_eq!(costs[0].cost, 3.0);
+    fitting.join().unwrap();
+    assert_eq!(done.load(Ordering::SeqCst), 100);
+}
+
+#[test]
+fn slices_grow_to_what_a_tenth_of_a_second_holds() {
+    let batches = Arc::new(Mutex::new(Vec::new()));
+    let slow = Slow { each: Duration::from_millis(5), batches: batches.clone(), panics: false };
+    let (device, _died) = device(slow);
+    let lane = device.lane(Priority::Background);
+    lane.losses(&instances(&lane, std::iter::repeat_n(1, 60)), &CancelToken::default()).unwrap();
+    let sizes = batches.lock().unwrap().clone();
+    assert_eq!(sizes.iter().sum::<usize>(), 60);
+    assert_eq!(sizes[0], 2, "the first slice is one round of the lanes");
+    assert!(sizes.iter().all(|s| *s <= 22), "{sizes:?}");
+    assert!(sizes.len() < 15, "{sizes:?}");
+}
+
+#[test]
+fn cancellation_ends_a_batch_between_slices() {
+    let (device, _died) = device(Slow { each: Duration::from_millis(10), ..Slow::default() });
+    let lane = device.lane(Priority::Background);
+    let batch = instances(&lane, std::iter::repeat_n(1, 1000));
+    let cancel = CancelToken::default();
+    let remote = cancel.clone();
+    std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_millis(100));
+        remote.cancel();
+    });
+    let started = Instant::now();
+    assert_eq!(lane.losses(&batch, &cancel), Err(EngineError::Cancelled));
+    assert!(started.elapsed() < Duration::from_secs(1));
+}
+
+#[test]
+fn a_panic_is_caught_and_told() {
+    let (device, mut died) = device(Slow { panics: true, ..Slow::default() });
+    let lane = device.lane(Priority::Interactive);
+    let batch = instances(&lane, [1]);
+    let result = lane.losses(&batch, &CancelToken::default());
+    assert!(matches!(result, Err(EngineError::Device(_))), "{result:?}");
+    let told = died.blocking_recv();
+    assert!(matches!(told, Some(Error::Panicked(text)) if text.contains("broken")));
+    // Later callers do not wait for a thread that is gone.
+    assert!(lane.losses(&batch, &CancelToken::default()).is_err());
+}

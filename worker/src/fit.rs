@@ -1,0 +1,213 @@
+//! One fit job from lease to twin: fetches the capture, computes on a thread of
+//! its own, and keeps the lease, the progress and the checkpoints flowing from
+//! tasks that no computation can block.
+
+mod checkpoints;
+mod compute;
+mod deliver;
+mod job;
+mod report;
+mod stop;
+
+use std::{path::PathBuf, sync::Arc, time::Duration};
+
+use bendtwin_core::{Category, Fault, FitSettings, Problem as _};
+use bendtwin_proto::worker::v1::Lease;
+use tokio::sync::mpsc;
+use tokio_util::sync::CancellationToken;
+use tracing::Instrument as _;
+
+use self::{
+    compute::{Compute, Finished, Task},
+    job::Job,
+    stop::{Reason, Stop},
+};
+use crate::{Error, Limits, artifact, device::Device, link::Link};
+
+/// A checkpoint larger than this is not one that a fit wrote [bytes].
+const MAX_CHECKPOINT: u64 = 1 << 30;
+
+/// What fit jobs need of the process.
+#[derive(Clone)]
+pub(crate) struct Fits {
+    pub(crate) link: Link,
+    pub(crate) device: Device,
+    /// workers/{uuid}
+    pub(crate) worker: String,
+    /// Where captures are put while they are read.
+    pub(crate) dir: PathBuf,
+    pub(crate) limits: Limits,
+    /// How long a result is held on to while the server is gone.
+    pub(crate) patience: Duration,
+    /// Told when the process must restart.
+    pub(crate) fatal: mpsc::UnboundedSender<Error>,
+}
+
+/// How the work on a job ended.
+enum Outcome {
+    Finished(Box<Finished>),
+    Failed(Fault),
+    /// The fit panicked.
+    Panicked(String),
+}
+
+impl Fits {
+    /// Works on a job until it has ended, here or elsewhere. `drain` asks to hand it back.
+    pub(crate) async fn execute(&self, lease: Lease, drain: &CancellationToken) {
+        let span = tracing::info_span!(
+            "fit",
+            job = lease.fit,
+            epoch = lease.epoch,
+            request_id = lease.request_id,
+            trace_parent = lease.trace_parent
+        );
+        self.execute_in_span(lease, drain).instrument(span).await;
+    }
+
+    async fn execute_in_span(&self, lease: Lease, drain: &CancellationToken) {
+        tracing::info!(capture = lease.capture, resumed = lease.has_checkpoint, "fit leased");
+        let job = Job::new(self.link.clone(), self.worker.clone(), &lease);
+        let stop = Stop::default();
+        let (progress, reporter) = report::start(job.clone(), stop.clone());
+        let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
+        let draining = {
+            let (drain, stop) = (drain.clone(), stop.clone());
+            tokio::spawn(async move {
+                drain.cancelled().await;
+                stop.stop(Reason::Drained);
+            })
+        };
+        let work = self.work(&lease, Compute { progress, checkpoints, stop: stop.clone() });
+        let outcome = work.await;
+        // The lease is renewed until the end is written: only then may its renewal cease.
+        self.conclude(&job, outcome, &stop, saver, drain).await;
+        draining.abort();
+        reporter.abort();
+    }
+
+    /// Everything up to the twin.
+    async fn work(&self, lease: &Lease, compute: Compute) -> Outcome {
+        let stop = compute.stop.clone();
+        let fetched = tokio::select! {
+            fetched = self.fetch(lease) => fetched,
+            () = stop.stopped() => Err(cancelled()),
+        };
+        let task = match fetched {
+            Ok(task) => task,
+            Err(fault) => return Outcome::Failed(fault),
+        };
+        let (device, limits) = (self.device.clone(), self.limits);
+        let fit = std::thread::Builder::new().name("fit".to_owned());
+        let (done, result) = tokio::sync::oneshot::channel();
+        let spawned = fit.spawn(move || {
+            let run = || compute.run(task, &device, &limits);
+            let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
+            let outcome = match caught {
+                Ok(Ok(finished)) => Outcome::Finished(Box::new(finished)),
+                Ok(Err(fault)) => Outcome::Failed(fault),
+                Err(panic) => Outcome::Panicked(crate::device::panic_text(&*panic)),
+            };
+            let _ = done.send(outcome);
+        });
+        if let Err(e) = spawned {
+            return Outcome::Failed(Fault {
+                category: Category::ResourceExhausted,
+                reason: "NO_THREAD".to_owned(),
+                message: format!("the worker cannot start a thread for the fit: {e}"),
+            });
+        }
+        result.await.unwrap_or_else(|_| Outcome::Panicked("the fit's thread ended".to_owned()))
+    }
+
+    async fn fetch(&self, lease: &Lease) -> Result<Task, Fault> {
+        let settings = settings_of(&lease.settings_json)?;
+        let digest = Some(lease.capture_digest.as_str());
+        let archive = artifact::fetch_file(&self.link, &lease.capture, digest, &self.dir)
+            .await
+            .map_err(|e| e.fault())?;
+        let checkpoint = if lease.has_checkpoint {
+            let fetched = artifact::fetch(&self.link, &lease.fit, MAX_CHECKPOINT).await;
+            Some(fetched.map_err(|e| e.fault())?)
+        } else {
+            None
+        };
+        Ok(Task { lease: lease.clone(), settings, archive, checkpoint })
+    }
+
+    /// Tells the server how it ended.
+    async fn conclude(
+        &self,
+        job: &Job,
+        outcome: Outcome,
+        stop: &Stop,
+        saver: checkpoints::Saver,
+        drain: &CancellationToken,
+    ) {
+        if stop.reason() == Some(Reason::Stale) {
+            tracing::warn!("the lease is stale: another worker has the job");
+            return saver.abort();
+        }
+        let delivery = deliver::Delivery { job, drain, patience: self.patience };
+        match (outcome, stop.reason()) {
+            (Outcome::Finished(finished), _) => {
+                saver.abort();
+                delivery.complete(*finished).await;
+            }
+            (Outcome::Failed(fault), Some(Reason::Cancelled)) => {
+                saver.abort();
+                tracing::info!("fit cancelled");
+                delivery.fail(fault, deliver::Failure::Cancelled).await;
+            }
+            (Outcome::Failed(fault), Some(Reason::Drained)) => {
+                saver.flush().await;
+                tracing::info!("fit handed back");
+                delivery.fail(fault, deliver::Failure::Released).await;
+            }
+            (Outcome::Failed(fault), _) => {
+                saver.flush().await;
+                tracing::warn!(reason = fault.reason, "fit failed: {fault}");
+                let permanent = fault.category == Category::InvalidArgument;
+                let kind =
+                    if permanent { deliver::Failure::Permanent } else { deliver::Failure::Passing };
+                delivery.fail(fault, kind).await;
+            }
+            (Outcome::Panicked(text), _) => {
+                saver.flush().await;
+                tracing::error!("fit panicked: {text}");
+                let fault = Fault {
+                    category: Category::Internal,
+                    reason: "WORKER_PANICKED".to_owned(),
+                    message: "the fit failed for a reason inside the worker, which restarts; \
+                              its log has the details"
+                        .to_owned(),
+                };
+                delivery.fail(fault, deliver::Failure::Passing).await;
+                let _ = self.fatal.send(Error::Panicked(text));
+            }
+        }
+    }
+}
+
+fn settings_of(json: &str) -> Result<FitSettings, Fault> {
+    let invalid = |message: String| Fault {
+        category: Category::InvalidArgument,
+        reason: "INVALID_SETTINGS".to_owned(),
+        message,
+    };
+    let settings: FitSettings = match json.trim() {
+        "" => FitSettings::default(),
+        json => serde_json::from_str(json).map_err(|e| invalid(format!("settings: {e}")))?,
+    };
+    settings.validate().map_err(|faults| invalid(format!("settings: {}", faults.join("; "))))?;
+    Ok(settings)
+}
+
+fn cancelled() -> Fault {
+    bendtwin_engine::Error::Cancelled.fault()
+}
+
+/// Shared between the fit's thread and the tasks beside it.
+type Shared<T> = Arc<std::sync::Mutex<T>>;
+
+#[cfg(test)]
+mod tests;

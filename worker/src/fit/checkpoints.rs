@@ -1,0 +1,146 @@
+//! Saves checkpoints durably without holding up the fit: the latest one wins,
+//! not more than one in a while, but always at the end of a stage.
+
+use std::{
+    sync::{Arc, PoisonError},
+    time::Duration,
+};
+
+use bytes::Bytes;
+use tokio::{sync::Notify, task::JoinHandle, time::Instant};
+
+use super::{
+    Shared,
+    job::Job,
+    stop::{Reason, Stop},
+};
+use crate::link::{Backoff, LinkError};
+
+/// Between two checkpoints inside a stage.
+const EVERY: Duration = Duration::from_secs(2);
+/// How long the last checkpoint may take when a worker ends.
+const FLUSH: Duration = Duration::from_secs(10);
+
+/// Where the fit's thread leaves checkpoints.
+#[derive(Clone)]
+pub(super) struct Checkpoints(Arc<Slot>);
+
+struct Slot {
+    waiting: Shared<Option<Waiting>>,
+    /// Taken from `waiting` and not acknowledged yet.
+    sending: Shared<Option<Bytes>>,
+    changed: Notify,
+}
+
+struct Waiting {
+    content: Bytes,
+    /// Not to be delayed: a stage ends, or the worker does.
+    urgent: bool,
+}
+
+/// The saving task.
+pub(super) struct Saver {
+    slot: Arc<Slot>,
+    job: Job,
+    task: JoinHandle<()>,
+}
+
+impl Checkpoints {
+    /// Leaves a checkpoint to be saved in place of any that still waits.
+    pub(super) fn offer(&self, content: Vec<u8>, stage_ended: bool) {
+        self.0.put(Waiting { content: content.into(), urgent: stage_ended });
+    }
+}
+
+impl Slot {
+    fn put(&self, new: Waiting) {
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        let urgent = new.urgent || waiting.as_ref().is_some_and(|w| w.urgent);
+        *waiting = Some(Waiting { urgent, ..new });
+        drop(waiting);
+        self.changed.notify_one();
+    }
+
+    fn is_urgent(&self) -> bool {
+        let waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        waiting.as_ref().is_some_and(|w| w.urgent)
+    }
+
+    /// The newest checkpoint that is not saved yet; it stays with the slot until it is.
+    fn take(&self) -> Option<Bytes> {
+        let waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let mut sending = self.sending.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(waiting) = waiting {
+            *sending = Some(waiting.content);
+        }
+        sending.clone()
+    }
+
+    /// What was taken is done with.
+    fn settle(&self) {
+        *self.sending.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+}
+
+/// Starts the saving task.
+pub(super) fn start(job: Job, stop: Stop) -> (Checkpoints, Saver) {
+    let slot = Arc::new(Slot {
+        waiting: Shared::default(),
+        sending: Shared::default(),
+        changed: Notify::new(),
+    });
+    let task = tokio::spawn(run(Arc::clone(&slot), job.clone(), stop));
+    (Checkpoints(Arc::clone(&slot)), Saver { slot, job, task })
+}
+
+impl Saver {
+    /// Drops what waits: nobody needs it any more.
+    pub(super) fn abort(self) {
+        self.task.abort();
+    }
+
+    /// Saves what waits, so that the next worker loses nothing, if that goes quickly.
+    pub(super) async fn flush(self) {
+        self.task.abort();
+        // What it was sending is sent again at worst.
+        let _ = self.task.await;
+        if let Some(content) = self.slot.take() {
+            let saved = tokio::time::timeout(FLUSH, self.job.save_checkpoint(content)).await;
+            if !matches!(saved, Ok(Ok(()))) {
+                tracing::warn!("the last checkpoint was not saved: the one before it counts");
+            }
+        }
+    }
+}
+
+async fn run(slot: Arc<Slot>, job: Job, stop: Stop) {
+    let mut next = Instant::now();
+    loop {
+        slot.changed.notified().await;
+        while !slot.is_urgent() && Instant::now() < next {
+            tokio::select! {
+                () = tokio::time::sleep_until(next) => {}
+                () = slot.changed.notified() => {}
+            }
+        }
+        let mut backoff = Backoff::default();
+        // Taken anew for each attempt: a newer one may have come in the meantime.
+        while let Some(content) = slot.take() {
+            let bytes = content.len();
+            match job.save_checkpoint(content).await {
+                Ok(()) => tracing::debug!(bytes, "checkpoint saved"),
+                Err(LinkError::Stale) => return stop.stop(Reason::Stale),
+                Err(LinkError::Refused(fault)) => {
+                    tracing::warn!(reason = fault.reason, "checkpoint refused: {fault}");
+                }
+                Err(LinkError::Unavailable(fault)) => {
+                    tracing::debug!("cannot save a checkpoint yet: {fault}");
+                    backoff.wait().await;
+                    continue;
+                }
+            }
+            slot.settle();
+        }
+        next = Instant::now() + EVERY;
+    }
+}

@@ -1,0 +1,131 @@
+//! The part of a fit that computes, on a thread of its own.
+
+use std::sync::Arc;
+
+use bendtwin_core::{Fault, FitSettings, Problem as _, Progress, Stage, Twin};
+use bendtwin_fit::{FitJob, Observer, ObserverError};
+use bendtwin_proto::worker::v1::Lease;
+use bytes::Bytes;
+use tempfile::NamedTempFile;
+
+use super::{checkpoints::Checkpoints, report::Latest, stop::Stop};
+use crate::{
+    Limits,
+    device::{Device, Priority},
+    ingest,
+};
+
+/// Where the fit's thread reports to.
+pub(super) struct Compute {
+    pub(super) progress: Latest,
+    pub(super) checkpoints: Checkpoints,
+    pub(super) stop: Stop,
+}
+
+/// What to compute.
+pub(super) struct Task {
+    pub(super) lease: Lease,
+    pub(super) settings: FitSettings,
+    /// The capture's archive.
+    pub(super) archive: NamedTempFile,
+    pub(super) checkpoint: Option<Bytes>,
+}
+
+/// A twin, ready to be sent.
+pub(super) struct Finished {
+    pub(super) file: Bytes,
+    pub(super) node_count: u32,
+    pub(super) spring_count: u32,
+    pub(super) triplet_count: u32,
+    pub(super) control_count: u32,
+    pub(super) fps: f64,
+    pub(super) substeps: u32,
+    pub(super) quality_json: String,
+}
+
+impl Compute {
+    /// Reads the capture and fits it, from the checkpoint if there is one.
+    pub(super) fn run(
+        self,
+        task: Task,
+        device: &Device,
+        limits: &Limits,
+    ) -> Result<Finished, Fault> {
+        let Task { lease, settings, archive, checkpoint } = task;
+        self.progress.set(ingesting());
+        let mut capture = ingest::read_checked(archive.path(), limits).map_err(|e| e.fault())?;
+        // It may be gigabytes, and everything is in memory now.
+        drop(archive);
+        // The archive is a temporary file here; people know the capture by another name.
+        if !lease.capture_display_name.is_empty() {
+            capture.name = lease.capture_display_name;
+        }
+        let job = FitJob {
+            capture: &capture,
+            capture_digest: lease.capture_digest,
+            settings,
+            backend: Arc::new(device.lane(Priority::Background)),
+        };
+        let token = self.stop.token().clone();
+        let mut observer = Watcher { compute: self, stage_ended: false };
+        let mut result = job.run(checkpoint.as_deref(), &mut observer, &token);
+        if let Err(
+            e @ (bendtwin_fit::Error::Checkpoint(_) | bendtwin_fit::Error::OtherCheckpoint),
+        ) = &result
+        {
+            // From a build before an update, say: the work is lost, the job is not.
+            tracing::warn!("starting the fit anew: {e}");
+            result = job.run(None, &mut observer, &token);
+        }
+        finished(&result.map_err(|e| e.fault())?.twin)
+    }
+}
+
+/// Passes on what a fit reports.
+struct Watcher {
+    compute: Compute,
+    /// Whether the last iteration reported was a stage's last.
+    stage_ended: bool,
+}
+
+impl Observer for Watcher {
+    fn progress(&mut self, progress: Progress) {
+        self.stage_ended = progress.iteration >= progress.iterations;
+        self.compute.progress.set(progress);
+    }
+
+    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        self.compute.checkpoints.offer(checkpoint, self.stage_ended);
+        Ok(())
+    }
+}
+
+fn ingesting() -> Progress {
+    Progress {
+        stage: Stage::Ingest,
+        variant: String::new(),
+        iteration: 0,
+        iterations: 1,
+        fraction: 0.0,
+        loss: None,
+        best_loss: None,
+        eta_s: None,
+        note: None,
+    }
+}
+
+fn finished(twin: &Twin) -> Result<Finished, Fault> {
+    let file = twin.encode().map_err(|e| e.fault())?;
+    let quality_json = serde_json::to_string(&twin.quality).unwrap_or_default();
+    let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    Ok(Finished {
+        file: file.into(),
+        node_count: count(twin.graph.node_count()),
+        spring_count: count(twin.graph.springs.len()),
+        triplet_count: count(twin.graph.triplets.len()),
+        control_count: count(twin.graph.control_count()),
+        fps: twin.timing.fps,
+        substeps: twin.timing.substeps,
+        quality_json,
+    })
+}

@@ -1,0 +1,66 @@
+//! Renews a job's lease, reports progress and hears of cancellation, from a
+//! task of its own. Often enough that a cancelled fit ends within a second.
+
+use std::{sync::PoisonError, time::Duration};
+
+use bendtwin_core::Progress;
+use tokio::{task::JoinHandle, time::MissedTickBehavior};
+
+use super::{
+    Shared,
+    job::Job,
+    stop::{Reason, Stop},
+};
+use crate::link::LinkError;
+
+/// Between two reports. A lease lasts tens of seconds, so many may be missed.
+const EVERY: Duration = Duration::from_millis(500);
+
+/// The latest progress, written by the fit's thread.
+#[derive(Clone, Default)]
+pub(super) struct Latest(Shared<Option<Progress>>);
+
+impl Latest {
+    pub(super) fn set(&self, progress: Progress) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(progress);
+    }
+
+    fn get(&self) -> Option<Progress> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// Starts reporting; it goes on until the task is aborted.
+pub(super) fn start(job: Job, stop: Stop) -> (Latest, JoinHandle<()>) {
+    let latest = Latest::default();
+    let task = tokio::spawn(run(job, stop, latest.clone()));
+    (latest, task)
+}
+
+async fn run(job: Job, stop: Stop, latest: Latest) {
+    let mut ticks = tokio::time::interval(EVERY);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    let mut reachable = true;
+    loop {
+        ticks.tick().await;
+        match job.report(latest.get().as_ref()).await {
+            Ok(cancel_requested) => {
+                reachable = true;
+                if cancel_requested {
+                    stop.stop(Reason::Cancelled);
+                }
+            }
+            Err(LinkError::Stale) => return stop.stop(Reason::Stale),
+            // Deleted, or never known to this server: nobody wants the result.
+            Err(LinkError::Refused(fault)) => {
+                tracing::warn!(reason = fault.reason, "the server refuses this job: {fault}");
+                return stop.stop(Reason::Stale);
+            }
+            Err(LinkError::Unavailable(fault)) => {
+                if std::mem::replace(&mut reachable, false) {
+                    tracing::warn!("cannot report ({fault}); the fit goes on");
+                }
+            }
+        }
+    }
+}

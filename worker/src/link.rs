@@ -1,0 +1,209 @@
+//! The connection to the server: typed calls, and what to do when it is gone.
+
+mod retry;
+mod upload;
+
+use std::time::Duration;
+
+use bendtwin_core::{Category, Fault};
+use bendtwin_proto::{
+    fault,
+    worker::v1::{
+        BeatRequest, BeatResponse, CompleteFitRequest, DownloadRequest, FailFitRequest, JobWrite,
+        Lease, LeaseFitRequest, RegisterRequest, RegisterResponse, ReportFitRequest,
+        ReportFitResponse, SaveCheckpointRequest, TwinWrite, worker_link_client::WorkerLinkClient,
+    },
+};
+use bytes::Bytes;
+use tonic::{
+    Request, Status, Streaming,
+    metadata::AsciiMetadataValue,
+    service::{Interceptor, interceptor::InterceptedService},
+    transport::{Channel, Endpoint},
+};
+
+pub(crate) use self::retry::Backoff;
+use crate::Error;
+
+/// How long an ordinary call may take.
+const CALL_TIMEOUT: Duration = Duration::from_secs(20);
+/// How long an upload of a checkpoint or a twin may take.
+const UPLOAD_TIMEOUT: Duration = Duration::from_secs(300);
+/// Longest reply that is accepted [bytes]; chunks are far smaller.
+const MAX_MESSAGE: usize = 32 << 20;
+
+/// What became of a call about a job.
+#[derive(Debug)]
+pub(crate) enum LinkError {
+    /// Another worker has the job by now: stop at once, write nothing more.
+    Stale,
+    /// The server cannot be reached or asks to try again.
+    Unavailable(Fault),
+    /// The server refuses; trying again would not help.
+    Refused(Fault),
+}
+
+impl LinkError {
+    /// What went wrong.
+    pub(crate) fn fault(self) -> Fault {
+        match self {
+            Self::Stale => Fault {
+                category: Category::Aborted,
+                reason: "STALE_LEASE".to_owned(),
+                message: "another worker has the job".to_owned(),
+            },
+            Self::Unavailable(fault) | Self::Refused(fault) => fault,
+        }
+    }
+}
+
+impl From<Status> for LinkError {
+    fn from(status: Status) -> Self {
+        let fault = fault::fault(&status);
+        match fault.category {
+            Category::Aborted if fault.reason == "STALE_LEASE" => Self::Stale,
+            // A transport that breaks in mid-call shows as unknown or internal, which the server
+            // never sends for a reason that would not pass.
+            Category::Unavailable
+            | Category::DeadlineExceeded
+            | Category::ResourceExhausted
+            | Category::Aborted
+            | Category::Cancelled
+            | Category::Internal => Self::Unavailable(fault),
+            _ => Self::Refused(fault),
+        }
+    }
+}
+
+/// The server as a worker sees it. Clones share one connection.
+#[derive(Clone)]
+pub(crate) struct Link {
+    client: WorkerLinkClient<InterceptedService<Channel, Credentials>>,
+}
+
+/// Adds the worker token to every call.
+#[derive(Clone)]
+pub(crate) struct Credentials(AsciiMetadataValue);
+
+impl Interceptor for Credentials {
+    fn call(&mut self, mut request: Request<()>) -> Result<Request<()>, Status> {
+        request.metadata_mut().insert("authorization", self.0.clone());
+        Ok(request)
+    }
+}
+
+impl Link {
+    /// Prepares the connection; it is made with the first call and again whenever it breaks.
+    pub(crate) fn new(server: &str, token: &str) -> Result<Self, Error> {
+        let address = || Error::Address { url: server.to_owned() };
+        let channel = Endpoint::from_shared(server.to_owned())
+            .map_err(|_| address())?
+            .connect_timeout(Duration::from_secs(5))
+            .tcp_nodelay(true)
+            .http2_keep_alive_interval(Duration::from_secs(10))
+            .keep_alive_timeout(Duration::from_secs(10))
+            .keep_alive_while_idle(true)
+            .connect_lazy();
+        let mut header = AsciiMetadataValue::try_from(format!("Bearer {token}"))
+            .map_err(|_| Error::Options("the worker token is no header value".to_owned()))?;
+        header.set_sensitive(true);
+        let client = WorkerLinkClient::with_interceptor(channel, Credentials(header))
+            .max_decoding_message_size(MAX_MESSAGE);
+        Ok(Self { client })
+    }
+
+    pub(crate) async fn register(
+        &self,
+        request: RegisterRequest,
+    ) -> Result<RegisterResponse, LinkError> {
+        let call = within(request, CALL_TIMEOUT);
+        Ok(self.client.clone().register(call).await?.into_inner())
+    }
+
+    pub(crate) async fn beat(&self, request: BeatRequest) -> Result<BeatResponse, LinkError> {
+        let call = within(request, CALL_TIMEOUT);
+        Ok(self.client.clone().beat(call).await?.into_inner())
+    }
+
+    /// Waits for a job; none if there was none in time.
+    pub(crate) async fn lease_fit(
+        &self,
+        worker: String,
+        wait: Duration,
+    ) -> Result<Option<Lease>, LinkError> {
+        let request = LeaseFitRequest { worker, wait_s: wait.as_secs_f64() };
+        let call = within(request, wait + CALL_TIMEOUT);
+        Ok(self.client.clone().lease_fit(call).await?.into_inner().lease)
+    }
+
+    pub(crate) async fn report_fit(
+        &self,
+        request: ReportFitRequest,
+    ) -> Result<ReportFitResponse, LinkError> {
+        let call = within(request, CALL_TIMEOUT);
+        Ok(self.client.clone().report_fit(call).await?.into_inner())
+    }
+
+    pub(crate) async fn fail_fit(&self, request: FailFitRequest) -> Result<(), LinkError> {
+        let call = within(request, CALL_TIMEOUT);
+        self.client.clone().fail_fit(call).await?;
+        Ok(())
+    }
+
+    /// Stores a checkpoint; returns once it is durable.
+    pub(crate) async fn save_checkpoint(
+        &self,
+        job: JobWrite,
+        content: Bytes,
+    ) -> Result<(), LinkError> {
+        use bendtwin_proto::worker::v1::save_checkpoint_request::Part;
+        let parts = upload::parts(
+            SaveCheckpointRequest { part: Some(Part::Metadata(job)) },
+            content,
+            |chunk| SaveCheckpointRequest { part: Some(Part::Chunk(chunk)) },
+        );
+        self.client.clone().save_checkpoint(within(parts, UPLOAD_TIMEOUT)).await?;
+        Ok(())
+    }
+
+    /// Stores a twin and ends its job; returns the twin's name.
+    pub(crate) async fn complete_fit(
+        &self,
+        twin: TwinWrite,
+        content: Bytes,
+    ) -> Result<String, LinkError> {
+        use bendtwin_proto::worker::v1::complete_fit_request::Part;
+        let parts = upload::parts(
+            CompleteFitRequest { part: Some(Part::Metadata(twin)) },
+            content,
+            |chunk| CompleteFitRequest { part: Some(Part::Chunk(chunk)) },
+        );
+        let call = within(parts, UPLOAD_TIMEOUT);
+        Ok(self.client.clone().complete_fit(call).await?.into_inner().twin)
+    }
+
+    /// The content of a capture, a twin or a fit's checkpoint, in chunks.
+    pub(crate) async fn download(&self, name: String) -> Result<Download, LinkError> {
+        let call = Request::new(DownloadRequest { name });
+        Ok(Download(self.client.clone().download(call).await?.into_inner()))
+    }
+}
+
+/// A download under way.
+pub(crate) struct Download(Streaming<bendtwin_proto::worker::v1::DownloadResponse>);
+
+impl Download {
+    /// The next chunk; none at the end. A server that says nothing for a while counts as gone.
+    pub(crate) async fn next(&mut self) -> Result<Option<Bytes>, LinkError> {
+        match tokio::time::timeout(CALL_TIMEOUT, self.0.message()).await {
+            Ok(message) => Ok(message?.map(|m| m.chunk)),
+            Err(_) => Err(Status::deadline_exceeded("the download stalled").into()),
+        }
+    }
+}
+
+fn within<T>(message: T, timeout: Duration) -> Request<T> {
+    let mut request = Request::new(message);
+    request.set_timeout(timeout);
+    request
+}

@@ -1,0 +1,139 @@
+//! What an operator may choose about a worker.
+
+use std::{net::SocketAddr, path::PathBuf, str::FromStr, time::Duration};
+
+use crate::Error;
+
+/// Which backend computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BackendChoice {
+    /// The fastest one that this machine has.
+    #[default]
+    Auto,
+    /// The CPU.
+    Cpu,
+}
+
+impl FromStr for BackendChoice {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "auto" => Ok(Self::Auto),
+            "cpu" => Ok(Self::Cpu),
+            other => Err(format!("unknown backend `{other}`: use auto or cpu")),
+        }
+    }
+}
+
+/// Options of a worker process.
+#[derive(Clone)]
+pub struct Options {
+    /// The server's address, `http://127.0.0.1:7070` say.
+    pub server: String,
+    /// The token that server and workers share.
+    pub token: String,
+    /// Which backend computes.
+    pub backend: BackendChoice,
+    /// Where rollouts are answered; port 0 takes a free one.
+    pub listen: SocketAddr,
+    /// The `http://host:port` at which the server reaches `listen`, where that differs (a container, say).
+    pub advertise: Option<String>,
+    /// Where captures are put while they are read; the system's temporary directory if none.
+    pub cache_dir: Option<PathBuf>,
+    /// Whether this worker leases fits or only answers rollouts.
+    pub fits: bool,
+    /// Bounds on what one worker takes on.
+    pub limits: Limits,
+    /// How long work that has ended well is held on to while the server cannot be reached.
+    pub patience: Duration,
+}
+
+impl std::fmt::Debug for Options {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Options")
+            .field("server", &self.server)
+            .field("backend", &self.backend)
+            .field("listen", &self.listen)
+            .field("limits", &self.limits)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Bounds on what one worker takes on; what exceeds them is refused with
+/// RESOURCE_EXHAUSTED before anything is allocated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Memory that one capture may take when read [bytes].
+    pub capture_bytes: u64,
+    /// Size of a twin file [bytes].
+    pub twin_bytes: u64,
+    /// Memory of all loaded twins [bytes, estimated].
+    pub warm_bytes: u64,
+    /// Loaded twins.
+    pub warm_twins: usize,
+    /// A rollout request as received [bytes].
+    pub request_bytes: usize,
+    /// Arrays of one rollout reply or part [bytes].
+    pub reply_bytes: u64,
+    /// Work of one rollout request, in element substeps: instances x frames x substeps x
+    /// (nodes + springs + triplets).
+    pub rollout_work: u64,
+    /// Instances of one rollout request.
+    pub instances: usize,
+    /// Rollout requests in flight.
+    pub rollouts: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            capture_bytes: 2 << 30,
+            twin_bytes: 512 << 20,
+            warm_bytes: 1 << 30,
+            warm_twins: 32,
+            request_bytes: 128 << 20,
+            reply_bytes: 512 << 20,
+            // About seven hours of one core at 40 million elements a second.
+            rollout_work: 1_000_000_000_000,
+            instances: 65_536,
+            rollouts: 64,
+        }
+    }
+}
+
+impl Options {
+    /// Options for a server, everything else at its default.
+    pub fn new(server: impl Into<String>, token: impl Into<String>) -> Self {
+        Self {
+            server: server.into(),
+            token: token.into(),
+            backend: BackendChoice::Auto,
+            listen: SocketAddr::from(([127, 0, 0, 1], 0)),
+            advertise: None,
+            cache_dir: None,
+            fits: true,
+            limits: Limits::default(),
+            patience: Duration::from_secs(600),
+        }
+    }
+
+    /// Checks what can be checked without starting.
+    ///
+    /// # Errors
+    /// If an option cannot work.
+    pub fn validate(&self) -> Result<(), Error> {
+        let fault = if self.token.is_empty() {
+            Some("the worker token is empty: give the server's (BENDTWIN_WORKER_TOKEN)".to_owned())
+        } else if !self.token.bytes().all(|b| b.is_ascii_graphic()) {
+            Some("the worker token has characters that a header cannot carry".to_owned())
+        } else if self.listen.ip().is_unspecified() && self.advertise.is_none() {
+            Some(format!(
+                "listening on {} needs --advertise http://host:port, so that the server can reach this worker",
+                self.listen
+            ))
+        } else {
+            None
+        };
+        fault.map_or(Ok(()), |m| Err(Error::Options(m)))
+    }
+}

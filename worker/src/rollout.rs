@@ -1,0 +1,26 @@
+//! The rollout executor: turns requests into batches of engine instances on
+//! the interactive lane of the device, and results into parts of a reply.
+
+mod actions;
+mod costs;
+mod error;
+mod execute;
+mod initial;
+mod interpolate;
+mod lru;
+mod plan;
+mod quaternion;
+mod replay;
+mod reply;
+mod returns;
+mod service;
+mod warm;
+
+pub(crate) use self::{
+    replay::Replays,
+    service::{Rollouts, serve},
+    warm::WarmTwins,
+};
+
+#[cfg(test)]
+mod tests;

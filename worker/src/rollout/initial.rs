@@ -1,0 +1,143 @@
+//! Where a rollout starts: the rest shape, a frame of a capture, or a state that the caller gives.
+
+use std::sync::Arc;
+
+use bendtwin_core::{Graph, Point, ids::CaptureId};
+use bendtwin_engine::model::State;
+use bendtwin_proto::v1::{
+    InitialState,
+    initial_state::{GivenState, State as Wire},
+};
+
+use super::{
+    actions::{finite, given},
+    error::Error,
+};
+
+/// A state and the control points that belong to it.
+#[derive(Clone, Debug)]
+pub(super) struct Start {
+    pub(super) state: Arc<State>,
+    /// Control points [m], shape [C, 3].
+    pub(super) controls: Arc<Vec<Point>>,
+}
+
+/// The starts of a batch.
+pub(super) enum Starts {
+    /// One for all instances.
+    Shared(Start),
+    /// One for each.
+    Each(Vec<Start>),
+}
+
+/// What the request says, before captures are looked at.
+pub(super) enum Wanted {
+    Ready(Starts),
+    Frame(CaptureFrame),
+}
+
+/// A frame of a capture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct CaptureFrame {
+    pub(super) capture: CaptureId,
+    pub(super) sequence: usize,
+    pub(super) frame: usize,
+}
+
+impl Starts {
+    /// The start of an instance.
+    pub(super) fn of(&self, instance: usize) -> &Start {
+        match self {
+            Self::Shared(start) => start,
+            Self::Each(starts) => &starts[instance],
+        }
+    }
+}
+
+impl Wanted {
+    /// Reads the initial state of a request of `instances` instances; `own_capture` is the twin's.
+    pub(super) fn read(
+        wire: Option<InitialState>,
+        graph: &Graph,
+        instances: usize,
+        own_capture: &str,
+    ) -> Result<Self, Error> {
+        match wire.and_then(|w| w.state) {
+            None | Some(Wire::Rest(_)) => {
+                let state = Arc::new(State::rest(graph));
+                let controls = Arc::new(graph.control_rest.clone());
+                Ok(Self::Ready(Starts::Shared(Start { state, controls })))
+            }
+            Some(Wire::CaptureFrame(wire)) => {
+                const FIELD: &str = "initial.capture_frame.capture";
+                let name = if wire.capture.is_empty() { own_capture } else { &wire.capture };
+                if name.is_empty() {
+                    let fault =
+                        "is missing, and the twin was imported without its own capture: name one";
+                    return Err(Error::field(FIELD, fault));
+                }
+                let capture =
+                    name.parse::<CaptureId>().map_err(|e| Error::field(FIELD, e.to_string()))?;
+                let (sequence, frame) = (wire.sequence as usize, wire.frame as usize);
+                Ok(Self::Frame(CaptureFrame { capture, sequence, frame }))
+            }
+            Some(Wire::Given(wire)) => read_given(wire, graph, instances).map(Self::Ready),
+        }
+    }
+}
+
+fn read_given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Starts, Error> {
+    const POSITIONS: &str = "initial.given.positions";
+    const VELOCITIES: &str = "initial.given.velocities";
+    let n = graph.node_count();
+    let (dims, positions) = given(wire.positions, POSITIONS)?.unpack_points(POSITIONS)?;
+    let each = match dims[..] {
+        [nodes] if nodes == n => false,
+        [batch, nodes] if nodes == n && batch == instances => true,
+        _ => {
+            let fault = format!(
+                "has shape {dims:?} before the last 3: the twin has {n} nodes and the batch {instances} instances, so [{n}, 3] or [{instances}, {n}, 3] is needed"
+            );
+            return Err(Error::field(POSITIONS, fault));
+        }
+    };
+    finite(POSITIONS, positions.as_flattened())?;
+    let velocities = match wire.velocities.filter(|t| !t.is_absent()) {
+        None => vec![[0.0; 3]; positions.len()],
+        Some(tensor) => {
+            let (velocity_dims, velocities) = tensor.unpack_points(VELOCITIES)?;
+            if velocity_dims != dims {
+                let fault = format!("has another shape than {POSITIONS}");
+                return Err(Error::field(VELOCITIES, fault));
+            }
+            finite(VELOCITIES, velocities.as_flattened())?;
+            velocities
+        }
+    };
+    let start = |i: usize| {
+        let nodes = i * n..(i + 1) * n;
+        let state = State {
+            positions: positions[nodes.clone()].to_vec(),
+            velocities: velocities[nodes].to_vec(),
+        };
+        let controls = Arc::new(controls_of(graph, &state.positions));
+        Start { state: Arc::new(state), controls }
+    };
+    Ok(if each {
+        Starts::Each((0..instances).map(start).collect())
+    } else {
+        Starts::Shared(start(0))
+    })
+}
+
+/// Where the control points must be for a given state: a control point that
+/// holds a node is where that node says, the others are at rest.
+fn controls_of(graph: &Graph, positions: &[Point]) -> Vec<Point> {
+    let mut controls = graph.control_rest.clone();
+    // The first pin of a control point decides, so later ones are written first.
+    for pin in graph.pins.iter().rev() {
+        let node = positions[pin.node as usize];
+        controls[pin.control as usize] = std::array::from_fn(|i| node[i] - pin.offset_m[i]);
+    }
+    controls
+}

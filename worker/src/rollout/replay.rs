@@ -1,0 +1,208 @@
+//! Initial states that name a frame of a capture: the twin follows the
+//! capture's own controls up to that frame. Captures are large and frames are
+//! asked for again and again, so controls and replayed states are kept, not captures.
+
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use bendtwin_core::{Capture, Point, Twin, ids::CaptureId, ids::TwinId};
+use bendtwin_engine::{
+    Backend as _, Objective,
+    backend::{CancelToken, Instance, Recording},
+    model::State,
+};
+use bendtwin_eval::{check_capture, initial_state};
+
+use super::{
+    error::Error,
+    initial::{CaptureFrame, Start},
+    lru::Lru,
+    warm::Warm,
+};
+use crate::{Limits, artifact, device::Lane, ingest, link::Link};
+
+/// Captures whose controls are kept, and replayed states that are kept.
+const KEPT_MOTIONS: usize = 8;
+const KEPT_STARTS: usize = 64;
+/// Memory of either [bytes].
+const KEPT_BYTES: u64 = 128 << 20;
+
+/// What a twin needs of a capture's sequence.
+struct Motion {
+    start_frame: usize,
+    start: Arc<State>,
+    /// Control points [m], shape [T, C, 3].
+    controls: Vec<Point>,
+    frame_count: usize,
+}
+
+/// Replays captures, and remembers.
+pub(crate) struct Replays {
+    link: Link,
+    dir: PathBuf,
+    limits: Limits,
+    motions: Mutex<Lru<(TwinId, CaptureId), Arc<Vec<Motion>>>>,
+    starts: Mutex<Lru<(TwinId, CaptureFrame), Start>>,
+    /// Held while a capture is read: one at a time keeps memory within its limit.
+    reading: tokio::sync::Mutex<()>,
+}
+
+impl Replays {
+    pub(crate) fn new(link: Link, dir: PathBuf, limits: Limits) -> Self {
+        Self {
+            link,
+            dir,
+            limits,
+            motions: Mutex::new(Lru::new(KEPT_MOTIONS, KEPT_BYTES)),
+            starts: Mutex::new(Lru::new(KEPT_STARTS, KEPT_BYTES)),
+            reading: tokio::sync::Mutex::default(),
+        }
+    }
+
+    /// The twin's state in a frame of a capture.
+    pub(super) async fn start(
+        &self,
+        warm: &Arc<Warm>,
+        at: CaptureFrame,
+        lane: &Arc<Lane>,
+        cancel: &CancelToken,
+    ) -> Result<Start, Error> {
+        if let Some(start) = lock(&self.starts).get(&(warm.id, at)) {
+            return Ok(start);
+        }
+        let motions = self.motions(warm, at.capture).await?;
+        let (warm, lane, cancel) = (Arc::clone(warm), Arc::clone(lane), cancel.clone());
+        let limit = self.limits.rollout_work;
+        let id = warm.id;
+        let start =
+            tokio::task::spawn_blocking(move || replay(&warm, &motions, at, limit, &lane, &cancel))
+                .await
+                .map_err(|_| Error::Panicked)??;
+        let size = 24 * start.state.positions.len() + 12 * start.controls.len();
+        lock(&self.starts).insert((id, at), start.clone(), size as u64);
+        Ok(start)
+    }
+
+    async fn motions(&self, warm: &Arc<Warm>, id: CaptureId) -> Result<Arc<Vec<Motion>>, Error> {
+        let key = (warm.id, id);
+        if let Some(motions) = lock(&self.motions).get(&key) {
+            return Ok(motions);
+        }
+        let _reading = self.reading.lock().await;
+        if let Some(motions) = lock(&self.motions).get(&key) {
+            return Ok(motions);
+        }
+        let file = artifact::fetch_file(&self.link, &id.to_string(), None, &self.dir).await?;
+        let (warm, limits) = (Arc::clone(warm), self.limits);
+        let motions = tokio::task::spawn_blocking(move || {
+            let capture =
+                ingest::read(file.path(), &limits).map_err(|e| Error::Capture(e.to_string()))?;
+            motions_of(&warm.twin, &capture)
+        })
+        .await
+        .map_err(|_| Error::Panicked)??;
+        let motions = Arc::new(motions);
+        let size = motions.iter().map(|m| 12 * m.controls.len() + 24 * m.start.positions.len());
+        lock(&self.motions).insert(key, Arc::clone(&motions), size.sum::<usize>() as u64);
+        Ok(motions)
+    }
+}
+
+fn motions_of(twin: &Twin, capture: &Capture) -> Result<Vec<Motion>, Error> {
+    check_capture(capture).map_err(|e| Error::Capture(e.to_string()))?;
+    if (twin.timing.fps - capture.fps).abs() > 1e-6 * capture.fps {
+        return Err(Error::Capture(format!(
+            "it has {} frames a second, the twin {}",
+            capture.fps, twin.timing.fps
+        )));
+    }
+    let controls = twin.graph.control_count();
+    let sequences = capture.sequences.iter().map(|sequence| {
+        if sequence.control_count() != controls {
+            return Err(Error::Capture(format!(
+                "sequence `{}` has {} control points, the twin has {controls}",
+                sequence.name,
+                sequence.control_count()
+            )));
+        }
+        Ok(Motion {
+            start_frame: sequence.start_frame(),
+            start: Arc::new(initial_state(&twin.graph, capture.fps, sequence)),
+            controls: sequence.controls.clone(),
+            frame_count: sequence.frame_count,
+        })
+    });
+    sequences.collect()
+}
+
+fn replay(
+    warm: &Warm,
+    motions: &[Motion],
+    at: CaptureFrame,
+    work_limit: u64,
+    lane: &Lane,
+    cancel: &CancelToken,
+) -> Result<Start, Error> {
+    let Some(motion) = motions.get(at.sequence) else {
+        let fault = format!(
+            "is {}: the capture has {} sequences (counted from 0)",
+            at.sequence,
+            motions.len()
+        );
+        return Err(Error::field("initial.capture_frame.sequence", fault));
+    };
+    if !(motion.start_frame..motion.frame_count).contains(&at.frame) {
+        let fault = format!(
+            "is {}: the sequence can be entered in frames {}..={}",
+            at.frame,
+            motion.start_frame,
+            motion.frame_count.saturating_sub(1)
+        );
+        return Err(Error::field("initial.capture_frame.frame", fault));
+    }
+    let frames = at.frame - motion.start_frame;
+    let (graph, timing) = (&warm.twin.graph, warm.twin.timing);
+    let elements = (graph.node_count() + graph.springs.len() + graph.triplets.len()) as u128;
+    let work = frames as u128 * u128::from(timing.substeps) * elements;
+    if work > u128::from(work_limit) {
+        return Err(Error::TooLarge {
+            what: "the work of the replay",
+            asked: work,
+            limit: u128::from(work_limit),
+            advice: "start at an earlier frame",
+        });
+    }
+    let width = graph.control_count();
+    let row = |frame: usize| &motion.controls[frame * width..(frame + 1) * width];
+    let controls = Arc::new(row(at.frame).to_vec());
+    if frames == 0 {
+        return Ok(Start { state: Arc::clone(&motion.start), controls });
+    }
+    let instance = Instance {
+        model: warm.loaded.clone(),
+        initial: Arc::clone(&motion.start),
+        controls: Arc::new(
+            motion.controls[motion.start_frame * width..(at.frame + 1) * width].to_vec(),
+        ),
+        frames,
+        objective: Objective::default(),
+    };
+    let recording = Recording { final_state: true, ..Recording::default() };
+    let rollout = lane.roll_out(&[instance], &recording, cancel)?.into_iter().next();
+    let rollout = rollout.unwrap_or_default();
+    if let Some(divergence) = rollout.diverged {
+        return Err(Error::ReplayDiverged { frame: motion.start_frame + divergence.frame });
+    }
+    match rollout.final_state {
+        Some(state) => Ok(Start { state: Arc::new(state), controls }),
+        None => {
+            Err(bendtwin_engine::Error::Device("no final state was returned".to_owned()).into())
+        }
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

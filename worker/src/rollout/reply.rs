@@ -1,0 +1,122 @@
+//! Results of the engine as tensors of a reply.
+
+use std::ops::Range;
+
+use bendtwin_core::Point;
+use bendtwin_engine::{backend::Rollout, model::State};
+use bendtwin_proto::v1::{
+    RollOutResponse, Tensor,
+    roll_out_response::{Diagnostics, Divergence},
+};
+
+use super::plan::Plan;
+
+/// The cost of an instance as it is reported: never NaN.
+pub(super) fn cost(rollout: &Rollout) -> f64 {
+    if rollout.diverged.is_some() { f64::INFINITY } else { never_nan(rollout.cost) }
+}
+
+/// Costs, terms, diagnostics and divergences of a range of instances.
+pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) -> RollOutResponse {
+    let names = &plan.objective.groups;
+    let costs: Vec<f64> = rollouts.iter().map(cost).collect();
+    let terms: Vec<f64> = rollouts
+        .iter()
+        .flat_map(|r| (0..names.len()).map(|g| r.group_costs.get(g).copied().unwrap_or(f64::NAN)))
+        .map(never_nan)
+        .collect();
+    let diagnostics = rollouts.iter().filter(|_| plan.returns.diagnostics).map(|r| {
+        let d = r.diagnostics.unwrap_or_default();
+        Diagnostics {
+            max_strain: d.max_strain,
+            max_speed_m_s: d.max_speed_m_s,
+            kinetic_energy: d.kinetic_energy,
+            elastic_energy: d.elastic_energy,
+            ground_contacts: d.ground_contacts,
+        }
+    });
+    let diverged = rollouts.iter().zip(range.clone()).filter_map(|(r, instance)| {
+        r.diverged.map(|d| Divergence {
+            instance: instance as u32,
+            frame: d.frame as u32,
+            node: d.node as u32,
+        })
+    });
+    RollOutResponse {
+        first_instance: range.start as u32,
+        costs: Some(Tensor::pack(&[costs.len()], &costs)),
+        cost_names: names.clone(),
+        cost_terms: Some(Tensor::pack(&[costs.len(), names.len()], &terms)),
+        diagnostics: diagnostics.collect(),
+        diverged: diverged.collect(),
+        ..RollOutResponse::default()
+    }
+}
+
+/// Recorded positions and final states. What a diverged instance did not reach is NaN (with INT16,
+/// which has none, the middle of the extent).
+pub(super) fn add_recordings(
+    plan: &Plan,
+    instances: &[usize],
+    rollouts: &[Rollout],
+    part: &mut RollOutResponse,
+) {
+    let returns = &plan.returns;
+    if !returns.has_arrays() && returns.best.is_none() {
+        return;
+    }
+    let graph = &plan.warm.twin.graph;
+    let indices: Vec<u32> = instances.iter().map(|i| *i as u32).collect();
+    part.instances = Some(Tensor::pack(&[indices.len()], &indices));
+    if returns.every > 0 {
+        let (rows, width) = (returns.recorded_frames(plan.frames), returns.recorded_nodes(graph));
+        let frames: Vec<u32> = (1..=rows).map(|i| (i * returns.every) as u32).collect();
+        let mut positions = Vec::with_capacity(rollouts.len() * rows * width);
+        for rollout in rollouts {
+            extend_padded(&mut positions, &rollout.positions, rows * width);
+        }
+        let shape = [rollouts.len(), rows, width];
+        part.frames = Some(Tensor::pack(&[rows], &frames));
+        part.positions = Some(if returns.int16 {
+            Tensor::pack_points_i16(&shape, &positions)
+        } else {
+            Tensor::pack_points(&shape, &positions)
+        });
+    }
+    if returns.final_state {
+        let n = graph.node_count();
+        let nothing = State::default();
+        let pack = |of: fn(&State) -> &[Point]| {
+            let mut values = Vec::with_capacity(rollouts.len() * n);
+            for rollout in rollouts {
+                extend_padded(&mut values, of(rollout.final_state.as_ref().unwrap_or(&nothing)), n);
+            }
+            Tensor::pack_points(&[rollouts.len(), n], &values)
+        };
+        part.final_positions = Some(pack(|s| &s.positions));
+        part.final_velocities = Some(pack(|s| &s.velocities));
+    }
+}
+
+/// Gradients of the instances in the same order as the recordings.
+pub(super) fn add_gradients(plan: &Plan, gradients: &[Vec<Point>], part: &mut RollOutResponse) {
+    let (rows, width) = (plan.frames + 1, plan.warm.twin.graph.control_count());
+    let mut values = Vec::with_capacity(gradients.len() * rows * width);
+    for gradient in gradients {
+        // Gradients of a diverged instance are zero.
+        let end = values.len() + rows * width;
+        values.extend(gradient.iter().take(rows * width));
+        values.resize(end, [0.0; 3]);
+    }
+    part.control_gradients = Some(Tensor::pack_points(&[gradients.len(), rows, width], &values));
+}
+
+fn extend_padded(out: &mut Vec<Point>, values: &[Point], len: usize) {
+    let end = out.len() + len;
+    out.extend(values.iter().take(len));
+    out.resize(end, [f32::NAN; 3]);
+}
+
+fn never_nan(value: f64) -> f64 {
+    if value.is_nan() { f64::INFINITY } else { value }
+}

@@ -1,0 +1,247 @@
+//! The gRPC side of rollouts: token, concurrency limit, deadline and
+//! cancellation when the caller goes away.
+
+use std::{
+    pin::Pin,
+    sync::Arc,
+    task::{Context, Poll},
+    time::{Duration, Instant},
+};
+
+use bendtwin_core::{Problem as _, ids::TwinId};
+use bendtwin_engine::backend::{self, CancelToken};
+use bendtwin_proto::{
+    fault,
+    worker::v1::{
+        ExecuteRollOutRequest, ExecuteRollOutResponse,
+        worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
+    },
+};
+use futures::Stream;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
+use tokio_stream::wrappers::ReceiverStream;
+use tokio_util::sync::CancellationToken;
+use tonic::{
+    Request, Response, Status,
+    metadata::MetadataMap,
+    service::interceptor::InterceptedService,
+    transport::{Server, server::TcpIncoming},
+};
+
+use super::{
+    Replays, WarmTwins,
+    error::Error,
+    execute::Execution,
+    initial::{Starts, Wanted},
+    plan::Plan,
+};
+use crate::{
+    Limits,
+    device::{Device, Priority},
+};
+
+/// Parts that may wait for a slow reader: backpressure, so memory stays bounded.
+const WAITING_PARTS: usize = 2;
+
+/// Answers rollouts.
+#[derive(Clone)]
+pub(crate) struct Rollouts(Arc<Inner>);
+
+struct Inner {
+    worker: String,
+    device: Device,
+    twins: WarmTwins,
+    replays: Replays,
+    limits: Limits,
+    slots: Arc<Semaphore>,
+}
+
+impl Rollouts {
+    pub(crate) fn new(
+        worker: String,
+        device: Device,
+        twins: WarmTwins,
+        replays: Replays,
+        limits: Limits,
+    ) -> Self {
+        let slots = Arc::new(Semaphore::new(limits.rollouts.min(Semaphore::MAX_PERMITS)));
+        Self(Arc::new(Inner { worker, device, twins, replays, limits, slots }))
+    }
+
+    /// The twins that answer at once, the most recently used first.
+    pub(crate) fn warm_twins(&self) -> Vec<TwinId> {
+        self.0.twins.ids()
+    }
+
+    /// Rollouts that are under way.
+    pub(crate) fn in_flight(&self) -> usize {
+        self.0.limits.rollouts.saturating_sub(self.0.slots.available_permits())
+    }
+}
+
+/// Serves rollouts until `shutdown`; those under way then are finished.
+pub(crate) async fn serve(
+    rollouts: Rollouts,
+    token: &str,
+    incoming: TcpIncoming,
+    shutdown: CancellationToken,
+) -> Result<(), tonic::transport::Error> {
+    let expected = blake3::hash(format!("Bearer {token}").as_bytes());
+    // Digests are compared in constant time.
+    let check = move |request: Request<()>| {
+        let given = request.metadata().get("authorization");
+        match given.is_some_and(|g| blake3::hash(g.as_bytes()) == expected) {
+            true => Ok(request),
+            false => Err(Status::unauthenticated("the worker token is missing or wrong")),
+        }
+    };
+    let limit = rollouts.0.limits.request_bytes;
+    let service = WorkerRolloutsServer::new(rollouts).max_decoding_message_size(limit);
+    let (health, health_service) = tonic_health::server::health_reporter();
+    health.set_serving::<WorkerRolloutsServer<Rollouts>>().await;
+    Server::builder()
+        .http2_keepalive_interval(Some(Duration::from_secs(10)))
+        .add_service(health_service)
+        .add_service(InterceptedService::new(service, check))
+        .serve_with_incoming_shutdown(incoming, shutdown.cancelled_owned())
+        .await
+}
+
+#[tonic::async_trait]
+impl WorkerRollouts for Rollouts {
+    type RollOutStream = Parts;
+
+    async fn roll_out(
+        &self,
+        request: Request<ExecuteRollOutRequest>,
+    ) -> Result<Response<Parts>, Status> {
+        let arrived = Instant::now();
+        let limit = self.0.limits.rollouts;
+        let slot = Arc::clone(&self.0.slots)
+            .try_acquire_owned()
+            .map_err(|_| fault::status(&Error::Busy { limit }.fault()))?;
+        let deadline = timeout_of(request.metadata()).map(|t| arrived + t);
+        let cancel = CancelToken::default();
+        let (parts, receiver) = mpsc::channel(WAITING_PARTS);
+        let inner = Arc::clone(&self.0);
+        let call = Call { slot, arrived, cancel: cancel.clone(), parts };
+        tokio::spawn(call.serve(inner, request.into_inner(), deadline));
+        Ok(Response::new(Parts { parts: ReceiverStream::new(receiver), cancel }))
+    }
+}
+
+/// One call under way.
+struct Call {
+    /// Held until the work has ended, also when nobody listens any more.
+    slot: OwnedSemaphorePermit,
+    arrived: Instant,
+    cancel: CancelToken,
+    parts: mpsc::Sender<Result<ExecuteRollOutResponse, Status>>,
+}
+
+impl Call {
+    async fn serve(
+        self,
+        inner: Arc<Inner>,
+        request: ExecuteRollOutRequest,
+        deadline: Option<Instant>,
+    ) {
+        let request_id = request.request_id.clone();
+        let work = self.work(&inner, request);
+        let result = match deadline {
+            None => work.await,
+            Some(deadline) => {
+                tokio::time::timeout_at(deadline.into(), work).await.unwrap_or(Err(Error::Deadline))
+            }
+        };
+        if let Err(error) = result {
+            // Stops the simulation too if it was the deadline.
+            self.cancel.cancel();
+            let fault = error.fault();
+            tracing::info!(request_id, reason = fault.reason, "rollout refused: {fault}");
+            let _ = self.parts.send(Err(fault::status(&fault))).await;
+        }
+        drop(self.slot);
+    }
+
+    async fn work(&self, inner: &Arc<Inner>, request: ExecuteRollOutRequest) -> Result<(), Error> {
+        let wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
+        let id: TwinId = wire
+            .twin
+            .parse()
+            .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
+        let warm = inner.twins.get(id).await?;
+        let lane = Arc::new(inner.device.lane(Priority::Interactive));
+        let limits = inner.limits;
+        let planned = Arc::clone(&warm);
+        // Reading and checking a hundred megabytes of actions takes a while.
+        let (plan, wanted) = tokio::task::spawn_blocking(move || {
+            Plan::new(wire, &request.capture, request.part_instances, planned, &limits)
+        })
+        .await
+        .map_err(|_| Error::Panicked)??;
+        let starts = match wanted {
+            Wanted::Ready(starts) => starts,
+            Wanted::Frame(at) => {
+                let start = inner.replays.start(&warm, at, &lane, &self.cancel).await?;
+                Starts::Shared(start)
+            }
+        };
+        let (cancel, parts, arrived) = (self.cancel.clone(), self.parts.clone(), self.arrived);
+        let worker = inner.worker.clone();
+        tokio::task::spawn_blocking(move || {
+            let execution = Execution {
+                plan: &plan,
+                starts: &starts,
+                lane: &lane,
+                cancel: &cancel,
+                arrived,
+                worker: &worker,
+            };
+            execution.run(|response| {
+                let message = ExecuteRollOutResponse { response: Some(response) };
+                parts
+                    .blocking_send(Ok(message))
+                    .map_err(|_| Error::Engine(backend::Error::Cancelled))
+            })
+        })
+        .await
+        .map_err(|_| Error::Panicked)?
+    }
+}
+
+/// The reply stream. Dropping it, as happens when the caller goes away, stops the simulation.
+pub(crate) struct Parts {
+    parts: ReceiverStream<Result<ExecuteRollOutResponse, Status>>,
+    cancel: CancelToken,
+}
+
+impl Stream for Parts {
+    type Item = Result<ExecuteRollOutResponse, Status>;
+
+    fn poll_next(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Self::Item>> {
+        Pin::new(&mut self.parts).poll_next(context)
+    }
+}
+
+impl Drop for Parts {
+    fn drop(&mut self) {
+        self.cancel.cancel();
+    }
+}
+
+/// The caller's deadline, as gRPC writes it: up to eight digits and a unit.
+fn timeout_of(metadata: &MetadataMap) -> Option<Duration> {
+    let text = metadata.get("grpc-timeout")?.to_str().ok()?;
+    let (digits, unit) = text.split_at_checked(text.len().checked_sub(1)?)?;
+    let amount = u64::from(digits.parse::<u32>().ok()?);
+    match unit {
+        "H" => Some(Duration::from_secs(amount * 3600)),
+        "M" => Some(Duration::from_secs(amount * 60)),
+        "S" => Some(Duration::from_secs(amount)),
+        "m" => Some(Duration::from_millis(amount)),
+        "u" => Some(Duration::from_micros(amount)),
+        "n" => Some(Duration::from_nanos(amount)),
+        _ => None,
+    }
+}

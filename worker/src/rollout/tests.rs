@@ -1,0 +1,362 @@
+//! Requests against a small real twin on the CPU.
+
+use std::{sync::Arc, time::Instant};
+
+use bendtwin_core::{
+    Category, Contact, Environment, Graph, NodeKind, Params, Problem as _, Quality, Timing, Twin,
+    environment::ControlVelocity, ids::TwinId, twin::Provenance,
+};
+use bendtwin_engine::{Backend as _, Model, backend::CancelToken};
+use bendtwin_proto::v1::{
+    ControlTrajectories, Cost, InitialState, Returns, RollOutRequest, RollOutResponse, Tensor,
+    cost::{Keypoints, Kind, Smoothness, TargetCloud, When},
+    initial_state::{GivenState, State},
+    roll_out_request::Actions,
+};
+use proptest::prelude::*;
+use tokio::sync::mpsc;
+
+use super::{
+    error::Error,
+    execute::Execution,
+    initial::{Starts, Wanted},
+    plan::Plan,
+    warm::Warm,
+};
+use crate::{
+    Limits,
+    device::{Device, Lane, Priority},
+};
+
+/// A chain of four nodes that hangs from one control point.
+fn twin() -> Twin {
+    let n = 4;
+    let graph = Graph {
+        rest_positions: (0..n).map(|i| [0.0, 0.0, 0.5 - 0.1 * i as f32]).collect(),
+        kinds: vec![NodeKind::Observed; n],
+        masses: vec![1.0; n],
+        object_ids: vec![0; n],
+        observed_points: (0..n as u32).collect(),
+        control_rest: vec![[0.0, 0.0, 0.6]],
+        springs: vec![[0, 4], [1, 0], [2, 1], [3, 2]],
+        triplets: vec![[0, 1, 2], [1, 2, 3]],
+        pins: Vec::new(),
+    };
+    let params = Params {
+        spring_stiffness: vec![500.0; 4],
+        spring_dashpot: vec![1.0; 4],
+        rest_lengths_m: vec![0.1; 4],
+        bend_stiffness: vec![0.01; 2],
+        bend_damping: vec![0.0; 2],
+        rest_angles_rad: vec![std::f32::consts::PI; 2],
+        drag: 1.0,
+        contact: Contact::default(),
+    };
+    Twin {
+        graph,
+        params,
+        environment: Environment::Z_UP,
+        timing: Timing { fps: 30.0, substeps: 60 },
+        control_velocity: ControlVelocity::True,
+        provenance: Provenance::default(),
+        quality: Quality::default(),
+    }
+}
+
+struct Bench {
+    device: Device,
+    warm: Arc<Warm>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let (fatal, _) = mpsc::unbounded_channel();
+        let device = Device::spawn(|| Ok(bendtwin_engine::cpu_with_threads(2)), fatal).unwrap();
+        let twin = twin();
+        let model = Arc::new(Model::from(&twin));
+        let loaded = device.lane(Priority::Interactive).load(model).unwrap();
+        Self { device, warm: Arc::new(Warm { id: TwinId::generate(), twin, loaded }) }
+    }
+
+    fn plan(&self, request: RollOutRequest, part: u32) -> Result<(Plan, Wanted), Error> {
+        Plan::new(request, "", part, Arc::clone(&self.warm), &limits())
+    }
+
+    fn run(&self, request: RollOutRequest, part: u32) -> Result<Vec<RollOutResponse>, Error> {
+        let (plan, wanted) = self.plan(request, part)?;
+        let Wanted::Ready(starts) = wanted else { panic!("no captures here") };
+        let lane = self.device.lane(Priority::Interactive);
+        self.execute(&plan, &starts, &lane)
+    }
+
+    fn execute(
+        &self,
+        plan: &Plan,
+        starts: &Starts,
+        lane: &Lane,
+    ) -> Result<Vec<RollOutResponse>, Error> {
+        let cancel = CancelToken::default();
+        let execution =
+            Execution { plan, starts, lane, cancel: &cancel, arrived: Instant::now(), worker: "w" };
+        let mut parts = Vec::new();
+        execution.run(|part| {
+            parts.push(part);
+            Ok(())
+        })?;
+        // Time is the one thing that may differ from run to run.
+        for part in &mut parts {
+            part.timing = None;
+        }
+        Ok(parts)
+    }
+}
+
+fn limits() -> Limits {
+    Limits { instances: 64, reply_bytes: 1 << 20, rollout_work: 50_000_000, ..Limits::default() }
+}
+
+/// `b` instances whose control point moves to x = 0.02 i over 6 frames.
+fn request(b: usize) -> RollOutRequest {
+    let knots = (0..b).flat_map(|i| [[0.0, 0.0, 0.6], [0.02 * i as f32, 0.0, 0.6]]);
+    let positions = Tensor::pack_points(&[b, 2, 1], &knots.collect::<Vec<_>>());
+    RollOutRequest {
+        actions: Some(Actions::Trajectories(ControlTrajectories {
+            positions: Some(positions),
+            interpolation: 0,
+        })),
+        frames: 6,
+        costs: vec![keypoint_cost(0.06)],
+        ..RollOutRequest::default()
+    }
+}
+
+fn keypoint_cost(x: f32) -> Cost {
+    let keypoints = Keypoints {
+        nodes: Some(Tensor::pack(&[1], &[0u32])),
+        targets: Some(Tensor::pack_points(&[1], &[[x, 0.0, 0.5]])),
+        squared: false,
+    };
+    Cost { weight: 1.0, kind: Some(Kind::Keypoints(keypoints)), ..Cost::default() }
+}
+
+fn f64s(tensor: &Option<Tensor>) -> Vec<f64> {
+    tensor.as_ref().unwrap().unpack::<f64>("t").unwrap().1
+}
+
+#[test]
+fn a_batch_comes_back_with_everything_that_was_asked_for() {
+    let bench = Bench::new();
+    let mut request = request(5);
+    request.costs.push(Cost {
+        name: "smooth".into(),
+        weight: 0.5,
+        when: When::EveryFrame.into(),
+        kind: Some(Kind::Smoothness(Smoothness {})),
+    });
+    request.returns = Some(Returns {
+        every_frames: 2,
+        nodes: Some(Tensor::pack(&[2], &[3u32, 0])),
+        final_state: true,
+        diagnostics: true,
+        control_gradients: true,
+        ..Returns::default()
+    });
+    let parts = bench.run(request, 0).unwrap();
+    assert_eq!(parts.len(), 1);
+    let part = &parts[0];
+    assert_eq!(part.cost_names, ["cost0", "smooth"]);
+    assert_eq!(part.cost_terms.as_ref().unwrap().shape, [5, 2]);
+    assert_eq!(part.positions.as_ref().unwrap().shape, [5, 3, 2, 3]);
+    assert_eq!(part.frames.as_ref().unwrap().unpack::<u32>("f").unwrap().1, [2, 4, 6]);
+    assert_eq!(part.final_positions.as_ref().unwrap().shape, [5, 4, 3]);
+    assert_eq!(part.control_gradients.as_ref().unwrap().shape, [5, 7, 1, 3]);
+    assert_eq!(part.diagnostics.len(), 5);
+    let (costs, terms) = (f64s(&part.costs), f64s(&part.cost_terms));
+    for (i, cost) in costs.iter().enumerate() {
+        assert!((cost - terms[2 * i] - terms[2 * i + 1]).abs() < 1e-9);
+    }
+    // The last recorded frame is the final state.
+    let recorded = part.positions.as_ref().unwrap().unpack_points("p").unwrap().1;
+    let last = part.final_positions.as_ref().unwrap().unpack_points("p").unwrap().1;
+    assert_eq!(recorded[5], last[0]);
+}
+
+#[test]
+fn the_same_request_gives_the_same_bytes_in_any_parts() {
+    let bench = Bench::new();
+    let mut request = request(9);
+    request.returns = Some(Returns { every_frames: 3, ..Returns::default() });
+    let whole = bench.run(request.clone(), 0).unwrap();
+    assert_eq!(whole, bench.run(request.clone(), 0).unwrap());
+    let parts = bench.run(request, 4).unwrap();
+    assert_eq!(parts.iter().map(|p| p.first_instance).collect::<Vec<_>>(), [0, 4, 8]);
+    let joined: Vec<f64> = parts.iter().flat_map(|p| f64s(&p.costs)).collect();
+    assert_eq!(joined, f64s(&whole[0].costs));
+    let bytes: Vec<u8> = parts.iter().flat_map(|p| p.positions.clone().unwrap().data).collect();
+    assert_eq!(bytes, whole[0].positions.as_ref().unwrap().data);
+}
+
+#[test]
+fn the_best_come_last_and_lowest_first() {
+    let bench = Bench::new();
+    let mut request = request(9);
+    request.returns =
+        Some(Returns { best: 2, final_state: true, every_frames: 6, ..Returns::default() });
+    let parts = bench.run(request.clone(), 4).unwrap();
+    assert!(parts[0].instances.is_none() && parts[0].final_positions.is_none());
+    let last = parts.last().unwrap();
+    let best = last.instances.as_ref().unwrap().unpack::<u32>("i").unwrap().1;
+    let costs: Vec<f64> = parts.iter().flat_map(|p| f64s(&p.costs)).collect();
+    assert!(costs[best[0] as usize] <= costs[best[1] as usize]);
+    assert!(costs.iter().all(|c| *c >= costs[best[0] as usize]));
+    assert_eq!(last.final_positions.as_ref().unwrap().shape, [2, 4, 3]);
+    // Their arrays are those of the full answer.
+    request.returns = Some(Returns { final_state: true, ..Returns::default() });
+    let all = bench.run(request, 0).unwrap().remove(0);
+    let (_, all) = all.final_positions.unwrap().unpack_points("p").unwrap();
+    let (_, chosen) = last.final_positions.as_ref().unwrap().unpack_points("p").unwrap();
+    assert_eq!(chosen[..4], all[4 * best[0] as usize..][..4]);
+}
+
+#[test]
+fn gradients_point_the_way_down() {
+    let bench = Bench::new();
+    let mut request = request(1);
+    request.returns = Some(Returns { control_gradients: true, ..Returns::default() });
+    let part = bench.run(request, 0).unwrap().remove(0);
+    let (_, gradient) = part.control_gradients.unwrap().unpack_points("g").unwrap();
+    // The target lies at larger x, so moving the control there lowers the cost.
+    let along_x: f32 = gradient.iter().map(|g| g[0]).sum();
+    assert!(along_x < 0.0, "{along_x}");
+}
+
+#[test]
+fn a_given_state_starts_each_instance() {
+    let bench = Bench::new();
+    let mut request = request(2);
+    let rest = bench.warm.twin.graph.rest_positions.clone();
+    let raised: Vec<_> = rest.iter().map(|p| [p[0], p[1], p[2] + 0.3]).collect();
+    let positions: Vec<_> = rest.iter().chain(&raised).copied().collect();
+    request.initial = Some(InitialState {
+        state: Some(State::Given(GivenState {
+            positions: Some(Tensor::pack_points(&[2, 4], &positions)),
+            velocities: None,
+        })),
+    });
+    request.returns = Some(Returns { final_state: true, ..Returns::default() });
+    let part = bench.run(request, 0).unwrap().remove(0);
+    let (_, last) = part.final_positions.unwrap().unpack_points("p").unwrap();
+    assert_ne!(last[..4], last[4..]);
+}
+
+#[test]
+fn refusals_name_the_field() {
+    let bench = Bench::new();
+    let refuse = |change: &dyn Fn(&mut RollOutRequest)| {
+        let mut request = request(2);
+        change(&mut request);
+        bench.plan(request, 0).map(|_| ()).expect_err("must be refused")
+    };
+    let cases: [(&dyn Fn(&mut RollOutRequest), &str); 11] = [
+        (&|r| r.actions = None, "actions"),
+        (&|r| r.frames = 200_000, "frames"),
+        (&|r| r.costs[0].weight = f64::NAN, "costs[0].weight"),
+        (&|r| r.costs[0].weight = 0.0, "costs[0].weight"),
+        (&|r| r.costs[0].when = 9, "costs[0].when"),
+        (&|r| r.costs[0].kind = None, "costs[0].kind"),
+        (
+            &|r| {
+                r.costs[0].kind = Some(Kind::TargetCloud(TargetCloud { points: None }));
+            },
+            "target_cloud.points",
+        ),
+        (
+            &|r| {
+                let again = Cost { name: "cost0".into(), ..keypoint_cost(0.1) };
+                r.costs.push(again);
+            },
+            "costs[1].name",
+        ),
+        (
+            &|r| {
+                let nodes = Some(Tensor::pack(&[1], &[4u32]));
+                r.returns = Some(Returns { nodes, ..Returns::default() });
+            },
+            "returns.nodes",
+        ),
+        (
+            &|r| {
+                r.costs.clear();
+                r.returns = Some(Returns { control_gradients: true, ..Returns::default() });
+            },
+            "returns.control_gradients",
+        ),
+        (&|r| r.returns = Some(Returns { encoding: 7, ..Returns::default() }), "returns.encoding"),
+    ];
+    for (change, field) in cases {
+        let error = refuse(change);
+        assert_eq!(error.category(), Category::InvalidArgument, "{error}");
+        assert!(error.to_string().contains(field), "`{error}` must name {field}");
+    }
+}
+
+#[test]
+fn too_much_work_or_reply_is_refused_with_advice() {
+    let bench = Bench::new();
+    let mut long = request(60);
+    long.frames = 5_000;
+    let error = bench.plan(long, 0).map(|_| ()).unwrap_err();
+    assert_eq!(error.category(), Category::ResourceExhausted);
+    assert!(error.to_string().contains("shorter horizon"), "{error}");
+    let mut large = request(60);
+    large.frames = 500;
+    large.returns = Some(Returns { every_frames: 1, ..Returns::default() });
+    let error = bench.plan(large.clone(), 0).map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("returns.every_frames"), "{error}");
+    // In parts it fits.
+    assert!(bench.plan(large, 10).is_ok());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+    /// Whatever a request says: an answer or a refusal, never a panic.
+    #[test]
+    fn no_request_panics(
+        frames in prop_oneof![0u32..12, Just(u32::MAX)],
+        every in 0u32..20,
+        best in 0u32..9,
+        weight in prop_oneof![Just(f64::INFINITY), -2.0f64..2.0],
+        node in 0u32..6,
+        target in prop::array::uniform3(prop_oneof![Just(f32::NAN), -1.0f32..1.0]),
+        when in -1i32..4,
+        part in 0u32..5,
+        flags in any::<[bool; 4]>(),
+    ) {
+        let bench = Bench::new();
+        let mut request = request(3);
+        request.frames = frames;
+        request.costs = vec![Cost {
+            weight,
+            when,
+            kind: Some(Kind::Keypoints(Keypoints {
+                nodes: Some(Tensor::pack(&[1], &[node])),
+                targets: Some(Tensor::pack_points(&[1], &[target])),
+                squared: flags[0],
+            })),
+            ..Cost::default()
+        }];
+        request.returns = Some(Returns {
+            every_frames: every,
+            best,
+            final_state: flags[1],
+            control_gradients: flags[2],
+            diagnostics: flags[3],
+            ..Returns::default()
+        });
+        if let Ok(parts) = bench.run(request, part) {
+            let costs: Vec<f64> = parts.iter().flat_map(|p| f64s(&p.costs)).collect();
+            prop_assert_eq!(costs.len(), 3);
+            prop_assert!(costs.iter().all(|c| !c.is_nan()));
+        }
+    }
+}

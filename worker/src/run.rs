@@ -1,0 +1,170 @@
+//! The life of a worker: open the device, register, lease fits and answer
+//! rollouts until told to end, then hand back what is unfinished.
+
+use std::{future::pending, sync::Arc, time::Duration};
+
+use bendtwin_core::ids::WorkerId;
+use bendtwin_engine::{Backend, backend};
+use bendtwin_proto::worker::v1::RegisterRequest;
+use tokio::{net::TcpListener, sync::mpsc, task::JoinHandle};
+use tokio_util::sync::CancellationToken;
+use tonic::transport::server::TcpIncoming;
+
+use crate::{
+    Error, Options,
+    device::Device,
+    fit::Fits,
+    leasing::{self, Until},
+    link::Link,
+    options::BackendChoice,
+    presence::Presence,
+    rollout::{self, Replays, Rollouts, WarmTwins},
+};
+
+/// How long rollouts and last words may take once the worker is to end.
+const GRACE: Duration = Duration::from_secs(15);
+
+/// Runs a worker until `shutdown` (a fit under way is handed back with its
+/// latest checkpoint, rollouts are finished) or until the server drains it.
+///
+/// # Errors
+/// If the worker cannot start, if the server refuses it, or if a job panicked:
+/// then the process must end, and a fresh one start.
+pub async fn run(options: Options, shutdown: CancellationToken) -> Result<(), Error> {
+    options.validate()?;
+    let (fatal, mut died) = mpsc::unbounded_channel();
+    let device = open_device(options.backend, fatal.clone()).await?;
+    let result = run_on(&device, &options, shutdown, fatal, &mut died).await;
+    device.close();
+    // A panic that came while the last job ended still makes the exit a failure.
+    match (result, died.try_recv()) {
+        (Ok(()), Ok(error)) => Err(error),
+        (result, _) => result,
+    }
+}
+
+async fn run_on(
+    device: &Device,
+    options: &Options,
+    shutdown: CancellationToken,
+    fatal: mpsc::UnboundedSender<Error>,
+    died: &mut mpsc::UnboundedReceiver<Error>,
+) -> Result<(), Error> {
+    let id = WorkerId::generate();
+    let limits = options.limits;
+    let link = Link::new(&options.server, &options.token)?;
+    let dir = options.cache_dir.clone().unwrap_or_else(std::env::temp_dir);
+    std::fs::create_dir_all(&dir)
+        .map_err(|source| Error::System { what: "create the cache directory", source })?;
+
+    let twins = WarmTwins::new(link.clone(), device.clone(), limits);
+    let replays = Replays::new(link.clone(), dir.clone(), limits);
+    let rollouts = Rollouts::new(id.to_string(), device.clone(), twins, replays, limits);
+    let (endpoint, serving) = serve(options, rollouts.clone()).await?;
+
+    let registration = registration(id, &endpoint, device);
+    let presence = Presence::new(link.clone(), registration, rollouts);
+    tokio::select! {
+        registered = presence.register(options.patience) => registered?,
+        () = shutdown.cancelled() => return Ok(()),
+    }
+    let name = &device.description().name;
+    tracing::info!(worker = %id, endpoint, device = name, "worker ready");
+    let beating = tokio::spawn(presence.clone().beat(shutdown.clone()));
+
+    // Leasing ends before the job under way does: the job of a worker that must die is not
+    // handed back as unharmed, or it would kill one worker after another.
+    let until = Until { closed: shutdown.child_token(), drained: shutdown.clone() };
+    let fits = Fits {
+        link,
+        device: device.clone(),
+        worker: id.to_string(),
+        dir,
+        limits,
+        patience: options.patience,
+        fatal,
+    };
+    let (leases, ends) = (options.fits, until.clone());
+    let mut leasing = tokio::spawn(async move {
+        if leases { leasing::lease(&fits, &presence, &ends).await } else { pending().await }
+    });
+    let result = tokio::select! {
+        ended = &mut leasing => ended.unwrap_or_else(|e| Err(Error::Panicked(e.to_string()))),
+        error = died.recv() => error.map_or(Ok(()), Err),
+        () = shutdown.cancelled() => Ok(()),
+    };
+    until.closed.cancel();
+    if leases && !leasing.is_finished() {
+        if tokio::time::timeout(GRACE, &mut leasing).await.is_err() {
+            tracing::warn!("the fit under way did not end in time: its lease will run out");
+        }
+    }
+    leasing.abort();
+    beating.abort();
+    serving.stop().await;
+    tracing::info!("worker ended");
+    result
+}
+
+async fn open_device(
+    choice: BackendChoice,
+    fatal: mpsc::UnboundedSender<Error>,
+) -> Result<Device, Error> {
+    let open = move || -> Result<Arc<dyn Backend>, backend::Error> {
+        match choice {
+            // The CPU is all there is so far.
+            BackendChoice::Auto | BackendChoice::Cpu => Ok(bendtwin_engine::cpu()),
+        }
+    };
+    tokio::task::spawn_blocking(move || Device::spawn(open, fatal))
+        .await
+        .map_err(|e| Error::Panicked(e.to_string()))?
+}
+
+fn registration(id: WorkerId, endpoint: &str, device: &Device) -> RegisterRequest {
+    let description = device.description();
+    RegisterRequest {
+        worker: id.to_string(),
+        endpoint: endpoint.to_owned(),
+        backend: description.kind.clone(),
+        device: description.name.clone(),
+        build: concat!("bendtwin ", env!("CARGO_PKG_VERSION")).to_owned(),
+        lanes: u32::try_from(description.lanes).unwrap_or(u32::MAX),
+    }
+}
+
+/// The rollout service under way.
+struct Serving {
+    stop: CancellationToken,
+    task: JoinHandle<()>,
+}
+
+/// Binds the address and answers rollouts there; also returns where that is.
+async fn serve(options: &Options, rollouts: Rollouts) -> Result<(String, Serving), Error> {
+    let failed = |source| Error::Listen { address: options.listen.to_string(), source };
+    let listener = TcpListener::bind(options.listen).await.map_err(failed)?;
+    let endpoint = match &options.advertise {
+        Some(endpoint) => endpoint.clone(),
+        None => format!("http://{}", listener.local_addr().map_err(failed)?),
+    };
+    // Without TCP_NODELAY small replies wait 40 ms for an acknowledgement.
+    let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
+    let stop = CancellationToken::new();
+    let (token, until) = (options.token.clone(), stop.clone());
+    let task = tokio::spawn(async move {
+        if let Err(error) = rollout::serve(rollouts, &token, incoming, until).await {
+            tracing::error!("the rollout service ended: {error}");
+        }
+    });
+    Ok((endpoint, Serving { stop, task }))
+}
+
+impl Serving {
+    /// Finishes the rollouts under way, within reason.
+    async fn stop(mut self) {
+        self.stop.cancel();
+        if tokio::time::timeout(GRACE, &mut self.task).await.is_err() {
+            self.task.abort();
+        }
+    }
+}
