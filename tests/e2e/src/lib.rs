@@ -12,6 +12,8 @@ mod fits;
 #[cfg(test)]
 mod harness;
 #[cfg(test)]
+mod malformed;
+#[cfg(test)]
 mod rollouts;
 #[cfg(test)]
 mod survival;
