@@ -70,8 +70,8 @@ pub fn connect_with_notes(sample: &NodeSample, connectivity: &Connectivity) -> (
         (None, None) => Vec::new(),
     };
     tidy(&mut springs);
-    if sample.edges.is_none() {
-        notes.pieces_joined = components::join(sample, &mut springs);
+    if let (None, Some(tree)) = (&sample.edges, &tree) {
+        notes.pieces_joined = components::join(sample, tree, &mut springs);
         tidy(&mut springs);
     }
     let mut graph = Graph {

@@ -27,7 +27,7 @@ pub fn rest_geometry(graph: &Graph, sample: &NodeSample) -> (Vec<f32>, Vec<f32>)
 }
 
 /// Angle between two arms [rad], 0..=pi; exact near 0 and pi, 0 where an arm is zero.
-pub(super) fn angle(u: Point, w: Point) -> f32 {
+fn angle(u: Point, w: Point) -> f32 {
     let (u, w) = (u.map(f64::from), w.map(f64::from));
     let cross = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
     let sine = cross.iter().map(|c| c * c).sum::<f64>().sqrt();

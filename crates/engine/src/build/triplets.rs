@@ -2,7 +2,7 @@
 
 use bendtwin_core::{Point, settings::TripletReference};
 
-use super::{NodeSample, Triplets, rest::angle};
+use super::{NodeSample, Triplets};
 
 /// Of a centre with many neighbours only the nearest so many are considered:
 /// pairs grow with their square.
@@ -14,8 +14,14 @@ const MAX_BRANCH_DEGREE: usize = 8;
 #[derive(Clone, Copy)]
 struct Arm {
     node: u32,
-    offset: Point,
     length: f32,
+    /// Unit vector towards it; zero if it coincides with the centre.
+    direction: Point,
+}
+
+/// Cosine of the angle between two arms: all that ordering by angle needs.
+fn cosine(a: Point, b: Point) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Triplets (i, j, k) over the springs between surface nodes, ordered by centre.
@@ -29,7 +35,8 @@ pub(super) fn find(sample: &NodeSample, springs: &[[u32; 2]], choice: &Triplets)
             let (x, y) = (points[centre as usize], points[node as usize]);
             let offset = [y[0] - x[0], y[1] - x[1], y[2] - x[2]];
             let length = offset.iter().map(|d| d * d).sum::<f32>().sqrt();
-            arms[centre as usize].push(Arm { node, offset, length });
+            let direction = offset.map(|d| if length > 0.0 { d / length } else { 0.0 });
+            arms[centre as usize].push(Arm { node, length, direction });
         }
     }
     let mut triplets = Vec::new();
@@ -77,22 +84,25 @@ fn from_reference(arms: &[Arm], reference: Option<usize>, most: usize) -> Vec<[u
     let Some(r) = reference else { return Vec::new() };
     let mut others: Vec<(f32, u32)> = (0..arms.len())
         .filter(|&k| k != r)
-        .map(|k| (angle(arms[r].offset, arms[k].offset), arms[k].node))
+        .map(|k| (cosine(arms[r].direction, arms[k].direction), arms[k].node))
         .collect();
-    others.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    others.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     others.into_iter().take(most).map(|(_, k)| [arms[r].node, k]).collect()
 }
 
 /// The arm with the widest angle to the mean direction of the others.
 fn most_opposite(arms: &[Arm]) -> Option<usize> {
-    let direction = |a: &Arm| a.offset.map(|d| if a.length > 0.0 { d / a.length } else { 0.0 });
-    let directions: Vec<Point> = arms.iter().map(direction).collect();
-    let sum = directions.iter().fold([0.0; 3], |s, d| [s[0] + d[0], s[1] + d[1], s[2] + d[2]]);
-    let mut best = (f32::NEG_INFINITY, None);
-    for (r, d) in directions.iter().enumerate() {
-        let wide = angle(*d, [sum[0] - d[0], sum[1] - d[1], sum[2] - d[2]]);
-        if wide > best.0 {
-            best = (wide, Some(r));
+    let sum = arms.iter().fold([0.0; 3], |s: Point, a| {
+        [s[0] + a.direction[0], s[1] + a.direction[1], s[2] + a.direction[2]]
+    });
+    let mut best = (f32::INFINITY, None);
+    for (r, arm) in arms.iter().enumerate() {
+        let d = arm.direction;
+        let others = [sum[0] - d[0], sum[1] - d[1], sum[2] - d[2]];
+        let length = cosine(others, others).sqrt().max(f32::MIN_POSITIVE);
+        let straight = cosine(d, others) / length;
+        if straight < best.0 {
+            best = (straight, Some(r));
         }
     }
     best.1
@@ -104,15 +114,14 @@ fn opposite_pairs(arms: &[Arm], most: usize) -> Vec<[u32; 2]> {
     let mut candidates = Vec::with_capacity(arms.len() * arms.len() / 2);
     for (i, a) in arms.iter().enumerate() {
         for (k, b) in arms.iter().enumerate().skip(i + 1) {
-            candidates.push((angle(a.offset, b.offset), i, k));
+            candidates.push((cosine(a.direction, b.direction), i, k));
         }
     }
-    candidates.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
     let mut used = vec![false; arms.len()];
     let mut pairs = Vec::new();
-    for (wide, i, k) in candidates {
-        let straight = wide > std::f32::consts::FRAC_PI_2 || pairs.is_empty();
-        if pairs.len() == most || !straight {
+    for (cosine, i, k) in candidates {
+        if pairs.len() == most || (cosine >= 0.0 && !pairs.is_empty()) {
             break;
         }
         if !used[i] && !used[k] {
