@@ -7,6 +7,7 @@
 
 pub mod bundle;
 pub mod check;
+pub mod make;
 pub mod mocap;
 pub mod read;
 
@@ -26,5 +27,6 @@ pub use check::{CheckReport, Finding, Severity, check, check_path};
 pub use digest::digest;
 pub use error::Error;
 pub use limits::Limits;
+pub use make::{MakeOptions, Scene, make, make_with};
 pub use read::{read, read_bytes, read_checked};
 pub use structure::validate;

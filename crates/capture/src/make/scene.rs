@@ -1,0 +1,141 @@
+//! The rope and the toy: shape, material, grasp and motion.
+
+use std::f32::consts::TAU;
+
+use bendtwin_core::Point;
+
+use super::{
+    MakeOptions,
+    body::Body,
+    hand::Hand,
+    pose::{Pose, norm, segment_distance, smoothstep, sub},
+    simulate::Material,
+};
+
+/// A body, a hand and what the hand does.
+pub(super) struct Setup {
+    pub(super) name: &'static str,
+    pub(super) body: Body,
+    pub(super) material: Material,
+    pub(super) hand: Hand,
+    /// The hand's pose at a time [s].
+    pub(super) motion: fn(f32) -> Pose,
+    pub(super) frames: usize,
+    /// Tracked, completed, interior and true points; control points.
+    pub(super) observed: usize,
+    pub(super) completed: usize,
+    pub(super) interior: usize,
+    pub(super) truth: usize,
+    pub(super) controls: usize,
+}
+
+/// Speed of sound that gives a lattice of this spacing its stiffness, unevenly
+/// over the body as real foam is, and light internal damping.
+fn foam(body: &Body, sound_m_s: f32, drag: f32) -> Material {
+    let l = body.spacing_m;
+    // Axes and face diagonals of equal spring constant K: Young's modulus is about 2.5 K l² per unit mass.
+    let constant = sound_m_s * sound_m_s / (2.5 * l * l);
+    let mut material =
+        Material { drag, ground_restitution: 0.1, ground_friction: 0.5, ..Material::default() };
+    for &[a, b] in &body.springs {
+        let (p, q) = (body.positions[a as usize], body.positions[b as usize]);
+        let unevenness =
+            1.0 + 0.15 * (31.0 * (p[0] + q[0])).sin() * (17.0 * (p[1] - q[2]) + 1.0).cos();
+        material.stiffness.push(constant * norm(sub(p, q)) * unevenness);
+        // A small part of critical damping of one spring.
+        material.dashpot.push(0.02 * constant.sqrt());
+    }
+    material
+}
+
+/// Radius and length of the rope [m].
+const ROPE_RADIUS_M: f32 = 0.0125;
+const ROPE_LENGTH_M: f32 = 0.4;
+
+pub(super) fn rope(options: &MakeOptions) -> Setup {
+    let spacing = if options.tiny { 0.0083 } else { 0.005 };
+    let radius = ROPE_RADIUS_M;
+    let body =
+        Body::fill([0.0, -radius, 0.0], [ROPE_LENGTH_M, radius, 2.0 * radius], spacing, |p| {
+            (p[1] * p[1] + (p[2] - radius).powi(2)).sqrt() - radius
+        });
+    let material = foam(&body, 45.0, 1.1);
+    let pick = |full, tiny| if options.tiny { tiny } else { full };
+    Setup {
+        name: "rope",
+        hand: Hand {
+            grasp: [0.012, 0.0, radius],
+            size: [0.032, 0.022, 0.022],
+            forearm: [-1.0, 0.0, 0.5],
+        },
+        body,
+        material,
+        motion: wave,
+        frames: options.frames_or(80, 24),
+        observed: pick(200, 40),
+        completed: pick(120, 24),
+        interior: pick(60, 10),
+        truth: pick(40, 10),
+        controls: pick(24, 8),
+    }
+}
+
+/// Lifts, waves up and down and sideways, then shakes; it goes on in the frames
+/// that are held back.
+fn wave(t: f32) -> Pose {
+    let after = |start: f32, ramp: f32| smoothstep((t - start) / ramp);
+    let swing = |start: f32, hz: f32| (TAU * hz * (t - start)).sin() * after(start, 0.4);
+    let pitch = 0.45 * smoothstep(t / 0.8) + 0.3 * swing(0.7, 1.2);
+    let yaw = 0.4 * swing(0.9, 0.8);
+    let shift = [
+        0.03 * swing(1.2, 0.9),
+        0.05 * swing(1.5, 1.3),
+        0.28 * smoothstep(t / 0.9) + 0.035 * swing(1.1, 1.9),
+    ];
+    Pose::new(yaw, pitch, shift)
+}
+
+pub(super) fn toy(options: &MakeOptions) -> Setup {
+    let spacing = if options.tiny { 0.013 } else { 0.0068 };
+    let body = Body::fill([-0.09, -0.11, 0.0], [0.13, 0.11, 0.1], spacing, toy_distance);
+    let material = foam(&body, 7.0, 0.9);
+    let pick = |full, tiny| if options.tiny { tiny } else { full };
+    Setup {
+        name: "toy",
+        hand: Hand {
+            grasp: [0.1, 0.0, 0.05],
+            size: [0.026, 0.034, 0.034],
+            forearm: [0.7, 0.0, 1.0],
+        },
+        body,
+        material,
+        motion: shake,
+        frames: options.frames_or(75, 20),
+        observed: pick(300, 60),
+        completed: pick(250, 40),
+        interior: pick(200, 30),
+        truth: pick(40, 10),
+        controls: pick(28, 8),
+    }
+}
+
+/// A lying toy: belly, head and four limbs.
+fn toy_distance(p: Point) -> f32 {
+    let belly = norm([p[0] / 1.4, p[1], p[2] - 0.042]) - 0.04;
+    let head = norm(sub(p, [0.088, 0.0, 0.05])) - 0.032;
+    let limbs = [[0.035, 0.095], [0.035, -0.095], [-0.05, 0.085], [-0.05, -0.085]]
+        .map(|[x, y]| segment_distance(p, [0.7 * x, 0.3 * y, 0.03], [x, y, 0.018]) - 0.015);
+    limbs.into_iter().fold(belly.min(head), f32::min)
+}
+
+/// Lifts by the head, sways and shakes.
+fn shake(t: f32) -> Pose {
+    let after = |start: f32, ramp: f32| smoothstep((t - start) / ramp);
+    let swing = |start: f32, hz: f32| (TAU * hz * (t - start)).sin() * after(start, 0.3);
+    let shift = [
+        0.05 * swing(0.8, 1.1),
+        0.06 * swing(1.0, 1.5),
+        0.24 * smoothstep(t / 0.8) + 0.04 * swing(1.1, 2.2),
+    ];
+    Pose::new(0.35 * swing(0.9, 0.9), 0.5 * smoothstep(t / 0.9), shift)
+}
