@@ -1,9 +1,14 @@
 //! How good a twin is: Chamfer distance, track error, free baselines, pictures. Knows no optimiser.
 
+mod baselines;
+mod distance;
 mod error;
 mod evaluate;
+mod metrics;
+mod table;
 mod trajectory;
 
 pub use error::Error;
-pub use evaluate::{EvaluateOptions, evaluate};
+pub use evaluate::{EvaluateOptions, evaluate, score};
+pub use table::{TableStyle, format_table, predictor_name};
 pub use trajectory::{Trajectory, check_capture, initial_state, instance, predict, slice_len};

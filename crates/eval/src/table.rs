@@ -1,0 +1,103 @@
+//! The quality table for people: Markdown or plain text, in millimetres.
+
+use std::fmt::Write;
+
+use bendtwin_core::{
+    Quality,
+    quality::{ErrorSummary, Predictor, Score},
+};
+
+/// How a table is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableStyle {
+    /// Aligned columns for a terminal.
+    Plain,
+    /// A Markdown table.
+    Markdown,
+}
+
+/// What a predictor is called in tables and pictures.
+pub fn predictor_name(predictor: Predictor) -> &'static str {
+    match predictor {
+        Predictor::Bending => "twin (bending)",
+        Predictor::Axial => "axial only",
+        Predictor::StandingStill => "standing still",
+        Predictor::LastResidual => "last residual",
+        Predictor::ClampInterpolation => "clamp interpolation",
+    }
+}
+
+type Column = (&'static str, fn(&ErrorSummary) -> Option<f64>);
+
+const COLUMNS: [Column; 4] = [
+    ("CD", |e| e.chamfer_l1_m),
+    ("CD (L2)", |e| e.chamfer_l2_m),
+    ("track", |e| e.track_m),
+    ("coordinate", |e| e.coordinate_m),
+];
+
+/// The table in millimetres: a row per predictor, training and future errors side by side. Columns
+/// that the capture does not determine are left out. Warnings follow, one a line.
+pub fn format_table(quality: &Quality, style: TableStyle) -> String {
+    let spans: [(&str, fn(&Score) -> &ErrorSummary); 2] =
+        [("train", |s| &s.train), ("future", |s| &s.future)];
+    let mut columns: Vec<(String, Vec<Option<f64>>)> = Vec::new();
+    for (name, error) in COLUMNS {
+        for (span, part) in spans {
+            let values: Vec<Option<f64>> =
+                quality.scores.iter().map(|s| error(part(s))).collect();
+            if values.iter().any(Option::is_some) {
+                columns.push((format!("{name} {span}"), values));
+            }
+        }
+    }
+    let mut rows = vec![
+        std::iter::once("mm".to_owned()).chain(columns.iter().map(|c| c.0.clone())).collect(),
+    ];
+    for (index, score) in quality.scores.iter().enumerate() {
+        let cell = |value: &Option<f64>| value.map_or("-".to_owned(), |m| format!("{:.2}", 1e3 * m));
+        let cells = columns.iter().map(|c| cell(&c.1[index]));
+        rows.push(
+            std::iter::once(predictor_name(score.predictor).to_owned()).chain(cells).collect(),
+        );
+    }
+    let mut text = lay_out(&rows, style);
+    for warning in &quality.warnings {
+        let _ = match style {
+            TableStyle::Plain => writeln!(text, "warning: {warning}"),
+            TableStyle::Markdown => writeln!(text, "\n> {warning}"),
+        };
+    }
+    text
+}
+
+fn lay_out(rows: &[Vec<String>], style: TableStyle) -> String {
+    let width = |c: usize| {
+        rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..rows.first().map_or(0, Vec::len)).map(width).collect();
+    let mut text = String::new();
+    for (index, row) in rows.iter().enumerate() {
+        let pad = |(c, cell): (usize, &String)| {
+            let w = widths[c];
+            if c == 0 { format!("{cell:<w$}") } else { format!("{cell:>w$}") }
+        };
+        let cells: Vec<String> = row.iter().enumerate().map(pad).collect();
+        let _ = match style {
+            TableStyle::Plain => writeln!(text, "{}", cells.join("  ").trim_end()),
+            TableStyle::Markdown => writeln!(text, "| {} |", cells.join(" | ")),
+        };
+        if index == 0 && style == TableStyle::Markdown {
+            let rule = |(c, w): (usize, &usize)| {
+                let dashes = "-".repeat((*w).max(3) - usize::from(c > 0));
+                if c == 0 { dashes } else { format!("{dashes}:") }
+            };
+            let rules: Vec<String> = widths.iter().enumerate().map(rule).collect();
+            let _ = writeln!(text, "| {} |", rules.join(" | "));
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests;
