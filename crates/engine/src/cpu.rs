@@ -1,5 +1,9 @@
-//! The CPU backend, the definition of correct. Rayon runs the instances of a batch side by side (so results
-//! do not depend on the number of threads), SIMD runs within each.
+//! The CPU backend, the definition of correct. Rayon runs the instances of a
+//! batch side by side (so results do not depend on the number of threads), SIMD
+//! runs within each.
+
+// Lane arithmetic goes through several arrays side by side, by lane and coordinate.
+#![allow(clippy::needless_range_loop)]
 
 mod adjoint;
 pub(crate) mod bend;
@@ -115,11 +119,11 @@ fn case(instance: &Instance) -> Result<Case<'_, f32>, Error> {
 
 impl Backend for CpuBackend {
     fn device(&self) -> Device {
-        Device {
-            kind: "cpu".into(),
-            name: format!("{} threads, {:?}", self.pool.current_num_threads(), pulp::Arch::new()),
-            lanes: self.pool.current_num_threads(),
-        }
+        let lanes = self.pool.current_num_threads();
+        // `V3(..)` is AVX2 with fused multiply-add, as in x86-64-v3.
+        let arch = format!("{:?}", pulp::Arch::new());
+        let arch = arch.split('(').next().unwrap_or_default();
+        Device { kind: "cpu".into(), name: format!("{lanes} threads, {arch} instructions"), lanes }
     }
 
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {

@@ -33,6 +33,15 @@ pub struct Reference {
     frames: usize,
 }
 
+/// Positions and velocities of all nodes in double precision.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferenceState {
+    /// Positions [m], shape [N, 3].
+    pub positions: Vec<Point64>,
+    /// Velocities [m/s], shape [N, 3].
+    pub velocities: Vec<Point64>,
+}
+
 /// Loss and gradient in double precision.
 #[derive(Clone, Debug)]
 pub struct ReferenceGradient {
@@ -68,21 +77,20 @@ impl Reference {
         })
     }
 
-    /// Positions and velocities at every frame's end, the initial state first, shape [F + 1, N, 3] each; fewer
-    /// frames if it diverges.
+    /// The state at every frame's end, the initial one first: F + 1 of them, fewer if it diverges.
     ///
     /// # Errors
     /// If a length or the objective does not fit.
-    pub fn roll_out(&self) -> Result<Vec<(Vec<Point64>, Vec<Point64>)>, Error> {
+    pub fn roll_out(&self) -> Result<Vec<ReferenceState>, Error> {
         let objective = Objective::default();
         let mut states = Vec::new();
         self.with_case(&objective, |case| {
             case.run(&CancelToken::default(), |_, endpoints| {
                 let nodes = &endpoints[..case.system.nodes];
-                states.push((
-                    nodes.iter().map(|n| point(n.x)).collect(),
-                    nodes.iter().map(|n| point(n.v)).collect(),
-                ));
+                states.push(ReferenceState {
+                    positions: nodes.iter().map(|n| point(n.x)).collect(),
+                    velocities: nodes.iter().map(|n| point(n.v)).collect(),
+                });
             })
         })?;
         Ok(states)

@@ -40,7 +40,7 @@ impl<'a, T: Real> Observer<'a, T> {
         let nodes = &endpoints[..self.system.nodes];
         let every = self.recording.every;
         let wanted =
-            if frame == 0 { self.recording.initial } else { every > 0 && frame % every == 0 };
+            if frame == 0 { self.recording.initial } else { every > 0 && frame.is_multiple_of(every) };
         if wanted {
             self.rollout.frames.push(frame);
             let positions = &mut self.rollout.positions;

@@ -136,7 +136,7 @@ impl Real for f32 {
         let t = numerator / safe;
         let z = t * t;
         let series =
-            ((8.053_744_5e-2 * z - 1.387_768_6e-1) * z + 1.997_771_1e-1) * z - 3.333_294_9e-1;
+            ((8.053_744_5e-2 * z - 1.387_768_6e-1) * z + 1.997_771_1e-1) * z - 3.333_295e-1;
         let mut angle = series * z * t + t;
         angle += if upper { FRAC_PI_4 } else { 0.0 };
         angle = if y > magnitude { FRAC_PI_2 - angle } else { angle };

@@ -155,9 +155,9 @@ fn single_precision_agrees_with_the_reference() {
     let out = backend.roll_out(&batch, &recording, &cancel).unwrap().remove(0);
     let reference = Reference::new(&model, 6).unwrap();
     let exact = reference.roll_out().unwrap();
-    for (f, (positions, _)) in exact.iter().enumerate() {
+    for (f, state) in exact.iter().enumerate() {
         let found = &out.positions[f * 13..(f + 1) * 13];
-        for (a, b) in positions.iter().flatten().zip(found.iter().flatten()) {
+        for (a, b) in state.positions.iter().flatten().zip(found.iter().flatten()) {
             assert!((a - f64::from(*b)).abs() < 2e-5, "frame {f}: {a} {b}");
         }
     }
@@ -274,7 +274,7 @@ fn divergence_says_where_and_is_no_error() {
     wild.initial = Arc::new(initial);
     let (recording, request) = everything();
     let cancel = CancelToken::default();
-    let out = backend.roll_out(&[calm.clone(), wild.clone()], &recording, &cancel).unwrap();
+    let out = backend.roll_out(&[calm, wild.clone()], &recording, &cancel).unwrap();
     assert!(out[0].diverged.is_none() && out[0].cost.is_finite());
     let at = out[1].diverged.unwrap();
     assert_eq!(at.frame, 1);

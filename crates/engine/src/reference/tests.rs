@@ -275,9 +275,9 @@ fn a_cut_gradient_is_that_of_the_last_window() {
     let kept = |t: &&WeightedTerm| t.frame == 4 && t.term != Term::Acceleration;
     objective.terms = Arc::new(objective.terms.iter().filter(kept).cloned().collect());
     let cut = r.gradient(&objective, 3).unwrap();
-    let (positions, velocities) = r.roll_out().unwrap().swap_remove(3);
+    let start = r.roll_out().unwrap().swap_remove(3);
     let mut window = Reference::new(&model, 1).unwrap();
-    (window.positions, window.velocities) = (positions, velocities);
+    (window.positions, window.velocities) = (start.positions, start.velocities);
     window.controls = r.controls[3 * 2..].to_vec();
     let terms = objective.terms.iter().cloned().map(|t| WeightedTerm { frame: 1, ..t });
     objective.terms = Arc::new(terms.collect());

@@ -87,7 +87,7 @@ fn excursion(model: &Model, substeps: u32) -> f64 {
     if states.len() <= frames {
         return f64::INFINITY;
     }
-    let moved = states[frames].0.iter().flatten().zip(r.positions.iter().flatten());
+    let moved = states[frames].positions.iter().flatten().zip(r.positions.iter().flatten());
     moved.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 

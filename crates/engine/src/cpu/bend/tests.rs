@@ -48,7 +48,7 @@ fn energy(blocks: &[TripletBlock<f64>], nodes: &[Node<f64>]) -> f64 {
 
 #[test]
 fn force_is_minus_the_gradient_of_the_energy() {
-    for (theta, rest) in [(0.4, 1.0), (2.0, 1.0), (3.0, PI), (3.141, PI)] {
+    for (theta, rest) in [(0.4, 1.0), (2.0, 1.0), (3.0, PI), (PI - 6e-4, PI)] {
         let (blocks, nodes) = (block(2.0, 0.0, rest), nodes_at(theta));
         let f = forces(&blocks, &nodes);
         let h = 1e-6;

@@ -1,7 +1,9 @@
 use super::*;
 use crate::cpu::{jacobian::assert_adjoint, real::dot};
 
-fn two_springs() -> (Vec<SpringBlock<f64>>, Vec<Node<f64>>, Vec<Quad<f64>>) {
+type Scene = (Vec<SpringBlock<f64>>, Vec<Node<f64>>, Vec<Quad<f64>>);
+
+fn two_springs() -> Scene {
     let mut block = SpringBlock::EMPTY;
     (block.first[0], block.second[0]) = (0, 1);
     (block.first[1], block.second[1]) = (2, 1);

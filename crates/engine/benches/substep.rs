@@ -1,0 +1,126 @@
+//! What a substep costs on one core: microseconds by number of nodes, forward and with the gradient, spring
+//! evaluations a second, and the share of the machine's measured limits. Prints Markdown tables.
+//!
+//! `cargo bench -p bendtwin-engine`
+
+#[path = "substep/body.rs"]
+mod body;
+#[path = "substep/limits.rs"]
+mod limits;
+
+use std::{sync::Arc, time::Instant};
+
+use bendtwin_engine::{
+    Backend, Model, Objective, Term,
+    backend::{CancelToken, GradientRequest, Instance},
+    cpu_with_threads,
+    model::State,
+    objective::WeightedTerm,
+};
+
+/// Arithmetic of one spring: 6 differences, length (5, root), inverse, stretch, elastic, damping (5, 3), 3
+/// products and 6 additions to the nodes.
+const FLOPS_PER_SPRING: f64 = 33.0;
+/// Bytes of a spring's record, read once a substep: two indices, stiffness, rest length, dashpot.
+const BYTES_PER_SPRING: f64 = 20.0;
+const FRAMES: usize = 2;
+
+struct Cost {
+    springs: usize,
+    triplets: usize,
+    forward_us: f64,
+    gradient_us: f64,
+}
+
+fn main() {
+    let backend = cpu_with_threads(1);
+    println!("{}\n", backend.device().name);
+    let flops = limits::fused_flops_per_s();
+    let (far, near) = (limits::bytes_per_s(1 << 26), limits::bytes_per_s(1 << 17));
+    println!(
+        "one core: {:.1} GFLOP/s fp32 fused multiply-add, {:.1} GB/s from memory, {:.1} GB/s from the L2 cache\n",
+        flops / 1e9,
+        far / 1e9,
+        near / 1e9
+    );
+    for bending in [false, true] {
+        table(&*backend, bending, flops, near);
+    }
+    small(&*backend);
+}
+
+fn table(backend: &dyn Backend, bending: bool, flops: f64, bandwidth: f64) {
+    println!("{}\n", if bending { "With bending triplets" } else { "Axial springs only" });
+    println!(
+        "| nodes | springs | triplets | forward us/substep | forward + backward us/substep | M springs/s | us per 1000 springs | of peak arithmetic | of L2 bandwidth |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    let mut per_spring = Vec::new();
+    for nodes in [100, 500, 2000, 6000] {
+        let c = cost(backend, body::ellipsoid(nodes, bending));
+        let rate = c.springs as f64 / c.forward_us * 1e6;
+        per_spring.push(c.forward_us / c.springs as f64);
+        println!(
+            "| {nodes} | {} | {} | {:.2} | {:.2} | {:.0} | {:.2} | {:.1}% | {:.1}% |",
+            c.springs,
+            c.triplets,
+            c.forward_us,
+            c.gradient_us,
+            rate / 1e6,
+            1e3 * c.forward_us / c.springs as f64,
+            100.0 * rate * FLOPS_PER_SPRING / flops,
+            100.0 * rate * BYTES_PER_SPRING / bandwidth,
+        );
+    }
+    let growth = per_spring[3] / per_spring[1];
+    println!("\ncost per spring, 6000 nodes over 500: {growth:.2} (1 is linear growth)\n");
+}
+
+fn small(backend: &dyn Backend) {
+    let c = cost(backend, body::cable(13));
+    println!(
+        "cable of 13 nodes, {} springs, {} triplets: {:.3} us/substep forward, {:.3} forward + backward",
+        c.springs, c.triplets, c.forward_us, c.gradient_us
+    );
+}
+
+fn cost(backend: &dyn Backend, model: Model) -> Cost {
+    let substeps = model.timing.substeps as usize * FRAMES;
+    let (springs, triplets) = (model.graph.springs.len(), model.graph.triplets.len());
+    let state = State::rest(&model.graph);
+    let controls = model.graph.control_rest.repeat(FRAMES + 1);
+    let terms = vec![WeightedTerm {
+        frame: FRAMES,
+        weight: 1.0,
+        group: 0,
+        term: Term::Chamfer { targets: model.graph.rest_positions.clone() },
+    }];
+    let instance = Instance {
+        model: backend.load(Arc::new(model)).expect("the body is stable"),
+        initial: Arc::new(state),
+        controls: Arc::new(controls),
+        frames: FRAMES,
+        objective: Objective { groups: vec!["chamfer".into()], terms: Arc::new(terms) },
+    };
+    let batch = [instance];
+    let (cancel, request) = (CancelToken::default(), GradientRequest::default());
+    let forward = best_of(5, || {
+        let loss = backend.losses(&batch, &cancel).expect("valid");
+        assert!(loss[0].diverged.is_none(), "the body diverged");
+    });
+    let gradient = best_of(3, || {
+        backend.gradients(&batch, &request, &cancel).expect("valid");
+    });
+    let us = |s: f64| s * 1e6 / substeps as f64;
+    Cost { springs, triplets, forward_us: us(forward), gradient_us: us(gradient) }
+}
+
+/// Shortest time of several runs [s]: other work on the machine only adds.
+fn best_of(times: usize, mut work: impl FnMut()) -> f64 {
+    let run = |_| {
+        let start = Instant::now();
+        work();
+        start.elapsed().as_secs_f64()
+    };
+    (0..times).map(run).fold(f64::INFINITY, f64::min)
+}
