@@ -9,8 +9,7 @@ use crate::workspace;
 
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
-const DATABASE: [&str; 5] =
-    ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
+const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
 const PHYSICS: [&str; 5] =
     ["bendtwin-engine", "bendtwin-fit", "bendtwin-eval", "bendtwin-capture", "bendtwin-cuda"];
 
@@ -109,9 +108,10 @@ impl Graph {
         let edges = nodes
             .into_iter()
             .map(|node| {
-                let used = node.deps.into_iter().filter(|d| {
-                    d.dep_kinds.iter().any(|k| k.kind != DependencyKind::Development)
-                });
+                let used = node
+                    .deps
+                    .into_iter()
+                    .filter(|d| d.dep_kinds.iter().any(|k| k.kind != DependencyKind::Development));
                 (node.id, used.map(|d| d.pkg).collect())
             })
             .collect();

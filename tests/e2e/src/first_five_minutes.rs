@@ -10,7 +10,8 @@ use crate::harness::{
 #[tokio::test]
 async fn from_capture_to_rollout_by_command_line() {
     let server = Server::ordinary().await;
-    let (url, capture, twin_file) = (server.url(), server.path("rope.zip"), server.path("rope.twin"));
+    let (url, capture, twin_file) =
+        (server.url(), server.path("rope.zip"), server.path("rope.twin"));
     let settings = server.path("settings.json");
     std::fs::write(&settings, crate::harness::reference::SETTINGS).unwrap();
 

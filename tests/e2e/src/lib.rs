@@ -4,6 +4,8 @@
 #[cfg(test)]
 mod architecture;
 #[cfg(test)]
+mod broken_captures;
+#[cfg(test)]
 mod documents;
 #[cfg(test)]
 mod first_five_minutes;
@@ -13,6 +15,8 @@ mod fits;
 mod harness;
 #[cfg(test)]
 mod malformed;
+#[cfg(test)]
+mod over_http;
 #[cfg(test)]
 mod rollouts;
 #[cfg(test)]

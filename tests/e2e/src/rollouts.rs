@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use bendtwin_proto::v1::{
-    ControlTrajectories, Cost, GripperPoses, Returns, RollOutRequest, RollOutResponse, Tensor, Twin,
-    cost, fit::State, roll_out_request::Actions,
+    ControlTrajectories, Cost, GripperPoses, Returns, RollOutRequest, RollOutResponse, Tensor,
+    Twin, cost, fit::State, roll_out_request::Actions,
 };
 
 use crate::harness::{

@@ -57,7 +57,10 @@ fn modules_are_named_after_their_content() {
             || parts.into_iter().any(|p| EMPTY_NAMES.contains(&p.as_ref()))
     };
     let found: Vec<_> = texts().map(|(name, _)| name).filter(|name| vague(name)).collect();
-    assert!(found.is_empty(), "foo.rs and foo/ instead of mod.rs, and names that say what is inside: {found:?}");
+    assert!(
+        found.is_empty(),
+        "foo.rs and foo/ instead of mod.rs, and names that say what is inside: {found:?}"
+    );
 }
 
 #[test]

@@ -92,8 +92,7 @@ async fn a_client_that_goes_away_during_an_upload_leaves_nothing() {
 async fn a_digest_that_does_not_match_is_refused() {
     let server = Server::start(no_workers()).await;
     let metadata = CaptureMetadata { digest: "00".repeat(32), ..Default::default() };
-    let messages =
-        vec![message(Part::Metadata(metadata)), message(Part::Chunk(capture().await))];
+    let messages = vec![message(Part::Metadata(metadata)), message(Part::Chunk(capture().await))];
     let refused = server.api().captures().create_capture(futures::stream::iter(messages)).await;
     assert_eq!(refused.unwrap_err().code(), Code::InvalidArgument);
     assert_eq!(server.api().list_captures().await.unwrap(), []);

@@ -56,7 +56,11 @@ impl Api {
     }
 
     /// Uploads a capture archive.
-    pub(crate) async fn upload(&self, archive: &Bytes, request_id: &str) -> Result<Capture, Status> {
+    pub(crate) async fn upload(
+        &self,
+        archive: &Bytes,
+        request_id: &str,
+    ) -> Result<Capture, Status> {
         use create_capture_request::Part;
         let metadata = CaptureMetadata {
             display_name: "e2e".to_owned(),
@@ -121,7 +125,10 @@ impl Api {
         Ok(self.twins().get_twin(GetTwinRequest { name: name.to_owned() }).await?.into_inner())
     }
 
-    pub(crate) async fn roll_out(&self, request: RollOutRequest) -> Result<RollOutResponse, Status> {
+    pub(crate) async fn roll_out(
+        &self,
+        request: RollOutRequest,
+    ) -> Result<RollOutResponse, Status> {
         Ok(self.rollouts().roll_out(request).await?.into_inner())
     }
 

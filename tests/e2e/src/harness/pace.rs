@@ -40,6 +40,10 @@ pub(crate) async fn until<T>(
 }
 
 /// Fails the test if the future takes longer.
-pub(crate) async fn within<T>(what: &str, deadline: Duration, future: impl Future<Output = T>) -> T {
+pub(crate) async fn within<T>(
+    what: &str,
+    deadline: Duration,
+    future: impl Future<Output = T>,
+) -> T {
     timeout(deadline, future).await.unwrap_or_else(|_| panic!("{what} took over {deadline:?}"))
 }

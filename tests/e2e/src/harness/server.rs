@@ -139,9 +139,7 @@ impl Server {
     pub(crate) async fn start_worker(&mut self) -> Worker {
         let before: Vec<_> = self.known_workers().await.into_iter().map(|w| w.name).collect();
         let mut command = bendtwin();
-        command
-            .args(["worker", "--server", &self.url()])
-            .env("BENDTWIN_WORKER_TOKEN", TOKEN);
+        command.args(["worker", "--server", &self.url()]).env("BENDTWIN_WORKER_TOKEN", TOKEN);
         self.own.push(self.processes.start(&mut command, &self.folder.path().join("log")));
         until("a new worker", START, async || {
             self.known_workers().await.into_iter().find(|w| !before.contains(&w.name))

@@ -99,7 +99,11 @@ fn lists() -> Vec<Call> {
     let mut calls = Vec::new();
     for (i, page_token) in fields::bad_page_tokens().into_iter().enumerate() {
         let request = ListFitsRequest { page_token: page_token.clone(), ..Default::default() };
-        calls.push(call(format!("page token {page_token:?}"), METHODS[i % METHODS.len()], &request));
+        calls.push(call(
+            format!("page token {page_token:?}"),
+            METHODS[i % METHODS.len()],
+            &request,
+        ));
     }
     for name in bad_names("captures").into_iter().filter(|n| !n.is_empty()) {
         if name.ends_with("dead") && name.starts_with("captures/") {
@@ -114,9 +118,8 @@ fn lists() -> Vec<Call> {
 
 fn fits(capture: &str) -> Vec<Call> {
     let base = CreateFitRequest { capture: capture.to_owned(), ..Default::default() };
-    let create = |what: String, request: &CreateFitRequest| {
-        call(what, "FitService/CreateFit", request)
-    };
+    let create =
+        |what: String, request: &CreateFitRequest| call(what, "FitService/CreateFit", request);
     let mut calls: Vec<_> = fields::bad_settings()
         .into_iter()
         .map(|settings_json| {
@@ -220,7 +223,8 @@ fn broken_bytes() -> Vec<Call> {
         }
     }
     let name = Bytes::from_static(b"\x0a\x01x");
-    for method in ["TwinService/Nothing", "NoService/GetTwin", "TwinService", "TwinService/getTwin"] {
+    for method in ["TwinService/Nothing", "NoService/GetTwin", "TwinService", "TwinService/getTwin"]
+    {
         calls.push(("no such method".to_owned(), method, vec![name.clone()]));
     }
     calls.push(("no message".to_owned(), "TwinService/GetTwin", vec![]));

@@ -110,7 +110,9 @@ fn paths(http: &Http) -> Vec<Named> {
             }
         }
     }
-    for path in ["/v1", "/v1/nothing", "/v2/captures", "/v1/captures/a/b/c", "/%ff%fe", "/v1/fits/%ff"] {
+    for path in
+        ["/v1", "/v1/nothing", "/v2/captures", "/v1/captures/a/b/c", "/%ff%fe", "/v1/fits/%ff"]
+    {
         requests.push((path.to_owned(), http.request(Method::GET, path)));
     }
     requests
@@ -183,12 +185,16 @@ fn fits(http: &Http) -> Vec<Named> {
     }
     for settings in fields::bad_settings() {
         let what = format!("settings {settings:.80}");
-        requests.push((what, post(format!(r#"{{"capture": "{capture}", "settings": {settings}}}"#))));
+        requests
+            .push((what, post(format!(r#"{{"capture": "{capture}", "settings": {settings}}}"#))));
     }
     let valid = json!({"capture": capture}).to_string();
     let typed = http.request(Method::POST, "/v1/fits").header("content-type", "text/html");
     requests.push(("HTML".to_owned(), typed.body(valid.clone())));
-    requests.push(("a long key".to_owned(), post(valid.clone()).header("idempotency-key", fields::too_long().split_at(5000).0)));
+    requests.push((
+        "a long key".to_owned(),
+        post(valid.clone()).header("idempotency-key", fields::too_long().split_at(5000).0),
+    ));
     requests.push(("an empty key".to_owned(), post(valid).header("idempotency-key", "")));
     let bytes = post(String::new()).body(b"{\"capture\": \"\xff\xfe\"}".to_vec());
     requests.push(("bad UTF-8".to_owned(), bytes));
@@ -200,10 +206,19 @@ fn uploads(http: &Http) -> Vec<Named> {
     let zip = |path: &str| post(path).header("content-type", "application/zip");
     let mut requests = vec![
         ("an empty capture".to_owned(), http.request(Method::POST, "/v1/captures")),
-        ("a capture as JSON".to_owned(), post("/v1/captures").header("content-type", "application/json")),
+        (
+            "a capture as JSON".to_owned(),
+            post("/v1/captures").header("content-type", "application/json"),
+        ),
         ("an unknown parameter".to_owned(), zip("/v1/captures?name=x")),
-        ("a digest of something else".to_owned(), zip("/v1/captures").header("x-content-blake3", "0".repeat(64))),
-        ("a digest of no base64".to_owned(), zip("/v1/captures").header("content-digest", "blake3=:!:")),
+        (
+            "a digest of something else".to_owned(),
+            zip("/v1/captures").header("x-content-blake3", "0".repeat(64)),
+        ),
+        (
+            "a digest of no base64".to_owned(),
+            zip("/v1/captures").header("content-digest", "blake3=:!:"),
+        ),
         ("a twin of two bytes".to_owned(), post("/v1/twins")),
         ("an empty twin".to_owned(), http.request(Method::POST, "/v1/twins")),
     ];
@@ -221,7 +236,8 @@ fn rollouts(http: &Http, twin: &str) -> Vec<Named> {
     let post = |body: String| {
         http.request(Method::POST, &path).header("content-type", "application/json").body(body)
     };
-    let positions = |positions: &str| format!(r#"{{"trajectories": {{"positions": {positions}}}}}"#);
+    let positions =
+        |positions: &str| format!(r#"{{"trajectories": {{"positions": {positions}}}}}"#);
     let packed = |dtype: &str, shape: &str, data: &str| {
         positions(&format!(r#"{{"dtype": "{dtype}", "shape": {shape}, "data": "{data}"}}"#))
     };

@@ -23,7 +23,8 @@ pub(super) fn requests(twin: &Twin, file: &Bytes) -> Vec<(String, RollOutRequest
     for (what, tensor) in tensors(&[2, 3, controls, 3]) {
         let actions = ControlTrajectories { positions: tensor, interpolation: 0 };
         let actions = Some(Actions::Trajectories(actions));
-        requests.push((format!("trajectories, {what}"), RollOutRequest { actions, ..good.clone() }));
+        requests
+            .push((format!("trajectories, {what}"), RollOutRequest { actions, ..good.clone() }));
     }
     requests.push(("no actions".to_owned(), RollOutRequest { actions: None, ..good.clone() }));
     let unknown = ControlTrajectories {
@@ -38,7 +39,8 @@ pub(super) fn requests(twin: &Twin, file: &Bytes) -> Vec<(String, RollOutRequest
     }
     for (what, state) in states(twin.node_count as usize) {
         let initial = Some(InitialState { state: Some(state) });
-        requests.push((format!("initial state, {what}"), RollOutRequest { initial, ..good.clone() }));
+        requests
+            .push((format!("initial state, {what}"), RollOutRequest { initial, ..good.clone() }));
     }
     for (what, cost) in costs() {
         let costs = vec![cost];
@@ -66,9 +68,8 @@ fn tensors(shape: &[usize]) -> Vec<(&'static str, Option<Tensor>)> {
     let shaped = |shape: &[u64]| Some(Tensor { shape: shape.to_vec(), ..good.clone() });
     let typed = |dtype: Dtype| Some(Tensor { dtype: dtype.into(), ..good.clone() });
     let short = good.data.slice(..good.data.len() - 1);
-    let zero = |shape: &[u64]| {
-        Some(Tensor { shape: shape.to_vec(), data: Bytes::new(), ..good.clone() })
-    };
+    let zero =
+        |shape: &[u64]| Some(Tensor { shape: shape.to_vec(), data: Bytes::new(), ..good.clone() });
     let (b, k, c) = (shape[0] as u64, shape[1] as u64, shape[2] as u64);
     vec![
         ("missing", None),
@@ -135,7 +136,8 @@ fn poses(controls: usize) -> Vec<(&'static str, GripperPoses)> {
 }
 
 fn states(nodes: usize) -> Vec<(&'static str, State)> {
-    let points = |count: usize, value: f32| Some(Tensor::pack(&[count, 3], &vec![value; count * 3]));
+    let points =
+        |count: usize, value: f32| Some(Tensor::pack(&[count, 3], &vec![value; count * 3]));
     let given = |positions, velocities| State::Given(GivenState { positions, velocities });
     let frame = |capture: &str, sequence, frame| {
         State::CaptureFrame(CaptureFrame { capture: capture.to_owned(), sequence, frame })
@@ -186,11 +188,8 @@ fn costs() -> Vec<(&'static str, Cost)> {
 }
 
 fn returns(nodes: u32) -> Vec<(&'static str, Returns)> {
-    let recording = |nodes: Tensor| Returns {
-        every_frames: 1,
-        nodes: Some(nodes),
-        ..Returns::default()
-    };
+    let recording =
+        |nodes: Tensor| Returns { every_frames: 1, nodes: Some(nodes), ..Returns::default() };
     vec![
         ("a node that is not there", recording(Tensor::pack(&[1], &[nodes]))),
         ("node 2^32 - 1", recording(Tensor::pack(&[1], &[u32::MAX]))),
