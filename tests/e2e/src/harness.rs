@@ -5,6 +5,7 @@ pub(crate) mod command;
 pub(crate) mod http;
 pub(crate) mod pace;
 pub(crate) mod process;
+pub(crate) mod raw;
 pub(crate) mod reference;
 pub(crate) mod server;
 

@@ -3,7 +3,6 @@
 mod fields;
 mod grpc;
 mod http;
-mod raw;
 mod rollouts;
 
 use bendtwin_proto::v1::Twin;

@@ -1,14 +1,17 @@
-//! The HTTP form of the API, as a lab's script uses it.
+//! The HTTP form of the API, as a lab's script uses it, and what operators look at.
 
 use std::time::Duration;
 
+use bytes::Bytes;
 use futures::StreamExt as _;
 use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
+use tonic::Code;
 
 use crate::harness::{
     Server, Setup,
     http::Http,
+    raw,
     reference::{FIT, SETTINGS, capture, reference},
     until, within,
 };
@@ -102,6 +105,14 @@ async fn operators_find_health_metrics_and_a_description() {
         assert!(description["paths"][path].is_object(), "{path} is not described");
     }
     assert_eq!(http.get("/docs").await.status(), StatusCode::OK);
+
+    // Any gRPC tool finds out by itself what there is.
+    let channel = server.api().channel;
+    let health = raw::call(&channel, "/grpc.health.v1.Health/Check", vec![Bytes::new()]).await;
+    assert_eq!(health, Code::Ok);
+    let list_services = Bytes::from_static(&[7 << 3 | 2, 0]);
+    let path = "/grpc.reflection.v1.ServerReflection/ServerReflectionInfo";
+    assert_eq!(raw::call(&channel, path, vec![list_services]).await, Code::Ok);
 
     let refused = http.get("/v1/twins/0190a000-0000-7000-8000-00000000dead").await;
     assert_eq!(refused.status(), StatusCode::NOT_FOUND);

@@ -8,8 +8,8 @@ use bytes::Bytes;
 use prost::Message;
 use tonic::Code;
 
-use super::{World, bad_names, fields, raw, rollouts};
-use crate::harness::{reference::capture, within};
+use super::{World, bad_names, fields, rollouts};
+use crate::harness::{raw, reference::capture, within};
 
 const ANSWER: std::time::Duration = std::time::Duration::from_secs(60);
 
@@ -35,7 +35,8 @@ async fn malformed_calls_are_refused_with_their_code() {
     let channel = world.server.api().channel;
     let mut wrong = Vec::new();
     for (what, method, messages) in &calls {
-        let answer = raw::call(&channel, method, messages.clone());
+        let path = format!("/bendtwin.v1.{method}");
+        let answer = raw::call(&channel, &path, messages.clone());
         let code = within(&format!("{method}, {what}"), ANSWER, answer).await;
         if !is_the_clients(code) {
             let what: String = what.chars().take(100).collect();

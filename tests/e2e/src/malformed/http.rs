@@ -148,7 +148,7 @@ fn queries(http: &Http) -> Vec<Named> {
         }
         for token in fields::bad_page_tokens() {
             let request = http.request(Method::GET, path).query(&[("page_token", &token)]);
-            requests.push((format!("{path}, page token {:.40}", token), request));
+            requests.push((format!("{path}, page token {token:.40}"), request));
         }
     }
     for name in ["x", "twins/0190a000-0000-7000-8000-00000000dead", "../captures"] {

@@ -42,13 +42,13 @@ impl Decoder for Raw {
     }
 }
 
-/// Calls a method with these messages and returns how the call ended.
-pub(super) async fn call(channel: &Channel, method: &str, messages: Vec<Bytes>) -> Code {
+/// Calls `/{package}.{Service}/{Method}` with these messages and returns how the call ended.
+pub(crate) async fn call(channel: &Channel, path: &str, messages: Vec<Bytes>) -> Code {
     let mut grpc = Grpc::new(channel.clone());
     if let Err(error) = grpc.ready().await {
         return Status::unknown(error.to_string()).code();
     }
-    let path = format!("/bendtwin.v1.{method}").parse().unwrap();
+    let path = path.parse().unwrap();
     let request = Request::new(futures::stream::iter(messages));
     // On the wire a unary call is a stream of one.
     let mut replies = match grpc.streaming(request, path, Raw).await {
