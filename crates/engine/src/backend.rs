@@ -141,7 +141,7 @@ impl std::fmt::Debug for Loaded {
 pub struct Instance {
     /// The loaded model.
     pub model: Loaded,
-    /// State at the start; pinned nodes are moved onto their control points.
+    /// State at the start; pinned nodes are moved onto their control points and take their velocity.
     pub initial: Arc<State>,
     /// Control point positions at frame boundaries [m], shape [F + 1, C, 3]; row 0 belongs to the
     /// initial state, F is the number of frames to simulate. With no control points, F comes from `frames`.
@@ -155,7 +155,7 @@ pub struct Instance {
 /// What a rollout should return apart from costs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
-    /// Record the positions of every k-th frame (frames k, 2k, ...); 0 records none.
+    /// Record the positions of every k-th frame (frames k, 2k, ...); 0 records none of them.
     pub every: usize,
     /// Record frame 0 too.
     pub initial: bool,
@@ -178,7 +178,7 @@ pub struct Diagnostics {
     pub kinetic_energy: f32,
     /// Elastic energy at the end [J per unit mass scale].
     pub elastic_energy: f32,
-    /// Nodes on the ground at the end.
+    /// Nodes on the ground (less than 1 mm above it) at the end.
     pub ground_contacts: u32,
 }
 
@@ -191,13 +191,14 @@ pub struct Rollout {
     pub positions: Vec<Point>,
     /// Weighted sum of the objective; infinite if it diverged.
     pub cost: f64,
-    /// Weighted sums per group, shape [groups].
+    /// Weighted sums per group, shape [groups]; infinite if it diverged.
     pub group_costs: Vec<f64>,
     /// Final state if asked for.
     pub final_state: Option<State>,
     /// Diagnostics if asked for.
     pub diagnostics: Option<Diagnostics>,
-    /// Where it diverged, if it did; nothing is recorded from that frame on.
+    /// Where it diverged, if it did; nothing is recorded from that frame on, and there are neither
+    /// final state nor diagnostics.
     pub diverged: Option<Divergence>,
 }
 
@@ -206,7 +207,7 @@ pub struct Rollout {
 pub struct Loss {
     /// Weighted sum of the objective; infinite if it diverged.
     pub total: f64,
-    /// Weighted sums per group.
+    /// Weighted sums per group; infinite if it diverged.
     pub groups: Vec<f64>,
     /// Where it diverged, if it did.
     pub diverged: Option<Divergence>,
@@ -216,7 +217,8 @@ pub struct Loss {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GradientRequest {
     /// Cut the gradient at every k-th frame boundary (0: never): the state's adjoint is zeroed
-    /// there, as in PhysTwin with 1.
+    /// there, as in PhysTwin with 1. What a boundary's own terms add counts for the window that
+    /// ends there; frame 0 is no boundary, so the first window's gradient reaches the initial state.
     pub cut_every: usize,
     /// Also return gradients with respect to the controls.
     pub controls: bool,
@@ -232,11 +234,14 @@ pub struct Gradient {
     /// The loss.
     pub loss: Loss,
     /// d loss / d params, arrays and fields as in [`Params`] (contact switches and the
-    /// collision distance, which has no derivative, stay at their defaults or zero).
+    /// collision distance, which has no derivative, stay at their defaults or zero). Whether and
+    /// between whom an impact happens, and which node is a target's nearest, counts as fixed;
+    /// an impact's time and impulse are differentiated.
     pub params: Params,
-    /// d loss / d controls, shape [F + 1, C, 3]; empty if not asked for.
+    /// d loss / d controls, shape [F + 1, C, 3]; empty if not asked for. Includes what reaches
+    /// the loss through pinned nodes and through the controls' velocities.
     pub controls: Vec<Point>,
-    /// d loss / d initial state if asked for.
+    /// d loss / d initial state if asked for; zero for pinned nodes, which start on their control points.
     pub initial: Option<State>,
     /// State after the last frame if asked for.
     pub final_state: Option<State>,

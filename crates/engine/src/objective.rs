@@ -10,7 +10,7 @@ use bendtwin_core::Point;
 pub enum PointLoss {
     /// Smooth L1 per coordinate, mean over coordinates: d²/(2 beta) below beta, |d| - beta/2 above.
     SmoothL1 {
-        /// Where quadratic turns linear [m].
+        /// Where quadratic turns linear [m]; 0 is plain L1.
         beta_m: f32,
     },
     /// Euclidean distance [m].
@@ -37,8 +37,8 @@ pub enum Term {
         /// How a difference counts.
         loss: PointLoss,
     },
-    /// Mean squared second difference of positions over three consecutive
-    /// frames [m²]; zero before the second frame.
+    /// Mean over all nodes of the squared second difference of positions over
+    /// three consecutive frames [m²]; zero before the second frame.
     Acceleration,
 }
 

@@ -71,7 +71,7 @@ impl<T: Real> Backward<'_, T> {
         let mut workspace = case.start();
         for frame in (0..=case.frames).rev() {
             self.add_later_terms(frame, &mut adjoint.bar);
-            if cut_every > 0 && frame % cut_every == 0 {
+            if frame > 0 && cut_every > 0 && frame.is_multiple_of(cut_every) {
                 adjoint.bar.fill(Node::default());
             }
             if let Some(moment) = self.moment(frame) {
