@@ -152,6 +152,7 @@ suite! { ($)
         diagnostics_match_the_state;
     gradients:
         gradients_match_finite_differences,
+        gradients_of_a_straight_rod,
         gradients_through_ground_contact,
         gradients_through_object_contact,
         gradients_of_every_term,

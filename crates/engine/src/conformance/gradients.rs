@@ -61,6 +61,30 @@ pub(super) fn gradients_match_finite_differences(backend: &dyn Backend) -> Outco
     Ok(())
 }
 
+/// A rod that stays perfectly straight, its bending force 0/0 in every substep, yet bends as soon as
+/// a node is moved: to 1 %. (By rest angle and damping there is no derivative there: both
+/// only have a size, no direction.)
+pub(super) fn gradients_of_a_straight_rod(backend: &dyn Backend) -> Outcome {
+    let points: Vec<_> = (0..5).map(|i| [0.1 * i as f32, 0.0, 0.0]).collect();
+    let mut scene = Scene::of(&points);
+    (0..4).for_each(|i| scene.spring([i, i + 1], 50.0, 0.5));
+    (1..4).for_each(|j| scene.triplet([j - 1, j, j + 1], std::f32::consts::PI, 2.0, 0.0));
+    scene.fix(0);
+    scene.fix(1);
+    scene.last(6);
+    let nodes = vec![2, 3, 4];
+    let targets = vec![[0.2, 0.02, 0.0], [0.29, 0.05, 0.01], [0.37, 0.1, -0.02]];
+    scene.objective.groups = vec!["track".into()];
+    scene.objective.terms = Arc::new(vec![WeightedTerm {
+        frame: 6,
+        weight: 1.0,
+        group: 0,
+        term: Term::Track { nodes, targets, loss: PointLoss::SquaredDistance },
+    }]);
+    let must_matter = &["controls", "initial positions", "initial velocities"];
+    matches_differences(backend, &scene, &Check { seed: 0, tolerance: 1e-2, must_matter })
+}
+
 /// Through impacts on the ground in the middle of the first substep, however the variables are
 /// moved, sliding and sticking: to 1 %. (An impact that moves to another substep makes the
 /// velocity jump by (1 + e) a dt, which no derivative sees and every difference does.)
