@@ -5,10 +5,12 @@
 
 #[path = "substep/body.rs"]
 mod body;
+#[path = "substep/clock.rs"]
+mod clock;
 #[path = "substep/limits.rs"]
 mod limits;
 
-use std::{sync::Arc, time::Instant};
+use std::sync::Arc;
 
 use bendtwin_engine::{
     Backend, Model, Objective, Term,
@@ -18,12 +20,13 @@ use bendtwin_engine::{
     objective::WeightedTerm,
 };
 
+use self::clock::best_of;
+
 /// Arithmetic of one spring: 6 differences, length (5, root), inverse, stretch, elastic, damping (5, 3), 3
 /// products and 6 additions to the nodes.
 const FLOPS_PER_SPRING: f64 = 33.0;
 /// Bytes of a spring's record, read once a substep: two indices, stiffness, rest length, dashpot.
 const BYTES_PER_SPRING: f64 = 20.0;
-const FRAMES: usize = 2;
 
 struct Cost {
     springs: usize,
@@ -34,7 +37,7 @@ struct Cost {
 
 fn main() {
     let backend = cpu_with_threads(1);
-    println!("{}\n", backend.device().name);
+    println!("{}; times are processor times\n", backend.device().name);
     let flops = limits::fused_flops_per_s();
     let (far, near) = (limits::bytes_per_s(1 << 26), limits::bytes_per_s(1 << 17));
     println!(
@@ -85,12 +88,14 @@ fn small(backend: &dyn Backend) {
 }
 
 fn cost(backend: &dyn Backend, model: Model) -> Cost {
-    let substeps = model.timing.substeps as usize * FRAMES;
+    // Small bodies get more frames, for the clock's sake.
+    let frames = (4000 / model.graph.node_count()).clamp(1, 50);
+    let substeps = model.timing.substeps as usize * frames;
     let (springs, triplets) = (model.graph.springs.len(), model.graph.triplets.len());
     let state = State::rest(&model.graph);
-    let controls = model.graph.control_rest.repeat(FRAMES + 1);
+    let controls = model.graph.control_rest.repeat(frames + 1);
     let terms = vec![WeightedTerm {
-        frame: FRAMES,
+        frame: frames,
         weight: 1.0,
         group: 0,
         term: Term::Chamfer { targets: model.graph.rest_positions.clone() },
@@ -99,12 +104,12 @@ fn cost(backend: &dyn Backend, model: Model) -> Cost {
         model: backend.load(Arc::new(model)).expect("the body is stable"),
         initial: Arc::new(state),
         controls: Arc::new(controls),
-        frames: FRAMES,
+        frames,
         objective: Objective { groups: vec!["chamfer".into()], terms: Arc::new(terms) },
     };
     let batch = [instance];
     let (cancel, request) = (CancelToken::default(), GradientRequest::default());
-    let forward = best_of(5, || {
+    let forward = best_of(7, || {
         let loss = backend.losses(&batch, &cancel).expect("valid");
         assert!(loss[0].diverged.is_none(), "the body diverged");
     });
@@ -113,14 +118,4 @@ fn cost(backend: &dyn Backend, model: Model) -> Cost {
     });
     let us = |s: f64| s * 1e6 / substeps as f64;
     Cost { springs, triplets, forward_us: us(forward), gradient_us: us(gradient) }
-}
-
-/// Shortest time of several runs [s]: other work on the machine only adds.
-fn best_of(times: usize, mut work: impl FnMut()) -> f64 {
-    let run = |_| {
-        let start = Instant::now();
-        work();
-        start.elapsed().as_secs_f64()
-    };
-    (0..times).map(run).fold(f64::INFINITY, f64::min)
 }

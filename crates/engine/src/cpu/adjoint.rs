@@ -9,13 +9,16 @@ use super::{
     control::{FrameControls, FrameControlsAdjoint},
     ground::advance_adjoint,
     impulse::Law,
-    integrate::{Tape, Workspace, ground_law, run_frame},
+    integrate::{Tape, Workspace, begin_frame, ground_law, run_substeps},
     lanes::{LANES, Node},
     parameters::Parameters,
     real::{Quad, Real, add_scaled, dot, scale},
     spring::{SpringGradient, spring_adjoint},
     system::System,
 };
+
+/// Largest tape of one instance. Tests use a small one, so that they meet segments.
+const MAX_TAPE_BYTES: usize = if cfg!(test) { 20_000 } else { 256 << 20 };
 
 /// d loss / d everything, as far back as the frames gone through.
 #[derive(Debug)]
@@ -58,9 +61,23 @@ impl<T: Real> Adjoint<T> {
         controls: FrameControls<'_, T>,
         workspace: &mut Workspace<T>,
     ) {
-        run_frame(system, controls, workspace, Some(&mut self.tape));
+        begin_frame(system, controls, workspace);
         self.controls.clear();
-        Arch::new().dispatch(BackFrame { system, workspace, adjoint: self });
+        let segment = segment_length(system);
+        let starts: Vec<usize> = (0..system.substeps).step_by(segment).collect();
+        let part = |start: usize| start..(start + segment).min(system.substeps);
+        let mut marks: Vec<Vec<Node<T>>> = Vec::new();
+        for &start in starts.iter().take(starts.len().saturating_sub(1)) {
+            marks.push(workspace.nodes.clone());
+            run_substeps(system, controls, workspace, part(start), None);
+        }
+        for &start in starts.iter().rev() {
+            run_substeps(system, controls, workspace, part(start), Some(&mut self.tape));
+            Arch::new().dispatch(BackSubsteps { system, workspace, start, adjoint: self });
+            if let Some(mark) = marks.pop() {
+                workspace.nodes.copy_from_slice(&mark);
+            }
+        }
         self.controls.begin(system, &mut self.bar);
     }
 
@@ -93,22 +110,33 @@ impl<T: Real> Adjoint<T> {
     }
 }
 
-struct BackFrame<'a, T> {
+/// Substeps that may be on tape at once: a whole frame, unless that takes too much memory. Then a
+/// frame is run once more to mark where its segments start.
+fn segment_length<T: Real>(system: &System<T>) -> usize {
+    let substep = system.endpoints() * size_of::<Node<T>>() + system.nodes * size_of::<Quad<T>>();
+    (MAX_TAPE_BYTES / substep.max(1)).clamp(1, system.substeps)
+}
+
+struct BackSubsteps<'a, T> {
     system: &'a System<T>,
     workspace: &'a mut Workspace<T>,
+    /// First substep on tape.
+    start: usize,
     adjoint: &'a mut Adjoint<T>,
 }
 
-impl<T: Real> WithSimd for BackFrame<'_, T> {
+impl<T: Real> WithSimd for BackSubsteps<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { system, workspace: w, adjoint: a } = self;
+        let Self { system, workspace: w, start, adjoint: a } = self;
         let (e, n) = (system.endpoints(), system.nodes);
-        for substep in (0..system.substeps).rev() {
-            let nodes = &a.tape.nodes[substep * e..(substep + 1) * e];
-            let before = &a.tape.before[substep * n..(substep + 1) * n];
+        let substeps = a.tape.substeps;
+        for on_tape in (0..substeps).rev() {
+            let substep = start + on_tape;
+            let nodes = &a.tape.nodes[on_tape * e..(on_tape + 1) * e];
+            let before = &a.tape.before[on_tape * n..(on_tape + 1) * n];
             a.controls.pin_nodes(system, substep, &mut a.bar);
             if w.candidates.is_empty() {
                 travel_adjoint(system, nodes, before, &mut a.bar, &mut a.ground);

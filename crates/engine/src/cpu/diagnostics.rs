@@ -39,8 +39,11 @@ impl<'a, T: Real> Observer<'a, T> {
     pub(crate) fn see(&mut self, frame: usize, endpoints: &[Node<T>]) {
         let nodes = &endpoints[..self.system.nodes];
         let every = self.recording.every;
-        let wanted =
-            if frame == 0 { self.recording.initial } else { every > 0 && frame.is_multiple_of(every) };
+        let wanted = if frame == 0 {
+            self.recording.initial
+        } else {
+            every > 0 && frame.is_multiple_of(every)
+        };
         if wanted {
             self.rollout.frames.push(frame);
             let positions = &mut self.rollout.positions;

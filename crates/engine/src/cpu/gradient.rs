@@ -1,6 +1,6 @@
 //! Loss and gradient of one instance: forward with a checkpoint at every frame,
-//! then backward frame by frame, each run again with its substeps on tape. Memory is the frame-end states plus
-//! one frame's tape.
+//! then backward frame by frame, each run again with its substeps on tape.
+//! Memory is the frame-end states plus one frame's tape (less for large models).
 
 use super::{
     adjoint::Adjoint,

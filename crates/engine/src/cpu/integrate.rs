@@ -1,6 +1,8 @@
 //! One frame forward: forces, velocities, contact between nodes, ground, pins,
 //! for every substep (semi-implicit Euler, in the order of the model's definition).
 
+use std::ops::Range;
+
 use pulp::{Arch, Simd, WithSimd};
 
 use super::{
@@ -44,9 +46,11 @@ impl<T: Real> Workspace<T> {
     }
 }
 
-/// What the adjoint needs of each substep of a frame.
+/// What the adjoint needs of each of some successive substeps.
 #[derive(Debug, Default)]
 pub(crate) struct Tape<T> {
+    /// Substeps on it.
+    pub(crate) substeps: usize,
     /// Endpoints as the forces saw them, shape [substeps, N + C].
     pub(crate) nodes: Vec<Node<T>>,
     /// Velocities before contact, shape [substeps, N].
@@ -61,37 +65,58 @@ pub(crate) fn ground_law<T: Real>(system: &System<T>) -> Law<T> {
     }
 }
 
-/// Advances the workspace's nodes by a frame; fills the tape if there is one.
+/// Advances the workspace's nodes by a frame.
 pub(crate) fn run_frame<T: Real>(
     system: &System<T>,
     controls: FrameControls<'_, T>,
     workspace: &mut Workspace<T>,
-    tape: Option<&mut Tape<T>>,
+) {
+    begin_frame(system, controls, workspace);
+    run_substeps(system, controls, workspace, 0..system.substeps, None);
+}
+
+/// What happens once a frame: pinned nodes take their new velocity, contact its candidates.
+pub(crate) fn begin_frame<T: Real>(
+    system: &System<T>,
+    controls: FrameControls<'_, T>,
+    workspace: &mut Workspace<T>,
 ) {
     controls.begin(system, &mut workspace.nodes);
     let Workspace { nodes, candidates, .. } = workspace;
     candidates.find(system, nodes);
-    Arch::new().dispatch(Frame { system, controls, workspace, tape });
 }
 
-struct Frame<'a, T> {
+/// Some of a frame's substeps; fills the tape if there is one.
+pub(crate) fn run_substeps<T: Real>(
+    system: &System<T>,
+    controls: FrameControls<'_, T>,
+    workspace: &mut Workspace<T>,
+    substeps: Range<usize>,
+    tape: Option<&mut Tape<T>>,
+) {
+    Arch::new().dispatch(Substeps { system, controls, workspace, substeps, tape });
+}
+
+struct Substeps<'a, T> {
     system: &'a System<T>,
     controls: FrameControls<'a, T>,
     workspace: &'a mut Workspace<T>,
+    substeps: Range<usize>,
     tape: Option<&'a mut Tape<T>>,
 }
 
-impl<T: Real> WithSimd for Frame<'_, T> {
+impl<T: Real> WithSimd for Substeps<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { system, controls, workspace: w, mut tape } = self;
+        let Self { system, controls, workspace: w, substeps, mut tape } = self;
         if let Some(tape) = &mut tape {
             tape.nodes.clear();
             tape.before.clear();
+            tape.substeps = substeps.len();
         }
-        for substep in 0..system.substeps {
+        for substep in substeps {
             controls.place(system, substep, &mut w.nodes);
             spring_forces(&system.springs, &w.nodes, &mut w.forces);
             bend_forces(&system.triplets, &w.nodes, &mut w.forces);

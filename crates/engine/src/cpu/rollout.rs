@@ -67,7 +67,7 @@ impl<T: Real> Case<'_, T> {
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            run_frame(self.system, self.controls_of(frame - 1), &mut workspace, None);
+            run_frame(self.system, self.controls_of(frame - 1), &mut workspace);
             if let Some(node) = first_diverged(&workspace.nodes[..n]) {
                 return Ok(Some(Divergence { frame, node }));
             }
