@@ -121,7 +121,7 @@ impl IntoResponse for Refusal {
         let request_id = Context::current().request_id;
         let fault = context::public(self.fault, &request_id);
         let document = ProblemDocument {
-            kind: format!("urn:bendtwin:error:{}", fault.reason.to_lowercase().replace('_', "-")),
+            kind: format!("urn:bendtwin:error:{}", fault.reason),
             title: category_name(fault.category).to_owned(),
             status: self.status.as_u16(),
             detail: fault.message,

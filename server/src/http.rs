@@ -95,6 +95,3 @@ fn download(content: Content, media_type: &'static str, file_name: &str) -> Resp
     let chunks = content.chunks.inspect_err(|error| tracing::error!(%error, "download broke off"));
     (headers, Body::from_stream(chunks)).into_response()
 }
-
-#[cfg(test)]
-mod tests;

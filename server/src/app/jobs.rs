@@ -52,7 +52,7 @@ impl App {
         let fits = self.store.fits();
         let claimed = fits.claim_within(worker, self.options.lease(), wait.min(LONGEST_WAIT));
         let claimed = tokio::select! {
-            () = self.stopping.cancelled() => return Ok(None),
+            () = self.stopping.cancelled() => return Err(Error::Stopping),
             claimed = claimed => claimed?,
         };
         let Some(fit) = claimed else { return Ok(None) };

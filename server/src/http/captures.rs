@@ -50,7 +50,7 @@ pub(super) async fn create(
     let upload = CaptureUpload {
         display_name: params.display_name,
         request_id: extract::idempotency_key(request.headers())?,
-        digest: extract::declared_digest(request.headers())?,
+        digest: extract::declared_digest(request.headers(), params.digest)?,
         body: extract::upload_body(request),
     };
     let capture = app.create_capture(upload).await?;

@@ -89,10 +89,13 @@ pub(super) fn upload_body(request: Request) -> app::Body {
     TryStreamExt::map_err(request.into_body().into_data_stream(), broken).boxed()
 }
 
-/// The digest that an upload declares: `X-Content-Blake3: {hex}`, or
-/// `Content-Digest: blake3=:{base64}:` (RFC 9530). Empty if none.
-pub(super) fn declared_digest(headers: &HeaderMap) -> Result<String, Refusal> {
+/// The digest that an upload declares: `?digest={hex}`, `X-Content-Blake3: {hex}`
+/// or `Content-Digest: blake3=:{base64}:` (RFC 9530). Empty if none.
+pub(super) fn declared_digest(headers: &HeaderMap, query: String) -> Result<String, Refusal> {
     use base64::{Engine, prelude::BASE64_STANDARD};
+    if !query.is_empty() {
+        return Ok(query);
+    }
     let text = |name: &str| headers.get(name).map(|v| v.to_str().unwrap_or("?"));
     if let Some(hex) = text("x-content-blake3") {
         return Ok(hex.to_owned());

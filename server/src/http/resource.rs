@@ -270,6 +270,9 @@ pub(super) struct UploadParams {
     /// A person's name for it.
     #[serde(default)]
     pub(super) display_name: String,
+    /// BLAKE3 of the body, hex; checked. Headers say the same.
+    #[serde(default)]
+    pub(super) digest: String,
 }
 
 /// Stored JSON as it is; null if it is none.

@@ -47,7 +47,7 @@ pub(super) async fn create(
     let upload = TwinUpload {
         display_name: params.display_name,
         request_id: extract::idempotency_key(request.headers())?,
-        digest: extract::declared_digest(request.headers())?,
+        digest: extract::declared_digest(request.headers(), params.digest)?,
         body: extract::upload_body(request),
     };
     let twin = app.create_twin(upload).await?;

@@ -1,0 +1,112 @@
+use bendtwin_proto::v1::{
+    CaptureMetadata, CreateCaptureRequest, DeleteCaptureRequest, GetCaptureRequest,
+    ListCapturesRequest, create_capture_request::Part,
+};
+use bytes::Bytes;
+use serde_json::json;
+use tokio::io::AsyncWriteExt;
+
+use crate::harness::{Server, read};
+
+#[tokio::test]
+async fn http_round_trip() {
+    let server = Server::start().await;
+    let content = vec![7u8; 3_000_000];
+    let digest = blake3::hash(&content);
+    let upload = |key: &str, name: &str| {
+        let url = server.url(&format!("/v1/captures?display_name={name}"));
+        let request = server.http.post(url).header("content-type", "application/zip");
+        let request = request.header("idempotency-key", key);
+        request.header("x-content-blake3", digest.to_hex().as_str()).body(content.clone()).send()
+    };
+    let response = upload("key", "a%20rope").await.unwrap();
+    let location = response.headers()["location"].to_str().unwrap().to_owned();
+    let (status, created) = read(response).await;
+    assert_eq!(status, 201);
+    assert_eq!(created["display_name"], "a rope");
+    assert_eq!(created["digest"], digest.to_hex().as_str());
+    assert_eq!(created["size_bytes"], 3_000_000);
+    assert!(created["create_time"].as_str().unwrap().parse::<jiff::Timestamp>().is_ok());
+
+    let (_, again) = read(upload("key", "a%20rope").await.unwrap()).await;
+    assert_eq!(again, created);
+    let (status, other) = read(upload("key", "another").await.unwrap()).await;
+    assert_eq!((status, &other["reason"]), (409, &json!("REQUEST_ID_TAKEN")));
+
+    assert_eq!(server.get(&location).await, (200, created.clone()));
+    let (_, list) = server.get("/v1/captures?page_size=1").await;
+    assert_eq!(list, json!({"captures": [created], "next_page_token": ""}));
+    let got = server.http.get(server.url(&format!("{location}/content"))).send().await.unwrap();
+    assert_eq!(got.headers()["content-length"], "3000000");
+    assert!(got.bytes().await.unwrap() == content);
+
+    assert_eq!(server.delete(&location).await.0, 204);
+    let (status, gone) = server.get(&location).await;
+    assert_eq!((status, &gone["reason"]), (404, &json!("NOT_FOUND")));
+    assert_eq!(server.blob_files(), 0);
+}
+
+#[tokio::test]
+async fn grpc_round_trip() {
+    let server = Server::start().await;
+    let mut captures = server.captures();
+    let metadata = CaptureMetadata { display_name: "rope".into(), ..CaptureMetadata::default() };
+    let chunk = |b: &'static [u8]| Part::Chunk(Bytes::from_static(b));
+    let parts = [Part::Metadata(metadata), chunk(b"an "), chunk(b"archive")];
+    let parts = parts.map(|part| CreateCaptureRequest { part: Some(part) });
+    let created = captures.create_capture(futures::stream::iter(parts)).await.unwrap();
+    let created = created.into_inner().capture.unwrap();
+    assert_eq!(created.digest, blake3::hash(b"an archive").to_hex().as_str());
+    let name = created.name.clone();
+    let got = captures.get_capture(GetCaptureRequest { name: name.clone() }).await.unwrap();
+    assert_eq!(got.into_inner(), created);
+    let list = captures.list_captures(ListCapturesRequest::default()).await.unwrap().into_inner();
+    assert_eq!((list.captures, list.next_page_token), (vec![created], String::new()));
+    captures.delete_capture(DeleteCaptureRequest { name }).await.unwrap();
+}
+
+#[tokio::test]
+async fn uploads_that_break_or_fall_silent_leave_nothing() {
+    let server = Server::start_with(|o| {
+        o.limits.upload_idle_s = 0.2;
+        o.limits.capture_bytes = 1000;
+    })
+    .await;
+    let address = server.handle.local_addr();
+    let head = "POST /v1/captures HTTP/1.1\r\nhost: x\r\ncontent-type: application/zip\r\n\
+                content-length: 500\r\n\r\nsome bytes";
+    // Closed in mid-body.
+    let mut broken = tokio::net::TcpStream::connect(address).await.unwrap();
+    broken.write_all(head.as_bytes()).await.unwrap();
+    drop(broken);
+    // Silent in mid-body.
+    let mut silent = tokio::net::TcpStream::connect(address).await.unwrap();
+    silent.write_all(head.as_bytes()).await.unwrap();
+    let mut answer = vec![0; 12];
+    tokio::io::AsyncReadExt::read_exact(&mut silent, &mut answer).await.unwrap();
+    assert_eq!(answer, b"HTTP/1.1 400");
+    // Too large; wrong digest; empty.
+    let post = |body: Vec<u8>, digest: &'static str| {
+        let request = server.http.post(server.url("/v1/captures")).body(body);
+        let request = request.header("content-type", "application/zip");
+        async move { read(request.header("x-content-blake3", digest).send().await.unwrap()).await }
+    };
+    let none = "0000000000000000000000000000000000000000000000000000000000000000";
+    for (body, digest, reason) in [
+        (vec![0; 1001], "", "CONTENT_TOO_LARGE"),
+        (vec![0; 10], none, "DIGEST_MISMATCH"),
+        (vec![0; 10], "xyz", "INVALID_FIELD"),
+        (vec![], "", "INVALID_FIELD"),
+    ] {
+        let (status, problem) = post(body, digest).await;
+        assert_eq!((status, problem["reason"].as_str()), (400, Some(reason)));
+    }
+    assert_eq!(server.get("/v1/captures").await.1["captures"], json!([]));
+    // Removal is asynchronous.
+    let emptied = async {
+        while server.blob_files() > 0 {
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        }
+    };
+    tokio::time::timeout(std::time::Duration::from_secs(5), emptied).await.unwrap();
+}

@@ -1,0 +1,115 @@
+use std::time::Duration;
+
+use bendtwin_proto::v1::{
+    CreateFitRequest, GetFitRequest, ListFitsRequest, WatchFitRequest, fit::State,
+};
+use futures::StreamExt;
+use serde_json::{Value, json};
+
+use crate::{
+    harness::{Server, read},
+    worker::Worker,
+};
+
+#[tokio::test]
+async fn a_fit_is_accepted_with_its_settings_in_force() {
+    let server = Server::start().await;
+    let capture = server.capture().await;
+    let body = json!({"capture": capture, "settings": {"seed": 7}, "priority": 3});
+    let request = server.http.post(server.url("/v1/fits")).json(&body);
+    let trace = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
+    let request = request.header("idempotency-key", "key").header("traceparent", trace);
+    let response = request.try_clone().unwrap().send().await.unwrap();
+    let location = response.headers()["location"].to_str().unwrap().to_owned();
+    let (status, fit) = read(response).await;
+    assert_eq!(status, 202);
+    assert_eq!((&fit["state"], &fit["priority"]), (&json!("QUEUED"), &json!(3)));
+    assert_eq!((&fit["settings"]["seed"], &fit["settings"]["bending"]), (&json!(7), &json!(true)));
+    assert_eq!(read(request.send().await.unwrap()).await.1, fit);
+    assert_eq!(server.get(&location).await, (200, fit.clone()));
+    let (_, list) = server.get(&format!("/v1/fits?capture={capture}")).await;
+    assert_eq!(list["fits"], json!([fit]));
+
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    assert_eq!((lease.trace_parent.as_str(), lease.request_id.as_str()), (trace, "key"));
+    assert_eq!(lease.capture_display_name, "rope");
+    let refused = server.delete(&location).await;
+    assert_eq!((refused.0, &refused.1["reason"]), (409, &json!("FIT_RUNNING")));
+    let (status, fit) = server.post(&format!("{location}/cancel"), Value::Null).await;
+    assert_eq!((status, &fit["cancel_requested"]), (200, &json!(true)));
+}
+
+#[tokio::test]
+async fn unsound_settings_are_refused_with_all_faults() {
+    let server = Server::start().await;
+    let capture = server.capture().await;
+    let mut fits = server.fits();
+    let settings_json = r#"{"search": {"sigma": 0}, "refine": {"learning_rate": 2}}"#.to_owned();
+    let request = CreateFitRequest { capture, settings_json, ..CreateFitRequest::default() };
+    let status = fits.create_fit(request.clone()).await.unwrap_err();
+    assert_eq!(bendtwin_proto::fault::fault(&status).reason, "INVALID_SETTINGS");
+    let message = status.message();
+    assert!(message.contains("sigma") && message.contains("learning_rate"), "{message}");
+    let request = CreateFitRequest { settings_json: String::new(), ..request };
+    let fit = fits.create_fit(request).await.unwrap().into_inner();
+    assert_eq!(fit.state(), State::Queued);
+    let got = fits.get_fit(GetFitRequest { name: fit.name.clone() }).await.unwrap().into_inner();
+    assert_eq!(got, fit);
+    let list = fits.list_fits(ListFitsRequest::default()).await.unwrap().into_inner();
+    assert_eq!(list.fits, [fit]);
+}
+
+/// Reads the events of a fit until the server ends them.
+async fn events(server: &Server, fit: &str, last: Option<u64>) -> Vec<(u64, Value)> {
+    let mut request = server.http.get(server.url(&format!("/v1/{fit}/events")));
+    if let Some(last) = last {
+        request = request.header("last-event-id", last);
+    }
+    let response = request.send().await.unwrap();
+    assert_eq!(response.headers()["content-type"], "text/event-stream");
+    let text = response.text().await.unwrap();
+    let events = text.split("\n\n").filter(|e| !e.is_empty() && !e.starts_with(':'));
+    let field = |event: &str, name: &str| {
+        let line = event.lines().find_map(|l| l.strip_prefix(&format!("{name}: ")));
+        line.unwrap().to_owned()
+    };
+    events
+        .map(|e| {
+            assert_eq!(field(e, "event"), "fit");
+            (field(e, "id").parse().unwrap(), serde_json::from_str(&field(e, "data")).unwrap())
+        })
+        .collect()
+}
+
+#[tokio::test]
+async fn events_tell_every_change_and_resume() {
+    let server = Server::start().await;
+    let fit = server.fit().await;
+    let mut worker = Worker::register(&server).await;
+    let watch = WatchFitRequest { name: fit.clone(), after_revision: 0 };
+    let mut watched = server.fits().watch_fit(watch).await.unwrap().into_inner();
+    assert_eq!(watched.next().await.unwrap().unwrap().state(), State::Queued);
+    let work = async {
+        let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
+        for i in 1..4 {
+            worker.report(&lease, f64::from(i) / 4.0).await.unwrap();
+        }
+        worker.complete(&lease, b"a twin").await.unwrap()
+    };
+    let (seen, twin) = tokio::join!(events(&server, &fit, None), work);
+    assert!(seen.windows(2).all(|w| w[0].0 < w[1].0));
+    let (last, state) = seen.last().unwrap();
+    assert_eq!((&state["state"], &state["twin"]), (&json!("SUCCEEDED"), &json!(twin)));
+    assert_eq!(state["revision"], json!(last));
+    // From the end: nothing new, and the stream ends; from before it: the last state.
+    assert_eq!(events(&server, &fit, Some(*last)).await, []);
+    assert_eq!(events(&server, &fit, Some(last - 1)).await.len(), 1);
+    let mut messages = Vec::new();
+    while let Some(message) = watched.next().await {
+        messages.push(message.unwrap());
+    }
+    assert_eq!(messages.last().unwrap().twin, twin);
+    let unknown = server.get("/v1/fits/00000000-0000-7000-8000-000000000000/events").await;
+    assert_eq!(unknown.0, 404);
+}

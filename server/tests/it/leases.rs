@@ -1,0 +1,159 @@
+use std::time::Duration;
+
+use bendtwin_proto::{
+    v1::Fault,
+    worker::v1::{BeatRequest, FailFitRequest, LeaseFitRequest},
+};
+use serde_json::json;
+use tonic::Code;
+
+use crate::{
+    harness::Server,
+    worker::{Worker, link},
+};
+
+fn reason(status: &tonic::Status) -> String {
+    bendtwin_proto::fault::fault(status).reason
+}
+
+/// The whole protocol: lease, download, report, checkpoint, hand back, lease
+/// again elsewhere, go on from the checkpoint, complete, complete again.
+#[tokio::test]
+async fn a_job_goes_from_worker_to_worker_until_it_is_a_twin() {
+    let server = Server::start().await;
+    let fit = server.fit().await;
+    let mut first = Worker::register(&server).await;
+    let lease = first.lease(Duration::from_secs(5)).await.unwrap();
+    assert_eq!((&lease.fit, lease.epoch, lease.has_checkpoint), (&fit, 1, false));
+    assert_eq!(first.download(&lease.capture).await.unwrap(), b"an archive");
+    assert_eq!(first.download(&fit).await.unwrap_err().code(), Code::NotFound);
+    assert!(!first.report(&lease, 0.25).await.unwrap());
+    first.checkpoint(&lease, b"old").await.unwrap();
+    first.checkpoint(&lease, b"half way").await.unwrap();
+    let release = FailFitRequest { released: true, ..first.failure(&lease) };
+    first.link.fail_fit(release).await.unwrap();
+
+    let mut second = Worker::register(&server).await;
+    let again = second.lease(Duration::from_secs(5)).await.unwrap();
+    assert_eq!((&again.fit, again.epoch, again.has_checkpoint), (&fit, 2, true));
+    assert_eq!(second.download(&fit).await.unwrap(), b"half way");
+    // The first worker's lease is stale now.
+    for status in [
+        first.report(&lease, 0.9).await.unwrap_err(),
+        first.checkpoint(&lease, b"late").await.unwrap_err(),
+        first.complete(&lease, b"late").await.unwrap_err(),
+        first.link.fail_fit(first.failure(&lease)).await.unwrap_err(),
+    ] {
+        assert_eq!((status.code(), reason(&status).as_str()), (Code::Aborted, "STALE_LEASE"));
+    }
+    let twin = second.complete(&again, b"a twin").await.unwrap();
+    // The reply was lost, say.
+    assert_eq!(second.complete(&again, b"a twin").await.unwrap(), twin);
+    assert_eq!(second.complete(&again, b"other").await.unwrap_err().code(), Code::Aborted);
+
+    let (_, got) = server.get(&format!("/v1/{fit}")).await;
+    assert_eq!((&got["state"], &got["twin"]), (&json!("SUCCEEDED"), &json!(twin)));
+    assert_eq!((&got["attempts"], &got["worker"]), (&json!(1), &json!(null)));
+    let (_, got) = server.get(&format!("/v1/{twin}")).await;
+    assert_eq!((&got["fit"], &got["display_name"]), (&json!(fit), &json!("rope")));
+    assert_eq!((&got["node_count"], &got["quality"]), (&json!(5), &json!({"scores": []})));
+    assert_eq!(second.download(&twin).await.unwrap(), b"a twin");
+    // Capture and twin: no checkpoint is left.
+    assert_eq!(server.blob_files(), 2);
+}
+
+#[tokio::test]
+async fn cancellation_and_failure_reach_the_user() {
+    let server = Server::start().await;
+    let (cancelled, failed) = (server.fit().await, server.fit().await);
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    assert_eq!(lease.fit, cancelled);
+    server.post(&format!("/v1/{cancelled}/cancel"), json!(null)).await;
+    assert!(worker.report(&lease, 0.1).await.unwrap());
+    let end = FailFitRequest { cancelled: true, ..worker.failure(&lease) };
+    worker.link.fail_fit(end).await.unwrap();
+    assert_eq!(server.get(&format!("/v1/{cancelled}")).await.1["state"], "CANCELLED");
+
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    let fault = Fault {
+        category: "INVALID_ARGUMENT".into(),
+        reason: "NO_CONTROLS".into(),
+        message: "the capture has no control points: say who moves it".into(),
+    };
+    let end =
+        FailFitRequest { fault: Some(fault.clone()), permanent: true, ..worker.failure(&lease) };
+    worker.link.fail_fit(end).await.unwrap();
+    let (_, fit) = server.get(&format!("/v1/{failed}")).await;
+    assert_eq!(fit["state"], "FAILED");
+    assert_eq!(fit["fault"]["reason"], fault.reason);
+    assert_eq!(fit["fault"]["message"], fault.message);
+}
+
+#[tokio::test]
+async fn a_silent_worker_loses_its_job_and_is_forgotten() {
+    let server = Server::start_with(|o| {
+        o.lease_s = 0.3;
+        o.beat_interval_s = 0.1;
+    })
+    .await;
+    let fit = server.fit().await;
+    let mut silent = Worker::register(&server).await;
+    silent.lease(Duration::ZERO).await.unwrap();
+    let mut heir = Worker::register(&server).await;
+    // Waits for as long as the lease takes to run out.
+    let lease = heir.lease(Duration::from_secs(10)).await.unwrap();
+    assert_eq!((&lease.fit, lease.epoch), (&fit, 2));
+    let (_, got) = server.get(&format!("/v1/{fit}")).await;
+    assert_eq!(got["attempt_faults"][0]["reason"], "WORKER_LOST");
+    let unknown = silent.beat().await.unwrap_err();
+    assert_eq!((unknown.code(), reason(&unknown).as_str()), (Code::NotFound, "WORKER_UNKNOWN"));
+}
+
+#[tokio::test]
+async fn the_link_is_for_token_holders() {
+    let server = Server::start().await;
+    let id = bendtwin_core::ids::WorkerId::generate().to_string();
+    let mut plain = bendtwin_proto::worker::v1::worker_link_client::WorkerLinkClient::new(
+        server.channel.clone(),
+    );
+    for token in [None, Some("Bearer wrong"), Some("Bearer "), Some("a-token-of-the-tests")] {
+        let mut request =
+            tonic::Request::new(BeatRequest { worker: id.clone(), ..BeatRequest::default() });
+        if let Some(token) = token {
+            request.metadata_mut().insert("authorization", token.parse().unwrap());
+        }
+        let status = plain.beat(request).await.unwrap_err();
+        assert_eq!(status.code(), Code::Unauthenticated, "{token:?}");
+    }
+    let mut link = link(&server);
+    for wait_s in [-1.0, f64::NAN, f64::INFINITY] {
+        let request = LeaseFitRequest { worker: id.clone(), wait_s };
+        assert_eq!(link.lease_fit(request).await.unwrap_err().code(), Code::InvalidArgument);
+    }
+    let request = LeaseFitRequest { worker: id, wait_s: 0.0 };
+    assert_eq!(reason(&link.lease_fit(request).await.unwrap_err()), "WORKER_UNKNOWN");
+}
+
+/// A worker started by others outlives the server and goes on with its job.
+#[tokio::test]
+async fn workers_of_others_outlive_the_server() {
+    let server = Server::start().await;
+    let fit = server.fit().await;
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    worker.checkpoint(&lease, b"half way").await.unwrap();
+    let Server { dir, handle, .. } = server;
+    handle.shutdown().await;
+
+    let options = crate::harness::options(&dir);
+    let handle = bendtwin_server::Service::start(options).await.unwrap();
+    let url = format!("http://{}", handle.local_addr());
+    let channel = tonic::transport::Endpoint::from_shared(url).unwrap().connect_lazy();
+    let server = Server { dir, handle, http: reqwest::Client::new(), channel };
+    worker.link = link(&server);
+    worker.beat().await.unwrap();
+    worker.report(&lease, 0.5).await.unwrap();
+    worker.complete(&lease, b"a twin").await.unwrap();
+    assert_eq!(server.get(&format!("/v1/{fit}")).await.1["state"], "SUCCEEDED");
+}

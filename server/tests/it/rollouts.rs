@@ -1,0 +1,190 @@
+use std::{sync::Arc, time::Duration};
+
+use base64::{Engine, prelude::BASE64_STANDARD};
+use bendtwin_proto::v1::{
+    ControlTrajectories, Returns, RollOutRequest, RollOutResponse, Tensor,
+    roll_out_request::Actions,
+};
+use prost::Message;
+use serde_json::json;
+use tokio::sync::Notify;
+use tonic::Code;
+
+use crate::{
+    harness::{Server, read},
+    worker::{Device, Worker},
+};
+
+/// A twin of 5 nodes and 1 control point.
+async fn twin(server: &Server, worker: &mut Worker) -> String {
+    let fit = server.fit().await;
+    let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
+    assert_eq!(lease.fit, fit);
+    worker.complete(&lease, b"a twin").await.unwrap()
+}
+
+fn request(twin: &str, batch: usize) -> RollOutRequest {
+    let positions = Some(Tensor::pack(&[batch, 2, 1, 3], &vec![0.0f32; batch * 6]));
+    RollOutRequest {
+        twin: twin.to_owned(),
+        actions: Some(Actions::Trajectories(ControlTrajectories { positions, interpolation: 0 })),
+        frames: 10,
+        ..RollOutRequest::default()
+    }
+}
+
+fn costs(response: &RollOutResponse) -> Vec<f64> {
+    response.costs.as_ref().unwrap().unpack("costs").unwrap().1
+}
+
+#[tokio::test]
+async fn unary_is_one_part_and_streams_come_in_parts() {
+    let server = Server::start().await;
+    let mut worker = Worker::register(&server).await;
+    let twin = twin(&server, &mut worker).await;
+    let mut rollouts = server.rollouts();
+    let whole = rollouts.roll_out(request(&twin, 40)).await.unwrap().into_inner();
+    assert_eq!(costs(&whole), (0..40).map(f64::from).collect::<Vec<_>>());
+    assert_eq!(whole.worker, worker.id.to_string());
+    let timing = whole.timing.unwrap();
+    assert!(timing.compute_s == 0.5 && timing.queue_s >= 0.0);
+
+    let mut parts = rollouts.stream_roll_out(request(&twin, 40)).await.unwrap().into_inner();
+    let mut seen = Vec::new();
+    while let Some(part) = parts.message().await.unwrap() {
+        assert_eq!(part.first_instance as usize, seen.len());
+        seen.extend(costs(&part));
+    }
+    assert_eq!(seen, costs(&whole));
+    // The best of a batch are known when all of it is.
+    let returns = Some(Returns { best: 3, ..Returns::default() });
+    let best = RollOutRequest { returns, ..request(&twin, 40) };
+    let mut parts = rollouts.stream_roll_out(best).await.unwrap().into_inner();
+    assert_eq!(costs(&parts.message().await.unwrap().unwrap()).len(), 40);
+    assert!(parts.message().await.unwrap().is_none());
+    // The worker answered for it: it counts as warm.
+    let (_, workers) = server.get("/v1/workers").await;
+    assert_eq!(workers["workers"][0]["warm_twins"], json!([twin]));
+}
+
+#[tokio::test]
+async fn http_takes_and_gives_json_and_protobuf() {
+    let server = Server::start().await;
+    let mut worker = Worker::register(&server).await;
+    let twin = twin(&server, &mut worker).await;
+    let path = format!("/v1/{twin}/rollouts");
+    let positions = json!([[[[0, 0, 0]], [[0, 0, 0.1]]], [[[0, 0, 0]], [[0, 0, 0.2]]]]);
+    let costs_json = json!([{"weight": 1, "keypoints": {"nodes": [4], "targets": [[0, 0, 1]]}}]);
+    let body = json!({
+        "trajectories": {"positions": positions, "interpolation": "CUBIC"},
+        "initial": {"rest": {}},
+        "frames": 30,
+        "costs": costs_json,
+        "returns": {"every_frames": 10, "encoding": "INT16"},
+    });
+    let (status, reply) = server.post(&path, body).await;
+    assert_eq!((status, &reply["costs"]), (200, &json!([0.0, 1.0])), "{reply}");
+
+    let bytes: Vec<u8> = [0.0f32; 6].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let packed =
+        json!({"dtype": "FLOAT32", "shape": [1, 2, 1, 3], "data": BASE64_STANDARD.encode(bytes)});
+    let body = json!({"trajectories": {"positions": packed}});
+    let (status, reply) = server.post(&format!("{path}?tensors=base64"), body).await;
+    assert_eq!(status, 200, "{reply}");
+    assert_eq!(reply["costs"], json!({"dtype": "FLOAT64", "shape": [1], "data": "AAAAAAAAAAA="}));
+
+    let call = server.http.post(server.url(&path)).header("content-type", "application/x-protobuf");
+    let response = call.body(request(&twin, 3).encode_to_vec()).send().await.unwrap();
+    assert_eq!(response.headers()["content-type"], "application/x-protobuf");
+    let reply = RollOutResponse::decode(response.bytes().await.unwrap()).unwrap();
+    assert_eq!(costs(&reply), [0.0, 1.0, 2.0]);
+}
+
+#[tokio::test]
+async fn a_dead_worker_is_replaced_once() {
+    let server = Server::start().await;
+    let mut first = Worker::register(&server).await;
+    let twin = twin(&server, &mut first).await;
+    let mut rollouts = server.rollouts();
+    rollouts.roll_out(request(&twin, 1)).await.unwrap();
+    let second = Worker::register(&server).await;
+    first.kill_endpoint();
+    let reply = rollouts.roll_out(request(&twin, 1)).await.unwrap().into_inner();
+    assert_eq!(reply.worker, second.id.to_string());
+    second.kill_endpoint();
+    let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
+    assert_eq!(status.code(), Code::Unavailable);
+}
+
+#[tokio::test]
+async fn without_workers_and_without_twins() {
+    let server = Server::start().await;
+    let mut rollouts = server.rollouts();
+    let unknown = "twins/00000000-0000-7000-8000-000000000000";
+    let status = rollouts.roll_out(request(unknown, 1)).await.unwrap_err();
+    assert_eq!(status.code(), Code::NotFound);
+    let mut breaking =
+        Worker::register_with(&server, Device { breaks: true, ..Device::default() }).await;
+    let twin = twin(&server, &mut breaking).await;
+    let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
+    assert_eq!(
+        (status.code(), bendtwin_proto::fault::fault(&status).reason.as_str()),
+        (Code::Unavailable, "WORKER_LOST")
+    );
+    // It is left alone for a while: nobody is there.
+    let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
+    assert_eq!(bendtwin_proto::fault::fault(&status).reason, "NO_WORKER");
+    use tonic_types::StatusExt;
+    assert!(status.get_details_retry_info().is_some());
+}
+
+#[tokio::test]
+async fn full_queues_deadlines_and_clients_that_leave() {
+    let server = Server::start_with(|o| {
+        o.limits.rollouts_per_worker = 1;
+        o.limits.rollout_queue = 1;
+    })
+    .await;
+    let hold = Arc::new(Notify::new());
+    let device = Device { hold: Some(hold.clone()), ..Device::default() };
+    let mut worker = Worker::register_with(&server, device.clone()).await;
+    let twin = twin(&server, &mut worker).await;
+    let call = |timeout: Option<Duration>| {
+        let mut rollouts = server.rollouts();
+        let mut request = tonic::Request::new(request(&twin, 1));
+        if let Some(timeout) = timeout {
+            request.set_timeout(timeout);
+        }
+        tokio::spawn(async move { rollouts.roll_out(request).await })
+    };
+    let running = call(None);
+    device.begun.notified().await;
+    let waiting = call(None);
+    // Two have their places; a third finds none.
+    let refused = loop {
+        let refused = call(Some(Duration::from_millis(100))).await.unwrap().unwrap_err();
+        if refused.code() == Code::ResourceExhausted {
+            break refused;
+        }
+        // The second had not come yet, so this one waited in its place.
+        assert!(matches!(refused.code(), Code::DeadlineExceeded | Code::Cancelled));
+    };
+    use tonic_types::StatusExt;
+    assert!(refused.get_details_retry_info().unwrap().retry_delay.is_some());
+    let body = json!({"trajectories": {"positions": [[[[0, 0, 0]], [[0, 0, 0]]]]}});
+    let (status, problem) = server.post(&format!("/v1/{twin}/rollouts"), body.clone()).await;
+    assert_eq!((status, &problem["reason"]), (429, &json!("WORKERS_BUSY")));
+
+    // The client of the first leaves: the worker hears of it, and the second has its turn.
+    running.abort();
+    device.given_up.notified().await;
+    device.begun.notified().await;
+    hold.notify_one();
+    waiting.await.unwrap().unwrap();
+
+    let timed = format!("/v1/{twin}/rollouts?timeout_s=0.05");
+    let response = server.http.post(server.url(&timed)).json(&body).send().await.unwrap();
+    let (status, problem) = read(response).await;
+    assert_eq!((status, &problem["reason"]), (504, &json!("DEADLINE_EXCEEDED")));
+    device.given_up.notified().await;
+}

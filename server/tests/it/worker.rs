@@ -1,0 +1,239 @@
+//! A worker as the protocol has it, without physics.
+
+use std::{pin::Pin, sync::Arc, time::Duration};
+
+use bendtwin_core::ids::WorkerId;
+use bendtwin_proto::{
+    v1::{Progress, RollOutResponse, Tensor, roll_out_request::Actions, roll_out_response::Timing},
+    worker::v1::{
+        BeatRequest, BeatResponse, CompleteFitRequest, DownloadRequest, ExecuteRollOutRequest,
+        ExecuteRollOutResponse, FailFitRequest, JobWrite, Lease, LeaseFitRequest, RegisterRequest,
+        ReportFitRequest, SaveCheckpointRequest, TwinWrite, complete_fit_request,
+        save_checkpoint_request,
+        worker_link_client::WorkerLinkClient,
+        worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
+    },
+};
+use bytes::Bytes;
+use futures::{Stream, StreamExt};
+use tokio::{net::TcpListener, sync::Notify, task::JoinHandle};
+use tonic::{
+    Request, Response, Status, service::interceptor::InterceptedService, transport::Channel,
+};
+
+use crate::harness::{Server, TOKEN};
+
+type Client = WorkerLinkClient<InterceptedService<Channel, fn(Request<()>) -> Credentialed>>;
+type Credentialed = Result<Request<()>, Status>;
+
+/// A worker that has registered.
+pub(crate) struct Worker {
+    pub(crate) id: WorkerId,
+    pub(crate) link: Client,
+    rollouts: JoinHandle<()>,
+}
+
+/// How the fake device answers.
+#[derive(Clone, Default)]
+pub(crate) struct Device {
+    /// Wait for this before answering.
+    pub(crate) hold: Option<Arc<Notify>>,
+    /// Rung when a rollout has begun, and when one was given up.
+    pub(crate) begun: Arc<Notify>,
+    pub(crate) given_up: Arc<Notify>,
+    /// Break the connection off instead of answering.
+    pub(crate) breaks: bool,
+}
+
+fn with_token(mut request: Request<()>) -> Credentialed {
+    let value = format!("Bearer {TOKEN}").parse().unwrap();
+    request.metadata_mut().insert("authorization", value);
+    Ok(request)
+}
+
+pub(crate) fn link(server: &Server) -> Client {
+    WorkerLinkClient::with_interceptor(server.channel.clone(), with_token as fn(_) -> _)
+}
+
+impl Worker {
+    pub(crate) async fn register(server: &Server) -> Self {
+        Self::register_with(server, Device::default()).await
+    }
+
+    pub(crate) async fn register_with(server: &Server, device: Device) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let endpoint = format!("http://{}", listener.local_addr().unwrap());
+        let incoming = tokio_stream::wrappers::TcpListenerStream::new(listener);
+        let service = tonic::transport::Server::builder()
+            .add_service(WorkerRolloutsServer::new(device))
+            .serve_with_incoming(incoming);
+        let rollouts = tokio::spawn(async move { service.await.unwrap() });
+        let (id, mut link) = (WorkerId::generate(), link(server));
+        let registered = link
+            .register(RegisterRequest {
+                worker: id.to_string(),
+                endpoint,
+                backend: "cpu".into(),
+                device: "fake".into(),
+                build: "test".into(),
+                lanes: 1,
+            })
+            .await
+            .unwrap()
+            .into_inner();
+        assert!(
+            registered.beat_interval_s > 0.0 && registered.lease_s > registered.beat_interval_s
+        );
+        Self { id, link, rollouts }
+    }
+
+    /// The endpoint goes away, as that of a killed process does.
+    pub(crate) fn kill_endpoint(&self) {
+        self.rollouts.abort();
+    }
+
+    pub(crate) async fn beat(&mut self) -> Result<BeatResponse, Status> {
+        let request = BeatRequest {
+            worker: self.id.to_string(),
+            warm_twins: Vec::new(),
+            rollouts_in_flight: 0,
+        };
+        self.link.beat(request).await.map(Response::into_inner)
+    }
+
+    pub(crate) async fn lease(&mut self, wait: Duration) -> Option<Lease> {
+        let request = LeaseFitRequest { worker: self.id.to_string(), wait_s: wait.as_secs_f64() };
+        self.link.lease_fit(request).await.unwrap().into_inner().lease
+    }
+
+    pub(crate) async fn report(&mut self, lease: &Lease, fraction: f64) -> Result<bool, Status> {
+        let progress = Progress {
+            stage: "search".into(),
+            variant: "bending".into(),
+            iteration: 1,
+            iterations: 2,
+            fraction,
+            loss: Some(f64::NAN),
+            ..Progress::default()
+        };
+        let request = ReportFitRequest {
+            worker: self.id.to_string(),
+            fit: lease.fit.clone(),
+            epoch: lease.epoch,
+            progress: Some(progress),
+        };
+        self.link.report_fit(request).await.map(|r| r.into_inner().cancel_requested)
+    }
+
+    pub(crate) async fn checkpoint(
+        &mut self,
+        lease: &Lease,
+        content: &'static [u8],
+    ) -> Result<(), Status> {
+        use save_checkpoint_request::Part;
+        let parts =
+            [Part::Metadata(self.write(lease, content)), Part::Chunk(Bytes::from_static(content))];
+        let parts = parts.map(|part| SaveCheckpointRequest { part: Some(part) });
+        self.link.save_checkpoint(futures::stream::iter(parts)).await.map(drop)
+    }
+
+    pub(crate) async fn complete(
+        &mut self,
+        lease: &Lease,
+        content: &'static [u8],
+    ) -> Result<String, Status> {
+        use complete_fit_request::Part;
+        let twin = TwinWrite {
+            job: Some(self.write(lease, content)),
+            node_count: 5,
+            spring_count: 4,
+            triplet_count: 3,
+            control_count: 1,
+            fps: 30.0,
+            substeps: 10,
+            quality_json: r#"{"scores":[]}"#.into(),
+        };
+        let parts = [Part::Metadata(twin), Part::Chunk(Bytes::from_static(content))];
+        let parts = parts.map(|part| CompleteFitRequest { part: Some(part) });
+        self.link.complete_fit(futures::stream::iter(parts)).await.map(|r| r.into_inner().twin)
+    }
+
+    pub(crate) fn failure(&self, lease: &Lease) -> FailFitRequest {
+        FailFitRequest {
+            worker: self.id.to_string(),
+            fit: lease.fit.clone(),
+            epoch: lease.epoch,
+            ..FailFitRequest::default()
+        }
+    }
+
+    pub(crate) async fn download(&mut self, name: &str) -> Result<Vec<u8>, Status> {
+        let request = DownloadRequest { name: name.to_owned() };
+        let mut chunks = self.link.download(request).await?.into_inner();
+        let mut content = Vec::new();
+        while let Some(chunk) = chunks.message().await? {
+            content.extend(chunk.chunk);
+        }
+        Ok(content)
+    }
+
+    fn write(&self, lease: &Lease, content: &[u8]) -> JobWrite {
+        JobWrite {
+            worker: self.id.to_string(),
+            fit: lease.fit.clone(),
+            epoch: lease.epoch,
+            digest: blake3::hash(content).to_hex().to_string(),
+        }
+    }
+}
+
+/// Rings when it is dropped before its work is done.
+struct GivenUp(Option<Arc<Notify>>);
+
+impl Drop for GivenUp {
+    fn drop(&mut self) {
+        if let Some(bell) = self.0.take() {
+            bell.notify_one();
+        }
+    }
+}
+
+#[tonic::async_trait]
+impl WorkerRollouts for Device {
+    type RollOutStream = Pin<Box<dyn Stream<Item = Result<ExecuteRollOutResponse, Status>> + Send>>;
+
+    /// Costs 0, 1, 2, ... in parts of the size that was asked for.
+    async fn roll_out(
+        &self,
+        request: Request<ExecuteRollOutRequest>,
+    ) -> Result<Response<Self::RollOutStream>, Status> {
+        let token = request.metadata().get("authorization").unwrap().to_str().unwrap();
+        assert_eq!(token, format!("Bearer {TOKEN}"));
+        let execute = request.into_inner();
+        self.begun.notify_one();
+        let mut given_up = GivenUp(Some(self.given_up.clone()));
+        if let Some(hold) = &self.hold {
+            hold.notified().await;
+        }
+        given_up.0 = None;
+        if self.breaks {
+            return Err(Status::unavailable("gone"));
+        }
+        let Some(Actions::Trajectories(t)) = execute.request.unwrap().actions else {
+            return Err(Status::invalid_argument("no trajectories"));
+        };
+        let batch = t.positions.unwrap().shape[0] as u32;
+        let size = if execute.part_instances == 0 { batch } else { execute.part_instances };
+        let parts = (0..batch).step_by(size as usize).map(move |first| {
+            let costs: Vec<f64> = (first..(first + size).min(batch)).map(f64::from).collect();
+            let response = RollOutResponse {
+                first_instance: first,
+                costs: Some(Tensor::pack(&[costs.len()], &costs)),
+                timing: Some(Timing { queue_s: 0.0, compute_s: 0.5 }),
+                ..RollOutResponse::default()
+            };
+            Ok(ExecuteRollOutResponse { response: Some(response) })
+        });
+        Ok(Response::new(futures::stream::iter(parts).boxed()))
+    }
+}

@@ -1,0 +1,88 @@
+//! Worker processes: played by shells, which know how to wait for the end of
+//! their standard input.
+
+use std::{path::PathBuf, time::Duration};
+
+use bendtwin_proto::v1::worker_service_client::WorkerServiceClient;
+use bendtwin_proto::v1::{GetWorkerRequest, ListWorkersRequest};
+use serde_json::json;
+
+use crate::{harness::Server, worker::Worker};
+
+async fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
+    for _ in 0..1000 {
+        if let Some(found) = found() {
+            return found;
+        }
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    panic!("{what} did not come");
+}
+
+fn lines(path: &PathBuf) -> Vec<String> {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    text.split_inclusive('\n').filter_map(|l| l.strip_suffix('\n')).map(str::to_owned).collect()
+}
+
+fn shell(options: &mut bendtwin_server::Options, script: String) {
+    options.workers.count = 1;
+    options.workers.program = Some("/bin/sh".into());
+    options.workers.args = vec!["-c".into(), script];
+    options.workers.min_backoff_s = 0.01;
+}
+
+#[tokio::test]
+async fn children_are_restarted_with_fresh_tokens() {
+    let dir = tempfile::tempdir().unwrap();
+    let log = dir.path().join("log");
+    let script = format!("echo $BENDTWIN_SERVER $BENDTWIN_WORKER_TOKEN >> {}", log.display());
+    let server = Server::start_with(|o| shell(o, script)).await;
+    let seen = until("three starts", || Some(lines(&log)).filter(|l| l.len() >= 3)).await;
+    let address = server.url("");
+    let tokens: std::collections::HashSet<&str> =
+        seen.iter().map(|l| l.strip_prefix(&format!("{address} ")).unwrap()).collect();
+    assert_eq!(tokens.len(), seen.len());
+    assert!(tokens.iter().all(|t| t.len() == 64));
+    server.handle.shutdown().await;
+}
+
+#[tokio::test]
+async fn children_end_with_the_server_or_are_killed() {
+    let dir = tempfile::tempdir().unwrap();
+    let log = dir.path().join("log");
+    let script = format!("echo up >> {0}; cat; echo down >> {0}", log.display());
+    let server = Server::start_with(|o| shell(o, script)).await;
+    until("the child", || lines(&log).first().cloned()).await;
+    server.handle.shutdown().await;
+    assert_eq!(lines(&log), ["up", "down"]);
+
+    // One that does not care about its standard input.
+    let log = dir.path().join("stubborn");
+    let script = format!("echo $$ >> {}; exec sleep 1000", log.display());
+    let server = Server::start_with(|o| {
+        shell(o, script);
+        o.shutdown_grace_s = 0.1;
+    })
+    .await;
+    let pid = until("the child", || lines(&log).first().cloned()).await;
+    server.handle.shutdown().await;
+    assert!(!PathBuf::from(format!("/proc/{pid}")).exists());
+}
+
+#[tokio::test]
+async fn workers_are_listed() {
+    let server = Server::start().await;
+    let worker = Worker::register(&server).await;
+    let (_, list) = server.get("/v1/workers").await;
+    assert_eq!(list["workers"][0]["name"], worker.id.to_string());
+    assert_eq!(list["workers"][0]["device"], "fake");
+    let (status, one) = server.get(&format!("/v1/{}", worker.id)).await;
+    assert_eq!((status, &one), (200, &list["workers"][0]));
+    let mut workers = WorkerServiceClient::new(server.channel.clone());
+    let listed = workers.list_workers(ListWorkersRequest::default()).await.unwrap().into_inner();
+    let name = worker.id.to_string();
+    let got = workers.get_worker(GetWorkerRequest { name }).await.unwrap().into_inner();
+    assert_eq!(listed.workers, [got]);
+    let (_, ready) = server.get("/readyz").await;
+    assert_eq!(ready, json!({"ready": true, "workers": 1, "rollouts": 0}));
+}
