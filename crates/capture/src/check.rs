@@ -77,4 +77,6 @@ fn percent(part: usize, whole: usize) -> usize {
 }
 
 #[cfg(test)]
+pub(crate) mod testing;
+#[cfg(test)]
 mod tests;

@@ -2,10 +2,12 @@
 //! by one under the caps of [`Limits`]. Nothing is ever extracted to disk.
 
 use std::{
+    cell::Cell,
     collections::BTreeMap,
     fs::File,
-    io::{BufReader, Cursor, Read, Seek},
+    io::{BufReader, Cursor, Read, Seek, SeekFrom},
     path::{Path, PathBuf},
+    rc::Rc,
 };
 
 use zip::ZipArchive;
@@ -18,6 +20,38 @@ impl<T: Read + Seek> ReadSeek for T {}
 enum Source<'a> {
     Folder(PathBuf),
     Zip(Box<ZipArchive<Box<dyn ReadSeek + 'a>>>),
+}
+
+/// Bytes that looking for an archive's directory may read, and those of an
+/// entry apart from its name.
+const DIRECTORY_SEARCH: u64 = 256 << 10;
+const DIRECTORY_ENTRY: usize = 256;
+
+/// A reader that stops at a number of bytes.
+struct Metered<R> {
+    inner: R,
+    left: Rc<Cell<u64>>,
+}
+
+impl<R: Read> Read for Metered<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let n = self.inner.read(buffer)?;
+        let left = self.left.get().checked_sub(n as u64);
+        self.left.set(left.ok_or_else(|| std::io::Error::other("its directory is too long"))?);
+        Ok(n)
+    }
+}
+
+impl<R: Seek> Seek for Metered<R> {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.inner.seek(to)
+    }
+}
+
+/// Whether an entry's name stays inside the archive on every system.
+fn is_plain(name: &str) -> bool {
+    let drive = name.as_bytes().get(1) == Some(&b':');
+    !drive && !name.starts_with(['/', '\\']) && name.split(['/', '\\']).all(|part| part != "..")
 }
 
 /// Files by their names relative to the capture's root.
@@ -83,7 +117,13 @@ impl<'a> Files<'a> {
             return Err(Error::UnknownKind(name.to_owned()));
         }
         let mut budget = Budget::new(limits);
-        let archive = ZipArchive::new(reader).map_err(|e| Error::ArchiveDamaged(e.to_string()))?;
+        // The directory is read whole before its entries can be counted.
+        let longest = (DIRECTORY_ENTRY + limits.name_bytes) as u64;
+        let left = Rc::new(Cell::new(DIRECTORY_SEARCH + limits.archive_entries as u64 * longest));
+        let metered: Box<dyn ReadSeek + 'a> =
+            Box::new(Metered { inner: reader, left: left.clone() });
+        let archive = ZipArchive::new(metered).map_err(|e| Error::ArchiveDamaged(e.to_string()))?;
+        left.set(u64::MAX);
         let directory = archive.metadata();
         let entries = directory.len();
         if entries > limits.archive_entries {
@@ -102,9 +142,7 @@ impl<'a> Files<'a> {
                 ));
             }
             let enclosed = entry.enclosed_name().and_then(|p| p.to_str().map(str::to_owned));
-            let Some(enclosed) =
-                enclosed.filter(|_| !raw.split(['/', '\\']).any(|part| part == ".."))
-            else {
+            let Some(enclosed) = enclosed.filter(|_| is_plain(&raw)) else {
                 return Err(Error::ArchiveName(raw));
             };
             if !entry.is_dir() {

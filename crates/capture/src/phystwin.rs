@@ -195,3 +195,6 @@ pub(crate) fn json<'de, T: Deserialize<'de>>(bytes: &'de [u8], at: &str) -> Resu
     serde_json::from_slice(bytes)
         .map_err(|e| Error::Document { at: at.to_owned(), fault: e.to_string() })
 }
+
+#[cfg(test)]
+mod tests;

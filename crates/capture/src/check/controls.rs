@@ -86,10 +86,8 @@ fn jumps(capture: &Capture, sequence: &Sequence, findings: &mut Vec<Finding>) {
     let before = sequence.controls.iter();
     let after = sequence.controls.iter().skip(controls);
     let fps = capture.fps as f32;
-    let fastest = before.zip(after).map(|(a, b)| distance(a, b) * fps).enumerate();
-    if let Some((at, speed)) =
-        fastest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|m| m.1 > MAX_SPEED_M_S)
-    {
+    let mut speeds = before.zip(after).map(|(a, b)| distance(a, b) * fps).enumerate();
+    if let Some((at, speed)) = speeds.find(|(_, speed)| *speed > MAX_SPEED_M_S) {
         findings.push(Finding::warning(
             "CONTROLS_JUMP",
             format!(

@@ -27,6 +27,9 @@ const WALK_M: f32 = 0.000_1;
 /// Share of tracks that start to slide at some frame, and how fast [m a frame].
 const DRIFTING: f64 = 0.06;
 const DRIFT_M: f32 = 0.001_5;
+/// Chance a frame that a track jumps to another spot, and how far [m].
+const JUMP: f64 = 0.001;
+const JUMP_M: f32 = 0.012;
 /// Chance a frame that a track is lost for good.
 const LOSS: f64 = 0.001_5;
 /// Noise of shape prior and hand points [m].
@@ -167,6 +170,9 @@ impl Tracks<'_> {
                 if frame > 0 {
                     wander = add(wander, scale(normal(rng), WALK_M));
                     lost |= rng.random_bool(LOSS);
+                    if rng.random_bool(JUMP) {
+                        wander = add(wander, scale(unit(normal(rng)), JUMP_M));
+                    }
                 }
                 if drifts_from.is_some_and(|from| frame > from) {
                     wander = add(wander, slide);

@@ -59,7 +59,7 @@ pub(super) fn rope(options: &MakeOptions) -> Setup {
         Body::fill([0.0, -radius, 0.0], [ROPE_LENGTH_M, radius, 2.0 * radius], spacing, |p| {
             (p[1] * p[1] + (p[2] - radius).powi(2)).sqrt() - radius
         });
-    let material = foam(&body, 45.0, 1.1);
+    let material = foam(&body, 55.0, 1.5);
     let pick = |full, tiny| if options.tiny { tiny } else { full };
     Setup {
         name: "rope",
@@ -85,12 +85,12 @@ pub(super) fn rope(options: &MakeOptions) -> Setup {
 fn wave(t: f32) -> Pose {
     let after = |start: f32, ramp: f32| smoothstep((t - start) / ramp);
     let swing = |start: f32, hz: f32| (TAU * hz * (t - start)).sin() * after(start, 0.4);
-    let pitch = 0.45 * smoothstep(t / 0.8) + 0.3 * swing(0.7, 1.2);
-    let yaw = 0.4 * swing(0.9, 0.8);
+    let pitch = 0.4 * smoothstep(t / 1.0) + 0.22 * swing(0.8, 1.0);
+    let yaw = 0.28 * swing(0.9, 0.7);
     let shift = [
-        0.03 * swing(1.2, 0.9),
-        0.05 * swing(1.5, 1.3),
-        0.28 * smoothstep(t / 0.9) + 0.035 * swing(1.1, 1.9),
+        0.02 * swing(1.2, 0.9),
+        0.035 * swing(1.4, 1.1),
+        0.28 * smoothstep(t / 1.1) + 0.025 * swing(1.2, 1.5),
     ];
     Pose::new(yaw, pitch, shift)
 }
@@ -98,7 +98,7 @@ fn wave(t: f32) -> Pose {
 pub(super) fn toy(options: &MakeOptions) -> Setup {
     let spacing = if options.tiny { 0.013 } else { 0.0068 };
     let body = Body::fill([-0.09, -0.11, 0.0], [0.13, 0.11, 0.1], spacing, toy_distance);
-    let material = foam(&body, 7.0, 0.9);
+    let material = foam(&body, 12.0, 1.3);
     let pick = |full, tiny| if options.tiny { tiny } else { full };
     Setup {
         name: "toy",
@@ -133,9 +133,9 @@ fn shake(t: f32) -> Pose {
     let after = |start: f32, ramp: f32| smoothstep((t - start) / ramp);
     let swing = |start: f32, hz: f32| (TAU * hz * (t - start)).sin() * after(start, 0.3);
     let shift = [
-        0.05 * swing(0.8, 1.1),
-        0.06 * swing(1.0, 1.5),
-        0.24 * smoothstep(t / 0.8) + 0.04 * swing(1.1, 2.2),
+        0.03 * swing(0.9, 1.0),
+        0.045 * swing(1.0, 1.3),
+        0.24 * smoothstep(t / 1.0) + 0.025 * swing(1.2, 1.8),
     ];
-    Pose::new(0.35 * swing(0.9, 0.9), 0.5 * smoothstep(t / 0.9), shift)
+    Pose::new(0.25 * swing(0.9, 0.8), 0.4 * smoothstep(t / 1.0), shift)
 }
