@@ -7,7 +7,9 @@ use bendtwin_engine::backend;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The twin was made from another kind of capture.
-    #[error("the twin does not fit the capture: {0}; evaluate it against the capture that it was fitted to")]
+    #[error(
+        "the twin does not fit the capture: {0}; evaluate it against the capture that it was fitted to"
+    )]
     Mismatch(String),
     /// The capture contradicts itself.
     #[error("the capture contradicts itself: {0}; write it again with arrays of matching shapes")]

@@ -5,6 +5,9 @@ mod distance;
 mod error;
 mod evaluate;
 mod metrics;
+pub mod picture;
+#[cfg(test)]
+mod scene;
 mod table;
 mod trajectory;
 

@@ -44,18 +44,17 @@ pub fn format_table(quality: &Quality, style: TableStyle) -> String {
     let mut columns: Vec<(String, Vec<Option<f64>>)> = Vec::new();
     for (name, error) in COLUMNS {
         for (span, part) in spans {
-            let values: Vec<Option<f64>> =
-                quality.scores.iter().map(|s| error(part(s))).collect();
+            let values: Vec<Option<f64>> = quality.scores.iter().map(|s| error(part(s))).collect();
             if values.iter().any(Option::is_some) {
                 columns.push((format!("{name} {span}"), values));
             }
         }
     }
-    let mut rows = vec![
-        std::iter::once("mm".to_owned()).chain(columns.iter().map(|c| c.0.clone())).collect(),
-    ];
+    let mut rows =
+        vec![std::iter::once("mm".to_owned()).chain(columns.iter().map(|c| c.0.clone())).collect()];
     for (index, score) in quality.scores.iter().enumerate() {
-        let cell = |value: &Option<f64>| value.map_or("-".to_owned(), |m| format!("{:.2}", 1e3 * m));
+        let cell =
+            |value: &Option<f64>| value.map_or("-".to_owned(), |m| format!("{:.2}", 1e3 * m));
         let cells = columns.iter().map(|c| cell(&c.1[index]));
         rows.push(
             std::iter::once(predictor_name(score.predictor).to_owned()).chain(cells).collect(),

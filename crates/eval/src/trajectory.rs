@@ -80,12 +80,7 @@ pub fn slice_len(backend: &dyn Backend) -> usize {
 }
 
 /// A rollout of a whole sequence from its start.
-pub fn instance(
-    model: &Loaded,
-    fps: f64,
-    sequence: &Sequence,
-    objective: Objective,
-) -> Instance {
+pub fn instance(model: &Loaded, fps: f64, sequence: &Sequence, objective: Objective) -> Instance {
     let start = sequence.start_frame();
     let controls = sequence.controls.get(start * sequence.control_count()..).unwrap_or_default();
     Instance {
@@ -213,3 +208,6 @@ pub fn check_capture(capture: &Capture) -> Result<(), Error> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

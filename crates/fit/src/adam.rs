@@ -7,16 +7,16 @@ const EPSILON: f64 = 1e-12;
 
 /// Decay of the moments.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Decay {
+pub(crate) struct Decay {
     /// Of the first moment.
-    pub beta1: f64,
+    pub(crate) beta1: f64,
     /// Of the second moment.
-    pub beta2: f64,
+    pub(crate) beta2: f64,
 }
 
 /// The moments; stored with a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Adam {
+pub(crate) struct Adam {
     steps: u64,
     first: Vec<f64>,
     second: Vec<f64>,
@@ -24,13 +24,13 @@ pub struct Adam {
 
 impl Adam {
     /// No moments yet for so many coordinates.
-    pub fn new(coordinates: usize) -> Self {
+    pub(crate) fn new(coordinates: usize) -> Self {
         Self { steps: 0, first: vec![0.0; coordinates], second: vec![0.0; coordinates] }
     }
 
     /// Moves `theta` down the gradient: coordinate `i` by at most about `rates[i]`, within `bounds[i]`.
     /// Gradients must be finite. All slices have the length of [`Adam::new`].
-    pub fn step(
+    pub(crate) fn step(
         &mut self,
         theta: &mut [f64],
         gradient: &[f64],

@@ -101,7 +101,9 @@ impl Kind {
             Self::RestLength => [start - REST_LENGTH_SPAN, start + REST_LENGTH_SPAN],
             Self::BendStiffness => logs(1e-3 * square, 1e6 * square),
             Self::BendDamping => logs(1e-4 * square, 1e4 * square),
-            Self::RestAngle => [(start - REST_ANGLE_SPAN).max(0.0), (start + REST_ANGLE_SPAN).min(PI)],
+            Self::RestAngle => {
+                [(start - REST_ANGLE_SPAN).max(0.0), (start + REST_ANGLE_SPAN).min(PI)]
+            }
             Self::Drag => logs(1e-3, 50.0),
             Self::GroundRestitution | Self::ObjectRestitution => [0.0, 1.0],
             Self::GroundFriction | Self::ObjectFriction => [0.0, 2.0],
@@ -121,8 +123,13 @@ pub(crate) struct Coordinates {
 impl Coordinates {
     /// For parameters that start at `base`.
     pub(crate) fn new(task: &Task<'_>, base: Params) -> Self {
-        let mut kinds =
-            vec![Kind::Stiffness, Kind::Dashpot, Kind::BendStiffness, Kind::BendDamping, Kind::Drag];
+        let mut kinds = vec![
+            Kind::Stiffness,
+            Kind::Dashpot,
+            Kind::BendStiffness,
+            Kind::BendDamping,
+            Kind::Drag,
+        ];
         if task.settings.refine.rest_shape {
             kinds.extend([Kind::RestLength, Kind::RestAngle]);
         }
@@ -168,21 +175,18 @@ impl Coordinates {
         params
     }
 
-    /// Adds `weight` times d loss / d theta at `params`, from d loss / d params.
-    pub(crate) fn add_gradient(
-        &self,
-        params: &Params,
-        gradient: &Params,
-        weight: f64,
-        sum: &mut [f64],
-    ) {
-        for (kind, range) in &self.sections {
-            let slopes = kind.values(gradient).iter().zip(kind.values(params));
-            for (sum, (&slope, &value)) in sum[range.clone()].iter_mut().zip(slopes) {
+    /// d loss / d theta at `params`, from d loss / d params.
+    pub(crate) fn gradient(&self, params: &Params, gradient: &Params) -> Vec<f64> {
+        let mut slopes = Vec::with_capacity(self.len());
+        for (kind, _) in &self.sections {
+            let pairs = kind.values(gradient).iter().zip(kind.values(params));
+            slopes.extend(pairs.map(|(&slope, &value)| {
+                // d/d ln p = p d/dp.
                 let chain = if kind.is_log() { f64::from(value) } else { 1.0 };
-                *sum += weight * f64::from(slope) * chain;
-            }
+                f64::from(slope) * chain
+            }));
         }
+        slopes
     }
 
     /// One step of Adam.

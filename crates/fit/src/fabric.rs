@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bendtwin_core::{Graph, Params, Timing, settings::Substeps};
 use bendtwin_engine::{
     Backend, Loaded, Model, backend,
-    build::{Connectivity, Notes, connect_with_notes, rest_geometry},
+    build::{Connectivity, MIN_REST_LENGTH_M, Notes, connect_with_notes, rest_geometry},
     stable_substeps,
 };
 
@@ -36,7 +36,10 @@ impl Fabrics {
             return fabric.clone();
         }
         let (graph, notes) = connect_with_notes(&task.sample, connectivity);
-        let (rest_lengths_m, rest_angles_rad) = rest_geometry(&graph, &task.sample);
+        let (mut rest_lengths_m, rest_angles_rad) = rest_geometry(&graph, &task.sample);
+        if task.sample.edges.is_some() {
+            measure_lengths(task, &graph, &mut rest_lengths_m);
+        }
         let fabric =
             Arc::new(Fabric { graph: Arc::new(graph), rest_lengths_m, rest_angles_rad, notes });
         if self.kept.len() == KEPT {
@@ -44,6 +47,34 @@ impl Fabrics {
         }
         self.kept.push((*connectivity, fabric.clone()));
         fabric
+    }
+}
+
+/// A cable hardly stretches: its edges are as long as they were seen to be, on average over the
+/// training frames, which knows more than one measurement of the undeformed cable.
+fn measure_lengths(task: &Task<'_>, graph: &Graph, lengths_m: &mut [f32]) {
+    let n = graph.node_count();
+    let springs = graph.springs.iter().zip(lengths_m);
+    for ([a, b], length) in springs.filter(|(s, _)| (s[1] as usize) < n) {
+        let points = [a, b].map(|&e| graph.observed_points[e as usize] as usize);
+        let (mut sum, mut count) = (0.0, 0_usize);
+        for t in &task.training {
+            let first = t.sequence.start_frame();
+            for frame in first..=first + t.frames {
+                let (at, seen) = (t.sequence.points_at(frame), t.sequence.visible_at(frame));
+                if points.iter().all(|&p| seen.get(p) == Some(&true)) {
+                    let [p, q] = points.map(|p| at[p].map(f64::from));
+                    let apart: f64 = p.iter().zip(q).map(|(x, y)| (x - y) * (x - y)).sum();
+                    if apart.is_finite() {
+                        sum += apart.sqrt();
+                        count += 1;
+                    }
+                }
+            }
+        }
+        if count > 0 {
+            *length = ((sum / count as f64) as f32).max(MIN_REST_LENGTH_M);
+        }
     }
 }
 
@@ -55,11 +86,7 @@ pub(crate) enum Refusal {
 }
 
 /// The model of a graph with parameters, with as many substeps as it needs.
-pub(crate) fn model(
-    task: &Task<'_>,
-    graph: &Arc<Graph>,
-    params: Params,
-) -> Result<Model, Refusal> {
+pub(crate) fn model(task: &Task<'_>, graph: &Arc<Graph>, params: Params) -> Result<Model, Refusal> {
     let mut model = Model {
         graph: graph.clone(),
         params,

@@ -252,13 +252,8 @@ impl<'a> Run<'a> {
         };
         let mut axial = finished.next().map(|f| f.twin);
         let options = EvaluateOptions { axial: axial.as_ref(), per_frame: false };
-        let mut quality = evaluate(
-            &*self.job.backend,
-            &twin,
-            self.job.capture,
-            &options,
-            self.cancel,
-        )?;
+        let mut quality =
+            evaluate(&*self.job.backend, &twin, self.job.capture, &options, self.cancel)?;
         quality.warnings.splice(0..0, warnings);
         if let Some(axial) = &mut axial {
             let row = quality.score(Predictor::Axial).cloned();

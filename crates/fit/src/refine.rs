@@ -12,8 +12,8 @@ use bendtwin_engine::{
 };
 use bendtwin_eval::initial_state;
 
-pub(crate) use self::walk::{Walk, WalkState};
 use self::schedule::Step;
+pub(crate) use self::walk::{Walk, WalkState};
 use crate::{Error, search::window_instance, submit, task::Task};
 
 /// One pass of all variants over the training frames.

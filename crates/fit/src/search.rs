@@ -123,7 +123,14 @@ impl<'a> Search<'a> {
 /// A rollout of a training sequence from its start, measured by its loss.
 pub(crate) fn instance(task: &Task<'_>, model: &Loaded, training: &Training<'_>) -> Instance {
     let initial = initial_state(&model.model().graph, task.capture.fps, training.sequence);
-    window_instance(model, training, Arc::new(initial), 0, training.frames, training.objective.clone())
+    window_instance(
+        model,
+        training,
+        Arc::new(initial),
+        0,
+        training.frames,
+        training.objective.clone(),
+    )
 }
 
 /// A rollout of `count` frames of a training sequence, from `first` frames after its start.
@@ -138,5 +145,11 @@ pub(crate) fn window_instance(
     let sequence = training.sequence;
     let from = sequence.start_frame() + first;
     let controls = (from..=from + count).flat_map(|f| sequence.controls_at(f)).copied().collect();
-    Instance { model: model.clone(), initial, controls: Arc::new(controls), frames: count, objective }
+    Instance {
+        model: model.clone(),
+        initial,
+        controls: Arc::new(controls),
+        frames: count,
+        objective,
+    }
 }

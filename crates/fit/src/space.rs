@@ -6,6 +6,8 @@
 //! slice at one end. Ratios and lengths are searched as they are. Variables without effect on the
 //! capture (friction of an object in the air) are left out: each costs the search evaluations.
 
+use std::f32::consts::PI;
+
 use bendtwin_core::{Contact, Params, params::MAX_SPRING_STIFFNESS};
 use bendtwin_engine::build::Connectivity;
 
@@ -22,6 +24,7 @@ pub(crate) enum Variable {
     Drag,
     BendStiffness,
     BendDamping,
+    RestBend,
     GroundRestitution,
     GroundFriction,
     ObjectRestitution,
@@ -41,6 +44,7 @@ impl std::fmt::Display for Variable {
             Self::Drag => "drag",
             Self::BendStiffness => "bending stiffness",
             Self::BendDamping => "bending damping",
+            Self::RestBend => "rest bend",
             Self::GroundRestitution => "ground restitution",
             Self::GroundFriction => "ground friction",
             Self::ObjectRestitution => "object restitution",
@@ -108,6 +112,8 @@ pub(crate) struct Candidate {
     drag: f64,
     bend_stiffness: f64,
     bend_damping: f64,
+    /// Share of the measured rest shape's bend that counts; 0 is straight.
+    rest_bend: f64,
     contact: Contact,
 }
 
@@ -127,6 +133,11 @@ impl Space {
             let square = task.spacing_m * task.spacing_m;
             axes.push(Axis::log(BendStiffness, 0.1 * square, 1e5 * square, 100.0 * square));
             axes.push(Axis::log(BendDamping, 1e-2 * square, 1e3 * square, square));
+            if task.sample.edges.is_some() && task.sample.rest_shape.is_some() {
+                // An angle does not know its direction: a cable that twists bends back
+                // towards its rest angle on the wrong side. Often a part of it fits best.
+                axes.push(Axis::linear(RestBend, 0.0, 1.0, 0.5));
+            }
         }
         if task.nears_ground() {
             axes.push(Axis::linear(GroundRestitution, 0.0, 1.0, 0.3));
@@ -157,6 +168,7 @@ impl Space {
             drag: 0.0,
             bend_stiffness: 0.0,
             bend_damping: 0.0,
+            rest_bend: 1.0,
             contact,
         };
         axes.iter().for_each(|a| start.set(a.variable, a.start));
@@ -195,6 +207,7 @@ impl Candidate {
             Variable::Drag => self.drag = value,
             Variable::BendStiffness => self.bend_stiffness = value,
             Variable::BendDamping => self.bend_damping = value,
+            Variable::RestBend => self.rest_bend = value,
             Variable::GroundRestitution => c.ground_restitution = value as f32,
             Variable::GroundFriction => c.ground_friction = value as f32,
             Variable::ObjectRestitution => c.object_restitution = value as f32,
@@ -218,9 +231,15 @@ impl Candidate {
             rest_lengths_m: rest_lengths_m.to_vec(),
             bend_stiffness: vec![self.bend_stiffness as f32; t],
             bend_damping: vec![self.bend_damping as f32; t],
-            rest_angles_rad: rest_angles_rad.to_vec(),
+            rest_angles_rad: rest_angles_rad.iter().map(|&a| bent(a, self.rest_bend)).collect(),
             drag: self.drag as f32,
             contact: self.contact,
         }
     }
+}
+
+/// A rest angle with a share of its bend.
+fn bent(angle_rad: f32, share: f64) -> f32 {
+    let bend = f64::from(PI - angle_rad) * share;
+    ((f64::from(PI) - bend) as f32).clamp(0.0, PI)
 }

@@ -64,10 +64,13 @@ impl<'a> Task<'a> {
         let spread = (0..count).map(|i| i * self.training.len() / count);
         let mut set = Vec::with_capacity(count);
         for sequence in spread.map(|i| self.training[i].sequence) {
-            let most = limit(sequence.train_frame_count, settings.max_frames.saturating_add(
-                // 0 keeps meaning "all".
-                if settings.max_frames == 0 { 0 } else { sequence.start_frame() + 1 },
-            ));
+            let most = limit(
+                sequence.train_frame_count,
+                settings.max_frames.saturating_add(
+                    // 0 keeps meaning "all".
+                    if settings.max_frames == 0 { 0 } else { sequence.start_frame() + 1 },
+                ),
+            );
             let Some(mut training) =
                 Training::new(sequence, most, &self.sample, &self.settings.loss)
             else {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{FitSettings, Params, Twin, quality::Predictor, twin::Provenance};
+use bendtwin_core::{FitSettings, Params, Twin, twin::Provenance};
 use bendtwin_engine::Backend;
 
 use crate::{
@@ -21,7 +21,6 @@ const SEED_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 /// One model under way.
 pub(crate) struct Variant {
     pub(crate) name: &'static str,
-    pub(crate) predictor: Predictor,
     pub(crate) space: Space,
     settings: FitSettings,
 }
@@ -31,7 +30,6 @@ impl Variant {
     pub(crate) fn all(task: &Task<'_>) -> Vec<Self> {
         let one = |bending: bool| Self {
             name: if bending { "bending" } else { "axial" },
-            predictor: if bending { Predictor::Bending } else { Predictor::Axial },
             space: Space::new(task, bending),
             settings: FitSettings {
                 bending,

@@ -1,0 +1,66 @@
+use super::*;
+use crate::scene;
+
+fn backend() -> std::sync::Arc<dyn Backend> {
+    bendtwin_engine::cpu_with_threads(1)
+}
+
+#[test]
+fn an_object_at_rest_is_predicted_exactly() {
+    let capture = scene::chain(5, 4, 3, [0.0; 3]);
+    let twin = scene::chain_twin(5);
+    let options = EvaluateOptions { axial: None, per_frame: true };
+    let quality =
+        evaluate(&*backend(), &twin, &capture, &options, &CancelToken::default()).unwrap();
+    let own = quality.score(Predictor::Axial).unwrap();
+    assert!(own.future.track_m.unwrap() < 1e-6 && own.future.coordinate_m.unwrap() < 1e-6);
+    assert_eq!(own.per_frame.len(), 3);
+    let rows: Vec<Predictor> = quality.scores.iter().map(|s| s.predictor).collect();
+    use Predictor::*;
+    assert_eq!(rows, [Axial, StandingStill, LastResidual, ClampInterpolation]);
+    assert_eq!(quality.score(LastResidual).unwrap().train, Default::default());
+}
+
+#[test]
+fn a_twin_that_is_worse_than_nothing_is_warned_about() {
+    let mut capture = scene::chain(5, 30, 20, [0.0; 3]);
+    capture.object.pins.clear();
+    let mut twin = scene::chain_twin(5);
+    twin.environment.gravity = [0.0, 0.0, -9.81];
+    let quality = evaluate(
+        &*backend(),
+        &twin,
+        &capture,
+        &EvaluateOptions::default(),
+        &CancelToken::default(),
+    )
+    .unwrap();
+    assert!(quality.warnings.iter().any(|w| w.contains("no better than standing still")));
+}
+
+#[test]
+fn a_diverging_twin_gets_finite_scores_and_a_warning() {
+    let capture = scene::chain(5, 6, 3, [0.0, 0.0, 0.01]);
+    let mut prediction =
+        predict(&*backend(), &scene::chain_twin(5), &capture, &CancelToken::default()).unwrap();
+    prediction[0].diverged = Some(bendtwin_engine::backend::Divergence { frame: 2, node: 1 });
+    let quality = score(&scene::chain_twin(5), &prediction, None, &capture, false);
+    assert!(quality.warnings[0].contains("diverged in frame 2"), "{:?}", quality.warnings);
+    assert!(serde_json::to_string(&quality).unwrap().contains("track_m"));
+}
+
+#[test]
+fn a_twin_of_another_capture_is_refused() {
+    let capture = scene::chain(4, 4, 3, [0.0; 3]);
+    let refuse = |twin: &Twin, capture: &Capture| {
+        let options = EvaluateOptions::default();
+        evaluate(&*backend(), twin, capture, &options, &CancelToken::default()).unwrap_err()
+    };
+    let mut slow = scene::chain_twin(4);
+    slow.timing.fps = 30.0;
+    assert!(matches!(refuse(&slow, &capture), Error::Mismatch(_)));
+    assert!(matches!(refuse(&scene::chain_twin(6), &capture), Error::Mismatch(_)));
+    let mut short = capture.clone();
+    short.sequences[0].visible.pop();
+    assert!(matches!(refuse(&scene::chain_twin(4), &short), Error::Inconsistent(_)));
+}

@@ -3,11 +3,7 @@
 use std::sync::Arc;
 
 use bendtwin_core::{Graph, Params, Timing, settings::Substeps};
-use bendtwin_engine::{
-    Backend, Loaded,
-    backend::Gradient,
-    stable_substeps,
-};
+use bendtwin_engine::{Backend, Loaded, backend::Gradient, stable_substeps};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -98,8 +94,7 @@ impl<'a> Walk<'a> {
         if state.theta.len() != coordinates.len() || state.best.theta.len() != coordinates.len() {
             return Err(Error::Checkpoint("it has another number of parameters".into()));
         }
-        let mut start = model(task, &graph, coordinates.params(&state.theta))
-            .map_err(too_stiff)?;
+        let mut start = model(task, &graph, coordinates.params(&state.theta)).map_err(too_stiff)?;
         start.timing.substeps = state.substeps;
         let loaded = load(backend, start)?.map_err(too_stiff)?;
         Ok(Self { state, graph, loaded, note: None, coordinates, sits_out: false, task })
@@ -141,12 +136,14 @@ impl<'a> Walk<'a> {
     ) -> Result<(), Error> {
         let params = &self.loaded.model().params;
         let mut sum = vec![0.0; self.coordinates.len()];
-        let weight = 1.0 / gradients.len().max(1) as f64;
-        for g in gradients {
-            self.coordinates.add_gradient(params, &g.params, weight, &mut sum);
+        let own: Vec<Vec<f64>> =
+            gradients.iter().map(|g| self.coordinates.gradient(params, &g.params)).collect();
+        for (gradient, weight) in own.iter().zip(weights(&own)) {
+            sum.iter_mut().zip(gradient).for_each(|(s, g)| *s += weight * g);
         }
         if let Some(d) = gradients.iter().find_map(|g| g.loss.diverged) {
-            return self.back_off(&format!("the simulation diverged in frame {}", d.frame), backend);
+            return self
+                .back_off(&format!("the simulation diverged in frame {}", d.frame), backend);
         }
         if sum.iter().any(|g| !g.is_finite()) || gradients.iter().any(|g| !g.loss.total.is_finite())
         {
@@ -196,11 +193,8 @@ impl<'a> Walk<'a> {
     pub(crate) fn judge(&mut self, loss: f64, backend: &dyn Backend) -> Result<(), Error> {
         self.state.loss = loss;
         if loss < self.state.best.loss {
-            self.state.best = Best {
-                theta: self.state.theta.clone(),
-                substeps: self.state.substeps,
-                loss,
-            };
+            self.state.best =
+                Best { theta: self.state.theta.clone(), substeps: self.state.substeps, loss };
         } else if !loss.is_finite() {
             self.back_off("the simulation diverged", backend)?;
         }
@@ -222,6 +216,19 @@ impl<'a> Walk<'a> {
         self.note = Some(format!("{why}: went back to the best parameters and halved the rate"));
         Ok(())
     }
+}
+
+/// Weights of the gradients of a batch. A long rollout now and then comes near a point where the motion branches,
+/// and its gradient is larger than all others by orders of magnitude without saying more: none counts
+/// with more than the median length.
+fn weights(gradients: &[Vec<f64>]) -> Vec<f64> {
+    let length = |g: &Vec<f64>| g.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let lengths: Vec<f64> = gradients.iter().map(length).collect();
+    let mut sorted = lengths.clone();
+    sorted.sort_by(f64::total_cmp);
+    let Some(&median) = sorted.get(sorted.len() / 2) else { return Vec::new() };
+    let even = 1.0 / gradients.len() as f64;
+    lengths.iter().map(|&l| if l > median { even * median / l } else { even }).collect()
 }
 
 fn too_stiff(refusal: Refusal) -> Error {
