@@ -67,6 +67,9 @@ pub(crate) struct Files<'a> {
     prefix: String,
 }
 
+/// A JSON document longer than this describes no recording.
+pub(crate) const MAX_DOCUMENT: u64 = 16 << 20;
+
 /// How deep inside an archive or folder a capture may lie.
 const MAX_NESTING: usize = 2;
 
@@ -249,6 +252,22 @@ impl<'a> Files<'a> {
     /// Reads a file that must exist.
     pub(crate) fn read(&mut self, name: &str) -> Result<Vec<u8>, Error> {
         self.find(name)?.ok_or_else(|| Error::MissingFile(name.to_owned()))
+    }
+
+    /// Reads a JSON document that must exist.
+    pub(crate) fn read_document(&mut self, name: &str) -> Result<Vec<u8>, Error> {
+        self.find_document(name)?.ok_or_else(|| Error::MissingFile(name.to_owned()))
+    }
+
+    /// Reads a JSON document that may be missing; parsed, it takes several times its size.
+    pub(crate) fn find_document(&mut self, name: &str) -> Result<Option<Vec<u8>>, Error> {
+        let bytes = self.find(name)?;
+        match bytes.as_ref().map(|b| b.len() as u64).filter(|len| *len > MAX_DOCUMENT) {
+            Some(bytes) => {
+                Err(Error::TooLarge { what: format!("`{name}`"), bytes, limit: MAX_DOCUMENT })
+            }
+            None => Ok(bytes),
+        }
     }
 
     /// Reads a file that may be missing.

@@ -12,15 +12,17 @@ use bendtwin_core::{
 use serde::Deserialize;
 
 use crate::{
-    Error, Limits, bundle::index_in, files::Files, frame::Frame, npy, phystwin::json,
+    Error, Limits,
+    bundle::index_in,
+    files::{Files, MAX_DOCUMENT},
+    frame::Frame,
+    npy,
+    phystwin::json,
     structure::validate,
 };
 
 /// Lowest height that both datasets record [m]: their floor, to which DEFORM clips.
 const FLOOR_M: f32 = 0.002_001;
-
-/// A JSON document this long is no description of a recording.
-const MAX_DOCUMENT: u64 = 16 << 20;
 
 /// What is read of the description; the rest is for people.
 #[derive(Deserialize)]

@@ -25,7 +25,7 @@ struct Split {
 
 /// Reads the case at the root of `files`.
 pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
-    let metadata: Metadata = json(&files.read("metadata.json")?, "metadata.json")?;
+    let metadata: Metadata = json(&files.read_document("metadata.json")?, "metadata.json")?;
     let bytes = files.read(MARKER)?;
     let data = pickle::read(MARKER, &bytes, files.limits, &mut files.budget)?;
     let missing =
@@ -156,7 +156,7 @@ fn truth(
 
 fn split(files: &mut Files<'_>, frame_count: usize, notes: &mut Vec<Note>) -> Result<usize, Error> {
     const NAME: &str = "split.json";
-    let Some(bytes) = files.find(NAME)? else {
+    let Some(bytes) = files.find_document(NAME)? else {
         let train = (frame_count as f64 * TRAIN_SHARE).round() as usize;
         notes.push(Note::info(
             "OPTIONAL_MISSING",

@@ -13,7 +13,7 @@ use crate::{Error, check::Note, files::Files, frame::Frame, npy};
 
 /// Reads the bundle at the root of `files`.
 pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
-    let manifest = Manifest::parse(&files.read(MARKER)?)?;
+    let manifest = Manifest::parse(&files.read_document(MARKER)?)?;
     files.check_sequences(manifest.sequences.len())?;
     let frame = manifest.frame()?;
     let environment = manifest.environment(&frame)?;

@@ -6,6 +6,8 @@ use super::{Finding, distance, visible_points};
 
 /// A hand that never comes nearer does not touch the object [m].
 const FAR_M: f32 = 0.1;
+/// Pairs of points that are compared; longer recordings are looked at in fewer frames.
+const MAX_PAIRS: usize = 500_000_000;
 /// A hand that moves less holds still [m].
 const STILL_M: f32 = 0.005;
 /// No hand is faster [m/s].
@@ -60,7 +62,9 @@ pub(super) fn check(capture: &Capture, findings: &mut Vec<Finding>) {
 
 fn far(sequence: &Sequence, findings: &mut Vec<Finding>) {
     let mut nearest = f32::INFINITY;
-    for frame in 0..sequence.frame_count {
+    let pairs = sequence.points.len().saturating_mul(sequence.control_count());
+    let stride = pairs.div_ceil(MAX_PAIRS).max(1);
+    for frame in (0..sequence.frame_count).step_by(stride) {
         let points = visible_points(sequence, frame);
         for control in sequence.controls_at(frame) {
             nearest = points.iter().map(|p| distance(control, p)).fold(nearest, f32::min);

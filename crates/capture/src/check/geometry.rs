@@ -62,10 +62,8 @@ impl Bounds {
         let first = points.first()?;
         let mut bounds = Self { low: *first, high: *first };
         for p in points {
-            for axis in 0..3 {
-                bounds.low[axis] = bounds.low[axis].min(p[axis]);
-                bounds.high[axis] = bounds.high[axis].max(p[axis]);
-            }
+            bounds.low = std::array::from_fn(|a| bounds.low[a].min(p[a]));
+            bounds.high = std::array::from_fn(|a| bounds.high[a].max(p[a]));
         }
         Some(bounds)
     }

@@ -122,7 +122,7 @@ impl<'m, 'a> Parts<'m, 'a> {
     }
 
     /// The array of a state `(version, shape, dtype, is_fortran, bytes)`.
-    pub(super) fn from_state(&self, state: &[Id]) -> Result<Parsed<'m, 'a>, Fault> {
+    pub(super) fn of_state(&self, state: &[Id]) -> Result<Parsed<'m, 'a>, Fault> {
         let shape = self.shape(state, 1).ok_or(Fault::damaged("an array without a shape"))?;
         let dtype = self.dtype(state, 2)?;
         let fortran = matches!(self.value(state, 3), Some(Value::Bool(true)));
@@ -131,7 +131,7 @@ impl<'m, 'a> Parts<'m, 'a> {
     }
 
     /// The array of a call `_frombuffer(bytes, dtype, shape, order)`.
-    pub(super) fn from_buffer(&self, args: &[Id]) -> Result<Parsed<'m, 'a>, Fault> {
+    pub(super) fn of_buffer(&self, args: &[Id]) -> Result<Parsed<'m, 'a>, Fault> {
         let data = self.bytes(args, 0).ok_or(Fault::damaged("an array without bytes"))?;
         let dtype = self.dtype(args, 1)?;
         let shape = self.shape(args, 2).ok_or(Fault::damaged("an array without a shape"))?;

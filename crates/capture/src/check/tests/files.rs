@@ -46,7 +46,7 @@ const BROKEN_BUNDLES: &[(&str, &str, Break)] = &[
     ("INVALID_DOCUMENT", "`format`", |f| text(f, "capture.json", "bendtwin-capture", "other")),
     ("INVALID_DOCUMENT", "fsp", |f| text(f, "capture.json", "\"fps\"", "\"fsp\"")),
     ("UNSUPPORTED_VERSION", "version 7", |f| {
-        text(f, "capture.json", "\"version\": 1", "\"version\": 7")
+        text(f, "capture.json", "\"version\": 1", "\"version\": 7");
     }),
     ("UNKNOWN_UNITS", "furlong", |f| text(f, "capture.json", "\"m\"", "\"furlong\"")),
     ("INVALID_AXES", "does not declare `units`", |f| {
