@@ -149,7 +149,7 @@ pub(super) fn gradients_through_object_contact(backend: &dyn Backend) -> Outcome
         scene.initial.velocities = vec![[0.5, 0.1, 0.0], [-0.4, sideways, 0.1], [0.0, 0.1, 0.0]];
         scene.last(3);
         let nodes = vec![0, 1, 2];
-        let targets = vec![[0.05, 0.0, 0.01], [0.0; 3], [0.1, 0.1, 0.0]];
+        let targets = vec![[0.05, 0.0, 0.08], [0.0, 0.0, -0.09], [0.1, 0.1, 0.0]];
         let track = Term::Track { nodes, targets, loss: PointLoss::SquaredDistance };
         scene.objective.groups = vec!["track".into()];
         scene.objective.terms =
