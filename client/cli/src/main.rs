@@ -1,2 +1,58 @@
-//! The `bendtwin` command.
-fn main() {}
+//! The `bendtwin` command: the whole system in one binary.
+
+mod args;
+mod capture;
+mod demo;
+mod eval;
+mod failure;
+mod fit;
+mod logging;
+mod npy;
+mod output;
+mod progress;
+mod quality;
+mod rollout;
+mod server;
+mod settings;
+mod signals;
+mod table;
+mod twin;
+mod worker;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+use self::args::{Arguments, Command};
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let service = matches!(arguments.command, Command::Server(_) | Command::Worker(_));
+    logging::start(&arguments.logging, service);
+    let runtime = match tokio::runtime::Builder::new_multi_thread().enable_all().build() {
+        Ok(runtime) => runtime,
+        Err(error) => return failure::report(&error.into(), arguments.global.json),
+    };
+    let json = arguments.global.json;
+    let result = runtime.block_on(run(arguments));
+    // A thread that still waits for its standard input must not hold up the end.
+    runtime.shutdown_background();
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => failure::report(&error, json),
+    }
+}
+
+async fn run(arguments: Arguments) -> anyhow::Result<()> {
+    let global = &arguments.global;
+    match arguments.command {
+        Command::Demo(args) => demo::run(args, global).await,
+        Command::Server(args) => server::run(args).await,
+        Command::Worker(args) => worker::run(args, global).await,
+        Command::Capture(args) => capture::run(args, global).await,
+        Command::Fit(args) => fit::run(args, global).await,
+        Command::Twin(args) => twin::run(args, global).await,
+        Command::Rollout(args) => rollout::run(args, global).await,
+        Command::Eval(args) => eval::run(args, global).await,
+    }
+}

@@ -102,8 +102,9 @@ impl Captures {
         let response = self
             .http
             .post(format!("{}/v1/captures", self.url))
-            .query(&[("display_name", display_name), ("digest", digest)])
+            .query(&[("display_name", display_name)])
             .header("content-type", "application/zip")
+            .header("x-content-blake3", digest)
             .header("content-length", length)
             .header("idempotency-key", key)
             .body(reqwest::Body::wrap_stream(body))

@@ -27,7 +27,7 @@ pub struct Capture {
 
 /// Where a fit is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum FitState {
     /// Waits for a worker.
     Queued,

@@ -86,12 +86,7 @@ impl Rollout {
     /// Starts where the twin is after following the controls of a capture (its own, if none is
     /// given) up to a frame.
     #[must_use]
-    pub fn from_capture_frame(
-        self,
-        capture: Option<CaptureId>,
-        sequence: u32,
-        frame: u32,
-    ) -> Self {
+    pub fn from_capture_frame(self, capture: Option<CaptureId>, sequence: u32, frame: u32) -> Self {
         let capture = capture.map(|c| c.to_string()).unwrap_or_default();
         self.start(State::CaptureFrame(CaptureFrame { capture, sequence, frame }))
     }

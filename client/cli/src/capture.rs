@@ -1,0 +1,86 @@
+//! `bendtwin capture`: make, check, upload, list.
+
+mod check;
+pub(crate) mod make;
+pub(crate) mod push;
+
+use std::path::PathBuf;
+
+use bendtwin_client::CaptureId;
+use clap::{Args, Subcommand};
+
+use crate::{args::Global, output, table::Table};
+
+#[derive(Debug, Args)]
+pub(crate) struct Capture {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make a small capture of a simulated object, to try things out
+    Make(make::Make),
+    /// Say in plain words what is wrong with a capture, without a server
+    Check {
+        /// A folder, a ZIP archive, or motion capture as .npz with its .json
+        path: PathBuf,
+    },
+    /// Check a capture and upload it
+    Push(push::Push),
+    /// List the captures of the server
+    List,
+    /// Show one capture
+    Show {
+        /// captures/{uuid}
+        name: CaptureId,
+    },
+    /// Delete captures; their twins stay
+    Delete {
+        /// captures/{uuid}
+        #[arg(required = true)]
+        names: Vec<CaptureId>,
+    },
+}
+
+pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
+    match args.command {
+        Command::Make(args) => make::run(args, global).await,
+        Command::Check { path } => check::run(&path, global).await,
+        Command::Push(args) => push::run(args, global).await,
+        Command::List => {
+            let captures = global.connect().await?.captures().all().await?;
+            output::print(global, &captures, || {
+                let mut table = Table::new(["NAME", "CREATED", "SIZE", "WHAT"]);
+                for c in &captures {
+                    let size = output::bytes(c.size_bytes);
+                    let created = format!("{:.0}", c.create_time);
+                    table.row([c.name.to_string(), created, size, c.display_name.clone()]);
+                }
+                table.text()
+            })
+        }
+        Command::Show { name } => {
+            let capture = global.connect().await?.captures().get(name).await?;
+            output::print(global, &capture, || shown(&capture))
+        }
+        Command::Delete { names } => {
+            let client = global.connect().await?;
+            for name in &names {
+                client.captures().delete(*name).await?;
+            }
+            output::print(global, &names, || format!("deleted {}", names.len()))
+        }
+    }
+}
+
+fn shown(capture: &bendtwin_client::Capture) -> String {
+    format!(
+        "{}\n  what     {}\n  created  {:.0}\n  size     {}\n  digest   {}",
+        capture.name,
+        capture.display_name,
+        capture.create_time,
+        output::bytes(capture.size_bytes),
+        capture.digest
+    )
+}

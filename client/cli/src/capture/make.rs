@@ -1,0 +1,74 @@
+//! `bendtwin capture make`.
+
+use std::path::{Path, PathBuf};
+
+use bendtwin_capture::make::{MakeOptions, Scene, make};
+use clap::Args;
+use serde_json::json;
+
+use crate::{args::Global, failure, output};
+
+#[derive(Debug, Args)]
+pub(crate) struct Make {
+    /// What to simulate: rope, toy or cable
+    #[arg(value_parser = scene)]
+    scene: Scene,
+    /// The ZIP archive to write [default: {scene}.zip]
+    file: Option<PathBuf>,
+    /// Seed of noise, occlusion and motion
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Frames of a recording [default: the scene's own number]
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    frames: usize,
+    /// A coarse variant of a few dozen points
+    #[arg(long)]
+    tiny: bool,
+}
+
+fn scene(name: &str) -> Result<Scene, String> {
+    Scene::from_name(name).ok_or_else(|| {
+        let names = Scene::ALL.map(Scene::name).join(", ");
+        format!("there is no scene `{name}`: take one of {names}")
+    })
+}
+
+pub(super) async fn run(args: Make, global: &Global) -> anyhow::Result<()> {
+    let path = args.file.unwrap_or_else(|| format!("{}.zip", args.scene.name()).into());
+    let options = MakeOptions { seed: args.seed, frames: args.frames, tiny: args.tiny };
+    let capture = write(args.scene, options, &path).await?;
+    let sequence = capture.sequences.first();
+    let frames = sequence.map_or(0, |s| s.frame_count);
+    let controls = sequence.map_or(0, bendtwin_core::Sequence::control_count);
+    let summary = json!({
+        "path": path,
+        "points": capture.object.point_count,
+        "sequences": capture.sequences.len(),
+        "frames": frames,
+        "control_points": controls,
+    });
+    output::print(global, &summary, || {
+        format!(
+            "{}: {} points over {frames} frames, moved by {controls} control points\n\
+             next: bendtwin capture push {}",
+            path.display(),
+            capture.object.point_count,
+            path.display()
+        )
+    })
+}
+
+/// Simulates a scene and writes it as a bundle.
+pub(crate) async fn write(
+    scene: Scene,
+    options: MakeOptions,
+    path: &Path,
+) -> anyhow::Result<bendtwin_core::Capture> {
+    let path = path.to_owned();
+    let made = tokio::task::spawn_blocking(move || {
+        let capture = make(scene, &options)?;
+        bendtwin_capture::write_bundle_file(&capture, &path)?;
+        Ok::<_, bendtwin_capture::Error>(capture)
+    });
+    made.await?.map_err(failure::failed)
+}

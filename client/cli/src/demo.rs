@@ -1,0 +1,76 @@
+//! `bendtwin demo`: the whole system at work, each step with the command that
+//! does the same by hand.
+
+mod candidates;
+mod host;
+mod story;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use tempfile::TempDir;
+
+use self::story::Story;
+use crate::{args::Global, signals};
+
+#[derive(Debug, Args)]
+pub(crate) struct Demo {
+    /// Keep the server's folder, the capture and the twins here
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
+    /// Where to write the picture
+    #[arg(long, value_name = "FILE", default_value = "bendtwin-demo.png")]
+    out: PathBuf,
+    /// Seed of the capture and of the fits
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
+    let shutdown = signals::shutdown();
+    let folder = Folder::new(args.keep)?;
+    let mut story = Story::new(global.json, args.seed, args.out, folder.path().to_owned());
+    let mut host = story.start_server().await?;
+    let site = host.site.clone();
+    let told = tokio::select! {
+        told = story.tell(&site) => told,
+        () = shutdown.cancelled() => Err(anyhow::anyhow!("interrupted; everything was stopped")),
+        fault = host.ended() => Err(fault),
+    };
+    // In good order whatever happened: no process and no half-written folder stays behind.
+    host.stop().await;
+    told?;
+    story.conclude(folder.is_kept())
+}
+
+/// A folder that goes away afterwards, or one that the user wants to keep.
+enum Folder {
+    Temporary(TempDir),
+    Kept(PathBuf),
+}
+
+impl Folder {
+    fn new(keep: Option<PathBuf>) -> anyhow::Result<Self> {
+        match keep {
+            Some(path) => {
+                std::fs::create_dir_all(&path)?;
+                // Child processes may have another idea of what a relative path means.
+                Ok(Self::Kept(std::path::absolute(path)?))
+            }
+            None => {
+                Ok(Self::Temporary(tempfile::Builder::new().prefix("bendtwin-demo-").tempdir()?))
+            }
+        }
+    }
+
+    fn path(&self) -> &std::path::Path {
+        match self {
+            Self::Temporary(folder) => folder.path(),
+            Self::Kept(path) => path,
+        }
+    }
+
+    fn is_kept(&self) -> bool {
+        matches!(self, Self::Kept(_))
+    }
+}

@@ -1,0 +1,242 @@
+//! The demo's steps, and what is said about them.
+
+use std::{path::PathBuf, time::Instant};
+
+use anyhow::Context as _;
+use bendtwin_capture::make::{MakeOptions, Scene};
+use bendtwin_client::{CaptureId, Cost, Fit, Rollout, TwinId, TwinModel};
+use bendtwin_core::{Capture, FitSettings, Quality};
+use bendtwin_engine::backend::CancelToken;
+use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, format_table};
+use serde_json::json;
+
+use super::{
+    candidates::{KNOTS, candidates, displacement},
+    host::{Host, Site},
+};
+use crate::{capture, eval, failure, fit, output, quality};
+
+/// Candidate actions of the batch.
+const CANDIDATES: usize = 64;
+/// Their horizon [frames].
+const HORIZON: u32 = 30;
+
+/// The demo under way.
+pub(super) struct Story {
+    quiet: bool,
+    seed: u64,
+    picture: PathBuf,
+    folder: PathBuf,
+    started: Instant,
+    steps: u32,
+    /// What `--json` prints at the end.
+    report: serde_json::Map<String, serde_json::Value>,
+}
+
+/// The two fits of the same nodes.
+struct Pair {
+    bending: TwinModel,
+    axial: TwinModel,
+    name: TwinId,
+}
+
+impl Story {
+    pub(super) fn new(quiet: bool, seed: u64, picture: PathBuf, folder: PathBuf) -> Self {
+        let report = serde_json::Map::new();
+        Self { quiet, seed, picture, folder, started: Instant::now(), steps: 0, report }
+    }
+
+    /// Step 1: a server with a worker.
+    pub(super) async fn start_server(&mut self) -> anyhow::Result<Host> {
+        self.say("BendTwin turns a recording of a soft object into a physical twin and predicts");
+        self.say("what robot actions do to it. This is the whole system at work on this machine.");
+        self.step("Start a server; it starts its own worker process", "bendtwin server");
+        let host = Host::start(&self.folder).await?;
+        self.say(&format!("  it answers HTTP and gRPC at {}", host.site.url));
+        Ok(host)
+    }
+
+    /// Steps 2 to 7.
+    pub(super) async fn tell(&mut self, site: &Site) -> anyhow::Result<()> {
+        let (observed, capture) = self.record(site).await?;
+        let pair = self.fit(site, capture).await?;
+        self.compare(&pair, &observed).await?;
+        self.plan(site, &pair, &observed).await?;
+        self.draw(pair, observed).await
+    }
+
+    async fn record(&mut self, site: &Site) -> anyhow::Result<(Capture, CaptureId)> {
+        self.step(
+            "Record a rope that a robot hand moves (simulated far more finely than the twin will be, with noise and occlusion)",
+            "bendtwin capture make rope rope.zip",
+        );
+        let path = self.folder.join("rope.zip");
+        let options = MakeOptions::full(self.seed);
+        let observed = capture::make::write(Scene::Rope, options, &path).await?;
+        let (frames, train) =
+            observed.sequences.first().map_or((0, 0), |s| (s.frame_count, s.train_frame_count));
+        self.say(&format!(
+            "  {} points over {frames} frames; the fit sees the first {train}, the others are its exam",
+            observed.object.point_count
+        ));
+        self.step("Upload it over HTTP", "bendtwin capture push rope.zip");
+        let stored = capture::push::upload(&site.client, &path, "demo rope", self.quiet).await?;
+        self.say(&format!("  {} ({})", stored.name, output::bytes(stored.size_bytes)));
+        Ok((observed, stored.name))
+    }
+
+    async fn fit(&mut self, site: &Site, capture: CaptureId) -> anyhow::Result<Pair> {
+        let settings = FitSettings { seed: self.seed, ..FitSettings::default() };
+        self.step(
+            "Fit a twin: search its global numbers, then refine every spring and bending triplet",
+            &format!("bendtwin fit start {capture} --watch"),
+        );
+        let bending = self.one_fit(site, capture, &settings, "fit_s").await?;
+        self.step(
+            "Fit the same nodes once more without bending, for comparison",
+            &format!("bendtwin fit start {capture} --set bending=false --watch"),
+        );
+        let without = FitSettings { bending: false, ..settings };
+        let axial = self.one_fit(site, capture, &without, "axial_fit_s").await?;
+        let twins = site.client.twins();
+        let name = bending.twin.context("the fit has no twin")?;
+        let axial = axial.twin.context("the fit has no twin")?;
+        Ok(Pair { bending: twins.download(name).await?, axial: twins.download(axial).await?, name })
+    }
+
+    async fn one_fit(
+        &mut self,
+        site: &Site,
+        capture: CaptureId,
+        settings: &FitSettings,
+        key: &str,
+    ) -> anyhow::Result<Fit> {
+        let started = Instant::now();
+        let job = site.client.fits().create(capture, settings, 0).await?;
+        let fit = fit::watch(&site.client, job.name, self.quiet).await?;
+        fit::ended_well(&fit)?;
+        let took = started.elapsed().as_secs_f64();
+        self.report.insert(key.to_owned(), json!(took));
+        let twin = fit.twin.map(|t| t.to_string()).unwrap_or_default();
+        self.say(&format!("  {twin} after {}", output::duration(took)));
+        Ok(fit)
+    }
+
+    async fn compare(&mut self, pair: &Pair, observed: &Capture) -> anyhow::Result<()> {
+        self.step(
+            "How good is it? Errors in mm against what was recorded; `future` frames were never seen",
+            &format!("bendtwin twin show {}", pair.name),
+        );
+        let (twin, axial, observed) = (pair.bending.clone(), pair.axial.clone(), observed.clone());
+        let scored = tokio::task::spawn_blocking(move || {
+            let options = EvaluateOptions { axial: Some(&axial), per_frame: false };
+            let backend = bendtwin_engine::cpu();
+            evaluate(&*backend, &twin, &observed, &options, &CancelToken::default())
+        });
+        let quality: Quality = scored.await?.map_err(failure::failed)?;
+        for line in format_table(&quality, TableStyle::Plain).lines() {
+            self.say(&format!("  {line}"));
+        }
+        if let Some(sentence) = quality::summary(&quality) {
+            self.say(&format!("  {sentence}"));
+        }
+        self.report.insert("quality".to_owned(), serde_json::to_value(&quality)?);
+        Ok(())
+    }
+
+    async fn plan(&mut self, site: &Site, pair: &Pair, observed: &Capture) -> anyhow::Result<()> {
+        self.step(
+            &format!("Plan with it: {CANDIDATES} robot actions in one gRPC call, scored by where the rope's end comes to lie"),
+            &format!("bendtwin rollout {} --actions actions.npy", pair.name),
+        );
+        let sequence = observed.sequences.first().context("the capture is empty")?;
+        let hands = sequence.controls_at(sequence.start_frame());
+        let batch = candidates(hands, CANDIDATES);
+        // The node farthest from the hands, and a place above and beside where it lies now.
+        let rest = &pair.bending.graph.rest_positions;
+        let end = farthest(rest, hands).context("the twin has no nodes")?;
+        let goal = [rest[end][0] + 0.06, rest[end][1] + 0.06, rest[end][2] + 0.06];
+        let request = Rollout::of(pair.name)
+            .trajectories([CANDIDATES, KNOTS, hands.len()], batch.clone())
+            .cubic()
+            .frames(HORIZON)
+            .cost(Cost::keypoints("end of the rope", 1.0, &[end as u32], &[goal]))
+            .diagnostics();
+        let started = Instant::now();
+        let reply = site.client.rollouts().run(request).await?;
+        let took = started.elapsed().as_secs_f64();
+        let best = reply.best().context("the reply is empty")?;
+        let worst = reply.costs.iter().copied().filter(|c| c.is_finite()).fold(0.0, f64::max);
+        let [x, y, z] = displacement(hands, &batch, best).map(|d| 100.0 * d);
+        self.say(&format!(
+            "  best: action {best}, hands by ({x:.1}, {y:.1}, {z:.1}) cm; the end of the rope comes within {:.1} cm of its goal (worst action: {:.1} cm)",
+            100.0 * reply.costs.get(best).copied().unwrap_or_default(),
+            100.0 * worst
+        ));
+        let frames = CANDIDATES as f64 * f64::from(HORIZON);
+        self.say(&format!(
+            "  {CANDIDATES} rollouts of {HORIZON} frames in {took:.2} s: {:.0} frames a second",
+            frames / took
+        ));
+        let planned = json!({ "best": best, "costs": reply.costs, "seconds": took });
+        self.report.insert("rollout".to_owned(), planned);
+        Ok(())
+    }
+
+    async fn draw(&mut self, pair: Pair, observed: Capture) -> anyhow::Result<()> {
+        self.step("Draw predicted against observed", "bendtwin eval rope.zip --axial --picture");
+        let path = self.picture.clone();
+        tokio::task::spawn_blocking(move || {
+            let token = CancelToken::default();
+            eval::draw(&path, &pair.bending, Some(&pair.axial), &observed, &token)
+        })
+        .await??;
+        self.say(&format!("  {}", self.picture.display()));
+        self.report.insert("picture".to_owned(), json!(self.picture));
+        Ok(())
+    }
+
+    /// The last words, once everything has stopped.
+    pub(super) fn conclude(mut self, kept: bool) -> anyhow::Result<()> {
+        let took = self.started.elapsed().as_secs_f64();
+        self.report.insert("seconds".to_owned(), json!(took));
+        if self.quiet {
+            return output::line(&serde_json::Value::Object(self.report).to_string());
+        }
+        self.say("");
+        self.say(&format!("Done in {}; server and worker are stopped.", output::duration(took)));
+        if kept {
+            let data = self.folder.join("data");
+            self.say(&format!(
+                "Everything is in {}; go on with `bendtwin server --data-dir {}`.",
+                self.folder.display(),
+                data.display()
+            ));
+        } else {
+            self.say(
+                "Next: `bendtwin server`, then the commands above with a capture of your own.",
+            );
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, what: &str, command: &str) {
+        self.steps += 1;
+        self.say(&format!("\n{}. {what}\n   $ {command}", self.steps));
+    }
+
+    fn say(&self, text: &str) {
+        if !self.quiet {
+            // A reader that has gone is told at the end, if at all.
+            let _ = output::line(text);
+        }
+    }
+}
+
+fn farthest(nodes: &[[f32; 3]], from: &[[f32; 3]]) -> Option<usize> {
+    let distance = |node: &[f32; 3]| {
+        let squared = from.iter().map(|f| (0..3).map(|i| (node[i] - f[i]).powi(2)).sum::<f32>());
+        squared.fold(f32::INFINITY, f32::min)
+    };
+    (0..nodes.len()).max_by(|a, b| distance(&nodes[*a]).total_cmp(&distance(&nodes[*b])))
+}

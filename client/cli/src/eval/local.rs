@@ -1,0 +1,68 @@
+//! A fit on this machine, with a progress bar.
+
+use std::{sync::Arc, time::Duration};
+
+use bendtwin_client::FitProgress;
+use bendtwin_core::{Capture, FitSettings, Progress, Stage, Twin};
+use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_fit::{FitJob, Observer, ObserverError};
+
+use crate::{failure, progress::FitBar};
+
+/// What a fit made.
+pub(super) struct Fitted {
+    pub(super) twin: Twin,
+    pub(super) axial: Option<Twin>,
+}
+
+/// Fits a capture; also says how long that took.
+pub(super) fn fit(
+    capture: &Capture,
+    settings: FitSettings,
+    backend: &Arc<dyn Backend>,
+    cancel: &CancelToken,
+    quiet: bool,
+) -> anyhow::Result<(Fitted, Duration)> {
+    let mut bar = Bar(FitBar::new(quiet));
+    let job = FitJob {
+        capture,
+        capture_digest: bendtwin_capture::digest(capture),
+        settings,
+        backend: Arc::clone(backend),
+    };
+    let outcome = job.run(None, &mut bar, cancel);
+    let took = bar.0.finish();
+    let outcome = outcome.map_err(failure::failed)?;
+    Ok((Fitted { twin: outcome.twin, axial: outcome.axial }, took))
+}
+
+struct Bar(FitBar);
+
+impl Observer for Bar {
+    fn progress(&mut self, progress: Progress) {
+        self.0.show(&FitProgress {
+            stage: stage(progress.stage).to_owned(),
+            variant: progress.variant,
+            iteration: progress.iteration,
+            iterations: progress.iterations,
+            fraction: progress.fraction,
+            loss: progress.loss,
+            best_loss: progress.best_loss,
+            eta_s: progress.eta_s,
+            note: progress.note.unwrap_or_default(),
+        });
+    }
+
+    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        Ok(())
+    }
+}
+
+fn stage(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Ingest => "ingest",
+        Stage::Search => "search",
+        Stage::Refine => "refine",
+        Stage::Evaluate => "evaluate",
+    }
+}

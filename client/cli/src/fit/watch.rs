@@ -1,0 +1,47 @@
+//! Following a fit with a progress bar.
+
+use anyhow::Context as _;
+use bendtwin_client::{Client, Fit, FitId, FitState};
+use bendtwin_core::{Category, Fault};
+use futures::StreamExt as _;
+
+use crate::{failure::Failed, progress::FitBar};
+
+/// Follows a fit until it has ended, however it ends.
+pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::Result<Fit> {
+    let mut bar = FitBar::new(quiet);
+    let mut states = client.fits().watch(name);
+    let mut last: Option<Fit> = None;
+    while let Some(fit) = states.next().await {
+        let fit = fit?;
+        let before = last.as_ref().map(|f| (f.state, f.attempts));
+        match fit.state {
+            FitState::Queued if before.is_none() => bar.say("waiting for a worker"),
+            FitState::Queued if before.is_some_and(|(state, _)| state == FitState::Running) => {
+                bar.say("the worker is gone; waiting for another one");
+            }
+            _ => {}
+        }
+        if let Some(progress) = &fit.progress {
+            bar.show(progress);
+        }
+        last = Some(fit);
+    }
+    bar.finish();
+    last.context("the server said nothing about the fit")
+}
+
+/// A fit that ended without a twin is a failure of the command that waited for it.
+pub(crate) fn ended_well(fit: &Fit) -> anyhow::Result<()> {
+    match fit.state {
+        FitState::Succeeded => Ok(()),
+        state => {
+            let fault = fit.fault.clone().unwrap_or_else(|| Fault {
+                category: Category::Cancelled,
+                reason: "FIT_DID_NOT_SUCCEED".to_owned(),
+                message: format!("the fit is {}", state.as_str()),
+            });
+            Err(Failed(fault).into())
+        }
+    }
+}

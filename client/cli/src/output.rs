@@ -1,0 +1,53 @@
+//! Results on stdout: for people, or as JSON for scripts.
+
+use std::io::Write as _;
+
+use serde::Serialize;
+
+use crate::args::Global;
+
+/// Prints a result as JSON or, for people, as `text` says.
+pub(crate) fn print<T: Serialize>(
+    global: &Global,
+    value: &T,
+    text: impl FnOnce() -> String,
+) -> anyhow::Result<()> {
+    let text = if global.json { serde_json::to_string(value)? } else { text() };
+    line(&text)
+}
+
+/// Prints a line. A reader that has gone (`| head`) is no failure.
+pub(crate) fn line(text: &str) -> anyhow::Result<()> {
+    match writeln!(std::io::stdout(), "{}", text.trim_end()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        result => Ok(result?),
+    }
+}
+
+/// A duration as people say it: `8 s`, `2 min 05 s`.
+pub(crate) fn duration(seconds: f64) -> String {
+    let whole = seconds.max(0.0).round() as u64;
+    match whole {
+        0..60 => format!("{whole} s"),
+        60..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
+        _ => format!("{} h {:02} min", whole / 3600, whole / 60 % 60),
+    }
+}
+
+/// A size as people say it.
+pub(crate) fn bytes(bytes: u64) -> String {
+    indicatif::HumanBytes(bytes).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_read_well() {
+        assert_eq!(duration(0.4), "0 s");
+        assert_eq!(duration(125.2), "2 min 05 s");
+        assert_eq!(duration(7260.0), "2 h 01 min");
+        assert_eq!(duration(f64::NAN), "0 s");
+    }
+}

@@ -1,0 +1,127 @@
+//! Progress of long work: a bar on a terminal, a line now and then elsewhere.
+
+use std::time::{Duration, Instant};
+
+use bendtwin_client::FitProgress;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::output;
+
+/// Between two lines of the same stage where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+
+/// The progress of a fit.
+pub(crate) struct FitBar {
+    bar: ProgressBar,
+    started: Instant,
+    /// Stage of the last line, and when it was.
+    last: Option<(String, Instant)>,
+    last_note: String,
+    quiet: bool,
+}
+
+impl FitBar {
+    /// `quiet` shows nothing (for `--json`).
+    pub(crate) fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
+        let style = ProgressStyle::with_template("  {prefix:<16} [{bar:30}] {percent:>3}%  {msg}");
+        if let Ok(style) = style {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Self { bar, started: Instant::now(), last: None, last_note: String::new(), quiet }
+    }
+
+    /// Says something that is not progress.
+    pub(crate) fn say(&self, text: &str) {
+        if self.quiet {
+        } else if self.bar.is_hidden() {
+            eprintln!("  {text}");
+        } else {
+            self.bar.println(format!("  {text}"));
+        }
+    }
+
+    /// Shows how far the fit is.
+    pub(crate) fn show(&mut self, progress: &FitProgress) {
+        if !progress.note.is_empty() && progress.note != self.last_note {
+            self.say(&format!("note: {}", progress.note));
+            self.last_note.clone_from(&progress.note);
+        }
+        let stage = stage(progress);
+        let details = details(progress);
+        if self.bar.is_hidden() {
+            self.line(&stage, progress, &details);
+        } else {
+            self.bar.set_prefix(stage);
+            self.bar.set_message(details);
+            self.bar.set_position((progress.fraction.clamp(0.0, 1.0) * 1000.0) as u64);
+        }
+    }
+
+    /// Takes the bar away; returns the time since it was put up.
+    pub(crate) fn finish(self) -> Duration {
+        self.bar.finish_and_clear();
+        self.started.elapsed()
+    }
+
+    fn line(&mut self, stage: &str, progress: &FitProgress, details: &str) {
+        let due = match &self.last {
+            Some((last, at)) => last != stage || at.elapsed() >= LINE_EVERY,
+            None => true,
+        };
+        if due && !self.quiet {
+            eprintln!("  {stage:<16} {:>3.0}%  {details}", 100.0 * progress.fraction);
+            self.last = Some((stage.to_owned(), Instant::now()));
+        }
+    }
+}
+
+fn stage(progress: &FitProgress) -> String {
+    match progress.variant.as_str() {
+        "" => progress.stage.clone(),
+        variant => format!("{} {variant}", progress.stage),
+    }
+}
+
+fn details(progress: &FitProgress) -> String {
+    let mut parts = vec![format!("{}/{}", progress.iteration, progress.iterations)];
+    if let Some(loss) = progress.best_loss.or(progress.loss) {
+        parts.push(format!("loss {loss:.3e}"));
+    }
+    if let Some(eta) = progress.eta_s {
+        parts.push(format!("{} left", output::duration(eta)));
+    }
+    parts.join("  ")
+}
+
+/// Bytes of an upload.
+pub(crate) fn upload_bar(bytes: u64, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(bytes);
+    let style = ProgressStyle::with_template(
+        "  uploading        [{bar:30}] {bytes}/{total_bytes}  {bytes_per_sec}",
+    );
+    match style {
+        Ok(style) => bar.with_style(style.progress_chars("=> ")),
+        Err(_) => bar,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn details_show_what_is_known() {
+        let mut progress = FitProgress { iteration: 3, iterations: 20, ..FitProgress::default() };
+        assert_eq!(details(&progress), "3/20");
+        progress.best_loss = Some(0.00123);
+        progress.eta_s = Some(61.0);
+        assert_eq!(details(&progress), "3/20  loss 1.230e-3  1 min 01 s left");
+        progress.stage = "search".into();
+        progress.variant = "axial".into();
+        assert_eq!(stage(&progress), "search axial");
+    }
+}

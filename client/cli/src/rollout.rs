@@ -1,0 +1,192 @@
+//! `bendtwin rollout`: what do these actions do to this twin?
+
+mod actions;
+
+use std::path::PathBuf;
+
+use bendtwin_client::{Cost, Point, Reply, TwinId};
+use clap::Args;
+use serde_json::json;
+
+use self::actions::Actions;
+use crate::{
+    args::Global,
+    failure::Usage,
+    npy::{self, Array},
+    output,
+    table::Table,
+};
+
+/// Rows that are printed of a batch.
+const SHOWN: usize = 10;
+
+#[derive(Debug, Args)]
+pub(crate) struct Rollout {
+    /// twins/{uuid}
+    twin: TwinId,
+    /// Control points over time: .npy or .json of shape [B, K, C, 3], or [K, C, 3] for one [default: a test motion]
+    #[arg(long, value_name = "FILE")]
+    actions: Option<PathBuf>,
+    /// The test motion: the control points swing this far along x and back [m]
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 0.05,
+        conflicts_with = "actions",
+        allow_hyphen_values = true
+    )]
+    sway: f32,
+    /// The test motion: the control points move by x,y,z instead [m]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, conflicts_with = "actions", allow_hyphen_values = true)]
+    shift: Option<Point>,
+    /// Horizon in frames [default: one frame per row of the actions; 30 for the test motion]
+    #[arg(long, value_name = "N")]
+    frames: Option<u32>,
+    /// Smooth curves through the rows instead of straight lines
+    #[arg(long)]
+    cubic: bool,
+    /// Start in this frame of the twin's capture instead of at rest
+    #[arg(long, value_name = "FRAME")]
+    from_frame: Option<u32>,
+    /// Score by the distance to a target cloud: .npy of shape [M, 3]
+    #[arg(long, value_name = "FILE")]
+    target: Option<PathBuf>,
+    /// Record the positions of every k-th frame
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    every: u32,
+    /// Write the recorded positions here: .npy of shape [R, frames, nodes, 3]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Keep the positions of only the best instances
+    #[arg(long, value_name = "N")]
+    best: Option<u32>,
+}
+
+fn point(text: &str) -> Result<Point, String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let numbers = numbers.map_err(|e| format!("{e}: write x,y,z in metres"))?;
+    Point::try_from(numbers).map_err(|_| "write three numbers: x,y,z in metres".to_owned())
+}
+
+pub(crate) async fn run(args: Rollout, global: &Global) -> anyhow::Result<()> {
+    let client = global.connect().await?;
+    let actions = match &args.actions {
+        Some(path) => Actions::read(path)?,
+        None => {
+            let twin = client.twins().download(args.twin).await?;
+            let rest = &twin.graph.control_rest;
+            let frames = args.frames.unwrap_or(30).max(1) as usize;
+            match args.shift {
+                Some(by) => Actions::shift(rest, by, frames),
+                None => Actions::sway(rest, args.sway, frames),
+            }
+        }
+    };
+    let instances = actions.shape[0];
+    let mut request =
+        bendtwin_client::Rollout::of(args.twin).trajectories(actions.shape, actions.positions);
+    if args.cubic {
+        request = request.cubic();
+    }
+    // Without a horizon there is a frame per row, which the server works out.
+    request = request.frames(args.frames.unwrap_or(0)).diagnostics();
+    if let Some(frame) = args.from_frame {
+        request = request.from_capture_frame(None, 0, frame);
+    }
+    if let Some(path) = &args.target {
+        request = request.cost(Cost::target_cloud("target", 1.0, &cloud(path)?));
+    }
+    if args.out.is_some() {
+        request = request.record_every(args.every.max(1));
+    }
+    if let Some(best) = args.best {
+        request = request.best(best);
+    }
+    let reply = client.rollouts().run(request).await?;
+    if let Some(path) = &args.out {
+        npy::write(path, &recorded(&reply))?;
+    }
+    output::print(global, &document(&reply), || text(&reply, instances, args.out.as_ref()))
+}
+
+fn cloud(path: &std::path::Path) -> anyhow::Result<Vec<Point>> {
+    let array = npy::read(path)?;
+    match array.shape[..] {
+        [_, 3] => Ok(array.values.as_chunks::<3>().0.to_vec()),
+        _ => {
+            let fault = format!("has shape {:?}, not [M, 3]", array.shape);
+            Err(Usage::error(format!("{}: {fault}", path.display())))
+        }
+    }
+}
+
+fn recorded(reply: &Reply) -> Array {
+    let (rows, frames) = (reply.instances.len(), reply.frames.len());
+    let nodes = reply.positions.len().checked_div(rows * frames).unwrap_or(0);
+    Array { shape: vec![rows, frames, nodes, 3], values: reply.positions.as_flattened().to_vec() }
+}
+
+fn document(reply: &Reply) -> serde_json::Value {
+    // JSON has no infinity: a diverged instance's cost is null, and it is named in `diverged`.
+    json!({
+        "costs": reply.costs,
+        "cost_names": reply.cost_names,
+        "cost_terms": reply.cost_terms,
+        "best": reply.best(),
+        "instances": reply.instances,
+        "frames": reply.frames,
+        "diagnostics": reply.diagnostics,
+        "diverged": reply.diverged,
+        "timing": reply.timing,
+        "worker": reply.worker,
+    })
+}
+
+fn text(reply: &Reply, instances: usize, out: Option<&PathBuf>) -> String {
+    let mut order: Vec<usize> = (0..reply.costs.len()).collect();
+    order.sort_by(|a, b| reply.costs[*a].total_cmp(&reply.costs[*b]));
+    let mut table = Table::new(["INSTANCE", "COST", "MAX STRAIN", "MAX SPEED", "ON THE GROUND"]);
+    for i in order.iter().take(SHOWN) {
+        let d = reply.diagnostics.get(*i).copied().unwrap_or_default();
+        let cost = if reply.cost_names.is_empty() {
+            "-".to_owned()
+        } else {
+            format!("{:.4e}", reply.costs[*i])
+        };
+        table.row([
+            i.to_string(),
+            cost,
+            format!("{:.1}%", 100.0 * d.max_strain),
+            format!("{:.2} m/s", d.max_speed_m_s),
+            format!("{} nodes", d.ground_contacts),
+        ]);
+    }
+    let mut text = table.text();
+    if instances > SHOWN {
+        text += &format!("\n... and {} more", instances - SHOWN);
+    }
+    for d in &reply.diverged {
+        text +=
+            &format!("\ninstance {} diverged in frame {} at node {}", d.instance, d.frame, d.node);
+    }
+    text += &format!(
+        "\n{instances} rollouts in {:.0} ms ({:.0} ms waiting)",
+        1e3 * reply.timing.compute_s,
+        1e3 * reply.timing.queue_s
+    );
+    match out {
+        Some(path) => text + &format!("\npositions in {}", path.display()),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_parse() {
+        assert_eq!(point("0.1, 0,-2"), Ok([0.1, 0.0, -2.0]));
+        assert!(point("1,2").is_err() && point("a,b,c").is_err());
+    }
+}

@@ -1,0 +1,69 @@
+//! `bendtwin server`: the control plane, which starts its own workers.
+
+mod options;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use bendtwin_server::Service;
+use clap::Args;
+
+use crate::{failure, output, signals};
+
+/// Options of the server. What is not given comes from the environment, then from the file, then
+/// from the defaults.
+#[derive(Debug, Args)]
+pub(crate) struct Server {
+    /// A TOML file of options (deploy/config.toml has all of them)
+    #[arg(long, env = "BENDTWIN_CONFIG", value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Where to listen for HTTP and gRPC; port 0 takes a free one [default: 127.0.0.1:7070]
+    #[arg(long, env = "BENDTWIN_LISTEN", value_name = "ADDRESS")]
+    listen: Option<std::net::SocketAddr>,
+    /// The folder of the database and of all content [default: bendtwin-data]
+    #[arg(long, env = "BENDTWIN_DATA_DIR", value_name = "DIR")]
+    data_dir: Option<PathBuf>,
+    /// Worker processes that the server starts itself [default: 1]
+    #[arg(long, env = "BENDTWIN_WORKERS", value_name = "N")]
+    workers: Option<u32>,
+    /// The token of workers that others start; at least 16 characters
+    #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
+    worker_token: Option<String>,
+    /// Write the port to this file once the server answers
+    #[arg(long, value_name = "FILE")]
+    port_file: Option<PathBuf>,
+    /// End when the standard input does
+    #[arg(long)]
+    exit_with_parent: bool,
+}
+
+pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
+    let shutdown = signals::shutdown();
+    if args.exit_with_parent {
+        signals::end_with_parent(shutdown.clone());
+    }
+    let options = args.options()?;
+    let workers = options.workers.count;
+    let data_dir = options.data_dir.display().to_string();
+    let handle = Service::start(options).await.map_err(failure::failed)?;
+    let address = handle.local_addr();
+    if let Some(path) = &args.port_file {
+        write_port(path, address.port())?;
+    }
+    output::line(&format!(
+        "BendTwin answers HTTP and gRPC at http://{address} ({workers} workers, data in {data_dir}; docs at http://{address}/docs)"
+    ))?;
+    shutdown.cancelled().await;
+    handle.shutdown().await;
+    Ok(())
+}
+
+/// Whole or not at all: whoever waits for the file must not read half a number.
+fn write_port(path: &Path, port: u16) -> anyhow::Result<()> {
+    let write = || {
+        let partial = path.with_extension("partial");
+        std::fs::write(&partial, format!("{port}\n"))?;
+        std::fs::rename(&partial, path)
+    };
+    write().with_context(|| format!("cannot write the port to {}", path.display()))
+}

@@ -1,0 +1,89 @@
+//! Server options from all their sources: defaults < file < environment < flags.
+
+use anyhow::Context as _;
+use bendtwin_server::Options;
+
+use super::Server;
+use crate::failure::Usage;
+
+/// The argument that makes a worker end with the server that started it.
+const END_WITH_SERVER: &str = "--exit-with-parent";
+
+impl Server {
+    /// The options in force. The environment is read with the flags, which win over it.
+    pub(super) fn options(&self) -> anyhow::Result<Options> {
+        let mut options = match &self.config {
+            None => Options::default(),
+            Some(path) => {
+                let text = std::fs::read_to_string(path)
+                    .with_context(|| format!("cannot read the options {}", path.display()))?;
+                toml::from_str(&text)
+                    .map_err(|e| Usage::error(format!("{}: {e}", path.display())))?
+            }
+        };
+        if let Some(listen) = self.listen {
+            options.listen = listen;
+        }
+        if let Some(data_dir) = &self.data_dir {
+            options.data_dir.clone_from(data_dir);
+        }
+        if let Some(count) = self.workers {
+            options.workers.count = count;
+        }
+        if let Some(token) = &self.worker_token {
+            options.worker_token = Some(token.clone());
+        }
+        let args = &mut options.workers.args;
+        if args.first().is_some_and(|a| a == "worker") && !args.iter().any(|a| a == END_WITH_SERVER)
+        {
+            args.push(END_WITH_SERVER.to_owned());
+        }
+        options.validate().map_err(|faults| Usage::error(faults.join("; ")))?;
+        Ok(options)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+
+    fn server() -> Server {
+        Server {
+            config: None,
+            listen: None,
+            data_dir: None,
+            workers: None,
+            worker_token: None,
+            port_file: None,
+            exit_with_parent: false,
+        }
+    }
+
+    #[test]
+    fn flags_win_over_the_file_and_the_file_over_defaults() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("config.toml");
+        std::fs::write(&path, "data_dir = \"from-file\"\nlease_s = 12.0\n[workers]\ncount = 3\n")
+            .unwrap();
+        let args = Server { config: Some(path), workers: Some(2), ..server() };
+        let options = args.options().unwrap();
+        assert_eq!(options.data_dir, PathBuf::from("from-file"));
+        assert_eq!(options.workers.count, 2);
+        assert!((options.lease_s - 12.0).abs() < 1e-9);
+        assert_eq!(options.listen, Options::default().listen);
+        assert_eq!(options.workers.args, ["worker", END_WITH_SERVER]);
+    }
+
+    #[test]
+    fn faults_are_usage_and_name_the_option() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("config.toml");
+        std::fs::write(&path, "lise_s = 1.0").unwrap();
+        let error = Server { config: Some(path), ..server() }.options().unwrap_err();
+        assert!(error.is::<Usage>() && error.to_string().contains("lise_s"), "{error}");
+        let short = Server { worker_token: Some("short".into()), ..server() };
+        assert!(short.options().unwrap_err().to_string().contains("worker_token"));
+    }
+}

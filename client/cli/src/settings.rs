@@ -1,0 +1,102 @@
+//! Fit settings from a file and from `--set key=value`, checked before they are sent.
+
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use bendtwin_core::FitSettings;
+use clap::Args;
+use serde_json::Value;
+
+use crate::failure::Usage;
+
+/// Where settings come from; the later ones win.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct SettingsArgs {
+    /// A JSON file of settings (docs/settings.md)
+    #[arg(long, value_name = "FILE")]
+    settings: Option<PathBuf>,
+    /// One setting, `graph.max_nodes=400` say; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Start from PhysTwin's scheme as published instead of the defaults
+    #[arg(long)]
+    phystwin: bool,
+    /// Also fit the same nodes without bending and show it beside
+    #[arg(long)]
+    axial: bool,
+}
+
+impl SettingsArgs {
+    /// The settings in force.
+    pub(crate) fn resolve(&self) -> anyhow::Result<FitSettings> {
+        let base = if self.phystwin { FitSettings::phystwin() } else { FitSettings::default() };
+        let mut value = serde_json::to_value(&base)?;
+        if let Some(path) = &self.settings {
+            let text = std::fs::read_to_string(path)
+                .with_context(|| format!("cannot read the settings {}", path.display()))?;
+            let file: Value = serde_json::from_str(&text)
+                .map_err(|e| Usage::error(format!("{}: {e}", path.display())))?;
+            merge(&mut value, file);
+        }
+        for text in &self.overrides {
+            let (key, given) = text.split_once('=').ok_or_else(|| {
+                Usage::error(format!("--set {text}: write key=value, `graph.max_nodes=400` say"))
+            })?;
+            set(&mut value, key.trim(), parse(given.trim()))?;
+        }
+        let mut settings: FitSettings =
+            serde_json::from_value(value).map_err(|e| Usage::error(format!("settings: {e}")))?;
+        settings.compare_axial |= self.axial;
+        match settings.validate() {
+            Ok(()) => Ok(settings),
+            Err(faults) => Err(Usage::error(format!("settings: {}", faults.join("; ")))),
+        }
+    }
+}
+
+/// Takes over what a document says; what it leaves out stays.
+fn merge(into: &mut Value, from: Value) {
+    match (into, from) {
+        // An enum with one variant as its only key ({"fixed": 100}) is replaced, not mixed.
+        (Value::Object(into), Value::Object(from))
+            if from.keys().all(|k| into.contains_key(k)) || into.len() != 1 =>
+        {
+            for (key, value) in from {
+                merge(into.entry(key).or_insert(Value::Null), value);
+            }
+        }
+        (into, from) => *into = from,
+    }
+}
+
+/// JSON where it is JSON, text otherwise.
+fn parse(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()))
+}
+
+/// Sets a field by its path; unknown names are refused with those that exist.
+fn set(root: &mut Value, key: &str, value: Value) -> anyhow::Result<()> {
+    // `substeps` is either {"auto": {...}} or {"fixed": n}: naming the other one switches.
+    if let Some(variant) = key.strip_prefix("substeps.")
+        && !variant.contains('.')
+    {
+        root["substeps"] = serde_json::json!({ variant: value });
+        return Ok(());
+    }
+    let mut at = root;
+    for part in key.split('.') {
+        let known = match at {
+            Value::Object(fields) => fields.keys().cloned().collect::<Vec<_>>(),
+            _ => Vec::new(),
+        };
+        at = at.get_mut(part).ok_or_else(|| {
+            let known = if known.is_empty() { "nothing".to_owned() } else { known.join(", ") };
+            Usage::error(format!("--set {key}: there is no `{part}`; there is {known}"))
+        })?;
+    }
+    *at = value;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,53 @@
+use bendtwin_core::settings::{GradientWindow, Substeps};
+
+use super::*;
+
+fn with(overrides: &[&str]) -> anyhow::Result<FitSettings> {
+    let overrides = overrides.iter().map(|s| (*s).to_owned()).collect();
+    SettingsArgs { overrides, ..SettingsArgs::default() }.resolve()
+}
+
+#[test]
+fn overrides_reach_every_depth() {
+    let settings = with(&[
+        "seed=7",
+        "bending=false",
+        "graph.max_nodes=400",
+        "graph.triplet_reference=nearest",
+        "refine.window={\"frames\": 5}",
+        "substeps.fixed=200",
+    ])
+    .unwrap();
+    assert_eq!((settings.seed, settings.bending), (7, false));
+    assert_eq!(settings.graph.max_nodes, 400);
+    assert_eq!(settings.refine.window, GradientWindow::Frames(5));
+    assert_eq!(settings.substeps, Substeps::Fixed(200));
+    let auto = with(&["substeps.auto.max=900"]).unwrap();
+    assert!(matches!(auto.substeps, Substeps::Auto { max: 900, .. }));
+}
+
+#[test]
+fn wrong_overrides_say_what_there_is() {
+    let message = |text: &str| {
+        let error = with(&[text]).unwrap_err();
+        assert!(error.is::<Usage>(), "{text} must be a usage error");
+        error.to_string()
+    };
+    assert!(message("seed").contains("key=value"));
+    assert!(message("graph.max_node=4").contains("max_nodes"));
+    assert!(message("graph.max_nodes=many").contains("settings"));
+    assert!(message("refine.learning_rate=-1").contains("refine.learning_rate"));
+}
+
+#[test]
+fn a_file_changes_only_what_it_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("settings.json");
+    std::fs::write(&path, r#"{"substeps": {"fixed": 99}, "refine": {"passes": 3}}"#).unwrap();
+    let args = SettingsArgs { settings: Some(path), axial: true, ..SettingsArgs::default() };
+    let settings = args.resolve().unwrap();
+    assert_eq!(settings.substeps, Substeps::Fixed(99));
+    assert_eq!(settings.refine.passes, 3);
+    assert_eq!(settings.refine.beta1, FitSettings::default().refine.beta1);
+    assert!(settings.compare_axial);
+}

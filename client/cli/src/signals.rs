@@ -1,0 +1,47 @@
+//! What tells a process to end.
+
+use std::io::Read as _;
+
+use tokio_util::sync::CancellationToken;
+
+/// A token that the first Ctrl-C or SIGTERM cancels; the second one ends the process at once.
+pub(crate) fn shutdown() -> CancellationToken {
+    let token = CancellationToken::new();
+    let cancel = token.clone();
+    tokio::spawn(async move {
+        interrupted().await;
+        cancel.cancel();
+        interrupted().await;
+        std::process::exit(130);
+    });
+    token
+}
+
+/// Cancels the token when the standard input ends: the parent, who holds the pipe, is gone.
+pub(crate) fn end_with_parent(token: CancellationToken) {
+    // A thread, because a blocking read cannot be cancelled.
+    std::thread::spawn(move || {
+        let mut buffer = [0; 256];
+        while matches!(std::io::stdin().read(&mut buffer), Ok(read) if read > 0) {}
+        token.cancel();
+    });
+}
+
+#[cfg(unix)]
+async fn interrupted() {
+    use tokio::signal::unix::{SignalKind, signal};
+    match (signal(SignalKind::interrupt()), signal(SignalKind::terminate())) {
+        (Ok(mut interrupt), Ok(mut terminate)) => tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+        },
+        _ => std::future::pending().await,
+    }
+}
+
+#[cfg(not(unix))]
+async fn interrupted() {
+    if tokio::signal::ctrl_c().await.is_err() {
+        std::future::pending::<()>().await;
+    }
+}

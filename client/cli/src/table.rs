@@ -1,0 +1,53 @@
+//! Plain tables: columns as wide as their widest cell.
+
+/// Rows of cells under a header.
+#[derive(Clone, Debug)]
+pub(crate) struct Table {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    pub(crate) fn new<const N: usize>(header: [&str; N]) -> Self {
+        Self { header: header.map(str::to_owned).to_vec(), rows: Vec::new() }
+    }
+
+    /// Adds a row; missing cells are empty.
+    pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+        let mut cells: Vec<_> = cells.into_iter().take(self.header.len()).collect();
+        cells.resize(self.header.len(), String::new());
+        self.rows.push(cells);
+    }
+
+    /// Aligned with spaces.
+    pub(crate) fn text(&self) -> String {
+        let widths = self.widths();
+        let line = |cells: &[String]| {
+            let padded = cells.iter().zip(&widths).map(|(c, w)| format!("{c:<w$}"));
+            padded.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+        };
+        let lines = std::iter::once(&self.header).chain(&self.rows).map(|r| line(r));
+        lines.collect::<Vec<_>>().join("\n")
+    }
+
+    fn widths(&self) -> Vec<usize> {
+        let width = |column: usize| {
+            let cells = std::iter::once(&self.header).chain(&self.rows);
+            cells.map(|r| r[column].chars().count()).max().unwrap_or(0)
+        };
+        (0..self.header.len()).map(width).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_line_up() {
+        let mut table = Table::new(["name", "nodes"]);
+        table.row(["a".to_owned(), "1200".to_owned()]);
+        table.row(["longer".to_owned()]);
+        assert_eq!(table.text(), "name    nodes\na       1200\nlonger");
+    }
+}

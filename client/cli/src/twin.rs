@@ -1,0 +1,131 @@
+//! `bendtwin twin`: list, inspect, export, import.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use bendtwin_client::{CaptureId, TwinId};
+use bendtwin_eval::{TableStyle, format_table};
+use clap::{Args, Subcommand};
+use serde_json::json;
+
+use crate::{args::Global, output, quality, table::Table};
+
+#[derive(Debug, Args)]
+pub(crate) struct Twin {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// List twins
+    List {
+        /// Only those of this capture
+        #[arg(long, value_name = "NAME")]
+        capture: Option<CaptureId>,
+    },
+    /// Show a twin and how good it is
+    Show {
+        /// twins/{uuid}
+        name: TwinId,
+    },
+    /// Write a twin to a file (safetensors, docs/twin-format.md)
+    Export {
+        /// twins/{uuid}
+        name: TwinId,
+        /// The file to write
+        file: PathBuf,
+    },
+    /// Store a twin file on the server
+    Import {
+        /// The file to read
+        file: PathBuf,
+        /// What to call it [default: the file's name]
+        #[arg(long, value_name = "NAME")]
+        name: Option<String>,
+    },
+    /// Delete twins
+    Delete {
+        /// twins/{uuid}
+        #[arg(required = true)]
+        names: Vec<TwinId>,
+    },
+}
+
+pub(crate) async fn run(args: Twin, global: &Global) -> anyhow::Result<()> {
+    let client = global.connect().await?;
+    let twins = client.twins();
+    match args.command {
+        Command::List { capture } => {
+            let list = twins.all(capture).await?;
+            output::print(global, &list, || {
+                let header = ["NAME", "CREATED", "NODES", "SPRINGS", "TRIPLETS", "WHAT"];
+                let mut table = Table::new(header);
+                for t in &list {
+                    table.row([
+                        t.name.to_string(),
+                        format!("{:.0}", t.create_time),
+                        t.node_count.to_string(),
+                        t.spring_count.to_string(),
+                        t.triplet_count.to_string(),
+                        t.display_name.clone(),
+                    ]);
+                }
+                table.text()
+            })
+        }
+        Command::Show { name } => {
+            let twin = twins.get(name).await?;
+            output::print(global, &twin, || shown(&twin))
+        }
+        Command::Export { name, file } => {
+            let content = twins.export(name).await?;
+            std::fs::write(&file, &content)
+                .with_context(|| format!("cannot write {}", file.display()))?;
+            let written = json!({ "twin": name, "path": file, "size_bytes": content.len() });
+            output::print(global, &written, || {
+                format!("{} ({})", file.display(), output::bytes(content.len() as u64))
+            })
+        }
+        Command::Import { file, name } => {
+            let content =
+                std::fs::read(&file).with_context(|| format!("cannot read {}", file.display()))?;
+            let name = name.unwrap_or_else(|| stem(&file));
+            let twin = twins.import(content, &name).await?;
+            output::print(global, &twin, || twin.name.to_string())
+        }
+        Command::Delete { names } => {
+            for name in &names {
+                twins.delete(*name).await?;
+            }
+            output::print(global, &names, || format!("deleted {}", names.len()))
+        }
+    }
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+fn shown(twin: &bendtwin_client::Twin) -> String {
+    let origin = |name: Option<String>| name.unwrap_or_else(|| "imported".to_owned());
+    let mut text = format!(
+        "{}\n  what      {}\n  capture   {}\n  fit       {}\n  graph     {} nodes, {} springs, {} triplets, {} control points\n  time      {} frames a second, {} substeps a frame\n  size      {}\n\n{}",
+        twin.name,
+        twin.display_name,
+        origin(twin.capture.map(|c| c.to_string())),
+        origin(twin.fit.map(|f| f.to_string())),
+        twin.node_count,
+        twin.spring_count,
+        twin.triplet_count,
+        twin.control_count,
+        twin.fps,
+        twin.substeps,
+        output::bytes(twin.size_bytes),
+        format_table(&twin.quality, TableStyle::Plain),
+    );
+    if let Some(sentence) = quality::summary(&twin.quality) {
+        text += &format!("\n{sentence}");
+    }
+    text
+}

@@ -1,0 +1,72 @@
+//! `bendtwin worker`: the data plane, started by the server or by an operator.
+
+use std::{net::SocketAddr, path::PathBuf};
+
+use bendtwin_worker::{BackendChoice, Limits, Options};
+use clap::Args;
+
+use crate::{args::Global, failure, signals};
+
+/// Options of a worker. The address of the server is `--server`.
+#[derive(Debug, Args)]
+pub(crate) struct Worker {
+    /// The token that the server was given for its workers
+    #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
+    token: String,
+    /// What computes: auto or cpu
+    #[arg(long, env = "BENDTWIN_BACKEND", default_value = "auto")]
+    backend: BackendChoice,
+    /// Where to answer rollouts; port 0 takes a free one
+    #[arg(
+        long,
+        env = "BENDTWIN_WORKER_LISTEN",
+        value_name = "ADDRESS",
+        default_value = "127.0.0.1:0"
+    )]
+    worker_listen: SocketAddr,
+    /// The address at which the server reaches this worker, where it differs: http://host:port
+    #[arg(long, env = "BENDTWIN_WORKER_ADVERTISE", value_name = "URL")]
+    advertise: Option<String>,
+    /// Where captures are put while they are read [default: the system's temporary folder]
+    #[arg(long, env = "BENDTWIN_CACHE_DIR", value_name = "DIR")]
+    cache_dir: Option<PathBuf>,
+    /// Only answer rollouts, lease no fits
+    #[arg(long)]
+    no_fits: bool,
+    /// Memory that a capture may take when read [MiB]
+    #[arg(long, env = "BENDTWIN_CAPTURE_MEMORY_MIB", value_name = "MIB", default_value_t = 2048)]
+    capture_memory_mib: u64,
+    /// Memory of the twins that are kept loaded [MiB, estimated]
+    #[arg(long, env = "BENDTWIN_WARM_MEMORY_MIB", value_name = "MIB", default_value_t = 1024)]
+    warm_memory_mib: u64,
+    /// End when the standard input does: the server that started this worker is gone
+    #[arg(long)]
+    exit_with_parent: bool,
+}
+
+impl Worker {
+    fn options(self, server: &str) -> Options {
+        Options {
+            backend: self.backend,
+            listen: self.worker_listen,
+            advertise: self.advertise,
+            cache_dir: self.cache_dir,
+            fits: !self.no_fits,
+            limits: Limits {
+                capture_bytes: self.capture_memory_mib.saturating_mul(1 << 20),
+                warm_bytes: self.warm_memory_mib.saturating_mul(1 << 20),
+                ..Limits::default()
+            },
+            ..Options::new(server, self.token)
+        }
+    }
+}
+
+pub(crate) async fn run(args: Worker, global: &Global) -> anyhow::Result<()> {
+    let shutdown = signals::shutdown();
+    if args.exit_with_parent {
+        signals::end_with_parent(shutdown.clone());
+    }
+    let options = args.options(&global.server);
+    bendtwin_worker::run(options, shutdown).await.map_err(failure::failed)
+}
