@@ -49,7 +49,8 @@ use crate::{
 
 /// Runs on the CPU's cores. Make one with [`cpu`] or [`cpu_with_threads`].
 pub struct CpuBackend {
-    pool: rayon::ThreadPool,
+    /// `None` on a machine that gives us no threads: then the caller's own does everything.
+    pool: Option<rayon::ThreadPool>,
 }
 
 /// A backend on all cores that this process may use.
@@ -71,14 +72,8 @@ struct Resident {
 impl CpuBackend {
     /// On so many threads (at least one).
     pub fn new(threads: usize) -> Self {
-        let named = |i: usize| format!("bendtwin-cpu-{i}");
-        let build =
-            |n: usize| rayon::ThreadPoolBuilder::new().num_threads(n).thread_name(named).build();
-        // A machine that cannot give us threads still has the caller's own.
-        let pool = build(threads.max(1)).or_else(|_| {
-            rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build()
-        });
-        Self { pool: pool.expect("the calling thread exists") }
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1));
+        Self { pool: builder.thread_name(|i| format!("bendtwin-cpu-{i}")).build().ok() }
     }
 
     fn make(model: Arc<Model>, layout: Arc<Layout>) -> Loaded {
@@ -96,7 +91,10 @@ impl CpuBackend {
             check::instance(index, instance)?;
         }
         let one = |instance: &Instance| work(&case(instance)?);
-        let results: Vec<_> = self.pool.install(|| batch.par_iter().map(one).collect());
+        let results: Vec<_> = match &self.pool {
+            Some(pool) => pool.install(|| batch.par_iter().map(one).collect()),
+            None => batch.iter().map(one).collect(),
+        };
         results.into_iter().collect()
     }
 }
@@ -119,7 +117,7 @@ fn case(instance: &Instance) -> Result<Case<'_, f32>, Error> {
 
 impl Backend for CpuBackend {
     fn device(&self) -> Device {
-        let lanes = self.pool.current_num_threads();
+        let lanes = self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads);
         // `V3(..)` is AVX2 with fused multiply-add, as in x86-64-v3.
         let arch = format!("{:?}", pulp::Arch::new());
         let arch = arch.split('(').next().unwrap_or_default();

@@ -18,12 +18,19 @@ use crate::{
 
 /// The step kept back, as the iteration may not have converged and the rest shape is not the worst.
 const MARGIN: f64 = 0.96;
-/// Steps of the iteration at most.
-const ITERATIONS: usize = 100;
-/// Relative change of dt at which it has converged, over [`PATIENCE`] steps.
-const TOLERANCE: f64 = 1e-3;
-/// See [`TOLERANCE`].
-const PATIENCE: usize = 8;
+
+/// When the iteration ends.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Steps at most.
+    iterations: usize,
+    /// Relative change of dt at which it has converged.
+    tolerance: f64,
+    /// For so many steps.
+    patience: usize,
+}
+
+const EFFORT: Effort = Effort { iterations: 100, tolerance: 1e-3, patience: 8 };
 
 /// How finely a model's frames must be divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +46,10 @@ pub struct StableSubsteps {
 /// Estimates the substeps that a model needs; its own substeps are not looked at. Costs about as much
 /// as a hundred substeps at most. A model that contradicts itself, which loading refuses, needs one.
 pub fn stable_substeps(model: &Model) -> StableSubsteps {
+    estimate(model, EFFORT)
+}
+
+fn estimate(model: &Model, effort: Effort) -> StableSubsteps {
     let mut out = StableSubsteps { needed: 1, stiffest_node: 0, dt_s: f64::INFINITY };
     if check::unstepped_model(model).is_err() {
         return out;
@@ -46,16 +57,16 @@ pub fn stable_substeps(model: &Model) -> StableSubsteps {
     let system = Linear::new(model);
     let (mut dt, mut calm) = (f64::INFINITY, 0);
     let mut mode = system.start();
-    for _ in 0..ITERATIONS {
+    for _ in 0..effort.iterations {
         let (stiff, damp) = system.apply(&mode);
         let (k, c) = (inner(&mode, &stiff), inner(&mode, &damp));
-        let next = 4.0 / (c + (c * c + 4.0 * k).sqrt());
+        let next = largest_dt(k, c);
         if !next.is_finite() {
             // Nothing is stiff, or so stiff that it overflows.
             dt = if k > 0.0 || k.is_nan() || c.is_nan() { 0.0 } else { f64::INFINITY };
             break;
         }
-        calm = if (dt - next).abs() < TOLERANCE * next { calm + 1 } else { 0 };
+        calm = if (dt - next).abs() < effort.tolerance * next { calm + 1 } else { 0 };
         dt = next;
         for ((m, s), d) in mode.iter_mut().zip(stiff).zip(damp) {
             *m = std::array::from_fn(|x| dt * dt * s[x] + 2.0 * dt * d[x]);
@@ -64,7 +75,7 @@ pub fn stable_substeps(model: &Model) -> StableSubsteps {
         if norm > 0.0 {
             mode.iter_mut().flatten().for_each(|x| *x /= norm);
         }
-        if calm >= PATIENCE {
+        if calm >= effort.patience {
             break;
         }
     }
@@ -82,6 +93,11 @@ type Vector = [f64; 3];
 
 fn inner(a: &[Vector], b: &[Vector]) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| x * y).sum()
+}
+
+/// Largest stable step of a single mode of so much stiffness and damping.
+fn largest_dt(k: f64, c: f64) -> f64 {
+    4.0 / (c + (c * c + 4.0 * k).sqrt())
 }
 
 fn dot(a: Vector, b: Vector) -> f64 {
@@ -145,8 +161,25 @@ impl Linear {
         Self { bars: bars.collect(), roots, hinges }
     }
 
-    /// An arbitrary but always equal vector with a share in every mode.
+    /// An arbitrary but always equal vector with a share in every mode, the larger the stiffer a
+    /// node is by itself, so that a single stiff spot in a large soft body is found at once.
     fn start(&self) -> Vec<Vector> {
+        let mut alone = vec![(0.0, 0.0); self.roots.len()];
+        for b in &self.bars {
+            for e in b.ends {
+                alone[e].0 += b.along.max(b.across) * self.roots[e].powi(2);
+                alone[e].1 += b.damping * self.roots[e].powi(2);
+            }
+        }
+        for h in &self.hinges {
+            for (&e, g) in h.ends.iter().zip(h.pattern) {
+                let square = dot(g, g) * self.roots[e].powi(2);
+                alone[e].0 += h.stiffness * square;
+                alone[e].1 += h.damping * square;
+            }
+        }
+        let rates: Vec<f64> = alone.iter().map(|&(k, c)| largest_dt(k, c).recip()).collect();
+        let most = rates.iter().fold(f64::MIN_POSITIVE, |m, r| m.max(*r));
         let mut bits = 0x9e37_79b9_7f4a_7c15_u64;
         let mut next = || {
             bits ^= bits << 13;
@@ -154,11 +187,11 @@ impl Linear {
             bits ^= bits << 17;
             (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
         };
-        let mut v: Vec<Vector> = self
-            .roots
-            .iter()
-            .map(|&r| [next(), next(), next()].map(|x| if r > 0.0 { x } else { 0.0 }))
-            .collect();
+        let mut v: Vec<Vector> = Vec::with_capacity(rates.len());
+        for (&root, rate) in self.roots.iter().zip(rates) {
+            let share = if root > 0.0 { (rate / most).powi(4).clamp(1e-4, 1.0) } else { 0.0 };
+            v.push([next(), next(), next()].map(|x| share * x));
+        }
         let norm = inner(&v, &v).sqrt();
         if norm > 0.0 {
             v.iter_mut().flatten().for_each(|x| *x /= norm);

@@ -8,11 +8,22 @@ use crate::{
     objective::{Objective, PointLoss, Term, WeightedTerm},
 };
 
+/// Most substeps a frame: between two of them nobody can cancel.
+const MAX_SUBSTEPS: u32 = 1_000_000;
+/// Most frames of a rollout: without control points nothing else bounds them.
+const MAX_FRAMES: usize = 1_000_000;
+
 /// Checks a model's graph, parameters, timing and environment.
 pub(crate) fn model(model: &Model) -> Result<(), Error> {
     unstepped_model(model)?;
     if model.timing.substeps == 0 {
         return Err(Error::InvalidModel("0 substeps a frame: at least one is needed".into()));
+    }
+    if model.timing.substeps > MAX_SUBSTEPS {
+        return Err(Error::InvalidModel(format!(
+            "{} substeps a frame: {MAX_SUBSTEPS} is the most",
+            model.timing.substeps
+        )));
     }
     Ok(())
 }
@@ -56,6 +67,9 @@ pub(crate) fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
     }
     if !finite(&state.positions) || !finite(&state.velocities) {
         return wrong("the initial state is not finite".into());
+    }
+    if instance.frames > MAX_FRAMES {
+        return wrong(format!("{} frames: {MAX_FRAMES} is the most", instance.frames));
     }
     let rows = instance.frames.checked_add(1).and_then(|f| f.checked_mul(c));
     if rows != Some(instance.controls.len()) {

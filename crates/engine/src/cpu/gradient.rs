@@ -34,7 +34,7 @@ pub(crate) fn gradient<T: Real>(
     let system = case.system;
     let n = system.nodes;
     let mut scorer = Scorer::new(case.objective, system.surface);
-    let mut states: Vec<Vec<Node<T>>> = Vec::with_capacity(case.frames + 1);
+    let mut states: Vec<Vec<Node<T>>> = Vec::new();
     let diverged = case.run(cancel, |frame, endpoints| {
         scorer.see(frame, &endpoints[..n]);
         states.push(endpoints[..n].to_vec());

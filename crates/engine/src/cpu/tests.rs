@@ -294,7 +294,7 @@ fn wrong_inputs_are_refused() {
     type Break = fn(&mut Instance);
     let broken: [Break; 8] = [
         |i| i.frames = 3,
-        |i| i.frames = usize::MAX,
+        |i| i.frames = usize::MAX - 1,
         |i| i.controls = Arc::new(vec![[f32::NAN; 3]; 3]),
         |i| i.initial = Arc::new(State::default()),
         |i| Arc::make_mut(&mut i.initial).positions[0][1] = f32::INFINITY,
