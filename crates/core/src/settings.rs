@@ -155,7 +155,7 @@ impl Default for FitSettings {
             bending: true,
             compare_axial: false,
             graph: GraphSettings::default(),
-            substeps: Substeps::Auto { safety: 1.5, max: 667 },
+            substeps: Substeps::Auto { safety: 1.3, max: 200 },
             control_velocity: ControlVelocity::True,
             self_contact: false,
             loss: LossSettings::default(),
@@ -169,13 +169,13 @@ impl Default for GraphSettings {
     fn default() -> Self {
         Self {
             sampling_ratio: 1.0,
-            max_nodes: 200,
-            interior: true,
+            max_nodes: 150,
+            interior: false,
             radius_m: 0.02,
-            max_neighbours: 30,
+            max_neighbours: 12,
             control_radius_m: 0.04,
-            control_neighbours: 50,
-            max_triplets: 6,
+            control_neighbours: 10,
+            max_triplets: 4,
             triplet_reference: TripletReference::OppositePairs,
         }
     }
@@ -183,20 +183,20 @@ impl Default for GraphSettings {
 
 impl Default for LossSettings {
     fn default() -> Self {
-        Self { chamfer_weight: 1.0, track_weight: 1.0, track_beta_m: 1.0, acceleration_weight: 0.0 }
+        Self { chamfer_weight: 1.0, track_weight: 1.0, track_beta_m: 0.01, acceleration_weight: 0.0 }
     }
 }
 
 impl Default for SearchSettings {
     fn default() -> Self {
-        Self { generations: 20, population: 0, sigma: 1.0 / 6.0, topology: true, max_frames: 0, max_sequences: 8 }
+        Self { generations: 25, population: 0, sigma: 1.0 / 6.0, topology: false, max_frames: 0, max_sequences: 8 }
     }
 }
 
 impl Default for RefineSettings {
     fn default() -> Self {
         Self {
-            passes: 40,
+            passes: 20,
             learning_rate: 1e-2,
             beta1: 0.9,
             beta2: 0.99,
@@ -214,7 +214,19 @@ impl FitSettings {
             bending: false,
             substeps: Substeps::Fixed(667),
             control_velocity: ControlVelocity::Ignored,
-            graph: GraphSettings { max_nodes: usize::MAX, ..GraphSettings::default() },
+            graph: GraphSettings {
+                max_nodes: usize::MAX,
+                interior: true,
+                max_neighbours: 30,
+                control_neighbours: 50,
+                ..GraphSettings::default()
+            },
+            loss: LossSettings { track_beta_m: 1.0, ..LossSettings::default() },
+            search: SearchSettings {
+                generations: 20,
+                topology: true,
+                ..SearchSettings::default()
+            },
             refine: RefineSettings {
                 passes: 200,
                 learning_rate: 1e-3,

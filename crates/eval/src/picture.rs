@@ -75,7 +75,9 @@ impl Picture<'_> {
             }
         }
         let frames = shown_frames(sequence, self.columns.clamp(1, 8));
-        let points = frames.iter().flat_map(|&f| observed(sequence, f));
+        let shown =
+            |&f: &usize| observed(sequence, f).chain(sequence.controls_at(f).iter().copied());
+        let points = frames.iter().flat_map(shown).filter(crate::distance::is_finite);
         let view = View::of(points.collect(), self.capture.environment.gravity)
             .ok_or_else(|| Error::Picture("no point is visible in the frames to show".into()))?;
 
@@ -157,7 +159,8 @@ impl Picture<'_> {
             canvas.disc_clipped(at(*p), 2.2, CONTROL, 0.8, clip.as_ref());
         }
         let label = format!("{:.2} s", frame as f64 / self.capture.fps);
-        canvas.text(panel.x + 8.0, panel.y + 6.0, FAINT, &label, Align::Left);
+        let (x, y) = (panel.x + 8.0, panel.y + panel.height - 22.0);
+        canvas.text(x, y, FAINT, &label, Align::Left);
         if is_future {
             canvas.frame(panel, FUTURE_EDGE);
         }

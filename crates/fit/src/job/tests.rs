@@ -1,1 +1,161 @@
+use bendtwin_capture::{MakeOptions, Scene, make};
+use bendtwin_core::{
+    Problem,
+    settings::{GradientWindow, Substeps},
+};
 
+use super::*;
+
+/// A fit of a second or so, with both variants, both stages and all windows of one kind.
+fn settings(window: GradientWindow) -> FitSettings {
+    let mut s = FitSettings { seed: 5, compare_axial: true, ..FitSettings::default() };
+    s.graph.max_nodes = 24;
+    s.graph.max_neighbours = 6;
+    s.substeps = Substeps::Auto { safety: 1.2, max: 60 };
+    s.search.generations = 3;
+    s.search.population = 4;
+    s.search.topology = true;
+    s.refine.passes = 3;
+    s.refine.window = window;
+    s.refine.batch = 2;
+    s
+}
+
+fn job(capture: &Capture, settings: FitSettings) -> FitJob<'_> {
+    let backend = bendtwin_engine::cpu_with_threads(2);
+    FitJob { capture, capture_digest: "digest".into(), settings, backend }
+}
+
+/// Keeps everything, and stops or cancels after so many checkpoints.
+#[derive(Default)]
+struct Recorder {
+    checkpoints: Vec<Vec<u8>>,
+    progress: Vec<Progress>,
+    refuse_after: Option<usize>,
+    cancel_after: Option<(usize, CancelToken)>,
+}
+
+impl Observer for Recorder {
+    fn progress(&mut self, progress: Progress) {
+        self.progress.push(progress);
+    }
+
+    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        if self.refuse_after == Some(self.checkpoints.len()) {
+            return Err("the lease is lost".into());
+        }
+        self.checkpoints.push(checkpoint);
+        if let Some((after, cancel)) = &self.cancel_after
+            && *after == self.checkpoints.len()
+        {
+            cancel.cancel();
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn a_fit_interrupted_anywhere_ends_in_the_same_twin() {
+    for (scene, window) in [
+        (Scene::Rope, GradientWindow::Pass),
+        (Scene::Rope, GradientWindow::Frame),
+        (Scene::Cable, GradientWindow::Frames(7)),
+    ] {
+        let capture = make(scene, &MakeOptions::tiny(2)).unwrap();
+        let job = job(&capture, settings(window));
+        let mut recorder = Recorder::default();
+        let cancel = CancelToken::default();
+        let whole = job.run(None, &mut recorder, &cancel).unwrap();
+        assert_eq!(recorder.checkpoints.len(), 6);
+        for checkpoint in &recorder.checkpoints {
+            let resumed = job.run(Some(checkpoint), &mut (), &cancel).unwrap();
+            assert_eq!(resumed.axial, whole.axial);
+            assert_eq!(resumed.twin.encode().unwrap(), whole.twin.encode().unwrap());
+        }
+    }
+}
+
+#[test]
+fn progress_rises_and_names_stage_and_variant() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+    let mut recorder = Recorder::default();
+    let outcome = job(&capture, settings(GradientWindow::Pass))
+        .run(None, &mut recorder, &CancelToken::default())
+        .unwrap();
+    let fractions: Vec<f64> = recorder.progress.iter().map(|p| p.fraction).collect();
+    assert!(fractions.is_sorted() && fractions.last() == Some(&1.0), "{fractions:?}");
+    for stage in [Stage::Search, Stage::Refine] {
+        for variant in ["bending", "axial"] {
+            let of = |p: &&Progress| p.stage == stage && p.variant == variant && p.iterations == 3;
+            assert_eq!(recorder.progress.iter().filter(of).count(), 3);
+        }
+    }
+    let q = &outcome.twin.quality;
+    assert!(q.score(Predictor::Bending).is_some() && q.score(Predictor::Axial).is_some());
+    assert!(outcome.axial.unwrap().graph.triplets.is_empty());
+    assert!(!outcome.twin.graph.triplets.is_empty());
+}
+
+#[test]
+fn refinement_never_makes_the_training_loss_worse() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(4)).unwrap();
+    let mut settings = settings(GradientWindow::Pass);
+    settings.compare_axial = false;
+    // Steps so long that some of them fail.
+    settings.refine.learning_rate = 1.0;
+    settings.refine.passes = 8;
+    let mut recorder = Recorder::default();
+    job(&capture, settings).run(None, &mut recorder, &CancelToken::default()).unwrap();
+    let best: Vec<f64> = recorder
+        .progress
+        .iter()
+        .filter_map(|p| p.best_loss.filter(|_| p.stage == Stage::Refine))
+        .collect();
+    assert!(best.windows(2).all(|w| w[1] <= w[0]), "{best:?}");
+    assert!(
+        recorder.progress.iter().any(|p| p.note.as_ref().is_some_and(|n| n.contains("halved")))
+    );
+}
+
+#[test]
+fn cancelling_and_refusing_end_the_fit() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+    let job = job(&capture, settings(GradientWindow::Pass));
+    let cancel = CancelToken::default();
+    let mut recorder = Recorder { cancel_after: Some((2, cancel.clone())), ..Recorder::default() };
+    let error = job.run(None, &mut recorder, &cancel).unwrap_err();
+    assert_eq!(error.reason(), "CANCELLED");
+    assert_eq!(recorder.checkpoints.len(), 2);
+
+    let mut recorder = Recorder { refuse_after: Some(4), ..Recorder::default() };
+    let error = job.run(None, &mut recorder, &CancelToken::default()).unwrap_err();
+    assert_eq!(error.reason(), "CHECKPOINT_NOT_KEPT");
+}
+
+#[test]
+fn a_checkpoint_of_other_settings_is_refused() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+    let mut one = settings(GradientWindow::Pass);
+    one.search.generations = 1;
+    one.refine.passes = 0;
+    let mut recorder = Recorder::default();
+    job(&capture, one.clone()).run(None, &mut recorder, &CancelToken::default()).unwrap();
+    one.seed += 1;
+    let other = job(&capture, one);
+    let error =
+        other.run(Some(&recorder.checkpoints[0]), &mut (), &CancelToken::default()).unwrap_err();
+    assert_eq!(error.reason(), "CHECKPOINT_OF_ANOTHER_FIT");
+}
+
+#[test]
+fn hopeless_limits_are_explained() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+    let mut settings = settings(GradientWindow::Pass);
+    settings.substeps = Substeps::Fixed(1);
+    let mut recorder = Recorder::default();
+    let error =
+        job(&capture, settings).run(None, &mut recorder, &CancelToken::default()).unwrap_err();
+    assert_eq!(error.reason(), "NO_STABLE_CANDIDATE");
+    let note = recorder.progress[0].note.clone().unwrap();
+    assert!(note.contains("need more substeps"), "{note}");
+}

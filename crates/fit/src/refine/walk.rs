@@ -18,6 +18,8 @@ use crate::{
 const FINAL_RATE: f64 = 0.1;
 /// Below this share of its first rate a walk that keeps failing stays where it was best.
 const SMALLEST_RATE: f64 = 1e-3;
+/// Passes without a better loss after which a walk goes back and takes shorter steps.
+const PATIENCE: u32 = 3;
 /// Margin of stability below which substeps are added.
 const THIN_MARGIN: f64 = 1.15;
 
@@ -31,6 +33,8 @@ pub(crate) struct WalkState {
     substeps: u32,
     /// Halved by every back-off.
     rate: f64,
+    /// Passes since the best one, or since the last back-off.
+    stale: u32,
     /// Loss after the last pass.
     pub(crate) loss: f64,
     pub(crate) best: Best,
@@ -75,6 +79,7 @@ impl<'a> Walk<'a> {
             adam: Adam::new(coordinates.len()),
             substeps,
             rate: 1.0,
+            stale: 0,
             loss: f64::INFINITY,
             best: Best { theta: theta.clone(), substeps, loss: f64::INFINITY },
             theta,
@@ -193,10 +198,16 @@ impl<'a> Walk<'a> {
     pub(crate) fn judge(&mut self, loss: f64, backend: &dyn Backend) -> Result<(), Error> {
         self.state.loss = loss;
         if loss < self.state.best.loss {
-            self.state.best =
-                Best { theta: self.state.theta.clone(), substeps: self.state.substeps, loss };
-        } else if !loss.is_finite() {
+            let (theta, substeps) = (self.state.theta.clone(), self.state.substeps);
+            self.state.best = Best { theta, substeps, loss };
+            self.state.stale = 0;
+            return Ok(());
+        }
+        self.state.stale += 1;
+        if !loss.is_finite() {
             self.back_off("the simulation diverged", backend)?;
+        } else if self.state.stale >= PATIENCE && !self.sits_out {
+            self.back_off(&format!("no gain in {PATIENCE} passes"), backend)?;
         }
         Ok(())
     }
@@ -208,6 +219,7 @@ impl<'a> Walk<'a> {
         state.substeps = state.best.substeps;
         state.adam = Adam::new(state.theta.len());
         state.rate *= 0.5;
+        state.stale = 0;
         self.sits_out = true;
         let mut model = bendtwin_engine::Model::clone(self.loaded.model());
         model.params = self.coordinates.params(&self.state.theta);

@@ -1,1 +1,72 @@
+use bendtwin_capture::{MakeOptions, Scene, make};
 
+use super::*;
+
+#[test]
+fn a_tracked_cable_needs_no_chamfer_distance() {
+    let capture = make(Scene::Cable, &MakeOptions::tiny(3)).unwrap();
+    let settings = FitSettings::default();
+    let task = Task::new(&capture, &settings).unwrap();
+    let terms = task.training.iter().flat_map(|t| t.objective.terms.iter());
+    let is_track = |t: &WeightedTerm| matches!(t.term, Term::Track { .. });
+    assert!(terms.clone().count() > 0 && terms.clone().all(is_track));
+    let pinned: Vec<u32> = task.sample.pins.iter().map(|p| p.node).collect();
+    for term in terms {
+        let Term::Track { nodes, .. } = &term.term else { continue };
+        assert!(nodes.iter().all(|n| !pinned.contains(n)), "held nodes cannot be wrong");
+    }
+}
+
+#[test]
+fn the_future_is_never_looked_at() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
+    let mut blind = capture.clone();
+    let s = &mut blind.sequences[0];
+    let first = s.train_frame_count * capture.object.point_count;
+    s.points[first..].fill([9.0; 3]);
+    let settings = FitSettings::default();
+    let (a, b) = (Task::new(&capture, &settings).unwrap(), Task::new(&blind, &settings).unwrap());
+    assert_eq!(a.training[0].objective, b.training[0].objective);
+    assert_eq!(a.training[0].frames, s.train_frame_count - 1);
+}
+
+#[test]
+fn windows_cover_the_whole_once() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
+    let settings = FitSettings::default();
+    let task = Task::new(&capture, &settings).unwrap();
+    let whole = &task.training[0];
+    let mut terms = 0;
+    for first in (0..whole.frames).step_by(4) {
+        let count = (whole.frames - first).min(4);
+        let window = whole.window(first, count);
+        assert!(window.terms.iter().all(|t| t.frame >= 1 && t.frame <= count));
+        terms += window.terms.len();
+    }
+    assert_eq!(terms, whole.objective.terms.len());
+}
+
+#[test]
+fn the_search_takes_fewer_sequences_and_frames() {
+    let capture = make(Scene::Cable, &MakeOptions::tiny(3)).unwrap();
+    let mut settings = FitSettings::default();
+    settings.search.max_sequences = 2;
+    settings.search.max_frames = 5;
+    settings.loss.acceleration_weight = 0.01;
+    let task = Task::new(&capture, &settings).unwrap();
+    let set = task.search_set();
+    assert_eq!(set.len(), 2.min(task.training.len()));
+    for t in set {
+        assert_eq!(t.frames, 5);
+        assert!(t.objective.terms.iter().any(|t| t.term == Term::Acceleration));
+        assert!(t.objective.terms.is_sorted_by_key(|t| t.frame));
+    }
+}
+
+#[test]
+fn nothing_to_train_on_is_said() {
+    let mut capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
+    capture.sequences[0].train_frame_count = 0;
+    let error = Task::new(&capture, &FitSettings::default()).err().unwrap();
+    assert!(matches!(error, Error::Capture(_)), "{error}");
+}
