@@ -2,6 +2,7 @@
 //! through an allow-list. Nothing is ever imported or called: the few globals
 //! that numpy needs are known by name, everything else is refused.
 
+mod input;
 mod machine;
 mod numpy;
 

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 
 use super::{
     Id, Value,
+    input::Input,
     numpy::{Descr, Global, Parsed, Parts},
 };
 use crate::{Error, Limits, array::Array, limits::Budget};
@@ -31,11 +32,10 @@ impl From<Error> for Fault {
 }
 
 const UNDERFLOW: Fault = Fault::Damaged("its stack runs empty");
-const CUT: Fault = Fault::Damaged("it ends before its end");
 
 pub(super) struct Machine<'a, 'b> {
     at: &'b str,
-    input: &'a [u8],
+    input: Input<'a>,
     limits: &'b Limits,
     budget: &'b mut Budget,
     values: Vec<Value<'a>>,
@@ -55,7 +55,7 @@ impl<'a, 'b> Machine<'a, 'b> {
     ) -> Self {
         Self {
             at,
-            input,
+            input: Input(input),
             limits,
             budget,
             values: Vec::new(),
@@ -85,7 +85,7 @@ impl<'a, 'b> Machine<'a, 'b> {
 
     fn steps(&mut self) -> Result<Id, Fault> {
         for _ in 0..self.limits.pickle_opcodes {
-            let opcode = self.byte()?;
+            let opcode = self.input.byte()?;
             if opcode == b'.' {
                 return self.stack.pop().ok_or(UNDERFLOW);
             }
@@ -100,11 +100,11 @@ impl<'a, 'b> Machine<'a, 'b> {
     fn step(&mut self, opcode: u8) -> Result<(), Fault> {
         match opcode {
             // PROTO, FRAME
-            0x80 => match self.byte()? {
+            0x80 => match self.input.byte()? {
                 2..=5 => Ok(()),
                 p => Err(Fault::Refused(format!("pickle protocol {p} (known are 2 to 5)"))),
             },
-            0x95 => self.take(8).map(|_| ()),
+            0x95 => self.input.take(8).map(|_| ()),
             // MARK, POP, POP_MARK, DUP
             b'(' => {
                 if self.marks.len() >= self.limits.pickle_depth {
@@ -126,7 +126,7 @@ impl<'a, 'b> Machine<'a, 'b> {
             b'J' | b'K' | b'M' | 0x8a | b'G' => self.number(opcode),
             b'X' | 0x8c | 0x8d | b'T' | b'U' => self.text(opcode),
             b'B' | b'C' | 0x8e | 0x96 => {
-                let bytes = self.prefixed(match opcode {
+                let bytes = self.input.prefixed(match opcode {
                     b'C' => 1,
                     b'B' => 4,
                     _ => 8,
@@ -137,24 +137,24 @@ impl<'a, 'b> Machine<'a, 'b> {
             b'a' | b'e' | b's' | b'u' => self.add(opcode),
             // BINPUT, LONG_BINPUT, MEMOIZE, BINGET, LONG_BINGET
             b'q' => {
-                let key = self.unsigned(1)?;
+                let key = self.input.unsigned(1)?;
                 self.memoize(key)
             }
             b'r' => {
-                let key = self.unsigned(4)?;
+                let key = self.input.unsigned(4)?;
                 self.memoize(key)
             }
             0x94 => self.memoize(self.memo.len() as u64),
             b'h' => {
-                let key = self.unsigned(1)?;
+                let key = self.input.unsigned(1)?;
                 self.recall(key)
             }
             b'j' => {
-                let key = self.unsigned(4)?;
+                let key = self.input.unsigned(4)?;
                 self.recall(key)
             }
             b'c' => {
-                let (module, name) = (self.line()?, self.line()?);
+                let (module, name) = (self.input.line()?, self.input.line()?);
                 self.global(module, name)
             }
             0x93 => {
@@ -172,39 +172,6 @@ impl<'a, 'b> Machine<'a, 'b> {
                 "the pickle uses opcode 0x{opcode:02x}, which plain numpy arrays do not need"
             ))),
         }
-    }
-
-    // Input.
-
-    fn take(&mut self, n: u64) -> Result<&'a [u8], Fault> {
-        let n = usize::try_from(n).map_err(|_| CUT)?;
-        let (taken, rest) = self.input.split_at_checked(n).ok_or(CUT)?;
-        self.input = rest;
-        Ok(taken)
-    }
-
-    fn byte(&mut self) -> Result<u8, Fault> {
-        let (first, rest) = self.input.split_first().ok_or(CUT)?;
-        self.input = rest;
-        Ok(*first)
-    }
-
-    /// A little-endian number of `n` bytes.
-    fn unsigned(&mut self, n: u64) -> Result<u64, Fault> {
-        Ok(self.take(n)?.iter().rev().fold(0, |x, b| (x << 8) | u64::from(*b)))
-    }
-
-    /// Bytes behind their own length of `n` bytes.
-    fn prefixed(&mut self, n: u64) -> Result<&'a [u8], Fault> {
-        let len = self.unsigned(n)?;
-        self.take(len)
-    }
-
-    fn line(&mut self) -> Result<&'a str, Fault> {
-        let end = self.input.iter().position(|b| *b == b'\n').ok_or(CUT)?;
-        let line = self.take(end as u64)?;
-        self.byte()?;
-        std::str::from_utf8(line).map_err(|_| Fault::Damaged("a name in it is no text"))
     }
 
     // Values.
@@ -271,15 +238,15 @@ impl<'a, 'b> Machine<'a, 'b> {
 
     fn number(&mut self, opcode: u8) -> Result<(), Fault> {
         let value = match opcode {
-            b'J' => Value::Int(i64::from(self.unsigned(4)? as u32 as i32)),
-            b'K' => Value::Int(self.unsigned(1)? as i64),
-            b'M' => Value::Int(self.unsigned(2)? as i64),
+            b'J' => Value::Int(i64::from(self.input.unsigned(4)? as u32 as i32)),
+            b'K' => Value::Int(self.input.unsigned(1)? as i64),
+            b'M' => Value::Int(self.input.unsigned(2)? as i64),
             b'G' => {
-                self.take(8)?;
+                self.input.take(8)?;
                 Value::Float
             }
             _ => {
-                let bytes = self.prefixed(1)?;
+                let bytes = self.input.prefixed(1)?;
                 if bytes.len() > 8 {
                     return Err(Fault::Refused("the pickle has an integer beyond 64 bits".into()));
                 }
@@ -293,7 +260,7 @@ impl<'a, 'b> Machine<'a, 'b> {
     }
 
     fn text(&mut self, opcode: u8) -> Result<(), Fault> {
-        let bytes = self.prefixed(match opcode {
+        let bytes = self.input.prefixed(match opcode {
             0x8c | b'U' => 1,
             b'X' | b'T' => 4,
             _ => 8,
