@@ -244,7 +244,8 @@ fn bar(ends: [usize; 2], r: Vector, k: f64, rest: f64, damping: f64) -> Bar {
     Bar { ends, direction: r.map(|x| x / length), along, across, damping }
 }
 
-/// Gradients of the angle with respect to the three ends: one, or where the rest shape is straight the two across.
+/// Gradients of the angle with respect to the three ends: one, or where the rest shape is straight
+/// the two across.
 fn bend_patterns(u: Vector, w: Vector, rest_bend: f64) -> Vec<[Vector; 3]> {
     let (lu, lw) = (dot(u, u).sqrt(), dot(w, w).sqrt());
     if lu.min(lw) < 1e-6 {

@@ -15,7 +15,6 @@ pub(crate) fn fused_flops_per_s() -> f64 {
 }
 
 /// Runs multiply-adds and says how many operations they were.
-
 struct Fused;
 
 impl WithSimd for Fused {

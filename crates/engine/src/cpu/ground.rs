@@ -1,9 +1,9 @@
 //! Moving a node for one substep, with the ground in the way, and the adjoint of it.
 //!
-//! With height h = n . x - offset: if x + v dt would lie below the ground and v . n < -1e-4 m/s, the node moves
-//! with the old velocity until the time of impact tau = h / |v_n| and with the reflected one after it. tau is
-//! differentiated like everything else; whether an impact happens is not (its derivative is zero
-//! almost everywhere). A node that is below the ground already has tau = 0.
+//! With height h = n . x - offset: if x + v dt would lie below the ground and v . n < -1e-4 m/s,
+//! the node moves with the old velocity until the time of impact tau = h / |v_n| and with the
+//! reflected one after it. tau is differentiated like everything else; whether an impact happens is
+//! not (its derivative is zero almost everywhere). A node below the ground already has tau = 0.
 
 use super::{
     impulse::{ImpactAdjoint, Law, MIN_APPROACH_M_S, impact, impact_adjoint},
