@@ -7,6 +7,7 @@ mod events;
 mod extract;
 mod fits;
 mod operations;
+mod origin;
 pub(crate) mod outer;
 mod resource;
 mod rollouts;

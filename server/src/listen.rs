@@ -28,8 +28,13 @@ const PING_EVERY: Duration = Duration::from_secs(20);
 const MAX_CONNECTIONS: usize = 4096;
 
 /// Accepts connections until told to stop; then lets the requests under way
-/// finish, and returns when all have.
-pub(crate) async fn serve(listener: TcpListener, outer: Outer, stop: CancellationToken) {
+/// finish, until told to cut them off, and returns when none is left.
+pub(crate) async fn serve(
+    listener: TcpListener,
+    outer: Outer,
+    stop: CancellationToken,
+    cut: CancellationToken,
+) {
     // A router takes bodies of any type, so it turns hyper's into axum's.
     let service = axum::Router::new()
         .fallback_service(tower::service_fn(move |request| outer.clone().answer(request)));
@@ -46,9 +51,12 @@ pub(crate) async fn serve(listener: TcpListener, outer: Outer, stop: Cancellatio
         };
         match accepted {
             Ok((stream, peer)) => {
-                let (service, stop) = (service.clone(), stop.clone());
+                let (service, stop, cut) = (service.clone(), stop.clone(), cut.clone());
                 connections.spawn(async move {
-                    connection(stream, peer, service, stop).await;
+                    tokio::select! {
+                        () = connection(stream, peer, service, stop) => {}
+                        () = cut.cancelled() => {}
+                    }
                     drop(place);
                 });
             }

@@ -59,6 +59,9 @@ impl Problem for StartError {
     }
 }
 
+/// How often unused content is looked for; the store also does so when it opens.
+const COLLECT_EVERY: Duration = Duration::from_secs(3600);
+
 /// A server to be started.
 #[derive(Debug)]
 pub struct Service;
@@ -72,6 +75,8 @@ pub struct Handle {
     app: App,
     /// Cancelled to close the socket.
     close: CancellationToken,
+    /// Cancelled to cut connections off.
+    cut: CancellationToken,
     listener: JoinHandle<()>,
     sweeper: JoinHandle<()>,
     workers: supervise::Supervisor,
@@ -99,12 +104,13 @@ impl Service {
             grpc: grpc::router(&app).await?,
             metrics: app.metrics.clone(),
         };
-        let close = CancellationToken::new();
-        let listener = tokio::spawn(listen::serve(socket, outer, close.clone()));
+        let (close, cut) = (CancellationToken::new(), CancellationToken::new());
+        let serving = listen::serve(socket, outer, close.clone(), cut.clone());
+        let listener = tokio::spawn(serving);
         let sweeper = tokio::spawn(sweep(app.clone()));
         let workers = supervise::start(&app, address)?;
         tracing::info!(%address, "listening");
-        Ok(Handle { address, grace, app, close, listener, sweeper, workers })
+        Ok(Handle { address, grace, app, close, cut, listener, sweeper, workers })
     }
 }
 
@@ -122,10 +128,12 @@ impl Handle {
         // Workers need the socket to say goodbye.
         self.workers.stop(self.grace).await;
         self.close.cancel();
-        let abort = self.listener.abort_handle();
-        if tokio::time::timeout(self.grace, self.listener).await.is_err() {
+        let mut listener = self.listener;
+        if tokio::time::timeout(self.grace, &mut listener).await.is_err() {
             tracing::warn!("requests under way are cut off");
-            abort.abort();
+            self.cut.cancel();
+            // It ends as soon as its connections have.
+            let _ = listener.await;
         }
         self.sweeper.abort();
         self.app.store.close().await;
@@ -137,11 +145,18 @@ impl Handle {
 async fn sweep(app: App) {
     let every = (app.options.lease() / 10).clamp(Duration::from_millis(20), Duration::from_secs(1));
     let mut tick = tokio::time::interval(every);
+    let mut collected = tokio::time::Instant::now();
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     loop {
         tick.tick().await;
         if let Err(error) = app.sweep().await {
             tracing::error!(%error, "sweeping failed; trying again");
+        }
+        if collected.elapsed() >= COLLECT_EVERY {
+            collected = tokio::time::Instant::now();
+            if let Err(error) = app.store.collect_garbage().await {
+                tracing::error!(%error, "cannot remove unused content; trying again");
+            }
         }
     }
 }

@@ -171,7 +171,7 @@ impl Keeper {
                 tracing::info!(slot = self.slot, %status, "worker ended");
             }
             Ok(status) => {
-                tracing::warn!(slot = self.slot, %status, ?child, "worker ended, restarting")
+                tracing::warn!(slot = self.slot, %status, ?child, "worker ended, restarting");
             }
             Err(error) => tracing::error!(slot = self.slot, %error, "worker lost from sight"),
         }

@@ -37,7 +37,8 @@
 //! So a crash can leave blobs without rows, never rows without blobs. Equal
 //! content is one blob. It is deleted when a row went and no other refers to it:
 //! the check and the deletion hold a gate that publishing shares, so a
-//! reference cannot appear in between. [`Store::open`] deletes what crashes left.
+//! reference cannot appear in between. [`Store::open`] deletes what crashes
+//! left, [`Store::collect_garbage`] what callers left that went away in mid-call.
 //! The crash points are named in [`failpoint`] and are inputs of the tests.
 //!
 //! # Room for PostgreSQL and S3

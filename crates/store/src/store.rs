@@ -111,8 +111,12 @@ impl Store {
         self.inner.database.close().await;
     }
 
-    /// Deletes blobs that no row refers to. Only before anything is uploaded.
-    async fn collect_garbage(&self) -> Result<()> {
+    /// Deletes blobs that no row refers to: what callers left that went away in
+    /// mid-call. Safe at any time.
+    ///
+    /// # Errors
+    /// Database and file errors.
+    pub async fn collect_garbage(&self) -> Result<()> {
         for digest in self.inner.blobs.list().await? {
             self.release(&digest).await?;
         }
@@ -129,19 +133,24 @@ impl Store {
 
     /// Deletes a blob unless a row refers to it.
     pub(crate) async fn release(&self, digest: &str) -> Result<()> {
+        // Most are in use: do not bar others for those.
+        if self.is_referred(digest).await? {
+            return Ok(());
+        }
         let _gate = self.inner.blobs.close_gate().await;
-        let referred: bool = sqlx::query_scalar(
+        if self.is_referred(digest).await? {
+            return Ok(());
+        }
+        self.inner.blobs.delete(digest).await
+    }
+
+    async fn is_referred(&self, digest: &str) -> Result<bool> {
+        let referred = sqlx::query_scalar(
             "select exists (select 1 from captures where digest = $1)
                  or exists (select 1 from twins where digest = $1)
                  or exists (select 1 from jobs where checkpoint = $1)",
-        )
-        .bind(digest)
-        .fetch_one(self.inner.database.read())
-        .await?;
-        if !referred {
-            self.inner.blobs.delete(digest).await?;
-        }
-        Ok(())
+        );
+        Ok(referred.bind(digest).fetch_one(self.inner.database.read()).await?)
     }
 }
 

@@ -32,7 +32,7 @@ pub(crate) enum Error {
     NoWorker,
     #[error("the worker broke down during the rollout and no other could take over: retry")]
     WorkerLost,
-    #[error("{waiting} rollouts wait already for each worker with room for this twin: retry later")]
+    #[error("{waiting} rollouts wait for each worker already: retry later, or start more workers")]
     Busy { waiting: usize },
     #[error("the deadline passed before the rollout was done: ask for less or allow more time")]
     Deadline,

@@ -57,6 +57,9 @@ fn settings(json: &str, limit: usize) -> Result<String> {
     }
     let settings = if json.trim().is_empty() {
         FitSettings::default()
+    } else if !json.trim_start().starts_with('{') {
+        // Serde would take a list for a struct, field by field.
+        return Err(Error::Settings(vec!["they are not a JSON object".to_owned()]));
     } else {
         serde_json::from_str(json).map_err(|e| Error::Settings(vec![e.to_string()]))?
     };

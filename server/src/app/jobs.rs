@@ -131,10 +131,12 @@ impl App {
         })
     }
 
-    /// A worker process has ended: its jobs go back at once.
+    /// A worker process has ended: its jobs go back at once. Where the server
+    /// itself ended it, that says nothing about them and does not count.
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
         self.dispatch.remove(worker);
-        for fit in self.store.fits().forfeit(worker, true).await? {
+        let counts = !self.stopping.is_cancelled();
+        for fit in self.store.fits().forfeit(worker, counts).await? {
             self.note_end(&fit);
         }
         self.store.workers().forget(worker).await?;

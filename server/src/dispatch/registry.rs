@@ -46,6 +46,8 @@ pub(super) struct Entry {
     /// Rollouts under way or waiting for a slot; at most `room`.
     load: Arc<AtomicUsize>,
     room: usize,
+    /// Of these, so many wait.
+    waiting: usize,
     client: WorkerRolloutsClient<Channel>,
     token: AsciiMetadataValue,
 }
@@ -126,6 +128,7 @@ impl Entry {
             slots: Arc::new(Semaphore::new(limits.rollouts_per_worker)),
             load: Arc::default(),
             room: limits.rollouts_per_worker + limits.rollout_queue,
+            waiting: limits.rollout_queue,
             client,
             token,
         })
@@ -175,7 +178,7 @@ impl Entry {
         let place = Place { load: self.load.clone(), slot: None };
         // Others may have joined since the worker was chosen.
         if self.load.fetch_add(1, Ordering::SeqCst) >= self.room {
-            return Err(Error::Busy { waiting: self.room });
+            return Err(Error::Busy { waiting: self.waiting });
         }
         Ok(place)
     }

@@ -153,6 +153,7 @@ impl Dispatch {
         call.set_timeout(deadline.saturating_duration_since(Instant::now()));
         let replies = match client.roll_out(call).await {
             Ok(replies) => replies.into_inner(),
+            Err(status) if is_late(deadline) => return Err(late(&status)),
             Err(status) if is_breakdown(&status) => return Ok(None),
             Err(status) => return Err(failure(&status)),
         };
@@ -170,6 +171,7 @@ impl Dispatch {
                 Ok(Some((first, running)))
             }
             Ok(None) => Ok(None),
+            Err(status) if is_late(deadline) => Err(late(&status)),
             Err(status) if is_breakdown(&status) => Ok(None),
             Err(status) => Err(failure(&status)),
         }
@@ -182,6 +184,7 @@ impl Running {
         let received = tokio::time::timeout_at(self.deadline, self.receive()).await;
         match received.map_err(|_| Error::Deadline)? {
             Ok(part) => Ok(part),
+            Err(status) if is_late(self.deadline) => Err(late(&status)),
             Err(status) if is_breakdown(&status) => {
                 self.entry.broke();
                 Err(Error::WorkerLost)
@@ -202,6 +205,18 @@ impl Running {
         let response = reply.response.unwrap_or_default();
         Ok(Some(RollOutResponse { worker: worker.to_string(), ..response }))
     }
+}
+
+/// Whether the deadline is over, give or take the clocks of two timers. Both
+/// ends of the call to the worker give up then, with various codes.
+fn is_late(deadline: Instant) -> bool {
+    const SLACK: Duration = Duration::from_millis(2);
+    Instant::now() + SLACK >= deadline
+}
+
+fn late(status: &Status) -> Error {
+    tracing::debug!(%status, "deadline passed");
+    Error::Deadline
 }
 
 /// Whether the worker or the way to it broke, as opposed to its having answered

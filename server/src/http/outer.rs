@@ -14,6 +14,7 @@ use futures::FutureExt;
 use tower::ServiceExt;
 use tracing::Instrument;
 
+use super::origin;
 use crate::{context::Context, error::Refusal, metrics::Metrics};
 
 /// Both transports behind one service.
@@ -39,8 +40,11 @@ impl Outer {
         );
         let router = if is_grpc { self.grpc } else { self.http };
         // The pattern that matches, never the path itself: labels of metrics are to be few.
-        let grpc_route = is_grpc.then(|| known_method(request.uri().path()).to_owned());
+        let grpc_route = is_grpc.then(|| request.uri().path().to_owned());
         let answered = context.clone().scope(async move {
+            if origin::is_foreign(request.headers()) {
+                return Ok(origin::refusal().into_response());
+            }
             let caught = AssertUnwindSafe(router.oneshot(request)).catch_unwind().await;
             caught.unwrap_or_else(|_| Ok(panicked(is_grpc)))
         });
@@ -56,6 +60,8 @@ impl Outer {
         let code =
             if is_grpc { grpc_code(&response) } else { response.status().as_str().to_owned() };
         let matched = response.extensions().get::<Route>().map(|r| r.0.clone());
+        // Methods that do not exist share one label.
+        let grpc_route = grpc_route.filter(|_| code != UNIMPLEMENTED);
         let route = grpc_route.or(matched).unwrap_or_else(|| "none".to_owned());
         span.in_scope(|| tracing::debug!(code, took_s = took.as_secs_f64(), "answered"));
         self.metrics.request(transport, &route, &code, took);
@@ -85,13 +91,8 @@ fn is_grpc(request: &Request<Body>) -> bool {
     content_type.is_some_and(|v| v.as_bytes().starts_with(b"application/grpc"))
 }
 
-/// The path of a call if it is one that exists, else one name for all others.
-fn known_method(path: &str) -> &str {
-    let known = path.starts_with("/bendtwin.") || path.starts_with("/grpc.");
-    let sane =
-        path.len() < 100 && path.bytes().all(|b| b.is_ascii_alphanumeric() || b"/._".contains(&b));
-    if known && sane { path } else { "other" }
-}
+/// The number of the gRPC code.
+const UNIMPLEMENTED: &str = "12";
 
 /// The code of a call that failed at once; others end in trailers, after this.
 fn grpc_code(response: &Response<Body>) -> String {

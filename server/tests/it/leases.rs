@@ -101,6 +101,13 @@ async fn a_silent_worker_loses_its_job_and_is_forgotten() {
     let mut silent = Worker::register(&server).await;
     silent.lease(Duration::ZERO).await.unwrap();
     let mut heir = Worker::register(&server).await;
+    let (mut link, worker) = (heir.link.clone(), heir.id.to_string());
+    tokio::spawn(async move {
+        let beat = || BeatRequest { worker: worker.clone(), ..BeatRequest::default() };
+        while link.beat(beat()).await.is_ok() {
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+    });
     // Waits for as long as the lease takes to run out.
     let lease = heir.lease(Duration::from_secs(10)).await.unwrap();
     assert_eq!((&lease.fit, lease.epoch), (&fit, 2));

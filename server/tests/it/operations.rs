@@ -125,6 +125,16 @@ async fn request_ids_come_back() {
 }
 
 #[tokio::test]
+async fn pages_of_other_sites_are_kept_out() {
+    let server = Server::start().await;
+    let own = format!("http://{}", server.handle.local_addr());
+    for (origin, status) in [(own.as_str(), 200), ("http://evil.example", 403), ("null", 403)] {
+        let request = server.http.get(server.url("/v1/fits")).header("origin", origin);
+        assert_eq!(request.send().await.unwrap().status(), status, "{origin}");
+    }
+}
+
+#[tokio::test]
 async fn what_cannot_start_says_why() {
     let dir = tempfile::tempdir().unwrap();
     let server = Service::start(options(&dir)).await.unwrap();

@@ -123,8 +123,11 @@ async fn without_workers_and_without_twins() {
     let unknown = "twins/00000000-0000-7000-8000-000000000000";
     let status = rollouts.roll_out(request(unknown, 1)).await.unwrap_err();
     assert_eq!(status.code(), Code::NotFound);
-    let mut breaking =
-        Worker::register_with(&server, Device { breaks: true, ..Device::default() }).await;
+    let mut breaking = Worker::register_with(
+        &server,
+        Device { breaks: Arc::new(true.into()), ..Device::default() },
+    )
+    .await;
     let twin = twin(&server, &mut breaking).await;
     let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
     assert_eq!(

@@ -1,6 +1,13 @@
 //! A worker as the protocol has it, without physics.
 
-use std::{pin::Pin, sync::Arc, time::Duration};
+use std::{
+    pin::Pin,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
 
 use bendtwin_core::ids::WorkerId;
 use bendtwin_proto::{
@@ -16,7 +23,7 @@ use bendtwin_proto::{
 };
 use bytes::Bytes;
 use futures::{Stream, StreamExt};
-use tokio::{net::TcpListener, sync::Notify, task::JoinHandle};
+use tokio::{net::TcpListener, sync::Notify};
 use tonic::{
     Request, Response, Status, service::interceptor::InterceptedService, transport::Channel,
 };
@@ -30,7 +37,7 @@ type Credentialed = Result<Request<()>, Status>;
 pub(crate) struct Worker {
     pub(crate) id: WorkerId,
     pub(crate) link: Client,
-    rollouts: JoinHandle<()>,
+    breaks: Arc<AtomicBool>,
 }
 
 /// How the fake device answers.
@@ -42,7 +49,7 @@ pub(crate) struct Device {
     pub(crate) begun: Arc<Notify>,
     pub(crate) given_up: Arc<Notify>,
     /// Break the connection off instead of answering.
-    pub(crate) breaks: bool,
+    pub(crate) breaks: Arc<AtomicBool>,
 }
 
 fn with_token(mut request: Request<()>) -> Credentialed {
@@ -64,10 +71,11 @@ impl Worker {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let endpoint = format!("http://{}", listener.local_addr().unwrap());
         let incoming = tokio_stream::wrappers::TcpListenerStream::new(listener);
+        let breaks = device.breaks.clone();
         let service = tonic::transport::Server::builder()
             .add_service(WorkerRolloutsServer::new(device))
             .serve_with_incoming(incoming);
-        let rollouts = tokio::spawn(async move { service.await.unwrap() });
+        tokio::spawn(async move { service.await.unwrap() });
         let (id, mut link) = (WorkerId::generate(), link(server));
         let registered = link
             .register(RegisterRequest {
@@ -84,12 +92,12 @@ impl Worker {
         assert!(
             registered.beat_interval_s > 0.0 && registered.lease_s > registered.beat_interval_s
         );
-        Self { id, link, rollouts }
+        Self { id, link, breaks }
     }
 
-    /// The endpoint goes away, as that of a killed process does.
+    /// From now on the endpoint breaks off, as that of a killed process does.
     pub(crate) fn kill_endpoint(&self) {
-        self.rollouts.abort();
+        self.breaks.store(true, Ordering::SeqCst);
     }
 
     pub(crate) async fn beat(&mut self) -> Result<BeatResponse, Status> {
@@ -216,7 +224,7 @@ impl WorkerRollouts for Device {
             hold.notified().await;
         }
         given_up.0 = None;
-        if self.breaks {
+        if self.breaks.load(Ordering::SeqCst) {
             return Err(Status::unavailable("gone"));
         }
         let Some(Actions::Trajectories(t)) = execute.request.unwrap().actions else {

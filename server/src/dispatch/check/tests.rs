@@ -49,7 +49,7 @@ fn shapes_and_bytes_must_agree() {
         Tensor { shape: vec![1 << 40, 1 << 40, 1, 3], ..base.clone() },
         Tensor { shape: vec![2, 4, 3], ..base.clone() },
         Tensor { dtype: 99, ..base.clone() },
-        Tensor { data: base.data.slice(1..), ..base.clone() },
+        Tensor { data: base.data.slice(1..), ..base },
         Tensor::pack(&[2, 4, 1, 3], &[0u32; 24]),
         Tensor::pack(&[2, 2, 2, 3], &[0.0f32; 24]),
         Tensor::pack(&[8, 1, 1, 3], &[0.0f32; 24]),

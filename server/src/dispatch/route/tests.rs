@@ -40,11 +40,11 @@ fn one_popular_twin_spreads_and_is_refused_when_all_are_full() {
     let twin = TwinId::generate();
     let mut workers = idle(3);
     workers[0].warm = true;
-    for _ in 0..15 {
+    for total in 0..15usize {
         let Choice::Worker(i) = choose(twin, &workers, BOUNDS) else { panic!("room is left") };
         workers[i].load += 1;
-        let loads = workers.iter().map(|w| w.load);
-        assert!(loads.clone().max().unwrap() <= loads.min().unwrap() + 3);
+        // A quarter above the average of three, or what runs at once.
+        assert!(workers[i].load <= ((total + 1) * 5).div_ceil(12).max(BOUNDS.running));
     }
     assert_eq!(choose(twin, &workers, BOUNDS), Choice::AllFull);
     assert_eq!(choose(twin, &[], BOUNDS), Choice::NoneThere);

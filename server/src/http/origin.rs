@@ -1,0 +1,29 @@
+//! Requests that a browser sends on behalf of another site. There is no login
+//! that would keep them out, so a page that somebody reads must not reach the
+//! server on the reader's machine.
+
+use axum::http::{HeaderMap, Uri, header};
+use bendtwin_core::{Category, Fault};
+
+use crate::error::Refusal;
+
+/// Whether the request comes from a page of another host than the one it is
+/// sent to. Programs other than browsers send no `Origin`.
+pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
+    let Some(origin) = headers.get(header::ORIGIN) else { return false };
+    let origin = origin.to_str().ok().and_then(|o| o.parse::<Uri>().ok());
+    let host = headers.get(header::HOST).and_then(|h| h.to_str().ok());
+    match (origin.as_ref().and_then(Uri::authority), host) {
+        (Some(origin), Some(host)) => !origin.as_str().eq_ignore_ascii_case(host),
+        // `null`, or nothing to compare it with.
+        _ => true,
+    }
+}
+
+pub(super) fn refusal() -> Refusal {
+    Refusal::new(Fault {
+        category: Category::PermissionDenied,
+        reason: "FOREIGN_ORIGIN".to_owned(),
+        message: "pages of other sites may not use this server".to_owned(),
+    })
+}
