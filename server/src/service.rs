@@ -144,7 +144,9 @@ impl Handle {
 /// Ends leases that have run out, and forgets workers that fell silent.
 async fn sweep(app: App) {
     let every = (app.options.lease() / 10).clamp(Duration::from_millis(20), Duration::from_secs(1));
-    let mut tick = tokio::time::interval(every);
+    // Leases that ran out while the server was down: their workers first get a chance to report.
+    let first = tokio::time::Instant::now() + 2 * app.options.beat_interval();
+    let mut tick = tokio::time::interval_at(first, every);
     let mut collected = tokio::time::Instant::now();
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     loop {
