@@ -196,13 +196,13 @@ impl Default for SearchSettings {
 impl Default for RefineSettings {
     fn default() -> Self {
         Self {
-            passes: 20,
-            learning_rate: 1e-2,
+            passes: 40,
+            learning_rate: 2e-2,
             beta1: 0.9,
             beta2: 0.99,
             window: GradientWindow::Pass,
             batch: 8,
-            rest_shape: false,
+            rest_shape: true,
         }
     }
 }
@@ -231,6 +231,7 @@ impl FitSettings {
                 passes: 200,
                 learning_rate: 1e-3,
                 window: GradientWindow::Frame,
+                rest_shape: false,
                 ..RefineSettings::default()
             },
             ..Self::default()

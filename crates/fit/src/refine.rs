@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bendtwin_engine::{
     Backend,
-    backend::{CancelToken, GradientRequest, Instance},
+    backend::{CancelToken, Gradient, GradientRequest, Instance},
     model::State,
 };
 use bendtwin_eval::initial_state;
@@ -68,23 +68,41 @@ fn run_step(
     backend: &dyn Backend,
     cancel: &CancelToken,
 ) -> Result<(), Error> {
-    let mut batch: Vec<Instance> = Vec::new();
-    for (walk, states) in walks.iter().zip(states.iter()).filter(|(w, _)| w.is_active()) {
-        for &(s, first, count) in &step.windows {
+    let instances = |walk: &Walk<'_>, states: &[Arc<State>]| -> Vec<Instance> {
+        let one = |&(s, first, count): &(usize, usize, usize)| {
             let training = &task.training[s];
             let objective = if count == training.frames {
                 training.objective.clone()
             } else {
                 training.window(first, count)
             };
-            let initial = states[s].clone();
-            batch.push(window_instance(&walk.loaded, training, initial, first, count, objective));
+            window_instance(&walk.loaded, training, states[s].clone(), first, count, objective)
+        };
+        step.windows.iter().map(one).collect()
+    };
+    // One batch for all variants whose gradients reach equally far, as they nearly always do.
+    let mut results: Vec<Option<Vec<Gradient>>> = walks.iter().map(|_| None).collect();
+    let mut reaches: Vec<usize> = walks.iter().filter(|w| w.is_active()).map(Walk::reach).collect();
+    reaches.sort_unstable();
+    reaches.dedup();
+    for reach in reaches {
+        let members: Vec<usize> = (0..walks.len())
+            .filter(|&i| walks[i].is_active() && walks[i].reach() == reach)
+            .collect();
+        let batch: Vec<Instance> =
+            members.iter().flat_map(|&i| instances(&walks[i], &states[i])).collect();
+        let request = GradientRequest {
+            cut_every: reach,
+            final_state: step.goes_on,
+            ..GradientRequest::default()
+        };
+        let mut gradients = submit::gradients(backend, &batch, &request, cancel)?.into_iter();
+        for i in members {
+            results[i] = Some(gradients.by_ref().take(step.windows.len()).collect());
         }
     }
-    let request = GradientRequest { final_state: step.goes_on, ..GradientRequest::default() };
-    let mut gradients = submit::gradients(backend, &batch, &request, cancel)?.into_iter();
-    for (walk, states) in walks.iter_mut().zip(states).filter(|(w, _)| w.is_active()) {
-        let own: Vec<_> = gradients.by_ref().take(step.windows.len()).collect();
+    for ((walk, states), result) in walks.iter_mut().zip(states).zip(results) {
+        let Some(own) = result else { continue };
         walk.learn(&own, backend)?;
         for (gradient, &(s, ..)) in own.into_iter().zip(&step.windows) {
             if let Some(state) = gradient.final_state {

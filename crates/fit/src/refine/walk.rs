@@ -20,6 +20,8 @@ const FINAL_RATE: f64 = 0.1;
 const SMALLEST_RATE: f64 = 1e-3;
 /// Passes without a better loss after which a walk goes back and takes shorter steps.
 const PATIENCE: u32 = 3;
+/// Frames that gradients reach back after the first such failure; a quarter after each further one.
+const FIRST_REACH: u32 = 16;
 /// Margin of stability below which substeps are added.
 const THIN_MARGIN: f64 = 1.15;
 
@@ -33,6 +35,8 @@ pub(crate) struct WalkState {
     substeps: u32,
     /// Halved by every back-off.
     rate: f64,
+    /// Frames that gradients reach back, shortened by back-offs; 0 is as far as the window goes.
+    reach: u32,
     /// Passes since the best one, or since the last back-off.
     stale: u32,
     /// Loss after the last pass.
@@ -79,6 +83,7 @@ impl<'a> Walk<'a> {
             adam: Adam::new(coordinates.len()),
             substeps,
             rate: 1.0,
+            reach: 0,
             stale: 0,
             loss: f64::INFINITY,
             best: Best { theta: theta.clone(), substeps, loss: f64::INFINITY },
@@ -108,6 +113,11 @@ impl<'a> Walk<'a> {
     /// Whether it takes part in the steps of this pass.
     pub(crate) fn is_active(&self) -> bool {
         !self.sits_out
+    }
+
+    /// How far gradients of this walk reach back.
+    pub(crate) fn reach(&self) -> usize {
+        self.state.reach as usize
     }
 
     pub(crate) fn begin_pass(&mut self) {
@@ -207,25 +217,51 @@ impl<'a> Walk<'a> {
         if !loss.is_finite() {
             self.back_off("the simulation diverged", backend)?;
         } else if self.state.stale >= PATIENCE && !self.sits_out {
-            self.back_off(&format!("no gain in {PATIENCE} passes"), backend)?;
+            self.reach_less(backend)?;
         }
         Ok(())
     }
 
-    /// Back to the best parameters, without momentum, with half the rate.
+    /// Steps that help nowhere mean that the gradient has lost its way through many frames: it grows along
+    /// chaotic motion until nothing else is left of it. So it is cut shorter, and only then comes
+    /// a shorter step.
+    fn reach_less(&mut self, backend: &dyn Backend) -> Result<(), Error> {
+        let why = format!("no gain in {PATIENCE} passes");
+        let shorter = match self.state.reach {
+            0 => FIRST_REACH,
+            reach => reach / 4,
+        };
+        if shorter == 0 {
+            return self.back_off(&why, backend);
+        }
+        self.state.reach = shorter;
+        self.go_back(backend)?;
+        self.note = Some(format!(
+            "{why}: went back to the best parameters, gradients now reach {shorter} frames"
+        ));
+        Ok(())
+    }
+
+    /// Back to the best parameters with half the rate.
     fn back_off(&mut self, why: &str, backend: &dyn Backend) -> Result<(), Error> {
+        self.state.rate *= 0.5;
+        self.go_back(backend)?;
+        self.note = Some(format!("{why}: went back to the best parameters and halved the rate"));
+        Ok(())
+    }
+
+    /// Back to the best parameters, without momentum, until the next pass.
+    fn go_back(&mut self, backend: &dyn Backend) -> Result<(), Error> {
         let state = &mut self.state;
         state.theta.clone_from(&state.best.theta);
         state.substeps = state.best.substeps;
         state.adam = Adam::new(state.theta.len());
-        state.rate *= 0.5;
         state.stale = 0;
         self.sits_out = true;
         let mut model = bendtwin_engine::Model::clone(self.loaded.model());
         model.params = self.coordinates.params(&self.state.theta);
         model.timing.substeps = self.state.substeps;
         self.loaded = load(backend, model)?.map_err(too_stiff)?;
-        self.note = Some(format!("{why}: went back to the best parameters and halved the rate"));
         Ok(())
     }
 }

@@ -21,13 +21,13 @@ fn a_tracked_cable_needs_no_chamfer_distance() {
 fn the_future_is_never_looked_at() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
     let mut blind = capture.clone();
-    let s = &mut blind.sequences[0];
-    let first = s.train_frame_count * capture.object.point_count;
-    s.points[first..].fill([9.0; 3]);
+    let train_frames = blind.sequences[0].train_frame_count;
+    let first = train_frames * capture.object.point_count;
+    blind.sequences[0].points[first..].fill([9.0; 3]);
     let settings = FitSettings::default();
     let (a, b) = (Task::new(&capture, &settings).unwrap(), Task::new(&blind, &settings).unwrap());
     assert_eq!(a.training[0].objective, b.training[0].objective);
-    assert_eq!(a.training[0].frames, s.train_frame_count - 1);
+    assert_eq!(a.training[0].frames, train_frames - 1);
 }
 
 #[test]
