@@ -29,6 +29,9 @@ pub fn predictor_name(predictor: Predictor) -> &'static str {
 
 type Column = (&'static str, fn(&ErrorSummary) -> Option<f64>);
 
+/// A name and the part of a score that it stands for.
+type Span = (&'static str, fn(&Score) -> &ErrorSummary);
+
 const COLUMNS: [Column; 4] = [
     ("CD", |e| e.chamfer_l1_m),
     ("CD (L2)", |e| e.chamfer_l2_m),
@@ -39,8 +42,7 @@ const COLUMNS: [Column; 4] = [
 /// The table in millimetres: a row per predictor, training and future errors side by side. Columns
 /// that the capture does not determine are left out. Warnings follow, one a line.
 pub fn format_table(quality: &Quality, style: TableStyle) -> String {
-    let spans: [(&str, fn(&Score) -> &ErrorSummary); 2] =
-        [("train", |s| &s.train), ("future", |s| &s.future)];
+    let spans: [Span; 2] = [("train", |s| &s.train), ("future", |s| &s.future)];
     let mut columns: Vec<(String, Vec<Option<f64>>)> = Vec::new();
     for (name, error) in COLUMNS {
         for (span, part) in spans {

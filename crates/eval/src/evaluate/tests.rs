@@ -60,7 +60,7 @@ fn a_twin_of_another_capture_is_refused() {
     slow.timing.fps = 30.0;
     assert!(matches!(refuse(&slow, &capture), Error::Mismatch(_)));
     assert!(matches!(refuse(&scene::chain_twin(6), &capture), Error::Mismatch(_)));
-    let mut short = capture.clone();
+    let mut short = capture;
     short.sequences[0].visible.pop();
     assert!(matches!(refuse(&scene::chain_twin(4), &short), Error::Inconsistent(_)));
 }
