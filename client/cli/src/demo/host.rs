@@ -8,7 +8,7 @@ use std::{
 
 use anyhow::Context as _;
 use bendtwin_client::Client;
-use tokio::process::{Child, Command};
+use tokio::process::{Child, ChildStdin, Command};
 
 /// How long server and worker may take to start.
 const START: Duration = Duration::from_secs(60);
@@ -20,6 +20,8 @@ const PAUSE: Duration = Duration::from_millis(50);
 /// A running server with one worker.
 pub(super) struct Host {
     child: Child,
+    /// Held open as long as the server shall run; kept apart because waiting for a child closes its own.
+    stdin: Option<ChildStdin>,
     log: PathBuf,
     pub(super) site: Site,
 }
@@ -53,6 +55,7 @@ impl Host {
             .kill_on_drop(true)
             .spawn()
             .context("cannot start the server process")?;
+        let alive = child.stdin.take();
         let started = Instant::now();
         let port = loop {
             if let Some(status) = child.try_wait()? {
@@ -71,7 +74,8 @@ impl Host {
             anyhow::ensure!(started.elapsed() < START, "no worker starts{}", tail(&log));
             tokio::time::sleep(PAUSE).await;
         }
-        Ok(Self { child, log, site: Site { url, client } })
+        let stdin = child.stdin.take();
+        Ok(Self { child, stdin, log, site: Site { url, client } })
     }
 
     /// Waits until the server ends by itself, which it should not.
@@ -85,7 +89,7 @@ impl Host {
     /// Ends server and worker in good order.
     pub(super) async fn stop(mut self) {
         // The end of its standard input asks the server to shut down.
-        drop(self.child.stdin.take());
+        drop(self.stdin.take());
         if tokio::time::timeout(STOP, self.child.wait()).await.is_err() {
             let _ = self.child.kill().await;
         }
