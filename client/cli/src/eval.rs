@@ -5,7 +5,7 @@ mod local;
 use std::path::PathBuf;
 
 use bendtwin_capture::Limits;
-use bendtwin_core::{Capture, Quality, Twin};
+use bendtwin_core::{Quality, Twin};
 use bendtwin_engine::backend::CancelToken;
 use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, format_table};
 use clap::Args;
@@ -15,7 +15,7 @@ use self::local::{Fitted, fit};
 use crate::{
     args::Global,
     failure::{self, Usage},
-    output, quality,
+    output, picture, quality,
     settings::SettingsArgs,
     signals,
 };
@@ -99,7 +99,8 @@ fn score(
         fitted.twin.quality.clone()
     };
     if let Some(file) = &args.picture {
-        draw(file, &fitted.twin, fitted.axial.as_ref(), &capture, cancel)?;
+        let axial = fitted.axial.as_ref();
+        picture::draw(file, &fitted.twin, axial, &capture, &*backend, cancel)?;
     }
     Ok(Scored { quality, fit_s })
 }
@@ -108,18 +109,6 @@ fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {
     use anyhow::Context as _;
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     Twin::decode(&bytes).map_err(failure::failed).with_context(|| path.display().to_string())
-}
-
-/// Draws what a twin, and the axial-only one beside it, predict against what was observed.
-pub(crate) fn draw(
-    path: &std::path::Path,
-    twin: &Twin,
-    axial: Option<&Twin>,
-    capture: &Capture,
-    cancel: &CancelToken,
-) -> anyhow::Result<()> {
-    let _ = (path, twin, axial, capture, cancel);
-    Ok(())
 }
 
 fn text(name: &str, scored: &Scored) -> String {

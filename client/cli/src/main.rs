@@ -9,6 +9,7 @@ mod fit;
 mod logging;
 mod npy;
 mod output;
+mod picture;
 mod progress;
 mod quality;
 mod rollout;

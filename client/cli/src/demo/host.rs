@@ -55,7 +55,6 @@ impl Host {
             .kill_on_drop(true)
             .spawn()
             .context("cannot start the server process")?;
-        let alive = child.stdin.take();
         let started = Instant::now();
         let port = loop {
             if let Some(status) = child.try_wait()? {

@@ -14,7 +14,7 @@ use super::{
     candidates::{KNOTS, candidates, displacement},
     host::{Host, Site},
 };
-use crate::{capture, eval, failure, fit, output, quality};
+use crate::{capture, failure, fit, output, picture, quality};
 
 /// Candidate actions of the batch.
 const CANDIDATES: usize = 64;
@@ -187,8 +187,9 @@ impl Story {
         self.step("Draw predicted against observed", "bendtwin eval rope.zip --axial --picture");
         let path = self.picture.clone();
         tokio::task::spawn_blocking(move || {
-            let token = CancelToken::default();
-            eval::draw(&path, &pair.bending, Some(&pair.axial), &observed, &token)
+            let (backend, token) = (bendtwin_engine::cpu(), CancelToken::default());
+            let axial = Some(&pair.axial);
+            picture::draw(&path, &pair.bending, axial, &observed, &*backend, &token)
         })
         .await??;
         self.say(&format!("  {}", self.picture.display()));
