@@ -75,11 +75,14 @@ impl Picture<'_> {
             }
         }
         let frames = shown_frames(sequence, self.columns.clamp(1, 8));
+        if frames.iter().all(|&f| observed(sequence, f).next().is_none()) {
+            return Err(Error::Picture("no point is visible in the frames to show".into()));
+        }
         let shown =
             |&f: &usize| observed(sequence, f).chain(sequence.controls_at(f).iter().copied());
         let points = frames.iter().flat_map(shown).filter(crate::distance::is_finite);
         let view = View::of(points.collect(), self.capture.environment.gravity)
-            .ok_or_else(|| Error::Picture("no point is visible in the frames to show".into()))?;
+            .ok_or_else(|| Error::Picture("there is nothing to show".into()))?;
 
         let panel_height = (PANEL_WIDTH * view.aspect()).clamp(110.0, 360.0);
         let columns = frames.len() as f32;
