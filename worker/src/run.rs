@@ -94,10 +94,9 @@ async fn run_on(
         () = shutdown.cancelled() => Ok(()),
     };
     until.closed.cancel();
-    if leases && !leasing.is_finished() {
-        if tokio::time::timeout(GRACE, &mut leasing).await.is_err() {
-            tracing::warn!("the fit under way did not end in time: its lease will run out");
-        }
+    if leases && !leasing.is_finished() && tokio::time::timeout(GRACE, &mut leasing).await.is_err()
+    {
+        tracing::warn!("the fit under way did not end in time: its lease will run out");
     }
     leasing.abort();
     beating.abort();

@@ -38,12 +38,15 @@ struct Motion {
     frame_count: usize,
 }
 
+/// All sequences of a capture.
+type Motions = Arc<Vec<Motion>>;
+
 /// Replays captures, and remembers.
 pub(crate) struct Replays {
     link: Link,
     dir: PathBuf,
     limits: Limits,
-    motions: Mutex<Lru<(TwinId, CaptureId), Arc<Vec<Motion>>>>,
+    motions: Mutex<Lru<(TwinId, CaptureId), Motions>>,
     starts: Mutex<Lru<(TwinId, CaptureFrame), Start>>,
     /// Held while a capture is read: one at a time keeps memory within its limit.
     reading: tokio::sync::Mutex<()>,
@@ -85,7 +88,7 @@ impl Replays {
         Ok(start)
     }
 
-    async fn motions(&self, warm: &Arc<Warm>, id: CaptureId) -> Result<Arc<Vec<Motion>>, Error> {
+    async fn motions(&self, warm: &Arc<Warm>, id: CaptureId) -> Result<Motions, Error> {
         let key = (warm.id, id);
         if let Some(motions) = lock(&self.motions).get(&key) {
             return Ok(motions);

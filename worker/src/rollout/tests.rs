@@ -257,7 +257,8 @@ fn refusals_name_the_field() {
         change(&mut request);
         bench.plan(request, 0).map(|_| ()).expect_err("must be refused")
     };
-    let cases: [(&dyn Fn(&mut RollOutRequest), &str); 11] = [
+    type Change<'a> = &'a dyn Fn(&mut RollOutRequest);
+    let cases: [(Change<'_>, &str); 11] = [
         (&|r| r.actions = None, "actions"),
         (&|r| r.frames = 200_000, "frames"),
         (&|r| r.costs[0].weight = f64::NAN, "costs[0].weight"),

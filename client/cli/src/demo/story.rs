@@ -67,7 +67,8 @@ impl Story {
 
     async fn record(&mut self, site: &Site) -> anyhow::Result<(Capture, CaptureId)> {
         self.step(
-            "Record a rope that a robot hand moves (simulated far more finely than the twin will be, with noise and occlusion)",
+            "Record a rope that a robot hand moves (simulated far more finely than the twin will be,\n   \
+             with noise and occlusion)",
             "bendtwin capture make rope rope.zip",
         );
         let path = self.folder.join("rope.zip");
@@ -146,20 +147,29 @@ impl Story {
 
     async fn plan(&mut self, site: &Site, pair: &Pair, observed: &Capture) -> anyhow::Result<()> {
         self.step(
-            &format!("Plan with it: {CANDIDATES} robot actions in one gRPC call, scored by where the rope's end comes to lie"),
+            &format!(
+                "Plan with it: {CANDIDATES} robot actions in one gRPC call, scored by where they bring the rope's end"
+            ),
             &format!("bendtwin rollout {} --actions actions.npy", pair.name),
         );
+        // From the last frame that the fit saw: there the twin has moved, as in a planner's loop.
         let sequence = observed.sequences.first().context("the capture is empty")?;
-        let hands = sequence.controls_at(sequence.start_frame());
+        let now = sequence.train_frame_count.saturating_sub(1).max(sequence.start_frame());
+        let hands = sequence.controls_at(now);
+        let from_now =
+            || Rollout::of(pair.name).from_capture_frame(None, 0, now as u32).frames(HORIZON);
+        // The node farthest from the hands, and a place away from where it comes to be by itself.
+        let graph = &pair.bending.graph;
+        let end = farthest(&graph.rest_positions, &graph.control_rest);
+        let end = end.context("the twin has no nodes")?;
+        let still = from_now().trajectories([1, 2, hands.len()], [hands, hands].concat());
+        let reply = site.client.rollouts().run(still.final_state()).await?;
+        let idle = reply.final_positions.get(end).context("the reply has no final state")?;
+        let goal = idle.map(|x| x + 0.06);
         let batch = candidates(hands, CANDIDATES);
-        // The node farthest from the hands, and a place above and beside where it lies now.
-        let rest = &pair.bending.graph.rest_positions;
-        let end = farthest(rest, hands).context("the twin has no nodes")?;
-        let goal = [rest[end][0] + 0.06, rest[end][1] + 0.06, rest[end][2] + 0.06];
-        let request = Rollout::of(pair.name)
+        let request = from_now()
             .trajectories([CANDIDATES, KNOTS, hands.len()], batch.clone())
             .cubic()
-            .frames(HORIZON)
             .cost(Cost::keypoints("end of the rope", 1.0, &[end as u32], &[goal]))
             .diagnostics();
         let started = Instant::now();
@@ -184,8 +194,9 @@ impl Story {
     }
 
     async fn draw(&mut self, pair: Pair, observed: Capture) -> anyhow::Result<()> {
-        self.step("Draw predicted against observed", "bendtwin eval rope.zip --axial --picture");
         let path = self.picture.clone();
+        let command = format!("bendtwin eval rope.zip --axial --picture {}", path.display());
+        self.step("Draw predicted against observed", &command);
         tokio::task::spawn_blocking(move || {
             let (backend, token) = (bendtwin_engine::cpu(), CancelToken::default());
             let axial = Some(&pair.axial);
