@@ -62,14 +62,14 @@ fn cases(good: &Bytes) -> Vec<Case> {
     let points = files.keys().find(|name| name.ends_with("object_points.npy")).unwrap().clone();
     let array = &files[&points];
     let patched = |from: &str, to: &str| {
-        let header = String::from_utf8_lossy(&array[..128]).replacen(from, to, 1);
+        let at = array.windows(from.len()).position(|part| part == from.as_bytes()).unwrap();
         let mut bytes = array.clone();
-        bytes[..128].copy_from_slice(&header.as_bytes()[..128]);
+        bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
         with(&files, &points, Some(bytes))
     };
     let noise = (0..10_000u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8);
     vec![
-        ("noise", noise.collect(), "ARCHIVE_DAMAGED"),
+        ("noise", noise.collect(), "UNKNOWN_CAPTURE_KIND"),
         ("half an archive", good.slice(..good.len() / 2), "ARCHIVE_DAMAGED"),
         ("an empty archive", pack(&BTreeMap::new()), "UNKNOWN_CAPTURE_KIND"),
         ("no manifest", with(&files, MANIFEST, None), "UNKNOWN_CAPTURE_KIND"),
@@ -111,7 +111,13 @@ fn cases(good: &Bytes) -> Vec<Case> {
         ),
         (
             "two captures",
-            { with(&files, "second/capture.json", Some(files[MANIFEST].clone())) },
+            {
+                let inside = |folder| {
+                    let files = files.iter();
+                    files.map(move |(name, content)| (format!("{folder}/{name}"), content.clone()))
+                };
+                pack(&inside("first").chain(inside("second")).collect())
+            },
             "SEVERAL_CAPTURES",
         ),
     ]

@@ -1,8 +1,8 @@
 //! Documents that describe the code say what the code says.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use bendtwin_core::FitSettings;
+use bendtwin_core::{Contact, Environment, FitSettings, Graph, Params, Timing, Twin};
 use serde_json::Value;
 
 use crate::workspace;
@@ -41,6 +41,79 @@ fn the_example_settings_are_valid() {
     let published = FitSettings::phystwin();
     assert_eq!((settings.bending, settings.substeps), (published.bending, published.substeps));
     assert_eq!(settings.refine, published.refine);
+}
+
+#[test]
+fn every_tensor_of_a_twin_file_is_specified_with_type_and_shape() {
+    let documented: BTreeSet<_> = document("twin-format.md")
+        .lines()
+        .filter(|line| {
+            line.starts_with("| `") && line.contains("32 | [") || line.contains(" U8 | [")
+        })
+        .map(|line| {
+            let cells: Vec<_> = line.split('|').map(|cell| cell.trim().trim_matches('`')).collect();
+            (cells[1].to_owned(), cells[2].to_owned(), cells[3].matches(',').count() + 1)
+        })
+        .collect();
+    let (tensors, _) = header(&empty_twin());
+    let written: BTreeSet<_> = tensors
+        .iter()
+        .map(|(name, about)| {
+            let dtype = about["dtype"].as_str().unwrap().to_owned();
+            (name.clone(), dtype, about["shape"].as_array().unwrap().len())
+        })
+        .collect();
+    assert_eq!(documented, written);
+}
+
+#[test]
+fn every_part_of_a_twin_files_metadata_is_specified() {
+    let text = document("twin-format.md");
+    let (_, metadata) = header(&empty_twin());
+    let mut fields = BTreeMap::new();
+    flatten("", &metadata, &mut fields);
+    for path in fields.keys() {
+        let name = path.rsplit('.').next().unwrap();
+        assert!(
+            text.contains(&format!("`{name}`")) || text.contains(&format!("`{path}`")),
+            "{path}"
+        );
+    }
+}
+
+#[test]
+fn the_example_configuration_says_what_holds_by_default() {
+    let path = workspace::root().join("deploy/config.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let options: bendtwin_server::Options = toml::from_str(&text).unwrap();
+    assert!(options == bendtwin_server::Options::default(), "deploy/config.toml changes a default");
+    let mut fields = BTreeMap::new();
+    flatten("", &serde_json::to_value(&options).unwrap(), &mut fields);
+    for path in fields.keys() {
+        let name = path.rsplit('.').next().unwrap();
+        assert!(text.contains(&format!("{name} = ")), "deploy/config.toml does not tell of {path}");
+    }
+}
+
+fn empty_twin() -> Twin {
+    Twin {
+        graph: Graph::default(),
+        params: Params { contact: Contact::default(), ..Params::default() },
+        environment: Environment::Z_UP,
+        timing: Timing { fps: 30.0, substeps: 1 },
+        control_velocity: Default::default(),
+        provenance: Default::default(),
+        quality: Default::default(),
+    }
+}
+
+/// The tensors and the metadata that a twin's file declares.
+fn header(twin: &Twin) -> (serde_json::Map<String, Value>, Value) {
+    let file = twin.encode().unwrap();
+    let length = u64::from_le_bytes(file[..8].try_into().unwrap()) as usize;
+    let mut tensors: serde_json::Map<_, _> = serde_json::from_slice(&file[8..8 + length]).unwrap();
+    let metadata = tensors.remove("__metadata__").unwrap();
+    (tensors, serde_json::from_str(metadata["bendtwin.twin"].as_str().unwrap()).unwrap())
 }
 
 /// JSON as dotted paths.

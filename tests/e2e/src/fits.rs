@@ -9,7 +9,7 @@ use bendtwin_proto::v1::{
 use tonic::Code;
 
 use crate::harness::{
-    Server, Setup,
+    Company, Server, Setup,
     api::{fraction, has_ended},
     reference::{ENDLESS, FIT, SETTINGS, capture},
     within,
@@ -74,7 +74,7 @@ async fn higher_priorities_run_first_and_equal_ones_in_order() {
 
 #[tokio::test]
 async fn a_running_fit_is_cancelled_within_a_second() {
-    let server = Server::start(Setup { alone: true, ..Setup::default() }).await;
+    let server = Server::start(Setup { company: Company::None, ..Setup::default() }).await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, ENDLESS, 0).await.unwrap();

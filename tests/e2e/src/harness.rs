@@ -11,4 +11,4 @@ pub(crate) mod server;
 
 pub(crate) use api::Api;
 pub(crate) use pace::{until, within};
-pub(crate) use server::{Server, Setup};
+pub(crate) use server::{Company, Server, Setup};

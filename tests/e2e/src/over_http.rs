@@ -24,7 +24,7 @@ async fn a_capture_becomes_a_twin_over_http_and_events_resume_where_they_stopped
     let server = Server::ordinary().await;
     let http = server.http();
     let upload = || {
-        http.request(Method::POST, "/v1/captures?display_name=rope")
+        http.request(Method::POST, "/v1/captures?display_name=e2e")
             .header("content-type", "application/zip")
             .header("idempotency-key", "rope-1")
     };

@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
 };
 
 use crate::harness::{
-    Api, Server, Setup,
+    Api, Company, Server, Setup,
     api::{fraction, has_ended},
     reference::{ENDLESS, capture, reference},
 };
@@ -138,7 +138,7 @@ async fn a_gripper_that_does_not_turn_is_a_translation() {
 
 #[tokio::test]
 async fn rollouts_are_answered_while_a_fit_runs() {
-    let server = Server::start(Setup { alone: true, ..Setup::default() }).await;
+    let server = Server::start(Setup { company: Company::None, ..Setup::default() }).await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let request = request(&twin, &rest);

@@ -6,12 +6,23 @@ use std::time::Duration;
 use bendtwin_proto::v1::{Fit, fit::State};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use tokio::sync::OnceCell;
 
 use crate::harness::{
     Api, Server,
     api::{fraction, has_ended},
-    reference::{FIT, SETTINGS, capture, reference},
+    reference::{FIT, Reference, capture, undisturbed},
 };
+
+/// A fit of several seconds on an idle machine, so that twenty kills hit different moments.
+const SETTINGS: &str = r#"{
+    "seed": 11,
+    "graph": {"max_nodes": 40},
+    "search": {"generations": 60, "population": 8},
+    "refine": {"passes": 120}
+}"#;
+/// The share of a fit over which kills are spread.
+const SPREAD: f64 = 0.75;
 
 const WORKER_KILLS: usize = 20;
 const SERVER_KILLS: usize = 10;
@@ -39,7 +50,8 @@ async fn a_fit_survives_deaths_of_both_in_turn() {
 
 /// Runs a fit, kills as listed, spread over the run, and compares the twin.
 async fn disturb(seed: u64, victims: &[Victim]) {
-    let expected = reference().await;
+    static EXPECTED: OnceCell<Reference> = OnceCell::const_new();
+    let expected = EXPECTED.get_or_init(|| undisturbed(SETTINGS)).await;
     let mut server = Server::ordinary().await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
@@ -85,8 +97,8 @@ struct Moments {
 impl Moments {
     fn new(seed: u64, count: usize) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut due: Vec<f64> = (0..count).map(|_| random.random_range(0.0..0.9)).collect();
-        due.sort_by(f64::total_cmp);
+        let moment = |i| SPREAD * (i as f64 + random.random_range(0.0..1.0)) / count as f64;
+        let due: Vec<f64> = (0..count).map(moment).collect();
         Self { random, due: due.into_iter(), struck: Vec::new(), last_attempt: 0 }
     }
 

@@ -69,20 +69,23 @@ async fn a_server_killed_during_an_upload_keeps_nothing_of_it() {
 #[tokio::test]
 async fn a_client_that_goes_away_during_an_upload_leaves_nothing() {
     let server = Server::start(no_workers()).await;
+    let folder = server.data_dir();
+    let empty = size_of_folder(&folder);
     let api = server.api();
     let (sender, receiver) = futures::channel::mpsc::unbounded();
     sender.unbounded_send(message(Part::Metadata(CaptureMetadata::default()))).unwrap();
-    sender.unbounded_send(message(Part::Chunk(Bytes::from(vec![1; 1 << 20])))).unwrap();
+    for _ in 0..32 {
+        sender.unbounded_send(message(Part::Chunk(Bytes::from(vec![1; 256 * 1024])))).unwrap();
+    }
     let mut captures = api.captures();
     let upload = tokio::spawn(async move { captures.create_capture(receiver).await });
-    let incoming = server.data_dir();
     until("the upload to begin", Duration::from_secs(30), async || {
-        (size_of_folder(&incoming) > (1 << 20)).then_some(())
+        (size_of_folder(&folder) > empty + (4 << 20)).then_some(())
     })
     .await;
     upload.abort();
     until("the upload to be forgotten", Duration::from_secs(30), async || {
-        (size_of_folder(&incoming) < (1 << 20)).then_some(())
+        (size_of_folder(&folder) < empty + (1 << 20)).then_some(())
     })
     .await;
     assert_eq!(api.list_captures().await.unwrap(), []);

@@ -30,16 +30,25 @@ pub(crate) struct Setup {
     pub(crate) own_workers: u32,
     /// How long a dead worker's job waits for the next one, where nobody saw the worker die [s].
     pub(crate) lease_s: f64,
-    /// Whether no other world may live meanwhile.
-    pub(crate) alone: bool,
-    /// More lines for the configuration file.
-    pub(crate) limits: &'static str,
+    /// Which other worlds may live meanwhile.
+    pub(crate) company: Company,
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { own_workers: 1, lease_s: 2.0, alone: false, limits: "" }
+        Self { own_workers: 1, lease_s: 2.0, company: Company::Some }
     }
+}
+
+/// Which other worlds may live beside one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Company {
+    /// As many as the machine bears.
+    Some,
+    /// None: time is measured.
+    None,
+    /// Any: another world waits for this one.
+    Any,
 }
 
 /// A world with a running server.
@@ -50,13 +59,17 @@ pub(crate) struct Server {
     own: Vec<Child>,
     processes: Processes,
     folder: TempDir,
-    _turn: SemaphorePermit<'static>,
+    _turn: Option<SemaphorePermit<'static>>,
 }
 
 impl Server {
     /// Makes a world and waits until its server is ready.
     pub(crate) async fn start(setup: Setup) -> Self {
-        let turn = if setup.alone { pace::alone().await } else { pace::turn().await };
+        let turn = match setup.company {
+            Company::Some => Some(pace::turn().await),
+            Company::None => Some(pace::alone().await),
+            Company::Any => None,
+        };
         let folder = tempfile::Builder::new().prefix("bendtwin-e2e-").tempdir().unwrap();
         let processes = Processes::new(folder.path());
         let (child, address) = launch(&processes, folder.path(), &setup, "127.0.0.1:0").await;
@@ -166,7 +179,7 @@ impl Drop for Server {
     fn drop(&mut self) {
         if std::thread::panicking() {
             let log = self.log();
-            let tail: Vec<_> = log.lines().rev().take(60).collect();
+            let tail: Vec<_> = log.lines().rev().take(30).collect();
             eprintln!("the last lines of the server and its workers:");
             tail.into_iter().rev().for_each(|line| eprintln!("  {line}"));
         }
@@ -186,7 +199,7 @@ async fn launch(
 ) -> (Child, String) {
     let (config, port_file) = (folder.join("config.toml"), folder.join("port"));
     std::fs::remove_file(&port_file).ok();
-    let Setup { own_workers, lease_s, limits, .. } = setup;
+    let Setup { own_workers, lease_s, .. } = setup;
     let text = format!(
         "listen = \"{listen}\"\n\
          data_dir = \"{data}\"\n\
@@ -196,9 +209,7 @@ async fn launch(
          [workers]\n\
          count = {own_workers}\n\
          min_backoff_s = 0.02\n\
-         max_backoff_s = 0.2\n\
-         [limits]\n\
-         {limits}\n",
+         max_backoff_s = 0.2\n",
         data = folder.join("data").display(),
         beat = lease_s / 4.0,
     );
