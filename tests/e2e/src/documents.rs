@@ -38,9 +38,10 @@ fn the_example_settings_are_valid() {
     let example = text.split("```json").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let settings: FitSettings = serde_json::from_str(example).unwrap();
     assert_eq!(settings.validate(), Ok(()));
-    let published = FitSettings::phystwin();
-    assert_eq!((settings.bending, settings.substeps), (published.bending, published.substeps));
-    assert_eq!(settings.refine, published.refine);
+    // No bound has two spellings.
+    let mut published = FitSettings::phystwin();
+    published.graph.max_nodes = settings.graph.max_nodes;
+    assert_eq!(settings, published);
 }
 
 #[test]

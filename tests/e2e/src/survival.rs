@@ -91,7 +91,8 @@ struct Moments {
     due: std::vec::IntoIter<f64>,
     /// The fractions at which it happened.
     struck: Vec<f64>,
-    last_attempt: u32,
+    /// Who ran the job at the last kill.
+    last_worker: String,
 }
 
 impl Moments {
@@ -99,7 +100,7 @@ impl Moments {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let moment = |i| SPREAD * (i as f64 + random.random_range(0.0..1.0)) / count as f64;
         let due: Vec<f64> = (0..count).map(moment).collect();
-        Self { random, due: due.into_iter(), struck: Vec::new(), last_attempt: 0 }
+        Self { random, due: due.into_iter(), struck: Vec::new(), last_worker: String::new() }
     }
 
     async fn wait_for_next(&mut self, api: &Api, fit: &str) {
@@ -107,15 +108,15 @@ impl Moments {
         let impatient = self.struck.len() % 3 == 2;
         let before = self.struck.last().copied().unwrap_or(-1.0);
         let ready = |fit: &Fit| {
-            let new_attempt = fit.state() == State::Running && fit.attempts > self.last_attempt;
+            let taken_over = fit.state() == State::Running && fit.worker != self.last_worker;
             let progressed = fraction(fit) > before && fraction(fit) >= due;
-            has_ended(fit) || (new_attempt && (impatient || progressed))
+            has_ended(fit) || (taken_over && (impatient || progressed))
         };
         let what = format!("under way for kill {}", self.struck.len() + 1);
         let fit = api.fit_when(fit, &what, FIT, ready).await;
         assert!(!has_ended(&fit), "the fit ended before kill {}: {fit:?}", self.struck.len() + 1);
         self.struck.push(fraction(&fit).max(before));
-        self.last_attempt = fit.attempts;
+        self.last_worker = fit.worker;
         let delay = self.random.random_range(0..150);
         tokio::time::sleep(Duration::from_millis(delay)).await;
     }

@@ -20,7 +20,7 @@ pub(crate) fn binary() -> PathBuf {
 
 pub(crate) fn bendtwin() -> Command {
     let mut command = Command::new(binary());
-    command.env_remove("RUST_LOG").env("NO_COLOR", "1");
+    command.env_remove("BENDTWIN_LOG").env_remove("BENDTWIN_SERVER").env("NO_COLOR", "1");
     command
 }
 

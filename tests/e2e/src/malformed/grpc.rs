@@ -13,6 +13,9 @@ use crate::harness::{raw, reference::capture, within};
 
 const ANSWER: std::time::Duration = std::time::Duration::from_secs(60);
 
+/// How calls are described whose bytes are no message.
+const UNREADABLE: &str = "bytes that are no message:";
+
 /// One call: what is wrong with it, the method, the messages.
 type Call = (String, &'static str, Vec<Bytes>);
 
@@ -38,7 +41,9 @@ async fn malformed_calls_are_refused_with_their_code() {
         let path = format!("/bendtwin.v1.{method}");
         let answer = raw::call(&channel, &path, messages.clone());
         let code = within(&format!("{method}, {what}"), ANSWER, answer).await;
-        if !is_the_clients(code) {
+        // For bytes that are no message gRPC itself prescribes INTERNAL, which its library answers.
+        let unreadable = what.starts_with(UNREADABLE) && code == Code::Internal;
+        if !is_the_clients(code) && !unreadable {
             let what: String = what.chars().take(100).collect();
             wrong.push(format!("{method}, {what}: {code:?}"));
         }
@@ -220,7 +225,7 @@ fn broken_bytes() -> Vec<Call> {
     let mut calls = Vec::new();
     for (what, bytes) in bytes {
         for method in ["TwinService/GetTwin", "RolloutService/RollOut", "FitService/WatchFit"] {
-            calls.push((format!("bytes, {what}"), method, vec![Bytes::from_static(bytes)]));
+            calls.push((format!("{UNREADABLE} {what}"), method, vec![Bytes::from_static(bytes)]));
         }
     }
     let name = Bytes::from_static(b"\x0a\x01x");
@@ -228,7 +233,7 @@ fn broken_bytes() -> Vec<Call> {
     {
         calls.push(("no such method".to_owned(), method, vec![name.clone()]));
     }
-    calls.push(("no message".to_owned(), "TwinService/GetTwin", vec![]));
+    calls.push((format!("{UNREADABLE} nothing"), "TwinService/GetTwin", vec![]));
     calls.push(("two messages".to_owned(), "TwinService/GetTwin", vec![name.clone(), name]));
     calls
 }

@@ -1,0 +1,168 @@
+"""Against the real `bendtwin`, named by BENDTWIN_BIN: one server with its own worker."""
+
+import os
+import subprocess
+import time
+
+import numpy as np
+import pytest
+
+from bendtwin import (
+    BendTwinError,
+    CaptureFrame,
+    Category,
+    Client,
+    FitState,
+    Keypoints,
+    Mppi,
+    Returns,
+)
+
+BINARY = os.environ.get("BENDTWIN_BIN")
+START_S = 60
+SETTINGS = {
+    "graph": {"max_nodes": 30},
+    "search": {"generations": 3, "population": 6},
+    "refine": {"passes": 2},
+}
+
+pytestmark = pytest.mark.skipif(not BINARY, reason="BENDTWIN_BIN names no binary")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("bendtwin")
+
+
+@pytest.fixture(scope="module")
+def client(folder):
+    port_file = folder / "port"
+    command = [BINARY, "server", "--listen", "127.0.0.1:0", "--port-file", port_file]
+    with (folder / "log").open("w") as log:
+        server = subprocess.Popen([*command, "--data-dir", folder / "data"], stdout=log, stderr=log)
+    try:
+        deadline = time.monotonic() + START_S
+        while not port_file.exists():
+            assert server.poll() is None, (folder / "log").read_text()
+            assert time.monotonic() < deadline, "the server does not start"
+            time.sleep(0.05)
+        with Client(f"127.0.0.1:{port_file.read_text().strip()}") as client:
+            yield client
+    finally:
+        server.terminate()
+        server.wait(START_S)
+
+
+@pytest.fixture(scope="module")
+def twin(client, folder):
+    archive = folder / "rope.zip"
+    subprocess.run([BINARY, "capture", "make", "rope", archive, "--tiny"], check=True)
+    capture = client.upload_capture(archive, request_id="rope")
+    assert client.upload_capture(archive, request_id="rope") == capture
+    assert [c.name for c in client.captures()] == [capture.name]
+    seen = []
+    fit = client.wait(client.fit(capture.name, SETTINGS), timeout_s=120, on_progress=seen.append)
+    assert fit.state is FitState.SUCCEEDED
+    assert seen[-1].state is FitState.SUCCEEDED
+    assert fit.settings["graph"]["max_nodes"] == 30
+    twin = client.twin(fit.twin)
+    assert [t.name for t in client.twins(capture.name)] == [twin.name]
+    assert twin.info.quality["scores"]
+    return twin
+
+
+def still(twin, client, folder, batch=4, frames=6):
+    """Control points that stay where they are at rest, [B, F + 1, C, 3]."""
+    path = folder / "twin.safetensors"
+    client.export_twin(twin.name, path)
+    rest = rest_controls(path.read_bytes())
+    return np.tile(rest, (batch, frames + 1, 1, 1))
+
+
+def rest_controls(file):
+    """Reads one array of the file as docs/twin-format.md says."""
+    import json
+
+    length = int.from_bytes(file[:8], "little")
+    entry = json.loads(file[8 : 8 + length])["controls.rest_position"]
+    start, end = (8 + length + offset for offset in entry["data_offsets"])
+    return np.frombuffer(file[start:end], "<f4").reshape(entry["shape"])
+
+
+def test_a_batch_is_predicted_with_costs_positions_and_gradients(twin, client, folder):
+    actions = still(twin, client, folder)
+    lift = np.linspace(0, 0.02, 7)[None, :] * np.arange(4)[:, None]
+    actions[..., 2] += lift[..., None]
+    result = twin.rollout(
+        trajectories=actions,
+        costs=[Keypoints(nodes=[0], targets=[[0, 0, 1]], name="up")],
+        returns=Returns(every_frames=2, final_state=True, diagnostics=True, control_gradients=True),
+    )
+    nodes, controls = twin.info.node_count, twin.info.control_count
+    assert result.costs.shape == (4,)
+    assert result.cost_names == ["up"]
+    assert result.positions.shape == (4, 3, nodes, 3)
+    np.testing.assert_array_equal(result.frames, [2, 4, 6])
+    assert result.final_velocities.shape == (4, nodes, 3)
+    assert result.control_gradients.shape == (4, 7, controls, 3)
+    assert np.isfinite(result.control_gradients).all()
+    assert len(result.diagnostics) == 4
+    assert not result.diverged
+    np.testing.assert_array_equal(result.positions[:, -1], result.final_positions)
+
+
+def test_half_size_positions_are_as_close_as_promised(twin, client, folder):
+    actions = still(twin, client, folder, batch=1)
+    exact = twin.rollout(trajectories=actions, returns=Returns(every_frames=1)).positions
+    half = twin.rollout(
+        trajectories=actions, returns=Returns(every_frames=1, encoding="int16")
+    ).positions
+    extent = np.ptp(exact)
+    np.testing.assert_allclose(half, exact, atol=extent / 65535 + 1e-7)
+
+
+def test_a_rollout_may_start_in_a_frame_of_the_capture(twin):
+    poses = np.zeros((2, 2, 1, 7), np.float32)
+    poses[..., 6] = 1
+    parts = list(
+        twin.stream_rollout(
+            poses=poses,
+            frames=3,
+            initial=CaptureFrame(frame=2),
+            costs=[Keypoints(nodes=[0], targets=[[0, 0, 0]])],
+        )
+    )
+    assert sum(len(part.costs) for part in parts) == 2
+
+
+def test_planning_lowers_the_cost(twin, client, folder):
+    rest = still(twin, client, folder, batch=1, frames=3)
+    end = twin.rollout(trajectories=rest, frames=10, returns=Returns(final_state=True))
+    goal = end.final_positions[0, :1] + np.array([[0.03, 0.0, 0.03]])
+    costs = [Keypoints(nodes=[0], targets=goal)]
+    plan = Mppi(twin, costs, frames=10, samples=16, sigma_m=0.02).plan(rest[0], iterations=4)
+    before, after = twin.rollout(
+        trajectories=np.stack([rest[0], plan]), frames=10, interpolation="cubic", costs=costs
+    ).costs
+    assert after < before
+
+
+def test_refusals_carry_the_servers_reason(client, twin):
+    with pytest.raises(BendTwinError) as refused:
+        client.fit(twin.info.capture, {"graph": {"radius": 1}})
+    assert refused.value.category is Category.INVALID_ARGUMENT
+    assert refused.value.reason == "INVALID_SETTINGS"
+    assert refused.value.request_id
+    with pytest.raises(BendTwinError) as refused:
+        twin.rollout(trajectories=np.zeros((1, 2, 1, 3)))
+    assert refused.value.category is Category.INVALID_ARGUMENT
+
+
+def test_fits_are_cancelled_and_workers_are_listed(client, twin):
+    assert [w.backend for w in client.workers()] == ["cpu"]
+    fit = client.fit(twin.info.capture, {"search": {"generations": 10000}})
+    client.cancel_fit(fit.name)
+    states = [f.state for f in client.watch(fit.name, timeout_s=30)]
+    assert states[-1] is FitState.CANCELLED
+    client.delete_fit(fit.name)
+    assert fit.name not in [f.name for f in client.fits(twin.info.capture)]
