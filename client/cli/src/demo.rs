@@ -33,8 +33,10 @@ pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
     let mut host = story.start_server().await?;
     let site = host.site.clone();
     let told = tokio::select! {
-        told = story.tell(&site) => told,
+        // Ctrl-C reaches the server as well: its end is no fault then.
+        biased;
         () = shutdown.cancelled() => Err(anyhow::anyhow!("interrupted; everything was stopped")),
+        told = story.tell(&site) => told,
         fault = host.ended() => Err(fault),
     };
     // In good order whatever happened: no process and no half-written folder stays behind.

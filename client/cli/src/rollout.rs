@@ -40,7 +40,7 @@ pub(crate) struct Rollout {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, conflicts_with = "actions", allow_hyphen_values = true)]
     shift: Option<Point>,
     /// Horizon in frames [default: one frame per row of the actions; 30 for the test motion]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: Option<u32>,
     /// Smooth curves through the rows instead of straight lines
     #[arg(long)]
@@ -75,7 +75,7 @@ pub(crate) async fn run(args: Rollout, global: &Global) -> anyhow::Result<()> {
         None => {
             let twin = client.twins().download(args.twin).await?;
             let rest = &twin.graph.control_rest;
-            let frames = args.frames.unwrap_or(30).max(1) as usize;
+            let frames = args.frames.unwrap_or(30) as usize;
             match args.shift {
                 Some(by) => Actions::shift(rest, by, frames),
                 None => Actions::sway(rest, args.sway, frames),

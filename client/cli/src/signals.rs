@@ -1,8 +1,11 @@
 //! What tells a process to end.
 
-use std::io::Read as _;
+use std::{io::Read as _, time::Duration};
 
 use tokio_util::sync::CancellationToken;
+
+/// Signals so soon after the first one are the same one.
+const ECHO: Duration = Duration::from_secs(1);
 
 /// A token that the first Ctrl-C or SIGTERM cancels; the second one ends the process at once.
 pub(crate) fn shutdown() -> CancellationToken {
@@ -11,6 +14,8 @@ pub(crate) fn shutdown() -> CancellationToken {
     tokio::spawn(async move {
         interrupted().await;
         cancel.cancel();
+        // A terminal and a process manager may both pass on the same Ctrl-C.
+        tokio::time::sleep(ECHO).await;
         interrupted().await;
         std::process::exit(130);
     });

@@ -117,6 +117,7 @@ fn extend_padded(out: &mut Vec<Point>, values: &[Point], len: usize) {
     out.resize(end, [f32::NAN; 3]);
 }
 
+/// Infinity for NaN; and an empty sum, which is -0, as plain 0.
 fn never_nan(value: f64) -> f64 {
-    if value.is_nan() { f64::INFINITY } else { value }
+    if value.is_nan() { f64::INFINITY } else { value + 0.0 }
 }

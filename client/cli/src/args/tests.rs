@@ -45,6 +45,7 @@ fn wrong_usage_is_refused() {
         "bendtwin eval",
         "bendtwin eval a --twin t --axial",
         "bendtwin rollout twins/none",
+        "bendtwin rollout 0199aaaa-0000-7000-8000-000000000001 --frames 9999999",
     ] {
         assert!(parse(line).is_err(), "{line}");
     }
