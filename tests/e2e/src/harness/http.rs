@@ -22,7 +22,10 @@ pub(crate) struct Http {
 
 impl Http {
     pub(crate) fn new(url: &str) -> Self {
-        Self { url: url.to_owned(), client: Client::builder().build().unwrap() }
+        // A connection a request: the server closes one whose body it refused to read, and whoever
+        // takes that one next loses the race.
+        let client = Client::builder().pool_max_idle_per_host(0).build().unwrap();
+        Self { url: url.to_owned(), client }
     }
 
     pub(crate) async fn is_ready(&self) -> bool {
