@@ -6,6 +6,9 @@ use serde_json::json;
 use super::{World, bad_names, fields};
 use crate::harness::http::Http;
 
+/// The server's default limit on JSON bodies [bytes].
+const LARGEST_JSON: usize = 1 << 20;
+
 #[tokio::test]
 async fn malformed_requests_are_refused_with_a_problem_document() {
     let world = World::new().await;
@@ -20,8 +23,13 @@ async fn malformed_requests_are_refused_with_a_problem_document() {
     let (count, mut wrong) = (requests.len(), Vec::new());
     assert!(count >= 200, "only {count} requests");
     for (what, request) in requests {
-        let reply = match request.send().await {
+        let (client, request) = request.build_split();
+        let request = request.unwrap();
+        let size = request.body().and_then(|body| body.as_bytes()).map_or(0, <[u8]>::len);
+        let reply = match client.execute(request).await {
             Ok(reply) => reply,
+            // Who sends more than is read may find the connection closed before the answer.
+            Err(_) if size > LARGEST_JSON => continue,
             Err(error) => {
                 wrong.push(format!("{what}: {error:?}"));
                 continue;
