@@ -12,9 +12,20 @@ pub(crate) fn read(path: &Path, limits: &Limits) -> Result<Capture, capture::Err
     capture::read(path, &bounds(limits))
 }
 
-/// Reads a capture archive and refuses one that cannot be fitted.
-pub(crate) fn read_checked(path: &Path, limits: &Limits) -> Result<Capture, capture::Error> {
-    let (capture, report) = capture::read_checked(path, &bounds(limits))?;
+/// Reads a capture archive and refuses one that cannot be fitted. Errors call it by `name`: its path
+/// here is a temporary file's, which tells nobody anything.
+pub(crate) fn read_checked(
+    path: &Path,
+    name: &str,
+    limits: &Limits,
+) -> Result<Capture, capture::Error> {
+    use capture::Error::{RawOnly, UnknownKind};
+    let read = capture::read_checked(path, &bounds(limits)).map_err(|e| match e {
+        UnknownKind(_) => UnknownKind(name.to_owned()),
+        RawOnly(_) => RawOnly(name.to_owned()),
+        other => other,
+    });
+    let (capture, report) = read?;
     for finding in &report.findings {
         tracing::info!(code = finding.code, "capture: {}", finding.message);
     }

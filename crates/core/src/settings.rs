@@ -183,13 +183,25 @@ impl Default for GraphSettings {
 
 impl Default for LossSettings {
     fn default() -> Self {
-        Self { chamfer_weight: 1.0, track_weight: 1.0, track_beta_m: 0.01, acceleration_weight: 0.0 }
+        Self {
+            chamfer_weight: 1.0,
+            track_weight: 1.0,
+            track_beta_m: 0.01,
+            acceleration_weight: 0.0,
+        }
     }
 }
 
 impl Default for SearchSettings {
     fn default() -> Self {
-        Self { generations: 25, population: 0, sigma: 1.0 / 6.0, topology: false, max_frames: 0, max_sequences: 8 }
+        Self {
+            generations: 25,
+            population: 16,
+            sigma: 1.0 / 6.0,
+            topology: false,
+            max_frames: 0,
+            max_sequences: 8,
+        }
     }
 }
 
@@ -222,11 +234,7 @@ impl FitSettings {
                 ..GraphSettings::default()
             },
             loss: LossSettings { track_beta_m: 1.0, ..LossSettings::default() },
-            search: SearchSettings {
-                generations: 20,
-                topology: true,
-                ..SearchSettings::default()
-            },
+            search: SearchSettings { generations: 20, topology: true, ..SearchSettings::default() },
             refine: RefineSettings {
                 passes: 200,
                 learning_rate: 1e-3,

@@ -53,7 +53,8 @@ impl Compute {
     ) -> Result<Finished, Fault> {
         let Task { lease, settings, archive, checkpoint } = task;
         self.progress.set(ingesting());
-        let mut capture = ingest::read_checked(archive.path(), limits).map_err(|e| e.fault())?;
+        let mut capture = ingest::read_checked(archive.path(), &lease.capture_display_name, limits)
+            .map_err(|e| e.fault())?;
         // It may be gigabytes, and everything is in memory now.
         drop(archive);
         // The archive is a temporary file here; people know the capture by another name.

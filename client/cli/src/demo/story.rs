@@ -21,6 +21,24 @@ const CANDIDATES: usize = 64;
 /// Their horizon [frames].
 const HORIZON: u32 = 30;
 
+/// Nodes of the demo's twin: coarse graphs are what planners want, and where bending matters most.
+const NODES: usize = 60;
+/// Most springs that a node of it opens.
+const NEIGHBOURS: usize = 8;
+
+/// The settings of the demo's fits.
+fn settings(seed: u64) -> FitSettings {
+    let mut settings = FitSettings { seed, ..FitSettings::default() };
+    settings.graph.max_nodes = NODES;
+    settings.graph.max_neighbours = NEIGHBOURS;
+    settings
+}
+
+/// The same for the command line.
+fn flags() -> String {
+    format!("--set graph.max_nodes={NODES} --set graph.max_neighbours={NEIGHBOURS}")
+}
+
 /// The demo under way.
 pub(super) struct Story {
     quiet: bool,
@@ -87,15 +105,18 @@ impl Story {
     }
 
     async fn fit(&mut self, site: &Site, capture: CaptureId) -> anyhow::Result<Pair> {
-        let settings = FitSettings { seed: self.seed, ..FitSettings::default() };
+        let settings = settings(self.seed);
         self.step(
-            "Fit a twin: search its global numbers, then refine every spring and bending triplet",
-            &format!("bendtwin fit start {capture} --watch"),
+            &format!(
+                "Fit a coarse twin, fast enough to plan with: {NODES} nodes. Search its global numbers, then\n   \
+                 refine every spring and bending triplet"
+            ),
+            &format!("bendtwin fit start {capture} {} --watch", flags()),
         );
         let bending = self.one_fit(site, capture, &settings, "fit_s").await?;
         self.step(
             "Fit the same nodes once more without bending, for comparison",
-            &format!("bendtwin fit start {capture} --set bending=false --watch"),
+            &format!("bendtwin fit start {capture} {} --set bending=false --watch", flags()),
         );
         let without = FitSettings { bending: false, ..settings };
         let axial = self.one_fit(site, capture, &without, "axial_fit_s").await?;
@@ -126,7 +147,7 @@ impl Story {
     async fn compare(&mut self, pair: &Pair, observed: &Capture) -> anyhow::Result<()> {
         self.step(
             "How good is it? Errors in mm against what was recorded; `future` frames were never seen",
-            &format!("bendtwin twin show {}", pair.name),
+            &format!("bendtwin eval rope.zip --axial {}", flags()),
         );
         let (twin, axial, observed) = (pair.bending.clone(), pair.axial.clone(), observed.clone());
         let scored = tokio::task::spawn_blocking(move || {
@@ -195,7 +216,8 @@ impl Story {
 
     async fn draw(&mut self, pair: Pair, observed: Capture) -> anyhow::Result<()> {
         let path = self.picture.clone();
-        let command = format!("bendtwin eval rope.zip --axial --picture {}", path.display());
+        let command =
+            format!("bendtwin eval rope.zip --axial {} --picture {}", flags(), path.display());
         self.step("Draw predicted against observed", &command);
         tokio::task::spawn_blocking(move || {
             let (backend, token) = (bendtwin_engine::cpu(), CancelToken::default());

@@ -1,6 +1,6 @@
 //! A row of `jobs` and what it says.
 
-use bendtwin_core::ids::FitId;
+use bendtwin_core::{Progress, ids::FitId};
 use sqlx::{FromRow, Sqlite, Transaction};
 use uuid::Uuid;
 
@@ -96,16 +96,22 @@ impl TryFrom<Row> for Fit {
     type Error = Error;
     fn try_from(row: Row) -> Result<Self> {
         let uuid = |text: &String| Uuid::try_parse(text).map_err(|_| row.corrupt("an id"));
+        let state = row.state()?;
+        let mut progress: Option<Progress> = row.json(&row.progress)?;
+        if state == State::Succeeded {
+            // The worker's last report came before its last word.
+            progress.iter_mut().for_each(|p| (p.fraction, p.eta_s) = (1.0, Some(0.0)));
+        }
         Ok(Self {
             id: uuid(&row.id)?.into(),
             capture: uuid(&row.capture)?.into(),
-            state: row.state()?,
+            state,
             priority: i32::try_from(row.priority).unwrap_or_default(),
             attempts: u32::try_from(row.attempts).unwrap_or_default(),
             lease_epoch: row.lease_epoch.max(0) as u64,
             lease_until: row.lease_until.map(from_micros),
             worker: row.worker.as_ref().map(uuid).transpose()?.map(Into::into),
-            progress: row.json(&row.progress)?,
+            progress,
             checkpoint: match &row.checkpoint {
                 Some(hex) => Some(Digest::from_hex(hex).map_err(|_| row.corrupt("checkpoint"))?),
                 None => None,
