@@ -39,6 +39,14 @@ fn a_twin_survives_its_file() {
     assert_eq!(bytes, twin().encode().unwrap(), "encoding is deterministic");
 }
 
+/// Written by the first release; must be readable for ever. To add one for a new version, write
+/// `twin().encode()` to `testdata/twin-v{VERSION}.safetensors` and keep the old ones.
+#[test]
+fn released_files_stay_readable() {
+    let first = include_bytes!("../../../testdata/twin-v1.safetensors");
+    assert_eq!(Twin::decode(first).unwrap(), twin());
+}
+
 #[test]
 fn contradictions_are_named() {
     let mut bad = twin();
