@@ -41,7 +41,8 @@ fn cloud(seed: u64, n: usize, size: [f32; 3]) -> Vec<Point> {
 }
 
 fn settings(max_nodes: usize) -> GraphSettings {
-    GraphSettings { max_nodes, ..GraphSettings::default() }
+    // All kinds of nodes, whatever the default is.
+    GraphSettings { max_nodes, interior: true, ..GraphSettings::default() }
 }
 
 fn build(capture: &Capture, settings: &GraphSettings) -> (NodeSample, Graph) {
