@@ -81,6 +81,12 @@ async fn connection(
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!(%error, %peer, "no TCP_NODELAY");
     }
+    // Until the protocol is known nothing else watches the time: a silent connection would keep
+    // its place for ever.
+    match tokio::time::timeout(HEADERS_TIMEOUT, stream.peek(&mut [0])).await {
+        Ok(Ok(1..)) => {}
+        _ => return,
+    }
     let mut builder = Builder::new(TokioExecutor::new());
     builder.http1().timer(TokioTimer::new()).header_read_timeout(HEADERS_TIMEOUT);
     builder

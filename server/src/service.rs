@@ -103,6 +103,7 @@ impl Service {
             http: http::router(&app),
             grpc: grpc::router(&app).await?,
             metrics: app.metrics.clone(),
+            loopback: address.ip().is_loopback(),
         };
         let (close, cut) = (CancellationToken::new(), CancellationToken::new());
         let serving = listen::serve(socket, outer, close.clone(), cut.clone());

@@ -99,7 +99,8 @@ fn read(files: &mut Files<'_>, description: &Description) -> Result<Capture, Err
         drop(bytes);
         frame.apply(&mut points);
         if clipped {
-            points.iter_mut().for_each(|p| p[2] = p[2].max(FLOOR_M));
+            // Not `max`: a missing z must stay missing.
+            points.iter_mut().filter(|p| p[2] < FLOOR_M).for_each(|p| p[2] = FLOOR_M);
         }
         // Flags and controls are copies beside the points.
         let cells = frames.saturating_mul(vertices);

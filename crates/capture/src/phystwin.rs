@@ -143,7 +143,9 @@ fn truth(
     let Some(bytes) = files.find(NAME)? else {
         notes.push(Note::info(
             "OPTIONAL_MISSING",
-            format!("there is no {NAME}: the track metric is measured against observed tracks"),
+            format!(
+                "there is no {NAME}: the track metric is left out unless every point is a node"
+            ),
         ));
         return Ok(Vec::new());
     };

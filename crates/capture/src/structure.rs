@@ -69,10 +69,17 @@ pub fn validate(capture: &Capture) -> Result<(), Error> {
             ));
         }
     }
+    let mut held = vec![false; points];
     for (index, pin) in object.pins.iter().enumerate() {
         if pin.point as usize >= points || pin.control as usize >= controls {
             let (point, control) = (i64::from(pin.point), i64::from(pin.control));
             return Err(Error::PinRange { index, point, control, points, controls });
+        }
+        if std::mem::replace(&mut held[pin.point as usize], true) {
+            let point = pin.point;
+            return Err(Error::Lengths(format!(
+                "point {point} is held by two control points: keep one of them"
+            )));
         }
     }
     Ok(())

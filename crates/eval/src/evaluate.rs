@@ -85,6 +85,10 @@ pub fn score(
         scores: rows.into_iter().filter_map(|row| row.score(per_frame)).collect(),
         warnings: divergences(capture, predictions),
     };
+    if let Some((_, predictions)) = axial {
+        let named = |w: String| format!("the axial-only fit: {w}");
+        quality.warnings.extend(divergences(capture, predictions).into_iter().map(named));
+    }
     let warning = beaten_by_standing_still(&quality, own);
     quality.warnings.extend(warning);
     quality
@@ -108,7 +112,11 @@ impl Row {
             // It looks at the last training frame: errors before that mean nothing.
             train = Default::default();
         }
-        let errors = if per_frame { self.account.per_frame() } else { Vec::new() };
+        let errors = if per_frame && self.predictor != Predictor::LastResidual {
+            self.account.per_frame()
+        } else {
+            Vec::new()
+        };
         let nothing = Default::default();
         (train != nothing || future != nothing).then_some(Score {
             predictor: self.predictor,

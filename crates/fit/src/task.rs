@@ -71,11 +71,10 @@ impl<'a> Task<'a> {
                     if settings.max_frames == 0 { 0 } else { sequence.start_frame() + 1 },
                 ),
             );
-            let Some(mut training) =
-                Training::new(sequence, most, &self.sample, &self.settings.loss)
-            else {
-                continue;
-            };
+            // Where the first frames show nothing, all of them must do.
+            let full = sequence.train_frame_count;
+            let new = |frames| Training::new(sequence, frames, &self.sample, &self.settings.loss);
+            let Some(mut training) = new(most).or_else(|| new(full)) else { continue };
             training.add_acceleration(self.settings.loss.acceleration_weight);
             set.push(training);
         }

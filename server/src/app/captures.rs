@@ -25,7 +25,8 @@ impl App {
             return Err(Error::invalid("content", "is empty: send the capture archive"));
         }
         let new = NewCapture { display_name, request_id, content };
-        let capture = self.store.captures().create(new).await?;
+        let store = self.store.clone();
+        let capture = super::to_the_end(async move { store.captures().create(new).await }).await?;
         tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");
         Ok(capture)
     }
@@ -44,7 +45,8 @@ impl App {
 
     pub(crate) async fn delete_capture(&self, name: &str) -> Result<()> {
         let id: CaptureId = super::name(name)?;
-        self.store.captures().delete(id).await?;
+        let store = self.store.clone();
+        super::to_the_end(async move { store.captures().delete(id).await }).await?;
         tracing::info!(capture = %id, "capture deleted");
         Ok(())
     }

@@ -46,7 +46,8 @@ impl App {
 
     pub(crate) async fn delete_fit(&self, name: &str) -> Result<()> {
         let id: FitId = super::name(name)?;
-        Ok(self.store.fits().delete(id).await?)
+        let store = self.store.clone();
+        super::to_the_end(async move { store.fits().delete(id).await }).await
     }
 }
 

@@ -89,14 +89,17 @@ impl App {
     ) -> Result<()> {
         let limit = self.options.limits.checkpoint_bytes;
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
-        let renew = self.options.lease();
-        Ok(self.store.fits().save_checkpoint(attempt.lease, content, renew).await?)
+        let (store, renew) = (self.store.clone(), self.options.lease());
+        super::to_the_end(async move {
+            store.fits().save_checkpoint(attempt.lease, content, renew).await
+        })
+        .await
     }
 
     pub(crate) async fn complete_fit(
         &self,
         attempt: Attempt,
-        facts: &TwinFacts,
+        facts: TwinFacts,
         digest: &str,
         body: Body,
     ) -> Result<TwinId> {
@@ -108,7 +111,9 @@ impl App {
         }
         let limit = self.options.limits.twin_bytes;
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
-        let twin = self.store.fits().complete(attempt.lease, facts, content).await?;
+        let store = self.store.clone();
+        let complete = async move { store.fits().complete(attempt.lease, &facts, content).await };
+        let twin = super::to_the_end(complete).await?;
         self.dispatch.set_fit(attempt.worker, None);
         self.metrics.fit_ended("succeeded");
         tracing::info!(fit = %attempt.lease.fit, %twin, "fit succeeded");
@@ -116,7 +121,9 @@ impl App {
     }
 
     pub(crate) async fn end_attempt(&self, attempt: Attempt, end: AttemptEnd) -> Result<()> {
-        let fit = self.store.fits().end_attempt(attempt.lease, end).await?;
+        let store = self.store.clone();
+        let change = async move { store.fits().end_attempt(attempt.lease, end).await };
+        let fit = super::to_the_end(change).await?;
         self.dispatch.set_fit(attempt.worker, None);
         self.note_end(&fit);
         Ok(())

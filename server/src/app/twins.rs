@@ -34,7 +34,8 @@ impl App {
         .await
         .map_err(|e| Error::Internal(format!("reading an imported twin: {e}")))??;
         let new = NewTwin { display_name, request_id, facts, content };
-        Ok(self.store.twins().create(new).await?)
+        let store = self.store.clone();
+        super::to_the_end(async move { store.twins().create(new).await }).await
     }
 
     pub(crate) async fn twin(&self, name: &str) -> Result<Twin> {
@@ -51,7 +52,8 @@ impl App {
 
     pub(crate) async fn delete_twin(&self, name: &str) -> Result<()> {
         let id: TwinId = super::name(name)?;
-        self.store.twins().delete(id).await?;
+        let store = self.store.clone();
+        super::to_the_end(async move { store.twins().delete(id).await }).await?;
         self.dispatch.forget_twin(id);
         Ok(())
     }

@@ -59,7 +59,12 @@ impl App {
             let id = worker.registration.id;
             match &self.options.worker_token {
                 Some(token) if !worker.registration.supervised => {
-                    self.dispatch.add(worker, None, token)?;
+                    if let Err(error) = self.dispatch.add(worker, None, token) {
+                        // It registers anew if it lives.
+                        tracing::warn!(worker = %id, %error, "cannot take a worker up again");
+                        self.store.fits().forfeit(id, false).await?;
+                        self.store.workers().forget(id).await?;
+                    }
                 }
                 _ => {
                     self.store.fits().forfeit(id, false).await?;

@@ -68,14 +68,16 @@ impl WorkerLink for Api {
     }
 
     async fn beat(&self, request: Request<BeatRequest>) -> Result<Response<BeatResponse>, Status> {
-        self.bearer(request.metadata())?;
+        let (bearer, _) = self.bearer(request.metadata())?;
+        // Workers that others started outlive a restart of the server.
+        let drain = self.app.stopping.is_cancelled() && matches!(bearer, Bearer::Child(_));
         let r = request.into_inner();
         let worker: WorkerId = app::name(&r.worker)?;
         let warm = r.warm_twins.iter().map(|t| app::name(t)).collect::<app::Result<_>>()?;
         if !self.app.dispatch.beat(worker, warm, r.rollouts_in_flight) {
             return Err(Error::WorkerUnknown(worker.to_string()).into());
         }
-        Ok(Response::new(BeatResponse { drain: self.app.stopping.is_cancelled() }))
+        Ok(Response::new(BeatResponse { drain }))
     }
 
     async fn lease_fit(
@@ -149,7 +151,7 @@ impl WorkerLink for Api {
             substeps: twin.substeps,
             quality: twin.quality_json,
         };
-        let twin = self.app.complete_fit(attempt_of(&job)?, &facts, &job.digest, body).await?;
+        let twin = self.app.complete_fit(attempt_of(&job)?, facts, &job.digest, body).await?;
         Ok(Response::new(CompleteFitResponse { twin: twin.to_string() }))
     }
 

@@ -2,7 +2,12 @@
 //! that would keep them out, so a page that somebody reads must not reach the
 //! server on the reader's machine.
 
-use axum::http::{HeaderMap, Uri, header};
+use std::net::IpAddr;
+
+use axum::{
+    body::Body,
+    http::{HeaderMap, Request, Uri, header, uri::Authority},
+};
 use bendtwin_core::{Category, Fault};
 
 use crate::error::Refusal;
@@ -18,6 +23,17 @@ pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
         // `null`, or nothing to compare it with.
         _ => true,
     }
+}
+
+/// Whether a request to a server on loopback asks for a host by another name than `localhost`: what
+/// a page does whose own name was made to point here (DNS rebinding). Its `Origin` and `Host` agree.
+pub(super) fn is_rebound(request: &Request<Body>) -> bool {
+    let host = request.headers().get(header::HOST).and_then(|h| h.to_str().ok());
+    let named = host.and_then(|h| h.parse::<Authority>().ok());
+    let Some(authority) = request.uri().authority().cloned().or(named) else { return false };
+    let host = authority.host();
+    !host.eq_ignore_ascii_case("localhost")
+        && host.trim_matches(['[', ']']).parse::<IpAddr>().is_err()
 }
 
 pub(super) fn refusal() -> Refusal {

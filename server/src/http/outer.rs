@@ -23,6 +23,8 @@ pub(crate) struct Outer {
     pub(crate) http: axum::Router,
     pub(crate) grpc: axum::Router,
     pub(crate) metrics: Metrics,
+    /// Whether only this machine can reach the server.
+    pub(crate) loopback: bool,
 }
 
 impl Outer {
@@ -41,8 +43,9 @@ impl Outer {
         let router = if is_grpc { self.grpc } else { self.http };
         // The pattern that matches, never the path itself: labels of metrics are to be few.
         let grpc_route = is_grpc.then(|| request.uri().path().to_owned());
+        let loopback = self.loopback;
         let answered = context.clone().scope(async move {
-            if origin::is_foreign(request.headers()) {
+            if origin::is_foreign(request.headers()) || loopback && origin::is_rebound(&request) {
                 return Ok(origin::refusal().into_response());
             }
             let caught = AssertUnwindSafe(router.oneshot(request)).catch_unwind().await;

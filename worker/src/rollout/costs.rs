@@ -18,6 +18,8 @@ use super::{
 const MAX_COSTS: usize = 256;
 /// Most target points over all terms and frames: they are held in memory.
 const MAX_TARGETS: u128 = 8_000_000;
+/// What a term counts for beside its target points: it takes memory of its own in every frame.
+const TERM_OVERHEAD: u128 = 16;
 
 /// Reads the costs of a request for rollouts of `frames` frames.
 pub(super) fn read(costs: Vec<Cost>, graph: &Graph, frames: usize) -> Result<Objective, Error> {
@@ -57,7 +59,7 @@ pub(super) fn read(costs: Vec<Cost>, graph: &Graph, frames: usize) -> Result<Obj
             return Err(Error::field(field("kind"), fault));
         };
         let (term, points) = term(kind, graph)?;
-        targets += points as u128 * (frames - first + 1) as u128;
+        targets += (points as u128 + TERM_OVERHEAD) * (frames - first + 1) as u128;
         if targets > MAX_TARGETS {
             return Err(Error::TooLarge {
                 what: "the number of target points over all frames of all costs",

@@ -49,6 +49,11 @@ impl Host {
             .arg(&port_file)
             // The demo is the same whatever the user's own server is set to.
             .env_remove("BENDTWIN_CONFIG")
+            .env_remove("BENDTWIN_WORKER_TOKEN")
+            .env_remove("BENDTWIN_WORKER_LISTEN")
+            .env_remove("BENDTWIN_WORKER_ADVERTISE")
+            .env_remove("BENDTWIN_BACKEND")
+            .env_remove("BENDTWIN_CACHE_DIR")
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(log_file)

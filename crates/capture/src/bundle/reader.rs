@@ -96,7 +96,7 @@ fn read_sequence(
         notes.push(Note::info(
             "OPTIONAL_MISSING",
             format!(
-                "sequence `{name}` has no {}: the track metric is measured against observed tracks",
+                "sequence `{name}` has no {}: the track metric is left out unless every point is a node",
                 arrays::TRUTH
             ),
         ));

@@ -218,7 +218,7 @@ impl<'a, 'b> Machine<'a, 'b> {
         let top = *self.stack.last().ok_or(UNDERFLOW)?;
         let key = usize::try_from(key).unwrap_or(usize::MAX);
         // Python numbers memo entries consecutively: a jump is an attempt on the memory.
-        if key > self.memo.len() + 1024 {
+        if key > self.memo.len() + 1024 || key >= self.limits.pickle_opcodes {
             return Err(Fault::Refused(format!("the pickle jumps to memo entry {key}")));
         }
         if key >= self.memo.len() {

@@ -13,12 +13,13 @@ pub(crate) fn nearest<T: Real>(nodes: &[Node<T>], targets: &[Quad<T>]) -> Vec<u3
     if nodes.is_empty() {
         return Vec::new();
     }
-    let far = T::from_f64(1e15);
     let blocks = nodes
         .chunks(LANES)
         .map(|chunk| {
-            let mut block = [[far; LANES]; 3];
-            for (l, node) in chunk.iter().enumerate() {
+            let mut block = [[T::ZERO; LANES]; 3];
+            for l in 0..LANES {
+                // A block that is not full repeats its last node: ties go to the lower index.
+                let node = &chunk[l.min(chunk.len() - 1)];
                 for c in 0..3 {
                     block[c][l] = node.x[c];
                 }
@@ -41,6 +42,7 @@ impl<T: Real> WithSimd for Search<'_, T> {
     fn with_simd<S: Simd>(self, _: S) -> Vec<u32> {
         let mut found = Vec::with_capacity(self.targets.len());
         for t in self.targets {
+            // A target farther than this from every node gets node 0.
             let mut best = [T::from_f64(1e30); LANES];
             let mut best_block = [0_u32; LANES];
             for (index, b) in self.blocks.iter().enumerate() {
@@ -65,3 +67,6 @@ impl<T: Real> WithSimd for Search<'_, T> {
         found
     }
 }
+
+#[cfg(test)]
+mod tests;

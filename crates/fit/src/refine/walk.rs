@@ -272,10 +272,11 @@ impl<'a> Walk<'a> {
 fn weights(gradients: &[Vec<f64>]) -> Vec<f64> {
     let length = |g: &Vec<f64>| g.iter().map(|x| x * x).sum::<f64>().sqrt();
     let lengths: Vec<f64> = gradients.iter().map(length).collect();
-    let mut sorted = lengths.clone();
+    // Sequences that say nothing must not silence the others.
+    let mut sorted: Vec<f64> = lengths.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
-    let Some(&median) = sorted.get(sorted.len() / 2) else { return Vec::new() };
-    let even = 1.0 / gradients.len() as f64;
+    let even = 1.0 / gradients.len().max(1) as f64;
+    let Some(&median) = sorted.get(sorted.len() / 2) else { return vec![even; lengths.len()] };
     lengths.iter().map(|&l| if l > median { even * median / l } else { even }).collect()
 }
 
