@@ -309,7 +309,8 @@ impl<'a> Files<'a> {
     }
 }
 
-fn at_most(what: &'static str, count: usize, limit: usize) -> Result<(), Error> {
+/// Refuses more of something than a limit allows.
+pub(crate) fn at_most(what: &'static str, count: usize, limit: usize) -> Result<(), Error> {
     if count > limit {
         return Err(Error::TooMany { what, count: count as u64, limit: limit as u64 });
     }

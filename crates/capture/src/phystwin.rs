@@ -5,7 +5,14 @@
 use bendtwin_core::{Capture, Environment, Point, Sequence, capture::Object};
 use serde::Deserialize;
 
-use crate::{Error, array::Array, check::Note, files::Files, frame::Frame, pickle};
+use crate::{
+    Error,
+    array::Array,
+    check::Note,
+    files::{Files, at_most},
+    frame::Frame,
+    pickle,
+};
 
 pub(crate) const MARKER: &str = "final_data.pkl";
 
@@ -86,9 +93,10 @@ pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Captu
     ] {
         match data.entry(key)? {
             Some(array) => {
-                if !matches!(array.shape.as_slice(), [_, 3]) {
+                let &[count, 3] = array.shape.as_slice() else {
                     return Err(array.wrong_shape("[S, 3]"));
-                }
+                };
+                at_most(key, count, files.limits.points)?;
                 *into = array.points(budget)?;
             }
             None => notes
@@ -151,7 +159,10 @@ fn truth(
     };
     let array = pickle::read(NAME, &bytes, files.limits, &mut files.budget)?.array()?;
     match array.shape.as_slice() {
-        &[frames, _, 3] if frames == frame_count => array.points(&mut files.budget),
+        &[frames, count, 3] if frames == frame_count => {
+            at_most("ground-truth tracks", count, files.limits.points)?;
+            array.points(&mut files.budget)
+        }
         _ => Err(array.wrong_shape(&format!("[{frame_count}, K, 3]"))),
     }
 }

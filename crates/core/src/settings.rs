@@ -220,7 +220,7 @@ impl Default for RefineSettings {
 }
 
 impl FitSettings {
-    /// PhysTwin's scheme as published: full sampling, 667 substeps, a step a frame.
+    /// Close to PhysTwin's scheme as published (docs/settings.md says what differs): full sampling, 667 substeps, a step a frame.
     pub fn phystwin() -> Self {
         Self {
             bending: false,
@@ -234,7 +234,12 @@ impl FitSettings {
                 ..GraphSettings::default()
             },
             loss: LossSettings { track_beta_m: 1.0, ..LossSettings::default() },
-            search: SearchSettings { generations: 20, topology: true, ..SearchSettings::default() },
+            search: SearchSettings {
+                generations: 20,
+                population: 0,
+                topology: true,
+                ..SearchSettings::default()
+            },
             refine: RefineSettings {
                 passes: 200,
                 learning_rate: 1e-3,

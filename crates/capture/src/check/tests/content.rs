@@ -155,6 +155,10 @@ const BROKEN: &[(&str, Severity, &str, Break)] = &[
     ("PIN_OUT_OF_RANGE", Error, "control point 8", |c| {
         c.object.pins = vec![bendtwin_core::capture::HeldPoint { point: 0, control: 8 }];
     }),
+    ("LENGTH_MISMATCH", Error, "two control points", |c| {
+        c.object.pins =
+            [0, 1].map(|control| bendtwin_core::capture::HeldPoint { point: 0, control }).to_vec();
+    }),
 ];
 
 fn cut(c: &mut Capture, frames: usize) {
