@@ -40,6 +40,8 @@ pub(super) fn refusal() -> Refusal {
     Refusal::new(Fault {
         category: Category::PermissionDenied,
         reason: "FOREIGN_ORIGIN".to_owned(),
-        message: "pages of other sites may not use this server".to_owned(),
+        message: "pages of other sites may not use this server; a program asks for it as localhost or by \
+                  its address"
+            .to_owned(),
     })
 }

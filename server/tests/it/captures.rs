@@ -73,7 +73,7 @@ async fn uploads_that_break_or_fall_silent_leave_nothing() {
     })
     .await;
     let address = server.handle.local_addr();
-    let head = "POST /v1/captures HTTP/1.1\r\nhost: x\r\ncontent-type: application/zip\r\n\
+    let head = "POST /v1/captures HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/zip\r\n\
                 content-length: 500\r\n\r\nsome bytes";
     // Closed in mid-body.
     let mut broken = tokio::net::TcpStream::connect(address).await.unwrap();
@@ -109,4 +109,18 @@ async fn uploads_that_break_or_fall_silent_leave_nothing() {
         }
     };
     tokio::time::timeout(std::time::Duration::from_secs(5), emptied).await.unwrap();
+}
+
+/// A page whose own name was made to point at loopback has an `Origin` equal to its `Host`, or none at all.
+#[tokio::test]
+async fn other_names_for_loopback_are_refused() {
+    let server = Server::start_with(|_| {}).await;
+    let ask = async |host: &str| {
+        let request = server.http.get(server.url("/v1/captures")).header("host", host);
+        request.send().await.unwrap().status().as_u16()
+    };
+    assert_eq!(ask("evil.example:7070").await, 403);
+    for host in ["localhost:7070", "127.0.0.1", "[::1]:7070"] {
+        assert_eq!(ask(host).await, 200, "{host}");
+    }
 }

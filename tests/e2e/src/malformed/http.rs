@@ -69,13 +69,13 @@ async fn bytes_that_are_no_http_end_the_connection_and_nothing_else() {
         ("a header of a megabyte", format!("GET / HTTP/1.1\r\nx: {line}\r\n\r\n").into_bytes()),
         ("20,000 headers", format!("GET / HTTP/1.1\r\n{many}\r\n").into_bytes()),
         ("a header without a name", b"GET /healthz HTTP/1.1\r\n: y\r\n\r\n".to_vec()),
-        ("a length of no number", b"POST /v1/fits HTTP/1.1\r\nhost: x\r\ncontent-length: many\r\n\r\n".to_vec()),
-        ("a negative length", b"POST /v1/fits HTTP/1.1\r\nhost: x\r\ncontent-length: -5\r\n\r\n".to_vec()),
-        ("two lengths", b"POST /v1/fits HTTP/1.1\r\nhost: x\r\ncontent-length: 1\r\ncontent-length: 2\r\n\r\nx".to_vec()),
-        ("a chunk of 2^64 bytes", b"POST /v1/fits HTTP/1.1\r\nhost: x\r\ntransfer-encoding: chunked\r\n\r\nffffffffffffffff\r\n".to_vec()),
-        ("a chunk of no number", b"POST /v1/fits HTTP/1.1\r\nhost: x\r\ntransfer-encoding: chunked\r\n\r\nzz\r\n".to_vec()),
-        ("half a body", b"POST /v1/fits HTTP/1.1\r\nhost: x\r\ncontent-type: application/json\r\ncontent-length: 100\r\n\r\n{\"capture\"".to_vec()),
-        ("half an upload", b"POST /v1/captures HTTP/1.1\r\nhost: x\r\ncontent-type: application/zip\r\ncontent-length: 100000\r\n\r\nPK".to_vec()),
+        ("a length of no number", b"POST /v1/fits HTTP/1.1\r\nhost: localhost\r\ncontent-length: many\r\n\r\n".to_vec()),
+        ("a negative length", b"POST /v1/fits HTTP/1.1\r\nhost: localhost\r\ncontent-length: -5\r\n\r\n".to_vec()),
+        ("two lengths", b"POST /v1/fits HTTP/1.1\r\nhost: localhost\r\ncontent-length: 1\r\ncontent-length: 2\r\n\r\nx".to_vec()),
+        ("a chunk of 2^64 bytes", b"POST /v1/fits HTTP/1.1\r\nhost: localhost\r\ntransfer-encoding: chunked\r\n\r\nffffffffffffffff\r\n".to_vec()),
+        ("a chunk of no number", b"POST /v1/fits HTTP/1.1\r\nhost: localhost\r\ntransfer-encoding: chunked\r\n\r\nzz\r\n".to_vec()),
+        ("half a body", b"POST /v1/fits HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 100\r\n\r\n{\"capture\"".to_vec()),
+        ("half an upload", b"POST /v1/captures HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/zip\r\ncontent-length: 100000\r\n\r\nPK".to_vec()),
     ];
     let count = requests.len();
     let mut wrong = Vec::new();
