@@ -2,6 +2,7 @@
 //! between server and workers. Generated types, plus the one place where
 //! tensors and faults are packed and unpacked.
 
+pub mod deadline;
 pub mod fault;
 pub mod tensor;
 

@@ -10,8 +10,6 @@ mod twins;
 mod upload;
 mod workers;
 
-use std::time::Duration;
-
 use bendtwin_proto::{
     DESCRIPTORS,
     v1::{
@@ -22,7 +20,7 @@ use bendtwin_proto::{
     worker::v1::worker_link_server::WorkerLinkServer,
 };
 use futures::{Stream, StreamExt, stream::BoxStream};
-use tonic::{Status, metadata::MetadataMap, service::Routes};
+use tonic::{Status, service::Routes};
 
 use crate::{
     app::{self, App},
@@ -108,25 +106,6 @@ fn chunks<M: 'static>(
         futures::stream::iter(pieces)
     });
     reply(split, message)
-}
-
-/// The `grpc-timeout` of a call.
-fn timeout(metadata: &MetadataMap) -> Option<Duration> {
-    let text = metadata.get("grpc-timeout")?.to_str().ok()?;
-    let (digits, unit) = text.split_at_checked(text.len().checked_sub(1)?)?;
-    if digits.len() > 8 {
-        return None;
-    }
-    let n: u64 = digits.parse().ok()?;
-    Some(match unit {
-        "H" => Duration::from_secs(n * 3600),
-        "M" => Duration::from_secs(n * 60),
-        "S" => Duration::from_secs(n),
-        "m" => Duration::from_millis(n),
-        "u" => Duration::from_micros(n),
-        "n" => Duration::from_nanos(n),
-        _ => return None,
-    })
 }
 
 /// `?` on application errors within service methods.

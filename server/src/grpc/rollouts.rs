@@ -1,9 +1,10 @@
 //! `bendtwin.v1.RolloutService`.
 
+use bendtwin_proto::deadline::timeout;
 use bendtwin_proto::v1::{RollOutRequest, RollOutResponse, rollout_service_server::RolloutService};
 use tonic::{Request, Response, Status};
 
-use super::{Api, Reply, reply, timeout};
+use super::{Api, Reply, reply};
 use crate::dispatch::RollOut;
 
 #[tonic::async_trait]

@@ -11,6 +11,7 @@ use std::{
 use bendtwin_core::{Problem as _, ids::TwinId};
 use bendtwin_engine::backend::{self, CancelToken};
 use bendtwin_proto::{
+    deadline::timeout,
     fault,
     worker::v1::{
         ExecuteRollOutRequest, ExecuteRollOutResponse,
@@ -23,7 +24,6 @@ use tokio_stream::wrappers::ReceiverStream;
 use tokio_util::sync::CancellationToken;
 use tonic::{
     Request, Response, Status,
-    metadata::MetadataMap,
     service::interceptor::InterceptedService,
     transport::{Server, server::TcpIncoming},
 };
@@ -120,7 +120,7 @@ impl WorkerRollouts for Rollouts {
         let slot = Arc::clone(&self.0.slots)
             .try_acquire_owned()
             .map_err(|_| fault::status(&Error::Busy { limit }.fault()))?;
-        let deadline = timeout_of(request.metadata()).map(|t| arrived + t);
+        let deadline = timeout(request.metadata()).map(|t| arrived + t);
         let cancel = CancelToken::default();
         let (parts, receiver) = mpsc::channel(WAITING_PARTS);
         let inner = Arc::clone(&self.0);
@@ -227,21 +227,5 @@ impl Stream for Parts {
 impl Drop for Parts {
     fn drop(&mut self) {
         self.cancel.cancel();
-    }
-}
-
-/// The caller's deadline, as gRPC writes it: up to eight digits and a unit.
-fn timeout_of(metadata: &MetadataMap) -> Option<Duration> {
-    let text = metadata.get("grpc-timeout")?.to_str().ok()?;
-    let (digits, unit) = text.split_at_checked(text.len().checked_sub(1)?)?;
-    let amount = u64::from(digits.parse::<u32>().ok()?);
-    match unit {
-        "H" => Some(Duration::from_secs(amount * 3600)),
-        "M" => Some(Duration::from_secs(amount * 60)),
-        "S" => Some(Duration::from_secs(amount)),
-        "m" => Some(Duration::from_millis(amount)),
-        "u" => Some(Duration::from_micros(amount)),
-        "n" => Some(Duration::from_nanos(amount)),
-        _ => None,
     }
 }
