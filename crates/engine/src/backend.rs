@@ -14,6 +14,7 @@ use std::{
 use bendtwin_core::{Category, Params, Point, Problem};
 
 use crate::{
+    descent::{Decay, Descent, Start},
     model::{Model, State},
     objective::Objective,
 };
@@ -238,6 +239,9 @@ pub struct Gradient {
     /// between whom an impact happens, and which node is a target's nearest, counts as fixed;
     /// an impact's time and impulse are differentiated.
     pub params: Params,
+    /// Whether a component of `params` was not finite, or beyond f32; NaN is given as zero then, and
+    /// what is too large as the largest number.
+    pub overflowed: bool,
     /// d loss / d controls, shape [F + 1, C, 3]; empty if not asked for. Includes what reaches
     /// the loss through pinned nodes and through the controls' velocities.
     pub controls: Vec<Point>,
@@ -256,6 +260,15 @@ pub struct Device {
     pub name: String,
     /// How many instances run at once.
     pub lanes: usize,
+}
+
+/// Memory of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// Bytes in use, by whomever.
+    pub used: u64,
+    /// Bytes that there are.
+    pub total: u64,
 }
 
 /// An implementation of the physics on some device.
@@ -302,4 +315,29 @@ pub trait Backend: Send + Sync {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error>;
+
+    /// Walks downhill through parameter space, side by side; the models in `starts` were loaded here.
+    ///
+    /// A backend whose device keeps no points and gradients returns a [`crate::descent::HostDescent`] over itself.
+    ///
+    /// # Errors
+    /// As [`Start::check`] and [`Backend::with_params`].
+    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error>;
+
+    /// Memory of the device; `None` where it is not known.
+    fn memory(&self) -> Option<Memory> {
+        None
+    }
+
+    /// A second queue onto the same device whose work goes before this one's; it takes the models that this
+    /// one loaded. `None` where the device has one queue: cut batches into slices there.
+    fn urgent(&self) -> Option<Arc<dyn Backend>> {
+        None
+    }
+
+    /// How a batch of so many instances of a model would run, in words for a report.
+    fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
+        let _ = (model, batch);
+        None
+    }
 }

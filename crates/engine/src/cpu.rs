@@ -44,13 +44,15 @@ use crate::{
         Backend, CancelToken, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss,
         Recording, Rollout,
     },
+    descent::{Decay, Descent, HostDescent, Start},
     stability::stable_substeps,
 };
 
-/// Runs on the CPU's cores. Make one with [`cpu`] or [`cpu_with_threads`].
+/// Runs on the CPU's cores; clones share the threads. Make one with [`cpu`] or [`cpu_with_threads`].
+#[derive(Clone)]
 pub struct CpuBackend {
     /// `None` on a machine that gives us no threads: then the caller's own does everything.
-    pool: Option<rayon::ThreadPool>,
+    pool: Option<Arc<rayon::ThreadPool>>,
 }
 
 /// A backend on all cores that this process may use.
@@ -73,7 +75,8 @@ impl CpuBackend {
     /// On so many threads (at least one).
     pub fn new(threads: usize) -> Self {
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1));
-        Self { pool: builder.thread_name(|i| format!("bendtwin-cpu-{i}")).build().ok() }
+        let pool = builder.thread_name(|i| format!("bendtwin-cpu-{i}")).build();
+        Self { pool: pool.ok().map(Arc::new) }
     }
 
     fn make(model: Arc<Model>, layout: Arc<Layout>) -> Loaded {
@@ -117,7 +120,7 @@ fn case(instance: &Instance) -> Result<Case<'_, f32>, Error> {
 
 impl Backend for CpuBackend {
     fn device(&self) -> Device {
-        let lanes = self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads);
+        let lanes = self.pool.as_ref().map_or(1, |pool| pool.current_num_threads());
         // `V3(..)` is AVX2 with fused multiply-add, as in x86-64-v3.
         let arch = format!("{:?}", pulp::Arch::new());
         let arch = arch.split('(').next().unwrap_or_default();
@@ -180,6 +183,7 @@ impl Backend for CpuBackend {
             let diverged = g.loss.diverged.is_some();
             let controls = g.controls.into_iter().map(point);
             Ok(Gradient {
+                overflowed: !g.parameters.fit_f32(),
                 loss: g.loss,
                 params: g.parameters.into_gradient(),
                 controls: if request.controls { controls.collect() } else { Vec::new() },
@@ -187,6 +191,10 @@ impl Backend for CpuBackend {
                 final_state: (request.final_state && !diverged).then(|| state_of(&g.last)),
             })
         })
+    }
+
+    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
+        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
     }
 }
 

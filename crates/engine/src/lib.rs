@@ -6,6 +6,7 @@ pub mod backend;
 pub mod build;
 pub mod conformance;
 mod cpu;
+pub mod descent;
 mod energy;
 pub mod model;
 pub mod objective;

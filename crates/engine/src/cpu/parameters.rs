@@ -65,6 +65,28 @@ impl<T: Real> Parameters<T> {
         }
     }
 
+    /// Whether all numbers are finite, in f32 too.
+    #[allow(clippy::cast_possible_truncation)]
+    pub(crate) fn fit_f32(&self) -> bool {
+        let fits = |x: &T| (x.to_f64() as f32).is_finite();
+        let arrays = [
+            &self.spring_stiffness,
+            &self.spring_dashpot,
+            &self.rest_lengths_m,
+            &self.bend_stiffness,
+            &self.bend_damping,
+            &self.rest_angles_rad,
+        ];
+        let globals = [
+            &self.drag,
+            &self.ground_restitution,
+            &self.ground_friction,
+            &self.object_restitution,
+            &self.object_friction,
+        ];
+        arrays.into_iter().flatten().chain(globals).all(fits)
+    }
+
     /// As a client sees a gradient: what has no derivative is zero or off.
     pub(crate) fn into_gradient(self) -> Params {
         let each = |v: Vec<T>| v.into_iter().map(narrow).collect();
