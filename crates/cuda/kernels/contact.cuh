@@ -1,0 +1,113 @@
+// Contact between nodes by impulses, and its adjoint. A node takes the mean of its pairs' impulses, all
+// computed from the velocities before contact, so the order of pairs does not matter to the physics; it
+// is fixed all the same.
+
+#define MIN_APPROACH_M2_S 1e-4f
+
+struct Touch {
+    float3 normal;  // from the first to the second
+    float distance;
+    float3 v;       // of the second relative to the first
+    float mass;     // 1 / (1/m1 + 1/m2)
+};
+
+// Whether two nodes touch; `a` and `b` carry the inverse masses in w.
+DEVICE bool touch(float limit, float4 a, float4 b, float3 v_a, float3 v_b, Touch& t) {
+    float3 r = sub(xyz(b), xyz(a));
+    t.v = sub(v_b, v_a);
+    float square = dot(r, r);
+    float inverse = a.w + b.w;
+    if (!(square < limit * limit && dot(r, t.v) < -MIN_APPROACH_M2_S && square > 1e-24f &&
+          inverse > 0.0f))
+        return false;
+    t.distance = sqrtf(square);
+    t.normal = scale(r, 1.0f / t.distance);
+    t.mass = 1.0f / inverse;
+    return true;
+}
+
+// Where positions, velocities before contact and inverse masses of all nodes are while a substep runs.
+struct Live {
+    const float4 *x, *v;  // x with the inverse mass, v
+    DEVICE_MEMBER void load(u32 node, float4& x_out, float3& v_out) const {
+        x_out = __ldcg(x + node);
+        v_out = xyz(__ldcg(v + node));
+    }
+};
+
+// The same from a substep on tape.
+struct Taped {
+    const float4 *x, *v;
+    const float *b, *inverse_mass;
+    DEVICE_MEMBER void load(u32 node, float4& x_out, float3& v_out) const {
+        float4 x4 = x[node];
+        x_out = with_w(xyz(x4), inverse_mass[node]);
+        v_out = v3(x4.w, v[node].w, b[node]);
+    }
+};
+
+// Velocity of a node after contact; `touches` counts its pairs. The LANES lanes of a node share
+// the work; lanes without a node come along, not active, for the sums' sake.
+template <class Nodes>
+DEVICE float3
+collide(const Job& job, const Nodes& nodes, u32 node, bool active, u32 lane, float& touches) {
+    float4 own_x;
+    float3 own_v;
+    nodes.load(node, own_x, own_v);
+    const u32* partners = job.partners + (u64)node * job.max_partners;
+    u32 count = active ? job.partner_counts[node] : 0;
+    float3 sum = zero3();
+    float n = 0.0f;
+    for (u32 k = lane; k < count; k += LANES) {
+        u32 other = partners[k];
+        float4 other_x;
+        float3 other_v;
+        nodes.load(other, other_x, other_v);
+        Touch t;
+        if (touch(job.collision_distance, own_x, other_x, own_v, other_v, t)) {
+            sum = add_scaled(sum, t.mass, impact(job.object_law, t.v, t.normal));
+            n += 1.0f;
+        }
+    }
+    sum = sum_lanes(sum);
+    touches = sum_lanes(n);
+    return touches > 0.0f ? add_scaled(own_v, -(own_x.w / touches), sum) : own_v;
+}
+
+// Adjoint of `collide`, gathered: adds what a node's position and velocity before contact get from its own
+// impulses and from its partners'. `share` holds, per node, d loss / d velocity after contact times
+// -(1/m) / touches (zero where nothing touches); `law_bar` gets this node's impulses only.
+template <class Nodes>
+DEVICE void collide_adjoint(
+    const Job& job, const Nodes& nodes, u32 node, bool active, u32 lane, const float4* share,
+    float3& x_bar, float3& v_bar, Law& law_bar
+) {
+    float4 own_x;
+    float3 own_v;
+    nodes.load(node, own_x, own_v);
+    float3 own_share = xyz(__ldcg(share + node));
+    const u32* partners = job.partners + (u64)node * job.max_partners;
+    u32 count = active ? job.partner_counts[node] : 0;
+    float3 x_sum = zero3(), v_sum = zero3();
+    for (u32 k = lane; k < count; k += LANES) {
+        u32 other = partners[k];
+        float4 other_x;
+        float3 other_v;
+        nodes.load(other, other_x, other_v);
+        Touch t;
+        if (!touch(job.collision_distance, own_x, other_x, own_v, other_v, t)) continue;
+        ImpactAdjoint mine = impact_adjoint(job.object_law, t.v, t.normal, scale(own_share, t.mass));
+        law_bar.restitution += mine.restitution;
+        law_bar.friction += mine.friction;
+        float3 theirs_in = scale(xyz(__ldcg(share + other)), t.mass);
+        ImpactAdjoint theirs =
+            impact_adjoint(job.object_law, scale(t.v, -1.0f), scale(t.normal, -1.0f), theirs_in);
+        // Seen from the other end, this node is the second of the pair.
+        float3 normal_bar = sub(theirs.normal, mine.normal);
+        float3 flat = add_scaled(normal_bar, -dot(normal_bar, t.normal), t.normal);
+        x_sum = add_scaled(x_sum, 1.0f / t.distance, flat);
+        v_sum = add(v_sum, sub(theirs.v, mine.v));
+    }
+    x_bar = add(x_bar, sum_lanes(x_sum));
+    v_bar = add(v_bar, sum_lanes(v_sum));
+}

@@ -1,0 +1,205 @@
+// An objective's terms: their values, and d loss / d positions at frame ends, gathered by node. The nearest
+// node of a Chamfer target counts as fixed in the gradient. The host's mirror of the structs is in
+// `src/objective.rs`.
+
+#define TILE 512
+#define CHAMFER 0
+#define TRACK 1
+#define ACCELERATION 2
+#define SMOOTH_L1 0
+#define DISTANCE 1
+#define SQUARED_DISTANCE 2
+
+struct Term {
+    u32 kind, frame;
+    u32 count;   // targets
+    u32 first;   // first of them
+    u32 loss;
+    float beta;
+    float weight;
+    u32 unused;
+};
+
+struct Measure {
+    const float* states;      // [frames + 1][6][N]
+    const Term* terms;        // ordered by frame
+    const u32* frame_terms;   // [frames + 2]: first term of each frame
+    const float* targets;     // [targets][3]
+    const u32* target_nodes;  // of tracks
+    u32* nearest;             // [targets] of this job
+    double* values;           // [terms] of this job
+    float* seeds;             // [frames + 1][3][N], or null
+    u32 nodes, surface, frames, term_count;
+    u32 cut_every;
+    u32 unused;
+};
+
+DEVICE float3 position(const Measure& m, u32 frame, u32 node) {
+    const float* s = m.states + (u64)frame * 6 * m.nodes;
+    return v3(s[node], s[m.nodes + node], s[2 * m.nodes + node]);
+}
+
+DEVICE double block_sum(double value) {
+    __shared__ double partial[THREADS / 32];
+    for (int mask = 16; mask > 0; mask /= 2) value += __shfl_xor_sync(0xffffffffu, value, mask);
+    __syncthreads();
+    if (threadIdx.x % 32 == 0) partial[threadIdx.x / 32] = value;
+    __syncthreads();
+    double sum = 0.0;
+    for (u32 w = 0; w < THREADS / 32; w++) sum += partial[w];
+    return sum;
+}
+
+DEVICE float3 second_difference(const Measure& m, u32 frame, u32 node) {
+    float3 two = position(m, frame - 2, node), one = position(m, frame - 1, node);
+    return add(add_scaled(position(m, frame, node), -2.0f, one), two);
+}
+
+DEVICE double point_loss(const Term& t, float3 d) {
+    if (t.loss == SQUARED_DISTANCE) return dot(d, d);
+    if (t.loss == DISTANCE) return sqrt((double)dot(d, d));
+    double sum = 0.0, beta = t.beta;
+    const float c[3] = {d.x, d.y, d.z};
+    for (u32 i = 0; i < 3; i++) {
+        double x = fabs((double)c[i]);
+        sum += x < beta ? x * x / (2.0 * beta) : x - 0.5 * beta;
+    }
+    return sum / 3.0;
+}
+
+DEVICE float slope(float x, float beta) {
+    if (fabsf(x) < beta) return x / beta / 3.0f;
+    return x == 0.0f ? 0.0f : copysignf(1.0f / 3.0f, x);
+}
+
+DEVICE float3 point_gradient(const Term& t, float3 d) {
+    if (t.loss == SQUARED_DISTANCE) return scale(d, 2.0f);
+    if (t.loss == DISTANCE) {
+        float length = sqrtf(dot(d, d));
+        return length > 0.0f ? scale(d, 1.0f / length) : zero3();
+    }
+    return v3(slope(d.x, t.beta), slope(d.y, t.beta), slope(d.z, t.beta));
+}
+
+// Sum of squared distances of the thread's targets to their nearest surface nodes; ties go to the lower index.
+DEVICE double chamfer(const Measure& m, const Term& t) {
+    __shared__ float3 tile[TILE];
+    double sum = 0.0;
+    for (u32 base = 0; base < t.count; base += THREADS) {
+        u32 i = base + threadIdx.x;
+        bool has = i < t.count;
+        float3 target = has ? load_v3(m.targets + 3 * (u64)(t.first + i)) : zero3();
+        float best = 1e30f;
+        u32 winner = 0;
+        for (u32 start = 0; start < m.surface; start += TILE) {
+            __syncthreads();
+            u32 size = min((u32)TILE, m.surface - start);
+            for (u32 k = threadIdx.x; k < size; k += THREADS)
+                tile[k] = position(m, t.frame, start + k);
+            __syncthreads();
+            for (u32 k = 0; k < size; k++) {
+                float3 d = sub(tile[k], target);
+                float square = dot(d, d);
+                if (square < best) {
+                    best = square;
+                    winner = start + k;
+                }
+            }
+        }
+        if (has && m.surface > 0) {
+            m.nearest[t.first + i] = winner;
+            float3 d = sub(position(m, t.frame, winner), target);
+            sum += dot(d, d);
+        }
+    }
+    return sum;
+}
+
+// Value of one term of one job: block (term, job).
+extern "C" __global__ void __launch_bounds__(THREADS) score(const Measure* jobs) {
+    const Measure& m = jobs[blockIdx.y];
+    for (u32 term = blockIdx.x; term < m.term_count; term += gridDim.x) {
+        const Term t = m.terms[term];
+        double sum = 0.0;
+        u32 over = t.count;
+        if (t.kind == CHAMFER) {
+            sum = chamfer(m, t);
+        } else if (t.kind == TRACK) {
+            for (u32 i = threadIdx.x; i < t.count; i += THREADS) {
+                float3 x = position(m, t.frame, m.target_nodes[t.first + i]);
+                sum += point_loss(t, sub(x, load_v3(m.targets + 3 * (u64)(t.first + i))));
+            }
+        } else {
+            over = m.nodes;
+            if (t.frame >= 2) {
+                for (u32 i = threadIdx.x; i < m.nodes; i += THREADS) {
+                    float3 d = second_difference(m, t.frame, i);
+                    sum += dot(d, d);
+                }
+            }
+        }
+        sum = block_sum(sum);
+        if (threadIdx.x == 0) m.values[term] = (double)t.weight * (sum / max(over, 1u));
+    }
+}
+
+// d loss / d position of a node by the accelerations of a frame, which look back `back` frames at this one.
+DEVICE float3 acceleration_seed(const Measure& m, u32 frame, u32 back, u32 node) {
+    float3 sum = zero3();
+    u32 at = frame + back;
+    if (at > m.frames || at < 2) return sum;
+    const float share = back == 1 ? -2.0f : 1.0f;
+    for (u32 term = m.frame_terms[at]; term < m.frame_terms[at + 1]; term++) {
+        const Term t = m.terms[term];
+        if (t.kind != ACCELERATION) continue;
+        float w = 2.0f * t.weight * share / max(m.nodes, 1u);
+        sum = add_scaled(sum, w, second_difference(m, at, node));
+    }
+    return sum;
+}
+
+// Block (nodes, frame, job). `score` has found the nearest nodes.
+extern "C" __global__ void __launch_bounds__(THREADS) seed(const Measure* jobs) {
+    __shared__ u32 tile[TILE];
+    const Measure& m = jobs[blockIdx.z];
+    u32 frame = blockIdx.y;
+    if (frame > m.frames || blockIdx.x * THREADS >= m.nodes) return;
+    u32 node = blockIdx.x * THREADS + threadIdx.x;
+    bool has = node < m.nodes;
+    u32 i = has ? node : 0;
+    float3 here = position(m, frame, i);
+    float3 sum = zero3();
+    bool cut = m.cut_every > 0 && frame > 0 && frame % m.cut_every == 0;
+    if (!cut) {
+        sum = add(acceleration_seed(m, frame, 1, i), acceleration_seed(m, frame, 2, i));
+    }
+    for (u32 term = m.frame_terms[frame]; term < m.frame_terms[frame + 1]; term++) {
+        const Term t = m.terms[term];
+        if (t.kind == ACCELERATION) {
+            if (frame >= 2) {
+                float w = 2.0f * t.weight / max(m.nodes, 1u);
+                sum = add_scaled(sum, w, second_difference(m, frame, i));
+            }
+            continue;
+        }
+        const u32* nodes = t.kind == CHAMFER ? m.nearest : m.target_nodes;
+        float w = (t.kind == CHAMFER ? 2.0f : 1.0f) * t.weight / max(t.count, 1u);
+        for (u32 start = 0; start < t.count; start += TILE) {
+            u32 size = min((u32)TILE, t.count - start);
+            __syncthreads();
+            for (u32 k = threadIdx.x; k < size; k += THREADS) tile[k] = nodes[t.first + start + k];
+            __syncthreads();
+            for (u32 k = 0; k < size; k++) {
+                if (tile[k] != node) continue;
+                float3 d = sub(here, load_v3(m.targets + 3 * (u64)(t.first + start + k)));
+                sum = add_scaled(sum, w, t.kind == CHAMFER ? d : point_gradient(t, d));
+            }
+        }
+    }
+    if (has) {
+        float* s = m.seeds + (u64)frame * 3 * m.nodes;
+        s[node] = sum.x;
+        s[m.nodes + node] = sum.y;
+        s[2 * m.nodes + node] = sum.z;
+    }
+}

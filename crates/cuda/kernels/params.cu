@@ -1,0 +1,117 @@
+// Parameters and their gradients. Both are one array of floats in the order of the host's `Params`:
+// stiffness [E], dashpot [E], rest length [E], bend stiffness [T], bend damping [T], rest angle [T]; then drag
+// and the restitution and friction of ground and objects.
+
+#define NONE 0xffffffffu
+
+// Half-springs as one shape of launch wants them: combined with rest lengths, beside the other end's index.
+extern "C" __global__ void pack_half_springs(
+    float4* out, const u32* springs, const u32* others, const float* params, u32 count, u32 e
+) {
+    u32 i = blockIdx.x * THREADS + threadIdx.x;
+    if (i >= count) return;
+    float4 packed = zero4();
+    u32 spring = springs[i];
+    if (spring != NONE) {
+        float rest = params[2 * (u64)e + spring];
+        float rate = params[spring] / rest;
+        packed.x = rest > 0.0f && isfinite(rate) ? rate : 0.0f;
+        packed.y = rest;
+        packed.z = params[e + spring];
+    }
+    packed.w = __uint_as_float(others[i]);
+    out[i] = packed;
+}
+
+extern "C" __global__ void
+pack_bends(float4* out, const u32* triplets, const float* params, u32 count, u32 e, u32 t) {
+    u32 i = blockIdx.x * THREADS + threadIdx.x;
+    if (i >= count) return;
+    const float* bend = params + 3 * (u64)e + triplets[i];
+    // A float's pi is not quite pi: straight rest angles are exactly so.
+    double rest = 3.14159265358979323846 - (double)bend[2 * (u64)t];
+    float rest_bend = fabs(rest) < 1e-6 ? 0.0f : (float)rest;
+    out[i] = make_float4(bend[0], bend[t], rest_bend, 0.0f);
+}
+
+// d loss / d parameters of one instance from the sums of its windows, `stride` floats apart. `sums` holds, per
+// window, the spring sums [3][E], the bend sums [3][T] and the law sums [blocks][5].
+extern "C" __global__ void finish_gradient(
+    float* out, const float* sums, const float* params, u32 windows, u64 stride, u32 e, u32 t, u32 blocks
+) {
+    u32 i = blockIdx.x * THREADS + threadIdx.x;
+    const u64 laws = 3 * (u64)e + 3 * (u64)t;
+    if (i < e) {
+        float stretch = 0.0f, pull = 0.0f, rate = 0.0f;
+        for (u32 w = 0; w < windows; w++) {
+            const float* s = sums + w * stride + i;
+            stretch += s[0];
+            pull += s[e];
+            rate += s[2 * (u64)e];
+        }
+        float rest = params[2 * (u64)e + i];
+        float k = params[i] / rest;
+        bool has_rest = rest > 0.0f;
+        k = has_rest && isfinite(k) ? k : 0.0f;
+        out[i] = has_rest ? stretch / rest : 0.0f;
+        out[e + i] = rate;
+        out[2 * (u64)e + i] = has_rest ? -k * (fmaf(rest, pull, stretch) / rest) : 0.0f;
+    } else if (i < laws - 2 * (u64)e) {
+        u64 at = 3 * (u64)e + (i - e);
+        float sum = 0.0f;
+        for (u32 w = 0; w < windows; w++) sum += sums[w * stride + at];
+        out[at] = sum;
+    } else if (i < laws - 2 * (u64)e + 5) {
+        u32 law = i - (u32)(laws - 2 * (u64)e);
+        float sum = 0.0f;
+        for (u32 w = 0; w < windows; w++)
+            for (u32 b = 0; b < blocks; b++) sum += sums[w * stride + laws + 5 * b + law];
+        out[laws + law] = sum;
+    }
+}
+
+// Adds a frame's d loss / d (from, to, velocity) of control points and pins to d loss / d controls, shape
+// [frames + 1][C][3], and clears them.
+extern "C" __global__ void collect_controls(const Job* jobs, float* const* outs, u32 blocks) {
+    const Job& job = jobs[blockIdx.y];
+    const u32 c = job.topology.controls;
+    u32 control = blockIdx.x * THREADS + threadIdx.x;
+    if (control >= c) return;
+    float sum[9];
+    for (u32 k = 0; k < 9; k++) {
+        sum[k] = 0.0f;
+        for (u32 b = 0; b < blocks; b++) {
+            float* from = job.control_sums + ((u64)b * 9 + k) * c + control;
+            sum[k] += *from;
+            *from = 0.0f;
+        }
+        for (u32 p = 0; p < job.pins; p++) {
+            if (job.topology.pins[p].control != control) continue;
+            float* from = job.pin_sums + k * job.pins + p;
+            sum[k] += *from;
+            *from = 0.0f;
+        }
+    }
+    float rate = job.controls_move ? 1.0f / job.frame_s : 0.0f;
+    float* from = outs[blockIdx.y] + ((u64)job.first * c + control) * 3;
+    float* to = from + 3 * c;
+    for (u32 k = 0; k < 3; k++) {
+        from[k] += sum[k] - rate * sum[6 + k];
+        to[k] += sum[3 + k] + rate * sum[6 + k];
+    }
+}
+
+// Starts or goes on with a window: d loss / d state at the end of frame `Job::first` - 1 is what came back so
+// far (nothing if `begins`) plus the seed of that frame's own terms.
+extern "C" __global__ void add_seeds(const Job* jobs, const float* const* seeds, u32 begins) {
+    const Job& job = jobs[blockIdx.y];
+    const u32 n = job.topology.node_count;
+    u32 node = blockIdx.x * THREADS + threadIdx.x;
+    if (node >= n) return;
+    const float* s = seeds[blockIdx.y];
+    float3 x = begins ? zero3() : xyz(job.bar_x[node]);
+    float3 v = begins ? zero3() : xyz(job.bar_v[node]);
+    x = add(x, v3(s[node], s[n + node], s[2 * n + node]));
+    job.bar_x[node] = with_w(x, 0.0f);
+    job.bar_v[node] = with_w(v, 0.0f);
+}
