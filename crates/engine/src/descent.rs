@@ -84,7 +84,7 @@ pub struct Slope {
 /// Gradients that [`Descent::measure`] finds wait with the descent until [`Descent::step`] or
 /// [`Descent::discard`] of their walk; there may be several calls of `measure` before a step. Same input, build
 /// and device: bit-identical positions, however measurements were cut into calls.
-/// A call that fails leaves all walks where they were. An unknown walk is an [`Error::InvalidInput`].
+/// A call that fails moves no walk. An unknown walk is an [`Error::InvalidInput`].
 pub trait Descent: Send {
     /// The model at a walk's current point, parameters on the host included. It stays as it is
     /// when the walk moves on.
@@ -94,7 +94,8 @@ pub trait Descent: Send {
     fn loaded(&mut self, walk: usize) -> Result<Loaded, Error>;
 
     /// Losses and gradients at the walks' current points; gradients with respect to controls and initial states
-    /// are not computed, whatever the request says. After an error, those of this call do not wait.
+    /// are not computed, whatever the request says. After an error some of the call's gradients may
+    /// wait: discard them before going on.
     ///
     /// # Errors
     /// As [`crate::Backend::gradients`].

@@ -4,6 +4,8 @@
 //! order without changing a bit of any result. Slices are cut by estimated
 //! work: instances of like size run side by side, so that no core idles long.
 
+mod descent;
+
 use std::{
     sync::{Arc, Mutex, PoisonError},
     time::Duration,
@@ -12,8 +14,13 @@ use std::{
 use bendtwin_core::Params;
 use bendtwin_engine::{
     Backend, Device as Description, Loaded, Model,
-    backend::{CancelToken, Error, Gradient, GradientRequest, Instance, Loss, Recording, Rollout},
+    backend::{
+        CancelToken, Error, Gradient, GradientRequest, Instance, Loss, Memory, Recording, Rollout,
+    },
+    descent::{Decay, Descent, Start},
 };
+
+use self::descent::LaneDescent;
 
 use super::{Device, Priority, SLICE};
 
@@ -27,7 +34,10 @@ pub(crate) struct Usage {
 }
 
 /// The device as one caller sees it.
-pub(crate) struct Lane {
+pub(crate) struct Lane(Arc<Access>);
+
+/// What a lane and its descents share.
+struct Access {
     device: Device,
     priority: Priority,
     /// Per kind of call, for a gradient costs several times a rollout.
@@ -37,12 +47,13 @@ pub(crate) struct Lane {
 
 impl Lane {
     pub(super) fn new(device: Device, priority: Priority) -> Self {
-        Self { device, priority, forward: Mutex::default(), backward: Mutex::default() }
+        let (forward, backward) = (Mutex::default(), Mutex::default());
+        Self(Arc::new(Access { device, priority, forward, backward }))
     }
 
     /// Device time used so far.
     pub(crate) fn compute(&self) -> Duration {
-        lock(&self.forward).compute + lock(&self.backward).compute
+        lock(&self.0.forward).compute + lock(&self.0.backward).compute
     }
 
     fn sliced<R: Send + 'static>(
@@ -56,17 +67,40 @@ impl Lane {
         let mut order: Vec<usize> = (0..batch.len()).collect();
         // Stable, so that equal instances keep their order.
         order.sort_by(|a, b| work[*b].total_cmp(&work[*a]));
+        self.0.in_slices(batch, &work, &order, usage, cancel, run)
+    }
+}
+
+impl Access {
+    /// Runs a job on the device thread.
+    fn call<R: Send + 'static>(
+        &self,
+        job: impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + 'static,
+    ) -> Result<R, Error> {
+        self.device.call(self.priority, job)?.0
+    }
+
+    /// Runs a batch in slices, in this order. Results come in the batch's.
+    fn in_slices<T: Clone + Send + 'static, R: Send + 'static>(
+        &self,
+        batch: &[T],
+        work: &[f64],
+        order: &[usize],
+        usage: &Mutex<Usage>,
+        cancel: &CancelToken,
+        run: impl Fn(&dyn Backend, &[T]) -> Result<Vec<R>, Error> + Clone + Send + 'static,
+    ) -> Result<Vec<R>, Error> {
         let mut results: Vec<Option<R>> = batch.iter().map(|_| None).collect();
-        let mut rest = order.as_slice();
+        let mut rest = order;
         while !rest.is_empty() {
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
             }
             let budget = lock(usage).affordable();
-            let count = slice_len(rest, &work, budget, self.device.description().lanes);
+            let count = slice_len(rest, work, budget, self.device.description().lanes);
             let (slice, later) = rest.split_at(count);
             rest = later;
-            let instances: Vec<Instance> = slice.iter().map(|i| batch[*i].clone()).collect();
+            let instances: Vec<T> = slice.iter().map(|i| batch[*i].clone()).collect();
             let run = run.clone();
             let (values, took) =
                 self.device.call(self.priority, move |backend| run(backend, &instances))?;
@@ -86,16 +120,16 @@ impl Lane {
 
 impl Backend for Lane {
     fn device(&self) -> Description {
-        self.device.description().clone()
+        self.0.device.description().clone()
     }
 
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
-        self.device.call(self.priority, move |backend| backend.load(model))?.0
+        self.0.call(move |backend| backend.load(model))
     }
 
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
         let loaded = loaded.clone();
-        self.device.call(self.priority, move |backend| backend.with_params(&loaded, params))?.0
+        self.0.call(move |backend| backend.with_params(&loaded, params))
     }
 
     fn roll_out(
@@ -105,14 +139,14 @@ impl Backend for Lane {
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
         let (recording, token) = (recording.clone(), cancel.clone());
-        self.sliced(batch, &self.forward, cancel, move |backend, slice| {
+        self.sliced(batch, &self.0.forward, cancel, move |backend, slice| {
             backend.roll_out(slice, &recording, &token)
         })
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
         let token = cancel.clone();
-        self.sliced(batch, &self.forward, cancel, move |backend, slice| {
+        self.sliced(batch, &self.0.forward, cancel, move |backend, slice| {
             backend.losses(slice, &token)
         })
     }
@@ -124,9 +158,22 @@ impl Backend for Lane {
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
         let (request, token) = (request.clone(), cancel.clone());
-        self.sliced(batch, &self.backward, cancel, move |backend, slice| {
+        self.sliced(batch, &self.0.backward, cancel, move |backend, slice| {
             backend.gradients(slice, &request, &token)
         })
+    }
+
+    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
+        Ok(Box::new(LaneDescent::new(self.0.clone(), starts, decay)?))
+    }
+
+    fn memory(&self) -> Option<Memory> {
+        self.0.call(|backend| Ok(backend.memory())).ok().flatten()
+    }
+
+    fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
+        let model = model.clone();
+        self.0.call(move |backend| Ok(backend.plan(&model, batch))).ok().flatten()
     }
 }
 

@@ -10,13 +10,14 @@ use bendtwin_engine::{
         CancelToken, Error as EngineError, Gradient, GradientRequest, Instance, Loss, Recording,
         Rollout,
     },
+    descent::{Chart, Decay, Descent, HostDescent, Parameter, Position, Probe, Scale, Start},
     model::State,
 };
 
 use super::*;
 
 /// Takes a set time for every instance and answers with the instance's frame count.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Slow {
     each: Duration,
     /// Sizes of the batches seen.
@@ -63,7 +64,14 @@ impl Backend for Slow {
         _: &CancelToken,
     ) -> Result<Vec<Gradient>, EngineError> {
         self.run(batch);
-        Ok(batch.iter().map(|_| Gradient::default()).collect())
+        let one = |i: &Instance| {
+            let params = Params { drag: i.frames as f32, ..Params::default() };
+            Gradient { params, ..Gradient::default() }
+        };
+        Ok(batch.iter().map(one).collect())
+    }
+    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, EngineError> {
+        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
     }
 }
 
@@ -167,4 +175,50 @@ fn a_panic_is_caught_and_told() {
     assert!(matches!(told, Some(Error::Panicked(text)) if text.contains("broken")));
     // Later callers do not wait for a thread that is gone.
     assert!(lane.losses(&batch, &CancelToken::default()).is_err());
+}
+
+#[test]
+fn a_descent_measures_in_slices_and_keeps_the_order_of_its_gradients() {
+    let slow = Slow { each: Duration::from_millis(2), ..Slow::default() };
+    let batches = slow.batches.clone();
+    let direct = slow.clone();
+    let (device, _died) = device(slow);
+    let lane = device.lane(Priority::Background);
+    let frames: Vec<usize> = (1..=9).map(|i| i * 7 % 11 + 1).collect();
+    let instances = instances(&lane, frames.clone());
+    let chart = Chart::new(Params { drag: 1.0, ..Params::default() });
+    let chart = chart.with(Parameter::Drag, Scale::Linear, 1.0, |_| [0.0, 2.0]);
+    let position = Position::at_rest(chart.start());
+    let start = Start { loaded: instances[0].model.clone(), chart, position };
+    let probe = |instance: &Instance| Probe { walk: 0, instance: instance.clone() };
+    let probes: Vec<Probe> = instances.iter().map(probe).collect();
+    let decay = Decay { beta1: 0.9, beta2: 0.99 };
+    // A gradient in the wrong place would change the moments.
+    let weights: Vec<f64> = frames.iter().enumerate().map(|(i, f)| i as f64 / *f as f64).collect();
+    let walk = |backend: &dyn Backend| {
+        let mut descent = backend.descent(vec![start.clone()], decay).unwrap();
+        let request = GradientRequest::default();
+        let slopes = descent.measure(&probes, &request, &CancelToken::default()).unwrap();
+        descent.step(0, &weights, 0.1).unwrap();
+        (slopes, descent.position(0).unwrap())
+    };
+    let through_lane = walk(&lane);
+    assert!(batches.lock().unwrap().len() > 1, "one slice is no test");
+    assert_eq!(through_lane, walk(&direct));
+    let lengths: Vec<f64> = through_lane.0.iter().map(|s| s.length).collect();
+    assert_eq!(lengths, frames.iter().map(|f| *f as f64).collect::<Vec<_>>());
+    assert!(lane.compute() > Duration::ZERO);
+}
+
+#[test]
+fn a_descent_is_dropped_on_the_device_thread() {
+    let (device, _died) = device(Slow::default());
+    let lane = device.lane(Priority::Background);
+    let loaded = instances(&lane, [1])[0].model.clone();
+    let chart = Chart::new(Params::default());
+    let start = Start { loaded, chart, position: Position::default() };
+    let descent = lane.descent(vec![start], Decay { beta1: 0.9, beta2: 0.99 }).unwrap();
+    drop(descent);
+    // Jobs of one priority run in order, so by now it is gone, and the device still works.
+    assert_eq!(lane.losses(&instances(&lane, [5]), &CancelToken::default()).unwrap()[0].total, 5.0);
 }
