@@ -19,11 +19,13 @@ mod integrate;
 mod jacobian;
 pub(crate) mod lanes;
 mod loss;
+mod machine;
 mod nearest;
 pub(crate) mod parameters;
 pub(crate) mod real;
 pub(crate) mod rollout;
 mod spring;
+mod strips;
 pub(crate) mod system;
 
 use std::sync::Arc;

@@ -63,20 +63,25 @@ pub(crate) fn of_nodes<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> Energy
 
 fn elastic<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> f64 {
     let mut sum = 0.0;
-    for b in &system.springs {
-        for l in 0..LANES {
-            let stretch = length(nodes, b.first[l], b.second[l]) - b.rest[l].to_f64();
-            sum += 0.5 * b.rate[l].to_f64() * stretch * stretch;
+    for strip in &system.springs.strips {
+        for b in &system.springs.blocks[strip.blocks()] {
+            for l in 0..LANES {
+                let length = length(nodes, strip.owners[l], b.other[l]);
+                let stretch = length - b.rest[l].to_f64();
+                sum += 0.5 * b.rate[l].to_f64() * stretch * stretch;
+            }
         }
     }
-    for b in &system.triplets {
-        for l in 0..LANES {
-            let arm = |e: u32| {
-                let d = sub(nodes[e as usize].x, nodes[b.j[l] as usize].x);
-                [d[0].to_f64(), d[1].to_f64(), d[2].to_f64()]
-            };
-            let deviation = bend::deviation(arm(b.i[l]), arm(b.k[l]), b.rest_bend[l].to_f64());
-            sum += 0.5 * b.stiffness[l].to_f64() * deviation * deviation;
+    for strip in &system.triplets.strips {
+        for b in &system.triplets.blocks[strip.blocks()] {
+            for l in 0..LANES {
+                let arm = |e: u32| {
+                    let d = sub(nodes[e as usize].x, nodes[strip.owners[l] as usize].x);
+                    [d[0].to_f64(), d[1].to_f64(), d[2].to_f64()]
+                };
+                let deviation = bend::deviation(arm(b.i[l]), arm(b.k[l]), b.rest_bend[l].to_f64());
+                sum += 0.5 * b.stiffness[l].to_f64() * deviation * deviation;
+            }
         }
     }
     sum
@@ -90,10 +95,12 @@ fn length<T: Real>(nodes: &[Node<T>], i: u32, j: u32) -> f64 {
 /// Largest |l/l0 - 1| of any spring that has a rest length.
 pub(crate) fn max_strain<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> f64 {
     let mut most = 0.0_f64;
-    for b in &system.springs {
-        for l in (0..LANES).filter(|&l| b.rest[l] > T::ZERO) {
-            let strain = length(nodes, b.first[l], b.second[l]) / b.rest[l].to_f64() - 1.0;
-            most = most.max(strain.abs());
+    for strip in &system.springs.strips {
+        for b in &system.springs.blocks[strip.blocks()] {
+            for l in (0..LANES).filter(|&l| b.rest[l] > T::ZERO) {
+                let length = length(nodes, strip.owners[l], b.other[l]);
+                most = most.max((length / b.rest[l].to_f64() - 1.0).abs());
+            }
         }
     }
     most

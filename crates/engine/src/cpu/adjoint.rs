@@ -1,8 +1,6 @@
 //! One frame backward: the adjoint of [`super::integrate`], substep by substep
 //! from the tape, in exactly the reverse order.
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::{
     bend::{TripletGradient, bend_adjoint},
     contact::{collide, collide_adjoint},
@@ -11,6 +9,7 @@ use super::{
     impulse::Law,
     integrate::{Tape, Workspace, begin_frame, ground_law, run_substeps},
     lanes::{LANES, Node},
+    machine::{Machine, Work},
     parameters::Parameters,
     real::{Quad, Real, add_scaled, dot, scale},
     spring::{SpringGradient, spring_adjoint},
@@ -44,8 +43,8 @@ impl<T: Real> Adjoint<T> {
             bar: vec![Node::default(); system.endpoints()],
             controls: FrameControlsAdjoint::zero(system.controls),
             lambda: vec![[T::ZERO; 4]; system.endpoints()],
-            springs: vec![SpringGradient::ZERO; system.springs.len()],
-            triplets: vec![TripletGradient::ZERO; system.triplets.len()],
+            springs: vec![SpringGradient::ZERO; system.springs.blocks.len()],
+            triplets: vec![TripletGradient::ZERO; system.triplets.blocks.len()],
             drag: T::ZERO,
             ground: law,
             object: law,
@@ -73,7 +72,7 @@ impl<T: Real> Adjoint<T> {
         }
         for &start in starts.iter().rev() {
             run_substeps(system, controls, workspace, part(start), Some(&mut self.tape));
-            Arch::new().dispatch(BackSubsteps { system, workspace, start, adjoint: self });
+            T::dispatch(BackSubsteps { system, workspace, start, adjoint: self });
             if let Some(mark) = marks.pop() {
                 workspace.nodes.copy_from_slice(&mark);
             }
@@ -87,15 +86,14 @@ impl<T: Real> Adjoint<T> {
         let mut out = Parameters::zero(p.spring_stiffness.len(), p.bend_stiffness.len());
         for (b, g) in self.springs.iter().enumerate() {
             for l in 0..LANES {
-                let Some(s) = system.spring_at(b, l) else { break };
-                out.spring_stiffness[s] = g.stiffness[l];
-                out.spring_dashpot[s] = g.dashpot[l];
-                out.rest_lengths_m[s] = g.rest[l];
+                let Some(s) = system.spring_at(b, l) else { continue };
+                [out.spring_stiffness[s], out.spring_dashpot[s], out.rest_lengths_m[s]] =
+                    g.of(&system.springs.blocks[b], l);
             }
         }
         for (b, g) in self.triplets.iter().enumerate() {
             for l in 0..LANES {
-                let Some(t) = system.triplet_at(b, l) else { break };
+                let Some(t) = system.triplet_at(b, l) else { continue };
                 out.bend_stiffness[t] = g.stiffness[l];
                 out.bend_damping[t] = g.damping[l];
                 out.rest_angles_rad[t] = g.rest[l];
@@ -125,11 +123,11 @@ struct BackSubsteps<'a, T> {
     adjoint: &'a mut Adjoint<T>,
 }
 
-impl<T: Real> WithSimd for BackSubsteps<'_, T> {
+impl<T: Real> Work<T> for BackSubsteps<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn run<M: Machine<T>>(self, m: M) {
         let Self { system, workspace: w, start, adjoint: a } = self;
         let (e, n) = (system.endpoints(), system.nodes);
         let substeps = a.tape.substeps;
@@ -149,8 +147,8 @@ impl<T: Real> WithSimd for BackSubsteps<'_, T> {
             }
             a.controls.pin_velocities(system, &mut a.bar);
             a.drag += accelerate_adjoint(system, before, &mut a.bar, &mut a.lambda);
-            spring_adjoint(&system.springs, nodes, &a.lambda, &mut a.bar, &mut a.springs);
-            bend_adjoint(&system.triplets, nodes, &a.lambda, &mut a.bar, &mut a.triplets);
+            spring_adjoint(m, &system.springs, nodes, &a.lambda, &mut a.bar, &mut a.springs);
+            bend_adjoint(m, &system.triplets, nodes, &a.lambda, &mut a.bar, &mut a.triplets);
             a.controls.place(system, substep, &mut a.bar);
         }
     }

@@ -10,8 +10,10 @@
 //! it (without damping, which has a direction only); any other is skipped for the substep.
 
 use super::{
-    lanes::{self, Index, LANES, Lane, Node, v3},
+    lanes::{Index, LANES, Lane, Node},
+    machine::{Machine, Pack, Pack3, Portable, v3},
     real::{Quad, Real},
+    strips::{Strip, Strips},
 };
 
 /// Sine below which a triplet counts as collinear.
@@ -21,11 +23,10 @@ const MIN_ARM_M: f64 = 1e-6;
 /// Rest angles nearer to pi than this [rad] are pi (an `f32` pi is not quite).
 pub(crate) const STRAIGHT_RAD: f64 = 1e-6;
 
-/// [`LANES`] triplets; one that only fills up the last block has no stiffness and no arms.
+/// One triplet of each centre of a strip; a lane without one has no stiffness and no arms.
 #[derive(Clone, Debug)]
 pub(crate) struct TripletBlock<T> {
     pub(crate) i: Index,
-    pub(crate) j: Index,
     pub(crate) k: Index,
     /// Bending stiffness [N m/rad].
     pub(crate) stiffness: Lane<T>,
@@ -35,15 +36,45 @@ pub(crate) struct TripletBlock<T> {
     pub(crate) rest_bend: Lane<T>,
 }
 
-impl<T: Real> TripletBlock<T> {
-    pub(crate) const EMPTY: Self = Self {
-        i: [0; LANES],
-        j: [0; LANES],
-        k: [0; LANES],
-        stiffness: [T::ZERO; LANES],
-        damping: [T::ZERO; LANES],
-        rest_bend: [T::ZERO; LANES],
-    };
+/// All triplets; their centres own them.
+#[derive(Debug)]
+pub(crate) struct Triplets<T> {
+    pub(crate) strips: Vec<Strip>,
+    pub(crate) blocks: Vec<TripletBlock<T>>,
+}
+
+/// A triplet's parameters.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Triplet<T> {
+    /// i, j, k.
+    pub(crate) ends: [u32; 3],
+    pub(crate) stiffness: T,
+    pub(crate) damping: T,
+    pub(crate) rest_angle: T,
+}
+
+impl<T: Real> Triplets<T> {
+    /// Triplets by their number in the graph, in the order of `strips`.
+    pub(crate) fn new(strips: &Strips, triplet: impl Fn(usize) -> Triplet<T>) -> Self {
+        let none = [T::ZERO; LANES];
+        let mut blocks = Vec::with_capacity(strips.blocks());
+        for strip in &strips.strips {
+            for b in strip.blocks() {
+                let (i, k) = (strip.owners, strip.owners);
+                let mut block =
+                    TripletBlock { i, k, stiffness: none, damping: none, rest_bend: none };
+                for l in 0..LANES {
+                    let Some(t) = strips.at(b, l) else { continue };
+                    let Triplet { ends: [i, _, k], stiffness, damping, rest_angle } = triplet(t);
+                    (block.i[l], block.k[l]) = (i, k);
+                    (block.stiffness[l], block.damping[l]) = (stiffness, damping);
+                    block.rest_bend[l] = rest_bend(rest_angle);
+                }
+                blocks.push(block);
+            }
+        }
+        Self { strips: strips.strips.clone(), blocks }
+    }
 }
 
 /// d loss / d (stiffness, damping, rest angle) of a block.
@@ -66,85 +97,90 @@ pub(crate) fn rest_bend<T: Real>(rest_angle_rad: T) -> T {
 }
 
 /// What force and adjoint share. `a_u = m g_i` and `a_w = m g_k` are smooth everywhere.
-struct Bent<T> {
-    a_u: [T; 3],
-    a_w: [T; 3],
-    n: [T; 3],
-    inverse_u2: T,
-    inverse_w2: T,
-    /// 1/m; 1 where collinear.
-    inverse_m: T,
-    /// u . w; -1 where it could divide by zero.
-    cosine: T,
+struct Bent<P: Pack> {
+    a_u: Pack3<P>,
+    a_w: Pack3<P>,
+    n: Pack3<P>,
+    inverse_u2: P,
+    inverse_w2: P,
+    /// 1/m; 1/(u . w) in the straight limit; 1 where the triplet is skipped.
+    inverse: P,
+    /// u . w
+    cosine: P,
     /// theta - theta0 = rest_bend - (pi - theta).
-    deviation: T,
+    deviation: P,
     /// Not collinear: the general formula holds.
-    regular: bool,
+    regular: P::Mask,
     /// Collinear, but with a smooth elastic force.
-    straight: bool,
+    straight: P::Mask,
+    /// Both arms have a direction.
+    armed: P::Mask,
 }
 
 #[inline(always)]
-fn bent<T: Real>(u: [T; 3], w: [T; 3], rest_bend: T) -> Bent<T> {
-    let least = T::from_f64(MIN_ARM_M * MIN_ARM_M);
+fn bent<T: Real, M: Machine<T>>(
+    m: M,
+    u: Pack3<M::Pack>,
+    w: Pack3<M::Pack>,
+    rest_bend: M::Pack,
+) -> Bent<M::Pack> {
+    let (zero, one) = (m.splat(T::ZERO), m.splat(T::ONE));
+    let least = m.splat(T::from_f64(MIN_ARM_M * MIN_ARM_M));
     let (u2, w2) = (v3::dot(u, u), v3::dot(w, w));
-    let armed = (u2 > least) & (w2 > least);
-    let inverse_u2 = (T::ONE / u2.at_least(least)).only_if(armed);
-    let inverse_w2 = (T::ONE / w2.at_least(least)).only_if(armed);
+    let armed = u2.above(least) & w2.above(least);
+    let (u2, w2) = (u2.at_least(least), w2.at_least(least));
+    // One division for both inverses; the product is at least 1e-24.
+    let inverse_both = (one / (u2 * w2)).only_if(armed);
     let n = v3::cross(u, w);
     let m2 = v3::dot(n, n);
     let cosine = v3::dot(u, w);
-    let regular = armed & (m2 * inverse_u2 * inverse_w2 >= T::from_f64(MIN_SINE * MIN_SINE));
-    let straight = armed & !regular & (rest_bend == T::ZERO) & (cosine < T::ZERO);
-    let m = m2.sqrt();
+    let sine2 = m2 * inverse_both;
+    let regular = armed & sine2.not_below(m.splat(T::from_f64(MIN_SINE * MIN_SINE)));
+    let bends = rest_bend.above(zero) | zero.above(rest_bend);
+    let straight = armed & !(regular | bends) & zero.above(cosine);
+    let (inverse_u2, inverse_w2) = (inverse_both * w2, inverse_both * u2);
+    let sine = m2.sqrt();
     Bent {
         a_u: v3::scale(v3::cross(u, n), inverse_u2),
         a_w: v3::scale(v3::cross(n, w), inverse_w2),
         n,
         inverse_u2,
         inverse_w2,
-        inverse_m: T::ONE / if regular { m } else { T::ONE },
-        cosine: if straight { cosine } else { -T::ONE },
-        deviation: rest_bend - T::angle(m, -cosine),
+        inverse: one / sine.or(regular, cosine.or(straight, one)),
+        cosine,
+        deviation: rest_bend - T::angle(m, sine, -cosine),
         regular,
         straight,
+        armed,
     }
 }
 
 /// Adds every triplet's forces to its endpoints.
 #[inline(always)]
-pub(crate) fn bend_forces<T: Real>(
-    blocks: &[TripletBlock<T>],
+pub(crate) fn bend_forces<T: Real, M: Machine<T>>(
+    m: M,
+    triplets: &Triplets<T>,
     nodes: &[Node<T>],
     forces: &mut [Quad<T>],
 ) {
-    for b in blocks {
-        let (u, u_dot) = lanes::relative(nodes, &b.j, &b.i);
-        let (w, w_dot) = lanes::relative(nodes, &b.j, &b.k);
-        let (mut f_i, mut f_k) = (lanes::zero3(), lanes::zero3());
-        for l in 0..LANES {
-            let t = bent(lanes::at(&u, l), lanes::at(&w, l), b.rest_bend[l]);
-            let rate = v3::dot(t.a_u, lanes::at(&u_dot, l)) + v3::dot(t.a_w, lanes::at(&w_dot, l));
-            let elastic = if t.straight { T::ONE / t.cosine } else { t.deviation * t.inverse_m };
-            let damping = (b.damping[l] * rate * t.inverse_m * t.inverse_m).only_if(t.regular);
-            let magnitude = -(b.stiffness[l] * elastic.only_if(t.regular | t.straight) + damping);
-            for c in 0..3 {
-                f_i[c][l] = magnitude * t.a_u[c];
-                f_k[c][l] = magnitude * t.a_w[c];
-            }
+    for strip in &triplets.strips {
+        let (x, v) = m.gather(nodes, &strip.owners);
+        let mut sum = [m.splat(T::ZERO); 3];
+        for b in &triplets.blocks[strip.blocks()] {
+            let ((x_i, v_i), (x_k, v_k)) = (m.gather(nodes, &b.i), m.gather(nodes, &b.k));
+            let t = bent(m, v3::sub(x_i, x), v3::sub(x_k, x), m.load(&b.rest_bend));
+            let (u_dot, w_dot) = (v3::sub(v_i, v), v3::sub(v_k, v));
+            let rate = v3::dot(t.a_u, u_dot) + v3::dot(t.a_w, w_dot);
+            let moment = m.load(&b.stiffness) * t.deviation.or(t.regular, m.splat(T::ONE));
+            let damping = (m.load(&b.damping) * rate * t.inverse).only_if(t.regular);
+            let magnitude = ((moment + damping) * t.inverse).only_if(t.regular | t.straight);
+            let f_i = v3::scale(t.a_u, -magnitude);
+            let f_k = v3::scale(t.a_w, -magnitude);
+            sum = v3::sub(sum, v3::add(f_i, f_k));
+            m.scatter_add(forces, &b.i, f_i);
+            m.scatter_add(forces, &b.k, f_k);
         }
-        for l in 0..LANES {
-            let (i, j, k) = (b.i[l] as usize, b.j[l] as usize, b.k[l] as usize);
-            for c in 0..3 {
-                forces[i][c] += f_i[c][l];
-            }
-            for c in 0..3 {
-                forces[j][c] -= f_i[c][l] + f_k[c][l];
-            }
-            for c in 0..3 {
-                forces[k][c] += f_k[c][l];
-            }
-        }
+        m.scatter_add(forces, &strip.owners, sum);
     }
 }
 
@@ -155,113 +191,115 @@ pub(crate) fn bend_forces<T: Real>(
 /// `x_bar = -rho k g - H (rho c v + kappa lambda)` where H is the Hessian of theta, whose product
 /// with a vector is the derivative of g along it.
 #[inline(always)]
-pub(crate) fn bend_adjoint<T: Real>(
-    blocks: &[TripletBlock<T>],
+pub(crate) fn bend_adjoint<T: Real, M: Machine<T>>(
+    m: M,
+    triplets: &Triplets<T>,
     nodes: &[Node<T>],
     lambda: &[Quad<T>],
     adjoint: &mut [Node<T>],
     gradients: &mut [TripletGradient<T>],
 ) {
-    for (b, grad) in blocks.iter().zip(gradients) {
-        let (u, u_dot) = lanes::relative(nodes, &b.j, &b.i);
-        let (w, w_dot) = lanes::relative(nodes, &b.j, &b.k);
-        let pull_u = lanes::difference(lambda, &b.j, &b.i);
-        let pull_w = lanes::difference(lambda, &b.j, &b.k);
-        let (mut x_i, mut x_k) = (lanes::zero3(), lanes::zero3());
-        let (mut v_i, mut v_k) = (lanes::zero3(), lanes::zero3());
-        for l in 0..LANES {
-            let (u, w) = (lanes::at(&u, l), lanes::at(&w, l));
-            let (u_dot, w_dot) = (lanes::at(&u_dot, l), lanes::at(&w_dot, l));
-            let (pull_u, pull_w) = (lanes::at(&pull_u, l), lanes::at(&pull_w, l));
-            let (stiffness, damping) = (b.stiffness[l], b.damping[l]);
-            let t = bent(u, w, b.rest_bend[l]);
-            let g_u = v3::scale(t.a_u, t.inverse_m);
-            let g_w = v3::scale(t.a_w, t.inverse_m);
+    for strip in &triplets.strips {
+        let (x, v) = m.gather(nodes, &strip.owners);
+        let lambda_j = m.gather_quads(lambda, &strip.owners);
+        let zero = [m.splat(T::ZERO); 3];
+        let (mut x_sum, mut v_sum) = (zero, zero);
+        let blocks = triplets.blocks[strip.blocks()].iter();
+        for (b, grad) in blocks.zip(&mut gradients[strip.blocks()]) {
+            let ((x_i, v_i), (x_k, v_k)) = (m.gather(nodes, &b.i), m.gather(nodes, &b.k));
+            let (u, w) = (v3::sub(x_i, x), v3::sub(x_k, x));
+            let (u_dot, w_dot) = (v3::sub(v_i, v), v3::sub(v_k, v));
+            let pull_u = v3::sub(m.gather_quads(lambda, &b.i), lambda_j);
+            let pull_w = v3::sub(m.gather_quads(lambda, &b.k), lambda_j);
+            let (stiffness, damping) = (m.load(&b.stiffness), m.load(&b.damping));
+            let t = bent(m, u, w, m.load(&b.rest_bend));
+            let (g_u, g_w) = (v3::scale(t.a_u, t.inverse), v3::scale(t.a_w, t.inverse));
             let rate = v3::dot(g_u, u_dot) + v3::dot(g_w, w_dot);
             let rho = v3::dot(g_u, pull_u) + v3::dot(g_w, pull_w);
-            let kappa = stiffness * t.deviation + damping * rate;
-            let y_u = v3::add_scaled(v3::scale(pull_u, kappa), rho * damping, u_dot);
-            let y_w = v3::add_scaled(v3::scale(pull_w, kappa), rho * damping, w_dot);
-            let (h_u, h_w) = hessian_product(&t, (u, w), (g_u, g_w), (y_u, y_w));
-            let (s_u, s_w, s_k) = straight_adjoint(&t, stiffness, (u, w), (pull_u, pull_w));
-            for c in 0..3 {
-                let x_u = -(rho * stiffness * g_u[c] + h_u[c]);
-                let x_w = -(rho * stiffness * g_w[c] + h_w[c]);
-                x_i[c][l] = x_u.only_if(t.regular) + s_u[c];
-                x_k[c][l] = x_w.only_if(t.regular) + s_w[c];
-                v_i[c][l] = -(rho * damping * g_u[c]).only_if(t.regular);
-                v_k[c][l] = -(rho * damping * g_w[c]).only_if(t.regular);
+            let kappa = stiffness.mul_add(t.deviation, damping * rate);
+            let (stiff, damped) = (rho * stiffness, rho * damping);
+            let y_u = v3::add_scaled(v3::scale(pull_u, kappa), damped, u_dot);
+            let y_w = v3::add_scaled(v3::scale(pull_w, kappa), damped, w_dot);
+            let (h_u, h_w) = hessian_product(m, &t, (u, w), (g_u, g_w), (y_u, y_w));
+            let x_u = v3::only_if(v3::neg(v3::add_scaled(h_u, stiff, g_u)), t.regular);
+            let x_w = v3::only_if(v3::neg(v3::add_scaled(h_w, stiff, g_w)), t.regular);
+            let (mut x_bar, mut s_k) = ((x_u, x_w), m.splat(T::ZERO));
+            if m.any(t.straight) {
+                let (s, work) = straight_adjoint(m, &t, stiffness, (u, w), (pull_u, pull_w));
+                x_bar = (v3::add(x_u, s.0), v3::add(x_w, s.1));
+                s_k = work;
             }
-            grad.stiffness[l] += s_k - (rho * t.deviation).only_if(t.regular);
-            grad.damping[l] -= (rho * rate).only_if(t.regular);
-            grad.rest[l] += (rho * stiffness).only_if(t.regular);
+            let damped = -damped.only_if(t.regular);
+            let (v_u, v_w) = (v3::scale(g_u, damped), v3::scale(g_w, damped));
+            let rho = rho.only_if(t.regular);
+            grad.stiffness = m.store(rho.neg_mul_add(t.deviation, m.load(&grad.stiffness) + s_k));
+            grad.damping = m.store(rho.neg_mul_add(rate, m.load(&grad.damping)));
+            grad.rest = m.store(rho.mul_add(stiffness, m.load(&grad.rest)));
+            x_sum = v3::sub(x_sum, v3::add(x_bar.0, x_bar.1));
+            v_sum = v3::sub(v_sum, v3::add(v_u, v_w));
+            m.scatter_add_nodes(adjoint, &b.i, x_bar.0, v_u);
+            m.scatter_add_nodes(adjoint, &b.k, x_bar.1, v_w);
         }
-        for l in 0..LANES {
-            let (i, j, k) = (b.i[l] as usize, b.j[l] as usize, b.k[l] as usize);
-            for c in 0..3 {
-                adjoint[i].x[c] += x_i[c][l];
-                adjoint[i].v[c] += v_i[c][l];
-            }
-            for c in 0..3 {
-                adjoint[j].x[c] -= x_i[c][l] + x_k[c][l];
-                adjoint[j].v[c] -= v_i[c][l] + v_k[c][l];
-            }
-            for c in 0..3 {
-                adjoint[k].x[c] += x_k[c][l];
-                adjoint[k].v[c] += v_k[c][l];
-            }
-        }
+        m.scatter_add_nodes(adjoint, &strip.owners, x_sum, v_sum);
     }
 }
 
 /// A vector for each of the two arms.
-type Arms<T> = ([T; 3], [T; 3]);
+type Arms<P> = (Pack3<P>, Pack3<P>);
 
 /// Derivative of (g_i, g_k) along `y`.
 #[inline(always)]
-fn hessian_product<T: Real>(t: &Bent<T>, (u, w): Arms<T>, g: Arms<T>, y: Arms<T>) -> Arms<T> {
+fn hessian_product<T: Real, M: Machine<T>>(
+    m: M,
+    t: &Bent<M::Pack>,
+    (u, w): Arms<M::Pack>,
+    g: Arms<M::Pack>,
+    y: Arms<M::Pack>,
+) -> Arms<M::Pack> {
+    let two = m.splat(T::ONE + T::ONE);
     let n_dot = v3::add(v3::cross(y.0, w), v3::cross(u, y.1));
-    let m_rate = v3::dot(t.n, n_dot) * t.inverse_m * t.inverse_m;
-    let two = T::ONE + T::ONE;
+    let m_rate = v3::dot(t.n, n_dot) * t.inverse * t.inverse;
     let u_part = v3::add(v3::cross(y.0, t.n), v3::cross(u, n_dot));
     let w_part = v3::add(v3::cross(n_dot, w), v3::cross(t.n, y.1));
-    let u_decay = two * v3::dot(u, y.0) * t.inverse_u2 + m_rate;
-    let w_decay = two * v3::dot(w, y.1) * t.inverse_w2 + m_rate;
+    let u_decay = (two * v3::dot(u, y.0)).mul_add(t.inverse_u2, m_rate);
+    let w_decay = (two * v3::dot(w, y.1)).mul_add(t.inverse_w2, m_rate);
     (
-        v3::add_scaled(v3::scale(u_part, t.inverse_u2 * t.inverse_m), -u_decay, g.0),
-        v3::add_scaled(v3::scale(w_part, t.inverse_w2 * t.inverse_m), -w_decay, g.1),
+        v3::sub_scaled(v3::scale(u_part, t.inverse_u2 * t.inverse), u_decay, g.0),
+        v3::sub_scaled(v3::scale(w_part, t.inverse_w2 * t.inverse), w_decay, g.1),
     )
 }
 
 /// Adjoint of the straight limit `f_i = -k / (u.w) a_u`, `f_k = -k / (u.w) a_w`: position adjoints of the
 /// arms and d loss / d stiffness; zero where the triplet is not in that limit.
 #[inline(always)]
-fn straight_adjoint<T: Real>(
-    t: &Bent<T>,
-    stiffness: T,
-    (u, w): Arms<T>,
-    (pull_u, pull_w): Arms<T>,
-) -> ([T; 3], [T; 3], T) {
-    let r = (-T::ONE / t.cosine).only_if(t.straight);
-    let d = t.cosine;
-    let (p, q) = (v3::dot(u, pull_u) * t.inverse_u2, v3::dot(w, pull_w) * t.inverse_w2);
+fn straight_adjoint<T: Real, M: Machine<T>>(
+    m: M,
+    t: &Bent<M::Pack>,
+    stiffness: M::Pack,
+    (u, w): Arms<M::Pack>,
+    (pull_u, pull_w): Arms<M::Pack>,
+) -> (Arms<M::Pack>, M::Pack) {
+    let two = m.splat(T::ONE + T::ONE);
+    let r = -t.inverse.only_if(t.straight);
+    let p = v3::dot(u, pull_u) * t.inverse_u2;
+    let q = v3::dot(w, pull_w) * t.inverse_w2;
     let work = v3::dot(t.a_u, pull_u) + v3::dot(t.a_w, pull_w);
-    let two = T::ONE + T::ONE;
     // S = k r(u.w) (a_u . pull_u + a_w . pull_w), a_u . pull_u = (u.w) p - w . pull_u.
-    let along = p + q + r * work;
-    let mut s_u = v3::scale(w, along);
-    let mut s_w = v3::scale(u, along);
-    for c in 0..3 {
-        s_u[c] += d * t.inverse_u2 * (pull_u[c] - two * p * u[c]) - pull_w[c];
-        s_w[c] += d * t.inverse_w2 * (pull_w[c] - two * q * w[c]) - pull_u[c];
-    }
-    (v3::scale(s_u, stiffness * r), v3::scale(s_w, stiffness * r), r * work)
+    let along = r.mul_add(work, p + q);
+    let flat_u = v3::sub_scaled(pull_u, two * p, u);
+    let flat_w = v3::sub_scaled(pull_w, two * q, w);
+    let s_u = v3::add_scaled(v3::scale(w, along), t.cosine * t.inverse_u2, flat_u);
+    let s_w = v3::add_scaled(v3::scale(u, along), t.cosine * t.inverse_w2, flat_w);
+    let by = stiffness * r;
+    let arms = (v3::scale(v3::sub(s_u, pull_w), by), v3::scale(v3::sub(s_w, pull_u), by));
+    (arms, r * work)
 }
 
 /// theta - theta0 of one triplet; zero where an arm is missing.
-pub(crate) fn deviation<T: Real>(u: [T; 3], w: [T; 3], rest_bend: T) -> T {
-    let t = bent(u, w, rest_bend);
-    t.deviation.only_if(t.inverse_u2 > T::ZERO)
+pub(crate) fn deviation(u: [f64; 3], w: [f64; 3], rest_bend: f64) -> f64 {
+    let m = Portable;
+    let t = bent(m, u.map(|c| m.splat(c)), w.map(|c| m.splat(c)), m.splat(rest_bend));
+    m.store(t.deviation.only_if(t.armed))[0]
 }
 
 #[cfg(test)]

@@ -3,8 +3,6 @@
 
 use std::ops::Range;
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::{
     bend::bend_forces,
     contact::{Candidates, collide},
@@ -12,6 +10,7 @@ use super::{
     ground::advance,
     impulse::Law,
     lanes::Node,
+    machine::{Machine, Work},
     real::{Quad, Real, add_scaled, scale},
     spring::spring_forces,
     system::System,
@@ -94,7 +93,7 @@ pub(crate) fn run_substeps<T: Real>(
     substeps: Range<usize>,
     tape: Option<&mut Tape<T>>,
 ) {
-    Arch::new().dispatch(Substeps { system, controls, workspace, substeps, tape });
+    T::dispatch(Substeps { system, controls, workspace, substeps, tape });
 }
 
 struct Substeps<'a, T> {
@@ -105,11 +104,11 @@ struct Substeps<'a, T> {
     tape: Option<&'a mut Tape<T>>,
 }
 
-impl<T: Real> WithSimd for Substeps<'_, T> {
+impl<T: Real> Work<T> for Substeps<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn run<M: Machine<T>>(self, m: M) {
         let Self { system, controls, workspace: w, substeps, mut tape } = self;
         if let Some(tape) = &mut tape {
             tape.nodes.clear();
@@ -118,8 +117,8 @@ impl<T: Real> WithSimd for Substeps<'_, T> {
         }
         for substep in substeps {
             controls.place(system, substep, &mut w.nodes);
-            spring_forces(&system.springs, &w.nodes, &mut w.forces);
-            bend_forces(&system.triplets, &w.nodes, &mut w.forces);
+            spring_forces(m, &system.springs, &w.nodes, &mut w.forces);
+            bend_forces(m, &system.triplets, &w.nodes, &mut w.forces);
             accelerate(system, &w.nodes, &mut w.forces, &mut w.before);
             controls.pin_velocities(system, &mut w.before);
             if let Some(tape) = &mut tape {

@@ -2,41 +2,44 @@
 //! for locality, parameters combined with rest geometry, everything that is
 //! constant over a rollout computed once.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use bendtwin_core::{Graph, environment::ControlVelocity};
 
 use super::{
-    bend::{self, TripletBlock},
-    lanes::LANES,
+    bend::{Triplet, Triplets},
     parameters::Parameters,
     real::{Quad, Real, quad},
-    spring::SpringBlock,
+    spring::{Spring, Springs},
+    strips::{self, Owned, Strips},
 };
 use crate::Model;
 
 /// What depends on the graph only; shared by all parameter sets on it.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
-    /// Springs in evaluation order.
-    spring_order: Vec<u32>,
-    /// Triplets in evaluation order.
-    triplet_order: Vec<u32>,
+    spring_order: Arc<Strips>,
+    triplet_order: Arc<Strips>,
     /// Sorted node pairs that a spring joins; made when self contact first asks for them.
     joined: OnceLock<Vec<[u32; 2]>>,
 }
 
 impl Layout {
-    /// Orders the elements by endpoints, so that neighbours in memory are neighbours in the graph.
+    /// Orders the elements.
     pub(crate) fn new(graph: &Graph) -> Self {
-        let mut spring_order: Vec<u32> = (0..graph.springs.len() as u32).collect();
-        spring_order.sort_by_key(|&s| (graph.springs[s as usize], s));
-        let mut triplet_order: Vec<u32> = (0..graph.triplets.len() as u32).collect();
-        triplet_order.sort_by_key(|&t| {
-            let [i, j, k] = graph.triplets[t as usize];
-            (j, i, k, t)
-        });
-        Self { spring_order, triplet_order, joined: OnceLock::new() }
+        let endpoints = graph.node_count() + graph.control_count();
+        let springs = strips::share(&graph.springs, endpoints);
+        let centred = |(element, &[i, j, k]): (usize, &[u32; 3])| Owned {
+            owner: j,
+            others: [i, k],
+            element: element as u32,
+        };
+        let triplets = graph.triplets.iter().enumerate().map(centred).collect();
+        Self {
+            spring_order: Arc::new(Strips::new(springs, endpoints)),
+            triplet_order: Arc::new(Strips::new(triplets, endpoints)),
+            joined: OnceLock::new(),
+        }
     }
 
     /// Sorted (smaller, larger) node pairs that a spring joins.
@@ -86,11 +89,11 @@ pub(crate) struct System<T> {
     pub(crate) masses: Vec<T>,
     /// 1/m, zero where pinned.
     pub(crate) inverse_mass: Vec<T>,
-    pub(crate) springs: Vec<SpringBlock<T>>,
-    pub(crate) triplets: Vec<TripletBlock<T>>,
+    pub(crate) springs: Springs<T>,
+    pub(crate) triplets: Triplets<T>,
     pub(crate) parameters: Parameters<T>,
-    spring_order: Vec<u32>,
-    triplet_order: Vec<u32>,
+    spring_order: Arc<Strips>,
+    triplet_order: Arc<Strips>,
     pub(crate) pins: Vec<PinnedNode<T>>,
     pub(crate) gravity: Quad<T>,
     pub(crate) ground: Option<Ground<T>>,
@@ -125,8 +128,8 @@ impl<T: Real> System<T> {
             surface: graph.surface_count(),
             masses,
             inverse_mass,
-            springs: spring_blocks(graph, &layout.spring_order, &parameters),
-            triplets: triplet_blocks(graph, &layout.triplet_order, &parameters),
+            springs: springs(graph, &layout.spring_order, &parameters),
+            triplets: triplets(graph, &layout.triplet_order, &parameters),
             spring_order: layout.spring_order.clone(),
             triplet_order: layout.triplet_order.clone(),
             pins: graph
@@ -166,49 +169,29 @@ impl<T: Real> System<T> {
 
     /// The spring that stands in a lane of a block; `None` in a lane that only fills up.
     pub(crate) fn spring_at(&self, block: usize, lane: usize) -> Option<usize> {
-        self.spring_order.get(block * LANES + lane).map(|&s| s as usize)
+        self.spring_order.at(block, lane)
     }
 
     /// The triplet that stands in a lane of a block; `None` in a lane that only fills up.
     pub(crate) fn triplet_at(&self, block: usize, lane: usize) -> Option<usize> {
-        self.triplet_order.get(block * LANES + lane).map(|&t| t as usize)
+        self.triplet_order.at(block, lane)
     }
 }
 
-fn spring_blocks<T: Real>(graph: &Graph, order: &[u32], p: &Parameters<T>) -> Vec<SpringBlock<T>> {
-    let mut blocks = Vec::with_capacity(order.len().div_ceil(LANES));
-    for chunk in order.chunks(LANES) {
-        let mut block = SpringBlock::EMPTY;
-        for (l, &s) in chunk.iter().enumerate() {
-            let s = s as usize;
-            [block.first[l], block.second[l]] = graph.springs[s];
-            let rest = p.rest_lengths_m[s];
-            let rate = p.spring_stiffness[s] / rest;
-            block.rate[l] = rate.only_if(rest > T::ZERO && rate.is_finite());
-            block.rest[l] = rest;
-            block.dashpot[l] = p.spring_dashpot[s];
-        }
-        blocks.push(block);
-    }
-    blocks
+fn springs<T: Real>(graph: &Graph, order: &Strips, p: &Parameters<T>) -> Springs<T> {
+    Springs::new(order, |s| Spring {
+        ends: graph.springs[s],
+        stiffness: p.spring_stiffness[s],
+        rest: p.rest_lengths_m[s],
+        dashpot: p.spring_dashpot[s],
+    })
 }
 
-fn triplet_blocks<T: Real>(
-    graph: &Graph,
-    order: &[u32],
-    p: &Parameters<T>,
-) -> Vec<TripletBlock<T>> {
-    let mut blocks = Vec::with_capacity(order.len().div_ceil(LANES));
-    for chunk in order.chunks(LANES) {
-        let mut block = TripletBlock::EMPTY;
-        for (l, &t) in chunk.iter().enumerate() {
-            let t = t as usize;
-            [block.i[l], block.j[l], block.k[l]] = graph.triplets[t];
-            block.stiffness[l] = p.bend_stiffness[t];
-            block.damping[l] = p.bend_damping[t];
-            block.rest_bend[l] = bend::rest_bend(p.rest_angles_rad[t]);
-        }
-        blocks.push(block);
-    }
-    blocks
+fn triplets<T: Real>(graph: &Graph, order: &Strips, p: &Parameters<T>) -> Triplets<T> {
+    Triplets::new(order, |t| Triplet {
+        ends: graph.triplets[t],
+        stiffness: p.bend_stiffness[t],
+        damping: p.bend_damping[t],
+        rest_angle: p.rest_angles_rad[t],
+    })
 }

@@ -1,15 +1,12 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::cpu::{jacobian::assert_adjoint, real::dot};
+use crate::cpu::{jacobian::assert_adjoint, real::dot, strips::Owned};
 
-fn block(stiffness: f64, damping: f64, rest_angle: f64) -> Vec<TripletBlock<f64>> {
-    let mut block = TripletBlock::EMPTY;
-    (block.i[0], block.j[0], block.k[0]) = (0, 1, 2);
-    block.stiffness[0] = stiffness;
-    block.damping[0] = damping;
-    block.rest_bend[0] = rest_bend(rest_angle);
-    vec![block]
+fn block(stiffness: f64, damping: f64, rest_angle: f64) -> Triplets<f64> {
+    let owned = Owned { owner: 1, others: [0, 2], element: 0 };
+    let triplet = Triplet { ends: [0, 1, 2], stiffness, damping, rest_angle };
+    Triplets::new(&Strips::new(vec![owned], 3), |_| triplet)
 }
 
 /// Arms of different lengths that enclose `theta`, in a tilted plane, moving.
@@ -34,30 +31,30 @@ fn lambda() -> Vec<Quad<f64>> {
     vec![[0.3, -0.9, 0.5, 0.0], [1.1, 0.2, -0.7, 0.0], [-0.6, 0.4, 0.1, 0.0]]
 }
 
-fn forces(blocks: &[TripletBlock<f64>], nodes: &[Node<f64>]) -> Vec<Quad<f64>> {
+fn forces(triplets: &Triplets<f64>, nodes: &[Node<f64>]) -> Vec<Quad<f64>> {
     let mut forces = vec![[0.0; 4]; nodes.len()];
-    bend_forces(blocks, nodes, &mut forces);
+    bend_forces(Portable, triplets, nodes, &mut forces);
     forces
 }
 
-fn energy(blocks: &[TripletBlock<f64>], nodes: &[Node<f64>]) -> f64 {
+fn energy(triplets: &Triplets<f64>, nodes: &[Node<f64>]) -> f64 {
     let arm = |e: usize| std::array::from_fn(|c| nodes[e].x[c] - nodes[1].x[c]);
-    let d = deviation(arm(0), arm(2), blocks[0].rest_bend[0]);
-    0.5 * blocks[0].stiffness[0] * d * d
+    let d = deviation(arm(0), arm(2), triplets.blocks[0].rest_bend[0]);
+    0.5 * triplets.blocks[0].stiffness[0] * d * d
 }
 
 #[test]
 fn force_is_minus_the_gradient_of_the_energy() {
     for (theta, rest) in [(0.4, 1.0), (2.0, 1.0), (3.0, PI), (PI - 6e-4, PI)] {
-        let (blocks, nodes) = (block(2.0, 0.0, rest), nodes_at(theta));
-        let f = forces(&blocks, &nodes);
+        let (triplets, nodes) = (block(2.0, 0.0, rest), nodes_at(theta));
+        let f = forces(&triplets, &nodes);
         let h = 1e-6;
         for i in 0..3 {
             for c in 0..3 {
                 let shifted = |by: f64| {
                     let mut n = nodes.clone();
                     n[i].x[c] += by;
-                    energy(&blocks, &n)
+                    energy(&triplets, &n)
                 };
                 let slope = (shifted(h) - shifted(-h)) / (2.0 * h);
                 assert!((f[i][c] + slope).abs() < 1e-6, "{theta}: {} {slope}", f[i][c]);
@@ -91,11 +88,11 @@ fn adjoint_is_the_derivative() {
         (PI, PI, 1e-6),
     ];
     for (theta, rest, tolerance) in cases {
-        let (blocks, nodes, lambda) = (block(2.0, 0.3, rest), nodes_at(theta), lambda());
+        let (triplets, nodes, lambda) = (block(2.0, 0.3, rest), nodes_at(theta), lambda());
         let mut adjoint = vec![Node::default(); 3];
         let mut gradients = vec![TripletGradient::ZERO];
-        bend_adjoint(&blocks, &nodes, &lambda, &mut adjoint, &mut gradients);
-        assert_adjoint(&nodes, &lambda, &adjoint, tolerance, |n| forces(&blocks, n));
+        bend_adjoint(Portable, &triplets, &nodes, &lambda, &mut adjoint, &mut gradients);
+        assert_adjoint(&nodes, &lambda, &adjoint, tolerance, |n| forces(&triplets, n));
     }
 }
 
@@ -106,9 +103,9 @@ fn parameter_gradients_are_derivatives() {
         let (k, c, rest) = (2.0, 0.3, 1.0);
         let mut adjoint = vec![Node::default(); 3];
         let mut g = vec![TripletGradient::ZERO];
-        bend_adjoint(&block(k, c, rest), &nodes, &lambda, &mut adjoint, &mut g);
-        let work = |blocks: Vec<TripletBlock<f64>>| -> f64 {
-            forces(&blocks, &nodes).iter().zip(&lambda).map(|(f, l)| dot(*f, *l)).sum()
+        bend_adjoint(Portable, &block(k, c, rest), &nodes, &lambda, &mut adjoint, &mut g);
+        let work = |triplets: Triplets<f64>| -> f64 {
+            forces(&triplets, &nodes).iter().zip(&lambda).map(|(f, l)| dot(*f, *l)).sum()
         };
         let h = 1e-5;
         let pairs = [
@@ -125,8 +122,8 @@ fn parameter_gradients_are_derivatives() {
 
 #[test]
 fn straight_limit_joins_the_general_formula() {
-    let blocks = block(2.0, 0.0, PI);
-    let just = |sine: f64| forces(&blocks, &nodes_at(PI - sine));
+    let triplets = block(2.0, 0.0, PI);
+    let just = |sine: f64| forces(&triplets, &nodes_at(PI - sine));
     let (inside, outside) = (just(MIN_SINE * 0.999), just(MIN_SINE * 1.001));
     for (a, b) in inside.iter().flatten().zip(outside.iter().flatten()) {
         assert!((a - b).abs() < 2e-6, "{a} {b}");
@@ -147,11 +144,11 @@ fn degenerate_triplets_are_finite_and_skipped() {
         (nodes_at(PI - 1e-5), 2.0),
     ];
     for (nodes, rest) in skipped {
-        let blocks = block(2.0, 0.3, rest);
-        assert!(forces(&blocks, &nodes).iter().flatten().all(|&x| x == 0.0), "{rest}");
+        let triplets = block(2.0, 0.3, rest);
+        assert!(forces(&triplets, &nodes).iter().flatten().all(|&x| x == 0.0), "{rest}");
         let mut adjoint = vec![Node::default(); 3];
         let mut g = vec![TripletGradient::ZERO];
-        bend_adjoint(&blocks, &nodes, &lambda(), &mut adjoint, &mut g);
+        bend_adjoint(Portable, &triplets, &nodes, &lambda(), &mut adjoint, &mut g);
         assert!(adjoint.iter().flat_map(|n| n.x.into_iter().chain(n.v)).all(|x| x == 0.0));
         assert!(g[0].stiffness.iter().chain(&g[0].damping).chain(&g[0].rest).all(|&x| x == 0.0));
     }
