@@ -14,7 +14,7 @@ use crate::{
     checkpoint::{Checkpoint, Identity, VariantState},
     cmaes::default_population,
     meter::{Meter, Report},
-    refine,
+    refine::Refinement,
     search::Search,
     task::Task,
     variant::Variant,
@@ -199,19 +199,19 @@ impl<'a> Run<'a> {
             points.push(point);
             walks.push(walk);
         }
+        let mut refinement = Refinement::new(self.task, walks, backend, self.cancel)?;
         if states.iter().any(|s| matches!(s, VariantState::Search(_))) {
-            refine::score_start(self.task, &mut walks, backend, self.cancel)?;
+            refinement.score()?;
         }
         let passes = self.job.settings.refine.passes;
-        while walks.iter().any(|w| w.state.pass < passes) {
+        while refinement.walks.iter().any(|w| w.state.pass < passes) {
             self.check_cancelled()?;
-            refine::pass(self.task, &mut walks, backend, self.cancel)?;
-            let states = points.iter().zip(&walks).map(|(point, walk)| VariantState::Refine {
-                point: point.clone(),
-                walk: walk.state.clone(),
+            refinement.pass()?;
+            let states = points.iter().zip(&refinement.walks).map(|(point, walk)| {
+                VariantState::Refine { point: point.clone(), walk: walk.state.clone() }
             });
             self.keep(states.collect())?;
-            for (index, walk) in walks.iter_mut().enumerate() {
+            for (index, walk) in refinement.walks.iter_mut().enumerate() {
                 let variant = self.variants[index].name;
                 self.report(Report {
                     variant,
@@ -224,7 +224,7 @@ impl<'a> Run<'a> {
             }
         }
         let mut finished = Vec::new();
-        for ((variant, walk), point) in self.variants.iter().zip(&walks).zip(&points) {
+        for ((variant, walk), point) in self.variants.iter().zip(&refinement.walks).zip(&points) {
             let twin = variant.twin(self.job, walk)?;
             let (fabric, _) = variant.realise(self.task, point);
             let warnings = warnings::of_fit(self.task, variant, point, &fabric);

@@ -7,10 +7,9 @@
 //! device give the same twin, and a fit that went on from a checkpoint ends in the same twin as one
 //! that was never interrupted.
 
-mod adam;
+mod chart;
 mod checkpoint;
 pub mod cmaes;
-mod coordinates;
 mod error;
 mod fabric;
 mod job;

@@ -1,138 +1,130 @@
 //! The first-order stage: Adam on every spring and triplet, all variants side by side in each batch.
+//! Parameters and gradients stay with the backend's [`Descent`]; what comes back are losses and lengths.
 
 mod schedule;
 mod walk;
+mod windows;
 
 use std::sync::Arc;
 
 use bendtwin_engine::{
     Backend,
-    backend::{CancelToken, Gradient, GradientRequest, Instance},
+    backend::{CancelToken, GradientRequest, Instance},
+    descent::{Decay, Descent, Probe, Slope, Start},
     model::State,
 };
-use bendtwin_eval::initial_state;
 
-use self::schedule::Step;
 pub(crate) use self::walk::{Walk, WalkState};
-use crate::{Error, search::window_instance, submit, task::Task};
+use self::{schedule::Step, windows::Windows};
+use crate::{Error, submit, task::Task};
 
-/// One pass of all variants over the training frames.
-///
-/// A variant whose simulation or gradient is not finite goes back to its best parameters with half
-/// the rate and sits out the rest of the pass; the others are not disturbed.
-pub(crate) fn pass(
-    task: &Task<'_>,
-    walks: &mut [Walk<'_>],
-    backend: &dyn Backend,
-    cancel: &CancelToken,
-) -> Result<(), Error> {
-    let Some(pass) = walks.first().map(|w| w.state.pass) else { return Ok(()) };
-    let initial: Vec<Arc<State>> = {
-        let graph = &walks[0].graph;
-        let of = |t: &crate::task::Training<'_>| initial_state(graph, task.capture.fps, t.sequence);
-        task.training.iter().map(|t| Arc::new(of(t))).collect()
-    };
-    // States at the start of the next window, by variant and sequence.
-    let mut states = vec![initial.clone(); walks.len()];
-    walks.iter_mut().for_each(Walk::begin_pass);
-    for step in schedule::steps(task, pass) {
-        run_step(task, walks, &mut states, &step, backend, cancel)?;
-    }
-    for walk in walks.iter_mut() {
-        walk.settle_substeps(backend)?;
-    }
-    score(task, walks, &initial, backend, cancel)?;
-    walks.iter_mut().for_each(Walk::end_pass);
-    Ok(())
+/// The refinement of all variants.
+pub(crate) struct Refinement<'a> {
+    /// One per variant, in the order of the fit.
+    pub(crate) walks: Vec<Walk<'a>>,
+    descent: Box<dyn Descent>,
+    windows: Windows,
+    task: &'a Task<'a>,
+    backend: &'a dyn Backend,
+    cancel: &'a CancelToken,
 }
 
-/// Scores the parameters that the search left, so that no pass can end worse than it began.
-pub(crate) fn score_start(
-    task: &Task<'_>,
-    walks: &mut [Walk<'_>],
-    backend: &dyn Backend,
-    cancel: &CancelToken,
-) -> Result<(), Error> {
-    let Some(first) = walks.first() else { return Ok(()) };
-    let graph = first.graph.clone();
-    let of = |t: &crate::task::Training<'_>| initial_state(&graph, task.capture.fps, t.sequence);
-    let initial: Vec<Arc<State>> = task.training.iter().map(|t| Arc::new(of(t))).collect();
-    score(task, walks, &initial, backend, cancel)
-}
+impl<'a> Refinement<'a> {
+    /// Of walks that stand at their starts.
+    pub(crate) fn new(
+        task: &'a Task<'a>,
+        walks: Vec<(Walk<'a>, Start)>,
+        backend: &'a dyn Backend,
+        cancel: &'a CancelToken,
+    ) -> Result<Self, Error> {
+        let (walks, starts): (Vec<_>, Vec<_>) = walks.into_iter().unzip();
+        let refine = &task.settings.refine;
+        let decay = Decay { beta1: refine.beta1, beta2: refine.beta2 };
+        let descent = backend.descent(starts, decay)?;
+        Ok(Self { walks, descent, windows: Windows::default(), task, backend, cancel })
+    }
 
-fn run_step(
-    task: &Task<'_>,
-    walks: &mut [Walk<'_>],
-    states: &mut [Vec<Arc<State>>],
-    step: &Step,
-    backend: &dyn Backend,
-    cancel: &CancelToken,
-) -> Result<(), Error> {
-    let instances = |walk: &Walk<'_>, states: &[Arc<State>]| -> Vec<Instance> {
-        let one = |&(s, first, count): &(usize, usize, usize)| {
-            let training = &task.training[s];
-            let objective = if count == training.frames {
-                training.objective.clone()
-            } else {
-                training.window(first, count)
-            };
-            window_instance(&walk.loaded, training, states[s].clone(), first, count, objective)
-        };
-        step.windows.iter().map(one).collect()
-    };
-    // One batch for all variants whose gradients reach equally far, as they nearly always do.
-    let mut results: Vec<Option<Vec<Gradient>>> = walks.iter().map(|_| None).collect();
-    let mut reaches: Vec<usize> = walks.iter().filter(|w| w.is_active()).map(Walk::reach).collect();
-    reaches.sort_unstable();
-    reaches.dedup();
-    for reach in reaches {
-        let members: Vec<usize> = (0..walks.len())
-            .filter(|&i| walks[i].is_active() && walks[i].reach() == reach)
-            .collect();
-        let batch: Vec<Instance> =
-            members.iter().flat_map(|&i| instances(&walks[i], &states[i])).collect();
-        let request = GradientRequest {
-            cut_every: reach,
-            final_state: step.goes_on,
-            ..GradientRequest::default()
-        };
-        let mut gradients = submit::gradients(backend, &batch, &request, cancel)?.into_iter();
-        for i in members {
-            results[i] = Some(gradients.by_ref().take(step.windows.len()).collect());
+    /// One pass of all variants over the training frames.
+    ///
+    /// A variant whose simulation or gradient is not finite goes back to its best parameters with half
+    /// the rate and sits out the rest of the pass; the others are not disturbed.
+    pub(crate) fn pass(&mut self) -> Result<(), Error> {
+        let Some(pass) = self.walks.first().map(|w| w.state.pass) else { return Ok(()) };
+        let initial: Vec<_> = self.task.training.iter().map(|t| t.initial.clone()).collect();
+        // States at the start of the next window, by variant and sequence.
+        let mut states = vec![initial; self.walks.len()];
+        self.walks.iter_mut().for_each(Walk::begin_pass);
+        for step in schedule::steps(self.task, pass) {
+            self.run_step(&mut states, &step)?;
         }
+        for (index, walk) in self.walks.iter_mut().enumerate() {
+            walk.arrive(index, &mut *self.descent)?;
+        }
+        self.score()?;
+        self.walks.iter_mut().for_each(Walk::end_pass);
+        Ok(())
     }
-    for ((walk, states), result) in walks.iter_mut().zip(states).zip(results) {
-        let Some(own) = result else { continue };
-        walk.learn(&own, backend)?;
-        for (gradient, &(s, ..)) in own.into_iter().zip(&step.windows) {
-            if let Some(state) = gradient.final_state {
-                states[s] = Arc::new(state);
+
+    fn run_step(&mut self, states: &mut [Vec<Arc<State>>], step: &Step) -> Result<(), Error> {
+        // One batch for all variants whose gradients reach equally far, as they nearly always do.
+        let mut results: Vec<Option<Vec<Slope>>> = self.walks.iter().map(|_| None).collect();
+        let active = self.walks.iter().filter(|w| w.is_active());
+        let mut reaches: Vec<usize> = active.map(Walk::reach).collect();
+        reaches.sort_unstable();
+        reaches.dedup();
+        for reach in reaches {
+            let members: Vec<usize> = (0..self.walks.len())
+                .filter(|&i| self.walks[i].is_active() && self.walks[i].reach() == reach)
+                .collect();
+            let mut batch = Vec::with_capacity(members.len() * step.windows.len());
+            for &walk in &members {
+                let model = &self.walks[walk].loaded;
+                batch.extend(step.windows.iter().map(|window| {
+                    let from = states[walk][window.sequence].clone();
+                    Probe { walk, instance: self.windows.instance(self.task, model, window, from) }
+                }));
+            }
+            let request = GradientRequest {
+                cut_every: reach,
+                final_state: step.goes_on,
+                ..GradientRequest::default()
+            };
+            let slice = submit::slice_len(self.backend);
+            let descent = &mut *self.descent;
+            let slopes = submit::sliced(&batch, slice, self.cancel, |slice| {
+                descent.measure(slice, &request, self.cancel)
+            })?;
+            let mut slopes = slopes.into_iter();
+            for i in members {
+                results[i] = Some(slopes.by_ref().take(step.windows.len()).collect());
             }
         }
-    }
-    Ok(())
-}
-
-/// Measures every variant's parameters on all training frames and keeps the best.
-fn score(
-    task: &Task<'_>,
-    walks: &mut [Walk<'_>],
-    initial: &[Arc<State>],
-    backend: &dyn Backend,
-    cancel: &CancelToken,
-) -> Result<(), Error> {
-    let mut batch = Vec::new();
-    for walk in walks.iter() {
-        for (training, initial) in task.training.iter().zip(initial) {
-            let objective = training.objective.clone();
-            let (state, frames) = (initial.clone(), training.frames);
-            batch.push(window_instance(&walk.loaded, training, state, 0, frames, objective));
+        for (index, result) in results.into_iter().enumerate() {
+            let Some(own) = result else { continue };
+            self.walks[index].learn(index, &own, &mut *self.descent)?;
+            for (slope, window) in own.into_iter().zip(&step.windows) {
+                if let Some(state) = slope.final_state {
+                    states[index][window.sequence] = Arc::new(state);
+                }
+            }
         }
+        Ok(())
     }
-    let losses = submit::losses(backend, &batch, cancel)?;
-    for (walk, own) in walks.iter_mut().zip(losses.chunks(task.training.len())) {
-        let loss = own.iter().map(|l| l.total).sum::<f64>() / own.len() as f64;
-        walk.judge(loss, backend)?;
+
+    /// Measures the parameters where every variant arrived on all training frames and keeps the best; done
+    /// before the first pass too, so that none can end worse than it began.
+    pub(crate) fn score(&mut self) -> Result<(), Error> {
+        let training = &self.task.training;
+        let mut batch: Vec<Instance> = Vec::with_capacity(self.walks.len() * training.len());
+        for walk in &self.walks {
+            batch.extend(training.iter().map(|t| t.instance(&walk.loaded)));
+        }
+        let losses = submit::losses(self.backend, &batch, self.cancel)?;
+        let own = losses.chunks(training.len());
+        for (index, (walk, own)) in self.walks.iter_mut().zip(own).enumerate() {
+            let loss = own.iter().map(|l| l.total).sum::<f64>() / own.len() as f64;
+            walk.judge(index, loss, &mut *self.descent)?;
+        }
+        Ok(())
     }
-    Ok(())
 }

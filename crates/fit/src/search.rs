@@ -1,14 +1,7 @@
 //! The zeroth-order stage: CMA-ES over global variables. A generation of all variants is one batch,
 //! every candidate with its own graph.
 
-use std::sync::Arc;
-
-use bendtwin_engine::{
-    Backend, Loaded,
-    backend::{CancelToken, Instance},
-    objective::Objective,
-};
-use bendtwin_eval::initial_state;
+use bendtwin_engine::{Backend, Loaded, backend::CancelToken};
 
 use crate::{
     Error,
@@ -77,7 +70,7 @@ impl<'a> Search<'a> {
                 match self.load(space, &sample.point, backend)? {
                     Ok(loaded) => {
                         first.push(Some(batch.len()));
-                        batch.extend(self.set.iter().map(|t| instance(self.task, &loaded, t)));
+                        batch.extend(self.set.iter().map(|t| t.instance(&loaded)));
                     }
                     Err(Refusal::TooStiff(_)) => {
                         failures.too_stiff += 1;
@@ -117,39 +110,5 @@ impl<'a> Search<'a> {
             Ok(model) => load(backend, model)?,
             Err(refusal) => Err(refusal),
         })
-    }
-}
-
-/// A rollout of a training sequence from its start, measured by its loss.
-pub(crate) fn instance(task: &Task<'_>, model: &Loaded, training: &Training<'_>) -> Instance {
-    let initial = initial_state(&model.model().graph, task.capture.fps, training.sequence);
-    window_instance(
-        model,
-        training,
-        Arc::new(initial),
-        0,
-        training.frames,
-        training.objective.clone(),
-    )
-}
-
-/// A rollout of `count` frames of a training sequence, from `first` frames after its start.
-pub(crate) fn window_instance(
-    model: &Loaded,
-    training: &Training<'_>,
-    initial: Arc<bendtwin_engine::model::State>,
-    first: usize,
-    count: usize,
-    objective: Objective,
-) -> Instance {
-    let sequence = training.sequence;
-    let from = sequence.start_frame() + first;
-    let controls = (from..=from + count).flat_map(|f| sequence.controls_at(f)).copied().collect();
-    Instance {
-        model: model.clone(),
-        initial,
-        controls: Arc::new(controls),
-        frames: count,
-        objective,
     }
 }

@@ -3,35 +3,27 @@
 
 use bendtwin_engine::{
     Backend,
-    backend::{CancelToken, Error, Gradient, GradientRequest, Instance, Loss},
+    backend::{CancelToken, Error, Instance, Loss},
 };
-use bendtwin_eval::slice_len;
+pub(crate) use bendtwin_eval::slice_len;
 
 pub(crate) fn losses(
     backend: &dyn Backend,
     batch: &[Instance],
     cancel: &CancelToken,
 ) -> Result<Vec<Loss>, Error> {
-    sliced(backend, batch, cancel, |slice| backend.losses(slice, cancel))
+    sliced(batch, slice_len(backend), cancel, |slice| backend.losses(slice, cancel))
 }
 
-pub(crate) fn gradients(
-    backend: &dyn Backend,
-    batch: &[Instance],
-    request: &GradientRequest,
+/// Results of a batch that is handed over in slices of `slice` instances, in order.
+pub(crate) fn sliced<T, R>(
+    batch: &[T],
+    slice: usize,
     cancel: &CancelToken,
-) -> Result<Vec<Gradient>, Error> {
-    sliced(backend, batch, cancel, |slice| backend.gradients(slice, request, cancel))
-}
-
-fn sliced<R>(
-    backend: &dyn Backend,
-    batch: &[Instance],
-    cancel: &CancelToken,
-    submit: impl Fn(&[Instance]) -> Result<Vec<R>, Error>,
+    mut submit: impl FnMut(&[T]) -> Result<Vec<R>, Error>,
 ) -> Result<Vec<R>, Error> {
     let mut results = Vec::with_capacity(batch.len());
-    for slice in batch.chunks(slice_len(backend)) {
+    for slice in batch.chunks(slice.max(1)) {
         if cancel.is_cancelled() {
             return Err(Error::Cancelled);
         }

@@ -2,12 +2,15 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, FitSettings, Graph, Sequence, settings::LossSettings};
+use bendtwin_core::{Capture, FitSettings, Graph, Point, Sequence};
 use bendtwin_engine::{
-    Objective, PointLoss, Term,
+    Loaded, Objective, PointLoss, Term,
+    backend::Instance,
     build::{NodeSample, mean_spacing, sample_nodes},
+    model::State,
     objective::WeightedTerm,
 };
+use bendtwin_eval::initial_state;
 
 use crate::Error;
 
@@ -29,6 +32,31 @@ pub(crate) struct Training<'a> {
     pub(crate) frames: usize,
     /// The loss, a mean over these frames.
     pub(crate) objective: Objective,
+    /// Where the nodes start.
+    pub(crate) initial: Arc<State>,
+    /// Control positions over these frames, shape [frames + 1, C, 3].
+    pub(crate) controls: Arc<Vec<Point>>,
+}
+
+/// What training sequences are made from.
+struct Setup<'b> {
+    sample: &'b NodeSample,
+    settings: &'b FitSettings,
+    fps: f64,
+    /// The sample's nodes without anything between them.
+    nodes: Graph,
+}
+
+impl<'b> Setup<'b> {
+    fn new(capture: &Capture, settings: &'b FitSettings, sample: &'b NodeSample) -> Self {
+        let nodes = Graph {
+            rest_positions: sample.positions.clone(),
+            kinds: sample.kinds.clone(),
+            observed_points: sample.observed_points.clone(),
+            ..Graph::default()
+        };
+        Self { sample, settings, fps: capture.fps, nodes }
+    }
 }
 
 /// Groups of the loss, as progress and checkpoints know them.
@@ -39,11 +67,10 @@ impl<'a> Task<'a> {
         settings.validate().map_err(Error::Settings)?;
         bendtwin_eval::check_capture(capture)?;
         let sample = sample_nodes(capture, &settings.graph, settings.seed)?;
-        let training: Vec<_> = capture
-            .sequences
-            .iter()
-            .filter_map(|s| Training::new(s, s.train_frame_count, &sample, &settings.loss))
-            .collect();
+        let setup = Setup::new(capture, settings, &sample);
+        let sequences = capture.sequences.iter();
+        let training: Vec<_> =
+            sequences.filter_map(|s| Training::new(s, s.train_frame_count, &setup)).collect();
         if training.is_empty() {
             return Err(Error::Capture(
                 "no sequence has training frames with visible points after its start: \
@@ -62,6 +89,7 @@ impl<'a> Task<'a> {
         let limit = |n: usize, most: usize| if most == 0 { n } else { n.min(most) };
         let count = limit(self.training.len(), settings.max_sequences);
         let spread = (0..count).map(|i| i * self.training.len() / count);
+        let setup = Setup::new(self.capture, self.settings, &self.sample);
         let mut set = Vec::with_capacity(count);
         for sequence in spread.map(|i| self.training[i].sequence) {
             let most = limit(
@@ -73,7 +101,7 @@ impl<'a> Task<'a> {
             );
             // Where the first frames show nothing, all of them must do.
             let full = sequence.train_frame_count;
-            let new = |frames| Training::new(sequence, frames, &self.sample, &self.settings.loss);
+            let new = |frames| Training::new(sequence, frames, &setup);
             let Some(mut training) = new(most).or_else(|| new(full)) else { continue };
             training.add_acceleration(self.settings.loss.acceleration_weight);
             set.push(training);
@@ -110,16 +138,32 @@ impl<'a> Task<'a> {
 
 impl<'a> Training<'a> {
     /// `None` if no frame after the start shows anything.
-    fn new(
-        sequence: &'a Sequence,
-        end: usize,
-        sample: &NodeSample,
-        loss: &LossSettings,
-    ) -> Option<Self> {
+    fn new(sequence: &'a Sequence, end: usize, setup: &Setup<'_>) -> Option<Self> {
         let start = sequence.start_frame();
         let frames = end.checked_sub(start + 1).filter(|&n| n > 0)?;
-        let objective = objective(sequence, frames, sample, loss);
-        (!objective.terms.is_empty()).then_some(Self { sequence, frames, objective })
+        let objective = objective(sequence, frames, setup.sample, &setup.settings.loss);
+        if objective.terms.is_empty() {
+            return None;
+        }
+        let initial = Arc::new(initial_state(&setup.nodes, setup.fps, sequence));
+        let controls = Arc::new(controls_of(sequence, 0, frames));
+        Some(Self { sequence, frames, objective, initial, controls })
+    }
+
+    /// A rollout from the start, measured by the loss.
+    pub(crate) fn instance(&self, model: &Loaded) -> Instance {
+        Instance {
+            model: model.clone(),
+            initial: self.initial.clone(),
+            controls: self.controls.clone(),
+            frames: self.frames,
+            objective: self.objective.clone(),
+        }
+    }
+
+    /// Control positions of `count` frames, from `first` frames after the start; shape [count + 1, C, 3].
+    pub(crate) fn controls_of(&self, first: usize, count: usize) -> Vec<Point> {
+        controls_of(self.sequence, first, count)
     }
 
     fn add_acceleration(&mut self, weight: f64) {
@@ -154,6 +198,11 @@ impl<'a> Training<'a> {
     }
 }
 
+fn controls_of(sequence: &Sequence, first: usize, count: usize) -> Vec<Point> {
+    let from = sequence.start_frame() + first;
+    (from..=from + count).flat_map(|f| sequence.controls_at(f)).copied().collect()
+}
+
 /// Mean over frames of Chamfer distance and tracking loss.
 ///
 /// - Chamfer: visible points against the surface. Left out where every visible point is tracked
@@ -165,7 +214,7 @@ fn objective(
     sequence: &Sequence,
     frames: usize,
     sample: &NodeSample,
-    loss: &LossSettings,
+    loss: &bendtwin_core::settings::LossSettings,
 ) -> Objective {
     let start = sequence.start_frame();
     let beta_m = loss.track_beta_m as f32;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bendtwin_core::{FitSettings, Params, Twin, twin::Provenance};
-use bendtwin_engine::Backend;
+use bendtwin_engine::{Backend, descent::Start};
 
 use crate::{
     Error, FitJob,
@@ -60,13 +60,13 @@ impl Variant {
         (fabric, params)
     }
 
-    /// The walk from where the search ended, or from where a checkpoint left it.
+    /// The walk from where the search ended, or from where a checkpoint left it, and its start.
     pub(crate) fn walk<'a>(
         &self,
         task: &'a Task<'a>,
         state: &VariantState,
         backend: &dyn Backend,
-    ) -> Result<(Vec<f64>, Walk<'a>), Error> {
+    ) -> Result<(Vec<f64>, (Walk<'a>, Start)), Error> {
         let dimension = self.space.start().len();
         let point = match state {
             VariantState::Search(search) => match search.best() {

@@ -268,3 +268,6 @@ impl Chart {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

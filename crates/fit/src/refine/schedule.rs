@@ -4,6 +4,7 @@ use bendtwin_core::settings::GradientWindow;
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
+use super::windows::Window;
 use crate::task::Task;
 
 /// Keeps the order of sequences apart from the search's random numbers.
@@ -12,8 +13,8 @@ const STREAM: u64 = 1 << 63;
 /// One step of Adam.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Step {
-    /// What it sees: sequence (index in the task), first frame after its start, number of frames.
-    pub(crate) windows: Vec<(usize, usize, usize)>,
+    /// What it sees.
+    pub(crate) windows: Vec<Window>,
     /// Whether another window of the same sequences follows, from the state that this one ends in.
     pub(crate) goes_on: bool,
 }
@@ -37,9 +38,9 @@ pub(crate) fn steps(task: &Task<'_>, pass: u32) -> Vec<Step> {
             GradientWindow::Pass => longest.max(1),
         };
         for first in (0..longest).step_by(length) {
-            let window = |&s: &usize| {
-                let left = task.training[s].frames.checked_sub(first).filter(|&n| n > 0)?;
-                Some((s, first, left.min(length)))
+            let window = |&sequence: &usize| {
+                let left = task.training[sequence].frames.checked_sub(first).filter(|&n| n > 0)?;
+                Some(Window { sequence, first, count: left.min(length) })
             };
             let windows = group.iter().filter_map(window).collect();
             steps.push(Step { windows, goes_on: first + length < longest });

@@ -1,15 +1,19 @@
-//! One variant's walk: where it is, where it was best, how long its steps are.
+//! One variant's walk: where it was best, how long its steps are, when it goes back. The descent takes the
+//! steps and knows where the walk is.
 
 use std::sync::Arc;
 
 use bendtwin_core::{Graph, Params, Timing, settings::Substeps};
-use bendtwin_engine::{Backend, Loaded, backend::Gradient, stable_substeps};
+use bendtwin_engine::{
+    Backend, Loaded, backend,
+    descent::{Chart, Descent, Position, Slope, Start},
+    stable_substeps,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::{
     Error,
-    adam::{Adam, Decay},
-    coordinates::Coordinates,
+    chart::chart,
     fabric::{Refusal, load, model},
     task::Task,
 };
@@ -30,8 +34,8 @@ const THIN_MARGIN: f64 = 1.15;
 pub(crate) struct WalkState {
     /// Passes that are done.
     pub(crate) pass: u32,
-    theta: Vec<f64>,
-    adam: Adam,
+    /// After the last pass.
+    position: Position,
     substeps: u32,
     /// Halved by every back-off.
     rate: f64,
@@ -56,10 +60,11 @@ pub(crate) struct Best {
 pub(crate) struct Walk<'a> {
     pub(crate) state: WalkState,
     pub(crate) graph: Arc<Graph>,
+    /// The model where the walk last arrived; while a pass goes on, the descent is ahead of it.
     pub(crate) loaded: Loaded,
     /// Something that happened in the last pass and that a person should know.
     pub(crate) note: Option<String>,
-    coordinates: Coordinates,
+    chart: Chart,
     sits_out: bool,
     task: &'a Task<'a>,
 }
@@ -71,25 +76,24 @@ impl<'a> Walk<'a> {
         graph: Arc<Graph>,
         params: Params,
         backend: &dyn Backend,
-    ) -> Result<Self, Error> {
-        let coordinates = Coordinates::new(task, params);
-        let theta = coordinates.start();
-        let params = coordinates.params(&theta);
-        let model = model(task, &graph, params).map_err(too_stiff)?;
+    ) -> Result<(Self, Start), Error> {
+        let chart = chart(task, params);
+        let position = Position::at_rest(chart.start());
+        let model = model(task, &graph, chart.params(&position.theta)).map_err(too_stiff)?;
         let substeps = model.timing.substeps;
         let loaded = load(backend, model)?.map_err(too_stiff)?;
+        let best = Best { theta: position.theta.clone(), substeps, loss: f64::INFINITY };
         let state = WalkState {
             pass: 0,
-            adam: Adam::new(coordinates.len()),
+            position,
             substeps,
             rate: 1.0,
             reach: 0,
             stale: 0,
             loss: f64::INFINITY,
-            best: Best { theta: theta.clone(), substeps, loss: f64::INFINITY },
-            theta,
+            best,
         };
-        Ok(Self { state, graph, loaded, note: None, coordinates, sits_out: false, task })
+        Ok(Self::at(task, graph, loaded, chart, state))
     }
 
     /// Where a checkpoint left off; `params` are those that the search found.
@@ -99,15 +103,32 @@ impl<'a> Walk<'a> {
         params: Params,
         state: WalkState,
         backend: &dyn Backend,
-    ) -> Result<Self, Error> {
-        let coordinates = Coordinates::new(task, params);
-        if state.theta.len() != coordinates.len() || state.best.theta.len() != coordinates.len() {
-            return Err(Error::Checkpoint("it has another number of parameters".into()));
+    ) -> Result<(Self, Start), Error> {
+        let chart = chart(task, params);
+        let best = Position::at_rest(state.best.theta.clone());
+        for position in [&state.position, &best] {
+            chart.check_position(position).map_err(|e| Error::Checkpoint(e.to_string()))?;
         }
-        let mut start = model(task, &graph, coordinates.params(&state.theta)).map_err(too_stiff)?;
-        start.timing.substeps = state.substeps;
-        let loaded = load(backend, start)?.map_err(too_stiff)?;
-        Ok(Self { state, graph, loaded, note: None, coordinates, sits_out: false, task })
+        let params = chart.params(&state.position.theta);
+        let mut model = model(task, &graph, params).map_err(too_stiff)?;
+        model.timing.substeps = state.substeps;
+        let loaded = load(backend, model)?.map_err(too_stiff)?;
+        Ok(Self::at(task, graph, loaded, chart, state))
+    }
+
+    fn at(
+        task: &'a Task<'a>,
+        graph: Arc<Graph>,
+        loaded: Loaded,
+        chart: Chart,
+        state: WalkState,
+    ) -> (Self, Start) {
+        let start = Start {
+            loaded: loaded.clone(),
+            chart: chart.clone(),
+            position: state.position.clone(),
+        };
+        (Self { state, graph, loaded, note: None, chart, sits_out: false, task }, start)
     }
 
     /// Whether it takes part in the steps of this pass.
@@ -132,8 +153,30 @@ impl<'a> Walk<'a> {
     /// The best parameters and the substeps that they were scored with.
     pub(crate) fn best(&self) -> (Params, Timing) {
         let best = &self.state.best;
-        let timing = Timing { fps: self.task.capture.fps, substeps: best.substeps };
-        (self.coordinates.params(&best.theta), timing)
+        (self.chart.params(&best.theta), self.timing(best.substeps))
+    }
+
+    fn timing(&self, substeps: u32) -> Timing {
+        Timing { fps: self.task.capture.fps, substeps }
+    }
+
+    /// Moves the descent, in which this walk has this index, here and below.
+    fn move_to(
+        &mut self,
+        index: usize,
+        position: Position,
+        substeps: u32,
+        descent: &mut dyn Descent,
+    ) -> Result<Result<(), Refusal>, Error> {
+        match descent.move_to(index, &position, self.timing(substeps)) {
+            Ok(()) => {
+                self.loaded = descent.loaded(index)?;
+                (self.state.position, self.state.substeps) = (position, substeps);
+                Ok(Ok(()))
+            }
+            Err(backend::Error::Unstable { needed, .. }) => Ok(Err(Refusal::TooStiff(needed))),
+            Err(e) => Err(e.into()),
+        }
     }
 
     /// Rate of the current pass: falls linearly, so that the walk comes to rest.
@@ -143,38 +186,33 @@ impl<'a> Walk<'a> {
         refine.learning_rate * self.state.rate * (1.0 - (1.0 - FINAL_RATE) * done)
     }
 
-    /// One step down the mean gradient of a batch.
+    /// One step down the mean of the gradients that were just measured.
     pub(crate) fn learn(
         &mut self,
-        gradients: &[Gradient],
-        backend: &dyn Backend,
+        index: usize,
+        slopes: &[Slope],
+        descent: &mut dyn Descent,
     ) -> Result<(), Error> {
-        let params = &self.loaded.model().params;
-        let mut sum = vec![0.0; self.coordinates.len()];
-        let own: Vec<Vec<f64>> =
-            gradients.iter().map(|g| self.coordinates.gradient(params, &g.params)).collect();
-        for (gradient, weight) in own.iter().zip(weights(&own)) {
-            sum.iter_mut().zip(gradient).for_each(|(s, g)| *s += weight * g);
+        if let Some(d) = slopes.iter().find_map(|s| s.loss.diverged) {
+            let why = format!("the simulation diverged in frame {}", d.frame);
+            return self.back_off(index, &why, descent);
         }
-        if let Some(d) = gradients.iter().find_map(|g| g.loss.diverged) {
-            return self
-                .back_off(&format!("the simulation diverged in frame {}", d.frame), backend);
+        if slopes.iter().any(|s| !(s.length.is_finite() && s.loss.total.is_finite())) {
+            return self.back_off(index, "the gradient is not finite", descent);
         }
-        if sum.iter().any(|g| !g.is_finite()) || gradients.iter().any(|g| !g.loss.total.is_finite())
-        {
-            return self.back_off("the gradient is not finite", backend);
-        }
-        let refine = &self.task.settings.refine;
-        let decay = Decay { beta1: refine.beta1, beta2: refine.beta2 };
-        let rate = self.learning_rate();
-        self.coordinates.step(&mut self.state.adam, &mut self.state.theta, &sum, rate, decay);
-        let params = self.coordinates.params(&self.state.theta);
-        self.loaded = backend.with_params(&self.loaded, params)?;
-        Ok(())
+        let lengths: Vec<f64> = slopes.iter().map(|s| s.length).collect();
+        Ok(descent.step(index, &weights(&lengths), self.learning_rate())?)
+    }
+
+    /// Takes over where the steps of a pass led.
+    pub(crate) fn arrive(&mut self, index: usize, descent: &mut dyn Descent) -> Result<(), Error> {
+        self.loaded = descent.loaded(index)?;
+        self.state.position = descent.position(index)?;
+        self.settle_substeps(index, descent)
     }
 
     /// Adds substeps where stiffness has grown; backs off where there are none to add.
-    pub(crate) fn settle_substeps(&mut self, backend: &dyn Backend) -> Result<(), Error> {
+    fn settle_substeps(&mut self, index: usize, descent: &mut dyn Descent) -> Result<(), Error> {
         let current = self.loaded.model();
         let needed = stable_substeps(current).needed;
         let margin = match self.task.settings.substeps {
@@ -184,40 +222,45 @@ impl<'a> Walk<'a> {
         if f64::from(needed) * margin <= f64::from(self.state.substeps) {
             return Ok(());
         }
-        let again = model(self.task, &self.graph, current.params.clone());
-        let loaded = match again {
+        let moved = match model(self.task, &self.graph, current.params.clone()) {
             // At the limit the margin has to give way.
             Ok(model) if model.timing.substeps <= self.state.substeps => return Ok(()),
-            Ok(model) => load(backend, model)?,
+            Ok(model) => {
+                let position = self.state.position.clone();
+                self.move_to(index, position, model.timing.substeps, descent)?
+            }
             Err(refusal) => Err(refusal),
         };
-        match loaded {
-            Ok(loaded) => {
-                self.state.substeps = loaded.model().timing.substeps;
-                self.loaded = loaded;
+        match moved {
+            Ok(()) => {
                 self.note = Some(format!("raised to {} substeps a frame", self.state.substeps));
                 Ok(())
             }
             Err(Refusal::TooStiff(n)) => {
-                self.back_off(&format!("it would need {n} substeps a frame"), backend)
+                self.back_off(index, &format!("it would need {n} substeps a frame"), descent)
             }
         }
     }
 
-    /// Takes the loss over all training frames of the current parameters.
-    pub(crate) fn judge(&mut self, loss: f64, backend: &dyn Backend) -> Result<(), Error> {
+    /// Takes the loss over all training frames of the parameters where it arrived.
+    pub(crate) fn judge(
+        &mut self,
+        index: usize,
+        loss: f64,
+        descent: &mut dyn Descent,
+    ) -> Result<(), Error> {
         self.state.loss = loss;
         if loss < self.state.best.loss {
-            let (theta, substeps) = (self.state.theta.clone(), self.state.substeps);
+            let (theta, substeps) = (self.state.position.theta.clone(), self.state.substeps);
             self.state.best = Best { theta, substeps, loss };
             self.state.stale = 0;
             return Ok(());
         }
         self.state.stale += 1;
         if !loss.is_finite() {
-            self.back_off("the simulation diverged", backend)?;
+            self.back_off(index, "the simulation diverged", descent)?;
         } else if self.state.stale >= PATIENCE && !self.sits_out {
-            self.reach_less(backend)?;
+            self.reach_less(index, descent)?;
         }
         Ok(())
     }
@@ -225,17 +268,17 @@ impl<'a> Walk<'a> {
     /// Steps that help nowhere mean that the gradient has lost its way through many frames: it grows along
     /// chaotic motion until nothing else is left of it. So it is cut shorter, and only then comes
     /// a shorter step.
-    fn reach_less(&mut self, backend: &dyn Backend) -> Result<(), Error> {
+    fn reach_less(&mut self, index: usize, descent: &mut dyn Descent) -> Result<(), Error> {
         let why = format!("no gain in {PATIENCE} passes");
         let shorter = match self.state.reach {
             0 => FIRST_REACH,
             reach => reach / 4,
         };
         if shorter == 0 {
-            return self.back_off(&why, backend);
+            return self.back_off(index, &why, descent);
         }
         self.state.reach = shorter;
-        self.go_back(backend)?;
+        self.go_back(index, descent)?;
         self.note = Some(format!(
             "{why}: went back to the best parameters, gradients now reach {shorter} frames"
         ));
@@ -243,25 +286,25 @@ impl<'a> Walk<'a> {
     }
 
     /// Back to the best parameters with half the rate.
-    fn back_off(&mut self, why: &str, backend: &dyn Backend) -> Result<(), Error> {
+    fn back_off(
+        &mut self,
+        index: usize,
+        why: &str,
+        descent: &mut dyn Descent,
+    ) -> Result<(), Error> {
         self.state.rate *= 0.5;
-        self.go_back(backend)?;
+        self.go_back(index, descent)?;
         self.note = Some(format!("{why}: went back to the best parameters and halved the rate"));
         Ok(())
     }
 
     /// Back to the best parameters, without momentum, until the next pass.
-    fn go_back(&mut self, backend: &dyn Backend) -> Result<(), Error> {
-        let state = &mut self.state;
-        state.theta.clone_from(&state.best.theta);
-        state.substeps = state.best.substeps;
-        state.adam = Adam::new(state.theta.len());
-        state.stale = 0;
+    fn go_back(&mut self, index: usize, descent: &mut dyn Descent) -> Result<(), Error> {
+        let best = &self.state.best;
+        let (position, substeps) = (Position::at_rest(best.theta.clone()), best.substeps);
+        self.move_to(index, position, substeps, descent)?.map_err(too_stiff)?;
+        self.state.stale = 0;
         self.sits_out = true;
-        let mut model = bendtwin_engine::Model::clone(self.loaded.model());
-        model.params = self.coordinates.params(&self.state.theta);
-        model.timing.substeps = self.state.substeps;
-        self.loaded = load(backend, model)?.map_err(too_stiff)?;
         Ok(())
     }
 }
@@ -269,13 +312,11 @@ impl<'a> Walk<'a> {
 /// Weights of the gradients of a batch. A long rollout now and then comes near a point where the motion branches,
 /// and its gradient is larger than all others by orders of magnitude without saying more: none counts
 /// with more than the median length.
-fn weights(gradients: &[Vec<f64>]) -> Vec<f64> {
-    let length = |g: &Vec<f64>| g.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let lengths: Vec<f64> = gradients.iter().map(length).collect();
+fn weights(lengths: &[f64]) -> Vec<f64> {
     // Sequences that say nothing must not silence the others.
     let mut sorted: Vec<f64> = lengths.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
-    let even = 1.0 / gradients.len().max(1) as f64;
+    let even = 1.0 / lengths.len().max(1) as f64;
     let Some(&median) = sorted.get(sorted.len() / 2) else { return vec![even; lengths.len()] };
     lengths.iter().map(|&l| if l > median { even * median / l } else { even }).collect()
 }

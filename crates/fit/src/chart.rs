@@ -1,0 +1,89 @@
+//! The space in which the refinement walks: logarithms of stiffnesses, dashpots, dampings, drag and rest lengths
+//! (positive, and their scale is unknown), rest angles and contact ratios as they are.
+
+use std::f64::consts::PI;
+
+use bendtwin_core::{Params, params::MAX_SPRING_STIFFNESS};
+use bendtwin_engine::descent::{Chart, Parameter, Scale};
+
+use crate::task::Task;
+
+/// How far rest lengths may move from where they started (a factor, as a logarithm).
+const REST_LENGTH_SPAN: f64 = 0.2;
+/// How far rest angles may move from where they started [rad].
+const REST_ANGLE_SPAN: f64 = 0.6;
+/// A rest length that moves by a percent says as much as a stiffness that moves by a quarter.
+const REST_LENGTH_RATE: f64 = 0.04;
+/// Rest angles [rad] per unit of learning rate.
+const REST_ANGLE_RATE: f64 = 0.3;
+
+/// The coordinates of one graph's parameters, which start at `base`.
+pub(crate) fn chart(task: &Task<'_>, base: Params) -> Chart {
+    let mut parameters = vec![
+        Parameter::SpringStiffness,
+        Parameter::SpringDashpot,
+        Parameter::BendStiffness,
+        Parameter::BendDamping,
+        Parameter::Drag,
+    ];
+    if task.settings.refine.rest_shape {
+        parameters.extend([Parameter::RestLength, Parameter::RestAngle]);
+    }
+    if task.nears_ground() {
+        parameters.extend([Parameter::GroundRestitution, Parameter::GroundFriction]);
+    }
+    if task.has_contact() {
+        parameters.extend([Parameter::ObjectRestitution, Parameter::ObjectFriction]);
+    }
+    parameters.into_iter().fold(Chart::new(base), |chart, parameter| {
+        let bounds = |start| bounds(parameter, start, task.spacing_m);
+        chart.with(parameter, scale(parameter), rate(parameter), bounds)
+    })
+}
+
+fn scale(parameter: Parameter) -> Scale {
+    match parameter {
+        Parameter::SpringStiffness
+        | Parameter::SpringDashpot
+        | Parameter::RestLength
+        | Parameter::BendStiffness
+        | Parameter::BendDamping
+        | Parameter::Drag => Scale::Logarithmic,
+        Parameter::RestAngle
+        | Parameter::GroundRestitution
+        | Parameter::GroundFriction
+        | Parameter::ObjectRestitution
+        | Parameter::ObjectFriction => Scale::Linear,
+    }
+}
+
+/// Length of a step relative to the learning rate.
+fn rate(parameter: Parameter) -> f64 {
+    match parameter {
+        Parameter::RestLength => REST_LENGTH_RATE,
+        Parameter::RestAngle => REST_ANGLE_RATE,
+        _ => 1.0,
+    }
+}
+
+/// Where a coordinate that starts at `start` may go.
+fn bounds(parameter: Parameter, start: f64, spacing_m: f64) -> [f64; 2] {
+    let square = spacing_m * spacing_m;
+    let logs = |low: f64, high: f64| [low.ln(), high.ln()];
+    match parameter {
+        Parameter::SpringStiffness => logs(1.0, f64::from(MAX_SPRING_STIFFNESS)),
+        Parameter::SpringDashpot => logs(1e-3, 1e3),
+        Parameter::RestLength => [start - REST_LENGTH_SPAN, start + REST_LENGTH_SPAN],
+        Parameter::BendStiffness => logs(1e-3 * square, 1e6 * square),
+        Parameter::BendDamping => logs(1e-4 * square, 1e4 * square),
+        Parameter::RestAngle => {
+            [(start - REST_ANGLE_SPAN).max(0.0), (start + REST_ANGLE_SPAN).min(PI)]
+        }
+        Parameter::Drag => logs(1e-3, 50.0),
+        Parameter::GroundRestitution | Parameter::ObjectRestitution => [0.0, 1.0],
+        Parameter::GroundFriction | Parameter::ObjectFriction => [0.0, 2.0],
+    }
+}
+
+#[cfg(test)]
+mod tests;
