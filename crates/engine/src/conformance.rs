@@ -15,6 +15,7 @@ mod bending;
 mod conservation;
 mod contact;
 mod degenerate;
+mod descent;
 mod energy;
 mod expect;
 mod gradients;
@@ -163,6 +164,15 @@ suite! { ($)
         resuming_continues_exactly,
         new_params_equal_a_new_model,
         cancellation_stops_everything;
+    descent:
+        descent_measures_gradients,
+        descent_steps_like_adam,
+        descent_slices_equal_one_batch,
+        descent_hands_out_its_model,
+        descent_goes_back_exactly,
+        descent_stays_within_bounds,
+        descent_refuses_nonsense,
+        overflowing_gradients_say_so;
     degenerate:
         random_graphs_stay_finite,
         degenerate_geometry_stays_finite,

@@ -14,7 +14,8 @@ pub struct Decay {
     pub beta2: f64,
 }
 
-/// The moments.
+/// The moments. They want the range of f64: squares of small gradients are nothing in f32, and
+/// [`EPSILON`] then stops a coordinate that should move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Adam {
     /// Steps made.

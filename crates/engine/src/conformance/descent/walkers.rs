@@ -1,0 +1,132 @@
+//! Two walks over different graphs, and the same walks by hand.
+
+use std::sync::Arc;
+
+use crate::{
+    Backend,
+    backend::{CancelToken, GradientRequest},
+    conformance::{
+        random::{RandomOptions, random_model, random_motion, random_objective},
+        scene::Scene,
+    },
+    descent::{Chart, Decay, Descent, Parameter, Position, Probe, Scale, Start},
+};
+
+pub(super) const REQUEST: GradientRequest =
+    GradientRequest { cut_every: 0, controls: false, initial: false, final_state: true };
+
+/// Where two walks start, and what they are measured by.
+pub(super) struct Walkers {
+    pub(super) starts: Vec<Start>,
+    pub(super) decay: Decay,
+    scenes: Vec<Scene>,
+}
+
+impl Walkers {
+    pub(super) fn new(backend: &dyn Backend) -> Result<Self, String> {
+        let scene = |seed: u64, nodes: usize, bending: bool| {
+            let options = RandomOptions { nodes, bending, ground: true, ..Default::default() };
+            let model = random_model(seed, &options);
+            let frames = 3;
+            let (state, controls) = random_motion(seed, &model, frames);
+            let objective = random_objective(seed, &model, frames);
+            let mut scene = Scene::around(model, state, controls, frames);
+            scene.objective = objective;
+            // Room for what steps and other parameters do to stability.
+            scene.timing.substeps *= 2;
+            scene
+        };
+        let scenes = vec![scene(3, 24, true), scene(4, 17, false)];
+        let start = |scene: &Scene| {
+            let loaded = scene.load(backend)?;
+            let chart = chart(scene);
+            let position = Position::at_rest(chart.start());
+            // Loaded with exactly what the chart makes of its start.
+            let loaded = backend.with_params(&loaded, chart.params(&position.theta));
+            let loaded = loaded.map_err(|e| format!("with_params: {e}"))?;
+            Ok(Start { loaded, chart, position })
+        };
+        let starts = scenes.iter().map(start).collect::<Result<_, String>>()?;
+        Ok(Self { starts, decay: Decay { beta1: 0.9, beta2: 0.99 }, scenes })
+    }
+
+    pub(super) fn descent(&self, backend: &dyn Backend) -> Result<Box<dyn Descent>, String> {
+        backend.descent(self.starts.clone(), self.decay).map_err(|e| format!("descent: {e}"))
+    }
+
+    /// Two instances of the first walk, of different lengths, around one of the second.
+    pub(super) fn probes(&self) -> Vec<Probe> {
+        let probe = |walk: usize| {
+            let instance = self.scenes[walk].instance(self.starts[walk].loaded.clone());
+            Probe { walk, instance }
+        };
+        let mut shorter = probe(0);
+        let c = self.scenes[0].graph.control_count();
+        shorter.instance.frames = 2;
+        shorter.instance.controls = Arc::new(self.scenes[0].controls[..3 * c].to_vec());
+        let terms = self.scenes[0].objective.terms.iter().filter(|t| t.frame <= 2).cloned();
+        shorter.instance.objective.terms = Arc::new(terms.collect());
+        vec![probe(0), probe(1), shorter]
+    }
+}
+
+/// Every parameter; positive ones by their logarithm. Narrow enough for steps to meet a bound.
+fn chart(scene: &Scene) -> Chart {
+    use Parameter::{
+        BendDamping, BendStiffness, Drag, GroundFriction, GroundRestitution, ObjectFriction,
+        ObjectRestitution, RestAngle, RestLength, SpringDashpot, SpringStiffness,
+    };
+    let near = |span: f64| move |x: f64| [x - span, x + span];
+    let mut chart = Chart::new(scene.params.clone());
+    for parameter in [SpringStiffness, SpringDashpot, BendStiffness, BendDamping, Drag] {
+        chart = chart.with(parameter, Scale::Logarithmic, 1.0, near(0.5));
+    }
+    chart = chart.with(RestLength, Scale::Logarithmic, 0.04, near(0.05));
+    chart = chart.with(RestAngle, Scale::Linear, 0.3, |x| {
+        [(x - 0.3).max(0.0), (x + 0.3).min(std::f64::consts::PI)]
+    });
+    for parameter in [GroundRestitution, GroundFriction, ObjectRestitution, ObjectFriction] {
+        chart = chart.with(parameter, Scale::Linear, 1.0, |_| [0.0, 1.0]);
+    }
+    chart
+}
+
+/// Where the walks are after steps with these weights and rates, from `gradients`, charts and Adam.
+pub(super) fn by_hand(
+    backend: &dyn Backend,
+    walkers: &Walkers,
+    weights: &[Vec<f64>],
+    rates: &[f64],
+) -> Result<Vec<Position>, String> {
+    let mut positions = Vec::new();
+    for (walk, start) in walkers.starts.iter().enumerate() {
+        let chart = &start.chart;
+        let mut position = start.position.clone();
+        let mut loaded = start.loaded.clone();
+        for rate in rates {
+            let own = walkers.probes().into_iter().filter(|p| p.walk == walk);
+            let batch: Vec<_> = own
+                .map(|p| crate::backend::Instance { model: loaded.clone(), ..p.instance })
+                .collect();
+            let gradients = backend.gradients(&batch, &REQUEST, &CancelToken::default());
+            let mut sum = vec![0.0; chart.len()];
+            for (g, weight) in gradients.map_err(|e| e.to_string())?.iter().zip(&weights[walk]) {
+                let own = chart.gradient(&loaded.model().params, &g.params);
+                sum.iter_mut().zip(own).for_each(|(s, g)| *s += weight * g);
+            }
+            let rates: Vec<f64> = chart.rates().map(|r| r * rate).collect();
+            let Position { theta, adam } = &mut position;
+            adam.step(theta, &sum, &rates, chart.bounds(), walkers.decay);
+            let moved = backend.with_params(&loaded, chart.params(theta));
+            loaded = moved.map_err(|e| format!("with_params: {e}"))?;
+        }
+        positions.push(position);
+    }
+    Ok(positions)
+}
+
+/// Root of the mean squared difference.
+pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+    (squares / a.len().max(1) as f64).sqrt()
+}
