@@ -13,6 +13,7 @@ mod quaternion;
 mod replay;
 mod reply;
 mod returns;
+mod serve;
 mod service;
 mod warm;
 

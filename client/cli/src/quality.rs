@@ -27,6 +27,23 @@ pub(crate) fn summary(quality: &Quality) -> Option<String> {
     ))
 }
 
+/// The fast variant in a line; none if there is none. `substeps` are the twin's own.
+pub(crate) fn fast(quality: &Quality, substeps: u32) -> Option<String> {
+    let fast = quality.fast.as_ref()?;
+    if fast.substeps >= substeps {
+        return Some(format!("{substeps} substeps a frame as well: fewer would stray too far"));
+    }
+    let softened = if fast.rate_limit.is_some() { ", softened" } else { "" };
+    Some(format!(
+        "{} substeps a frame ({:.1} times fewer{softened}), {:.2} mm from the exact twin on average, {:.1} mm at most, where nodes travel {:.0} mm",
+        fast.substeps,
+        f64::from(substeps) / f64::from(fast.substeps.max(1)),
+        1e3 * fast.mean_deviation_m,
+        1e3 * fast.max_deviation_m,
+        1e3 * fast.mean_travel_m,
+    ))
+}
+
 /// The number that sums an error up: track where there are tracks.
 fn headline(errors: &ErrorSummary) -> Option<f64> {
     errors.track_m.or(errors.coordinate_m).or(errors.chamfer_l1_m).filter(|e| *e > 0.0)
@@ -34,7 +51,7 @@ fn headline(errors: &ErrorSummary) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use bendtwin_core::quality::Score;
+    use bendtwin_core::{FastVariant, quality::Score};
 
     use super::*;
 
@@ -44,13 +61,30 @@ mod tests {
     }
 
     #[test]
+    fn the_fast_variant_is_told_in_a_line() {
+        let fast = FastVariant {
+            substeps: 20,
+            rate_limit: None,
+            mean_deviation_m: 4.2e-4,
+            max_deviation_m: 3e-3,
+            mean_travel_m: 0.1,
+            frames: 30,
+        };
+        let quality = Quality { fast: Some(fast), ..Quality::default() };
+        let line = super::fast(&quality, 100).unwrap();
+        assert!(line.contains("5.0 times fewer)") && line.contains("0.42 mm"), "{line}");
+        assert!(super::fast(&quality, 20).unwrap().contains("as well"));
+        assert_eq!(super::fast(&Quality::default(), 20), None);
+    }
+
+    #[test]
     fn the_sentence_compares() {
         let scores = vec![
             score(Predictor::Bending, 0.004),
             score(Predictor::Axial, 0.006),
             score(Predictor::StandingStill, 0.1),
         ];
-        let sentence = summary(&Quality { scores, warnings: Vec::new() }).unwrap();
+        let sentence = summary(&Quality { scores, ..Quality::default() }).unwrap();
         assert!(sentence.contains("4.0 mm: 25.0 times") && sentence.contains("1.50 times"));
         assert_eq!(summary(&Quality::default()), None);
     }

@@ -4,7 +4,7 @@ mod actions;
 
 use std::path::PathBuf;
 
-use bendtwin_client::{Cost, Point, Reply, TwinId};
+use bendtwin_client::{Cost, Fidelity, Point, Reply, TwinId};
 use clap::Args;
 use serde_json::json;
 
@@ -57,9 +57,27 @@ pub(crate) struct Rollout {
     /// Write the recorded positions here: .npy of shape [R, frames, nodes, 3]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Follow the twin as fitted, or by its fast variant, and say how far that strays
+    #[arg(long, value_enum, default_value_t = Mode::Exact)]
+    fidelity: Mode,
     /// Keep the positions of only the best instances
     #[arg(long, value_name = "N")]
     best: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Mode {
+    Exact,
+    Fast,
+}
+
+impl From<Mode> for Fidelity {
+    fn from(mode: Mode) -> Self {
+        match mode {
+            Mode::Exact => Self::Exact,
+            Mode::Fast => Self::Fast,
+        }
+    }
 }
 
 fn point(text: &str) -> Result<Point, String> {
@@ -85,6 +103,7 @@ pub(crate) async fn run(args: Rollout, global: &Global) -> anyhow::Result<()> {
     let instances = actions.shape[0];
     let mut request =
         bendtwin_client::Rollout::of(args.twin).trajectories(actions.shape, actions.positions);
+    request = request.fidelity(args.fidelity.into());
     if args.cubic {
         request = request.cubic();
     }
@@ -138,6 +157,9 @@ fn document(reply: &Reply) -> serde_json::Value {
         "diagnostics": reply.diagnostics,
         "diverged": reply.diverged,
         "timing": reply.timing,
+        "fidelity": reply.fidelity,
+        "substeps": reply.substeps,
+        "deviation": reply.deviation,
         "worker": reply.worker,
     })
 }
@@ -174,6 +196,14 @@ fn text(reply: &Reply, instances: usize, out: Option<&PathBuf>) -> String {
         1e3 * reply.timing.compute_s,
         1e3 * reply.timing.queue_s
     );
+    if let Some(d) = reply.deviation {
+        text += &format!(
+            "\nfast: {} substeps a frame; on its own capture {:.2} mm from the exact twin on average, {:.1} mm at most",
+            reply.substeps,
+            1e3 * d.mean_m,
+            1e3 * d.max_m
+        );
+    }
     match out {
         Some(path) => text + &format!("\npositions in {}", path.display()),
         None => text,

@@ -110,7 +110,7 @@ fn stem(path: &Path) -> String {
 fn shown(twin: &bendtwin_client::Twin) -> String {
     let origin = |name: Option<String>| name.unwrap_or_else(|| "imported".to_owned());
     let mut text = format!(
-        "{}\n  what      {}\n  capture   {}\n  fit       {}\n  graph     {} nodes, {} springs, {} triplets, {} control points\n  time      {} frames a second, {} substeps a frame\n  size      {}\n\n{}",
+        "{}\n  what      {}\n  capture   {}\n  fit       {}\n  graph     {} nodes, {} springs, {} triplets, {} control points\n  time      {} frames a second, {} substeps a frame\n  fast      {}\n  size      {}\n\n{}",
         twin.name,
         twin.display_name,
         origin(twin.capture.map(|c| c.to_string())),
@@ -121,6 +121,7 @@ fn shown(twin: &bendtwin_client::Twin) -> String {
         twin.control_count,
         twin.fps,
         twin.substeps,
+        quality::fast(&twin.quality, twin.substeps).unwrap_or_else(|| "not known".to_owned()),
         output::bytes(twin.size_bytes),
         format_table(&twin.quality, TableStyle::Plain),
     );

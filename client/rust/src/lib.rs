@@ -44,7 +44,7 @@ mod twins;
 mod workers;
 
 pub use bendtwin_core::{
-    Category, Fault, FitSettings, Point, Quality, Twin as TwinModel,
+    Category, FastVariant, Fault, Fidelity, FitSettings, Point, Quality, Twin as TwinModel,
     ids::{CaptureId, FitId, TwinId, WorkerId},
 };
 
@@ -56,7 +56,8 @@ pub use self::{
     page::{Page, PageRequest},
     resources::{Capture, Fit, FitProgress, FitState, Twin, Worker},
     rollouts::{
-        Cost, Diagnostics, Divergence, GripperPoses, Reply, Rollout, RolloutTiming, Rollouts,
+        Cost, Deviation, Diagnostics, Divergence, GripperPoses, Reply, Rollout, RolloutTiming,
+        Rollouts,
     },
     twins::Twins,
     workers::Workers,

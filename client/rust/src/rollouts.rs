@@ -10,7 +10,7 @@ use tonic::transport::Channel;
 
 pub use self::{
     cost::Cost,
-    reply::{Diagnostics, Divergence, Reply, RolloutTiming},
+    reply::{Deviation, Diagnostics, Divergence, Reply, RolloutTiming},
     request::{GripperPoses, Rollout},
 };
 use crate::Error;

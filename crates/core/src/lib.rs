@@ -8,6 +8,7 @@
 pub mod capture;
 pub mod environment;
 pub mod error;
+pub mod fidelity;
 pub mod graph;
 pub mod ids;
 pub mod params;
@@ -19,6 +20,7 @@ pub mod twin;
 pub use capture::{Capture, Sequence};
 pub use environment::{Environment, Plane, Timing};
 pub use error::{Category, Fault, Problem};
+pub use fidelity::{FastVariant, Fidelity};
 pub use graph::{Graph, NodeKind, Pin};
 pub use params::{Contact, Params};
 pub use progress::{Progress, Stage};

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::FastVariant;
+
 /// Errors over a span of frames, averaged over its frames. All in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorSummary {
@@ -53,6 +55,9 @@ pub struct Quality {
     /// Warnings for the user: what is suspicious about the fit or the data.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
+    /// The twin's fast variant and how far it strays; none if nobody could measure that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fast: Option<FastVariant>,
 }
 
 impl Quality {

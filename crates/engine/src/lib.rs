@@ -8,6 +8,7 @@ pub mod conformance;
 mod cpu;
 pub mod descent;
 mod energy;
+pub mod fidelity;
 pub mod model;
 pub mod objective;
 pub mod reference;

@@ -84,6 +84,7 @@ pub fn score(
     let mut quality = Quality {
         scores: rows.into_iter().filter_map(|row| row.score(per_frame)).collect(),
         warnings: divergences(capture, predictions),
+        fast: None,
     };
     if let Some((_, predictions)) = axial {
         let named = |w: String| format!("the axial-only fit: {w}");

@@ -4,6 +4,7 @@ mod baselines;
 mod distance;
 mod error;
 mod evaluate;
+mod fidelity;
 mod metrics;
 pub mod picture;
 #[cfg(test)]
@@ -13,5 +14,6 @@ mod trajectory;
 
 pub use error::Error;
 pub use evaluate::{EvaluateOptions, evaluate, score};
+pub use fidelity::fast_variant;
 pub use table::{TableStyle, format_table, predictor_name};
 pub use trajectory::{Trajectory, check_capture, initial_state, instance, predict, slice_len};

@@ -148,7 +148,7 @@ pub(crate) fn difference(a: Point, b: Point) -> Point {
 }
 
 /// Whether shapes agree, so that nothing below needs to ask.
-fn check(twin: &Twin, capture: &Capture) -> Result<(), Error> {
+pub(crate) fn check(twin: &Twin, capture: &Capture) -> Result<(), Error> {
     check_capture(capture)?;
     if (twin.timing.fps - capture.fps).abs() > 1e-6 * capture.fps.abs() {
         return Err(Error::Mismatch(format!(

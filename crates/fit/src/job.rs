@@ -7,7 +7,7 @@ use bendtwin_engine::{
     Backend,
     backend::{self, CancelToken},
 };
-use bendtwin_eval::{EvaluateOptions, evaluate};
+use bendtwin_eval::{EvaluateOptions, evaluate, fast_variant};
 
 use crate::{
     Error, ObserverError,
@@ -233,7 +233,7 @@ impl<'a> Run<'a> {
         Ok(finished)
     }
 
-    /// The quality table, and the end.
+    /// The quality table, the fast variant, and the end.
     fn evaluate(&mut self, finished: Vec<Finished>) -> Result<Outcome, Error> {
         self.check_cancelled()?;
         let variant = self.variants[0].name;
@@ -259,6 +259,7 @@ impl<'a> Run<'a> {
             let row = quality.score(Predictor::Axial).cloned();
             axial.quality.scores = row.into_iter().collect();
         }
+        quality.fast = fast_variant(&*self.job.backend, &twin, self.job.capture, self.cancel)?;
         twin.quality = quality;
         self.report(report(1));
         Ok(Outcome { twin, axial })

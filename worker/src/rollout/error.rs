@@ -1,6 +1,6 @@
 //! Why a rollout is refused or fails.
 
-use bendtwin_core::{Category, Problem, twin::format::FormatError};
+use bendtwin_core::{Category, Problem, ids::TwinId, twin::format::FormatError};
 use bendtwin_engine::backend;
 use bendtwin_proto::tensor::TensorError;
 
@@ -44,6 +44,14 @@ pub(crate) enum Error {
     /// The stored twin cannot be read.
     #[error("the stored twin cannot be used: {0}")]
     StoredTwin(FormatError),
+    /// The twin has no fast variant.
+    #[error(
+        "{twin} has no fast variant, as it was made before there were any or diverged where that is measured: fit its capture again, or ask for EXACT"
+    )]
+    NoFastVariant {
+        /// The twin.
+        twin: TwinId,
+    },
     /// The capture cannot be replayed.
     #[error("the capture cannot be replayed with this twin: {0}")]
     Capture(String),
@@ -82,7 +90,9 @@ impl Problem for Error {
             Self::TooLarge { .. } | Self::Busy { .. } => Category::ResourceExhausted,
             Self::Fetch(e) => e.category(),
             Self::StoredTwin(_) => Category::DataLoss,
-            Self::Capture(_) | Self::ReplayDiverged { .. } => Category::FailedPrecondition,
+            Self::NoFastVariant { .. } | Self::Capture(_) | Self::ReplayDiverged { .. } => {
+                Category::FailedPrecondition
+            }
             Self::Engine(e) => e.category(),
             Self::Deadline => Category::DeadlineExceeded,
             Self::Panicked => Category::Internal,
@@ -96,6 +106,7 @@ impl Problem for Error {
             Self::Busy { .. } => "WORKER_BUSY",
             Self::Fetch(e) => e.reason(),
             Self::StoredTwin(_) => "TWIN_DAMAGED",
+            Self::NoFastVariant { .. } => "FAST_VARIANT_UNKNOWN",
             Self::Capture(_) => "CAPTURE_NOT_REPLAYABLE",
             Self::ReplayDiverged { .. } => "REPLAY_DIVERGED",
             Self::Engine(e) => e.reason(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::Point;
+use bendtwin_core::{Point, Twin};
 use bendtwin_engine::{Objective, backend::Instance};
 use bendtwin_proto::v1::RollOutRequest;
 
@@ -12,7 +12,7 @@ use super::{
     error::Error,
     initial::{Starts, Wanted},
     returns::Returns,
-    warm::Warm,
+    serve::Served,
 };
 use crate::Limits;
 
@@ -21,7 +21,7 @@ const TARGET_WORK: u128 = 20;
 
 /// A checked request.
 pub(super) struct Plan {
-    pub(super) warm: Arc<Warm>,
+    pub(super) served: Served,
     pub(super) actions: Actions,
     pub(super) frames: usize,
     pub(super) objective: Objective,
@@ -38,10 +38,10 @@ impl Plan {
         request: RollOutRequest,
         own_capture: &str,
         part_instances: u32,
-        warm: Arc<Warm>,
+        served: Served,
         limits: &Limits,
     ) -> Result<(Self, Wanted), Error> {
-        let graph = &warm.twin.graph;
+        let graph = &served.warm.twin.graph;
         let actions = Actions::read(request.actions, graph.control_count(), limits.instances)?;
         let frames = actions.horizon(request.frames)?;
         let instances = actions.shape().instances;
@@ -54,10 +54,15 @@ impl Plan {
         let part = part.min(instances);
         let control_bytes = 12 * (frames as u64 + 1) * graph.control_count().max(1) as u64;
         let chunk = (limits.reply_bytes / control_bytes).clamp(1, part as u64) as usize;
-        let plan = Self { actions, frames, objective, returns, part, chunk, warm };
+        let plan = Self { actions, frames, objective, returns, part, chunk, served };
         plan.check_work(limits)?;
         plan.check_reply(limits)?;
         Ok((plan, wanted))
+    }
+
+    /// The twin.
+    pub(super) fn twin(&self) -> &Twin {
+        &self.served.warm.twin
     }
 
     /// Number of instances B.
@@ -70,7 +75,7 @@ impl Plan {
         let start = starts.of(index);
         let controls: Vec<Point> = self.actions.controls(index, self.frames, &start.controls);
         Instance {
-            model: self.warm.loaded.clone(),
+            model: self.served.loaded.clone(),
             initial: Arc::clone(&start.state),
             controls: Arc::new(controls),
             frames: self.frames,
@@ -79,10 +84,9 @@ impl Plan {
     }
 
     fn check_work(&self, limits: &Limits) -> Result<(), Error> {
-        let twin = &self.warm.twin;
-        let graph = &twin.graph;
+        let graph = &self.twin().graph;
         let elements = graph.node_count() + graph.springs.len() + graph.triplets.len();
-        let steps = self.frames as u128 * u128::from(twin.timing.substeps);
+        let steps = self.frames as u128 * u128::from(self.served.loaded.model().timing.substeps);
         let targets: u128 = self.objective.terms.iter().map(|t| target_count(&t.term)).sum();
         let each = steps * elements as u128 + targets * TARGET_WORK;
         let work = each * self.instances() as u128;
@@ -99,7 +103,7 @@ impl Plan {
 
     fn check_reply(&self, limits: &Limits) -> Result<(), Error> {
         let holders = self.returns.best.unwrap_or(self.part) as u128;
-        let each = u128::from(self.returns.instance_bytes(&self.warm.twin.graph, self.frames));
+        let each = u128::from(self.returns.instance_bytes(&self.twin().graph, self.frames));
         // Costs per term and instance come on top, in f64.
         let terms = self.instances() as u128 * (self.objective.groups.len() as u128 + 1) * 8;
         let bytes = holders * each + terms;

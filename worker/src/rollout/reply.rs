@@ -5,8 +5,8 @@ use std::ops::Range;
 use bendtwin_core::Point;
 use bendtwin_engine::{backend::Rollout, model::State};
 use bendtwin_proto::v1::{
-    RollOutResponse, Tensor,
-    roll_out_response::{Diagnostics, Divergence},
+    Fidelity, RollOutResponse, Tensor,
+    roll_out_response::{Deviation, Diagnostics, Divergence},
 };
 
 use super::plan::Plan;
@@ -42,6 +42,14 @@ pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) ->
             node: d.node as u32,
         })
     });
+    let fast = plan.served.fast;
+    let fidelity = if fast.is_some() { Fidelity::Fast } else { Fidelity::Exact };
+    let deviation = fast.map(|f| Deviation {
+        mean_m: f.mean_deviation_m,
+        max_m: f.max_deviation_m,
+        mean_travel_m: f.mean_travel_m,
+        frames: f.frames,
+    });
     RollOutResponse {
         first_instance: range.start as u32,
         costs: Some(Tensor::pack(&[costs.len()], &costs)),
@@ -49,6 +57,9 @@ pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) ->
         cost_terms: Some(Tensor::pack(&[costs.len(), names.len()], &terms)),
         diagnostics: diagnostics.collect(),
         diverged: diverged.collect(),
+        fidelity: fidelity.into(),
+        substeps: plan.served.loaded.model().timing.substeps,
+        deviation,
         ..RollOutResponse::default()
     }
 }
@@ -65,7 +76,7 @@ pub(super) fn add_recordings(
     if !returns.has_arrays() && returns.best.is_none() {
         return;
     }
-    let graph = &plan.warm.twin.graph;
+    let graph = &plan.twin().graph;
     let indices: Vec<u32> = instances.iter().map(|i| *i as u32).collect();
     part.instances = Some(Tensor::pack(&[indices.len()], &indices));
     if returns.every > 0 {
@@ -100,7 +111,7 @@ pub(super) fn add_recordings(
 
 /// Gradients of the instances in the same order as the recordings.
 pub(super) fn add_gradients(plan: &Plan, gradients: &[Vec<Point>], part: &mut RollOutResponse) {
-    let (rows, width) = (plan.frames + 1, plan.warm.twin.graph.control_count());
+    let (rows, width) = (plan.frames + 1, plan.twin().graph.control_count());
     let mut values = Vec::with_capacity(gradients.len() * rows * width);
     for gradient in gradients {
         // Gradients of a diverged instance are zero.

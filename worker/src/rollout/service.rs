@@ -34,6 +34,7 @@ use super::{
     execute::Execution,
     initial::{Starts, Wanted},
     plan::Plan,
+    serve::{self, Served},
 };
 use crate::{
     Limits,
@@ -170,13 +171,14 @@ impl Call {
             .twin
             .parse()
             .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
+        let fidelity = serve::read(wire.fidelity)?;
         let warm = inner.twins.get(id).await?;
+        let served = Served::choose(Arc::clone(&warm), fidelity, &inner.device).await?;
         let lane = Arc::new(inner.device.lane(Priority::Interactive));
         let limits = inner.limits;
-        let planned = Arc::clone(&warm);
         // Reading and checking a hundred megabytes of actions takes a while.
         let (plan, wanted) = tokio::task::spawn_blocking(move || {
-            Plan::new(wire, &request.capture, request.part_instances, planned, &limits)
+            Plan::new(wire, &request.capture, request.part_instances, served, &limits)
         })
         .await
         .map_err(|_| Error::Panicked)??;

@@ -14,13 +14,14 @@ use bendtwin_proto::v1::{
     roll_out_request::Actions,
 };
 use proptest::prelude::*;
-use tokio::sync::mpsc;
+use tokio::sync::{OnceCell, mpsc};
 
 use super::{
     error::Error,
     execute::Execution,
     initial::{Starts, Wanted},
     plan::Plan,
+    serve::Served,
     warm::Warm,
 };
 use crate::{
@@ -75,11 +76,14 @@ impl Bench {
         let twin = twin();
         let model = Arc::new(Model::from(&twin));
         let loaded = device.lane(Priority::Interactive).load(model).unwrap();
-        Self { device, warm: Arc::new(Warm { id: TwinId::generate(), twin, loaded }) }
+        Self {
+            device,
+            warm: Arc::new(Warm { id: TwinId::generate(), twin, loaded, fast: OnceCell::new() }),
+        }
     }
 
     fn plan(&self, request: RollOutRequest, part: u32) -> Result<(Plan, Wanted), Error> {
-        Plan::new(request, "", part, Arc::clone(&self.warm), &limits())
+        Plan::new(request, "", part, Served::exact(Arc::clone(&self.warm)), &limits())
     }
 
     fn run(&self, request: RollOutRequest, part: u32) -> Result<Vec<RollOutResponse>, Error> {

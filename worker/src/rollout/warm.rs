@@ -4,18 +4,21 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bendtwin_core::{Twin, ids::TwinId};
 use bendtwin_engine::{Backend, Loaded, Model};
+use tokio::sync::OnceCell;
 
 use super::{error::Error, lru::Lru};
 use crate::{Limits, artifact, device::Device, device::Priority, link::Link};
 
-/// Memory of a loaded twin beside its file [times the file's size, estimated].
-const LOADED_FACTOR: u64 = 4;
+/// Memory of a loaded twin and its fast variant [times the file's size, estimated].
+const LOADED_FACTOR: u64 = 6;
 
 /// A twin on the device.
 pub(crate) struct Warm {
     pub(super) id: TwinId,
     pub(super) twin: Twin,
     pub(super) loaded: Loaded,
+    /// The fast variant, once somebody has asked for it.
+    pub(super) fast: OnceCell<Loaded>,
 }
 
 /// The loaded twins, bounded by number and memory.
@@ -54,7 +57,7 @@ impl WarmTwins {
         let warm = tokio::task::spawn_blocking(move || {
             let twin = Twin::decode(&file).map_err(Error::StoredTwin)?;
             let loaded = device.lane(Priority::Interactive).load(Arc::new(Model::from(&twin)))?;
-            Ok::<_, Error>(Arc::new(Warm { id, twin, loaded }))
+            Ok::<_, Error>(Arc::new(Warm { id, twin, loaded, fast: OnceCell::new() }))
         })
         .await
         .map_err(|_| Error::Panicked)??;

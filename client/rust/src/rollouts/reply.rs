@@ -1,7 +1,7 @@
 //! A rollout's reply, unpacked.
 
-use bendtwin_core::{Point, ids::WorkerId};
-use bendtwin_proto::v1::{RollOutResponse, Tensor, roll_out_response as wire};
+use bendtwin_core::{Fidelity, Point, ids::WorkerId};
+use bendtwin_proto::v1::{self, RollOutResponse, Tensor, roll_out_response as wire};
 use serde::Serialize;
 
 use crate::Error;
@@ -38,6 +38,25 @@ pub struct Reply {
     pub timing: RolloutTiming,
     /// Who computed it.
     pub worker: Option<WorkerId>,
+    /// What answered.
+    pub fidelity: Fidelity,
+    /// Substeps per frame that were simulated.
+    pub substeps: u32,
+    /// How far the fast variant strays, if it answered.
+    pub deviation: Option<Deviation>,
+}
+
+/// Distance of the fast variant from the exact twin when both follow the twin's own capture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Deviation {
+    /// Between a node here and there, mean over nodes and frames [m].
+    pub mean_m: f64,
+    /// The largest [m].
+    pub max_m: f64,
+    /// To compare with: of the exact twin's nodes from where they started, mean [m].
+    pub mean_travel_m: f64,
+    /// Frames of each recording, at most.
+    pub frames: u32,
 }
 
 /// Physical sanity of an instance.
@@ -96,6 +115,10 @@ impl TryFrom<RollOutResponse> for Reply {
     type Error = Error;
     fn try_from(wire: RollOutResponse) -> Result<Self, Error> {
         let timing = wire.timing.unwrap_or_default();
+        let fidelity = match wire.fidelity() {
+            v1::Fidelity::Fast => Fidelity::Fast,
+            v1::Fidelity::Exact | v1::Fidelity::Unspecified => Fidelity::Exact,
+        };
         let worker = match wire.worker.as_str() {
             "" => None,
             name => Some(name.parse().map_err(Error::malformed)?),
@@ -115,6 +138,9 @@ impl TryFrom<RollOutResponse> for Reply {
             diverged: wire.diverged.into_iter().map(Divergence::from).collect(),
             timing: RolloutTiming { queue_s: timing.queue_s, compute_s: timing.compute_s },
             worker,
+            fidelity,
+            substeps: wire.substeps,
+            deviation: wire.deviation.map(Deviation::from),
         })
     }
 }
@@ -128,6 +154,12 @@ impl From<wire::Diagnostics> for Diagnostics {
             elastic_energy: d.elastic_energy,
             ground_contacts: d.ground_contacts,
         }
+    }
+}
+
+impl From<wire::Deviation> for Deviation {
+    fn from(d: wire::Deviation) -> Self {
+        Self { mean_m: d.mean_m, max_m: d.max_m, mean_travel_m: d.mean_travel_m, frames: d.frames }
     }
 }
 

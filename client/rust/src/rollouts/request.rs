@@ -1,7 +1,7 @@
 //! A rollout request, built step by step.
 
 use bendtwin_core::{
-    Point,
+    Fidelity, Point,
     ids::{CaptureId, TwinId},
 };
 use bendtwin_proto::v1::{
@@ -98,6 +98,19 @@ impl Rollout {
             positions: Some(Tensor::pack_points(&[positions.len()], positions)),
             velocities: Some(Tensor::pack_points(&[velocities.len()], velocities)),
         }))
+    }
+
+    /// Follows the twin exactly, which is the default, or by its fast variant; [`Reply::deviation`]
+    /// says how far that strays.
+    ///
+    /// [`Reply::deviation`]: super::Reply::deviation
+    #[must_use]
+    pub fn fidelity(mut self, fidelity: Fidelity) -> Self {
+        self.request.fidelity = match fidelity {
+            Fidelity::Exact => v1::Fidelity::Exact.into(),
+            Fidelity::Fast => v1::Fidelity::Fast.into(),
+        };
+        self
     }
 
     /// The horizon in frames.

@@ -236,7 +236,7 @@ impl Twin {
         if !e.gravity.iter().chain(&ground).all(|x| x.is_finite()) {
             return fail("gravity or ground is not finite".into());
         }
-        Ok(())
+        self.quality.fast.as_ref().map_or(Ok(()), |f| f.check().or_else(fail))
     }
 }
 

@@ -9,6 +9,7 @@ fn quality() -> Quality {
             score(Predictor::LastResidual, ErrorSummary::default(), error(0.15)),
         ],
         warnings: vec!["the rope is short".into()],
+        fast: None,
     }
 }
 

@@ -1,7 +1,7 @@
 //! RollOutRequest and RollOutResponse as JSON: the same fields, shapes and units.
 
 use bendtwin_proto::v1::{
-    self, ControlTrajectories, Cost, GripperPoses, InitialState, Interpolation, Returns,
+    self, ControlTrajectories, Cost, Fidelity, GripperPoses, InitialState, Interpolation, Returns,
     RollOutRequest, RollOutResponse, Tensor, cost, initial_state, returns,
     roll_out_request::Actions, tensor::Dtype,
 };
@@ -28,6 +28,17 @@ pub(super) struct RollOutDocument {
     #[serde(default)]
     costs: Vec<CostDocument>,
     returns: Option<ReturnsDocument>,
+    #[serde(default)]
+    fidelity: FidelityWord,
+}
+
+/// How finely the twin is followed: as fitted, or by its fast variant.
+#[derive(Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+enum FidelityWord {
+    #[default]
+    Exact,
+    Fast,
 }
 
 /// Positions of every control point.
@@ -187,6 +198,10 @@ impl RollOutDocument {
             frames: self.frames,
             costs: self.costs.into_iter().map(CostDocument::read).collect::<Result<_>>()?,
             returns: self.returns.map(ReturnsDocument::read).transpose()?,
+            fidelity: match self.fidelity {
+                FidelityWord::Exact => Fidelity::Exact.into(),
+                FidelityWord::Fast => Fidelity::Fast.into(),
+            },
         })
     }
 }
@@ -288,6 +303,24 @@ pub(super) struct RollOutResult {
     compute_s: f64,
     /// `workers/{uuid}`
     worker: String,
+    /// What answered.
+    fidelity: FidelityWord,
+    /// Substeps per frame that were simulated.
+    substeps: u32,
+    /// With FAST: how far the variant strays; null otherwise.
+    deviation: Option<Deviation>,
+}
+
+/// Between the fast variant and the exact twin when both follow the twin's own capture.
+#[derive(Serialize, ToSchema)]
+struct Deviation {
+    /// Between a node here and there, over nodes and frames, metres.
+    mean_m: f64,
+    max_m: f64,
+    /// To compare with: of the exact twin's nodes from where they started, metres.
+    mean_travel_m: f64,
+    /// Frames of each recording, at most.
+    frames: u32,
 }
 
 /// Of one instance, over the whole rollout.
@@ -345,6 +378,17 @@ impl RollOutResult {
             queue_s: timing.queue_s,
             compute_s: timing.compute_s,
             worker: response.worker.clone(),
+            fidelity: match response.fidelity() {
+                Fidelity::Fast => FidelityWord::Fast,
+                Fidelity::Exact | Fidelity::Unspecified => FidelityWord::Exact,
+            },
+            substeps: response.substeps,
+            deviation: response.deviation.map(|d| Deviation {
+                mean_m: d.mean_m,
+                max_m: d.max_m,
+                mean_travel_m: d.mean_travel_m,
+                frames: d.frames,
+            }),
         }
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::FastVariant;
 use proptest::prelude::*;
 
 fn twin() -> Twin {
@@ -45,6 +46,29 @@ fn a_twin_survives_its_file() {
 fn released_files_stay_readable() {
     let first = include_bytes!("../../../testdata/twin-v1.safetensors");
     assert_eq!(Twin::decode(first).unwrap(), twin());
+}
+
+#[test]
+fn a_fast_variant_survives_its_file_and_is_checked() {
+    let fast = FastVariant {
+        substeps: 12,
+        rate_limit: Some(0.25),
+        mean_deviation_m: 4e-4,
+        max_deviation_m: 3e-3,
+        mean_travel_m: 0.1,
+        frames: 30,
+    };
+    let mut twin = twin();
+    twin.quality.fast = Some(fast);
+    assert_eq!(Twin::decode(&twin.encode().unwrap()).unwrap(), twin);
+    for bad in [
+        FastVariant { substeps: 0, ..fast },
+        FastVariant { rate_limit: Some(0.0), ..fast },
+        FastVariant { mean_deviation_m: f64::NAN, ..fast },
+    ] {
+        twin.quality.fast = Some(bad);
+        assert!(twin.encode().unwrap_err().to_string().contains("fast variant"));
+    }
 }
 
 #[test]

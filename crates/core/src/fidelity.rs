@@ -1,0 +1,55 @@
+//! How finely a rollout follows a twin: exactly as fitted, or by its fast variant.
+
+use serde::{Deserialize, Serialize};
+
+/// Which model of a twin answers a rollout.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fidelity {
+    /// Substeps and parameters as fitted.
+    #[default]
+    Exact,
+    /// The twin's [`FastVariant`].
+    Fast,
+}
+
+/// The fast variant of a twin: how it is made, and how far it strays from the exact one when both
+/// follow the twin's own capture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FastVariant {
+    /// Substeps per frame.
+    pub substeps: u32,
+    /// What springs and triplets are softened to (dimensionless, as `bendtwin_engine::fidelity`
+    /// defines it); none if parameters are as fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_limit: Option<f64>,
+    /// Distance between a node here and there, mean over nodes and frames [m].
+    pub mean_deviation_m: f64,
+    /// The largest such distance [m].
+    pub max_deviation_m: f64,
+    /// What to compare with: distance of the exact twin's nodes from where they started, mean over
+    /// nodes and frames [m].
+    pub mean_travel_m: f64,
+    /// Frames from the start of each recording over which this was measured, at most.
+    pub frames: u32,
+}
+
+impl FastVariant {
+    /// Checks that the variant can be made and its numbers are possible.
+    ///
+    /// # Errors
+    /// The first contradiction found, as a sentence.
+    pub fn check(&self) -> Result<(), String> {
+        if self.substeps == 0 {
+            return Err("the fast variant has no substeps".into());
+        }
+        if let Some(limit) = self.rate_limit.filter(|l| !(l.is_finite() && *l > 0.0)) {
+            return Err(format!("the fast variant's rate limit is {limit}: it must be positive"));
+        }
+        let lengths = [self.mean_deviation_m, self.max_deviation_m, self.mean_travel_m];
+        match lengths.iter().find(|x| !(x.is_finite() && **x >= 0.0)) {
+            Some(x) => Err(format!("the fast variant deviates by {x}: it must be finite")),
+            None => Ok(()),
+        }
+    }
+}

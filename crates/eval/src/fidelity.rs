@@ -1,0 +1,176 @@
+//! Finds a twin's fast variant: as few substeps as leave its motion nearly what it was.
+//!
+//! The twin follows the controls of its own capture, exactly and by each variant under trial, over at most
+//! [`FRAMES`] frames of at most [`SEQUENCES`] recordings from their start; nodes are compared one by one. A variant will
+//! do if its mean deviation is within [`TOLERANCE_M`] and within [`TOLERANCE_OF_TRAVEL`] of how far nodes move on
+//! average: a capture in which little moves vouches for little. The substeps are found by bisection, so the
+//! cost is that of a few short rollouts, and the same twin, capture, build and device give the same variant.
+
+use std::sync::Arc;
+
+use bendtwin_core::{Capture, FastVariant, Point, Sequence, Twin};
+use bendtwin_engine::{
+    Backend, Model, Objective,
+    backend::{self, CancelToken, Instance, Recording},
+    fidelity::Reduction,
+    stable_substeps,
+};
+
+use crate::{
+    Error, instance, slice_len,
+    trajectory::{check, difference},
+};
+
+/// Frames compared.
+const FRAMES: usize = 30;
+/// Recordings compared, spread evenly over all of them.
+const SEQUENCES: usize = 8;
+/// Mean deviation that a fast variant may have [m].
+const TOLERANCE_M: f64 = 1e-3;
+/// The same as a share of the mean travel.
+const TOLERANCE_OF_TRAVEL: f64 = 0.02;
+/// Numbers of substeps nearer to each other than this factor are not told apart.
+const PRECISION: f64 = 1.1;
+
+/// The fast variant of a twin, measured on a capture; none if the twin diverges there, or there is nothing
+/// to follow. Where nothing faster will do it has the twin's own substeps and does not deviate.
+///
+/// # Errors
+/// If the twin does not fit the capture, on cancellation, or if the backend fails.
+pub fn fast_variant(
+    backend: &dyn Backend,
+    twin: &Twin,
+    capture: &Capture,
+    cancel: &CancelToken,
+) -> Result<Option<FastVariant>, Error> {
+    check(twin, capture)?;
+    let model = Model::from(twin);
+    let trial = Trial { backend, capture, sequences: spread(&capture.sequences), cancel };
+    let Some(exact) = trial.follow(&model)? else { return Ok(None) };
+    let mean_travel_m = exact.mean_travel_m();
+    let tolerance_m = TOLERANCE_M.min(TOLERANCE_OF_TRAVEL * mean_travel_m);
+    let measure = |substeps: u32| -> Result<Option<FastVariant>, Error> {
+        let Some(reduction) = Reduction::to(&model, substeps) else { return Ok(None) };
+        let Some(motion) = trial.follow(&reduction.apply(&model))? else { return Ok(None) };
+        let (mean_deviation_m, max_deviation_m) = exact.deviation_m(&motion);
+        Ok((mean_deviation_m <= tolerance_m).then_some(FastVariant {
+            substeps,
+            rate_limit: reduction.rate_limit,
+            mean_deviation_m,
+            max_deviation_m,
+            mean_travel_m,
+            frames: FRAMES as u32,
+        }))
+    };
+    let own = FastVariant {
+        substeps: model.timing.substeps,
+        rate_limit: None,
+        mean_deviation_m: 0.0,
+        max_deviation_m: 0.0,
+        mean_travel_m,
+        frames: FRAMES as u32,
+    };
+    if exact.positions.iter().all(Vec::is_empty) {
+        return Ok(None);
+    }
+    // Will do, and will not; the first guess asks for as few as are stable without softening.
+    let (mut best, mut too_few) = (own, 0);
+    let mut guess = stable_substeps(&model).needed;
+    while guess > too_few && guess < best.substeps {
+        match measure(guess)? {
+            Some(variant) => best = variant,
+            None => too_few = guess,
+        }
+        if f64::from(best.substeps) <= f64::from(too_few) * PRECISION {
+            break;
+        }
+        guess = (f64::from(too_few.max(1)) * f64::from(best.substeps)).sqrt() as u32;
+    }
+    Ok(Some(best))
+}
+
+/// What is simulated again and again.
+struct Trial<'a> {
+    backend: &'a dyn Backend,
+    capture: &'a Capture,
+    sequences: Vec<&'a Sequence>,
+    cancel: &'a CancelToken,
+}
+
+impl Trial<'_> {
+    /// How a model follows the capture; none if it diverges or the backend finds it unstable.
+    fn follow(&self, model: &Model) -> Result<Option<Motion>, Error> {
+        let loaded = match self.backend.load(Arc::new(model.clone())) {
+            Ok(loaded) => loaded,
+            Err(backend::Error::Unstable { .. }) => return Ok(None),
+            Err(e) => return Err(e.into()),
+        };
+        let batch: Vec<Instance> = self
+            .sequences
+            .iter()
+            .map(|s| {
+                let mut whole = instance(&loaded, self.capture.fps, s, Objective::default());
+                whole.frames = whole.frames.min(FRAMES);
+                let controls = (whole.frames + 1) * model.graph.control_count();
+                whole.controls = Arc::new(whole.controls.iter().take(controls).copied().collect());
+                whole
+            })
+            .collect();
+        let recording = Recording { every: 1, ..Recording::default() };
+        let mut motion = Motion::default();
+        for slice in batch.chunks(slice_len(self.backend)) {
+            for (rollout, instance) in
+                self.backend.roll_out(slice, &recording, self.cancel)?.into_iter().zip(slice)
+            {
+                if rollout.diverged.is_some() {
+                    return Ok(None);
+                }
+                motion.starts.push(instance.initial.positions.clone());
+                motion.positions.push(rollout.positions);
+            }
+        }
+        Ok(Some(motion))
+    }
+}
+
+/// How nodes moved, by sequence.
+#[derive(Default)]
+struct Motion {
+    /// Shape [N, 3] each.
+    starts: Vec<Vec<Point>>,
+    /// Shape [F, N, 3] each.
+    positions: Vec<Vec<Point>>,
+}
+
+impl Motion {
+    /// Mean distance of nodes from where they started [m].
+    fn mean_travel_m(&self) -> f64 {
+        let pairs = self.positions.iter().zip(&self.starts);
+        mean_and_max(pairs.flat_map(|(p, start)| p.iter().zip(start.iter().cycle()))).0
+    }
+
+    /// Mean and largest distance of nodes here from the same nodes there [m].
+    fn deviation_m(&self, other: &Self) -> (f64, f64) {
+        let pairs = self.positions.iter().zip(&other.positions);
+        mean_and_max(pairs.flat_map(|(a, b)| a.iter().zip(b)))
+    }
+}
+
+fn mean_and_max<'a>(pairs: impl Iterator<Item = (&'a Point, &'a Point)>) -> (f64, f64) {
+    let (mut sum, mut max, mut count) = (0.0, 0.0_f64, 0_usize);
+    for (a, b) in pairs {
+        let apart = difference(*a, *b).iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+        sum += apart;
+        max = max.max(apart);
+        count += 1;
+    }
+    (sum / count.max(1) as f64, max)
+}
+
+fn spread(sequences: &[Sequence]) -> Vec<&Sequence> {
+    let count = sequences.len().min(SEQUENCES);
+    (0..count).map(|i| &sequences[i * sequences.len() / count]).collect()
+}
+
+#[cfg(test)]
+mod tests;

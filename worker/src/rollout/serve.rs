@@ -1,0 +1,65 @@
+//! Which of a twin's models answers a request: the exact one, or the fast one, which is made when it is first asked for.
+
+use std::sync::Arc;
+
+use bendtwin_core::{FastVariant, Fidelity};
+use bendtwin_engine::{Backend as _, Loaded, fidelity::Reduction};
+use bendtwin_proto::v1;
+
+use super::{error::Error, warm::Warm};
+use crate::device::{Device, Priority};
+
+/// A twin and the model of it that answers.
+#[derive(Clone)]
+pub(super) struct Served {
+    pub(super) warm: Arc<Warm>,
+    pub(super) loaded: Loaded,
+    /// The variant, if the fast one answers.
+    pub(super) fast: Option<FastVariant>,
+}
+
+impl Served {
+    /// The model that follows a twin as finely as asked for.
+    pub(super) async fn choose(
+        warm: Arc<Warm>,
+        fidelity: Fidelity,
+        device: &Device,
+    ) -> Result<Self, Error> {
+        match fidelity {
+            Fidelity::Exact => Ok(Self::exact(warm)),
+            Fidelity::Fast => Self::fast(warm, device).await,
+        }
+    }
+
+    /// The exact model.
+    pub(super) fn exact(warm: Arc<Warm>) -> Self {
+        let loaded = warm.loaded.clone();
+        Self { warm, loaded, fast: None }
+    }
+
+    async fn fast(warm: Arc<Warm>, device: &Device) -> Result<Self, Error> {
+        let fast = warm.twin.quality.fast.ok_or(Error::NoFastVariant { twin: warm.id })?;
+        let load = || async {
+            let lane = device.lane(Priority::Interactive);
+            let exact = Arc::clone(warm.loaded.model());
+            let load = move || lane.load(Arc::new(Reduction::from(&fast).apply(&exact)));
+            let loaded = tokio::task::spawn_blocking(load).await.map_err(|_| Error::Panicked)??;
+            tracing::info!(twin = %warm.id, substeps = fast.substeps, "fast variant loaded");
+            Ok::<_, Error>(loaded)
+        };
+        let loaded = warm.fast.get_or_try_init(load).await?.clone();
+        Ok(Self { warm, loaded, fast: Some(fast) })
+    }
+}
+
+/// Reads what a request asks for.
+pub(super) fn read(wire: i32) -> Result<Fidelity, Error> {
+    match v1::Fidelity::try_from(wire) {
+        Ok(v1::Fidelity::Unspecified | v1::Fidelity::Exact) => Ok(Fidelity::Exact),
+        Ok(v1::Fidelity::Fast) => Ok(Fidelity::Fast),
+        Err(_) => {
+            let fault = format!("has the unknown value {wire}: use EXACT or FAST");
+            Err(Error::field("fidelity", fault))
+        }
+    }
+}
