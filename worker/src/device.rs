@@ -1,68 +1,68 @@
-//! The compute device: one OS thread that owns the backend, behind a queue
-//! with two priorities. Callers see a [`Backend`] again, a [`Lane`], which cuts
-//! their batches into slices; between two slices of a fit a rollout gets its turn.
+//! The compute device: OS threads that own the backend, each behind a queue. Callers see a
+//! [`Backend`] again, a [`Lane`], which cuts their batches into slices.
+//!
+//! Most devices have one queue: then one thread does everything, with two priorities, and between two
+//! slices of a fit a rollout gets its turn. Where [`Backend::urgent`] gives a second one, rollouts have
+//! a thread of their own and run while fits do.
 
 mod lane;
 mod queue;
+mod thread;
 
 use std::{
-    panic::{AssertUnwindSafe, catch_unwind},
     sync::Arc,
     time::{Duration, Instant},
 };
 
-use bendtwin_engine::{Backend, Device as Description, backend};
+use bendtwin_engine::{
+    Backend, Device as Description,
+    backend::{self, Memory},
+};
 use tokio::sync::mpsc;
 
 pub(crate) use self::lane::Lane;
 pub(crate) use self::queue::Priority;
-use self::queue::Queue;
+use self::{
+    queue::{Broken, Queue},
+    thread::{Opened, Threads},
+};
 use crate::Error;
 
-/// How long one slice should take: what a rollout waits for at most, unless a
-/// single instance takes longer.
-const SLICE: Duration = Duration::from_millis(100);
+/// How long a slice should take on a device with one queue, where it is what a rollout waits for beside
+/// a fit. Rollouts are to be answered within 50 ms of their own time; estimates of a slice's time may
+/// be off by half. A single instance that takes longer cannot be cut.
+const SHARED_SLICE: Duration = Duration::from_millis(30);
+/// How long a rollout's slice should take where rollouts have a queue of their own: what they wait for is each other.
+const URGENT_SLICE: Duration = Duration::from_millis(100);
+/// How long a fit's slice should take there: nobody waits but those who cancel it.
+const BACKGROUND_SLICE: Duration = Duration::from_millis(250);
 
-/// A handle on the device thread; clones share it. The thread ends on [`Device::close`].
+/// A handle on the device; clones share it. Its threads end on [`Device::close`].
 #[derive(Clone)]
 pub(crate) struct Device {
-    queue: Arc<Queue>,
+    threads: Arc<Threads>,
     description: Description,
+    /// Whether rollouts have a thread of their own.
+    has_urgent: bool,
 }
 
 impl Device {
-    /// Starts the thread and opens the backend on it.
+    /// Starts the threads and opens the backend on them.
     ///
-    /// A panic in a job is caught: its caller gets an error, the device takes
-    /// no more work, and `fatal` is told, for the state of a device is unknown then.
+    /// A panic in a job is caught: its caller gets an error, the device takes no more work, and `fatal`
+    /// is told, for the state of a device is unknown then. [`backend::Error::Device`] ends it alike: a
+    /// failed launch leaves a CUDA context that does not heal.
     pub(crate) fn spawn<F>(open: F, fatal: mpsc::UnboundedSender<Error>) -> Result<Self, Error>
     where
-        F: FnOnce() -> Result<Arc<dyn Backend>, backend::Error> + Send + 'static,
+        F: FnOnce() -> Result<Arc<dyn Backend>, Error> + Send + 'static,
     {
-        let queue = Arc::new(Queue::default());
-        let (opened, description) = std::sync::mpsc::sync_channel(1);
-        let jobs = Arc::clone(&queue);
-        std::thread::Builder::new()
-            .name("device".to_owned())
-            .spawn(move || {
-                let backend = match open() {
-                    Ok(backend) => backend,
-                    Err(e) => return drop(opened.send(Err(e))),
-                };
-                let _ = opened.send(Ok(backend.device()));
-                while let Some(job) = jobs.next() {
-                    if let Err(panic) = catch_unwind(AssertUnwindSafe(|| job(&*backend))) {
-                        jobs.close();
-                        let _ = fatal.send(Error::Panicked(panic_text(&*panic)));
-                        return;
-                    }
-                }
-            })
-            .map_err(|source| Error::System { what: "start the device thread", source })?;
-        let description = description.recv().map_err(|_| {
-            backend::Error::Device("the device thread ended while the backend was opened".into())
-        })??;
-        Ok(Self { queue, description })
+        let threads = Arc::new(Threads::new(fatal));
+        let Opened { description, urgent } = threads.start(open)?;
+        let has_urgent = urgent.is_some();
+        if let Some(urgent) = urgent {
+            threads.start_urgent(urgent)?;
+        }
+        Ok(Self { threads, description, has_urgent })
     }
 
     /// What the backend runs on.
@@ -70,33 +70,61 @@ impl Device {
         &self.description
     }
 
-    /// A backend whose calls run on the device thread with this priority.
+    /// The device's memory as of its last job, give or take a second; never waits.
+    pub(crate) fn memory(&self) -> Option<Memory> {
+        self.threads.memory()
+    }
+
+    /// A backend whose calls run on the device with this priority.
     pub(crate) fn lane(&self, priority: Priority) -> Lane {
         Lane::new(self.clone(), priority)
     }
 
-    /// Ends the thread once its current job is done; waiting and later callers get an error.
+    /// Ends the threads once their current jobs are done; waiting and later callers get an error.
     pub(crate) fn close(&self) {
-        self.queue.close();
+        self.threads.close();
     }
 
-    /// Runs a job on the thread and waits for it. Also says how long it ran.
+    /// How long a slice of work should take.
+    fn slice(&self, priority: Priority) -> Duration {
+        match (self.has_urgent, priority) {
+            (false, _) => SHARED_SLICE,
+            (true, Priority::Interactive) => URGENT_SLICE,
+            (true, Priority::Background) => BACKGROUND_SLICE,
+        }
+    }
+
+    fn queue(&self, priority: Priority) -> &Queue {
+        match (self.has_urgent, priority) {
+            (true, Priority::Interactive) => &self.threads.urgent,
+            _ => &self.threads.main,
+        }
+    }
+
+    /// Runs a job on the device and waits for it. Also says how long it ran.
     fn call<R: Send + 'static>(
         &self,
         priority: Priority,
-        job: impl FnOnce(&dyn Backend) -> R + Send + 'static,
+        job: impl FnOnce(&dyn Backend) -> Result<R, backend::Error> + Send + 'static,
     ) -> Result<(R, Duration), backend::Error> {
         let (reply, result) = std::sync::mpsc::sync_channel(1);
-        self.queue.push(
-            priority,
-            Box::new(move |backend| {
-                let started = Instant::now();
-                let value = job(backend);
-                // The caller waits below, so sending cannot fail while it lives.
-                let _ = reply.send((value, started.elapsed()));
-            }),
-        );
-        result.recv().map_err(|_| backend::Error::Device("the device thread has ended".to_owned()))
+        let job = move |backend: &dyn Backend| {
+            let started = Instant::now();
+            let value = job(backend);
+            let took = started.elapsed();
+            let broken = match &value {
+                Err(backend::Error::Device(why)) => Err(Broken(why.clone())),
+                _ => Ok(()),
+            };
+            // The caller waits below, so sending cannot fail while it lives.
+            let _ = reply.send(value.map(|value| (value, took)));
+            broken
+        };
+        self.queue(priority).push(priority, Box::new(job));
+        result.recv().unwrap_or_else(|_| {
+            let why = "it failed in other work, or the worker ends: try again";
+            Err(backend::Error::Device(why.to_owned()))
+        })
     }
 }
 

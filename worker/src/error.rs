@@ -1,7 +1,6 @@
 //! Why a worker process ends.
 
 use bendtwin_core::{Category, Problem};
-use bendtwin_engine as engine;
 
 /// Why a worker could not start or go on.
 #[derive(Debug, thiserror::Error)]
@@ -23,9 +22,13 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
-    /// The compute device cannot be opened.
-    #[error("cannot open the compute device: {0}")]
-    Device(#[from] engine::Error),
+    /// CUDA was asked for and cannot be used.
+    #[error("CUDA cannot be used: {0}")]
+    NoCuda(String),
+    /// The compute device failed. A device that has failed once may fail or lie from then on, so the
+    /// process must restart.
+    #[error("the compute device failed ({0}); this worker ends so that a fresh one can start")]
+    DeviceFailed(String),
     /// A thread or directory cannot be made.
     #[error("cannot {what}: {source}")]
     System {
@@ -47,9 +50,9 @@ impl Problem for Error {
         match self {
             Self::Options(_) | Self::Address { .. } => Category::InvalidArgument,
             Self::Listen { .. } | Self::System { .. } => Category::Unavailable,
-            Self::Device(e) => e.category(),
+            Self::NoCuda(_) => Category::FailedPrecondition,
             Self::Refused(_) => Category::PermissionDenied,
-            Self::Panicked(_) => Category::Internal,
+            Self::DeviceFailed(_) | Self::Panicked(_) => Category::Internal,
         }
     }
     fn reason(&self) -> &'static str {
@@ -58,7 +61,8 @@ impl Problem for Error {
             Self::Address { .. } => "INVALID_SERVER_ADDRESS",
             Self::Listen { .. } => "CANNOT_LISTEN",
             Self::System { .. } => "SYSTEM_REFUSED",
-            Self::Device(e) => e.reason(),
+            Self::NoCuda(_) => "NO_CUDA",
+            Self::DeviceFailed(_) => "DEVICE_FAILED",
             Self::Refused(_) => "WORKER_REFUSED",
             Self::Panicked(_) => "JOB_PANICKED",
         }

@@ -8,12 +8,14 @@
 //!   rollout calls ──────────────┘ interactive
 //! ```
 //!
-//! Everything that computes goes through the [`device`] thread in slices, so a
-//! rollout waits for one slice of a fit at most. Whatever happens to this
+//! Everything that computes goes through the [`device`] in slices, so a rollout waits for one slice of a
+//! fit at most; where the backend has a second, urgent queue, rollouts have a thread of their own and
+//! run beside fits. Whatever happens to this
 //! process, the server's lease runs out and another worker goes on from the
 //! last checkpoint.
 
 mod artifact;
+mod backend;
 mod device;
 mod error;
 mod fit;
@@ -25,6 +27,7 @@ mod presence;
 mod rollout;
 mod run;
 
+pub use backend::{BackendChoice, BackendOptions, open_backend};
 pub use error::Error;
-pub use options::{BackendChoice, Limits, Options};
+pub use options::{Limits, Options};
 pub use run::run;

@@ -1,29 +1,8 @@
 //! What an operator may choose about a worker.
 
-use std::{net::SocketAddr, path::PathBuf, str::FromStr, time::Duration};
+use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
-use crate::Error;
-
-/// Which backend computes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum BackendChoice {
-    /// The fastest one that this machine has.
-    #[default]
-    Auto,
-    /// The CPU.
-    Cpu,
-}
-
-impl FromStr for BackendChoice {
-    type Err = String;
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "auto" => Ok(Self::Auto),
-            "cpu" => Ok(Self::Cpu),
-            other => Err(format!("unknown backend `{other}`: use auto or cpu")),
-        }
-    }
-}
+use crate::{BackendOptions, Error};
 
 /// Options of a worker process.
 #[derive(Clone)]
@@ -32,8 +11,8 @@ pub struct Options {
     pub server: String,
     /// The token that server and workers share.
     pub token: String,
-    /// Which backend computes.
-    pub backend: BackendChoice,
+    /// What computes.
+    pub backend: BackendOptions,
     /// Where rollouts are answered; port 0 takes a free one.
     pub listen: SocketAddr,
     /// The `http://host:port` at which the server reaches `listen`, where that differs (a container, say).
@@ -107,7 +86,7 @@ impl Options {
         Self {
             server: server.into(),
             token: token.into(),
-            backend: BackendChoice::Auto,
+            backend: BackendOptions::default(),
             listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             advertise: None,
             cache_dir: None,

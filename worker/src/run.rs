@@ -1,22 +1,20 @@
 //! The life of a worker: open the device, register, lease fits and answer
 //! rollouts until told to end, then hand back what is unfinished.
 
-use std::{future::pending, sync::Arc, time::Duration};
+use std::{future::pending, time::Duration};
 
 use bendtwin_core::ids::WorkerId;
-use bendtwin_engine::{Backend, backend};
 use bendtwin_proto::worker::v1::RegisterRequest;
 use tokio::{net::TcpListener, sync::mpsc, task::JoinHandle};
 use tokio_util::sync::CancellationToken;
 use tonic::transport::server::TcpIncoming;
 
 use crate::{
-    Error, Options,
+    Error, Options, backend,
     device::Device,
     fit::Fits,
     leasing::{self, Until},
     link::Link,
-    options::BackendChoice,
     presence::Presence,
     rollout::{self, Replays, Rollouts, WarmTwins},
 };
@@ -28,12 +26,12 @@ const GRACE: Duration = Duration::from_secs(15);
 /// latest checkpoint, rollouts are finished) or until the server drains it.
 ///
 /// # Errors
-/// If the worker cannot start, if the server refuses it, or if a job panicked:
+/// If the worker cannot start, if the server refuses it, or if a job panicked or the device failed:
 /// then the process must end, and a fresh one start.
 pub async fn run(options: Options, shutdown: CancellationToken) -> Result<(), Error> {
     options.validate()?;
     let (fatal, mut died) = mpsc::unbounded_channel();
-    let device = open_device(options.backend, fatal.clone()).await?;
+    let device = open_device(&options, fatal.clone()).await?;
     let result = run_on(&device, &options, shutdown, fatal, &mut died).await;
     device.close();
     // A panic that came while the last job ended still makes the exit a failure.
@@ -106,15 +104,11 @@ async fn run_on(
 }
 
 async fn open_device(
-    choice: BackendChoice,
+    options: &Options,
     fatal: mpsc::UnboundedSender<Error>,
 ) -> Result<Device, Error> {
-    let open = move || -> Result<Arc<dyn Backend>, backend::Error> {
-        match choice {
-            // The CPU is all there is so far.
-            BackendChoice::Auto | BackendChoice::Cpu => Ok(bendtwin_engine::cpu()),
-        }
-    };
+    let backend = options.backend.clone();
+    let open = move || backend::open_backend(&backend);
     tokio::task::spawn_blocking(move || Device::spawn(open, fatal))
         .await
         .map_err(|e| Error::Panicked(e.to_string()))?

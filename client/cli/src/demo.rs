@@ -11,7 +11,7 @@ use clap::Args;
 use tempfile::TempDir;
 
 use self::story::Story;
-use crate::{args::Global, signals};
+use crate::{args::Global, backend::BackendArgs, signals};
 
 #[derive(Debug, Args)]
 pub(crate) struct Demo {
@@ -24,13 +24,15 @@ pub(crate) struct Demo {
     /// Seed of the capture and of the fits
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    #[command(flatten)]
+    backend: BackendArgs,
 }
 
 pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
     let shutdown = signals::shutdown();
     let folder = Folder::new(args.keep)?;
     let mut story = Story::new(global.json, args.seed, args.out, folder.path().to_owned());
-    let mut host = story.start_server().await?;
+    let mut host = story.start_server(&args.backend).await?;
     let site = host.site.clone();
     let told = tokio::select! {
         // Ctrl-C reaches the server as well: its end is no fault then.

@@ -2,11 +2,11 @@
 
 mod local;
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
 use bendtwin_capture::Limits;
 use bendtwin_core::{Quality, Twin};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_engine::{Backend, backend::CancelToken};
 use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, format_table};
 use clap::Args;
 use serde_json::json;
@@ -14,6 +14,7 @@ use serde_json::json;
 use self::local::{Fitted, fit};
 use crate::{
     args::Global,
+    backend::BackendArgs,
     failure::{self, Usage},
     output, picture, quality,
     settings::SettingsArgs,
@@ -27,6 +28,8 @@ pub(crate) struct Eval {
     paths: Vec<PathBuf>,
     #[command(flatten)]
     settings: SettingsArgs,
+    #[command(flatten)]
+    backend: BackendArgs,
     /// Score this twin file instead of fitting one
     #[arg(long, value_name = "FILE", conflicts_with_all = ["settings", "overrides", "axial", "phystwin"])]
     twin: Option<PathBuf>,
@@ -52,13 +55,17 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
         token.cancel();
     });
     let settings = args.settings.resolve()?;
-    let (args, quiet) = (std::sync::Arc::new(args), global.json);
+    let opening = args.backend.clone();
+    let backend = tokio::task::spawn_blocking(move || opening.open()).await??;
+    let (args, quiet) = (Arc::new(args), global.json);
     for path in args.paths.clone() {
         let (args, settings, cancel) = (args.clone(), settings.clone(), cancel.clone());
+        let backend = Arc::clone(&backend);
         let name = path.display().to_string();
-        let scored =
-            tokio::task::spawn_blocking(move || score(&path, &args, settings, &cancel, quiet))
-                .await??;
+        let scored = tokio::task::spawn_blocking(move || {
+            score(&path, &args, settings, &backend, &cancel, quiet)
+        })
+        .await??;
         let document = json!({ "path": name, "quality": scored.quality, "fit_s": scored.fit_s });
         output::print(global, &document, || text(&name, &scored))?;
     }
@@ -75,16 +82,16 @@ fn score(
     path: &std::path::Path,
     args: &Eval,
     settings: bendtwin_core::FitSettings,
+    backend: &Arc<dyn Backend>,
     cancel: &CancelToken,
     quiet: bool,
 ) -> anyhow::Result<Scored> {
     let limits = Limits::default();
     let (capture, _) = bendtwin_capture::read_checked(path, &limits).map_err(failure::failed)?;
-    let backend = bendtwin_engine::cpu();
     let (fitted, fit_s) = match &args.twin {
         Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
         None => {
-            let (fitted, took) = fit(&capture, settings, &backend, cancel, quiet)?;
+            let (fitted, took) = fit(&capture, settings, backend, cancel, quiet)?;
             (fitted, Some(took.as_secs_f64()))
         }
     };
@@ -94,13 +101,13 @@ fn score(
     // A fit has scored its twin already; again only for what it did not keep.
     let quality = if args.twin.is_some() || args.per_frame {
         let options = EvaluateOptions { axial: fitted.axial.as_ref(), per_frame: args.per_frame };
-        evaluate(&*backend, &fitted.twin, &capture, &options, cancel).map_err(failure::failed)?
+        evaluate(&**backend, &fitted.twin, &capture, &options, cancel).map_err(failure::failed)?
     } else {
         fitted.twin.quality.clone()
     };
     if let Some(file) = &args.picture {
         let axial = fitted.axial.as_ref();
-        picture::draw(file, &fitted.twin, axial, &capture, &*backend, cancel)?;
+        picture::draw(file, &fitted.twin, axial, &capture, &**backend, cancel)?;
     }
     Ok(Scored { quality, fit_s })
 }

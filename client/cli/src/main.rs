@@ -1,6 +1,7 @@
 //! The `bendtwin` command: the whole system in one binary.
 
 mod args;
+mod backend;
 mod capture;
 mod demo;
 mod eval;

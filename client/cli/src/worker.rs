@@ -2,10 +2,10 @@
 
 use std::{net::SocketAddr, path::PathBuf};
 
-use bendtwin_worker::{BackendChoice, Limits, Options};
+use bendtwin_worker::{Limits, Options};
 use clap::Args;
 
-use crate::{args::Global, failure, signals};
+use crate::{args::Global, backend::BackendArgs, failure, signals};
 
 /// Options of a worker. The address of the server is `--server`.
 #[derive(Debug, Args)]
@@ -13,9 +13,8 @@ pub(crate) struct Worker {
     /// The token that the server was given for its workers
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     token: String,
-    /// What computes: auto or cpu
-    #[arg(long, env = "BENDTWIN_BACKEND", default_value = "auto")]
-    backend: BackendChoice,
+    #[command(flatten)]
+    backend: BackendArgs,
     /// Where to answer rollouts; port 0 takes a free one
     #[arg(
         long,
@@ -27,7 +26,8 @@ pub(crate) struct Worker {
     /// The address at which the server reaches this worker, where it differs: http://host:port
     #[arg(long, env = "BENDTWIN_WORKER_ADVERTISE", value_name = "URL")]
     advertise: Option<String>,
-    /// Where captures are put while they are read [default: the system's temporary folder]
+    /// Where captures are put while they are read, and compiled kernels for good [default: the system's
+    /// temporary folder, the user's cache folder]
     #[arg(long, env = "BENDTWIN_CACHE_DIR", value_name = "DIR")]
     cache_dir: Option<PathBuf>,
     /// Only answer rollouts, lease no fits
@@ -47,7 +47,7 @@ pub(crate) struct Worker {
 impl Worker {
     fn options(self, server: &str) -> Options {
         Options {
-            backend: self.backend,
+            backend: self.backend.options(self.cache_dir.clone()),
             listen: self.worker_listen,
             advertise: self.advertise,
             cache_dir: self.cache_dir,

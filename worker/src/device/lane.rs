@@ -22,7 +22,7 @@ use bendtwin_engine::{
 
 use self::descent::LaneDescent;
 
-use super::{Device, Priority, SLICE};
+use super::{Device, Priority};
 
 /// Device time that a lane has used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -77,7 +77,7 @@ impl Access {
         &self,
         job: impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + 'static,
     ) -> Result<R, Error> {
-        self.device.call(self.priority, job)?.0
+        Ok(self.device.call(self.priority, job)?.0)
     }
 
     /// Runs a batch in slices, in this order. Results come in the batch's.
@@ -96,7 +96,7 @@ impl Access {
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            let budget = lock(usage).affordable();
+            let budget = lock(usage).affordable(self.device.slice(self.priority));
             let count = slice_len(rest, work, budget, self.device.description().lanes);
             let (slice, later) = rest.split_at(count);
             rest = later;
@@ -104,7 +104,6 @@ impl Access {
             let run = run.clone();
             let (values, took) =
                 self.device.call(self.priority, move |backend| run(backend, &instances))?;
-            let values = values?;
             if values.len() != slice.len() {
                 let fault = format!("{} results for {} instances", values.len(), slice.len());
                 return Err(Error::Device(fault));
@@ -183,11 +182,11 @@ impl Usage {
         self.work += work;
     }
 
-    /// Work that fits a slice at the speed seen so far; nothing is known at first, so one round
+    /// Work that fits a slice of so long at the speed seen so far; nothing is known at first, so one round
     /// of the device's lanes is tried.
-    fn affordable(&self) -> f64 {
+    fn affordable(&self, slice: Duration) -> f64 {
         let seconds = self.compute.as_secs_f64();
-        if seconds > 0.0 { self.work / seconds * SLICE.as_secs_f64() } else { 0.0 }
+        if seconds > 0.0 { self.work / seconds * slice.as_secs_f64() } else { 0.0 }
     }
 }
 

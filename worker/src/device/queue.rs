@@ -1,4 +1,4 @@
-//! The queue in front of the device thread.
+//! The queue in front of a device thread.
 
 use std::{
     collections::VecDeque,
@@ -8,8 +8,11 @@ use std::{
 
 use bendtwin_engine::Backend;
 
-/// Work for the device thread.
-pub(super) type Job = Box<dyn FnOnce(&dyn Backend) + Send>;
+/// Work for a device thread.
+pub(super) type Job = Box<dyn FnOnce(&dyn Backend) -> Result<(), Broken> + Send>;
+
+/// Why a device is of no use any more.
+pub(super) struct Broken(pub(super) String);
 
 /// A background job that has waited this long goes first once, so that a
 /// stream of rollouts slows a fit down but never stops it.

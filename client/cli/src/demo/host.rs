@@ -10,6 +10,8 @@ use anyhow::Context as _;
 use bendtwin_client::Client;
 use tokio::process::{Child, ChildStdin, Command};
 
+use crate::backend::BackendArgs;
+
 /// How long server and worker may take to start.
 const START: Duration = Duration::from_secs(60);
 /// How long they may take to end.
@@ -35,7 +37,7 @@ pub(super) struct Site {
 
 impl Host {
     /// Starts a server in a folder and waits until its worker has registered.
-    pub(super) async fn start(folder: &Path) -> anyhow::Result<Self> {
+    pub(super) async fn start(folder: &Path, backend: &BackendArgs) -> anyhow::Result<Self> {
         let (port_file, log) = (folder.join("port"), folder.join("server.log"));
         // A kept folder may have the port of the last time.
         let _ = std::fs::remove_file(&port_file);
@@ -52,8 +54,10 @@ impl Host {
             .env_remove("BENDTWIN_WORKER_TOKEN")
             .env_remove("BENDTWIN_WORKER_LISTEN")
             .env_remove("BENDTWIN_WORKER_ADVERTISE")
-            .env_remove("BENDTWIN_BACKEND")
             .env_remove("BENDTWIN_CACHE_DIR")
+            .env_remove("BENDTWIN_DEVICES")
+            .env_remove("BENDTWIN_DEVICE_MEMORY_MIB")
+            .envs(backend.variables())
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(log_file)

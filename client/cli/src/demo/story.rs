@@ -14,7 +14,7 @@ use super::{
     candidates::{KNOTS, candidates, displacement},
     host::{Host, Site},
 };
-use crate::{capture, failure, fit, output, picture, quality};
+use crate::{backend::BackendArgs, capture, failure, fit, output, picture, quality};
 
 /// Candidate actions of the batch.
 const CANDIDATES: usize = 64;
@@ -65,11 +65,11 @@ impl Story {
     }
 
     /// Step 1: a server with a worker.
-    pub(super) async fn start_server(&mut self) -> anyhow::Result<Host> {
+    pub(super) async fn start_server(&mut self, backend: &BackendArgs) -> anyhow::Result<Host> {
         self.say("BendTwin turns a recording of a soft object into a physical twin and predicts");
         self.say("what robot actions do to it. This is the whole system at work on this machine.");
         self.step("Start a server; it starts its own worker process", "bendtwin server");
-        let host = Host::start(&self.folder).await?;
+        let host = Host::start(&self.folder, backend).await?;
         self.say(&format!("  it answers HTTP and gRPC at {}", host.site.url));
         Ok(host)
     }

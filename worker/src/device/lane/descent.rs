@@ -57,8 +57,11 @@ impl Drop for LaneDescent {
     /// What belongs to the device is freed on its thread; nobody waits for it.
     fn drop(&mut self) {
         let slot = self.slot.clone();
-        let free = Box::new(move |_: &dyn bendtwin_engine::Backend| drop(open(&slot).take()));
-        self.access.device.queue.push(self.access.priority, free);
+        let free = move |_: &dyn bendtwin_engine::Backend| {
+            drop(open(&slot).take());
+            Ok(())
+        };
+        self.access.device.queue(self.access.priority).push(self.access.priority, Box::new(free));
     }
 }
 
