@@ -10,8 +10,14 @@ use crate::workspace;
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 5] =
-    ["bendtwin-engine", "bendtwin-fit", "bendtwin-eval", "bendtwin-capture", "bendtwin-cuda"];
+const PHYSICS: [&str; 6] = [
+    "bendtwin-engine",
+    "bendtwin-fit",
+    "bendtwin-eval",
+    "bendtwin-capture",
+    "bendtwin-cuda",
+    "bendtwin-bench",
+];
 
 struct Rule {
     /// Crates that the rule is about.
@@ -32,7 +38,13 @@ const RULES: [Rule; 6] = [
         never: &[&DATABASE, &["bendtwin-server"]],
     },
     Rule {
-        of: &["bendtwin-engine", "bendtwin-fit", "bendtwin-eval", "bendtwin-capture"],
+        of: &[
+            "bendtwin-engine",
+            "bendtwin-fit",
+            "bendtwin-eval",
+            "bendtwin-capture",
+            "bendtwin-bench",
+        ],
         because: "physics knows no network and no database",
         never: &[&NETWORK, &DATABASE, &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"]],
     },

@@ -1,0 +1,49 @@
+//! A descent that notes how long each kind of call takes.
+
+use std::sync::Arc;
+
+use bendtwin_core::Timing;
+use bendtwin_engine::{
+    Error, Loaded,
+    backend::{CancelToken, GradientRequest},
+    descent::{Descent, Position, Probe, Slope},
+};
+
+use super::{Clocks, Kind};
+
+/// Passes every call on to another descent.
+pub(super) struct ClockedDescent {
+    pub(super) inner: Box<dyn Descent>,
+    pub(super) clocks: Arc<Clocks>,
+}
+
+impl Descent for ClockedDescent {
+    fn loaded(&mut self, walk: usize) -> Result<Loaded, Error> {
+        self.clocks.time(Kind::Params, || self.inner.loaded(walk))
+    }
+
+    fn measure(
+        &mut self,
+        batch: &[Probe],
+        request: &GradientRequest,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Slope>, Error> {
+        self.clocks.time(Kind::Gradient, || self.inner.measure(batch, request, cancel))
+    }
+
+    fn step(&mut self, walk: usize, weights: &[f64], rate: f64) -> Result<(), Error> {
+        self.clocks.time(Kind::Step, || self.inner.step(walk, weights, rate))
+    }
+
+    fn discard(&mut self, walk: usize) -> Result<(), Error> {
+        self.clocks.time(Kind::Step, || self.inner.discard(walk))
+    }
+
+    fn position(&self, walk: usize) -> Result<Position, Error> {
+        self.clocks.time(Kind::Params, || self.inner.position(walk))
+    }
+
+    fn move_to(&mut self, walk: usize, position: &Position, timing: Timing) -> Result<(), Error> {
+        self.clocks.time(Kind::Params, || self.inner.move_to(walk, position, timing))
+    }
+}

@@ -1,0 +1,22 @@
+/// Names of the methods that the text of a trait or of its implementation has.
+fn methods(text: &str, from: &str) -> Vec<String> {
+    let block = text.split(from).nth(1).and_then(|rest| rest.split("\n}").next()).unwrap();
+    let lines = block.lines().filter_map(|line| line.strip_prefix("    fn "));
+    lines.map(|line| line.split(['(', '<']).next().unwrap_or_default().to_owned()).collect()
+}
+
+#[test]
+fn every_method_of_a_backend_is_passed_on() {
+    let wanted =
+        methods(include_str!("../../../engine/src/backend.rs"), "pub trait Backend: Send + Sync {");
+    assert!(wanted.len() >= 6, "{wanted:?}");
+    assert_eq!(methods(include_str!("../clocked.rs"), "impl Backend for Clocked {"), wanted);
+}
+
+#[test]
+fn every_method_of_a_descent_is_passed_on() {
+    let wanted =
+        methods(include_str!("../../../engine/src/descent.rs"), "pub trait Descent: Send {");
+    assert!(wanted.len() >= 4, "{wanted:?}");
+    assert_eq!(methods(include_str!("descent.rs"), "impl Descent for ClockedDescent {"), wanted);
+}

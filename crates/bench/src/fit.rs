@@ -1,0 +1,242 @@
+//! A whole fit as PhysTwin counts it: 20 generations of 11 candidates, then 200 passes, over 100 frames,
+//! through the same [`FitJob`] that a worker runs, timed by stage.
+
+mod target;
+
+use std::{sync::Arc, time::Instant};
+
+use bendtwin_core::{
+    FitSettings, Progress, Stage,
+    environment::ControlVelocity,
+    settings::{GradientWindow, RefineSettings, SearchSettings},
+};
+use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_fit::{FitJob, Observer, ObserverError};
+use serde::Serialize;
+
+use crate::{
+    Error, MemoryProbe,
+    clocked::{Clocked, Spent},
+    scene::Scene,
+};
+
+/// How often the refinement steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    /// A step of Adam a frame, the gradient cut at each frame's start: PhysTwin's scheme, with its
+    /// learning rate.
+    Frame,
+    /// A step of Adam a pass, the gradient through all frames: this project's default.
+    Pass,
+}
+
+impl Scheme {
+    /// The name as it is typed.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Frame => "frame",
+            Self::Pass => "pass",
+        }
+    }
+}
+
+/// What a whole fit is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct FitPlan {
+    /// How often the refinement steps.
+    pub scheme: Scheme,
+    /// Frames of the capture, the initial one included: at least 2.
+    pub frames: usize,
+    /// Generations of the search.
+    pub generations: u32,
+    /// Candidates a generation.
+    pub candidates: usize,
+    /// Passes of the refinement.
+    pub passes: u32,
+}
+
+impl FitPlan {
+    /// As PhysTwin counts: 220 candidates, 200 passes, 100 frames.
+    pub const fn phystwin(scheme: Scheme) -> Self {
+        Self { scheme, frames: 100, generations: 20, candidates: 11, passes: 200 }
+    }
+}
+
+/// A whole fit, timed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FitRun {
+    /// What was done.
+    pub plan: FitPlan,
+    /// Reading the capture and all generations: sampling, graphs, CMA-ES.
+    pub search: SearchTime,
+    /// All passes.
+    pub refine: RefineTime,
+    /// Scoring the twin, with rollouts of the whole capture.
+    pub evaluate_s: f64,
+    /// From the capture to the twin.
+    pub total_s: f64,
+    /// Best loss of the search.
+    pub search_loss: Option<f64>,
+    /// Best loss of the refinement.
+    pub final_loss: Option<f64>,
+    /// The most memory seen in use after an iteration [bytes].
+    pub memory_bytes: Option<u64>,
+}
+
+/// Where the time of the search goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SearchTime {
+    /// All of it.
+    pub total_s: f64,
+    /// Rollouts with their losses.
+    pub forward_s: f64,
+    /// Loading candidates.
+    pub load_s: f64,
+    /// Everything else: joining nodes, estimating stability, CMA-ES.
+    pub host_s: f64,
+}
+
+/// Where the time of the refinement goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct RefineTime {
+    /// All of it.
+    pub total_s: f64,
+    /// Forward and backward with losses.
+    pub gradient_s: f64,
+    /// Rollouts that score a pass.
+    pub forward_s: f64,
+    /// Steps of Adam where the backend takes them.
+    pub step_s: f64,
+    /// Handing parameters to and fro, and loading anew where substeps change.
+    pub params_s: f64,
+    /// Everything else: estimating stability, checkpoints.
+    pub host_s: f64,
+}
+
+/// Fits a capture that is made by the scene with hidden parameters, and times it. Making the capture does not count.
+///
+/// # Errors
+/// If the backend or the fit fails, or on cancellation.
+pub fn whole_fit(
+    scene: &Scene,
+    backend: &Arc<dyn Backend>,
+    plan: &FitPlan,
+    memory: &dyn MemoryProbe,
+    cancel: &CancelToken,
+) -> Result<FitRun, Error> {
+    let capture = target::capture(scene, plan.frames, &**backend, cancel)?;
+    let clocked = Arc::new(Clocked::new(Arc::clone(backend)));
+    let began = Instant::now();
+    let mut stages = Stages::new(clocked.clone(), began, memory);
+    let job = FitJob {
+        capture: &capture,
+        capture_digest: String::new(),
+        settings: settings(scene, plan),
+        backend: clocked,
+    };
+    job.run(None, &mut stages, cancel)?;
+    let total_s = began.elapsed().as_secs_f64();
+    Ok(stages.run(*plan, total_s))
+}
+
+/// PhysTwin's settings at the scene's substeps, the true velocity of control points apart.
+fn settings(scene: &Scene, plan: &FitPlan) -> FitSettings {
+    let published = FitSettings::phystwin();
+    let refine = match plan.scheme {
+        Scheme::Frame => RefineSettings { window: GradientWindow::Frame, ..published.refine },
+        Scheme::Pass => RefineSettings {
+            window: GradientWindow::Pass,
+            rest_shape: false,
+            ..RefineSettings::default()
+        },
+    };
+    FitSettings {
+        bending: scene.bending,
+        control_velocity: ControlVelocity::True,
+        search: SearchSettings {
+            generations: plan.generations,
+            population: plan.candidates,
+            ..published.search
+        },
+        refine: RefineSettings { passes: plan.passes, ..refine },
+        ..FitSettings::phystwin()
+    }
+}
+
+/// Where a stage ended: since the start [s], and what was spent until then.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mark {
+    at_s: f64,
+    spent: Spent,
+    best_loss: Option<f64>,
+}
+
+/// Notes when stages end.
+struct Stages<'a> {
+    clocked: Arc<Clocked>,
+    began: Instant,
+    memory: &'a dyn MemoryProbe,
+    memory_bytes: Option<u64>,
+    search: Mark,
+    refine: Option<Mark>,
+}
+
+impl<'a> Stages<'a> {
+    fn new(clocked: Arc<Clocked>, began: Instant, memory: &'a dyn MemoryProbe) -> Self {
+        let (search, refine) = (Mark::default(), None);
+        Self { clocked, began, memory, memory_bytes: None, search, refine }
+    }
+
+    fn run(&self, plan: FitPlan, total_s: f64) -> FitRun {
+        let (search, refine) = (self.search, self.refine.unwrap_or(self.search));
+        let (first, then) = (search.spent, refine.spent - search.spent);
+        let refine_s = refine.at_s - search.at_s;
+        FitRun {
+            plan,
+            search: SearchTime {
+                total_s: search.at_s,
+                forward_s: first.forward_s,
+                load_s: first.load_s,
+                host_s: search.at_s - first.total_s(),
+            },
+            refine: RefineTime {
+                total_s: refine_s,
+                gradient_s: then.gradient_s,
+                forward_s: then.forward_s,
+                step_s: then.step_s,
+                params_s: then.params_s + then.load_s,
+                host_s: refine_s - then.total_s(),
+            },
+            evaluate_s: total_s - refine.at_s,
+            total_s,
+            search_loss: search.best_loss,
+            final_loss: refine.best_loss,
+            memory_bytes: self.memory_bytes,
+        }
+    }
+}
+
+impl Observer for Stages<'_> {
+    fn progress(&mut self, progress: Progress) {
+        let mark = || Mark {
+            at_s: self.began.elapsed().as_secs_f64(),
+            spent: self.clocked.spent(),
+            best_loss: progress.best_loss,
+        };
+        match progress.stage {
+            Stage::Search => self.search = mark(),
+            Stage::Refine => self.refine = Some(mark()),
+            Stage::Ingest | Stage::Evaluate => {}
+        }
+        // Asked while all that the fit needs is there, and after the clock.
+        self.memory_bytes = self.memory_bytes.max(self.memory.used_bytes());
+    }
+
+    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
