@@ -142,6 +142,11 @@ class Fake(
         reply.cost_terms.CopyFrom(tensor(costs[:, None].copy()))
         reply.cost_names.extend(c.name or f"cost{i}" for i, c in enumerate(request.costs))
         reply.timing.compute_s = 0.25
+        reply.fidelity, reply.substeps = rollout_pb2.EXACT, 100
+        if request.fidelity == rollout_pb2.FAST:
+            reply.fidelity, reply.substeps = rollout_pb2.FAST, 20
+            reply.deviation.mean_m = 5e-4
+            reply.deviation.frames = 30
         if request.returns.every_frames:
             path = np.repeat(knots[:, 1:, :1], 3, axis=2)
             if request.returns.encoding == rollout_pb2.Returns.INT16:

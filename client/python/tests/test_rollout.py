@@ -75,6 +75,14 @@ def test_everything_asked_for_is_sent(twin, fake):
     assert list(request.returns.nodes.shape) == [2]
 
 
+def test_a_fast_rollout_says_how_far_it_strays(twin):
+    fast = twin.rollout(trajectories=actions(1), fidelity="fast")
+    assert (fast.fidelity, fast.substeps) == ("fast", 20)
+    assert (fast.deviation.mean_m, fast.deviation.frames) == (5e-4, 30)
+    exact = twin.rollout(trajectories=actions(1))
+    assert (exact.fidelity, exact.substeps, exact.deviation) == ("exact", 100, None)
+
+
 def test_a_given_state_may_be_shared_or_per_instance(twin, fake):
     for shape in [(3, 3), (2, 3, 3)]:
         twin.rollout(trajectories=actions(2), initial=GivenState(np.zeros(shape)))
@@ -105,6 +113,7 @@ def test_parts_arrive_one_by_one(twin):
         {"poses": np.zeros((1, 2, 1, 6))},
         {"trajectories": actions(1), "gripper_of_control": [0]},
         {"trajectories": actions(1), "initial": GivenState(np.zeros(3))},
+        {"trajectories": actions(1), "fidelity": "quick"},
     ],
 )
 def test_wrong_actions_are_refused_before_sending(twin, arguments):

@@ -16,7 +16,7 @@ from bendtwin.costs import Cost, Keypoints, Smoothness, TargetCloud
 from bendtwin.errors import BendTwinError, Category, FitFailed
 from bendtwin.mppi import Mppi
 from bendtwin.resources import Capture, Fault, Fit, FitState, Progress, TwinInfo, Worker
-from bendtwin.rollout import Diagnostics, Divergence, Returns, RolloutResult, Timing
+from bendtwin.rollout import Deviation, Diagnostics, Divergence, Returns, RolloutResult, Timing
 from bendtwin.twin import Twin
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "Category",
     "Client",
     "Cost",
+    "Deviation",
     "Diagnostics",
     "Divergence",
     "Fault",

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from bendtwin.actions import InitialState, Interpolation, Rest
 from bendtwin.costs import Cost
+from bendtwin.rollout import Fidelity
 from bendtwin.twin import Twin
 
 Knots = npt.NDArray[np.float32]
@@ -37,6 +38,7 @@ class Mppi:
     #: Small temperatures follow the best sample, large ones average.
     temperature: float = 0.1
     interpolation: Interpolation = "cubic"
+    fidelity: Fidelity = "exact"
     seed: int = 0
     _random: np.random.Generator = field(init=False, repr=False)
 
@@ -57,6 +59,7 @@ class Mppi:
             interpolation=self.interpolation,
             initial=Rest() if initial is None else initial,
             costs=self.costs,
+            fidelity=self.fidelity,
         )
         weights = path_integral_weights(result.costs, self.temperature)
         return np.tensordot(weights, batch, axes=1).astype(np.float32)

@@ -11,12 +11,20 @@ import numpy.typing as npt
 from bendtwin.tensors import pack_indices, unpack
 from bendtwin.v1 import rollout_pb2
 
+Fidelity = Literal["exact", "fast"]
+
 FloatArray = npt.NDArray[np.floating[Any]]
 IndexArray = npt.NDArray[np.uint32]
 
 _ENCODINGS: dict[str, rollout_pb2.Returns.Encoding] = {
     "float32": rollout_pb2.Returns.FLOAT32,
     "int16": rollout_pb2.Returns.INT16,
+}
+
+
+FIDELITIES: dict[str, rollout_pb2.Fidelity] = {
+    "exact": rollout_pb2.EXACT,
+    "fast": rollout_pb2.FAST,
 }
 
 
@@ -82,6 +90,19 @@ class Timing:
 
 
 @dataclass(frozen=True)
+class Deviation:
+    """Between a twin's fast variant and the exact twin when both follow the twin's own capture."""
+
+    #: Between a node here and there, mean over nodes and frames, metres.
+    mean_m: float
+    max_m: float
+    #: To compare with: of the exact twin's nodes from where they started, mean, metres.
+    mean_travel_m: float
+    #: Frames of each recording, at most.
+    frames: int
+
+
+@dataclass(frozen=True)
 class RolloutResult:
     """The answer to a rollout: B instances, R of which are returned in detail.
 
@@ -113,6 +134,12 @@ class RolloutResult:
     timing: Timing | None = None
     #: workers/{uuid} that answered.
     worker: str = ""
+    #: What answered.
+    fidelity: Fidelity = "exact"
+    #: Substeps per frame that were simulated.
+    substeps: int = 0
+    #: How far the fast variant strays; None unless it answered.
+    deviation: Deviation | None = None
 
     @classmethod
     def from_proto(cls, message: rollout_pb2.RollOutResponse) -> RolloutResult:
@@ -148,5 +175,17 @@ class RolloutResult:
             diverged=[Divergence(d.instance, d.frame, d.node) for d in message.diverged],
             timing=Timing(timing.queue_s, timing.compute_s) if message.HasField("timing") else None,
             worker=message.worker,
+            fidelity="fast" if message.fidelity == rollout_pb2.FAST else "exact",
+            substeps=message.substeps,
+            deviation=(
+                Deviation(
+                    message.deviation.mean_m,
+                    message.deviation.max_m,
+                    message.deviation.mean_travel_m,
+                    message.deviation.frames,
+                )
+                if message.HasField("deviation")
+                else None
+            ),
             **arrays,
         )

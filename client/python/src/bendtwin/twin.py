@@ -17,7 +17,7 @@ from bendtwin.actions import (
 from bendtwin.costs import Cost
 from bendtwin.errors import translated
 from bendtwin.resources import TwinInfo
-from bendtwin.rollout import Returns, RolloutResult
+from bendtwin.rollout import FIDELITIES, Fidelity, Returns, RolloutResult
 from bendtwin.v1 import rollout_pb2
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ class Twin:
         frames: int = 0,
         costs: Iterable[Cost] = (),
         returns: Returns = _COSTS_ONLY,
+        fidelity: Fidelity = "exact",
         timeout_s: float | None = None,
     ) -> RolloutResult:
         """Predicts what a batch of actions does.
@@ -67,6 +68,8 @@ class Twin:
             frames: Horizon F; 0 means that of the dense actions.
             costs: Terms to be summed into `RolloutResult.costs`.
             returns: What to send back besides costs.
+            fidelity: "fast" follows the twin by its fast variant, with fewer substeps;
+                `RolloutResult.deviation` says how far that strays.
             timeout_s: Deadline of the call.
 
         Raises:
@@ -74,7 +77,15 @@ class Twin:
             ValueError: If an array's shape or content is wrong before anything is sent.
         """
         request = self._request(
-            trajectories, poses, gripper_of_control, interpolation, initial, frames, costs, returns
+            trajectories,
+            poses,
+            gripper_of_control,
+            interpolation,
+            initial,
+            frames,
+            costs,
+            returns,
+            fidelity,
         )
         with translated():
             return RolloutResult.from_proto(self._rollouts.RollOut(request, timeout=timeout_s))
@@ -90,11 +101,20 @@ class Twin:
         frames: int = 0,
         costs: Iterable[Cost] = (),
         returns: Returns = _COSTS_ONLY,
+        fidelity: Fidelity = "exact",
         timeout_s: float | None = None,
     ) -> Iterator[RolloutResult]:
         """The same in parts, as instances finish; see `RolloutResult.first_instance`."""
         request = self._request(
-            trajectories, poses, gripper_of_control, interpolation, initial, frames, costs, returns
+            trajectories,
+            poses,
+            gripper_of_control,
+            interpolation,
+            initial,
+            frames,
+            costs,
+            returns,
+            fidelity,
         )
         with translated():
             for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
@@ -110,17 +130,21 @@ class Twin:
         frames: int,
         costs: Iterable[Cost],
         returns: Returns,
+        fidelity: Fidelity,
     ) -> rollout_pb2.RollOutRequest:
         if (trajectories is None) == (poses is None):
             raise ValueError("give either trajectories or poses")
         if trajectories is not None and gripper_of_control is not None:
             raise ValueError("gripper_of_control goes with poses, not with trajectories")
+        if fidelity not in FIDELITIES:
+            raise ValueError(f"give either of {sorted(FIDELITIES)} as fidelity, not {fidelity!r}")
         request = rollout_pb2.RollOutRequest(
             twin=self.name,
             initial=initial.to_proto(),
             frames=frames,
             costs=[cost.to_proto() for cost in costs],
             returns=returns.to_proto(),
+            fidelity=FIDELITIES[fidelity],
         )
         if trajectories is not None:
             request.trajectories.CopyFrom(control_trajectories(trajectories, interpolation))

@@ -8,17 +8,26 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 
 DESCRIPTOR: _descriptor.FileDescriptor
 
+class Fidelity(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    FIDELITY_UNSPECIFIED: _ClassVar[Fidelity]
+    EXACT: _ClassVar[Fidelity]
+    FAST: _ClassVar[Fidelity]
+
 class Interpolation(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
     INTERPOLATION_UNSPECIFIED: _ClassVar[Interpolation]
     LINEAR: _ClassVar[Interpolation]
     CUBIC: _ClassVar[Interpolation]
+FIDELITY_UNSPECIFIED: Fidelity
+EXACT: Fidelity
+FAST: Fidelity
 INTERPOLATION_UNSPECIFIED: Interpolation
 LINEAR: Interpolation
 CUBIC: Interpolation
 
 class RollOutRequest(_message.Message):
-    __slots__ = ("twin", "trajectories", "poses", "initial", "frames", "costs", "returns")
+    __slots__ = ("twin", "trajectories", "poses", "initial", "frames", "costs", "returns", "fidelity")
     TWIN_FIELD_NUMBER: _ClassVar[int]
     TRAJECTORIES_FIELD_NUMBER: _ClassVar[int]
     POSES_FIELD_NUMBER: _ClassVar[int]
@@ -26,6 +35,7 @@ class RollOutRequest(_message.Message):
     FRAMES_FIELD_NUMBER: _ClassVar[int]
     COSTS_FIELD_NUMBER: _ClassVar[int]
     RETURNS_FIELD_NUMBER: _ClassVar[int]
+    FIDELITY_FIELD_NUMBER: _ClassVar[int]
     twin: str
     trajectories: ControlTrajectories
     poses: GripperPoses
@@ -33,7 +43,8 @@ class RollOutRequest(_message.Message):
     frames: int
     costs: _containers.RepeatedCompositeFieldContainer[Cost]
     returns: Returns
-    def __init__(self, twin: _Optional[str] = ..., trajectories: _Optional[_Union[ControlTrajectories, _Mapping]] = ..., poses: _Optional[_Union[GripperPoses, _Mapping]] = ..., initial: _Optional[_Union[InitialState, _Mapping]] = ..., frames: _Optional[int] = ..., costs: _Optional[_Iterable[_Union[Cost, _Mapping]]] = ..., returns: _Optional[_Union[Returns, _Mapping]] = ...) -> None: ...
+    fidelity: Fidelity
+    def __init__(self, twin: _Optional[str] = ..., trajectories: _Optional[_Union[ControlTrajectories, _Mapping]] = ..., poses: _Optional[_Union[GripperPoses, _Mapping]] = ..., initial: _Optional[_Union[InitialState, _Mapping]] = ..., frames: _Optional[int] = ..., costs: _Optional[_Iterable[_Union[Cost, _Mapping]]] = ..., returns: _Optional[_Union[Returns, _Mapping]] = ..., fidelity: _Optional[_Union[Fidelity, str]] = ...) -> None: ...
 
 class ControlTrajectories(_message.Message):
     __slots__ = ("positions", "interpolation")
@@ -150,7 +161,7 @@ class Returns(_message.Message):
     def __init__(self, every_frames: _Optional[int] = ..., nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., encoding: _Optional[_Union[Returns.Encoding, str]] = ..., best: _Optional[int] = ..., final_state: bool = ..., diagnostics: bool = ..., control_gradients: bool = ...) -> None: ...
 
 class RollOutResponse(_message.Message):
-    __slots__ = ("first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker")
+    __slots__ = ("first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation")
     class Diagnostics(_message.Message):
         __slots__ = ("max_strain", "max_speed_m_s", "kinetic_energy", "elastic_energy", "ground_contacts")
         MAX_STRAIN_FIELD_NUMBER: _ClassVar[int]
@@ -180,6 +191,17 @@ class RollOutResponse(_message.Message):
         queue_s: float
         compute_s: float
         def __init__(self, queue_s: _Optional[float] = ..., compute_s: _Optional[float] = ...) -> None: ...
+    class Deviation(_message.Message):
+        __slots__ = ("mean_m", "max_m", "mean_travel_m", "frames")
+        MEAN_M_FIELD_NUMBER: _ClassVar[int]
+        MAX_M_FIELD_NUMBER: _ClassVar[int]
+        MEAN_TRAVEL_M_FIELD_NUMBER: _ClassVar[int]
+        FRAMES_FIELD_NUMBER: _ClassVar[int]
+        mean_m: float
+        max_m: float
+        mean_travel_m: float
+        frames: int
+        def __init__(self, mean_m: _Optional[float] = ..., max_m: _Optional[float] = ..., mean_travel_m: _Optional[float] = ..., frames: _Optional[int] = ...) -> None: ...
     FIRST_INSTANCE_FIELD_NUMBER: _ClassVar[int]
     COSTS_FIELD_NUMBER: _ClassVar[int]
     COST_NAMES_FIELD_NUMBER: _ClassVar[int]
@@ -194,6 +216,9 @@ class RollOutResponse(_message.Message):
     DIVERGED_FIELD_NUMBER: _ClassVar[int]
     TIMING_FIELD_NUMBER: _ClassVar[int]
     WORKER_FIELD_NUMBER: _ClassVar[int]
+    FIDELITY_FIELD_NUMBER: _ClassVar[int]
+    SUBSTEPS_FIELD_NUMBER: _ClassVar[int]
+    DEVIATION_FIELD_NUMBER: _ClassVar[int]
     first_instance: int
     costs: _tensor_pb2.Tensor
     cost_names: _containers.RepeatedScalarFieldContainer[str]
@@ -208,4 +233,7 @@ class RollOutResponse(_message.Message):
     diverged: _containers.RepeatedCompositeFieldContainer[RollOutResponse.Divergence]
     timing: RollOutResponse.Timing
     worker: str
-    def __init__(self, first_instance: _Optional[int] = ..., costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cost_names: _Optional[_Iterable[str]] = ..., cost_terms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., instances: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., frames: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., control_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., diagnostics: _Optional[_Iterable[_Union[RollOutResponse.Diagnostics, _Mapping]]] = ..., diverged: _Optional[_Iterable[_Union[RollOutResponse.Divergence, _Mapping]]] = ..., timing: _Optional[_Union[RollOutResponse.Timing, _Mapping]] = ..., worker: _Optional[str] = ...) -> None: ...
+    fidelity: Fidelity
+    substeps: int
+    deviation: RollOutResponse.Deviation
+    def __init__(self, first_instance: _Optional[int] = ..., costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cost_names: _Optional[_Iterable[str]] = ..., cost_terms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., instances: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., frames: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., control_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., diagnostics: _Optional[_Iterable[_Union[RollOutResponse.Diagnostics, _Mapping]]] = ..., diverged: _Optional[_Iterable[_Union[RollOutResponse.Divergence, _Mapping]]] = ..., timing: _Optional[_Union[RollOutResponse.Timing, _Mapping]] = ..., worker: _Optional[str] = ..., fidelity: _Optional[_Union[Fidelity, str]] = ..., substeps: _Optional[int] = ..., deviation: _Optional[_Union[RollOutResponse.Deviation, _Mapping]] = ...) -> None: ...
