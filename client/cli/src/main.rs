@@ -2,6 +2,7 @@
 
 mod args;
 mod backend;
+mod bench;
 mod capture;
 mod demo;
 mod eval;
@@ -56,5 +57,6 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Twin(args) => twin::run(args, global).await,
         Command::Rollout(args) => rollout::run(args, global).await,
         Command::Eval(args) => eval::run(args, global).await,
+        Command::Bench(args) => bench::run(args, global).await,
     }
 }

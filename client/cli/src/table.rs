@@ -30,6 +30,18 @@ impl Table {
         lines.collect::<Vec<_>>().join("\n")
     }
 
+    /// As a Markdown table whose columns line up too.
+    pub(crate) fn markdown(&self) -> String {
+        let widths = self.widths();
+        let line = |cells: &[String]| {
+            let padded = cells.iter().zip(&widths).map(|(c, w)| format!("{c:<w$}"));
+            format!("| {} |", padded.collect::<Vec<_>>().join(" | "))
+        };
+        let rule: Vec<String> = widths.iter().map(|w| "-".repeat(*w)).collect();
+        let lines = [&self.header, &rule].into_iter().chain(&self.rows).map(|r| line(r));
+        lines.collect::<Vec<_>>().join("\n")
+    }
+
     fn widths(&self) -> Vec<usize> {
         let width = |column: usize| {
             let cells = std::iter::once(&self.header).chain(&self.rows);
@@ -49,5 +61,8 @@ mod tests {
         table.row(["a".to_owned(), "1200".to_owned()]);
         table.row(["longer".to_owned()]);
         assert_eq!(table.text(), "name    nodes\na       1200\nlonger");
+        let markdown =
+            "| name   | nodes |\n| ------ | ----- |\n| a      | 1200  |\n| longer |       |";
+        assert_eq!(table.markdown(), markdown);
     }
 }

@@ -28,6 +28,9 @@ fn what_the_readme_shows_parses() {
         format!("bendtwin rollout twins/{id} --shift -0.1,0,0.2 --out p.npy"),
         "bendtwin eval a b.zip --axial --json".to_owned(),
         "bendtwin eval a --twin t.safetensors --picture p.png".to_owned(),
+        "bendtwin bench --list --json".to_owned(),
+        "bendtwin bench rope n2000 --batches 1,100 --out b.json".to_owned(),
+        "bendtwin bench n500 --batches 1,16 --quick".to_owned(),
     ] {
         if let Err(error) = parse(&line) {
             panic!("{line}: {error}");
@@ -45,6 +48,10 @@ fn wrong_usage_is_refused() {
         "bendtwin eval",
         "bendtwin eval a --twin t --axial",
         "bendtwin rollout twins/none",
+        "bendtwin bench n1",
+        "bendtwin bench --batches 0",
+        "bendtwin bench --seconds nan",
+        "bendtwin bench --passes 3",
         "bendtwin rollout 0199aaaa-0000-7000-8000-000000000001 --frames 9999999",
     ] {
         assert!(parse(line).is_err(), "{line}");

@@ -1,0 +1,190 @@
+//! `bendtwin bench`: how fast the physics is on this machine, on named scenes.
+
+mod memory;
+mod tables;
+
+use std::{path::PathBuf, sync::Arc, time::Duration};
+
+use anyhow::Context as _;
+use bendtwin_bench::{FitPlan, Plan, Report, SceneName, Scheme, Subject};
+use bendtwin_engine::{Backend, backend::CancelToken};
+use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
+
+use crate::{args::Global, backend::BackendArgs, failure, output, signals};
+
+/// More instances than any planner asks for at once.
+const MOST_INSTANCES: u64 = 16_384;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+The defaults are for a data centre's GPU. On a laptop, say which scenes, and how much:
+  bendtwin bench n500 --batches 1,16 --quick
+A whole fit takes minutes on a GPU and hours on a CPU; it is measured only if asked for:
+  bendtwin bench n2000 --bending without --fit frame,pass")]
+pub(crate) struct Bench {
+    /// Scenes [default: all; with --quick: rope and n500]
+    scenes: Vec<SceneName>,
+    /// List the scenes and end
+    #[arg(long)]
+    list: bool,
+    #[command(flatten)]
+    backend: BackendArgs,
+    /// Scenes without bending triplets, with them, or both
+    #[arg(long, value_enum, default_value_t = Bending::Both)]
+    bending: Bending,
+    /// Instances of a batch of rollouts
+    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,100,132,1000",
+          value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_INSTANCES))]
+    batches: Vec<usize>,
+    /// Windows of a batch of gradients, each a frame long [default: as --batches]
+    #[arg(long, value_name = "N,...", value_delimiter = ',',
+          value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_INSTANCES))]
+    windows: Vec<usize>,
+    /// Frames of a rollout, at most; a slow device gets fewer
+    #[arg(long, value_name = "FRAMES", default_value_t = 30, value_parser = RangedU64ValueParser::<usize>::new().range(1..=300))]
+    horizon: usize,
+    /// Time for the repeats of one measurement [s] [default: 1; with --quick: 0.1]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    seconds: Option<f64>,
+    /// Leave out what would take longer than this for a single call [s] [default: 20; with --quick: 2]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    patience: Option<f64>,
+    /// Also time whole fits: `frame` steps once a frame, as PhysTwin does, `pass` once a pass
+    #[arg(long, value_name = "SCHEME,...", value_enum, value_delimiter = ',')]
+    fit: Vec<FitScheme>,
+    /// Generations of a fit, of 11 candidates each [default: 20; with --quick: 2]
+    #[arg(long, requires = "fit", value_parser = clap::value_parser!(u32).range(0..=10_000))]
+    generations: Option<u32>,
+    /// Passes of a fit [default: 200; with --quick: 2]
+    #[arg(long, requires = "fit", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    passes: Option<u32>,
+    /// Frames of a fit's capture [default: 100; with --quick: 4]
+    #[arg(long, requires = "fit", value_parser = RangedU64ValueParser::<usize>::new().range(2..=10_000))]
+    frames: Option<usize>,
+    /// Measure little: good enough to see that it works
+    #[arg(long)]
+    quick: bool,
+    /// Write the report as JSON to this file too
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// Which variants of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Bending {
+    Without,
+    With,
+    Both,
+}
+
+/// [`Scheme`] as it is typed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum FitScheme {
+    Frame,
+    Pass,
+}
+
+impl Bench {
+    fn plan(&self) -> Plan {
+        let usual =
+            if self.quick { &[SceneName::Rope, SceneName::N500][..] } else { &SceneName::ALL[..] };
+        let names = if self.scenes.is_empty() { usual } else { &self.scenes };
+        let variants: &[bool] = match self.bending {
+            Bending::Without => &[false],
+            Bending::With => &[true],
+            Bending::Both => &[false, true],
+        };
+        let pick = |quick: f64, usual: f64| if self.quick { quick } else { usual };
+        let duration = |given: Option<f64>, quick, usual| {
+            Duration::from_secs_f64(given.unwrap_or_else(|| pick(quick, usual)))
+        };
+        Plan {
+            scenes: names.iter().flat_map(|&n| variants.iter().map(move |&b| (n, b))).collect(),
+            batches: self.batches.clone(),
+            windows: if self.windows.is_empty() { &self.batches } else { &self.windows }.clone(),
+            horizon: self.horizon,
+            measurement: duration(self.seconds, 0.1, 1.0),
+            patience: duration(self.patience, 2.0, 20.0),
+            fits: self.fit.iter().map(|scheme| self.fit_plan(*scheme)).collect(),
+        }
+    }
+
+    fn fit_plan(&self, scheme: FitScheme) -> FitPlan {
+        let scheme = match scheme {
+            FitScheme::Frame => Scheme::Frame,
+            FitScheme::Pass => Scheme::Pass,
+        };
+        let mut plan = FitPlan::phystwin(scheme);
+        if self.quick {
+            plan = FitPlan { frames: 4, generations: 2, passes: 2, ..plan };
+        }
+        FitPlan {
+            frames: self.frames.unwrap_or(plan.frames),
+            generations: self.generations.unwrap_or(plan.generations),
+            passes: self.passes.unwrap_or(plan.passes),
+            ..plan
+        }
+    }
+}
+
+/// A time that a measurement may take.
+fn seconds(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("`{text}` is no number of seconds"))?;
+    if (0.0..=86_400.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("{value} s: give 0 to 86400"))
+    }
+}
+
+pub(crate) async fn run(args: Bench, global: &Global) -> anyhow::Result<()> {
+    if args.list {
+        let names = SceneName::ALL.map(|name| {
+            serde_json::json!({
+                "name": name.as_str(), "nodes": name.node_count(), "controls": name.control_count(),
+            })
+        });
+        return output::print(global, &names, tables::names);
+    }
+    let cancel = CancelToken::default();
+    let (shutdown, token) = (signals::shutdown(), cancel.clone());
+    tokio::spawn(async move {
+        shutdown.cancelled().await;
+        token.cancel();
+    });
+    let (plan, opening, quiet) = (args.plan(), args.backend.clone(), global.json);
+    let (report, result) = tokio::task::spawn_blocking(move || {
+        let backend = opening.open()?;
+        anyhow::Ok(measure(&plan, &backend, &cancel, quiet))
+    })
+    .await??;
+    // What was measured before a failure is told too.
+    if let Some(path) = &args.out {
+        let json = serde_json::to_string_pretty(&report)?;
+        std::fs::write(path, json).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    output::print(global, &report, || tables::report(&report))?;
+    result.map_err(failure::failed)
+}
+
+/// What was measured, and why no more was.
+fn measure(
+    plan: &Plan,
+    backend: &Arc<dyn Backend>,
+    cancel: &CancelToken,
+    quiet: bool,
+) -> (Report, Result<(), bendtwin_bench::Error>) {
+    let mut report = Report::new(plan, &**backend);
+    let memory = memory::probe(backend);
+    let subject = Subject { backend: Arc::clone(backend), memory: &*memory, cancel };
+    let mut say = |what: &str| {
+        if !quiet {
+            eprintln!("  {what}");
+        }
+    };
+    let result = bendtwin_bench::run(plan, &subject, &mut report, &mut say);
+    (report, result)
+}
+
+#[cfg(test)]
+mod tests;
