@@ -128,3 +128,6 @@ impl<'a> Refinement<'a> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

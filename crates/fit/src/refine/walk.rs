@@ -325,3 +325,6 @@ fn too_stiff(refusal: Refusal) -> Error {
     let Refusal::TooStiff(needed) = refusal;
     Error::NothingStable(format!("the found parameters need {needed} substeps a frame"))
 }
+
+#[cfg(test)]
+mod tests;
