@@ -134,7 +134,7 @@ pub(super) fn descent_hands_out_its_model(backend: &dyn Backend) -> Outcome {
         }
     }
     let mut probe = walkers.probes().swap_remove(0);
-    probe.instance.model = loaded.clone();
+    probe.instance.model = loaded;
     let loss = || backend.losses(&[probe.instance.clone()], &CancelToken::default());
     let before = loss().map_err(|e| e.to_string())?;
     let slope = measure(&mut *descent, std::slice::from_ref(&probe))?;
