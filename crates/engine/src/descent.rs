@@ -5,14 +5,16 @@
 mod adam;
 mod chart;
 mod host;
+mod parameter;
 
 use bendtwin_core::Timing;
 use serde::{Deserialize, Serialize};
 
 pub use self::{
     adam::{Adam, Decay, EPSILON},
-    chart::{Chart, Parameter, Scale, Section},
+    chart::{Chart, Scale, Section},
     host::HostDescent,
+    parameter::Parameter,
 };
 use crate::{
     backend::{CancelToken, Error, GradientRequest, Instance, Loaded, Loss},
