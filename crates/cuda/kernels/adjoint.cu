@@ -19,7 +19,7 @@ DEVICE float4* after_bars(const Local& l) {
 }
 // d loss / d (x_i, x_k, v_i, v_k), by triplet.
 DEVICE float4* bend_buffer(const Local& l) {
-    u32 before = HALF_SPRINGS_IN_SHARED ? l.job->topology.max_entries : 0;
+    u32 before = HALF_SPRINGS_IN_SHARED ? l.job->topology.max_all_entries : 0;
     return BEND_IN_SHARED ? after_bars(l) + before : l.spill();
 }
 

@@ -12,10 +12,10 @@ DEVICE double slope_of(const float* gradient, const float* params, u32 index) {
 
 // Sums of squares of d loss / d theta, one number a block, of gradient `blockIdx.y`.
 extern "C" __global__ void __launch_bounds__(THREADS) square_lengths(
-    double* out, const float* gradients, u64 stride, const float* params, const u32* indices, u32 count
+    double* out, const float* const* gradients, const float* params, const u32* indices, u32 count
 ) {
     __shared__ double partial[THREADS / 32];
-    const float* gradient = gradients + blockIdx.y * stride;
+    const float* gradient = gradients[blockIdx.y];
     double sum = 0.0;
     for (u32 i = blockIdx.x * THREADS + threadIdx.x; i < count; i += gridDim.x * THREADS) {
         double slope = slope_of(gradient, params, indices[i]);
@@ -31,20 +31,21 @@ extern "C" __global__ void __launch_bounds__(THREADS) square_lengths(
     }
 }
 
-// One step of Adam down the weighted sum of `gradients`; `sums` gets it, `finite` is cleared if it is not.
+// The weighted sum of gradients by theta; `finite` is cleared if a component is not.
 extern "C" __global__ void weigh_gradients(
-    double* sums, u32* finite, const float* gradients, u64 stride, const double* weights, u32 waiting,
+    double* sums, u32* finite, const float* const* gradients, const double* weights, u32 waiting,
     const float* params, const u32* indices, u32 count
 ) {
     u32 i = blockIdx.x * THREADS + threadIdx.x;
     if (i >= count) return;
     double sum = 0.0;
     for (u32 g = 0; g < waiting; g++)
-        sum += weights[g] * slope_of(gradients + g * stride, params, indices[i]);
+        sum += weights[g] * slope_of(gradients[g], params, indices[i]);
     sums[i] = sum;
     if (!isfinite(sum)) *finite = 0;
 }
 
+// One step of Adam down that sum; parameters follow.
 extern "C" __global__ void step_adam(
     double* theta, double* first, double* second, const double* sums, const double* rates,
     const double2* bounds, double rate, double beta1, double beta2, double unbias1, double unbias2,

@@ -214,10 +214,10 @@ DEVICE void place_controls(const Local& l, const Job* jobs, u32 next, u32 frame,
     }
 }
 
-DEVICE void load_states(const Local& l, const Job* jobs, u32 now) {
+DEVICE void load_states(const Local& l, const Job* jobs, u32 now, u32 frame) {
     u32 n = l.job->topology.node_count;
     for (u32 m = 0; m < INSTANCES; m++) {
-        const float* s = jobs[m].states + (u64)(jobs[m].first % jobs[m].slots) * 6 * n;
+        const float* s = jobs[m].states + (u64)(frame_of(jobs[m], frame) % jobs[m].slots) * 6 * n;
         for (u32 i = threadIdx.x; i < l.share.local; i += THREADS) {
             u32 g = l.graph_node(i);
             l.x(now, m)[i] = make_float4(s[g], s[n + g], s[2 * n + g], 0.0f);
@@ -255,16 +255,16 @@ DEVICE void store_states(const Local& l, const Job* jobs, u32 now, u32 frame) {
     __syncthreads();
 }
 
-DEVICE u32 longest(const Job* jobs, u32 frames) {
+DEVICE u32 longest(const Job* jobs) {
     u32 longest = 0;
     for (u32 m = 0; m < INSTANCES; m++) longest = max(longest, jobs[m].frames);
-    return min(longest, frames);
+    return longest;
 }
 
-// Runs `frames` frames. With TAPE: one frame as far as substep `to`, on tape from `from` on; it ends
-// without a state.
+// Runs frames `first..end` of each job's. With TAPE: one frame as far as substep `to`, on tape from `from`
+// on; it ends without a state.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    advance_frames(const Job* all, u32 frames, u32 from, u32 to) {
+    advance_frames(const Job* all, u32 first, u32 end, u32 from, u32 to) {
     const Job* jobs = all + (u64)(blockIdx.x / BLOCKS) * INSTANCES;
     Local l = local_of(jobs, blockIdx.x % BLOCKS);
     const Topology& t = jobs->topology;
@@ -289,11 +289,11 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 #endif
 #endif
     u32 now = 0;
-    load_states(l, jobs, now);
+    load_states(l, jobs, now, first);
     // A cluster's blocks must all have started before one writes into another.
     meet(jobs->barrier, l.round);
-    u32 count = longest(jobs, frames);
-    for (u32 frame = 0; frame < count; frame++) {
+    u32 last_frame = min(end, longest(jobs));
+    for (u32 frame = first; frame < last_frame; frame++) {
         begin_frame(l, jobs, now, frame);
         u32 last = TAPE ? to : jobs->substeps;
         for (u32 s = 0; s < last; s++) {

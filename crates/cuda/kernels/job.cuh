@@ -53,7 +53,9 @@ struct Topology {
     u32 control_base;          // local index of control point 0
     u32 stride;                // control_base + controls
     u32 max_triplets;          // of a share
-    u32 max_entries;           // half-springs of a share, padding included
+    u32 max_entries;           // half-springs of a share's nodes, padding included
+    u32 max_all_entries;       // and of its nodes and control points
+    u32 unused;
 };
 
 // One simulation to run.
@@ -100,7 +102,12 @@ struct Job {
     u32 max_partners;
     u32 between_objects, within_object;
     u32 spill_stride;            // float4s of a block's spill
+    u32 unused;
 };
+
+// The host's idea of these structs must be the same.
+static_assert(sizeof(Share) == SIZE_OF_SHARE && sizeof(Topology) == SIZE_OF_TOPOLOGY, "src/job.rs");
+static_assert(sizeof(Job) == SIZE_OF_JOB && sizeof(Pin) == 16 && sizeof(Triplet) == 8, "src/job.rs");
 
 DEVICE float3 load_v3(const float* p) { return v3(p[0], p[1], p[2]); }
 

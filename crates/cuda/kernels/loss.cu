@@ -34,6 +34,8 @@ struct Measure {
     u32 unused;
 };
 
+static_assert(sizeof(Term) == SIZE_OF_TERM && sizeof(Measure) == SIZE_OF_MEASURE, "src/objective.rs");
+
 DEVICE float3 position(const Measure& m, u32 frame, u32 node) {
     const float* s = m.states + (u64)frame * 6 * m.nodes;
     return v3(s[node], s[m.nodes + node], s[2 * m.nodes + node]);

@@ -34,39 +34,36 @@ pack_bends(float4* out, const u32* triplets, const float* params, u32 count, u32
     out[i] = make_float4(bend[0], bend[t], rest_bend, 0.0f);
 }
 
-// d loss / d parameters of one instance from the sums of its windows, `stride` floats apart. `sums` holds, per
-// window, the spring sums [3][E], the bend sums [3][T] and the law sums [blocks][5].
-extern "C" __global__ void finish_gradient(
-    float* out, const float* sums, const float* params, u32 windows, u64 stride, u32 e, u32 t, u32 blocks
-) {
+// Adds up what the windows of an instance have summed, each `stride` floats apart.
+extern "C" __global__ void
+gather_sums(float* total, const float* sums, u32 windows, u64 stride, u32 length) {
     u32 i = blockIdx.x * THREADS + threadIdx.x;
+    if (i >= length) return;
+    float sum = total[i];
+    for (u32 w = 0; w < windows; w++) sum += sums[w * stride + i];
+    total[i] = sum;
+}
+
+// d loss / d parameters from the spring sums [3][E], the bend sums [3][T] and the law sums [blocks][5].
+extern "C" __global__ void
+finish_gradient(float* out, const float* sums, const float* params, u32 e, u32 t, u32 blocks) {
+    u64 i = (u64)blockIdx.x * THREADS + threadIdx.x;
     const u64 laws = 3 * (u64)e + 3 * (u64)t;
     if (i < e) {
-        float stretch = 0.0f, pull = 0.0f, rate = 0.0f;
-        for (u32 w = 0; w < windows; w++) {
-            const float* s = sums + w * stride + i;
-            stretch += s[0];
-            pull += s[e];
-            rate += s[2 * (u64)e];
-        }
+        float stretch = sums[i], pull = sums[e + i];
         float rest = params[2 * (u64)e + i];
-        float k = params[i] / rest;
+        float rate = params[i] / rest;
         bool has_rest = rest > 0.0f;
-        k = has_rest && isfinite(k) ? k : 0.0f;
+        rate = has_rest && isfinite(rate) ? rate : 0.0f;
         out[i] = has_rest ? stretch / rest : 0.0f;
-        out[e + i] = rate;
-        out[2 * (u64)e + i] = has_rest ? -k * (fmaf(rest, pull, stretch) / rest) : 0.0f;
-    } else if (i < laws - 2 * (u64)e) {
-        u64 at = 3 * (u64)e + (i - e);
+        out[e + i] = sums[2 * (u64)e + i];
+        out[2 * (u64)e + i] = has_rest ? -rate * (fmaf(rest, pull, stretch) / rest) : 0.0f;
+    } else if (i >= 3 * (u64)e && i < laws) {
+        out[i] = sums[i];
+    } else if (i >= laws && i < laws + 5) {
         float sum = 0.0f;
-        for (u32 w = 0; w < windows; w++) sum += sums[w * stride + at];
-        out[at] = sum;
-    } else if (i < laws - 2 * (u64)e + 5) {
-        u32 law = i - (u32)(laws - 2 * (u64)e);
-        float sum = 0.0f;
-        for (u32 w = 0; w < windows; w++)
-            for (u32 b = 0; b < blocks; b++) sum += sums[w * stride + laws + 5 * b + law];
-        out[laws + law] = sum;
+        for (u32 b = 0; b < blocks; b++) sum += sums[laws + 5 * b + (i - laws)];
+        out[i] = sum;
     }
 }
 

@@ -13,6 +13,8 @@ struct Record {
     u32 spring_count, controls_count, frame_count, unused;
 };
 
+static_assert(sizeof(Record) == SIZE_OF_RECORD, "src/record.rs");
+
 // Block (nodes, recorded frame, job).
 extern "C" __global__ void record(const Record* jobs) {
     const Record& r = jobs[blockIdx.z];

@@ -1,0 +1,400 @@
+//! The backend: checks, cuts batches to what memory holds, and runs them.
+
+use std::{
+    ops::Range,
+    sync::{Arc, Mutex, PoisonError, Weak},
+};
+
+use bendtwin_core::{Graph, Params};
+use bendtwin_engine::{
+    Backend, Device as Description, Error, Loaded, Model,
+    backend::{
+        CancelToken, Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Recording,
+        Rollout,
+    },
+    check,
+    descent::{Decay, Descent, Start},
+    model::State,
+    stable_substeps,
+};
+
+use crate::{
+    backward::{self, Gradients},
+    descent::DeviceDescent,
+    device::Device,
+    graph::DeviceGraph,
+    queue::Queue,
+    recording::{Recorded, keeps},
+    resident::{Resident, resident, unflatten},
+    scoring::{Scores, loss},
+    simulation::{self, Keep, Simulation},
+    team::{Purpose, choose},
+};
+
+/// Share of the budget that a batch's working memory may take.
+const WORKING_SHARE: u64 = 2;
+
+/// One queue of a device.
+#[derive(Clone)]
+pub(crate) struct CudaBackend {
+    device: Arc<Device>,
+    pub(crate) queue: Arc<Queue>,
+    normal: Arc<Queue>,
+    urgent: Arc<Queue>,
+    graphs: Arc<Mutex<Vec<(Weak<Graph>, Weak<DeviceGraph>)>>>,
+}
+
+/// A simulation that has been scored and, if asked for, gone through backward.
+pub(crate) struct Measured<'a> {
+    simulation: Simulation<'a>,
+    scores: Option<Scores>,
+    gradients: Option<Gradients>,
+    divergences: Vec<Option<Divergence>>,
+}
+
+impl CudaBackend {
+    pub(crate) fn new(device: &Arc<Device>) -> Self {
+        let normal = Arc::new(Queue::new(device, &device.normal));
+        let urgent = Arc::new(Queue::new(device, &device.urgent));
+        let (device, queue) = (device.clone(), normal.clone());
+        Self { device, queue, normal, urgent, graphs: Arc::default() }
+    }
+
+    fn graph(&self, graph: &Arc<Graph>) -> Result<Arc<DeviceGraph>, Error> {
+        let mut graphs = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
+        graphs.retain(|(host, device)| host.strong_count() > 0 && device.strong_count() > 0);
+        let same = |host: &Weak<Graph>| std::ptr::eq(host.as_ptr(), Arc::as_ptr(graph));
+        let known = graphs.iter().find(|(host, _)| same(host)).and_then(|(_, d)| d.upgrade());
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        let made = Arc::new(DeviceGraph::new(&self.device, graph)?);
+        graphs.push((Arc::downgrade(graph), Arc::downgrade(&made)));
+        Ok(made)
+    }
+
+    /// Memory that batches may work with [bytes].
+    fn room(&self) -> u64 {
+        self.device.budget / WORKING_SHARE
+    }
+
+    /// Checks instances against their models, which must have been loaded on this device.
+    pub(crate) fn check(&self, batch: &[Instance]) -> Result<(), Error> {
+        for (index, instance) in batch.iter().enumerate() {
+            let resident = resident(&instance.model)?;
+            if !Arc::ptr_eq(&resident.device, &self.device) {
+                return Err(Error::InvalidInput("the model is on another device".into()));
+            }
+            check::instance(index, instance)?;
+        }
+        Ok(())
+    }
+
+    /// Parts of a batch that fit into the room side by side; at least one instance each.
+    fn chunks(batch: &[Instance], room: u64, bytes: impl Fn(&Instance) -> u64) -> Vec<Range<usize>> {
+        let mut chunks = Vec::new();
+        let (mut first, mut sum) = (0, 0_u64);
+        for (i, instance) in batch.iter().enumerate() {
+            let own = bytes(instance);
+            if i > first && sum.saturating_add(own) > room {
+                chunks.push(first..i);
+                (first, sum) = (i, 0);
+            }
+            sum = sum.saturating_add(own);
+        }
+        if first < batch.len() {
+            chunks.push(first..batch.len());
+        }
+        chunks
+    }
+
+    /// Parts of a batch whose gradients fit; half of the room is for tapes.
+    pub(crate) fn gradient_chunks(&self, batch: &[Instance]) -> Vec<Range<usize>> {
+        let bytes =
+            |i: &Instance| simulation::bytes_of(i, Keep::All).saturating_add(backward::bytes_of(i));
+        Self::chunks(batch, self.room() / 2, bytes)
+    }
+
+    fn refuse_too_large(&self, bytes: u64) -> Result<(), Error> {
+        let available = self.room();
+        if bytes > available {
+            return Err(Error::OutOfMemory { needed: bytes, available });
+        }
+        Ok(())
+    }
+
+    /// Runs checked instances forward and backward.
+    pub(crate) fn measure<'a>(
+        &'a self,
+        batch: &'a [Instance],
+        request: &GradientRequest,
+        cancel: &CancelToken,
+    ) -> Result<Measured<'a>, Error> {
+        let needed = batch.iter().map(|i| simulation::bytes_of(i, Keep::All)).sum::<u64>();
+        self.refuse_too_large(needed)?;
+        let simulation = Simulation::new(&self.queue, batch, Keep::All)?;
+        simulation.run(cancel)?;
+        let scores = Scores::new(&simulation, Some(request.cut_every))?;
+        let room = self.room() / 2;
+        let gradients = Gradients::new(&simulation, &scores, request, room, cancel)?;
+        let divergences = simulation.divergences()?;
+        Ok(Measured {
+            simulation,
+            scores: Some(scores),
+            gradients: Some(gradients),
+            divergences,
+        })
+    }
+
+    /// Runs checked instances forward and scores them.
+    fn score<'a>(
+        &'a self,
+        batch: &'a [Instance],
+        keep: Keep,
+        cancel: &CancelToken,
+    ) -> Result<Measured<'a>, Error> {
+        self.refuse_too_large(batch.iter().map(|i| simulation::bytes_of(i, keep)).sum())?;
+        let simulation = Simulation::new(&self.queue, batch, keep)?;
+        simulation.run(cancel)?;
+        let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
+        let scores = if scored { Some(Scores::new(&simulation, None)?) } else { None };
+        let divergences = simulation.divergences()?;
+        Ok(Measured { simulation, scores, gradients: None, divergences })
+    }
+
+    /// Waits for what a failed call has left on the queue: its models may be gone next.
+    fn settled<T>(&self, result: Result<T, Error>) -> Result<T, Error> {
+        if result.is_err() {
+            let _ = self.queue.synchronize();
+        }
+        result
+    }
+
+    fn roll_out_chunk(
+        &self,
+        batch: &[Instance],
+        recording: &Recording,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Rollout>, Error> {
+        let measured = self.score(batch, keeps(batch, recording), cancel)?;
+        let losses = measured.losses()?;
+        let recorded = Recorded::new(&measured.simulation, recording)?;
+        recorded.rollouts(&measured.simulation, recording, losses)
+    }
+
+    fn gradient_chunk(
+        &self,
+        batch: &[Instance],
+        request: &GradientRequest,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Gradient>, Error> {
+        let mut measured = self.measure(batch, request, cancel)?;
+        let gradients = measured.take_gradients();
+        let params = self.queue.fetch(&gradients.params)?;
+        let controls = self.queue.fetch(&gradients.controls)?;
+        let initial = match request.initial || request.controls {
+            true => self.queue.fetch(&gradients.initial)?,
+            false => Vec::new(),
+        };
+        let mut out = Vec::with_capacity(batch.len());
+        for (i, (instance, loss)) in batch.iter().zip(measured.losses()?).enumerate() {
+            let model = instance.model.model();
+            let ended = loss.diverged.is_none();
+            let own = &params[gradients.starts[i]..gradients.starts[i + 1]];
+            let zeros = vec![0.0; if ended { 0 } else { own.len() }];
+            let own = if ended { own } else { &zeros };
+            let n = model.graph.node_count();
+            let start = gradients.initial_starts[i];
+            let point = |p: &[f32; 4]| [p[0], p[1], p[2]].map(narrow);
+            let mut at_start = match initial.get(start..start + 2 * n) {
+                Some(bars) if ended => State {
+                    positions: bars[..n].iter().map(point).collect(),
+                    velocities: bars[n..].iter().map(point).collect(),
+                },
+                _ => State { positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n] },
+            };
+            let span = gradients.control_starts[i]..gradients.control_starts[i + 1];
+            let mut paths: Vec<[f32; 3]> = match ended {
+                true => controls[span].iter().map(|p| p.map(narrow)).collect(),
+                false => vec![[0.0; 3]; span.len()],
+            };
+            // Pinned nodes start on their control points.
+            for pin in &model.graph.pins {
+                let x = std::mem::take(&mut at_start.positions[pin.node as usize]);
+                at_start.velocities[pin.node as usize] = [0.0; 3];
+                if let Some(path) = paths.get_mut(pin.control as usize) {
+                    (0..3).for_each(|k| path[k] += x[k]);
+                }
+            }
+            let final_state = match request.final_state && ended {
+                true => Some(measured.state(i, instance.frames)?),
+                false => None,
+            };
+            let narrowed: Vec<f32> = own.iter().map(|&x| narrow(x)).collect();
+            out.push(Gradient {
+                loss,
+                overflowed: own.iter().any(|x| !x.is_finite()),
+                params: gradient_params(model, &narrowed),
+                controls: paths,
+                initial: request.initial.then_some(at_start),
+                final_state,
+            });
+        }
+        Ok(out)
+    }
+}
+
+/// What has no derivative stays at its default or zero.
+fn gradient_params(model: &Model, flat: &[f32]) -> Params {
+    let mut params = unflatten(&model.params, flat);
+    params.contact = bendtwin_core::Contact {
+        collision_distance_m: 0.0,
+        between_objects: bendtwin_core::Contact::default().between_objects,
+        within_object: bendtwin_core::Contact::default().within_object,
+        ..params.contact
+    };
+    params
+}
+
+/// What is beyond f32 becomes its largest, NaN zero.
+fn narrow(x: f32) -> f32 {
+    if x.is_nan() { 0.0 } else { x.clamp(-f32::MAX, f32::MAX) }
+}
+
+impl Measured<'_> {
+    /// The losses; waits for the device.
+    pub(crate) fn losses(&self) -> Result<Vec<Loss>, Error> {
+        match &self.scores {
+            Some(scores) => scores.losses(&self.simulation, &self.divergences),
+            None => {
+                let each = self.simulation.instances.iter().zip(&self.divergences);
+                let zeros = |i: &Instance| vec![0.0; i.objective.groups.len()];
+                Ok(each.map(|(i, d)| loss(*d, zeros(i))).collect())
+            }
+        }
+    }
+
+    /// The gradients; asked for once, and only of what has gone backward.
+    pub(crate) fn take_gradients(&mut self) -> Gradients {
+        self.gradients.take().expect("measured with gradients, taken once")
+    }
+
+    /// State of an instance at the end of a frame.
+    pub(crate) fn state(&self, index: usize, frame: usize) -> Result<State, Error> {
+        self.simulation.state(index, frame)
+    }
+}
+
+impl Backend for CudaBackend {
+    fn device(&self) -> Description {
+        Description {
+            kind: "cuda".into(),
+            name: self.device.name.clone(),
+            lanes: self.device.ability.processors as usize,
+        }
+    }
+
+    fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
+        check::model(&model)?;
+        let stable = stable_substeps(&model);
+        if model.timing.substeps < stable.needed {
+            return Err(Error::Unstable {
+                substeps: model.timing.substeps,
+                needed: stable.needed,
+                node: stable.stiffest_node,
+            });
+        }
+        self.refuse_too_large(resident_bytes(&model))?;
+        let graph = self.graph(&model.graph)?;
+        let resident = Resident::new(&self.device, &graph, &model.params)?;
+        // One shape is made now, so that what cannot run is refused here.
+        choose(&self.device.ability, &resident, &model, Purpose::Forward, 1, 1)?;
+        crate::synchronize(&self.device.normal)?;
+        Ok(Loaded::new(model, Arc::new(resident)))
+    }
+
+    fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
+        let before = resident(loaded)?;
+        let model = Model { params, ..Model::clone(loaded.model()) };
+        model.params.check(&model.graph).map_err(Error::InvalidModel)?;
+        let resident = Resident::new(&self.device, &before.graph, &model.params)?;
+        crate::synchronize(&self.device.normal)?;
+        Ok(Loaded::new(Arc::new(model), Arc::new(resident)))
+    }
+
+    fn roll_out(
+        &self,
+        batch: &[Instance],
+        recording: &Recording,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Rollout>, Error> {
+        self.check(batch)?;
+        for (index, instance) in batch.iter().enumerate() {
+            check::recording(index, instance, recording)?;
+        }
+        let keep = keeps(batch, recording);
+        let bytes = |i: &Instance| simulation::bytes_of(i, keep).saturating_mul(2);
+        let mut rollouts = Vec::with_capacity(batch.len());
+        for chunk in Self::chunks(batch, self.room(), bytes) {
+            let done = self.roll_out_chunk(&batch[chunk], recording, cancel);
+            rollouts.extend(self.settled(done)?);
+        }
+        Ok(rollouts)
+    }
+
+    fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
+        self.check(batch)?;
+        let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
+        let keep = if scored { Keep::All } else { Keep::Last };
+        let bytes = |i: &Instance| simulation::bytes_of(i, keep);
+        let mut losses = Vec::with_capacity(batch.len());
+        for chunk in Self::chunks(batch, self.room(), bytes) {
+            let done = self.score(&batch[chunk], keep, cancel).and_then(|m| m.losses());
+            losses.extend(self.settled(done)?);
+        }
+        Ok(losses)
+    }
+
+    fn gradients(
+        &self,
+        batch: &[Instance],
+        request: &GradientRequest,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Gradient>, Error> {
+        self.check(batch)?;
+        let mut gradients = Vec::with_capacity(batch.len());
+        for chunk in self.gradient_chunks(batch) {
+            let done = self.gradient_chunk(&batch[chunk], request, cancel);
+            gradients.extend(self.settled(done)?);
+        }
+        Ok(gradients)
+    }
+
+    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
+        let normal = Self { queue: self.normal.clone(), ..self.clone() };
+        Ok(Box::new(DeviceDescent::new(normal, starts, decay)?))
+    }
+
+    fn memory(&self) -> Option<Memory> {
+        self.device.memory()
+    }
+
+    fn urgent(&self) -> Option<Arc<dyn Backend>> {
+        Some(Arc::new(Self { queue: self.urgent.clone(), ..self.clone() }))
+    }
+
+    fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
+        let resident = resident(model).ok()?;
+        let (ability, purpose) = (&self.device.ability, Purpose::Forward);
+        let fitted = choose(ability, resident, model.model(), purpose, batch, batch).ok()?;
+        Some(fitted.team.to_string())
+    }
+}
+
+/// Bytes that a model takes on the device: its graph for two shapes of launch, its parameters.
+fn resident_bytes(model: &Model) -> u64 {
+    let graph = &model.graph;
+    let (n, e, t) =
+        (graph.node_count() as u64, graph.springs.len() as u64, graph.triplets.len() as u64);
+    64 * n + 2 * (2 * e * 28 + 3 * t * 32) + 20 * (e + t)
+}

@@ -1,0 +1,178 @@
+//! A device: its context, what it is able to, its memory, and the kernels loaded on it.
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use bendtwin_engine::{Error, backend::Memory};
+use cudarc::driver::{
+    CudaContext, CudaModule, CudaStream,
+    sys::{self, CUdevice_attribute as Attribute},
+};
+
+use crate::{
+    Options,
+    cache::Cache,
+    compile, fault,
+    kernel::{Source, Variant},
+    launch::Function,
+};
+
+/// First architecture with clusters and distributed shared memory.
+const CLUSTERS_FROM: u32 = 90;
+/// Blocks of the largest cluster that is tried.
+const LARGEST_CLUSTER: u32 = 16;
+
+/// What a device is able to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ability {
+    /// Multiprocessors.
+    pub(crate) processors: u32,
+    /// Shared memory that a block can have [bytes].
+    pub(crate) shared_bytes: u32,
+    /// Blocks of the largest cluster; 1 without clusters.
+    pub(crate) cluster: u32,
+}
+
+/// A device that is in use.
+pub(crate) struct Device {
+    pub(crate) context: Arc<CudaContext>,
+    pub(crate) name: String,
+    pub(crate) ability: Ability,
+    /// Bytes that this process may have.
+    pub(crate) budget: u64,
+    /// Serves requests that must not wait.
+    pub(crate) urgent: Arc<CudaStream>,
+    pub(crate) normal: Arc<CudaStream>,
+    cache: Cache,
+    functions: Mutex<HashMap<(Variant, &'static str), Arc<Function>>>,
+    modules: Mutex<HashMap<Variant, Arc<CudaModule>>>,
+}
+
+impl Device {
+    /// Opens a device, or says in one line what is missing.
+    pub(crate) fn open(options: &Options) -> Result<Arc<Self>, Error> {
+        // SAFETY: loads a library by its well-known name and unloads it again.
+        if !unsafe { sys::is_culib_present() } {
+            return Err(Error::Device("no CUDA driver (libcuda.so) on this machine".into()));
+        }
+        if !compile::is_present() {
+            return Err(Error::Device(
+                "NVRTC (libnvrtc.so) is missing: install the CUDA toolkit's runtime compiler".into(),
+            ));
+        }
+        let count = {
+            cudarc::driver::result::init().map_err(|e| fault("the CUDA driver", e))?;
+            CudaContext::device_count().map_err(|e| fault("counting CUDA devices", e))?
+        };
+        if options.ordinal >= count.max(0) as usize {
+            let ordinal = options.ordinal;
+            return Err(Error::Device(format!("no CUDA device {ordinal}: there are {count}")));
+        }
+        let context =
+            CudaContext::new(options.ordinal).map_err(|e| fault("opening the CUDA device", e))?;
+        // SAFETY: all work that shares memory is ordered on one stream, or ends with a
+        // synchronisation before the memory is used elsewhere.
+        unsafe { context.disable_event_tracking() };
+        Self::new(context, options)
+    }
+
+    fn new(context: Arc<CudaContext>, options: &Options) -> Result<Arc<Self>, Error> {
+        let attribute = |a| context.attribute(a).map_err(|e| fault("a device attribute", e));
+        let (major, minor) =
+            context.compute_capability().map_err(|e| fault("the compute capability", e))?;
+        let architecture = (10 * major + minor).max(0) as u32;
+        let ability = Ability {
+            processors: attribute(Attribute::CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT)?.max(1)
+                as u32,
+            shared_bytes: attribute(
+                Attribute::CU_DEVICE_ATTRIBUTE_MAX_SHARED_MEMORY_PER_BLOCK_OPTIN,
+            )?
+            .max(0) as u32,
+            cluster: if architecture >= CLUSTERS_FROM { LARGEST_CLUSTER } else { 1 },
+        };
+        let name = context.name().map_err(|e| fault("the device's name", e))?;
+        let (free, _) = context.mem_get_info().map_err(|e| fault("device memory", e))?;
+        let budget = options.memory_limit.unwrap_or(free as u64 / 10 * 9).min(free as u64);
+        let stream = |priority| {
+            let made = context.new_stream_with_priority(priority);
+            made.map_err(|e| fault("making a stream", e))
+        };
+        keep_freed_memory(&context, budget)?;
+        // Smaller numbers go first.
+        let (normal, urgent) = (stream(0)?, stream(-5)?);
+        let device = Self {
+            cache: Cache::new(options.cache_dir.as_deref(), architecture)?,
+            name,
+            ability,
+            budget,
+            urgent,
+            normal,
+            functions: Mutex::default(),
+            modules: Mutex::default(),
+            context,
+        };
+        for source in Source::SMALL {
+            device.module(&Variant::small(source))?;
+        }
+        Ok(Arc::new(device))
+    }
+
+    /// Memory of the device, whoever uses it.
+    pub(crate) fn memory(&self) -> Option<Memory> {
+        let (free, total) = self.context.mem_get_info().ok()?;
+        Some(Memory { used: total.saturating_sub(free) as u64, total: total as u64 })
+    }
+
+    /// A kernel, compiled and loaded at first use.
+    pub(crate) fn function(
+        &self,
+        variant: &Variant,
+        name: &'static str,
+    ) -> Result<Arc<Function>, Error> {
+        let key = (*variant, name);
+        if let Some(found) = lock(&self.functions).get(&key) {
+            return Ok(found.clone());
+        }
+        let loaded = self
+            .module(variant)?
+            .load_function(name)
+            .map_err(|e| fault("finding a kernel in its module", e))?;
+        let function = Arc::new(Function::new(loaded, variant)?);
+        lock(&self.functions).insert(key, function.clone());
+        Ok(function)
+    }
+
+    fn module(&self, variant: &Variant) -> Result<Arc<CudaModule>, Error> {
+        if let Some(found) = lock(&self.modules).get(variant) {
+            return Ok(found.clone());
+        }
+        let cubin = self.cache.cubin(variant)?;
+        let module = self
+            .context
+            .load_module(cudarc::nvrtc::Ptx::from_binary(cubin))
+            .map_err(|e| fault("loading a kernel", e))?;
+        lock(&self.modules).insert(*variant, module.clone());
+        Ok(module)
+    }
+}
+
+/// Allocations come from the device's pool; what is freed stays there for the next.
+fn keep_freed_memory(context: &CudaContext, bytes: u64) -> Result<(), Error> {
+    context.bind_to_thread().map_err(|e| fault("the CUDA context", e))?;
+    let mut pool = std::ptr::null_mut();
+    let mut keep = bytes;
+    // SAFETY: the device is open; the attribute is a 64-bit number.
+    unsafe {
+        sys::cuDeviceGetDefaultMemPool(&raw mut pool, context.cu_device()).result().and_then(|()| {
+            let attribute = sys::CUmemPool_attribute::CU_MEMPOOL_ATTR_RELEASE_THRESHOLD;
+            sys::cuMemPoolSetAttribute(pool, attribute, (&raw mut keep).cast()).result()
+        })
+    }
+    .map_err(|e| fault("the memory pool", e))
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

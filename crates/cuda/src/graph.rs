@@ -1,0 +1,173 @@
+//! What the device keeps of a graph, for all parameters on it.
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, OnceLock, PoisonError},
+};
+
+use bendtwin_core::Graph;
+use bendtwin_engine::Error;
+
+use crate::{
+    device::Device,
+    job::{self, LocalPin, Share, Triplet},
+    layout::Layout,
+    memory::Buffer,
+};
+
+/// How a graph is cut: into so many blocks for about so many threads each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Cut {
+    pub(crate) blocks: u32,
+    pub(crate) threads: u32,
+}
+
+/// A graph on the device.
+pub(crate) struct DeviceGraph {
+    pub(crate) graph: Arc<Graph>,
+    /// Zero where pinned.
+    inverse_mass: Buffer<f32>,
+    pins: Buffer<job::Pin>,
+    pin_of: Buffer<i32>,
+    pub(crate) object_ids: Buffer<u32>,
+    /// Shape [E, 2].
+    pub(crate) springs: Buffer<[u32; 2]>,
+    /// Starts and sorted neighbours by spring, made when self contact first asks for them.
+    joined: OnceLock<Result<(Buffer<u32>, Buffer<u32>), Error>>,
+    cuts: Mutex<HashMap<Cut, Arc<CutGraph>>>,
+}
+
+/// A graph cut for one shape of launch.
+pub(crate) struct CutGraph {
+    pub(crate) layout: Layout,
+    pub(crate) topology: job::Topology,
+    pub(crate) springs: Buffer<u32>,
+    pub(crate) others: Buffer<u32>,
+    pub(crate) triplet_of: Buffer<u32>,
+    /// Keeps alive what `topology` points to.
+    _parts: Parts,
+}
+
+struct Parts {
+    _shares: Buffer<Share>,
+    _nodes: Buffer<u32>,
+    _rows: Buffer<u32>,
+    _triplets: Buffer<Triplet>,
+    _arms: Buffer<u32>,
+    _arm_refs: Buffer<u32>,
+    _local_pins: Buffer<LocalPin>,
+    _exports: Buffer<u32>,
+    _export_refs: Buffer<u32>,
+    _spring_of: Buffer<i32>,
+}
+
+impl DeviceGraph {
+    pub(crate) fn new(device: &Device, graph: &Arc<Graph>) -> Result<Self, Error> {
+        let stream = &device.normal;
+        let mut inverse_mass: Vec<f32> = graph.masses.iter().map(|m| 1.0 / m).collect();
+        let mut pin_of = vec![-1_i32; graph.node_count()];
+        for (p, pin) in graph.pins.iter().enumerate() {
+            inverse_mass[pin.node as usize] = 0.0;
+            pin_of[pin.node as usize] = p as i32;
+        }
+        let pins: Vec<job::Pin> = graph
+            .pins
+            .iter()
+            .map(|p| job::Pin { control: p.control, offset: p.offset_m })
+            .collect();
+        Ok(Self {
+            inverse_mass: Buffer::of(stream, &inverse_mass)?,
+            pins: Buffer::of(stream, &pins)?,
+            pin_of: Buffer::of(stream, &pin_of)?,
+            object_ids: Buffer::of(stream, &graph.object_ids)?,
+            springs: Buffer::of(stream, &graph.springs)?,
+            joined: OnceLock::new(),
+            cuts: Mutex::default(),
+            graph: graph.clone(),
+        })
+    }
+
+    /// The graph cut in this way; made at first use.
+    pub(crate) fn cut(&self, device: &Device, cut: Cut) -> Result<Arc<CutGraph>, Error> {
+        let mut cuts = self.cuts.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = cuts.get(&cut) {
+            return Ok(found.clone());
+        }
+        let layout = Layout::new(&self.graph, cut.blocks as usize, cut.threads)?;
+        let made = Arc::new(self.upload(device, layout)?);
+        cuts.insert(cut, made.clone());
+        Ok(made)
+    }
+
+    fn upload(&self, device: &Device, layout: Layout) -> Result<CutGraph, Error> {
+        let stream = &device.normal;
+        let parts = Parts {
+            _shares: Buffer::of(stream, &layout.shares)?,
+            _nodes: Buffer::of(stream, &layout.nodes)?,
+            _rows: Buffer::of(stream, &layout.rows)?,
+            _triplets: Buffer::of(stream, &layout.triplets)?,
+            _arms: Buffer::of(stream, &layout.arms)?,
+            _arm_refs: Buffer::of(stream, &layout.arm_refs)?,
+            _local_pins: Buffer::of(stream, &layout.local_pins)?,
+            _exports: Buffer::of(stream, &layout.exports)?,
+            _export_refs: Buffer::of(stream, &layout.export_refs)?,
+            _spring_of: Buffer::of(stream, &layout.spring_of)?,
+        };
+        let triplet_of = Buffer::of(stream, &layout.triplet_of)?;
+        let topology = job::Topology {
+            shares: parts._shares.address(),
+            nodes: parts._nodes.address(),
+            rows: parts._rows.address(),
+            triplets: parts._triplets.address(),
+            arms: parts._arms.address(),
+            arm_refs: parts._arm_refs.address(),
+            local_pins: parts._local_pins.address(),
+            pins: self.pins.address(),
+            pin_of: self.pin_of.address(),
+            exports: parts._exports.address(),
+            export_refs: parts._export_refs.address(),
+            inverse_mass: self.inverse_mass.address(),
+            spring_of: parts._spring_of.address(),
+            triplet_of: triplet_of.address(),
+            node_count: self.graph.node_count() as u32,
+            controls: layout.controls,
+            control_base: layout.control_base,
+            stride: layout.stride(),
+            max_triplets: layout.max_triplets,
+            max_entries: layout.max_entries,
+            max_all_entries: layout.max_all_entries,
+            unused: 0,
+        };
+        let springs = Buffer::of(stream, &layout.springs)?;
+        let others = Buffer::of(stream, &layout.others)?;
+        // The urgent stream may use it next.
+        crate::synchronize(stream)?;
+        Ok(CutGraph { topology, springs, others, triplet_of, layout, _parts: parts })
+    }
+
+    /// Starts [N + 1] and ascending neighbours of each node by springs.
+    pub(crate) fn joined(&self, device: &Device) -> Result<(&Buffer<u32>, &Buffer<u32>), Error> {
+        let made = self.joined.get_or_init(|| {
+            let n = self.graph.node_count();
+            let mut near: Vec<Vec<u32>> = vec![Vec::new(); n];
+            for &[a, b] in self.graph.springs.iter().filter(|s| (s[1] as usize) < n) {
+                near[a as usize].push(b);
+                near[b as usize].push(a);
+            }
+            let (mut starts, mut all) = (vec![0], Vec::new());
+            for mut list in near {
+                list.sort_unstable();
+                list.dedup();
+                all.extend(list);
+                starts.push(all.len() as u32);
+            }
+            let made = (Buffer::of(&device.normal, &starts)?, Buffer::of(&device.normal, &all)?);
+            crate::synchronize(&device.normal)?;
+            Ok(made)
+        });
+        match made {
+            Ok((starts, all)) => Ok((starts, all)),
+            Err(e) => Err(e.clone()),
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! The kernels' sources, and what a launch of them is specialised for at compile time.
+
+use std::fmt::Write as _;
+
+use crate::job::{Job, Measure, Record, Share, Term, Topology};
+
+/// Threads of a block of the small kernels.
+pub(crate) const THREADS: u32 = 256;
+
+const HEADERS: &[(&str, &str)] = &[
+    ("vector.cuh", include_str!("../kernels/vector.cuh")),
+    ("spring.cuh", include_str!("../kernels/spring.cuh")),
+    ("bend.cuh", include_str!("../kernels/bend.cuh")),
+    ("impulse.cuh", include_str!("../kernels/impulse.cuh")),
+    ("ground.cuh", include_str!("../kernels/ground.cuh")),
+    ("job.cuh", include_str!("../kernels/job.cuh")),
+    ("team.cuh", include_str!("../kernels/team.cuh")),
+    ("contact.cuh", include_str!("../kernels/contact.cuh")),
+    ("share.cuh", include_str!("../kernels/share.cuh")),
+];
+
+/// A source file of kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Source {
+    /// Frames forward.
+    Integrate,
+    /// A frame backward.
+    Adjoint,
+    /// Contact candidates.
+    Partners,
+    /// Objectives.
+    Loss,
+    /// Parameters and their gradients.
+    Params,
+    /// Adam.
+    Descent,
+    /// What a rollout returns.
+    Record,
+}
+
+impl Source {
+    pub(crate) const SMALL: [Self; 5] =
+        [Self::Partners, Self::Loss, Self::Params, Self::Descent, Self::Record];
+
+    fn text(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Integrate => ("integrate.cu", include_str!("../kernels/integrate.cu")),
+            Self::Adjoint => ("adjoint.cu", include_str!("../kernels/adjoint.cu")),
+            Self::Partners => ("partners.cu", include_str!("../kernels/partners.cu")),
+            Self::Loss => ("loss.cu", include_str!("../kernels/loss.cu")),
+            Self::Params => ("params.cu", include_str!("../kernels/params.cu")),
+            Self::Descent => ("descent.cu", include_str!("../kernels/descent.cu")),
+            Self::Record => ("record.cu", include_str!("../kernels/record.cu")),
+        }
+    }
+}
+
+/// How a team's blocks meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Meeting {
+    /// One block.
+    Block = 0,
+    /// A cluster of blocks through distributed shared memory.
+    Cluster = 1,
+    /// Any blocks through global memory.
+    Grid = 2,
+}
+
+/// What a kernel is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Variant {
+    pub(crate) source: Source,
+    pub(crate) meeting: Meeting,
+    /// Blocks of a team.
+    pub(crate) blocks: u32,
+    /// Instances that a team simulates together.
+    pub(crate) instances: u32,
+    /// Lanes that share a node; a power of two up to 32.
+    pub(crate) lanes: u32,
+    pub(crate) threads: u32,
+    /// Every warp has one row of nodes at most.
+    pub(crate) one_row: bool,
+    /// Half-springs of a lane in registers (forward), or with their sums there (backward).
+    pub(crate) held: u32,
+    /// Of these, how many may report a gradient.
+    pub(crate) held_sums: u32,
+    pub(crate) bending: bool,
+    pub(crate) ground: bool,
+    pub(crate) contact: bool,
+    pub(crate) tape: bool,
+    pub(crate) half_springs_in_shared: bool,
+    pub(crate) bend_in_shared: bool,
+}
+
+impl Variant {
+    /// Of a source without specialisation.
+    pub(crate) fn small(source: Source) -> Self {
+        Self {
+            source,
+            meeting: Meeting::Block,
+            blocks: 1,
+            instances: 1,
+            lanes: 1,
+            threads: THREADS,
+            one_row: true,
+            held: 0,
+            held_sums: 0,
+            bending: false,
+            ground: false,
+            contact: false,
+            tape: false,
+            half_springs_in_shared: false,
+            bend_in_shared: false,
+        }
+    }
+
+    /// The whole source with its constants in front.
+    pub(crate) fn text(&self) -> String {
+        let mut text = String::new();
+        let sizes = [
+            ("SIZE_OF_SHARE", size_of::<Share>()),
+            ("SIZE_OF_TOPOLOGY", size_of::<Topology>()),
+            ("SIZE_OF_JOB", size_of::<Job>()),
+            ("SIZE_OF_TERM", size_of::<Term>()),
+            ("SIZE_OF_MEASURE", size_of::<Measure>()),
+            ("SIZE_OF_RECORD", size_of::<Record>()),
+        ];
+        let constants = [
+            ("SHAPE", self.meeting as u32),
+            ("BLOCKS", self.blocks),
+            ("INSTANCES", self.instances),
+            ("LANES", self.lanes),
+            ("THREADS", self.threads),
+            ("ONE_ROW", self.one_row.into()),
+            ("HELD", self.held),
+            ("HELD_SUMS", self.held_sums),
+            ("BENDING", self.bending.into()),
+            ("GROUND", self.ground.into()),
+            ("CONTACT", self.contact.into()),
+            ("TAPE", self.tape.into()),
+            ("HALF_SPRINGS_IN_SHARED", self.half_springs_in_shared.into()),
+            ("BEND_IN_SHARED", self.bend_in_shared.into()),
+        ];
+        // Writing to a string cannot fail.
+        for (name, value) in sizes {
+            let _ = writeln!(text, "#define {name} {value}");
+        }
+        for (name, value) in constants {
+            let _ = writeln!(text, "#define {name} {value}");
+        }
+        for (name, body) in HEADERS.iter().copied().chain([self.source.text()]) {
+            let _ = writeln!(text, "#line 1 \"{name}\"\n{body}");
+        }
+        text
+    }
+}
+
+/// Options for an architecture, 90 for sm_90 say. Square roots and quotients within two units in
+/// the last place are exact enough, and subnormal numbers are no lengths.
+pub(crate) fn options(architecture: u32) -> Vec<String> {
+    [
+        format!("--gpu-architecture=sm_{architecture}"),
+        "--std=c++17".to_owned(),
+        "--ftz=true".to_owned(),
+        "--prec-div=false".to_owned(),
+        "--prec-sqrt=false".to_owned(),
+        "--device-as-default-execution-space".to_owned(),
+    ]
+    .to_vec()
+}
+
+#[cfg(test)]
+mod tests;

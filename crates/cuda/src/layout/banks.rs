@@ -1,0 +1,54 @@
+//! Which half-spring a lane takes in which slot. A quarter of a warp reads eight float4s of shared memory at
+//! once, and in one go only if they lie in different banks: indices that differ modulo 8.
+
+use super::rows::{Half, WARP};
+
+/// Lanes whose reads of 16 bytes are served together.
+const TOGETHER: usize = 8;
+/// Groups of banks of 16 bytes.
+const BANKS: usize = 8;
+
+/// One slot: what each lane of the warp takes.
+pub(super) type Slot = [Option<Half>; WARP];
+
+/// Deals the half-springs of a row's nodes to at least `slots` slots of `lanes` lanes a node: `first` fill
+/// the first ones, `then` what is left.
+pub(super) fn arrange(
+    lanes: usize,
+    mut first: Vec<Vec<Half>>,
+    mut then: Vec<Vec<Half>>,
+    slots: usize,
+) -> Vec<Slot> {
+    let mut out = Vec::with_capacity(slots);
+    while out.len() < slots || first.iter().chain(&then).any(|n| !n.is_empty()) {
+        let mut slot: Slot = [None; WARP];
+        for quarter in 0..WARP / TOGETHER {
+            let mut used = [None; BANKS];
+            for lane in quarter * TOGETHER..(quarter + 1) * TOGETHER {
+                let node = lane / lanes;
+                let Some(own) = first.get_mut(node) else { continue };
+                let from = if own.is_empty() { &mut then[node] } else { own };
+                slot[lane] = take(from, &mut used);
+            }
+        }
+        out.push(slot);
+    }
+    out
+}
+
+/// Takes a half-spring whose bank is free, from the bank that has most of them left; any if none is.
+fn take(from: &mut Vec<Half>, used: &mut [Option<u32>; BANKS]) -> Option<Half> {
+    let bank = |h: &Half| h.1 as usize % BANKS;
+    let mut left = [0_u32; BANKS];
+    from.iter().for_each(|h| left[bank(h)] += 1);
+    let free = |h: &Half| used[bank(h)].is_none_or(|other| other == h.1);
+    let candidates = from.iter().enumerate().filter(|(_, h)| free(h));
+    let best = candidates.max_by_key(|(i, h)| (left[bank(h)], std::cmp::Reverse(*i)));
+    let at = best.map_or(0, |(i, _)| i);
+    if at >= from.len() {
+        return None;
+    }
+    let taken = from.swap_remove(at);
+    used[bank(&taken)].get_or_insert(taken.1);
+    Some(taken)
+}

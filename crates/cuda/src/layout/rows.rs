@@ -1,0 +1,84 @@
+//! Half-springs in rows: a warp works on 32 / lanes nodes at once, each lane on every lanes-th half-spring
+//! of its node. A slot is one half-spring for each of the 32 lanes.
+
+use super::{Incidence, Layout, NONE, banks};
+
+/// Lanes of a warp.
+pub(super) const WARP: usize = 32;
+/// Fewer half-springs than this a lane are not worth a shuffle more.
+const FEWEST_SLOTS: usize = 3;
+
+/// A half-spring: spring, other end by local index, whether it reports the gradient.
+pub(super) type Half = (u32, u32, bool);
+
+/// How many lanes share a node in a part of so many nodes: as many as the threads allow.
+pub(super) fn lanes_for(nodes: usize, incidence: &Incidence, threads: u32) -> u32 {
+    let ends = incidence.starts.len().saturating_sub(1).max(1);
+    let valence = incidence.springs.len() / ends;
+    let mut lanes = 1;
+    while lanes < WARP
+        && (nodes * 2 * lanes).next_multiple_of(WARP) <= threads as usize
+        && valence / (2 * lanes) >= FEWEST_SLOTS
+    {
+        lanes *= 2;
+    }
+    lanes as u32
+}
+
+/// Adds rows to a layout.
+pub(super) struct Rows<'a> {
+    pub(super) lanes: usize,
+    pub(super) layout: &'a mut Layout,
+}
+
+impl Rows<'_> {
+    /// Rows for `count` endpoints; how many there are.
+    pub(super) fn add(&mut self, count: usize, halves: impl Fn(usize) -> Vec<Half>) -> u32 {
+        let a_row = WARP / self.lanes;
+        let rows = count.div_ceil(a_row);
+        for row in 0..rows {
+            let ends: Vec<Vec<Half>> =
+                (row * a_row..((row + 1) * a_row).min(count)).map(&halves).collect();
+            self.add_row(&ends);
+        }
+        rows as u32
+    }
+
+    /// Half-springs so far, padding included.
+    pub(super) fn entries(&self) -> u32 {
+        self.layout.springs.len() as u32
+    }
+
+    /// Ends the rows of a share.
+    pub(super) fn end(&mut self) {
+        let slots = self.entries() / WARP as u32;
+        self.layout.rows.push(slots);
+    }
+
+    fn add_row(&mut self, ends: &[Vec<Half>]) {
+        let lanes = self.lanes;
+        let layout = &mut *self.layout;
+        layout.rows.push((layout.springs.len() / WARP) as u32);
+        // Those that report gradients come first, so that few slots need sums.
+        let owners: Vec<Vec<Half>> = ends.iter().map(|e| pick(e, true)).collect();
+        let others: Vec<Vec<Half>> = ends.iter().map(|e| pick(e, false)).collect();
+        let slots_for = |most: usize| most.div_ceil(lanes);
+        let total = slots_for(ends.iter().map(Vec::len).max().unwrap_or(0));
+        let owner_slots = slots_for(owners.iter().map(Vec::len).max().unwrap_or(0));
+        layout.max_slots = layout.max_slots.max(total as u32);
+        layout.max_owner_slots = layout.max_owner_slots.max(owner_slots as u32);
+        for slot in banks::arrange(lanes, owners, others, total) {
+            for half in slot {
+                // What fills up a slot joins some node to another without any stiffness.
+                let (spring, other, owns) = half.unwrap_or((NONE, 0, false));
+                layout.springs.push(spring);
+                layout.others.push(other);
+                layout.spring_of.push(if owns { spring as i32 } else { -1 });
+            }
+        }
+    }
+}
+
+fn pick(halves: &[Half], owns: bool) -> Vec<Half> {
+    halves.iter().copied().filter(|h| h.2 == owns).collect()
+}

@@ -1,0 +1,205 @@
+use std::collections::BTreeSet;
+
+use bendtwin_engine::conformance::{RandomOptions, random_model};
+
+use super::*;
+
+fn graphs() -> Vec<Graph> {
+    let sizes = [0, 1, 5, 60, 400];
+    let each = sizes.into_iter().map(|nodes| {
+        let options = RandomOptions { nodes, controls: 3, pins: 2, ..RandomOptions::default() };
+        Graph::clone(&random_model(nodes as u64, &options).graph)
+    });
+    each.collect()
+}
+
+fn layouts() -> Vec<(Graph, Layout)> {
+    let cuts = [(1, 64), (1, 1024), (4, 128), (16, 512)];
+    let each = graphs().into_iter().flat_map(|graph| {
+        cuts.map(|(blocks, threads)| {
+            let layout = Layout::new(&graph, blocks, threads).expect("it is small");
+            (graph.clone(), layout)
+        })
+    });
+    each.collect()
+}
+
+/// Endpoint of the graph that a block knows by a local index.
+fn endpoint(graph: &Graph, layout: &Layout, share: &Share, local: u32) -> u32 {
+    if local >= layout.control_base {
+        return graph.node_count() as u32 + local - layout.control_base;
+    }
+    assert!(local < share.local, "local index {local} of {}", share.local);
+    layout.nodes[(share.nodes + local) as usize]
+}
+
+/// What a row's lanes of one end hold: (spring, other end, reports its gradient).
+fn halves(
+    graph: &Graph,
+    layout: &Layout,
+    share: &Share,
+    first_row: u32,
+    index: u32,
+) -> BTreeSet<(u32, u32, bool)> {
+    let lanes = layout.lanes as usize;
+    let a_row = 32 / lanes;
+    let row = (share.row + first_row) as usize + index as usize / a_row;
+    let mut found = BTreeSet::new();
+    for slot in layout.rows[row]..layout.rows[row + 1] {
+        for lane in 0..lanes {
+            let e = slot as usize * 32 + index as usize % a_row * lanes + lane;
+            let spring = layout.springs[e];
+            if spring != NONE {
+                let other = endpoint(graph, layout, share, layout.others[e]);
+                let reports = layout.spring_of[e];
+                assert!(reports == -1 || reports == spring as i32);
+                assert!(found.insert((spring, other, reports >= 0)), "a half-spring twice");
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_node_has_all_its_half_springs_and_every_spring_reports_once() {
+    for (graph, layout) in layouts() {
+        let n = graph.node_count() as u32;
+        let mut reports = vec![0; graph.springs.len()];
+        let mut seen = vec![false; n as usize];
+        for share in &layout.shares {
+            for own in 0..share.own {
+                let node = layout.nodes[(share.nodes + own) as usize];
+                assert!(!std::mem::replace(&mut seen[node as usize], true));
+                let found = halves(&graph, &layout, share, 0, own);
+                let expected: BTreeSet<(u32, u32)> = graph
+                    .springs
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(s, &[a, b])| match node {
+                        i if i == a => Some((s as u32, b)),
+                        i if i == b => Some((s as u32, a)),
+                        _ => None,
+                    })
+                    .collect();
+                assert!(found.iter().map(|h| (h.0, h.1)).eq(expected.iter().copied()));
+                found.iter().filter(|h| h.2).for_each(|h| reports[h.0 as usize] += 1);
+            }
+        }
+        assert!(seen.into_iter().all(|s| s));
+        assert!(reports.into_iter().all(|r| r == 1));
+    }
+}
+
+#[test]
+fn control_points_have_their_half_springs_across_the_blocks() {
+    for (graph, layout) in layouts() {
+        let n = graph.node_count() as u32;
+        for c in 0..graph.control_count() as u32 {
+            let all: Vec<_> = layout
+                .shares
+                .iter()
+                .flat_map(|share| halves(&graph, &layout, share, share.rows, c))
+                .map(|h| h.0)
+                .collect();
+            let expected: Vec<u32> = (0..graph.springs.len() as u32)
+                .filter(|&s| graph.springs[s as usize][1] == n + c)
+                .collect();
+            let mut sorted = all.clone();
+            sorted.sort_unstable();
+            assert_eq!(sorted, expected);
+        }
+    }
+}
+
+#[test]
+fn gradients_come_from_the_first_slots() {
+    for (_, layout) in layouts() {
+        for share in &layout.shares {
+            for row in share.row..share.row + share.rows {
+                let slots = layout.rows[row as usize]..layout.rows[row as usize + 1];
+                for (k, slot) in slots.enumerate() {
+                    let own = &layout.spring_of[slot as usize * 32..(slot as usize + 1) * 32];
+                    let late = k as u32 >= layout.max_owner_slots;
+                    assert!(!late || own.iter().all(|&s| s == -1));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn owners_tell_exactly_those_who_have_a_node_in_their_halo() {
+    for (_, layout) in layouts() {
+        let mut expected = BTreeSet::new();
+        for (block, share) in layout.shares.iter().enumerate() {
+            for halo in share.own..share.local {
+                let node = layout.nodes[(share.nodes + halo) as usize];
+                expected.insert((node, block as u32, halo));
+            }
+        }
+        let mut found = BTreeSet::new();
+        for share in &layout.shares {
+            for own in 0..share.own {
+                let at = (share.export + own) as usize;
+                for e in layout.exports[at]..layout.exports[at + 1] {
+                    let there = layout.export_refs[e as usize];
+                    let node = layout.nodes[(share.nodes + own) as usize];
+                    assert!(found.insert((node, there >> 16, there & 0xffff)));
+                }
+            }
+        }
+        assert_eq!(found, expected);
+    }
+}
+
+#[test]
+fn triplets_reach_all_their_ends_and_report_once() {
+    for (graph, layout) in layouts() {
+        let n = graph.node_count() as u32;
+        let mut reports = vec![0; graph.triplets.len()];
+        let mut arms = BTreeSet::new();
+        for share in &layout.shares {
+            for t in share.triplet..share.triplet + share.triplets {
+                let (of, local) = (layout.triplet_of[t as usize], layout.triplets[t as usize]);
+                let ends = local.ends.map(|e| endpoint(&graph, &layout, share, e.into()));
+                assert_eq!(ends, graph.triplets[of as usize]);
+                reports[of as usize] += u32::from(local.owned);
+            }
+            for index in 0..share.own + layout.controls {
+                let end = match index.checked_sub(share.own) {
+                    Some(control) => n + control,
+                    None => layout.nodes[(share.nodes + index) as usize],
+                };
+                let at = (share.arm + index) as usize;
+                for a in layout.arms[at]..layout.arms[at + 1] {
+                    let reference = layout.arm_refs[a as usize];
+                    let of = layout.triplet_of[(share.triplet + (reference >> 2)) as usize];
+                    let [i, j, k] = graph.triplets[of as usize];
+                    assert_eq!([i, k, j][(reference & 3) as usize], end);
+                    assert!(arms.insert((of, end)), "an arm twice");
+                }
+            }
+        }
+        let wanted = |t: &[u32; 3]| t.iter().any(|&e| e < n);
+        for (t, ends) in graph.triplets.iter().enumerate().filter(|(_, t)| wanted(t)) {
+            assert_eq!(reports[t], 1);
+            assert!(ends.iter().all(|&e| arms.contains(&(t as u32, e))));
+        }
+    }
+}
+
+#[test]
+fn pins_are_known_wherever_their_nodes_are() {
+    for (graph, layout) in layouts() {
+        for share in &layout.shares {
+            let span = share.pin as usize..(share.pin + share.pins) as usize;
+            for pin in &layout.local_pins[span] {
+                let node = layout.nodes[(share.nodes + pin.local) as usize];
+                assert_eq!(node, graph.pins[pin.pin as usize].node);
+            }
+            let local = (0..share.local).map(|i| layout.nodes[(share.nodes + i) as usize]);
+            let pinned = local.filter(|&i| graph.pins.iter().any(|p| p.node == i)).count();
+            assert_eq!(pinned, share.pins as usize);
+        }
+    }
+}

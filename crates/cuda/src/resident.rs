@@ -1,0 +1,217 @@
+//! A model on the device: its graph, shared by all parameters on it, and its parameters, packed for each
+//! shape of launch that has asked for them.
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use bendtwin_core::{Params, environment::ControlVelocity};
+use bendtwin_engine::{Error, Loaded, Model};
+
+use crate::{
+    device::Device,
+    graph::{Cut, CutGraph, DeviceGraph},
+    job::Job,
+    kernel::{Source, THREADS, Variant},
+    launch::Arguments,
+    memory::Buffer,
+};
+
+/// Numbers behind the arrays of elements: drag, and restitution and friction of ground and objects.
+pub(crate) const LAWS: usize = 5;
+
+/// A loaded model.
+pub(crate) struct Resident {
+    pub(crate) device: Arc<Device>,
+    pub(crate) graph: Arc<DeviceGraph>,
+    /// Stiffness, dashpot, rest length [E each]; bend stiffness, bend damping, rest angle [T each];
+    /// [`LAWS`] more.
+    pub(crate) params: Buffer<f32>,
+    packed: Mutex<HashMap<Cut, Arc<Packed>>>,
+}
+
+/// Parameters as one shape of launch wants them.
+pub(crate) struct Packed {
+    pub(crate) cut: Arc<CutGraph>,
+    half_springs: Buffer<[f32; 4]>,
+    bends: Buffer<[f32; 4]>,
+}
+
+impl Resident {
+    pub(crate) fn new(
+        device: &Arc<Device>,
+        graph: &Arc<DeviceGraph>,
+        params: &Params,
+    ) -> Result<Self, Error> {
+        let params = Buffer::of(&device.normal, &flatten(params))?;
+        Ok(Self::with(device, graph, params))
+    }
+
+    /// With parameters that are on the device already.
+    pub(crate) fn with(
+        device: &Arc<Device>,
+        graph: &Arc<DeviceGraph>,
+        params: Buffer<f32>,
+    ) -> Self {
+        let (device, graph) = (device.clone(), graph.clone());
+        Self { device, graph, params, packed: Mutex::default() }
+    }
+
+    /// Packed for a cut; made at first use, on the stream that fits and loads use.
+    pub(crate) fn packed(&self, cut: Cut) -> Result<Arc<Packed>, Error> {
+        let mut packed = self.packed.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = packed.get(&cut) {
+            return Ok(found.clone());
+        }
+        let made = Arc::new(self.pack(cut)?);
+        packed.insert(cut, made.clone());
+        Ok(made)
+    }
+
+    fn pack(&self, cut: Cut) -> Result<Packed, Error> {
+        let stream = &self.device.normal;
+        let cut = self.graph.cut(&self.device, cut)?;
+        let half_springs = Buffer::empty(stream, cut.springs.len())?;
+        let bends = Buffer::empty(stream, cut.triplet_of.len())?;
+        let packed = Packed { cut, half_springs, bends };
+        self.fill(&packed)?;
+        crate::synchronize(stream)?;
+        Ok(packed)
+    }
+
+    fn fill(&self, packed: &Packed) -> Result<(), Error> {
+        let (device, cut) = (&self.device, &packed.cut);
+        let variant = Variant::small(Source::Params);
+        let (e, t) = (self.graph.graph.springs.len() as u32, self.graph.graph.triplets.len() as u32);
+        let (springs, triplets) = (cut.springs.len() as u32, cut.triplet_of.len() as u32);
+        let arguments = Arguments::default()
+            .with(packed.half_springs.address())
+            .with(cut.springs.address())
+            .with(cut.others.address())
+            .with(self.params.address())
+            .with(springs)
+            .with(e);
+        let function = device.function(&variant, "pack_half_springs")?;
+        let grid = (springs.div_ceil(THREADS), 1, 1);
+        // SAFETY: output and indices have `springs` values, parameters are laid out for E springs.
+        unsafe { function.launch(&device.normal, grid, 0, &arguments)? };
+        let arguments = Arguments::default()
+            .with(packed.bends.address())
+            .with(cut.triplet_of.address())
+            .with(self.params.address())
+            .with(triplets)
+            .with(e)
+            .with(t);
+        let function = device.function(&variant, "pack_bends")?;
+        let grid = (triplets.div_ceil(THREADS), 1, 1);
+        // SAFETY: as above, for T triplets.
+        unsafe { function.launch(&device.normal, grid, 0, &arguments) }
+    }
+
+    /// Packs again what has been packed, after the parameters on the device have changed.
+    pub(crate) fn repack(&self) -> Result<(), Error> {
+        let packed = self.packed.lock().unwrap_or_else(PoisonError::into_inner);
+        packed.values().try_for_each(|p| self.fill(p))
+    }
+}
+
+impl Packed {
+    /// A job of a model: everything that does not depend on the instance.
+    pub(crate) fn job(&self, model: &Model) -> Job {
+        let (contact, drag) = (&model.params.contact, f64::from(model.params.drag));
+        let dt = model.timing.dt_s();
+        let gravity = model.environment.gravity;
+        let ground = model.environment.ground;
+        Job {
+            topology: self.cut.topology,
+            half_springs: self.half_springs.address(),
+            bends: self.bends.address(),
+            kick: gravity.map(|g| g * dt as f32),
+            ground_normal: ground.map_or([0.0; 3], |g| g.normal),
+            ground_offset: ground.map_or(0.0, |g| g.offset_m),
+            ground_law: [contact.ground_restitution, contact.ground_friction],
+            object_law: [contact.object_restitution, contact.object_friction],
+            dt: dt as f32,
+            decay: (-dt * drag).exp() as f32,
+            frame_s: model.timing.frame_s() as f32,
+            collision_distance: contact.collision_distance_m,
+            substeps: model.timing.substeps,
+            controls_move: u32::from(model.control_velocity == ControlVelocity::True),
+            springs: model.graph.springs.len() as u32,
+            triplets: model.graph.triplets.len() as u32,
+            pins: model.graph.pins.len() as u32,
+            between_objects: u32::from(contact.between_objects),
+            within_object: u32::from(contact.within_object),
+            ..Job::default()
+        }
+    }
+}
+
+/// Whether nodes of a model can collide with each other.
+pub(crate) fn has_contact(model: &Model) -> bool {
+    let contact = &model.params.contact;
+    let several = || model.graph.object_ids.windows(2).any(|w| w[0] != w[1]);
+    contact.collision_distance_m > 0.0
+        && (contact.within_object || (contact.between_objects && several()))
+}
+
+/// Parameters in the kernels' order.
+pub(crate) fn flatten(p: &Params) -> Vec<f32> {
+    let c = &p.contact;
+    let laws = [
+        p.drag,
+        c.ground_restitution,
+        c.ground_friction,
+        c.object_restitution,
+        c.object_friction,
+    ];
+    let arrays = [
+        &p.spring_stiffness,
+        &p.spring_dashpot,
+        &p.rest_lengths_m,
+        &p.bend_stiffness,
+        &p.bend_damping,
+        &p.rest_angles_rad,
+    ];
+    let mut all = arrays.map(Vec::as_slice).concat();
+    all.extend(laws);
+    all
+}
+
+/// What this backend keeps of a model.
+pub(crate) fn resident(loaded: &Loaded) -> Result<&Resident, Error> {
+    loaded.resident().ok_or_else(|| {
+        Error::InvalidInput("the model was loaded by another backend: load it here".into())
+    })
+}
+
+/// Parameters from the kernels' order; what is no number there is as in `base`.
+pub(crate) fn unflatten(base: &Params, flat: &[f32]) -> Params {
+    let mut rest = flat;
+    let mut take = |count: usize| {
+        let (own, more) = rest.split_at(count.min(rest.len()));
+        rest = more;
+        own.to_vec()
+    };
+    let (e, t) = (base.spring_stiffness.len(), base.bend_stiffness.len());
+    let (spring_stiffness, spring_dashpot, rest_lengths_m) = (take(e), take(e), take(e));
+    let (bend_stiffness, bend_damping, rest_angles_rad) = (take(t), take(t), take(t));
+    let law = |k: usize| rest.get(k).copied().unwrap_or_default();
+    Params {
+        spring_stiffness,
+        spring_dashpot,
+        rest_lengths_m,
+        bend_stiffness,
+        bend_damping,
+        rest_angles_rad,
+        drag: law(0),
+        contact: bendtwin_core::Contact {
+            ground_restitution: law(1),
+            ground_friction: law(2),
+            object_restitution: law(3),
+            object_friction: law(4),
+            ..base.contact
+        },
+    }
+}

@@ -1,0 +1,150 @@
+//! What the objectives of simulated instances say: values by term, and d loss / d positions at frame ends.
+
+use std::sync::Arc;
+
+use bendtwin_engine::{
+    Error,
+    backend::{Divergence, Loss},
+};
+
+use crate::{
+    job::Measure,
+    kernel::{Source, THREADS},
+    launch::Arguments,
+    memory::Buffer,
+    objective::DeviceObjective,
+    simulation::Simulation,
+};
+
+/// Most blocks of a grid's second and third dimension.
+const MOST_BLOCKS: usize = 65_535;
+
+/// Objectives of all instances of a simulation.
+pub(crate) struct Scores {
+    objectives: Vec<Arc<DeviceObjective>>,
+    measures: Buffer<Measure>,
+    _nearest: Buffer<u32>,
+    values: Buffer<f64>,
+    value_starts: Vec<usize>,
+    seeds: Option<Buffer<f32>>,
+    seed_starts: Vec<usize>,
+}
+
+/// Bytes that seeds of an instance of so many frames and nodes take.
+pub(crate) fn seed_bytes(frames: usize, nodes: usize) -> u64 {
+    12 * (frames as u64 + 1) * nodes as u64
+}
+
+impl Scores {
+    /// Scores all instances, whose frames have been run and kept. With `cut_every` also finds
+    /// what seeds their adjoints, cut at every so many frames.
+    pub(crate) fn new(
+        simulation: &Simulation<'_>,
+        cut_every: Option<usize>,
+    ) -> Result<Self, Error> {
+        let (queue, instances) = (simulation.queue, simulation.instances);
+        let stream = &queue.stream;
+        let objectives = instances
+            .iter()
+            .map(|i| queue.objectives.get(stream, &i.objective, i.frames))
+            .collect::<Result<Vec<_>, Error>>()?;
+        let (mut nearest_starts, mut value_starts, mut seed_starts) = (vec![0], vec![0], vec![0]);
+        for (instance, objective) in instances.iter().zip(&objectives) {
+            let n = instance.model.model().graph.node_count();
+            nearest_starts.push(nearest_starts[nearest_starts.len() - 1] + objective.target_count);
+            value_starts.push(value_starts[value_starts.len() - 1] + objective.order.len());
+            seed_starts.push(seed_starts[seed_starts.len() - 1] + 3 * n * (instance.frames + 1));
+        }
+        let end = |starts: &[usize]| starts.last().copied().unwrap_or(0);
+        let nearest = Buffer::empty(stream, end(&nearest_starts))?;
+        let values = Buffer::empty(stream, end(&value_starts))?;
+        let seeds = match cut_every {
+            Some(_) => Some(Buffer::empty(stream, end(&seed_starts))?),
+            None => None,
+        };
+        let mut measures = Vec::with_capacity(instances.len());
+        for (i, (instance, objective)) in instances.iter().zip(&objectives).enumerate() {
+            let graph = &instance.model.model().graph;
+            measures.push(Measure {
+                states: simulation.states_of(i),
+                nearest: nearest.at(nearest_starts[i]),
+                values: values.at(value_starts[i]),
+                seeds: seeds.as_ref().map_or(0, |s: &Buffer<f32>| s.at(seed_starts[i])),
+                cut_every: cut_every.unwrap_or(0) as u32,
+                ..objective.measure(graph.node_count(), graph.surface_count())
+            });
+        }
+        let measures = Buffer::of(stream, &measures)?;
+        let this = Self {
+            objectives,
+            measures,
+            _nearest: nearest,
+            values,
+            value_starts,
+            seeds,
+            seed_starts,
+        };
+        this.launch(simulation)?;
+        Ok(this)
+    }
+
+    fn launch(&self, simulation: &Simulation<'_>) -> Result<(), Error> {
+        let (queue, instances) = (simulation.queue, simulation.instances);
+        let terms = self.objectives.iter().map(|o| o.order.len()).max().unwrap_or(0);
+        let graph = |i: &bendtwin_engine::backend::Instance| i.model.model().graph.node_count();
+        let nodes = instances.iter().map(graph).max().unwrap_or(0);
+        let frames = instances.iter().map(|i| i.frames).max().unwrap_or(0);
+        for first in (0..instances.len()).step_by(MOST_BLOCKS) {
+            let jobs = MOST_BLOCKS.min(instances.len() - first) as u32;
+            let arguments = Arguments::default().with(self.measures.at(first));
+            let grid = (terms.min(MOST_BLOCKS) as u32, jobs, 1);
+            // SAFETY: the measures' arrays have room for all terms, targets, frames and nodes.
+            unsafe { queue.launch(Source::Loss, "score", grid, &arguments)? };
+            if self.seeds.is_none() {
+                continue;
+            }
+            let grid = ((nodes as u32).div_ceil(THREADS), frames as u32 + 1, jobs);
+            if frames + 1 > MOST_BLOCKS {
+                return Err(Error::InvalidInput(format!(
+                    "{frames} frames in one gradient: {MOST_BLOCKS} is the most on this device"
+                )));
+            }
+            // SAFETY: as above.
+            unsafe { queue.launch(Source::Loss, "seed", grid, &arguments)? };
+        }
+        Ok(())
+    }
+
+    /// Address of d loss / d positions of an instance at the end of a frame.
+    pub(crate) fn seed(&self, simulation: &Simulation<'_>, index: usize, frame: usize) -> u64 {
+        let n = simulation.instances[index].model.model().graph.node_count();
+        let at = self.seed_starts[index] + 3 * n * frame;
+        self.seeds.as_ref().map_or(0, |s| s.at(at))
+    }
+
+    /// The losses; waits for the device.
+    pub(crate) fn losses(
+        &self,
+        simulation: &Simulation<'_>,
+        diverged: &[Option<Divergence>],
+    ) -> Result<Vec<Loss>, Error> {
+        let values = self.values.read()?;
+        let each = simulation.instances.iter().zip(&self.objectives).enumerate();
+        let loss = each.map(|(i, (instance, objective))| {
+            let groups = instance.objective.groups.len();
+            let own = &values[self.value_starts[i]..self.value_starts[i + 1]];
+            loss(diverged[i], objective.groups(own, groups))
+        });
+        Ok(loss.collect())
+    }
+}
+
+/// A loss of these groups; infinite if it diverged.
+pub(crate) fn loss(diverged: Option<Divergence>, groups: Vec<f64>) -> Loss {
+    let groups = match diverged {
+        None => groups,
+        Some(_) => vec![f64::INFINITY; groups.len()],
+    };
+    let total = if diverged.is_some() { f64::INFINITY } else { groups.iter().sum() };
+    Loss { total, groups, diverged }
+}

@@ -1,0 +1,240 @@
+//! Which team simulates an instance: how many blocks, how they meet, how many instances at once. Chosen by
+//! a model of what a substep costs, and reported.
+
+use bendtwin_core::Graph;
+use bendtwin_engine::{Error, Model};
+
+use crate::{
+    device::Ability,
+    graph::{Cut, CutGraph},
+    kernel::{Meeting, Source, Variant},
+    resident::{Resident, has_contact},
+};
+
+/// What a team is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Purpose {
+    /// Frames forward.
+    Forward,
+    /// A frame forward onto tape.
+    Tape,
+    /// A frame backward.
+    Backward,
+}
+
+/// A team of blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Team {
+    pub(crate) meeting: Meeting,
+    pub(crate) blocks: u32,
+    /// Threads that a block may have.
+    pub(crate) threads: u32,
+    /// Instances of one model that it simulates together.
+    pub(crate) instances: u32,
+}
+
+impl Team {
+    pub(crate) fn cut(&self) -> Cut {
+        Cut { blocks: self.blocks, threads: self.threads }
+    }
+}
+
+impl std::fmt::Display for Team {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { meeting, blocks, instances, .. } = self;
+        match (meeting, instances) {
+            (Meeting::Block, 1) => write!(f, "a block per instance"),
+            (Meeting::Block, n) => write!(f, "{n} instances interleaved in a block"),
+            (Meeting::Cluster, _) => write!(f, "a cluster of {blocks} blocks per instance"),
+            (Meeting::Grid, _) => write!(f, "a grid of {blocks} blocks per instance"),
+        }
+    }
+}
+
+/// A kernel of a team for a model: the variant, and its dynamic shared memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fitted {
+    pub(crate) team: Team,
+    pub(crate) variant: Variant,
+    pub(crate) shared_bytes: u32,
+    /// Float4s that a block needs in global memory.
+    pub(crate) spill_stride: u32,
+    /// Estimated microseconds of a substep of the whole batch.
+    pub(crate) substep_us: f64,
+}
+
+/// Microseconds of a substep that do not shrink with more blocks: latencies of a node's update.
+const FIXED_US: f64 = 0.35;
+/// Of a half-spring on one multiprocessor.
+const HALF_SPRING_US: f64 = 0.18e-3;
+/// Of one end of a triplet, in half-springs.
+const TRIPLET_END: f64 = 1.5;
+/// Of meetings.
+const CLUSTER_MEETING_US: f64 = 0.3;
+const GRID_MEETING_US: f64 = 2.2;
+/// Registers of a multiprocessor, and those that a thread needs beside its half-springs and sums.
+const REGISTERS: u32 = 65_536;
+const WORKING_REGISTERS: u32 = 46;
+const WORKING_REGISTERS_BACKWARD: u32 = 76;
+/// Shared memory that a kernel's static variables may take.
+const STATIC_SHARED_BYTES: u32 = 1024;
+
+/// The best team for a batch of so many instances of one graph, of those that fit the device.
+/// `alike` says how many of them share their parameters.
+pub(crate) fn choose(
+    ability: &Ability,
+    resident: &Resident,
+    model: &Model,
+    purpose: Purpose,
+    batch: usize,
+    alike: usize,
+) -> Result<Fitted, Error> {
+    let mut candidates = candidates(ability, &model.graph, purpose, batch, alike);
+    if has_contact(model) {
+        candidates.retain(|(_, t)| t.instances == 1);
+    }
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut least = u64::MAX;
+    for (substep_us, team) in candidates {
+        match fit(ability, resident, model, purpose, team)? {
+            Ok(fitted) => return Ok(Fitted { substep_us, ..fitted }),
+            Err(bytes) => least = least.min(bytes),
+        }
+    }
+    Err(Error::InvalidModel(format!(
+        "a block would need {least} bytes of shared memory, it can have {}: use a coarser twin",
+        ability.shared_bytes
+    )))
+}
+
+/// Teams with their estimated microseconds for a substep of the whole batch.
+fn candidates(
+    ability: &Ability,
+    graph: &Graph,
+    purpose: Purpose,
+    batch: usize,
+    alike: usize,
+) -> Vec<(f64, Team)> {
+    let work =
+        2.0 * graph.springs.len() as f64 + TRIPLET_END * 3.0 * graph.triplets.len() as f64;
+    let mut found = Vec::new();
+    let mut add = |meeting, blocks: u32, threads, instances: u32, meeting_us: f64, capacity: f64| {
+        let teams = (batch as f64 / f64::from(instances)).ceil();
+        let one = FIXED_US
+            + meeting_us
+            + work / f64::from(blocks) * f64::from(instances) * HALF_SPRING_US;
+        let rounds = (teams / capacity.max(1.0)).ceil().max(1.0);
+        found.push((rounds * one, Team { meeting, blocks, threads, instances }));
+    };
+    let processors = f64::from(ability.processors);
+    let block_threads = if purpose == Purpose::Backward { 512 } else { 1024 };
+    add(Meeting::Block, 1, block_threads, 1, 0.03, processors);
+    if purpose == Purpose::Forward {
+        for instances in [2, 4] {
+            if alike >= ability.processors as usize * instances as usize {
+                add(Meeting::Block, 1, block_threads, instances, 0.03, processors);
+            }
+        }
+    }
+    for blocks in [2, 4, 8, 16].into_iter().filter(|&b| b <= ability.cluster) {
+        // Clusters do not fill the device: their blocks share a part of it.
+        let capacity = (processors * (1.0 - 0.0078 * f64::from(blocks)) / f64::from(blocks)).floor();
+        add(Meeting::Cluster, blocks, 512, 1, CLUSTER_MEETING_US, capacity);
+    }
+    let mut blocks = 32;
+    while blocks <= ability.processors {
+        let capacity = (processors / f64::from(blocks)).floor();
+        add(Meeting::Grid, blocks, 512, 1, GRID_MEETING_US, capacity);
+        blocks *= 2;
+    }
+    add(Meeting::Grid, ability.processors, 512, 1, GRID_MEETING_US, 1.0);
+    found
+}
+
+/// The kernel of a team for a model; the bytes that it would need if it does not fit.
+pub(crate) fn fit(
+    ability: &Ability,
+    resident: &Resident,
+    model: &Model,
+    purpose: Purpose,
+    team: Team,
+) -> Result<Result<Fitted, u64>, Error> {
+    let cut = match resident.graph.cut(&resident.device, team.cut()) {
+        Ok(cut) => cut,
+        // Too many local nodes for this cut: another may do.
+        Err(Error::InvalidModel(_)) => return Ok(Err(u64::MAX)),
+        Err(e) => return Err(e),
+    };
+    let room = u64::from(ability.shared_bytes.saturating_sub(STATIC_SHARED_BYTES));
+    let states = 16 * state_float4s(&cut, purpose, team.instances);
+    if states > room {
+        return Ok(Err(states));
+    }
+    let mut variant = variant(&cut, model, purpose, team);
+    let mut used = states;
+    let per_triplet = if purpose == Purpose::Backward { 4 } else { 2 * team.instances };
+    let bend = u64::from(cut.layout.max_triplets) * u64::from(per_triplet);
+    variant.bend_in_shared = used + 16 * bend <= room;
+    if variant.bend_in_shared {
+        used += 16 * bend;
+    }
+    let half_springs = 16 * u64::from(match purpose {
+        Purpose::Backward => cut.layout.max_all_entries,
+        _ => cut.layout.max_entries,
+    });
+    let in_registers = variant.held > 0 && purpose != Purpose::Backward;
+    variant.half_springs_in_shared = !in_registers && used + half_springs <= room;
+    if variant.half_springs_in_shared {
+        used += half_springs;
+    }
+    let spill_stride = if variant.bend_in_shared { 0 } else { bend as u32 };
+    let shared_bytes = used as u32;
+    Ok(Ok(Fitted { team, variant, shared_bytes, spill_stride, substep_us: 0.0 }))
+}
+
+fn state_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
+    let stride = u64::from(cut.layout.stride());
+    match purpose {
+        Purpose::Backward => 6 * stride + 2 * u64::from(cut.layout.control_base),
+        _ => 4 * stride * u64::from(instances),
+    }
+}
+
+fn variant(cut: &CutGraph, model: &Model, purpose: Purpose, team: Team) -> Variant {
+    let layout = &cut.layout;
+    let one_row = layout.max_rows * 32 <= team.threads;
+    let threads = if one_row { (layout.max_rows * 32).max(64) } else { team.threads };
+    let registers = (REGISTERS / threads / 8 * 8).min(248);
+    let (held, held_sums) = match purpose {
+        Purpose::Backward => {
+            let fits = WORKING_REGISTERS_BACKWARD + 3 * layout.max_owner_slots <= registers;
+            let held = if one_row && fits { layout.max_slots } else { 0 };
+            (held, if held > 0 { layout.max_owner_slots.max(1) } else { 0 })
+        }
+        _ => {
+            let per_slot = 4 * layout.max_slots;
+            let fits = WORKING_REGISTERS + per_slot <= registers && team.instances == 1;
+            (if one_row && fits { layout.max_slots } else { 0 }, 0)
+        }
+    };
+    Variant {
+        source: match purpose {
+            Purpose::Backward => Source::Adjoint,
+            _ => Source::Integrate,
+        },
+        meeting: team.meeting,
+        blocks: team.blocks,
+        instances: team.instances,
+        lanes: layout.lanes,
+        threads,
+        one_row,
+        held,
+        held_sums,
+        bending: !model.graph.triplets.is_empty(),
+        ground: model.environment.ground.is_some(),
+        contact: has_contact(model),
+        tape: purpose == Purpose::Tape,
+        half_springs_in_shared: false,
+        bend_in_shared: false,
+    }
+}

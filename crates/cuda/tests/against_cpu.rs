@@ -1,0 +1,187 @@
+//! The device against the CPU, which defines what is correct, on fresh random models: every run draws its own
+//! seed and prints it; `BENDTWIN_SEED` repeats one.
+
+use std::sync::{Arc, OnceLock};
+
+use bendtwin_core::Params;
+use bendtwin_cuda::{Options, cuda};
+use bendtwin_engine::{
+    Backend, Model, Objective, PointLoss, Term,
+    backend::{CancelToken, GradientRequest, Instance, Recording},
+    conformance::{RandomOptions, random_model, random_motion},
+    cpu,
+    objective::WeightedTerm,
+};
+
+fn backend() -> Arc<dyn Backend> {
+    static BACKEND: OnceLock<Arc<dyn Backend>> = OnceLock::new();
+    BACKEND.get_or_init(|| cuda(&Options::default()).expect("a CUDA device")).clone()
+}
+
+fn seed() -> u64 {
+    static SEED: OnceLock<u64> = OnceLock::new();
+    *SEED.get_or_init(|| {
+        let given = std::env::var("BENDTWIN_SEED").ok().and_then(|s| s.parse().ok());
+        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+        let seed = given.unwrap_or_else(|| now.map_or(0, |t| t.as_secs()));
+        println!("BENDTWIN_SEED={seed}");
+        seed
+    })
+}
+
+/// Models of every kind, from a handful of nodes to more than a block's threads.
+fn models() -> Vec<(String, Model)> {
+    let kinds = [
+        ("plain", RandomOptions { bending: false, damping: false, ..RandomOptions::default() }),
+        ("bending", RandomOptions::default()),
+        ("ground", RandomOptions { ground: true, ..RandomOptions::default() }),
+        ("two objects", RandomOptions { objects: 2, contact: true, ..RandomOptions::default() }),
+        (
+            "everything",
+            RandomOptions { objects: 2, contact: true, ground: true, pins: 3, ..RandomOptions::default() },
+        ),
+    ];
+    let sizes = [5, 60, 400, 1500];
+    let each = kinds.into_iter().enumerate().flat_map(|(k, (name, options))| {
+        sizes.into_iter().map(move |nodes| {
+            let options = RandomOptions { nodes, ..options };
+            let seed = seed() + (k as u64) * 100 + nodes as u64;
+            (format!("{name}, {nodes} nodes, seed {seed}"), random_model(seed, &options))
+        })
+    });
+    each.collect()
+}
+
+fn instance(backend: &dyn Backend, model: &Model, seed: u64, frames: usize) -> Instance {
+    let (initial, controls) = random_motion(seed, model, frames);
+    Instance {
+        model: backend.load(Arc::new(model.clone())).expect("random models are stable"),
+        initial: Arc::new(initial),
+        controls: Arc::new(controls),
+        frames,
+        objective: objective(model, frames),
+    }
+}
+
+fn objective(model: &Model, frames: usize) -> Objective {
+    let graph = &model.graph;
+    let aside = |i: u32| graph.rest_positions[i as usize].map(|x| x + 0.01);
+    let some: Vec<u32> = (0..graph.surface_count() as u32).step_by(2).collect();
+    let targets: Vec<_> = some.iter().map(|&i| aside(i)).collect();
+    let loss = PointLoss::SmoothL1 { beta_m: 0.01 };
+    let terms = (1..=frames).flat_map(|frame| {
+        let track = Term::Track { nodes: some.clone(), targets: targets.clone(), loss };
+        let terms = [
+            (0, 1.0, Term::Chamfer { targets: targets.clone() }),
+            (1, 0.5, track),
+            (2, 0.2, Term::Acceleration),
+        ];
+        terms.map(|(group, weight, term)| WeightedTerm { frame, weight, group, term })
+    });
+    Objective {
+        groups: ["chamfer", "track", "acceleration"].map(str::to_owned).to_vec(),
+        terms: Arc::new(terms.collect()),
+    }
+}
+
+fn both(model: &Model, seed: u64, frames: usize) -> [(Arc<dyn Backend>, Instance); 2] {
+    [cpu(), backend()].map(|b| {
+        let instance = instance(&*b, model, seed, frames);
+        (b, instance)
+    })
+}
+
+#[test]
+#[ignore = "needs a CUDA device"]
+fn positions_after_a_frame_agree() {
+    let recording = Recording { every: 1, final_state: true, ..Recording::default() };
+    let mut worst = 0.0_f64;
+    for (name, model) in models() {
+        let [expected, found] = both(&model, seed(), 1).map(|(b, i)| {
+            b.roll_out(&[i], &recording, &CancelToken::default()).expect("valid").remove(0)
+        });
+        let squares = expected.positions.iter().zip(&found.positions).map(|(a, b)| {
+            a.iter().zip(b).map(|(x, y)| f64::from(x - y).powi(2)).sum::<f64>()
+        });
+        let rms = (squares.sum::<f64>() / expected.positions.len().max(1) as f64).sqrt();
+        println!("{name}: {rms:.2e} m rms");
+        assert!(rms < 1e-6, "{name}: {rms} m rms");
+        assert!((expected.cost - found.cost).abs() <= 1e-4 * expected.cost.abs(), "{name}");
+        worst = worst.max(rms);
+    }
+    println!("worst {worst:.2e} m rms");
+}
+
+fn relative(name: &str, what: &str, expected: &[f32], found: &[f32]) -> f64 {
+    let square = |v: f64| v * v;
+    let size: f64 = expected.iter().map(|&x| square(f64::from(x))).sum::<f64>().sqrt();
+    let apart: f64 = expected
+        .iter()
+        .zip(found)
+        .map(|(&x, &y)| square(f64::from(x) - f64::from(y)))
+        .sum::<f64>()
+        .sqrt();
+    assert_eq!(expected.len(), found.len(), "{name}, {what}");
+    let relative = if apart == 0.0 { 0.0 } else { apart / size };
+    assert!(relative < 1e-3, "{name}, {what}: {relative:.2e} relative to {size:.2e}");
+    relative
+}
+
+fn arrays(p: &Params) -> [(&'static str, Vec<f32>); 7] {
+    [
+        ("stiffness", p.spring_stiffness.clone()),
+        ("dashpot", p.spring_dashpot.clone()),
+        ("rest length", p.rest_lengths_m.clone()),
+        ("bend stiffness", p.bend_stiffness.clone()),
+        ("bend damping", p.bend_damping.clone()),
+        ("rest angle", p.rest_angles_rad.clone()),
+        ("drag", vec![p.drag]),
+    ]
+}
+
+#[test]
+#[ignore = "needs a CUDA device"]
+fn gradients_agree() {
+    for (name, model) in models() {
+        for cut_every in [0, 1] {
+            let request = GradientRequest { cut_every, controls: true, initial: true, final_state: true };
+            let [expected, found] = both(&model, seed(), 3).map(|(b, i)| {
+                b.gradients(&[i], &request, &CancelToken::default()).expect("valid").remove(0)
+            });
+            let name = format!("{name}, cut {cut_every}");
+            let mut worst = 0.0_f64;
+            for ((what, a), (_, b)) in arrays(&expected.params).iter().zip(&arrays(&found.params)) {
+                worst = worst.max(relative(&name, what, a, b));
+            }
+            let flat = |p: &[[f32; 3]]| p.as_flattened().to_vec();
+            let (a, b) = (flat(&expected.controls), flat(&found.controls));
+            worst = worst.max(relative(&name, "controls", &a, &b));
+            let [a, b] = [&expected, &found].map(|g| {
+                let state = g.initial.clone().unwrap_or_default();
+                [flat(&state.positions), flat(&state.velocities)].concat()
+            });
+            worst = worst.max(relative(&name, "initial state", &a, &b));
+            println!("{name}: {worst:.2e}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs a CUDA device"]
+fn repeats_are_identical_in_any_batch() {
+    let backend = backend();
+    let recording = Recording { every: 1, final_state: true, ..Recording::default() };
+    let request = GradientRequest { controls: true, initial: true, ..GradientRequest::default() };
+    let cancel = CancelToken::default();
+    for (name, model) in models() {
+        let one = instance(&*backend, &model, seed(), 2);
+        let twice: Vec<_> = (0..2)
+            .map(|_| {
+                let batch = std::slice::from_ref(&one);
+                let rollout = backend.roll_out(batch, &recording, &cancel).expect("valid");
+                (rollout, backend.gradients(batch, &request, &cancel).expect("valid"))
+            })
+            .collect();
+        assert!(twice[0] == twice[1], "{name}");
+    }
+}

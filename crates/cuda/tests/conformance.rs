@@ -1,0 +1,14 @@
+//! The engine's conformance suite on a device.
+
+use std::sync::{Arc, OnceLock};
+
+use bendtwin_cuda::{Options, cuda};
+use bendtwin_engine::Backend;
+
+/// One backend for all cases, as a worker has it.
+fn backend() -> Arc<dyn Backend> {
+    static BACKEND: OnceLock<Arc<dyn Backend>> = OnceLock::new();
+    BACKEND.get_or_init(|| cuda(&Options::default()).expect("a CUDA device")).clone()
+}
+
+bendtwin_engine::conformance_tests!(*backend(), #[ignore = "needs a CUDA device"]);
