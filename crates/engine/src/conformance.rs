@@ -98,11 +98,11 @@ macro_rules! suite {
         }
 
         /// Makes one `#[test]` of every case of the conformance suite, on the
-        /// backend that the expression gives. Attributes in front of it are
-        /// put on every test: `conformance_tests!(#[ignore = "..."] backend())`.
+        /// backend that the expression gives. Attributes behind it are put on
+        /// every test: `conformance_tests!(backend(), #[ignore = "..."])`.
         #[macro_export]
         macro_rules! conformance_tests {
-            ($d(#[$d attribute:meta])* $d backend:expr) => {
+            ($d backend:expr $d(, #[$d attribute:meta])*) => {
                 $($(
                     #[test]
                     $d(#[$d attribute])*

@@ -16,7 +16,7 @@ pub mod reference;
 mod stability;
 
 pub use backend::{Backend, Device, Error, Loaded};
-pub use cpu::{CpuBackend, cpu, cpu_with_threads};
+pub use cpu::{CpuBackend, check, cpu, cpu_with_threads};
 pub use energy::{Energy, energy};
 pub use model::Model;
 pub use objective::{Objective, PointLoss, Term};

@@ -14,7 +14,10 @@ const MAX_SUBSTEPS: u32 = 1_000_000;
 const MAX_FRAMES: usize = 1_000_000;
 
 /// Checks a model's graph, parameters, timing and environment.
-pub(crate) fn model(model: &Model) -> Result<(), Error> {
+///
+/// # Errors
+/// The first fault, as a sentence.
+pub fn model(model: &Model) -> Result<(), Error> {
     unstepped_model(model)?;
     if model.timing.substeps == 0 {
         return Err(Error::InvalidModel("0 substeps a frame: at least one is needed".into()));
@@ -29,7 +32,10 @@ pub(crate) fn model(model: &Model) -> Result<(), Error> {
 }
 
 /// Checks a model whose number of substeps is still to be chosen.
-pub(crate) fn unstepped_model(model: &Model) -> Result<(), Error> {
+///
+/// # Errors
+/// The first fault, as a sentence.
+pub fn unstepped_model(model: &Model) -> Result<(), Error> {
     let invalid = Error::InvalidModel;
     model.graph.check().map_err(invalid)?;
     model.params.check(&model.graph).map_err(invalid)?;
@@ -53,7 +59,10 @@ pub(crate) fn unstepped_model(model: &Model) -> Result<(), Error> {
 }
 
 /// Checks an instance against its model.
-pub(crate) fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
+///
+/// # Errors
+/// The first fault, as a sentence.
+pub fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
     let graph = &instance.model.model().graph;
     let (n, c) = (graph.node_count(), graph.control_count());
     let wrong = |what: String| Err(Error::InvalidInput(format!("instance {index}: {what}")));
@@ -86,7 +95,10 @@ pub(crate) fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
 }
 
 /// Checks an objective of a rollout of so many frames and nodes.
-pub(crate) fn objective(objective: &Objective, frames: usize, nodes: usize) -> Result<(), String> {
+///
+/// # Errors
+/// The first fault, as a sentence.
+pub fn objective(objective: &Objective, frames: usize, nodes: usize) -> Result<(), String> {
     let groups = objective.groups.len();
     for (t, weighted) in objective.terms.iter().enumerate() {
         term(weighted, frames, groups, nodes).map_err(|e| format!("objective term {t}: {e}"))?;
@@ -128,7 +140,10 @@ fn term(t: &WeightedTerm, frames: usize, groups: usize, nodes: usize) -> Result<
 }
 
 /// Checks what to record against an instance's model.
-pub(crate) fn recording(index: usize, of: &Instance, recording: &Recording) -> Result<(), Error> {
+///
+/// # Errors
+/// The first fault, as a sentence.
+pub fn recording(index: usize, of: &Instance, recording: &Recording) -> Result<(), Error> {
     let n = of.model.model().graph.node_count();
     let outside = recording.nodes.as_ref().and_then(|s| s.iter().find(|&&i| i as usize >= n));
     match outside {
