@@ -2,10 +2,10 @@
 //! of the machine a backend uses; it says nothing of better algorithms, which need fewer instructions.
 //!
 //! **What is counted.** A bound is (instructions of a substep) / (instructions that the whole device issues
-//! a second). Only what no arrangement avoids is counted: arithmetic of the formulas in `docs/` and in the
-//! engine's `spring.rs`, `bend.rs` and `integrate.rs`, and on a GPU the loads of operands. Barriers,
-//! latency, bank conflicts, loop counters and the loss are not, nor are collisions between nodes. One instance
-//! on a GPU is held against the whole chip too.
+//! a second). Only what no arrangement avoids is counted: the arithmetic of the formulas in the engine's
+//! `spring.rs`, `bend.rs`, `ground.rs` and `integrate.rs`, and on a GPU the loads of operands. Barriers, latency,
+//! bank conflicts, loop counters and losses are not, nor is contact between nodes. A single instance is
+//! held against the whole device too, though it may not be able to fill it.
 
 mod cpu;
 mod cuda;

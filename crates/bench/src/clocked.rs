@@ -36,11 +36,16 @@ enum Kind {
     Step,
 }
 
-/// Nanoseconds spent in each kind of call.
+/// What calls took.
 #[derive(Debug, Default)]
-struct Clocks([AtomicU64; 5]);
+struct Clocks {
+    /// Nanoseconds, by [`Kind`].
+    spent_ns: [AtomicU64; 5],
+    /// Instances that were rolled out without a gradient.
+    rollouts: AtomicU64,
+}
 
-/// Seconds spent so far in each kind of call.
+/// Seconds spent so far in each kind of call, and what for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Spent {
     /// Loading models.
@@ -53,6 +58,8 @@ pub(crate) struct Spent {
     pub(crate) gradient_s: f64,
     /// Steps of the optimiser.
     pub(crate) step_s: f64,
+    /// Instances that were rolled out without a gradient.
+    pub(crate) rollouts: u64,
 }
 
 impl std::ops::Sub for Spent {
@@ -65,12 +72,13 @@ impl std::ops::Sub for Spent {
             forward_s: self.forward_s - earlier.forward_s,
             gradient_s: self.gradient_s - earlier.gradient_s,
             step_s: self.step_s - earlier.step_s,
+            rollouts: self.rollouts - earlier.rollouts,
         }
     }
 }
 
 impl Spent {
-    /// All of it.
+    /// Seconds of all calls.
     pub(crate) fn total_s(self) -> f64 {
         self.load_s + self.params_s + self.forward_s + self.gradient_s + self.step_s
     }
@@ -80,12 +88,18 @@ impl Clocks {
     fn time<R>(&self, kind: Kind, work: impl FnOnce() -> R) -> R {
         let began = Instant::now();
         let result = work();
-        self.0[kind as usize].fetch_add(began.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        self.spent_ns[kind as usize]
+            .fetch_add(began.elapsed().as_nanos() as u64, Ordering::Relaxed);
         result
     }
 
+    fn roll_out<R>(&self, instances: usize, work: impl FnOnce() -> R) -> R {
+        self.rollouts.fetch_add(instances as u64, Ordering::Relaxed);
+        self.time(Kind::Forward, work)
+    }
+
     fn seconds(&self, kind: Kind) -> f64 {
-        self.0[kind as usize].load(Ordering::Relaxed) as f64 * 1e-9
+        self.spent_ns[kind as usize].load(Ordering::Relaxed) as f64 * 1e-9
     }
 }
 
@@ -101,6 +115,7 @@ impl Clocked {
             forward_s: self.clocks.seconds(Kind::Forward),
             gradient_s: self.clocks.seconds(Kind::Gradient),
             step_s: self.clocks.seconds(Kind::Step),
+            rollouts: self.clocks.rollouts.load(Ordering::Relaxed),
         }
     }
 }
@@ -124,11 +139,11 @@ impl Backend for Clocked {
         recording: &Recording,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        self.clocks.time(Kind::Forward, || self.inner.roll_out(batch, recording, cancel))
+        self.clocks.roll_out(batch.len(), || self.inner.roll_out(batch, recording, cancel))
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
-        self.clocks.time(Kind::Forward, || self.inner.losses(batch, cancel))
+        self.clocks.roll_out(batch.len(), || self.inner.losses(batch, cancel))
     }
 
     fn gradients(

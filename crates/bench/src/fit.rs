@@ -89,6 +89,8 @@ pub struct FitRun {
 pub struct SearchTime {
     /// All of it.
     pub total_s: f64,
+    /// Candidates that were simulated; the others would have needed more substeps than the scene has.
+    pub rollouts: u64,
     /// Rollouts with their losses.
     pub forward_s: f64,
     /// Loading candidates.
@@ -106,7 +108,7 @@ pub struct RefineTime {
     pub gradient_s: f64,
     /// Rollouts that score a pass.
     pub forward_s: f64,
-    /// Steps of Adam where the backend takes them.
+    /// Steps of Adam, and what it takes to simulate with the new parameters.
     pub step_s: f64,
     /// Handing parameters to and fro, and loading anew where substeps change.
     pub params_s: f64,
@@ -196,6 +198,7 @@ impl<'a> Stages<'a> {
             plan,
             search: SearchTime {
                 total_s: search.at_s,
+                rollouts: first.rollouts,
                 forward_s: first.forward_s,
                 load_s: first.load_s,
                 host_s: search.at_s - first.total_s(),

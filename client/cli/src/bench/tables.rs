@@ -149,7 +149,7 @@ fn fit_row(scene: &SceneReport, fit: &FitRun) -> [String; 20] {
     [
         title(scene),
         format!("a {}", plan.scheme.as_str()),
-        (plan.generations as usize * plan.candidates).to_string(),
+        format!("{} of {}", search.rollouts, plan.generations as usize * plan.candidates),
         plan.passes.to_string(),
         plan.frames.to_string(),
         significant(search.total_s),

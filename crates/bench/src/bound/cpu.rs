@@ -52,7 +52,7 @@ pub(super) fn bound(threads: usize) -> Option<IssueBound> {
              every spring evaluated once, {SPRING} arithmetic instructions per {LANES} springs (a root counts \
              as 12, a division as 10), {TRIPLET} per {LANES} triplets, {NODE} per {LANES} nodes, loads, stores and \
              shuffles not counted; gradient: {SPRING_ADJOINT} more per {LANES} springs and {NODE_ADJOINT} per {LANES} \
-             nodes, triplets not counted"
+             nodes, triplets not counted; every batch against the whole device"
         ),
     })
 }

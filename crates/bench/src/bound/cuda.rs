@@ -57,7 +57,7 @@ pub(super) fn bound(name: &str) -> Option<IssueBound> {
              each; every spring evaluated from both ends, {HALF_SPRING} warp instructions per {LANES} \
              half-springs, {TRIPLET} per {LANES} triplets, {NODE} per {LANES} nodes; gradient: \
              {HALF_SPRING_ADJOINT} more per {LANES} half-springs and {NODE_ADJOINT} per {LANES} nodes, \
-             triplets not counted",
+             triplets not counted; every batch against the whole device",
             clock_hz / 1e9
         ),
     })

@@ -23,10 +23,16 @@ fn run_on_cpu(plan: &Plan) -> Report {
 
 /// Every scene runs a frame on the reference backend and stays finite: a divergence is an error.
 #[test]
-fn every_small_scene_is_stable_for_a_frame() {
-    let scenes = [(SceneName::Rope, false), (SceneName::Rope, true), (SceneName::N500, true)];
-    let report = run_on_cpu(&plan(&scenes));
-    assert_eq!(report.scenes.len(), 3);
+fn every_scene_is_stable_for_a_frame() {
+    let scenes = SceneName::ALL.map(|name| (name, true));
+    let report = run_on_cpu(&Plan { batches: vec![1], windows: Vec::new(), ..plan(&scenes) });
+    assert_eq!(report.scenes.len(), 5);
+    assert!(report.scenes.iter().all(|s| s.forward[0].run.is_some()));
+}
+
+#[test]
+fn frames_and_substeps_agree() {
+    let report = run_on_cpu(&plan(&[(SceneName::Rope, false), (SceneName::Rope, true)]));
     for scene in &report.scenes {
         assert_eq!((scene.forward.len(), scene.gradient.len()), (2, 1));
         let two = SceneReport::run_of(&scene.forward, 2).unwrap();

@@ -10,6 +10,8 @@ const AMPLITUDE_M: f32 = 0.01;
 const PERIOD_FRAMES: f32 = 60.0;
 /// Share of a turn between the directions of two instances: no two are alike.
 const GOLDEN: f32 = 0.618_034;
+/// Control points farther from their middle than this hold two ends [m].
+const TWO_ENDS_M: f32 = 0.08;
 
 /// Positions of control points over frames [m], shape [F + 1, C, 3].
 pub type Path = Vec<Point>;
@@ -49,6 +51,3 @@ impl Motion {
         path
     }
 }
-
-/// Control points farther apart than twice this hold two ends [m].
-const TWO_ENDS_M: f32 = 0.08;
