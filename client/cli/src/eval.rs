@@ -7,7 +7,7 @@ use std::{path::PathBuf, sync::Arc};
 use bendtwin_capture::Limits;
 use bendtwin_core::{Quality, Twin};
 use bendtwin_engine::{Backend, backend::CancelToken};
-use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, format_table};
+use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, fast_variant, format_table};
 use clap::Args;
 use serde_json::json;
 
@@ -30,11 +30,11 @@ pub(crate) struct Eval {
     settings: SettingsArgs,
     #[command(flatten)]
     backend: BackendArgs,
-    /// Score this twin file instead of fitting one
+    /// Score this twin file instead of fitting one, and find its fast variant
     #[arg(long, value_name = "FILE", conflicts_with_all = ["settings", "overrides", "axial", "phystwin"])]
     twin: Option<PathBuf>,
-    /// Write the twin to this file
-    #[arg(long, value_name = "FILE", conflicts_with = "twin")]
+    /// Write the twin, with what was measured, to this file
+    #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Draw predicted against observed into this PNG
     #[arg(long, value_name = "FILE")]
@@ -66,7 +66,12 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
             score(&path, &args, settings, &backend, &cancel, quiet)
         })
         .await??;
-        let document = json!({ "path": name, "quality": scored.quality, "fit_s": scored.fit_s });
+        let document = json!({
+            "path": name,
+            "quality": scored.quality,
+            "substeps": scored.substeps,
+            "fit_s": scored.fit_s,
+        });
         output::print(global, &document, || text(&name, &scored))?;
     }
     Ok(())
@@ -75,6 +80,8 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
 /// A capture's result.
 struct Scored {
     quality: Quality,
+    /// The twin's own [per frame].
+    substeps: u32,
     fit_s: Option<f64>,
 }
 
@@ -95,21 +102,29 @@ fn score(
             (fitted, Some(took.as_secs_f64()))
         }
     };
-    if let Some(file) = &args.out {
-        std::fs::write(file, fitted.twin.encode().map_err(failure::failed)?)?;
-    }
-    // A fit has scored its twin already; again only for what it did not keep.
-    let quality = if args.twin.is_some() || args.per_frame {
+    let again = || {
         let options = EvaluateOptions { axial: fitted.axial.as_ref(), per_frame: args.per_frame };
-        evaluate(&**backend, &fitted.twin, &capture, &options, cancel).map_err(failure::failed)?
-    } else {
-        fitted.twin.quality.clone()
+        evaluate(&**backend, &fitted.twin, &capture, &options, cancel).map_err(failure::failed)
     };
+    let fast =
+        || fast_variant(&**backend, &fitted.twin, &capture, cancel).map_err(failure::failed);
+    // A fit has scored its twin already; again only for what it did not keep.
+    let kept = &fitted.twin.quality;
+    let quality = match (&args.twin, args.per_frame) {
+        (Some(_), _) => Quality { fast: fast()?, ..again()? },
+        (None, true) => Quality { fast: kept.fast, ..again()? },
+        (None, false) => kept.clone(),
+    };
+    if let Some(file) = &args.out {
+        let measured = if args.twin.is_some() { &quality } else { kept };
+        let twin = Twin { quality: measured.clone(), ..fitted.twin.clone() };
+        std::fs::write(file, twin.encode().map_err(failure::failed)?)?;
+    }
     if let Some(file) = &args.picture {
         let axial = fitted.axial.as_ref();
         picture::draw(file, &fitted.twin, axial, &capture, &**backend, cancel)?;
     }
-    Ok(Scored { quality, fit_s })
+    Ok(Scored { quality, substeps: fitted.twin.timing.substeps, fit_s })
 }
 
 fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {
@@ -122,6 +137,9 @@ fn text(name: &str, scored: &Scored) -> String {
     let mut text = format!("{name}\n\n{}", format_table(&scored.quality, TableStyle::Markdown));
     if let Some(sentence) = quality::summary(&scored.quality) {
         text += &format!("\n{sentence}");
+    }
+    if let Some(line) = quality::fast(&scored.quality, scored.substeps) {
+        text += &format!("\nFast: {line}.\n");
     }
     match scored.fit_s {
         Some(seconds) => text + &format!("\nFitted in {}.\n", output::duration(seconds)),
