@@ -71,8 +71,10 @@ pub(crate) trait Machine<T>: Copy {
     fn store(self, pack: Self::Pack) -> Lane<T>;
     /// Whether the condition holds in any lane.
     fn any(self, condition: <Self::Pack as Pack>::Mask) -> bool;
-    /// x, y and z of a quad a lane.
-    fn columns(self, quads: [&Quad<T>; 8]) -> Pack3<Self::Pack>;
+    /// Positions and velocities of endpoints.
+    fn gather(self, nodes: &[Node<T>], index: &Index) -> (Pack3<Self::Pack>, Pack3<Self::Pack>);
+    /// Values at endpoints.
+    fn gather_quads(self, quads: &[Quad<T>], index: &Index) -> Pack3<Self::Pack>;
     /// Adds a vector a lane to quads, lane by lane, so that an index may stand there twice.
     fn scatter_add(self, quads: &mut [Quad<T>], index: &Index, by: Pack3<Self::Pack>);
     /// Adds two vectors a lane to nodes, lane by lane.
@@ -83,22 +85,6 @@ pub(crate) trait Machine<T>: Copy {
         x: Pack3<Self::Pack>,
         v: Pack3<Self::Pack>,
     );
-
-    /// Positions and velocities of endpoints.
-    #[inline(always)]
-    fn gather(self, nodes: &[Node<T>], index: &Index) -> (Pack3<Self::Pack>, Pack3<Self::Pack>) {
-        let node = |l: usize| &nodes[index[l] as usize];
-        let n = [node(0), node(1), node(2), node(3), node(4), node(5), node(6), node(7)];
-        let x = [&n[0].x, &n[1].x, &n[2].x, &n[3].x, &n[4].x, &n[5].x, &n[6].x, &n[7].x];
-        let v = [&n[0].v, &n[1].v, &n[2].v, &n[3].v, &n[4].v, &n[5].v, &n[6].v, &n[7].v];
-        (self.columns(x), self.columns(v))
-    }
-    /// Values at endpoints.
-    #[inline(always)]
-    fn gather_quads(self, quads: &[Quad<T>], index: &Index) -> Pack3<Self::Pack> {
-        let quad = |l: usize| &quads[index[l] as usize];
-        self.columns([quad(0), quad(1), quad(2), quad(3), quad(4), quad(5), quad(6), quad(7)])
-    }
 }
 
 /// Something to run on a machine.

@@ -97,13 +97,34 @@ impl<T: Real> SpringGradient<T> {
     }
 }
 
-/// Length and its inverse; the inverse of (almost) nothing is zero.
-#[inline(always)]
-fn length<T: Real, M: Machine<T>>(m: M, r: Pack3<M::Pack>) -> (M::Pack, M::Pack) {
-    let least = m.splat(T::from_f64(MIN_LENGTH_M * MIN_LENGTH_M));
-    let square = v3::dot(r, r);
-    let length = square.at_least(least).sqrt();
-    (length, (m.splat(T::ONE) / length).only_if(square.above(least)))
+/// What a block's springs need of their ends, and the root and the division that all else waits for. It
+/// is made one block ahead, so that neither these nor memory keep the block before it waiting.
+#[derive(Clone, Copy)]
+struct Reach<P> {
+    /// The other end relative to the owner.
+    r: Pack3<P>,
+    w: Pack3<P>,
+    /// |r|
+    length: P,
+    /// 1 / |r|²; zero where the spring has no direction.
+    inverse2: P,
+}
+
+impl<P: Pack> Reach<P> {
+    #[inline(always)]
+    fn new<T: Real, M: Machine<T, Pack = P>>(
+        m: M,
+        owners: (Pack3<P>, Pack3<P>),
+        nodes: &[Node<T>],
+        others: &Index,
+    ) -> Self {
+        let (x, v) = m.gather(nodes, others);
+        let (r, w) = (v3::sub(x, owners.0), v3::sub(v, owners.1));
+        let square = v3::dot(r, r);
+        let valid = square.above(m.splat(T::from_f64(MIN_LENGTH_M * MIN_LENGTH_M)));
+        let inverse2 = (m.splat(T::ONE) / square).only_if(valid);
+        Self { r, w, length: square.sqrt(), inverse2 }
+    }
 }
 
 /// Adds every spring's force to both of its endpoints.
@@ -115,21 +136,35 @@ pub(crate) fn spring_forces<T: Real, M: Machine<T>>(
     forces: &mut [Quad<T>],
 ) {
     for strip in &springs.strips {
-        let (x, v) = m.gather(nodes, &strip.owners);
+        let Some((mut b, later)) = springs.blocks[strip.blocks()].split_first() else { continue };
+        let owners = m.gather(nodes, &strip.owners);
         let mut sum = [m.splat(T::ZERO); 3];
-        for b in &springs.blocks[strip.blocks()] {
-            let (x_other, v_other) = m.gather(nodes, &b.other);
-            // From the other end to the owner.
-            let (r, w) = (v3::sub(x, x_other), v3::sub(v, v_other));
-            let (length, inverse) = length(m, r);
-            let elastic = m.load(&b.rate) * (length - m.load(&b.rest));
-            let damping = m.load(&b.dashpot) * v3::dot(w, r);
-            let pull = damping.mul_add(inverse, elastic) * inverse;
-            sum = v3::sub_scaled(sum, pull, r);
-            m.scatter_add(forces, &b.other, v3::scale(r, pull));
+        let mut s = Reach::new(m, owners, nodes, &b.other);
+        for next in later {
+            let ahead = Reach::new(m, owners, nodes, &next.other);
+            sum = push(m, b, s, sum, forces);
+            (b, s) = (next, ahead);
         }
+        sum = push(m, b, s, sum, forces);
         m.scatter_add(forces, &strip.owners, sum);
     }
+}
+
+/// Adds a block's forces to the other ends, and to the sum of the owners'.
+#[inline(always)]
+fn push<T: Real, M: Machine<T>>(
+    m: M,
+    b: &SpringBlock<T>,
+    s: Reach<M::Pack>,
+    sum: Pack3<M::Pack>,
+    forces: &mut [Quad<T>],
+) -> Pack3<M::Pack> {
+    // The force on the other end is against r where the spring is stretched.
+    let elastic = m.load(&b.rate) * (m.load(&b.rest) - s.length);
+    let damping = m.load(&b.dashpot) * v3::dot(s.w, s.r);
+    let push = elastic.mul_add(s.length * s.inverse2, -(damping * s.inverse2));
+    m.scatter_add(forces, &b.other, v3::scale(s.r, push));
+    v3::sub_scaled(sum, push, s.r)
 }
 
 /// Adjoint of [`spring_forces`]: given d loss / d force in `lambda`, adds d loss / d (position,
@@ -148,35 +183,53 @@ pub(crate) fn spring_adjoint<T: Real, M: Machine<T>>(
     gradients: &mut [SpringGradient<T>],
 ) {
     for strip in &springs.strips {
-        let (x, v) = m.gather(nodes, &strip.owners);
-        let lambda_owner = m.gather_quads(lambda, &strip.owners);
+        let blocks = &springs.blocks[strip.blocks()];
+        let Some((mut b, later)) = blocks.split_first() else { continue };
+        let Some((mut g, g_later)) = gradients[strip.blocks()].split_first_mut() else { continue };
+        let owners = m.gather(nodes, &strip.owners);
+        let lambda_owners = m.gather_quads(lambda, &strip.owners);
         let zero = [m.splat(T::ZERO); 3];
-        let (mut x_sum, mut v_sum) = (zero, zero);
-        let blocks = springs.blocks[strip.blocks()].iter();
-        for (b, g) in blocks.zip(&mut gradients[strip.blocks()]) {
-            let (x_other, v_other) = m.gather(nodes, &b.other);
-            // i is the owner, j the other end.
-            let (r, w) = (v3::sub(x_other, x), v3::sub(v_other, v));
-            let pull = v3::sub(lambda_owner, m.gather_quads(lambda, &b.other));
-            let (length, inverse) = length(m, r);
-            let (rate, dashpot) = (m.load(&b.rate), m.load(&b.dashpot));
-            let stretch = length - m.load(&b.rest);
-            let d = v3::scale(r, inverse);
-            let (p, q) = (v3::dot(d, pull), v3::dot(d, w));
-            let force = dashpot.mul_add(q, rate * stretch) * inverse;
-            let damped = dashpot * p;
-            let turned = damped * inverse;
-            let along = force.neg_mul_add(p, turned.neg_mul_add(q, rate * p));
-            let r_bar = v3::add_scaled(v3::add_scaled(v3::scale(d, along), turned, w), force, pull);
-            let w_bar = v3::scale(d, damped);
-            g.pull = m.store(m.load(&g.pull) + p);
-            g.stretch = m.store(p.mul_add(stretch, m.load(&g.stretch)));
-            g.dashpot = m.store(p.mul_add(q, m.load(&g.dashpot)));
-            (x_sum, v_sum) = (v3::sub(x_sum, r_bar), v3::sub(v_sum, w_bar));
-            m.scatter_add_nodes(adjoint, &b.other, r_bar, w_bar);
+        let mut sum = (zero, zero);
+        let mut s = Reach::new(m, owners, nodes, &b.other);
+        let mut pull = v3::sub(m.gather_quads(lambda, &b.other), lambda_owners);
+        for (next, g_next) in later.iter().zip(g_later) {
+            let ahead = Reach::new(m, owners, nodes, &next.other);
+            let pull_ahead = v3::sub(m.gather_quads(lambda, &next.other), lambda_owners);
+            sum = push_back(m, b, s, pull, sum, adjoint, g);
+            (b, g, s, pull) = (next, g_next, ahead, pull_ahead);
         }
-        m.scatter_add_nodes(adjoint, &strip.owners, x_sum, v_sum);
+        sum = push_back(m, b, s, pull, sum, adjoint, g);
+        m.scatter_add_nodes(adjoint, &strip.owners, sum.0, sum.1);
     }
+}
+
+/// The adjoint of [`push`]; i is the owner, j the other end. `pull` is lambda_j - lambda_i.
+#[inline(always)]
+fn push_back<T: Real, M: Machine<T>>(
+    m: M,
+    b: &SpringBlock<T>,
+    s: Reach<M::Pack>,
+    pull: Pack3<M::Pack>,
+    (x_sum, v_sum): (Pack3<M::Pack>, Pack3<M::Pack>),
+    adjoint: &mut [Node<T>],
+    g: &mut SpringGradient<T>,
+) -> (Pack3<M::Pack>, Pack3<M::Pack>) {
+    let inverse = s.length * s.inverse2;
+    let (rate, dashpot) = (m.load(&b.rate), m.load(&b.dashpot));
+    let stretch = s.length - m.load(&b.rest);
+    let p = -(v3::dot(s.r, pull) * inverse);
+    let q = v3::dot(s.r, s.w) * inverse;
+    let force = dashpot.mul_add(q, rate * stretch) * inverse;
+    let damped = dashpot * p;
+    let turned = damped * inverse;
+    let along = force.neg_mul_add(p, turned.neg_mul_add(q, rate * p)) * inverse;
+    let x_bar = v3::sub_scaled(v3::add_scaled(v3::scale(s.r, along), turned, s.w), force, pull);
+    let v_bar = v3::scale(s.r, turned);
+    g.pull = m.store(m.load(&g.pull) + p);
+    g.stretch = m.store(p.mul_add(stretch, m.load(&g.stretch)));
+    g.dashpot = m.store(p.mul_add(q, m.load(&g.dashpot)));
+    m.scatter_add_nodes(adjoint, &b.other, x_bar, v_bar);
+    (v3::sub(x_sum, x_bar), v3::sub(v_sum, v_bar))
 }
 
 #[cfg(test)]

@@ -44,6 +44,33 @@ impl Avx2 {
         avx._mm256_insertf128_ps::<1>(low, cast(*high))
     }
 
+    /// x | v.
+    #[inline(always)]
+    fn node(self, nodes: &[Node<f32>], index: u32) -> __m256 {
+        let node = &nodes[index as usize];
+        self.pair(&node.x, &node.v)
+    }
+
+    #[inline(always)]
+    fn packs(self, [x, y, z]: [__m256; 3]) -> Pack3<F32x8> {
+        [F32x8(x, self.0), F32x8(y, self.0), F32x8(z, self.0)]
+    }
+
+    /// x, y and z of four quads in each half.
+    #[inline(always)]
+    fn columns(self, rows: [__m256; 4]) -> [__m256; 3] {
+        let avx = self.0.avx;
+        let xy_low = avx._mm256_unpacklo_ps(rows[0], rows[1]);
+        let xy_high = avx._mm256_unpacklo_ps(rows[2], rows[3]);
+        let z_low = avx._mm256_unpackhi_ps(rows[0], rows[1]);
+        let z_high = avx._mm256_unpackhi_ps(rows[2], rows[3]);
+        [
+            avx._mm256_shuffle_ps::<0x44>(xy_low, xy_high),
+            avx._mm256_shuffle_ps::<0xee>(xy_low, xy_high),
+            avx._mm256_shuffle_ps::<0x44>(z_low, z_high),
+        ]
+    }
+
     #[inline(always)]
     fn add(self, quad: &mut Quad<f32>, by: __m128) {
         *quad = cast(self.0.sse._mm_add_ps(cast(*quad), by));
@@ -180,24 +207,41 @@ impl Machine<f32> for Avx2 {
         self.0.avx._mm256_movemask_ps(condition.0) != 0
     }
     #[inline(always)]
-    fn columns(self, q: [&Quad<f32>; LANES]) -> Pack3<F32x8> {
+    fn gather(self, nodes: &[Node<f32>], index: &Index) -> (Pack3<F32x8>, Pack3<F32x8>) {
         let avx = self.0.avx;
-        let rows = [
-            self.pair(q[0], q[4]),
-            self.pair(q[1], q[5]),
-            self.pair(q[2], q[6]),
-            self.pair(q[3], q[7]),
+        // Lane by lane x | v, so that both are turned at once.
+        let low = self.columns([
+            self.node(nodes, index[0]),
+            self.node(nodes, index[1]),
+            self.node(nodes, index[2]),
+            self.node(nodes, index[3]),
+        ]);
+        let high = self.columns([
+            self.node(nodes, index[4]),
+            self.node(nodes, index[5]),
+            self.node(nodes, index[6]),
+            self.node(nodes, index[7]),
+        ]);
+        let x = [
+            avx._mm256_permute2f128_ps::<0x20>(low[0], high[0]),
+            avx._mm256_permute2f128_ps::<0x20>(low[1], high[1]),
+            avx._mm256_permute2f128_ps::<0x20>(low[2], high[2]),
         ];
-        // x0 x1 y0 y1, z0 z1 and so on, in both halves.
-        let xy_low = avx._mm256_unpacklo_ps(rows[0], rows[1]);
-        let xy_high = avx._mm256_unpacklo_ps(rows[2], rows[3]);
-        let z_low = avx._mm256_unpackhi_ps(rows[0], rows[1]);
-        let z_high = avx._mm256_unpackhi_ps(rows[2], rows[3]);
-        [
-            F32x8(avx._mm256_shuffle_ps::<0x44>(xy_low, xy_high), self.0),
-            F32x8(avx._mm256_shuffle_ps::<0xee>(xy_low, xy_high), self.0),
-            F32x8(avx._mm256_shuffle_ps::<0x44>(z_low, z_high), self.0),
-        ]
+        let v = [
+            avx._mm256_permute2f128_ps::<0x31>(low[0], high[0]),
+            avx._mm256_permute2f128_ps::<0x31>(low[1], high[1]),
+            avx._mm256_permute2f128_ps::<0x31>(low[2], high[2]),
+        ];
+        (self.packs(x), self.packs(v))
+    }
+    #[inline(always)]
+    fn gather_quads(self, quads: &[Quad<f32>], index: &Index) -> Pack3<F32x8> {
+        self.packs(self.columns([
+            self.pair(&quads[index[0] as usize], &quads[index[4] as usize]),
+            self.pair(&quads[index[1] as usize], &quads[index[5] as usize]),
+            self.pair(&quads[index[2] as usize], &quads[index[6] as usize]),
+            self.pair(&quads[index[3] as usize], &quads[index[7] as usize]),
+        ]))
     }
     #[inline(always)]
     fn scatter_add(self, quads: &mut [Quad<f32>], index: &Index, by: Pack3<F32x8>) {

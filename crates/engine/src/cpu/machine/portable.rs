@@ -143,8 +143,13 @@ impl<T: Real> Machine<T> for Portable {
         condition.0.into_iter().fold(false, |any, c| any | c)
     }
     #[inline(always)]
-    fn columns(self, quads: [&Quad<T>; LANES]) -> Pack3<Lanes<T>> {
-        [0, 1, 2].map(|c| Lanes(quads.map(|q| q[c])))
+    fn gather(self, nodes: &[Node<T>], index: &Index) -> (Pack3<Lanes<T>>, Pack3<Lanes<T>>) {
+        let nodes = index.map(|i| &nodes[i as usize]);
+        (columns(nodes.map(|n| &n.x)), columns(nodes.map(|n| &n.v)))
+    }
+    #[inline(always)]
+    fn gather_quads(self, quads: &[Quad<T>], index: &Index) -> Pack3<Lanes<T>> {
+        columns(index.map(|i| &quads[i as usize]))
     }
     #[inline(always)]
     fn scatter_add(self, quads: &mut [Quad<T>], index: &Index, by: Pack3<Lanes<T>>) {
@@ -166,6 +171,11 @@ impl<T: Real> Machine<T> for Portable {
             add_lane(&mut node.v, v, l);
         }
     }
+}
+
+#[inline(always)]
+fn columns<T: Real>(quads: [&Quad<T>; LANES]) -> Pack3<Lanes<T>> {
+    [0, 1, 2].map(|c| Lanes(quads.map(|q| q[c])))
 }
 
 #[inline(always)]
