@@ -106,8 +106,7 @@ fn score(
         let options = EvaluateOptions { axial: fitted.axial.as_ref(), per_frame: args.per_frame };
         evaluate(&**backend, &fitted.twin, &capture, &options, cancel).map_err(failure::failed)
     };
-    let fast =
-        || fast_variant(&**backend, &fitted.twin, &capture, cancel).map_err(failure::failed);
+    let fast = || fast_variant(&**backend, &fitted.twin, &capture, cancel).map_err(failure::failed);
     // A fit has scored its twin already; again only for what it did not keep.
     let kept = &fitted.twin.quality;
     let quality = match (&args.twin, args.per_frame) {

@@ -3,8 +3,9 @@
 //! The twin follows the controls of its own capture, exactly and by each variant under trial, over at most
 //! [`FRAMES`] frames of at most [`SEQUENCES`] recordings from their start; nodes are compared one by one. A variant will
 //! do if its mean deviation is within [`TOLERANCE_M`] and within [`TOLERANCE_OF_TRAVEL`] of how far nodes move on
-//! average: a capture in which little moves vouches for little. The substeps are found by bisection, so the
-//! cost is that of a few short rollouts, and the same twin, capture, build and device give the same variant.
+//! average (a capture in which little moves vouches for little), and if no node is ever off by more than [`WORST`] times
+//! that. The substeps are found by bisection, so the cost is that of a few short rollouts, and the same twin, capture,
+//! build and device give the same variant.
 
 use std::sync::Arc;
 
@@ -29,6 +30,8 @@ const SEQUENCES: usize = 8;
 const TOLERANCE_M: f64 = 1e-3;
 /// The same as a share of the mean travel.
 const TOLERANCE_OF_TRAVEL: f64 = 0.02;
+/// Largest deviation of any node in any frame, as a multiple of the tolerance of the mean.
+const WORST: f64 = 10.0;
 /// Numbers of substeps nearer to each other than this factor are not told apart.
 const PRECISION: f64 = 1.1;
 
@@ -46,35 +49,29 @@ pub fn fast_variant(
     check(twin, capture)?;
     let model = Model::from(twin);
     let trial = Trial { backend, capture, sequences: spread(&capture.sequences), cancel };
-    let Some(exact) = trial.follow(&model)? else { return Ok(None) };
+    let exact = trial.follow(&model)?.filter(|m| m.positions.iter().any(|p| !p.is_empty()));
+    let Some(exact) = exact else { return Ok(None) };
     let mean_travel_m = exact.mean_travel_m();
     let tolerance_m = TOLERANCE_M.min(TOLERANCE_OF_TRAVEL * mean_travel_m);
-    let measure = |substeps: u32| -> Result<Option<FastVariant>, Error> {
-        let Some(reduction) = Reduction::to(&model, substeps) else { return Ok(None) };
-        let Some(motion) = trial.follow(&reduction.apply(&model))? else { return Ok(None) };
-        let (mean_deviation_m, max_deviation_m) = exact.deviation_m(&motion);
-        Ok((mean_deviation_m <= tolerance_m).then_some(FastVariant {
-            substeps,
-            rate_limit: reduction.rate_limit,
-            mean_deviation_m,
-            max_deviation_m,
-            mean_travel_m,
-            frames: FRAMES as u32,
-        }))
-    };
-    let own = FastVariant {
-        substeps: model.timing.substeps,
-        rate_limit: None,
-        mean_deviation_m: 0.0,
-        max_deviation_m: 0.0,
+    let variant = |reduction: Reduction, (mean_deviation_m, max_deviation_m)| FastVariant {
+        substeps: reduction.substeps,
+        rate_limit: reduction.rate_limit,
+        mean_deviation_m,
+        max_deviation_m,
         mean_travel_m,
         frames: FRAMES as u32,
     };
-    if exact.positions.iter().all(Vec::is_empty) {
-        return Ok(None);
-    }
-    // Will do, and will not; the first guess asks for as few as are stable without softening.
-    let (mut best, mut too_few) = (own, 0);
+    let measure = |substeps: u32| -> Result<Option<FastVariant>, Error> {
+        let Some(reduction) = Reduction::to(&model, substeps) else { return Ok(None) };
+        let Some(motion) = trial.follow(&reduction.apply(&model))? else { return Ok(None) };
+        let (mean_m, max_m) = exact.deviation_m(&motion);
+        let will_do = mean_m <= tolerance_m && max_m <= WORST * tolerance_m;
+        Ok(will_do.then(|| variant(reduction, (mean_m, max_m))))
+    };
+    // The twin's own substeps will do; zero will not. The first guess asks for as few as are stable
+    // without softening.
+    let own = Reduction { substeps: model.timing.substeps, rate_limit: None };
+    let (mut best, mut too_few) = (variant(own, (0.0, 0.0)), 0);
     let mut guess = stable_substeps(&model).needed;
     while guess > too_few && guess < best.substeps {
         match measure(guess)? {

@@ -92,6 +92,9 @@ fn progress_rises_and_names_stage_and_variant() {
     }
     let q = &outcome.twin.quality;
     assert!(q.score(Predictor::Bending).is_some() && q.score(Predictor::Axial).is_some());
+    let fast = q.fast.unwrap();
+    assert!((1..=outcome.twin.timing.substeps).contains(&fast.substeps), "{fast:?}");
+    assert!(fast.mean_deviation_m <= 1e-3 && fast.mean_travel_m > 0.0, "{fast:?}");
     assert!(outcome.axial.unwrap().graph.triplets.is_empty());
     assert!(!outcome.twin.graph.triplets.is_empty());
 }
