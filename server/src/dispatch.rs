@@ -24,7 +24,7 @@ use crate::{
 };
 
 use registry::Entry;
-pub(crate) use registry::WorkerView;
+pub(crate) use registry::{Beat, Memory, WorkerView};
 pub(crate) use rollout::RollOut;
 
 /// Twins whose facts are kept at hand.
@@ -71,10 +71,10 @@ impl Dispatch {
     }
 
     /// A sign of life. False if the worker has to register first.
-    pub(crate) fn beat(&self, worker: WorkerId, warm: Vec<TwinId>, in_flight: u32) -> bool {
+    pub(crate) fn beat(&self, worker: WorkerId, beat: Beat) -> bool {
         let entry = self.lock().get(&worker).cloned();
         let Some(entry) = entry else { return false };
-        entry.beat(self.store.now(), warm, in_flight);
+        entry.beat(self.store.now(), beat);
         true
     }
 
@@ -108,6 +108,15 @@ impl Dispatch {
     pub(crate) fn counts(&self) -> (usize, usize) {
         let workers = self.lock();
         (workers.len(), workers.values().map(|e| e.load()).sum())
+    }
+
+    /// Memory of all workers' devices together, as far as it is known.
+    pub(crate) fn memory(&self) -> Memory {
+        let workers = self.lock();
+        workers.values().filter_map(|e| e.view().memory).fold(Memory::default(), |sum, m| Memory {
+            used: sum.used.saturating_add(m.used),
+            total: sum.total.saturating_add(m.total),
+        })
     }
 
     /// What is known of a twin.

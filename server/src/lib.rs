@@ -30,4 +30,4 @@ mod tokens;
 
 pub use options::{Limits, Options, WorkerPolicy};
 pub use service::{Handle, Service, StartError};
-pub use supervise::{SERVER_VARIABLE, TOKEN_VARIABLE};
+pub use supervise::{BACKEND_VARIABLE, DEVICE_VARIABLE, SERVER_VARIABLE, TOKEN_VARIABLE};

@@ -9,10 +9,21 @@ use metrics_exporter_prometheus::{
     BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
 };
 
+use crate::dispatch::Memory;
+
 const SECONDS: [f64; 14] =
     [0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0, 5.0, 30.0, 300.0, 3600.0];
 
 static METADATA: Metadata<'static> = Metadata::new("bendtwin_server", Level::INFO, None);
+
+/// What is so at the moment of a rendering.
+pub(crate) struct Now {
+    pub(crate) workers: usize,
+    /// Rollouts under way or waiting.
+    pub(crate) rollouts: usize,
+    /// Of all workers' devices together: workers come and go under ever new names.
+    pub(crate) memory: Memory,
+}
 
 /// The metrics. Clones share them.
 #[derive(Clone)]
@@ -65,7 +76,7 @@ impl Metrics {
     }
 
     /// All metrics as text, after setting those that are a state and no event.
-    pub(crate) fn render(&self, depth: &QueueDepth, workers: usize, rollouts: usize) -> String {
+    pub(crate) fn render(&self, depth: &QueueDepth, now: &Now) -> String {
         use bendtwin_store::State::{Cancelled, Failed, Queued, Running, Succeeded};
         for state in [Queued, Running, Succeeded, Failed, Cancelled] {
             let count = depth.by_state.iter().find(|(s, _)| *s == state).map_or(0, |(_, n)| *n);
@@ -74,8 +85,13 @@ impl Metrics {
         }
         let oldest = depth.oldest_queued.unwrap_or_default().as_secs_f64();
         self.gauge("bendtwin_oldest_queued_fit_seconds", Vec::new(), oldest);
-        self.gauge("bendtwin_workers", Vec::new(), workers as f64);
-        self.gauge("bendtwin_rollouts_in_flight", Vec::new(), rollouts as f64);
+        self.gauge("bendtwin_workers", Vec::new(), now.workers as f64);
+        self.gauge("bendtwin_rollouts_in_flight", Vec::new(), now.rollouts as f64);
+        let memory = [("used", now.memory.used), ("total", now.memory.total)];
+        for (state, bytes) in memory {
+            let label = Label::new("state", state);
+            self.gauge("bendtwin_device_memory_bytes", vec![label], bytes as f64);
+        }
         self.handle.run_upkeep();
         self.handle.render()
     }

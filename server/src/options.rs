@@ -5,6 +5,9 @@ use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use serde::{Deserialize, Serialize};
 
+/// What workers can be told to compute on.
+const BACKENDS: [&str; 3] = ["auto", "cpu", "cuda"];
+
 /// Options of a server.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -39,6 +42,11 @@ pub struct WorkerPolicy {
     pub program: Option<PathBuf>,
     /// Its arguments.
     pub args: Vec<String>,
+    /// What they compute on: `auto`, `cpu` or `cuda`. They are told in their environment, over which
+    /// `args` win; so they are of `devices`.
+    pub backend: String,
+    /// CUDA devices, as CUDA counts them: the workers take them in turn. Without any, each takes device 0.
+    pub devices: Vec<u32>,
     /// Wait before the first restart [s]; it doubles up to `max_backoff_s`.
     pub min_backoff_s: f64,
     /// Longest wait before a restart [s].
@@ -92,6 +100,8 @@ impl Default for WorkerPolicy {
             count: 1,
             program: None,
             args: vec!["worker".to_owned()],
+            backend: "auto".to_owned(),
+            devices: Vec::new(),
             min_backoff_s: 0.1,
             max_backoff_s: 5.0,
         }
@@ -170,6 +180,10 @@ impl Options {
             faults.push(
                 "worker_token must be at least 16 printable characters without spaces".to_owned(),
             );
+        }
+        if !BACKENDS.contains(&self.workers.backend.as_str()) {
+            let backend = &self.workers.backend;
+            faults.push(format!("workers.backend is `{backend}`: it must be auto, cpu or cuda"));
         }
         if self.data_dir.as_os_str().is_empty() {
             faults.push("data_dir is empty: name a folder".to_owned());

@@ -20,6 +20,10 @@ use crate::{app::App, service::StartError, tokens::Child};
 pub const SERVER_VARIABLE: &str = "BENDTWIN_SERVER";
 /// The environment variable with the worker token.
 pub const TOKEN_VARIABLE: &str = "BENDTWIN_WORKER_TOKEN";
+/// The environment variable with what computes: `auto`, `cpu` or `cuda`.
+pub const BACKEND_VARIABLE: &str = "BENDTWIN_BACKEND";
+/// The environment variable with the number of the CUDA device.
+pub const DEVICE_VARIABLE: &str = "BENDTWIN_DEVICE";
 
 /// A child that lived so long was healthy: the next restart is quick again.
 const HEALTHY_AFTER: Duration = Duration::from_secs(3);
@@ -39,8 +43,19 @@ struct Recipe {
     program: PathBuf,
     args: Vec<OsString>,
     server: String,
+    backend: String,
+    /// CUDA devices, taken in turn.
+    devices: Vec<u32>,
     min_backoff: Duration,
     max_backoff: Duration,
+}
+
+impl Recipe {
+    /// The device of the worker in a slot, if any were named.
+    fn device(&self, slot: u32) -> Option<u32> {
+        let turn = (slot as usize).checked_rem(self.devices.len())?;
+        self.devices.get(turn).copied()
+    }
 }
 
 /// Starts the children that the options ask for.
@@ -62,6 +77,8 @@ pub(crate) fn start(app: &App, address: SocketAddr) -> Result<Supervisor, StartE
         program,
         args: policy.args.iter().map(OsString::from).collect(),
         server: format!("http://{}", reachable(address)),
+        backend: policy.backend.clone(),
+        devices: policy.devices.clone(),
         min_backoff: Duration::from_secs_f64(policy.min_backoff_s),
         max_backoff: Duration::from_secs_f64(policy.max_backoff_s),
     };
@@ -134,10 +151,15 @@ impl Keeper {
     }
 
     fn spawn(&self, child: Child) -> std::io::Result<Process> {
-        Command::new(&self.recipe.program)
+        let mut command = Command::new(&self.recipe.program);
+        if let Some(device) = self.recipe.device(self.slot) {
+            command.env(DEVICE_VARIABLE, device.to_string());
+        }
+        command
             .args(&self.recipe.args)
             .env(SERVER_VARIABLE, &self.recipe.server)
             .env(TOKEN_VARIABLE, self.app.tokens.issue(child))
+            .env(BACKEND_VARIABLE, &self.recipe.backend)
             .stdin(Stdio::piped())
             .kill_on_drop(true)
             .spawn()

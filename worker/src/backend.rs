@@ -31,6 +31,16 @@ impl FromStr for BackendChoice {
     }
 }
 
+impl std::fmt::Display for BackendChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::Cpu => "cpu",
+            Self::Cuda => "cuda",
+        })
+    }
+}
+
 /// What computes, and what of it may be used.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BackendOptions {
@@ -55,6 +65,7 @@ pub fn open_backend(options: &BackendOptions) -> Result<Arc<dyn Backend>, Error>
             ordinal: options.device,
             cache_dir: options.kernel_dir.clone(),
             memory_limit: options.device_memory,
+            ..bendtwin_cuda::Options::default()
         })
     };
     choose(options.choice, cuda, || engine::cpu())

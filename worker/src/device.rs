@@ -75,9 +75,26 @@ impl Device {
         self.threads.memory()
     }
 
+    /// Looks at the memory before the next job asks.
+    #[cfg(test)]
+    pub(crate) fn look_now(&self) {
+        let memory = self.lane(Priority::Interactive).memory();
+        self.threads.set_memory(memory);
+    }
+
     /// A backend whose calls run on the device with this priority.
     pub(crate) fn lane(&self, priority: Priority) -> Lane {
         Lane::new(self.clone(), priority)
+    }
+
+    /// Says how the device's users give up memory that they can spare: about so many bytes, or nothing and
+    /// false. The first word counts.
+    pub(crate) fn on_shortage(&self, spare: impl Fn(u64) -> bool + Send + Sync + 'static) {
+        self.threads.on_shortage(Box::new(spare));
+    }
+
+    fn reclaim(&self, bytes: u64) -> bool {
+        self.threads.reclaim(bytes)
     }
 
     /// Ends the threads once their current jobs are done; waiting and later callers get an error.

@@ -13,7 +13,7 @@ use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use bendtwin_core::{Category, Fault, FitSettings, Problem as _};
 use bendtwin_proto::worker::v1::Lease;
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 use tracing::Instrument as _;
 
@@ -42,6 +42,12 @@ pub(crate) struct Fits {
     /// Told when the process must restart.
     pub(crate) fatal: mpsc::UnboundedSender<Error>,
 }
+
+/// How long a fit that nobody wants any more may take to hear so. Reading a capture hears nothing.
+const HEARING: Duration = Duration::from_millis(500);
+
+/// What the fit's thread will say at its end.
+type Thread = oneshot::Receiver<Outcome>;
 
 /// How the work on a job ended.
 enum Outcome {
@@ -77,28 +83,34 @@ impl Fits {
                 stop.stop(Reason::Drained);
             })
         };
-        let work = self.work(&lease, Compute { progress, checkpoints, stop: stop.clone() });
-        let outcome = work.await;
+        let compute = Compute { progress, checkpoints, stop: stop.clone() };
+        let (outcome, straggler) = match self.begin(&lease, compute).await {
+            Err(fault) => (Outcome::Failed(fault), None),
+            Ok(thread) => finish(thread, &stop).await,
+        };
         // The lease is renewed until the end is written: only then may its renewal cease.
         self.conclude(&job, outcome, &stop, saver, drain).await;
         draining.abort();
         reporter.abort();
+        if let Some(straggler) = straggler {
+            // Before the next job: two captures in memory may be one too many.
+            tokio::select! {
+                _ = straggler => {}
+                () = drain.cancelled() => {}
+            }
+        }
     }
 
-    /// Everything up to the twin.
-    async fn work(&self, lease: &Lease, compute: Compute) -> Outcome {
+    /// Fetches what is needed and starts the thread that makes the twin.
+    async fn begin(&self, lease: &Lease, compute: Compute) -> Result<Thread, Fault> {
         let stop = compute.stop.clone();
-        let fetched = tokio::select! {
-            fetched = self.fetch(lease) => fetched,
-            () = stop.stopped() => Err(cancelled()),
-        };
-        let task = match fetched {
-            Ok(task) => task,
-            Err(fault) => return Outcome::Failed(fault),
+        let task = tokio::select! {
+            fetched = self.fetch(lease) => fetched?,
+            () = stop.stopped() => return Err(cancelled()),
         };
         let (device, limits) = (self.device.clone(), self.limits);
         let fit = std::thread::Builder::new().name("fit".to_owned());
-        let (done, result) = tokio::sync::oneshot::channel();
+        let (done, result) = oneshot::channel();
         let spawned = fit.spawn(move || {
             let run = || compute.run(task, &device, &limits);
             let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
@@ -109,14 +121,14 @@ impl Fits {
             };
             let _ = done.send(outcome);
         });
-        if let Err(e) = spawned {
-            return Outcome::Failed(Fault {
+        match spawned {
+            Ok(_) => Ok(result),
+            Err(e) => Err(Fault {
                 category: Category::ResourceExhausted,
                 reason: "NO_THREAD".to_owned(),
                 message: format!("the worker cannot start a thread for the fit: {e}"),
-            });
+            }),
         }
-        result.await.unwrap_or_else(|_| Outcome::Panicked("the fit's thread ended".to_owned()))
     }
 
     async fn fetch(&self, lease: &Lease) -> Result<Task, Fault> {
@@ -185,6 +197,27 @@ impl Fits {
                 let _ = self.fatal.send(Error::Panicked(text));
             }
         }
+    }
+}
+
+/// Waits for the thread's outcome; if nobody wants it any more, not for long: then the thread is
+/// given back as well.
+async fn finish(mut thread: Thread, stop: &Stop) -> (Outcome, Option<Thread>) {
+    let unheard = async {
+        stop.stopped().await;
+        match stop.reason() {
+            // A job that is handed back is worth its last checkpoint.
+            Some(Reason::Drained) => std::future::pending().await,
+            _ => tokio::time::sleep(HEARING).await,
+        }
+    };
+    tokio::select! {
+        biased;
+        outcome = &mut thread => {
+            let vanished = |_| Outcome::Panicked("the fit's thread ended".to_owned());
+            (outcome.unwrap_or_else(vanished), None)
+        }
+        () = unheard => (Outcome::Failed(cancelled()), Some(thread)),
     }
 }
 

@@ -18,6 +18,8 @@ mod artifact;
 mod backend;
 mod device;
 mod error;
+#[cfg(test)]
+mod faulty;
 mod fit;
 mod ingest;
 mod leasing;
@@ -26,6 +28,7 @@ mod options;
 mod presence;
 mod rollout;
 mod run;
+mod scratch;
 
 pub use backend::{BackendChoice, BackendOptions, open_backend};
 pub use error::Error;

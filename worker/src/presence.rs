@@ -15,6 +15,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     Error,
+    device::Device,
     link::{Backoff, Link, LinkError},
     rollout::Rollouts,
 };
@@ -25,14 +26,20 @@ pub(crate) struct Presence {
     link: Link,
     registration: Arc<RegisterRequest>,
     rollouts: Rollouts,
+    device: Device,
     /// As the server asked for [ms].
     beat_every_ms: Arc<AtomicU64>,
 }
 
 impl Presence {
-    pub(crate) fn new(link: Link, registration: RegisterRequest, rollouts: Rollouts) -> Self {
+    pub(crate) fn new(
+        link: Link,
+        registration: RegisterRequest,
+        rollouts: Rollouts,
+        device: Device,
+    ) -> Self {
         let beat_every_ms = Arc::new(AtomicU64::new(5_000));
-        Self { link, registration: Arc::new(registration), rollouts, beat_every_ms }
+        Self { link, registration: Arc::new(registration), rollouts, device, beat_every_ms }
     }
 
     /// Registers, trying again while the server cannot be reached.
@@ -63,10 +70,13 @@ impl Presence {
         loop {
             let every = Duration::from_millis(self.beat_every_ms.load(Ordering::Relaxed));
             tokio::time::sleep(every).await;
+            let memory = self.device.memory();
             let request = BeatRequest {
                 worker: self.registration.worker.clone(),
                 warm_twins: self.rollouts.warm_twins().iter().map(ToString::to_string).collect(),
                 rollouts_in_flight: u32::try_from(self.rollouts.in_flight()).unwrap_or(u32::MAX),
+                memory_used_bytes: memory.map_or(0, |m| m.used),
+                memory_total_bytes: memory.map_or(0, |m| m.total),
             };
             match self.link.beat(request).await {
                 Ok(answer) if answer.drain => {

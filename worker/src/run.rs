@@ -17,6 +17,7 @@ use crate::{
     link::Link,
     presence::Presence,
     rollout::{self, Replays, Rollouts, WarmTwins},
+    scratch::Scratch,
 };
 
 /// How long rollouts and last words may take once the worker is to end.
@@ -51,9 +52,10 @@ async fn run_on(
     let id = WorkerId::generate();
     let limits = options.limits;
     let link = Link::new(&options.server, &options.token)?;
-    let dir = options.cache_dir.clone().unwrap_or_else(std::env::temp_dir);
-    std::fs::create_dir_all(&dir)
-        .map_err(|source| Error::System { what: "create the cache directory", source })?;
+    let base = options.cache_dir.clone().unwrap_or_else(std::env::temp_dir);
+    let scratch = Scratch::new(&base)
+        .map_err(|source| Error::System { what: "make a folder for captures", source })?;
+    let dir = scratch.path().to_owned();
 
     let twins = WarmTwins::new(link.clone(), device.clone(), limits);
     let replays = Replays::new(link.clone(), dir.clone(), limits);
@@ -61,7 +63,7 @@ async fn run_on(
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
     let registration = registration(id, &endpoint, device);
-    let presence = Presence::new(link.clone(), registration, rollouts);
+    let presence = Presence::new(link.clone(), registration, rollouts, device.clone());
     tokio::select! {
         registered = presence.register(options.patience) => registered?,
         () = shutdown.cancelled() => return Ok(()),

@@ -40,13 +40,8 @@ impl BackendArgs {
 
     /// The same choice as environment variables, for a server's workers.
     pub(crate) fn variables(&self) -> Vec<(&'static str, String)> {
-        let choice = match self.backend {
-            BackendChoice::Auto => "auto",
-            BackendChoice::Cpu => "cpu",
-            BackendChoice::Cuda => "cuda",
-        };
         let mut variables = vec![
-            ("BENDTWIN_BACKEND", choice.to_owned()),
+            ("BENDTWIN_BACKEND", self.backend.to_string()),
             ("BENDTWIN_DEVICE", self.device.to_string()),
         ];
         variables

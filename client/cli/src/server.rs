@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use bendtwin_server::Service;
+use bendtwin_worker::BackendChoice;
 use clap::Args;
 
 use crate::{failure, output, signals};
@@ -26,6 +27,12 @@ pub(crate) struct Server {
     /// Worker processes that the server starts itself [default: 1]
     #[arg(long, env = "BENDTWIN_WORKERS", value_name = "N")]
     workers: Option<u32>,
+    /// What these compute on: auto (CUDA if this machine has it), cpu or cuda [default: auto]
+    #[arg(long, env = "BENDTWIN_BACKEND", value_name = "BACKEND")]
+    backend: Option<BackendChoice>,
+    /// The CUDA devices that they take in turn, counted from 0 [default: 0]
+    #[arg(long, env = "BENDTWIN_DEVICES", value_name = "N,...", value_delimiter = ',')]
+    devices: Option<Vec<u32>>,
     /// The token of workers that others start; at least 16 characters
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     worker_token: Option<String>,

@@ -47,7 +47,7 @@ pub(crate) struct Worker {
 impl Worker {
     fn options(self, server: &str) -> Options {
         Options {
-            backend: self.backend.options(self.cache_dir.clone()),
+            backend: self.backend.options(self.cache_dir.as_ref().map(|dir| dir.join("kernels"))),
             listen: self.worker_listen,
             advertise: self.advertise,
             cache_dir: self.cache_dir,

@@ -54,7 +54,7 @@ pub use self::{
     error::Error,
     fits::{Fits, Watch},
     page::{Page, PageRequest},
-    resources::{Capture, Fit, FitProgress, FitState, Twin, Worker},
+    resources::{Capture, DeviceMemory, Fit, FitProgress, FitState, Twin, Worker},
     rollouts::{
         Cost, Deviation, Diagnostics, Divergence, GripperPoses, Reply, Rollout, RolloutTiming,
         Rollouts,

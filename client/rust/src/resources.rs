@@ -173,6 +173,17 @@ pub struct Worker {
     pub rollouts_in_flight: u32,
     /// Version of its software.
     pub build: String,
+    /// Memory of its device, where that is known.
+    pub memory: Option<DeviceMemory>,
+}
+
+/// Memory of a worker's device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct DeviceMemory {
+    /// In use, by whomever.
+    pub used_bytes: u64,
+    /// In all.
+    pub total_bytes: u64,
 }
 
 impl TryFrom<v1::Capture> for Capture {
@@ -282,6 +293,10 @@ impl TryFrom<v1::Worker> for Worker {
             warm_twins: wire.warm_twins.iter().map(|t| id(t)).collect::<Result<_, _>>()?,
             rollouts_in_flight: wire.rollouts_in_flight,
             build: wire.build,
+            memory: (wire.memory_total_bytes > 0).then_some(DeviceMemory {
+                used_bytes: wire.memory_used_bytes,
+                total_bytes: wire.memory_total_bytes,
+            }),
         })
     }
 }

@@ -59,6 +59,7 @@ pub(super) struct Live {
     last_seen: Timestamp,
     warm: Vec<TwinId>,
     in_flight: u32,
+    memory: Option<Memory>,
     pub(super) fit: Option<FitId>,
     broken_until: Option<Instant>,
 }
@@ -70,7 +71,25 @@ pub(crate) struct WorkerView {
     pub(crate) last_seen: Timestamp,
     pub(crate) warm: Vec<TwinId>,
     pub(crate) in_flight: u32,
+    pub(crate) memory: Option<Memory>,
     pub(crate) fit: Option<FitId>,
+}
+
+/// What a worker says of itself with every sign of life.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Beat {
+    /// The twins that it has loaded.
+    pub(crate) warm: Vec<TwinId>,
+    pub(crate) in_flight: u32,
+    pub(crate) memory: Option<Memory>,
+}
+
+/// Memory of a worker's device [bytes].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Memory {
+    /// In use, by whomever.
+    pub(crate) used: u64,
+    pub(crate) total: u64,
 }
 
 /// A place in a worker's line: waiting at first, then with a slot.
@@ -118,6 +137,7 @@ impl Entry {
             last_seen: now,
             warm: Vec::new(),
             in_flight: 0,
+            memory: None,
             fit: None,
             broken_until: None,
         };
@@ -147,12 +167,13 @@ impl Entry {
         self.live.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn beat(&self, now: Timestamp, warm: Vec<TwinId>, in_flight: u32) {
+    pub(super) fn beat(&self, now: Timestamp, beat: Beat) {
         let mut live = self.live();
         live.last_beat = Instant::now();
         live.last_seen = now;
-        live.warm = warm;
-        live.in_flight = in_flight;
+        live.warm = beat.warm;
+        live.in_flight = beat.in_flight;
+        live.memory = beat.memory;
     }
 
     /// The worker answered a rollout of this twin: it has it loaded.
@@ -210,6 +231,7 @@ impl Entry {
             last_seen: live.last_seen,
             warm: live.warm.clone(),
             in_flight: live.in_flight.max(u32::try_from(self.load()).unwrap_or(u32::MAX)),
+            memory: live.memory,
             fit: live.fit,
         }
     }

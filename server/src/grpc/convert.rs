@@ -141,5 +141,7 @@ pub(super) fn worker(view: WorkerView) -> v1::Worker {
         warm_twins: view.warm.iter().map(ToString::to_string).collect(),
         rollouts_in_flight: view.in_flight,
         build: said.build,
+        memory_used_bytes: view.memory.unwrap_or_default().used,
+        memory_total_bytes: view.memory.unwrap_or_default().total,
     }
 }

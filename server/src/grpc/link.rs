@@ -17,6 +17,7 @@ use tonic::{Request, Response, Status, Streaming, metadata::MetadataMap};
 use super::{Api, Reply, chunks, convert, upload};
 use crate::{
     app::{self, Attempt, Error},
+    dispatch::{Beat, Memory},
     tokens::Bearer,
 };
 
@@ -74,7 +75,10 @@ impl WorkerLink for Api {
         let r = request.into_inner();
         let worker: WorkerId = app::name(&r.worker)?;
         let warm = r.warm_twins.iter().map(|t| app::name(t)).collect::<app::Result<_>>()?;
-        if !self.app.dispatch.beat(worker, warm, r.rollouts_in_flight) {
+        let memory = (r.memory_total_bytes > 0)
+            .then_some(Memory { used: r.memory_used_bytes, total: r.memory_total_bytes });
+        let beat = Beat { warm, in_flight: r.rollouts_in_flight, memory };
+        if !self.app.dispatch.beat(worker, beat) {
             return Err(Error::WorkerUnknown(worker.to_string()).into());
         }
         Ok(Response::new(BeatResponse { drain }))

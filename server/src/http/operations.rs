@@ -10,7 +10,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Result;
-use crate::{app::App, error::ProblemDocument};
+use crate::{app::App, error::ProblemDocument, metrics::Now};
 
 /// Whether the server can do its work.
 #[derive(Serialize, ToSchema)]
@@ -47,6 +47,7 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
 pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
     let depth = app.store.fits().depth().await?;
     let (workers, rollouts) = app.dispatch.counts();
-    let text = app.metrics.render(&depth, workers, rollouts);
+    let now = Now { workers, rollouts, memory: app.dispatch.memory() };
+    let text = app.metrics.render(&depth, &now);
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response())
 }

@@ -194,6 +194,9 @@ pub(super) struct Worker {
     warm_twins: Vec<String>,
     rollouts_in_flight: u32,
     build: String,
+    /// Memory of its device in use, by whomever, and in all [bytes]; absent where it is not known.
+    memory_used_bytes: Option<u64>,
+    memory_total_bytes: Option<u64>,
 }
 
 impl From<WorkerView> for Worker {
@@ -209,6 +212,8 @@ impl From<WorkerView> for Worker {
             warm_twins: view.warm.iter().map(ToString::to_string).collect(),
             rollouts_in_flight: view.in_flight,
             build: said.build,
+            memory_used_bytes: view.memory.map(|m| m.used),
+            memory_total_bytes: view.memory.map(|m| m.total),
         }
     }
 }

@@ -9,9 +9,10 @@ fn defaults_are_valid() {
 fn all_faults_are_reported_at_once() {
     let mut options = Options { lease_s: f64::NAN, ..Options::default() };
     options.workers.count = 1000;
+    options.workers.backend = "gpu".to_owned();
     options.limits.json_bytes = 0;
     options.worker_token = Some("short".to_owned());
-    assert_eq!(options.validate().unwrap_err().len(), 4);
+    assert_eq!(options.validate().unwrap_err().len(), 5);
 }
 
 #[test]

@@ -103,8 +103,9 @@ impl Worker {
     pub(crate) async fn beat(&mut self) -> Result<BeatResponse, Status> {
         let request = BeatRequest {
             worker: self.id.to_string(),
-            warm_twins: Vec::new(),
-            rollouts_in_flight: 0,
+            memory_used_bytes: 3 << 30,
+            memory_total_bytes: 80 << 30,
+            ..BeatRequest::default()
         };
         self.link.beat(request).await.map(Response::into_inner)
     }

@@ -47,6 +47,24 @@ async fn children_are_restarted_with_fresh_tokens() {
 }
 
 #[tokio::test]
+async fn children_are_told_what_to_compute_on() {
+    let dir = tempfile::tempdir().unwrap();
+    let log = dir.path().join("log");
+    let script = format!("echo $BENDTWIN_BACKEND $BENDTWIN_DEVICE >> {}; cat", log.display());
+    let server = Server::start_with(|o| {
+        shell(o, script);
+        o.workers.count = 3;
+        o.workers.backend = "cuda".to_owned();
+        o.workers.devices = vec![4, 6];
+    })
+    .await;
+    let mut seen = until("three starts", || Some(lines(&log)).filter(|l| l.len() >= 3)).await;
+    seen.sort();
+    assert_eq!(seen, ["cuda 4", "cuda 4", "cuda 6"]);
+    server.handle.shutdown().await;
+}
+
+#[tokio::test]
 async fn children_end_with_the_server_or_are_killed() {
     let dir = tempfile::tempdir().unwrap();
     let log = dir.path().join("log");
@@ -72,7 +90,7 @@ async fn children_end_with_the_server_or_are_killed() {
 #[tokio::test]
 async fn workers_are_listed() {
     let server = Server::start().await;
-    let worker = Worker::register(&server).await;
+    let mut worker = Worker::register(&server).await;
     let (_, list) = server.get("/v1/workers").await;
     assert_eq!(list["workers"][0]["name"], worker.id.to_string());
     assert_eq!(list["workers"][0]["device"], "fake");
@@ -83,6 +101,15 @@ async fn workers_are_listed() {
     let name = worker.id.to_string();
     let got = workers.get_worker(GetWorkerRequest { name }).await.unwrap().into_inner();
     assert_eq!(listed.workers, [got]);
+    // Memory is known once the worker has said so.
+    assert_eq!(list["workers"][0]["memory_total_bytes"], json!(null));
+    worker.beat().await.unwrap();
+    let (_, told) = server.get(&format!("/v1/{}", worker.id)).await;
+    assert_eq!(told["memory_used_bytes"], json!(3u64 << 30));
+    assert_eq!(told["memory_total_bytes"], json!(80u64 << 30));
+    let text = server.http.get(server.url("/metrics")).send().await.unwrap().text().await.unwrap();
+    let gauge = format!("bendtwin_device_memory_bytes{{state=\"total\"}} {}", 80u64 << 30);
+    assert!(text.contains(&gauge), "{gauge} is not in\n{text}");
     let (_, ready) = server.get("/readyz").await;
     assert_eq!(ready, json!({"ready": true, "workers": 1, "rollouts": 0}));
 }

@@ -33,6 +33,8 @@ fn cuda_is_preferred_and_the_cpu_never_asks_for_it() {
 
 #[test]
 fn names_are_read() {
-    assert_eq!("cuda".parse(), Ok(BackendChoice::Cuda));
+    for choice in [BackendChoice::Auto, BackendChoice::Cpu, BackendChoice::Cuda] {
+        assert_eq!(choice.to_string().parse(), Ok(choice));
+    }
     assert!("gpu".parse::<BackendChoice>().unwrap_err().contains("cuda"));
 }

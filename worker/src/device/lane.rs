@@ -67,28 +67,49 @@ impl Lane {
         let mut order: Vec<usize> = (0..batch.len()).collect();
         // Stable, so that equal instances keep their order.
         order.sort_by(|a, b| work[*b].total_cmp(&work[*a]));
-        self.0.in_slices(batch, &work, &order, usage, cancel, run)
+        self.0.in_slices(batch, &work, &order, usage, cancel, |instances| {
+            let (instances, run) = (Arc::new(instances), run.clone());
+            self.0.call(move |backend| run(backend, &instances))
+        })
     }
 }
 
 impl Access {
-    /// Runs a job on the device thread.
+    /// Runs a job on the device. If it lacks memory, what can be spared there is given up and the job
+    /// runs again: first as much as was lacking, by estimate, then everything.
     fn call<R: Send + 'static>(
         &self,
-        job: impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + 'static,
-    ) -> Result<R, Error> {
-        Ok(self.device.call(self.priority, job)?.0)
+        job: impl Fn(&dyn Backend) -> Result<R, Error> + Clone + Send + 'static,
+    ) -> Result<(R, Duration), Error> {
+        let mut result = self.call_once(job.clone());
+        for all in [false, true] {
+            let Err(Error::OutOfMemory { needed, available }) = result else { break };
+            let lacking = if all { u64::MAX } else { needed.saturating_sub(available) };
+            let hopeless = self.device.memory().is_some_and(|m| needed > m.total);
+            if !hopeless && self.device.reclaim(lacking) {
+                result = self.call_once(job.clone());
+            }
+        }
+        result
     }
 
-    /// Runs a batch in slices, in this order. Results come in the batch's.
-    fn in_slices<T: Clone + Send + 'static, R: Send + 'static>(
+    /// Runs a job that cannot run twice.
+    fn call_once<R: Send + 'static>(
+        &self,
+        job: impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + 'static,
+    ) -> Result<(R, Duration), Error> {
+        self.device.call(self.priority, job)
+    }
+
+    /// Runs a batch in slices, in this order; `run` takes a slice to the device. Results come in the batch's order.
+    fn in_slices<T: Clone, R>(
         &self,
         batch: &[T],
         work: &[f64],
         order: &[usize],
         usage: &Mutex<Usage>,
         cancel: &CancelToken,
-        run: impl Fn(&dyn Backend, &[T]) -> Result<Vec<R>, Error> + Clone + Send + 'static,
+        run: impl Fn(Vec<T>) -> Result<(Vec<R>, Duration), Error>,
     ) -> Result<Vec<R>, Error> {
         let mut results: Vec<Option<R>> = batch.iter().map(|_| None).collect();
         let mut rest = order;
@@ -100,10 +121,7 @@ impl Access {
             let count = slice_len(rest, work, budget, self.device.description().lanes);
             let (slice, later) = rest.split_at(count);
             rest = later;
-            let instances: Vec<T> = slice.iter().map(|i| batch[*i].clone()).collect();
-            let run = run.clone();
-            let (values, took) =
-                self.device.call(self.priority, move |backend| run(backend, &instances))?;
+            let (values, took) = run(slice.iter().map(|i| batch[*i].clone()).collect())?;
             if values.len() != slice.len() {
                 let fault = format!("{} results for {} instances", values.len(), slice.len());
                 return Err(Error::Device(fault));
@@ -123,12 +141,12 @@ impl Backend for Lane {
     }
 
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
-        self.0.call(move |backend| backend.load(model))
+        Ok(self.0.call(move |backend| backend.load(Arc::clone(&model)))?.0)
     }
 
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
-        let loaded = loaded.clone();
-        self.0.call(move |backend| backend.with_params(&loaded, params))
+        let (loaded, params) = (loaded.clone(), Arc::new(params));
+        Ok(self.0.call(move |backend| backend.with_params(&loaded, Params::clone(&params)))?.0)
     }
 
     fn roll_out(
@@ -167,12 +185,12 @@ impl Backend for Lane {
     }
 
     fn memory(&self) -> Option<Memory> {
-        self.0.call(|backend| Ok(backend.memory())).ok().flatten()
+        self.0.call_once(|backend| Ok(backend.memory())).ok()?.0
     }
 
     fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
         let model = model.clone();
-        self.0.call(move |backend| Ok(backend.plan(&model, batch))).ok().flatten()
+        self.0.call_once(move |backend| Ok(backend.plan(&model, batch))).ok()?.0
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, OnceLock, PoisonError},
     time::{Duration, Instant},
 };
 
@@ -18,6 +18,9 @@ use crate::Error;
 /// Between two looks at the device's memory; a look may wait for the driver.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 
+/// Gives up about so many bytes of the device's memory; false if there is nothing to give up.
+type Spare = Box<dyn Fn(u64) -> bool + Send + Sync>;
+
 /// What an opened backend says of itself.
 pub(super) struct Opened {
     pub(super) description: Description,
@@ -30,13 +33,20 @@ pub(super) struct Threads {
     pub(super) main: Queue,
     pub(super) urgent: Queue,
     memory: Mutex<Option<Memory>>,
+    spare: OnceLock<Spare>,
     /// Told why the process must restart.
     fatal: mpsc::UnboundedSender<Error>,
 }
 
 impl Threads {
     pub(super) fn new(fatal: mpsc::UnboundedSender<Error>) -> Self {
-        Self { main: Queue::default(), urgent: Queue::default(), memory: Mutex::default(), fatal }
+        Self {
+            main: Queue::default(),
+            urgent: Queue::default(),
+            memory: Mutex::default(),
+            spare: OnceLock::new(),
+            fatal,
+        }
     }
 
     /// Starts the main thread, which opens the backend and so owns what the backend binds to a thread.
@@ -82,6 +92,15 @@ impl Threads {
         *self.memory.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    pub(super) fn on_shortage(&self, spare: Spare) {
+        // Set once, when the worker starts.
+        let _ = self.spare.set(spare);
+    }
+
+    pub(super) fn reclaim(&self, bytes: u64) -> bool {
+        self.spare.get().is_some_and(|spare| spare(bytes))
+    }
+
     fn work(&self, queue: &Queue, backend: &dyn Backend) {
         let mut looked = Instant::now();
         while let Some(job) = queue.next() {
@@ -104,7 +123,11 @@ impl Threads {
     }
 
     fn look(&self, backend: &dyn Backend) {
-        *self.memory.lock().unwrap_or_else(PoisonError::into_inner) = backend.memory();
+        self.set_memory(backend.memory());
+    }
+
+    pub(super) fn set_memory(&self, memory: Option<Memory>) {
+        *self.memory.lock().unwrap_or_else(PoisonError::into_inner) = memory;
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bendtwin_core::Fault;
+use bendtwin_core::{Category, Fault};
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
@@ -25,6 +25,14 @@ pub(super) enum Failure {
     Released,
 }
 
+/// Why the server does not have the last word.
+enum Undelivered {
+    /// It does not want it.
+    Refused(Fault),
+    /// Another worker has the job, or it could not be reached for too long.
+    GivenUp,
+}
+
 /// Sends the last word.
 pub(super) struct Delivery<'a> {
     pub(super) job: &'a Job,
@@ -36,18 +44,22 @@ impl Delivery<'_> {
     /// Stores the twin, which ends the job. Sending it twice is safe: the second answer is the
     /// same, or says that the lease is stale.
     pub(super) async fn complete(&self, finished: Finished) {
-        let sent = self.repeat("the twin", || self.job.complete(&finished)).await;
-        if let Some(twin) = sent {
-            tracing::info!(twin, bytes = finished.file.len(), "fit succeeded");
+        match self.repeat("the twin", || self.job.complete(&finished)).await {
+            Ok(twin) => tracing::info!(twin, bytes = finished.file.len(), "fit succeeded"),
+            // Too large, say: another attempt would make the same twin and be refused alike.
+            Err(Undelivered::Refused(fault)) if fault.category == Category::InvalidArgument => {
+                self.fail(fault, Failure::Permanent).await;
+            }
+            Err(_) => {}
         }
     }
 
     /// Says that there will be no twin from this attempt.
     pub(super) async fn fail(&self, fault: Fault, kind: Failure) {
-        self.repeat("the failure", || self.job.fail(&fault, kind)).await;
+        let _ = self.repeat("the failure", || self.job.fail(&fault, kind)).await;
     }
 
-    async fn repeat<T, F>(&self, what: &str, send: impl Fn() -> F) -> Option<T>
+    async fn repeat<T, F>(&self, what: &str, send: impl Fn() -> F) -> Result<T, Undelivered>
     where
         F: Future<Output = Result<T, LinkError>>,
     {
@@ -56,14 +68,14 @@ impl Delivery<'_> {
         let mut backoff = Backoff::default();
         loop {
             match send().await {
-                Ok(answer) => return Some(answer),
+                Ok(answer) => return Ok(answer),
                 Err(LinkError::Stale) => {
                     tracing::warn!("the lease is stale: {what} is dropped");
-                    return None;
+                    return Err(Undelivered::GivenUp);
                 }
                 Err(LinkError::Refused(fault)) => {
                     tracing::error!(reason = fault.reason, "the server refuses {what}: {fault}");
-                    return None;
+                    return Err(Undelivered::Refused(fault));
                 }
                 Err(LinkError::Unavailable(fault)) => {
                     tracing::warn!("cannot deliver {what} yet: {fault}");
@@ -76,7 +88,7 @@ impl Delivery<'_> {
                 || started.elapsed() > self.patience;
             if given_up {
                 tracing::error!("gave up delivering {what}: the job is done again elsewhere");
-                return None;
+                return Err(Undelivered::GivenUp);
             }
             backoff.wait().await;
         }

@@ -21,3 +21,28 @@ async fn the_first_reason_to_stop_counts() {
     assert_eq!(stop.reason(), Some(Reason::Cancelled));
     assert!(stop.token().is_cancelled());
 }
+
+#[tokio::test]
+async fn a_cancelled_fit_does_not_wait_for_a_thread_that_hears_nothing() {
+    let (done, thread) = oneshot::channel();
+    let stop = Stop::default();
+    stop.stop(Reason::Cancelled);
+    let (outcome, straggler) = finish(thread, &stop).await;
+    assert!(matches!(outcome, Outcome::Failed(fault) if fault.category == Category::Cancelled));
+    // The next job waits for it.
+    assert!(done.send(Outcome::Panicked("late".to_owned())).is_ok());
+    assert!(straggler.unwrap().await.is_ok());
+}
+
+#[tokio::test]
+async fn a_fit_that_is_handed_back_is_waited_for() {
+    let (done, thread) = oneshot::channel();
+    let stop = Stop::default();
+    stop.stop(Reason::Drained);
+    tokio::spawn(async move {
+        tokio::time::sleep(HEARING + Duration::from_millis(100)).await;
+        let _ = done.send(Outcome::Failed(cancelled()));
+    });
+    let (outcome, straggler) = finish(thread, &stop).await;
+    assert!(matches!(outcome, Outcome::Failed(_)) && straggler.is_none());
+}

@@ -35,12 +35,30 @@ impl<K: Copy + Eq + Hash, V: Clone> Lru<K, V> {
         self.clock += 1;
         self.entries.insert(key, Entry { value, size, used: self.clock });
         while self.entries.len() > 1 && self.is_over() {
-            let oldest = self.entries.iter().min_by_key(|(_, e)| e.used).map(|(k, _)| *k);
-            match oldest {
-                Some(key) => self.entries.remove(&key),
-                None => break,
-            };
+            if self.pop(|_| true).is_none() {
+                break;
+            }
         }
+    }
+
+    /// Takes out the longest unused values of those that may go, until `size` is reached or none is left.
+    pub(super) fn evict(&mut self, size: u64, may_go: impl Fn(&V) -> bool) -> Vec<V> {
+        let (mut gone, mut freed) = (Vec::new(), 0u64);
+        // At least one: sizes are estimates.
+        while let Some(entry) = self.pop(&may_go) {
+            freed = freed.saturating_add(entry.size);
+            gone.push(entry.value);
+            if freed >= size {
+                break;
+            }
+        }
+        gone
+    }
+
+    fn pop(&mut self, may_go: impl Fn(&V) -> bool) -> Option<Entry<V>> {
+        let candidates = self.entries.iter().filter(|(_, e)| may_go(&e.value));
+        let oldest = candidates.min_by_key(|(_, e)| e.used).map(|(k, _)| *k)?;
+        self.entries.remove(&oldest)
     }
 
     /// All keys, the most recently used first.
@@ -77,5 +95,18 @@ mod tests {
         lru.insert(1, 'a', 60);
         lru.insert(2, 'b', 500);
         assert_eq!(lru.keys(), [2]);
+    }
+
+    #[test]
+    fn eviction_frees_enough_and_spares_what_must_stay() {
+        let mut lru = Lru::new(10, 1000);
+        for (key, value) in [(1, 'a'), (2, 'b'), (3, 'c'), (4, 'd')] {
+            lru.insert(key, value, 10);
+        }
+        assert_eq!(lru.evict(0, |_| true), ['a']);
+        assert_eq!(lru.evict(15, |v| *v != 'b'), ['c', 'd']);
+        assert_eq!(lru.keys(), [2]);
+        assert_eq!(lru.evict(u64::MAX, |v| *v != 'b'), []);
+        assert_eq!(lru.evict(u64::MAX, |_| true), ['b']);
     }
 }

@@ -125,7 +125,7 @@ impl WorkerRollouts for Rollouts {
         let cancel = CancelToken::default();
         let (parts, receiver) = mpsc::channel(WAITING_PARTS);
         let inner = Arc::clone(&self.0);
-        let call = Call { slot, arrived, cancel: cancel.clone(), parts };
+        let call = Call { slot: Arc::new(slot), arrived, cancel: cancel.clone(), parts };
         tokio::spawn(call.serve(inner, request.into_inner(), deadline));
         Ok(Response::new(Parts { parts: ReceiverStream::new(receiver), cancel }))
     }
@@ -134,7 +134,7 @@ impl WorkerRollouts for Rollouts {
 /// One call under way.
 struct Call {
     /// Held until the work has ended, also when nobody listens any more.
-    slot: OwnedSemaphorePermit,
+    slot: Arc<OwnedSemaphorePermit>,
     arrived: Instant,
     cancel: CancelToken,
     parts: mpsc::Sender<Result<ExecuteRollOutResponse, Status>>,
@@ -191,7 +191,10 @@ impl Call {
         };
         let (cancel, parts, arrived) = (self.cancel.clone(), self.parts.clone(), self.arrived);
         let worker = inner.worker.clone();
+        // A deadline ends the waiting, not this work: until it has heard, its place stays taken.
+        let slot = Arc::clone(&self.slot);
         tokio::task::spawn_blocking(move || {
+            let _slot = slot;
             let execution = Execution {
                 plan: &plan,
                 starts: &starts,

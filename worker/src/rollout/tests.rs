@@ -1,12 +1,15 @@
 //! Requests against a small real twin on the CPU.
 
+mod faults;
+mod fidelity;
+
 use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{
     Category, Contact, Environment, Graph, NodeKind, Params, Problem as _, Quality, Timing, Twin,
     environment::ControlVelocity, ids::TwinId, twin::Provenance,
 };
-use bendtwin_engine::{Backend as _, Model, backend::CancelToken};
+use bendtwin_engine::{Backend, Model, backend::CancelToken};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, InitialState, Returns, RollOutRequest, RollOutResponse, Tensor,
     cost::{Keypoints, Kind, Smoothness, TargetCloud, When},
@@ -30,7 +33,7 @@ use crate::{
 };
 
 /// A chain of four nodes that hangs from one control point.
-fn twin() -> Twin {
+pub(super) fn twin() -> Twin {
     let n = 4;
     let graph = Graph {
         rest_positions: (0..n).map(|i| [0.0, 0.0, 0.5 - 0.1 * i as f32]).collect(),
@@ -71,15 +74,18 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
-        let (fatal, _) = mpsc::unbounded_channel();
-        let device = Device::spawn(|| Ok(bendtwin_engine::cpu_with_threads(2)), fatal).unwrap();
+        Self::on(bendtwin_engine::cpu_with_threads(2)).0
+    }
+
+    /// On a backend; also says where the end of the worker is announced.
+    fn on(backend: Arc<dyn Backend>) -> (Self, mpsc::UnboundedReceiver<crate::Error>) {
+        let (fatal, died) = mpsc::unbounded_channel();
+        let device = Device::spawn(move || Ok(backend), fatal).unwrap();
         let twin = twin();
         let model = Arc::new(Model::from(&twin));
         let loaded = device.lane(Priority::Interactive).load(model).unwrap();
-        Self {
-            device,
-            warm: Arc::new(Warm { id: TwinId::generate(), twin, loaded, fast: OnceCell::new() }),
-        }
+        let warm = Warm { id: TwinId::generate(), twin, loaded, fast: OnceCell::new() };
+        (Self { device, warm: Arc::new(warm) }, died)
     }
 
     fn plan(&self, request: RollOutRequest, part: u32) -> Result<(Plan, Wanted), Error> {

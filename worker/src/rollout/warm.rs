@@ -1,9 +1,11 @@
-//! Twins that are loaded and answer at once.
+//! Twins that are loaded and answer at once. They are kept while there is room: beyond a number, beyond
+//! an amount of memory, or when the device has none left for others, the longest unused go.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bendtwin_core::{Twin, ids::TwinId};
-use bendtwin_engine::{Backend, Loaded, Model};
+use bendtwin_engine::{Backend as _, Loaded, Model};
+use bytes::Bytes;
 use tokio::sync::OnceCell;
 
 use super::{error::Error, lru::Lru};
@@ -21,19 +23,24 @@ pub(crate) struct Warm {
     pub(super) fast: OnceCell<Loaded>,
 }
 
+type Shared = Arc<Mutex<Lru<TwinId, Arc<Warm>>>>;
+
 /// The loaded twins, bounded by number and memory.
 pub(crate) struct WarmTwins {
     link: Link,
     device: Device,
     limits: Limits,
-    twins: Mutex<Lru<TwinId, Arc<Warm>>>,
+    twins: Shared,
     /// Held while a twin is loaded, so that a hundred calls for it load it once.
     loading: tokio::sync::Mutex<()>,
 }
 
 impl WarmTwins {
     pub(crate) fn new(link: Link, device: Device, limits: Limits) -> Self {
-        let twins = Mutex::new(Lru::new(limits.warm_twins.max(1), limits.warm_bytes));
+        let lru = Lru::new(limits.warm_twins.max(1), limits.warm_bytes);
+        let twins = Arc::new(Mutex::new(lru));
+        let shared = Arc::clone(&twins);
+        device.on_shortage(move |bytes| spare(&shared, bytes));
         Self { link, device, limits, twins, loading: tokio::sync::Mutex::default() }
     }
 
@@ -52,6 +59,11 @@ impl WarmTwins {
             return Ok(warm);
         }
         let file = artifact::fetch(&self.link, &id.to_string(), self.limits.twin_bytes).await?;
+        self.load(id, file).await
+    }
+
+    /// Loads a twin's file and keeps it.
+    async fn load(&self, id: TwinId, file: Bytes) -> Result<Arc<Warm>, Error> {
         let size = file.len() as u64 * LOADED_FACTOR;
         let device = self.device.clone();
         let warm = tokio::task::spawn_blocking(move || {
@@ -67,6 +79,23 @@ impl WarmTwins {
     }
 
     fn lock(&self) -> MutexGuard<'_, Lru<TwinId, Arc<Warm>>> {
-        self.twins.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.twins)
     }
 }
+
+fn lock(twins: &Shared) -> MutexGuard<'_, Lru<TwinId, Arc<Warm>>> {
+    twins.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Gives up twins for about so many bytes; false if none can be spared.
+fn spare(twins: &Shared, bytes: u64) -> bool {
+    // Those that a request is using would free nothing.
+    let gone = lock(twins).evict(bytes, |warm| Arc::strong_count(warm) == 1);
+    for warm in &gone {
+        tracing::info!(twin = %warm.id, "twin unloaded: the device needs its memory");
+    }
+    !gone.is_empty()
+}
+
+#[cfg(test)]
+mod tests;

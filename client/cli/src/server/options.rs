@@ -30,6 +30,12 @@ impl Server {
         if let Some(count) = self.workers {
             options.workers.count = count;
         }
+        if let Some(backend) = self.backend {
+            options.workers.backend = backend.to_string();
+        }
+        if let Some(devices) = &self.devices {
+            options.workers.devices.clone_from(devices);
+        }
         if let Some(token) = &self.worker_token {
             options.worker_token = Some(token.clone());
         }
@@ -47,6 +53,8 @@ impl Server {
 mod tests {
     use std::path::PathBuf;
 
+    use bendtwin_worker::BackendChoice;
+
     use super::*;
 
     fn server() -> Server {
@@ -55,6 +63,8 @@ mod tests {
             listen: None,
             data_dir: None,
             workers: None,
+            backend: None,
+            devices: None,
             worker_token: None,
             port_file: None,
             exit_with_parent: false,
@@ -65,12 +75,20 @@ mod tests {
     fn flags_win_over_the_file_and_the_file_over_defaults() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("config.toml");
-        std::fs::write(&path, "data_dir = \"from-file\"\nlease_s = 12.0\n[workers]\ncount = 3\n")
-            .unwrap();
-        let args = Server { config: Some(path), workers: Some(2), ..server() };
+        std::fs::write(
+            &path,
+            "data_dir = \"from-file\"\nlease_s = 12.0\n[workers]\ncount = 3\ndevices = [1]\n",
+        )
+        .unwrap();
+        let backend = Some(BackendChoice::Cuda);
+        let args = Server { config: Some(path), workers: Some(2), backend, ..server() };
         let options = args.options().unwrap();
         assert_eq!(options.data_dir, PathBuf::from("from-file"));
         assert_eq!(options.workers.count, 2);
+        assert_eq!(
+            (options.workers.backend.as_str(), &options.workers.devices[..]),
+            ("cuda", &[1][..])
+        );
         assert!((options.lease_s - 12.0).abs() < 1e-9);
         assert_eq!(options.listen, Options::default().listen);
         assert_eq!(options.workers.args, ["worker", END_WITH_SERVER]);

@@ -200,6 +200,9 @@ class Worker:
     warm_twins: list[str]
     rollouts_in_flight: int
     build: str
+    # Of its device, in use by whomever and in all; zero where it is not known.
+    memory_used_bytes: int
+    memory_total_bytes: int
 
     @classmethod
     def from_proto(cls, message: worker_pb2.Worker) -> Worker:
@@ -214,6 +217,8 @@ class Worker:
             list(message.warm_twins),
             message.rollouts_in_flight,
             message.build,
+            message.memory_used_bytes,
+            message.memory_total_bytes,
         )
 
 

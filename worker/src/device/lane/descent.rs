@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bendtwin_core::Timing;
 use bendtwin_engine::{
-    Loaded,
+    Backend, Loaded,
     backend::{CancelToken, Error, GradientRequest},
     descent::{Decay, Descent, Position, Probe, Slope, Start},
 };
@@ -26,7 +26,7 @@ impl LaneDescent {
         starts: Vec<Start>,
         decay: Decay,
     ) -> Result<Self, Error> {
-        let descent = access.call(move |backend| backend.descent(starts, decay))?;
+        let (descent, _) = access.call(move |backend| backend.descent(starts.clone(), decay))?;
         Ok(Self { access, slot: Arc::new(Mutex::new(Some(descent))) })
     }
 
@@ -34,8 +34,7 @@ impl LaneDescent {
         &self,
         job: impl FnOnce(&mut dyn Descent) -> Result<R, Error> + Send + 'static,
     ) -> Result<R, Error> {
-        let slot = self.slot.clone();
-        self.access.call(move |_| with(&slot, job))
+        Ok(self.access.call_once(on(&self.slot, job))?.0)
     }
 }
 
@@ -43,11 +42,13 @@ fn open(slot: &Slot) -> MutexGuard<'_, Option<Box<dyn Descent>>> {
     slot.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn with<R>(
+/// A job for the device thread that opens the slot.
+fn on<R, J: FnOnce(&mut dyn Descent) -> Result<R, Error> + Send>(
     slot: &Slot,
-    job: impl FnOnce(&mut dyn Descent) -> Result<R, Error>,
-) -> Result<R, Error> {
-    match open(slot).as_mut() {
+    job: J,
+) -> impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + use<R, J> {
+    let slot = Arc::clone(slot);
+    move |_: &dyn Backend| match open(&slot).as_mut() {
         Some(descent) => job(&mut **descent),
         None => Err(Error::Device("the descent has ended".into())),
     }
@@ -57,7 +58,7 @@ impl Drop for LaneDescent {
     /// What belongs to the device is freed on its thread; nobody waits for it.
     fn drop(&mut self) {
         let slot = self.slot.clone();
-        let free = move |_: &dyn bendtwin_engine::Backend| {
+        let free = move |_: &dyn Backend| {
             drop(open(&slot).take());
             Ok(())
         };
@@ -79,10 +80,12 @@ impl Descent for LaneDescent {
     ) -> Result<Vec<Slope>, Error> {
         let work: Vec<f64> = batch.iter().map(|p| instance_work(&p.instance)).collect();
         let order: Vec<usize> = (0..batch.len()).collect();
-        let (slot, request, token) = (self.slot.clone(), request.clone(), cancel.clone());
         let usage = &self.access.backward;
-        self.access.in_slices(batch, &work, &order, usage, cancel, move |_, slice| {
-            with(&slot, |descent| descent.measure(slice, &request, &token))
+        self.access.in_slices(batch, &work, &order, usage, cancel, |slice| {
+            let (request, token) = (request.clone(), cancel.clone());
+            // Never twice: after an error some of the slice's gradients may wait.
+            self.access
+                .call_once(on(&self.slot, move |descent| descent.measure(&slice, &request, &token)))
         })
     }
 
