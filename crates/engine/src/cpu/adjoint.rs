@@ -5,13 +5,13 @@ use super::{
     bend::{TripletGradient, bend_adjoint},
     contact::{collide, collide_adjoint},
     control::{FrameControls, FrameControlsAdjoint},
-    ground::advance_adjoint,
+    ground::{advance_adjoint, may_hit},
     impulse::Law,
     integrate::{Tape, Workspace, begin_frame, ground_law, run_substeps},
     lanes::{LANES, Node},
     machine::{Machine, Work},
     parameters::Parameters,
-    real::{Quad, Real, add_scaled, dot, scale},
+    real::{Quad, Real, add, add_scaled, product, scale},
     spring::{SpringGradient, spring_adjoint},
     system::System,
 };
@@ -137,10 +137,10 @@ impl<T: Real> Work<T> for BackSubsteps<'_, T> {
             let before = &a.tape.before[on_tape * n..(on_tape + 1) * n];
             a.controls.pin_nodes(system, substep, &mut a.bar);
             if w.candidates.is_empty() {
-                travel_adjoint(system, nodes, before, &mut a.bar, &mut a.ground);
+                travel_adjoint(m, system, nodes, before, &mut a.bar, &mut a.ground);
             } else {
                 collide(system, &w.candidates, nodes, before, &mut w.after);
-                travel_adjoint(system, nodes, &w.after, &mut a.bar, &mut a.ground);
+                travel_adjoint(m, system, nodes, &w.after, &mut a.bar, &mut a.ground);
                 let (bar, scratch) = (&mut a.bar, &mut w.after);
                 let law_bar = &mut a.object;
                 collide_adjoint(system, &w.candidates, nodes, before, bar, scratch, law_bar);
@@ -156,24 +156,27 @@ impl<T: Real> Work<T> for BackSubsteps<'_, T> {
 
 /// Adjoint of `travel`, from the end of the substep to velocities after contact between nodes.
 #[inline(always)]
-fn travel_adjoint<T: Real>(
+fn travel_adjoint<T: Real, M: Machine<T>>(
+    m: M,
     system: &System<T>,
     nodes: &[Node<T>],
     velocities: &[Quad<T>],
     bar: &mut [Node<T>],
     law_bar: &mut Law<T>,
 ) {
-    let moving = nodes.iter().zip(velocities).zip(bar);
-    match &system.ground {
-        None => {
-            for (_, bar) in moving {
-                bar.v = add_scaled(bar.v, system.dt, bar.x);
+    let (dt, ground, law) = (system.dt, system.ground, ground_law(system));
+    let chunks = nodes.chunks(LANES).zip(velocities.chunks(LANES)).zip(bar.chunks_mut(LANES));
+    for ((nodes, v), bar) in chunks {
+        match &ground {
+            Some(ground) if may_hit(m, ground, dt, nodes, v) => {
+                for ((node, &v), bar) in nodes.iter().zip(v).zip(bar) {
+                    *bar = advance_adjoint(ground, law, dt, (node.x, v), *bar, law_bar);
+                }
             }
-        }
-        Some(ground) => {
-            let law = ground_law(system);
-            for ((node, &v), bar) in moving {
-                *bar = advance_adjoint(ground, law, system.dt, (node.x, v), *bar, law_bar);
+            _ => {
+                for (bar, _) in bar.iter_mut().zip(v) {
+                    bar.v = add_scaled(bar.v, dt, bar.x);
+                }
             }
         }
     }
@@ -188,12 +191,14 @@ fn accelerate_adjoint<T: Real>(
     bar: &mut [Node<T>],
     lambda: &mut [Quad<T>],
 ) -> T {
-    let mut decay = T::ZERO;
+    let (dt, decay) = (system.dt, system.decay);
+    let mut sum = [T::ZERO; 4];
     let per_node = before.iter().zip(bar).zip(lambda).zip(&system.inverse_mass);
     for (((&v, bar), lambda), &inverse_mass) in per_node {
-        decay += dot(bar.v, v);
-        bar.v = scale(bar.v, system.decay);
-        *lambda = scale(bar.v, inverse_mass * system.dt);
+        sum = add(sum, product(bar.v, v));
+        bar.v = scale(bar.v, decay);
+        *lambda = scale(bar.v, inverse_mass * dt);
     }
+    let decay = sum[0] + sum[1] + sum[2];
     -(decay * system.dt)
 }

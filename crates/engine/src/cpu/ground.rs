@@ -7,7 +7,8 @@
 
 use super::{
     impulse::{ImpactAdjoint, Law, MIN_APPROACH_M_S, impact, impact_adjoint},
-    lanes::Node,
+    lanes::{FIRST, LANES, Node},
+    machine::{Machine, Pack, Pack3, v3},
     real::{Quad, Real, add, add_scaled, dot, scale, sub},
     system::Ground,
 };
@@ -21,6 +22,33 @@ fn height<T: Real>(ground: &Ground<T>, x: Quad<T>) -> T {
 #[inline(always)]
 fn hits<T: Real>(ground: &Ground<T>, v: Quad<T>, next: Quad<T>) -> bool {
     (height(ground, next) < T::ZERO) & (dot(ground.normal, v) < -T::from_f64(MIN_APPROACH_M_S))
+}
+
+/// Whether any of at most [`LANES`] nodes can hit the ground, so that only few have to be looked at one by
+/// one: [`hits`] with the same roundings; `true` for fewer nodes.
+#[inline(always)]
+pub(crate) fn may_hit<T: Real, M: Machine<T>>(
+    m: M,
+    ground: &Ground<T>,
+    dt: T,
+    nodes: &[Node<T>],
+    velocities: &[Quad<T>],
+) -> bool {
+    if nodes.len().min(velocities.len()) < LANES {
+        return true;
+    }
+    let (x, _) = m.gather(nodes, &FIRST);
+    let v = m.gather_quads(velocities, &FIRST);
+    let next = v3::add(x, v3::scale(v, m.splat(dt)));
+    let below = m.splat(T::ZERO).above(along(m, ground, next) - m.splat(ground.offset));
+    m.any(below & m.splat(-T::from_f64(MIN_APPROACH_M_S)).above(along(m, ground, v)))
+}
+
+/// Component along the normal, rounded as [`dot`] does.
+#[inline(always)]
+fn along<T: Real, M: Machine<T>>(m: M, ground: &Ground<T>, a: Pack3<M::Pack>) -> M::Pack {
+    let n = ground.normal;
+    m.splat(n[0]) * a[0] + m.splat(n[1]) * a[1] + m.splat(n[2]) * a[2]
 }
 
 /// The node after a substep that it starts at `x` with velocity `v`.

@@ -7,11 +7,11 @@ use super::{
     bend::bend_forces,
     contact::{Candidates, collide},
     control::FrameControls,
-    ground::advance,
+    ground::{advance, may_hit},
     impulse::Law,
-    lanes::Node,
+    lanes::{LANES, Node},
     machine::{Machine, Work},
-    real::{Quad, Real, add_scaled, scale},
+    real::{Quad, Real, add, add_scaled, scale},
     spring::spring_forces,
     system::System,
 };
@@ -126,10 +126,10 @@ impl<T: Real> Work<T> for Substeps<'_, T> {
                 tape.before.extend_from_slice(&w.before);
             }
             if w.candidates.is_empty() {
-                travel(system, &mut w.nodes, &w.before);
+                travel(m, system, &mut w.nodes, &w.before);
             } else {
                 collide(system, &w.candidates, &w.nodes, &w.before, &mut w.after);
-                travel(system, &mut w.nodes, &w.after);
+                travel(m, system, &mut w.nodes, &w.after);
             }
             controls.pin_nodes(system, substep, &mut w.nodes);
         }
@@ -144,12 +144,13 @@ fn accelerate<T: Real>(
     forces: &mut [Quad<T>],
     velocities: &mut [Quad<T>],
 ) {
-    let kick = scale(system.gravity, system.dt);
+    // Copies: what is written might otherwise change them, and nothing would be vectorised.
+    let (dt, decay) = (system.dt, system.decay);
+    let kick = scale(system.gravity, dt);
     let per_node = nodes.iter().zip(&mut *forces).zip(&system.inverse_mass).zip(velocities);
     for (((node, f), &inverse_mass), v) in per_node {
-        for c in 0..4 {
-            v[c] = (node.v[c] + (f[c] * (inverse_mass * system.dt) + kick[c])) * system.decay;
-        }
+        let change = add(scale(*f, inverse_mass * dt), kick);
+        *v = scale(add(node.v, change), decay);
         *f = [T::ZERO; 4];
     }
     forces[system.nodes..].fill([T::ZERO; 4]);
@@ -157,18 +158,24 @@ fn accelerate<T: Real>(
 
 /// x <- x + v dt, or the way over the ground.
 #[inline(always)]
-fn travel<T: Real>(system: &System<T>, nodes: &mut [Node<T>], velocities: &[Quad<T>]) {
-    let moving = nodes.iter_mut().zip(velocities);
-    match &system.ground {
-        None => {
-            for (node, &v) in moving {
-                *node = Node { x: add_scaled(node.x, system.dt, v), v };
+fn travel<T: Real, M: Machine<T>>(
+    m: M,
+    system: &System<T>,
+    nodes: &mut [Node<T>],
+    velocities: &[Quad<T>],
+) {
+    let (dt, ground, law) = (system.dt, system.ground, ground_law(system));
+    for (nodes, v) in nodes.chunks_mut(LANES).zip(velocities.chunks(LANES)) {
+        match &ground {
+            Some(ground) if may_hit(m, ground, dt, nodes, v) => {
+                for (node, &v) in nodes.iter_mut().zip(v) {
+                    *node = advance(ground, law, dt, node.x, v);
+                }
             }
-        }
-        Some(ground) => {
-            let law = ground_law(system);
-            for (node, &v) in moving {
-                *node = advance(ground, law, system.dt, node.x, v);
+            _ => {
+                for (node, &v) in nodes.iter_mut().zip(v) {
+                    *node = Node { x: add_scaled(node.x, dt, v), v };
+                }
             }
         }
     }

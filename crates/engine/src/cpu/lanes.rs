@@ -11,6 +11,9 @@ pub(crate) type Lane<T> = [T; LANES];
 /// Endpoint of each element of a block.
 pub(crate) type Index = [u32; LANES];
 
+/// The first endpoints of a slice.
+pub(crate) const FIRST: Index = [0, 1, 2, 3, 4, 5, 6, 7];
+
 /// Position and velocity of an endpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]

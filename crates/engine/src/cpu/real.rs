@@ -203,6 +203,12 @@ pub(crate) fn dot<T: Real>(a: Quad<T>, b: Quad<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// Coordinate by coordinate.
+#[inline(always)]
+pub(crate) fn product<T: Real>(a: Quad<T>, b: Quad<T>) -> Quad<T> {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]]
+}
+
 #[inline(always)]
 pub(crate) fn add<T: Real>(a: Quad<T>, b: Quad<T>) -> Quad<T> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
