@@ -26,7 +26,7 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 6] = [
+const RULES: [Rule; 7] = [
     Rule {
         of: &["bendtwin-server", "bendtwin-store"],
         because: "the control plane knows no physics",
@@ -45,6 +45,11 @@ const RULES: [Rule; 6] = [
             "bendtwin-capture",
             "bendtwin-bench",
         ],
+        because: "physics knows no network and no database",
+        never: &[&NETWORK, &DATABASE, &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"]],
+    },
+    Rule {
+        of: &["bendtwin-cuda", "bendtwin-bench"],
         because: "physics knows no network and no database",
         never: &[&NETWORK, &DATABASE, &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"]],
     },
@@ -90,16 +95,38 @@ fn the_search_sees_indirect_dependencies() {
 }
 
 #[test]
-fn only_one_crate_names_cuda() {
+fn only_one_crate_names_cuda_and_only_who_opens_backends_names_that_crate() {
     let graph = Graph::read();
-    let users: Vec<_> = graph
-        .edges
-        .iter()
-        .filter(|(_, to)| to.iter().any(|id| graph.names[id] == "cudarc"))
-        .map(|(from, _)| graph.names[from].as_str())
-        .filter(|name| name.starts_with("bendtwin-") && *name != "bendtwin-cuda")
-        .collect();
+    let strangers = |to: &str, allowed: &[&str]| {
+        let mut users = graph.users(to);
+        users.retain(|name| name.starts_with("bendtwin-") && !allowed.contains(name));
+        users
+    };
+    let users = strangers("cudarc", &["bendtwin-cuda"]);
     assert!(users.is_empty(), "cudarc belongs behind bendtwin-cuda, not in {users:?}");
+    // The worker opens backends, for itself and for the command line.
+    let users = strangers("bendtwin-cuda", &["bendtwin-worker", "bendtwin-cli"]);
+    assert!(
+        users.is_empty(),
+        "a backend is to be had from the worker, not by naming CUDA: {users:?}"
+    );
+}
+
+#[test]
+fn only_the_cuda_crate_is_unsafe() {
+    let word = concat!("un", "safe");
+    let is_code =
+        |line: &str| line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == word);
+    let mut found = Vec::new();
+    for (name, path) in workspace::files() {
+        if !name.ends_with(".rs") || name.starts_with("crates/cuda/") {
+            continue;
+        }
+        let text = std::fs::read_to_string(path).unwrap();
+        let lines = text.lines().enumerate().filter(|(_, line)| is_code(line));
+        found.extend(lines.map(|(number, _)| format!("{name}:{}", number + 1)));
+    }
+    assert!(found.is_empty(), "only crates/cuda may, where a kernel is launched: {found:?}");
 }
 
 /// Who depends on whom, tests apart.
@@ -128,6 +155,13 @@ impl Graph {
             })
             .collect();
         Self { names, edges }
+    }
+
+    /// Who names a crate among its own dependencies.
+    fn users(&self, of: &str) -> Vec<&str> {
+        let uses = |to: &Vec<PackageId>| to.iter().any(|id| self.names[id] == of);
+        let users = self.edges.iter().filter(|(_, to)| uses(to));
+        users.map(|(from, _)| self.names[from].as_str()).collect()
     }
 
     /// The shortest chain of dependencies between two crates, if one exists.
