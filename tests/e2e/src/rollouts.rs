@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use bendtwin_proto::v1::{
-    ControlTrajectories, Cost, GripperPoses, Returns, RollOutRequest, RollOutResponse, Tensor,
-    Twin, cost, fit::State, roll_out_request::Actions,
+    ControlTrajectories, Cost, Fidelity, GripperPoses, Returns, RollOutRequest, RollOutResponse,
+    Tensor, Twin, cost, fit::State, roll_out_request::Actions,
 };
 
 use crate::harness::{
@@ -58,6 +58,31 @@ fn content(reply: RollOutResponse) -> RollOutResponse {
 async fn imported(api: &Api) -> (Twin, Vec<[f32; 3]>) {
     let file = reference().await.file;
     (api.import(&file).await.unwrap(), rest_controls(&file))
+}
+
+#[tokio::test]
+async fn a_fast_rollout_says_what_answered_and_how_far_it_strays() {
+    let server = Server::ordinary().await;
+    let api = server.api();
+    let (twin, rest) = imported(&api).await;
+    let exact = api.roll_out(request(&twin, &rest)).await.unwrap();
+    assert_eq!((exact.fidelity(), exact.substeps), (Fidelity::Exact, twin.substeps));
+    assert_eq!(exact.deviation, None);
+    let wish = RollOutRequest { fidelity: Fidelity::Fast.into(), ..request(&twin, &rest) };
+    let fast = api.roll_out(wish.clone()).await.unwrap();
+    assert_eq!(fast.fidelity(), Fidelity::Fast);
+    assert!((1..=twin.substeps).contains(&fast.substeps), "{}", fast.substeps);
+    let deviation = fast.deviation.unwrap();
+    assert!(deviation.mean_m <= 1e-3 && deviation.mean_travel_m > 0.0, "{deviation:?}");
+    assert_eq!(content(fast), content(api.roll_out(wish).await.unwrap()));
+
+    // A twin file of a build that knew no variants.
+    let mut old = bendtwin_core::Twin::decode(&reference().await.file).unwrap();
+    old.quality.fast = None;
+    let old = api.import(&old.encode().unwrap().into()).await.unwrap();
+    let wish = RollOutRequest { fidelity: Fidelity::Fast.into(), ..request(&old, &rest) };
+    let refused = api.roll_out(wish).await.unwrap_err();
+    assert_eq!(refused.code(), tonic::Code::FailedPrecondition, "{refused}");
 }
 
 #[tokio::test]
