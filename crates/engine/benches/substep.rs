@@ -1,10 +1,12 @@
 //! What a substep costs on one core: microseconds by number of nodes, forward and with the gradient, spring
-//! evaluations a second, and the share of the machine's measured limits. Prints Markdown tables.
+//! evaluations a second, and the share of what a hand count of instructions allows. Prints Markdown tables.
 //!
 //! `cargo bench -p bendtwin-engine`
 
 #[path = "substep/body.rs"]
 mod body;
+#[path = "substep/bound.rs"]
+mod bound;
 #[path = "substep/clock.rs"]
 mod clock;
 #[path = "substep/limits.rs"]
@@ -20,17 +22,16 @@ use bendtwin_engine::{
     objective::WeightedTerm,
 };
 
-use self::clock::best_of;
+use self::{bound::Elements, clock::best_of};
 
 /// Arithmetic of one spring: 6 differences, length (5, root), inverse, stretch, elastic, damping (5, 3), 3
 /// products and 6 additions to the nodes.
 const FLOPS_PER_SPRING: f64 = 33.0;
-/// Bytes of a spring's record, read once a substep: two indices, stiffness, rest length, dashpot.
-const BYTES_PER_SPRING: f64 = 20.0;
+/// Operations of the AVX2 units in a cycle: two fused multiply-adds of eight lanes.
+const FLOPS_PER_CYCLE: f64 = 32.0;
 
 struct Cost {
-    springs: usize,
-    triplets: usize,
+    elements: Elements,
     forward_us: f64,
     gradient_us: f64,
 }
@@ -46,44 +47,60 @@ fn main() {
         far / 1e9,
         near / 1e9
     );
+    println!(
+        "bounds: hand count of vector operations (benches/substep/bound.rs) at {:.2} GHz\n",
+        flops / FLOPS_PER_CYCLE / 1e9
+    );
     for bending in [false, true] {
-        table(&*backend, bending, flops, near);
+        table(&*backend, bending, flops);
     }
-    small(&*backend);
+    small(&*backend, flops);
 }
 
-fn table(backend: &dyn Backend, bending: bool, flops: f64, bandwidth: f64) {
+fn table(backend: &dyn Backend, bending: bool, flops: f64) {
     println!("{}\n", if bending { "With bending triplets" } else { "Axial springs only" });
     println!(
-        "| nodes | springs | triplets | forward us/substep | forward + backward us/substep | M springs/s | us per 1000 springs | of peak arithmetic | of L2 bandwidth |"
+        "| nodes | springs | triplets | M springs/s | of peak arithmetic | forward us/substep | bound | share | forward + backward us/substep | bound | share |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
     let mut per_spring = Vec::new();
     for nodes in [100, 500, 2000, 6000] {
         let c = cost(backend, body::ellipsoid(nodes, bending));
-        let rate = c.springs as f64 / c.forward_us * 1e6;
-        per_spring.push(c.forward_us / c.springs as f64);
+        let rate = c.elements.springs as f64 / c.forward_us;
+        per_spring.push(c.forward_us / c.elements.springs as f64);
         println!(
-            "| {nodes} | {} | {} | {:.2} | {:.2} | {:.0} | {:.2} | {:.1}% | {:.1}% |",
-            c.springs,
-            c.triplets,
-            c.forward_us,
-            c.gradient_us,
-            rate / 1e6,
-            1e3 * c.forward_us / c.springs as f64,
-            100.0 * rate * FLOPS_PER_SPRING / flops,
-            100.0 * rate * BYTES_PER_SPRING / bandwidth,
+            "| {nodes} | {} | {} | {rate:.0} | {:.1}% | {} |",
+            c.elements.springs,
+            c.elements.triplets,
+            100.0 * rate * 1e6 * FLOPS_PER_SPRING / flops,
+            shares(&c, flops),
         );
     }
     let growth = per_spring[3] / per_spring[1];
     println!("\ncost per spring, 6000 nodes over 500: {growth:.2} (1 is linear growth)\n");
 }
 
-fn small(backend: &dyn Backend) {
+/// Times, bounds and shares, forward and with the gradient, as cells of a table.
+fn shares(c: &Cost, flops: f64) -> String {
+    let us = |cycles: f64| cycles * FLOPS_PER_CYCLE / flops * 1e6;
+    let cells = |time: f64, cycles: f64| {
+        format!("{time:.2} | {:.2} | {:.0}%", us(cycles), 100.0 * us(cycles) / time)
+    };
+    let forward = cells(c.forward_us, c.elements.forward_cycles());
+    format!("{forward} | {}", cells(c.gradient_us, c.elements.gradient_cycles()))
+}
+
+fn small(backend: &dyn Backend, flops: f64) {
     let c = cost(backend, body::cable(13));
     println!(
-        "cable of 13 nodes, {} springs, {} triplets: {:.3} us/substep forward, {:.3} forward + backward",
-        c.springs, c.triplets, c.forward_us, c.gradient_us
+        "| cable of 13 nodes | forward us/substep | bound | share | forward + backward us/substep | bound | share |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    println!(
+        "| {} springs, {} triplets | {} |",
+        c.elements.springs,
+        c.elements.triplets,
+        shares(&c, flops)
     );
 }
 
@@ -91,7 +108,12 @@ fn cost(backend: &dyn Backend, model: Model) -> Cost {
     // Small bodies get more frames, for the clock's sake.
     let frames = (4000 / model.graph.node_count()).clamp(1, 50);
     let substeps = model.timing.substeps as usize * frames;
-    let (springs, triplets) = (model.graph.springs.len(), model.graph.triplets.len());
+    let graph = &model.graph;
+    let elements = Elements {
+        nodes: graph.node_count(),
+        springs: graph.springs.len(),
+        triplets: graph.triplets.len(),
+    };
     let state = State::rest(&model.graph);
     let controls = model.graph.control_rest.repeat(frames + 1);
     let terms = vec![WeightedTerm {
@@ -117,5 +139,5 @@ fn cost(backend: &dyn Backend, model: Model) -> Cost {
         backend.gradients(&batch, &request, &cancel).expect("valid");
     });
     let us = |s: f64| s * 1e6 / substeps as f64;
-    Cost { springs, triplets, forward_us: us(forward), gradient_us: us(gradient) }
+    Cost { elements, forward_us: us(forward), gradient_us: us(gradient) }
 }

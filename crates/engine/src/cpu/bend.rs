@@ -96,62 +96,99 @@ pub(crate) fn rest_bend<T: Real>(rest_angle_rad: T) -> T {
     T::from_f64(if bend.abs() < STRAIGHT_RAD { 0.0 } else { bend })
 }
 
-/// What force and adjoint share. `a_u = m g_i` and `a_w = m g_k` are smooth everywhere.
-struct Bent<P: Pack> {
-    a_u: Pack3<P>,
-    a_w: Pack3<P>,
+/// What the two arms and their normal give before anything is divided by it. Made one block ahead of
+/// [`Bent`], as everything there waits for this root.
+#[derive(Clone, Copy)]
+struct Elbow<P: Pack> {
+    /// u x n and n x w.
+    across_u: Pack3<P>,
+    across_w: Pack3<P>,
     n: Pack3<P>,
+    /// 1/|u|² and 1/|w|²; zero where an arm has no direction.
     inverse_u2: P,
     inverse_w2: P,
-    /// 1/m; 1/(u . w) in the straight limit; 1 where the triplet is skipped.
-    inverse: P,
+    /// |n|
+    sine: P,
     /// u . w
     cosine: P,
+    /// Both arms have a direction.
+    armed: P::Mask,
+}
+
+impl<P: Pack> Elbow<P> {
+    #[inline(always)]
+    fn new<T: Real, M: Machine<T, Pack = P>>(m: M, u: Pack3<P>, w: Pack3<P>) -> Self {
+        let least = m.splat(T::from_f64(MIN_ARM_M * MIN_ARM_M));
+        let (u2, w2) = (v3::dot(u, u), v3::dot(w, w));
+        let armed = u2.above(least) & w2.above(least);
+        let (u2, w2) = (u2.at_least(least), w2.at_least(least));
+        // One division for both; the product is at least 1e-24.
+        let inverse_both = (m.splat(T::ONE) / (u2 * w2)).only_if(armed);
+        let n = v3::cross(u, w);
+        Self {
+            across_u: v3::cross(u, n),
+            across_w: v3::cross(n, w),
+            n,
+            inverse_u2: inverse_both * w2,
+            inverse_w2: inverse_both * u2,
+            sine: v3::dot(n, n).sqrt(),
+            cosine: v3::dot(u, w),
+            armed,
+        }
+    }
+}
+
+/// What force and adjoint share; m is [`Elbow::sine`].
+struct Bent<P: Pack> {
+    /// 1/m; 1/(u . w) in the straight limit; 1 where the triplet is skipped.
+    inverse: P,
     /// theta - theta0 = rest_bend - (pi - theta).
     deviation: P,
     /// Not collinear: the general formula holds.
     regular: P::Mask,
     /// Collinear, but with a smooth elastic force.
     straight: P::Mask,
-    /// Both arms have a direction.
-    armed: P::Mask,
 }
 
-#[inline(always)]
-fn bent<T: Real, M: Machine<T>>(
-    m: M,
-    u: Pack3<M::Pack>,
-    w: Pack3<M::Pack>,
-    rest_bend: M::Pack,
-) -> Bent<M::Pack> {
-    let (zero, one) = (m.splat(T::ZERO), m.splat(T::ONE));
-    let least = m.splat(T::from_f64(MIN_ARM_M * MIN_ARM_M));
-    let (u2, w2) = (v3::dot(u, u), v3::dot(w, w));
-    let armed = u2.above(least) & w2.above(least);
-    let (u2, w2) = (u2.at_least(least), w2.at_least(least));
-    // One division for both inverses; the product is at least 1e-24.
-    let inverse_both = (one / (u2 * w2)).only_if(armed);
-    let n = v3::cross(u, w);
-    let m2 = v3::dot(n, n);
-    let cosine = v3::dot(u, w);
-    let sine2 = m2 * inverse_both;
-    let regular = armed & sine2.not_below(m.splat(T::from_f64(MIN_SINE * MIN_SINE)));
-    let bends = rest_bend.above(zero) | zero.above(rest_bend);
-    let straight = armed & !(regular | bends) & zero.above(cosine);
-    let (inverse_u2, inverse_w2) = (inverse_both * w2, inverse_both * u2);
-    let sine = m2.sqrt();
-    Bent {
-        a_u: v3::scale(v3::cross(u, n), inverse_u2),
-        a_w: v3::scale(v3::cross(n, w), inverse_w2),
-        n,
-        inverse_u2,
-        inverse_w2,
-        inverse: one / sine.or(regular, cosine.or(straight, one)),
-        cosine,
-        deviation: rest_bend - T::angle(m, sine, -cosine),
-        regular,
-        straight,
-        armed,
+impl<P: Pack> Bent<P> {
+    #[inline(always)]
+    fn new<T: Real, M: Machine<T, Pack = P>>(m: M, e: &Elbow<P>, rest_bend: P) -> Self {
+        let (zero, one) = (m.splat(T::ZERO), m.splat(T::ONE));
+        let sine2 = (e.sine * e.inverse_u2) * (e.sine * e.inverse_w2);
+        let regular = e.armed & sine2.not_below(m.splat(T::from_f64(MIN_SINE * MIN_SINE)));
+        let bends = rest_bend.above(zero) | zero.above(rest_bend);
+        let straight = e.armed & !(regular | bends) & zero.above(e.cosine);
+        Self {
+            inverse: one / e.sine.or(regular, e.cosine.or(straight, one)),
+            deviation: rest_bend - T::angle(m, e.sine, -e.cosine),
+            regular,
+            straight,
+        }
+    }
+}
+
+/// The geometry of a block, made one block ahead.
+#[derive(Clone, Copy)]
+struct Reach<P: Pack> {
+    elbow: Elbow<P>,
+    /// Rates of the arms across themselves, |u|² m g_i . u_dot and |w|² m g_k . w_dot.
+    swing_u: P,
+    swing_w: P,
+}
+
+impl<P: Pack> Reach<P> {
+    #[inline(always)]
+    fn new<T: Real, M: Machine<T, Pack = P>>(
+        m: M,
+        centre: (Pack3<P>, Pack3<P>),
+        nodes: &[Node<T>],
+        b: &TripletBlock<T>,
+    ) -> Self {
+        let ((x_i, v_i), (x_k, v_k)) = (m.gather(nodes, &b.i), m.gather(nodes, &b.k));
+        let elbow = Elbow::new(m, v3::sub(x_i, centre.0), v3::sub(x_k, centre.0));
+        let swing_u = v3::dot(elbow.across_u, v3::sub(v_i, centre.1));
+        let swing_w = v3::dot(elbow.across_w, v3::sub(v_k, centre.1));
+        Self { elbow, swing_u, swing_w }
     }
 }
 
@@ -164,24 +201,41 @@ pub(crate) fn bend_forces<T: Real, M: Machine<T>>(
     forces: &mut [Quad<T>],
 ) {
     for strip in &triplets.strips {
-        let (x, v) = m.gather(nodes, &strip.owners);
+        let blocks = &triplets.blocks[strip.blocks()];
+        let Some((mut b, later)) = blocks.split_first() else { continue };
+        let centre = m.gather(nodes, &strip.owners);
         let mut sum = [m.splat(T::ZERO); 3];
-        for b in &triplets.blocks[strip.blocks()] {
-            let ((x_i, v_i), (x_k, v_k)) = (m.gather(nodes, &b.i), m.gather(nodes, &b.k));
-            let t = bent(m, v3::sub(x_i, x), v3::sub(x_k, x), m.load(&b.rest_bend));
-            let (u_dot, w_dot) = (v3::sub(v_i, v), v3::sub(v_k, v));
-            let rate = v3::dot(t.a_u, u_dot) + v3::dot(t.a_w, w_dot);
-            let moment = m.load(&b.stiffness) * t.deviation.or(t.regular, m.splat(T::ONE));
-            let damping = (m.load(&b.damping) * rate * t.inverse).only_if(t.regular);
-            let magnitude = ((moment + damping) * t.inverse).only_if(t.regular | t.straight);
-            let f_i = v3::scale(t.a_u, -magnitude);
-            let f_k = v3::scale(t.a_w, -magnitude);
-            sum = v3::sub(sum, v3::add(f_i, f_k));
-            m.scatter_add(forces, &b.i, f_i);
-            m.scatter_add(forces, &b.k, f_k);
+        let mut reach = Reach::new(m, centre, nodes, b);
+        for next in later {
+            let ahead = Reach::new(m, centre, nodes, next);
+            sum = push(m, b, &reach, sum, forces);
+            (b, reach) = (next, ahead);
         }
+        sum = push(m, b, &reach, sum, forces);
         m.scatter_add(forces, &strip.owners, sum);
     }
+}
+
+/// Adds a block's forces to the outer ends, and takes them from the sum of the centres'.
+#[inline(always)]
+fn push<T: Real, M: Machine<T>>(
+    m: M,
+    b: &TripletBlock<T>,
+    reach: &Reach<M::Pack>,
+    sum: Pack3<M::Pack>,
+    forces: &mut [Quad<T>],
+) -> Pack3<M::Pack> {
+    let e = &reach.elbow;
+    let t = Bent::new(m, e, m.load(&b.rest_bend));
+    let rate = reach.swing_u.mul_add(e.inverse_u2, reach.swing_w * e.inverse_w2);
+    let moment = m.load(&b.stiffness) * t.deviation.or(t.regular, m.splat(T::ONE));
+    let damping = (m.load(&b.damping) * rate * t.inverse).only_if(t.regular);
+    let push = -((moment + damping) * t.inverse).only_if(t.regular | t.straight);
+    let f_i = v3::scale(e.across_u, push * e.inverse_u2);
+    let f_k = v3::scale(e.across_w, push * e.inverse_w2);
+    m.scatter_add(forces, &b.i, f_i);
+    m.scatter_add(forces, &b.k, f_k);
+    v3::sub(v3::sub(sum, f_i), f_k)
 }
 
 /// Adjoint of [`bend_forces`]: given d loss / d force in `lambda`, adds d loss / d (position, velocity) to
@@ -212,20 +266,22 @@ pub(crate) fn bend_adjoint<T: Real, M: Machine<T>>(
             let pull_u = v3::sub(m.gather_quads(lambda, &b.i), lambda_j);
             let pull_w = v3::sub(m.gather_quads(lambda, &b.k), lambda_j);
             let (stiffness, damping) = (m.load(&b.stiffness), m.load(&b.damping));
-            let t = bent(m, u, w, m.load(&b.rest_bend));
-            let (g_u, g_w) = (v3::scale(t.a_u, t.inverse), v3::scale(t.a_w, t.inverse));
+            let e = Elbow::new(m, u, w);
+            let t = Bent::new(m, &e, m.load(&b.rest_bend));
+            let g_u = v3::scale(e.across_u, e.inverse_u2 * t.inverse);
+            let g_w = v3::scale(e.across_w, e.inverse_w2 * t.inverse);
             let rate = v3::dot(g_u, u_dot) + v3::dot(g_w, w_dot);
             let rho = v3::dot(g_u, pull_u) + v3::dot(g_w, pull_w);
             let kappa = stiffness.mul_add(t.deviation, damping * rate);
             let (stiff, damped) = (rho * stiffness, rho * damping);
             let y_u = v3::add_scaled(v3::scale(pull_u, kappa), damped, u_dot);
             let y_w = v3::add_scaled(v3::scale(pull_w, kappa), damped, w_dot);
-            let (h_u, h_w) = hessian_product(m, &t, (u, w), (g_u, g_w), (y_u, y_w));
+            let (h_u, h_w) = hessian_product(m, &e, t.inverse, (u, w), (g_u, g_w), (y_u, y_w));
             let x_u = v3::only_if(v3::neg(v3::add_scaled(h_u, stiff, g_u)), t.regular);
             let x_w = v3::only_if(v3::neg(v3::add_scaled(h_w, stiff, g_w)), t.regular);
             let (mut x_bar, mut s_k) = ((x_u, x_w), m.splat(T::ZERO));
             if m.any(t.straight) {
-                let (s, work) = straight_adjoint(m, &t, stiffness, (u, w), (pull_u, pull_w));
+                let (s, work) = straight_adjoint(m, &e, &t, stiffness, (u, w), (pull_u, pull_w));
                 x_bar = (v3::add(x_u, s.0), v3::add(x_w, s.1));
                 s_k = work;
             }
@@ -251,29 +307,32 @@ type Arms<P> = (Pack3<P>, Pack3<P>);
 #[inline(always)]
 fn hessian_product<T: Real, M: Machine<T>>(
     m: M,
-    t: &Bent<M::Pack>,
+    e: &Elbow<M::Pack>,
+    inverse: M::Pack,
     (u, w): Arms<M::Pack>,
     g: Arms<M::Pack>,
     y: Arms<M::Pack>,
 ) -> Arms<M::Pack> {
     let two = m.splat(T::ONE + T::ONE);
     let n_dot = v3::add(v3::cross(y.0, w), v3::cross(u, y.1));
-    let m_rate = v3::dot(t.n, n_dot) * t.inverse * t.inverse;
-    let u_part = v3::add(v3::cross(y.0, t.n), v3::cross(u, n_dot));
-    let w_part = v3::add(v3::cross(n_dot, w), v3::cross(t.n, y.1));
-    let u_decay = (two * v3::dot(u, y.0)).mul_add(t.inverse_u2, m_rate);
-    let w_decay = (two * v3::dot(w, y.1)).mul_add(t.inverse_w2, m_rate);
+    let m_rate = v3::dot(e.n, n_dot) * inverse * inverse;
+    let u_part = v3::add(v3::cross(y.0, e.n), v3::cross(u, n_dot));
+    let w_part = v3::add(v3::cross(n_dot, w), v3::cross(e.n, y.1));
+    let u_decay = (two * v3::dot(u, y.0)).mul_add(e.inverse_u2, m_rate);
+    let w_decay = (two * v3::dot(w, y.1)).mul_add(e.inverse_w2, m_rate);
     (
-        v3::sub_scaled(v3::scale(u_part, t.inverse_u2 * t.inverse), u_decay, g.0),
-        v3::sub_scaled(v3::scale(w_part, t.inverse_w2 * t.inverse), w_decay, g.1),
+        v3::sub_scaled(v3::scale(u_part, e.inverse_u2 * inverse), u_decay, g.0),
+        v3::sub_scaled(v3::scale(w_part, e.inverse_w2 * inverse), w_decay, g.1),
     )
 }
 
-/// Adjoint of the straight limit `f_i = -k / (u.w) a_u`, `f_k = -k / (u.w) a_w`: position adjoints of the
+/// Adjoint of the straight limit `f_i = -k / (u.w) a_u`, `f_k = -k / (u.w) a_w` with
+/// a_u = m g_i and a_w = m g_k: position adjoints of the
 /// arms and d loss / d stiffness; zero where the triplet is not in that limit.
 #[inline(always)]
 fn straight_adjoint<T: Real, M: Machine<T>>(
     m: M,
+    e: &Elbow<M::Pack>,
     t: &Bent<M::Pack>,
     stiffness: M::Pack,
     (u, w): Arms<M::Pack>,
@@ -281,15 +340,16 @@ fn straight_adjoint<T: Real, M: Machine<T>>(
 ) -> (Arms<M::Pack>, M::Pack) {
     let two = m.splat(T::ONE + T::ONE);
     let r = -t.inverse.only_if(t.straight);
-    let p = v3::dot(u, pull_u) * t.inverse_u2;
-    let q = v3::dot(w, pull_w) * t.inverse_w2;
-    let work = v3::dot(t.a_u, pull_u) + v3::dot(t.a_w, pull_w);
+    let p = v3::dot(u, pull_u) * e.inverse_u2;
+    let q = v3::dot(w, pull_w) * e.inverse_w2;
+    let work =
+        (v3::dot(e.across_u, pull_u) * e.inverse_u2) + v3::dot(e.across_w, pull_w) * e.inverse_w2;
     // S = k r(u.w) (a_u . pull_u + a_w . pull_w), a_u . pull_u = (u.w) p - w . pull_u.
     let along = r.mul_add(work, p + q);
     let flat_u = v3::sub_scaled(pull_u, two * p, u);
     let flat_w = v3::sub_scaled(pull_w, two * q, w);
-    let s_u = v3::add_scaled(v3::scale(w, along), t.cosine * t.inverse_u2, flat_u);
-    let s_w = v3::add_scaled(v3::scale(u, along), t.cosine * t.inverse_w2, flat_w);
+    let s_u = v3::add_scaled(v3::scale(w, along), e.cosine * e.inverse_u2, flat_u);
+    let s_w = v3::add_scaled(v3::scale(u, along), e.cosine * e.inverse_w2, flat_w);
     let by = stiffness * r;
     let arms = (v3::scale(v3::sub(s_u, pull_w), by), v3::scale(v3::sub(s_w, pull_u), by));
     (arms, r * work)
@@ -298,8 +358,9 @@ fn straight_adjoint<T: Real, M: Machine<T>>(
 /// theta - theta0 of one triplet; zero where an arm is missing.
 pub(crate) fn deviation(u: [f64; 3], w: [f64; 3], rest_bend: f64) -> f64 {
     let m = Portable;
-    let t = bent(m, u.map(|c| m.splat(c)), w.map(|c| m.splat(c)), m.splat(rest_bend));
-    m.store(t.deviation.only_if(t.armed))[0]
+    let e = Elbow::new(m, u.map(|c| m.splat(c)), w.map(|c| m.splat(c)));
+    let t = Bent::new(m, &e, m.splat(rest_bend));
+    m.store(t.deviation.only_if(e.armed))[0]
 }
 
 #[cfg(test)]
