@@ -6,27 +6,28 @@
 // forces say about the state that they saw. The second of a substep and the first of the one before it
 // concern the same node, so the team meets once a substep (and once more for contact).
 
-#define NOT_TAPED 0xffffffffu
-
 // Beside the tape's states: lambda, two buffers; then what is carried from substep to substep.
 DEVICE float4* lambda_of(const Local& l, u32 buffer) { return l.after_states(buffer * l.stride); }
 DEVICE float4* bar_x_of(const Local& l) { return l.after_states(2 * l.stride); }
-DEVICE float4* bar_v_of(const Local& l) {
-    return l.after_states(2 * l.stride + l.job->topology.control_base);
-}
-DEVICE float4* after_bars(const Local& l) {
-    return l.after_states(2 * l.stride + 2 * l.job->topology.control_base);
-}
+DEVICE float4* bar_v_of(const Local& l) { return l.after_states(2 * l.stride + l.control_base); }
+DEVICE float4* after_bars(const Local& l) { return l.after_states(2 * l.stride + 2 * l.control_base); }
 // d loss / d (x_i, x_k, v_i, v_k), by triplet.
 DEVICE float4* bend_buffer(const Local& l) {
-    u32 before = HALF_SPRINGS_IN_SHARED ? l.job->topology.max_all_entries : 0;
+    u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.job->topology.max_all_pairs) : 0;
     return BEND_IN_SHARED ? after_bars(l) + before : l.spill();
 }
 
+// What all substeps need, kept in registers.
 struct Constants {
     float dt, decay;
     Ground ground;
     Law law;
+    float dashpot;
+    u32 substeps, nodes;
+    const float4* tape_x;
+    const float2* tape_v;
+    const float* tape_b;
+    float* pin_sums;
 };
 
 // What a thread adds up over a launch.
@@ -35,7 +36,7 @@ struct Sums {
     Law ground, object;
     float bend_stiffness, bend_damping, bend_rest;  // of the thread's first triplet
 #if HELD > 0
-    SpringSums springs[HELD_SUMS];
+    SpringSums springs[2 * HELD_SUMS];
 #endif
 };
 
@@ -55,23 +56,21 @@ DEVICE void add_path(float* sums, u32 stride, u32 i, float t, float3 x_bar, floa
 }
 
 // Starts copying a substep of the tape to a buffer and puts the control points there.
-DEVICE void fetch_tape(const Local& l, u32 buffer, u32 frame, u32 tape, u32 substep) {
+DEVICE void fetch_tape(const Local& l, const Constants& c, u32 buffer, u32 tape, u32 substep) {
     const Job& job = *l.job;
-    const Topology& t = job.topology;
-    const float4* xs = job.tape_x + (u64)tape * t.node_count;
-    const float4* vs = job.tape_v + (u64)tape * t.node_count;
+    const u32* nodes = job.topology.nodes + l.share.nodes;
+    const float4* xs = c.tape_x + (u64)tape * c.nodes;
+    const float2* vs = c.tape_v + (u64)tape * c.nodes;
     for (u32 i = threadIdx.x; i < l.share.local; i += THREADS) {
-        u32 at = l.graph_node(i);
-        copy_async(l.x(buffer, 0) + i, xs + at);
-        copy_async(l.v(buffer, 0) + i, vs + at);
+        u32 at = nodes[i];
+        copy_async(l.xs(buffer, 0) + i, xs + at);
+        copy_async(l.vs(buffer, 0) + i, vs + at);
     }
-    Path path = path_of(job, frame);
-    float progressed = progress(substep, job.substeps);
-    for (u32 c = threadIdx.x; c < t.controls; c += THREADS) {
-        float3 at = control_position(path, progressed, c);
-        l.x(buffer, 0)[t.control_base + c] = with_w(at, 0.0f);
-        l.v(buffer, 0)[t.control_base + c] = with_w(control_velocity(path, c), 0.0f);
-    }
+    Path path = path_of(job, job.first);
+    float t = progress(substep, c.substeps);
+    // The last threads: their rows are the shortest.
+    for (u32 i = THREADS - 1 - threadIdx.x; i < l.controls; i += THREADS)
+        l.put(buffer, 0, l.control_base + i, control_position(path, t, i), control_velocity(path, i));
 }
 
 // From d loss / d velocity before contact to that before forces acted, and to lambda.
@@ -80,8 +79,7 @@ DEVICE void accelerate_adjoint(
     float3 v_bar, Sums& sums
 ) {
     if (p.pin >= 0) {
-        if (p.lane == 0)
-            add_path(l.job->pin_sums, l.job->pins, p.pin, 0.0f, zero3(), v_bar);
+        if (p.lane == 0) add_path(c.pin_sums, l.job->pins, p.pin, 0.0f, zero3(), v_bar);
         v_bar = zero3();
     }
     if (p.lane == 0) sums.decay += dot(v_bar, before);
@@ -91,35 +89,45 @@ DEVICE void accelerate_adjoint(
         bar_v_of(l)[p.node] = with_w(v_bar, 0.0f);
     }
     float4 lambda = with_w(scale(v_bar, p.inverse_mass * c.dt), 0.0f);
-    publish(l, p, lambda_of(l, buffer), exchange_of(*l.job, buffer, 0), lambda);
+    publish_vector(l, p, buffer, lambda_of(l, buffer), lambda);
+}
+
+// What the tape says of a node at a substep: position, and velocity before contact.
+struct Entry {
+    float3 x, before;
+};
+
+DEVICE Entry entry_of(const Constants& c, const Place& p, u32 tape) {
+    u64 at = (u64)tape * c.nodes + p.at;
+    Entry e;
+    e.x = xyz(c.tape_x[at]);
+    e.before = load_v3(c.tape_b + 3 * at);
+    return e;
 }
 
 // First half of a substep, `bar` being d loss / d state at its end. With contact it ends before the
 // meeting that `contact_adjoint` needs.
 DEVICE void node_adjoint(
-    const Local& l, const Constants& c, const Place& p, u32 buffer, u32 substep, u32 tape, float3 x_bar,
-    float3 v_bar, Sums& sums
+    const Local& l, const Constants& c, const Place& p, u32 buffer, u32 substep, u32 tape,
+    const Entry& entry, float3 x_bar, float3 v_bar, Sums& sums
 ) {
     const Job& job = *l.job;
-    u64 at = (u64)tape * job.topology.node_count + p.at;
-    float4 x4 = job.tape_x[at];
-    float3 before = v3(x4.w, job.tape_v[at].w, job.tape_b[at]);
+    float3 x = entry.x, before = entry.before;
     if (p.pin >= 0) {
-        float t = progress(substep, job.substeps);
-        if (p.lane == 0) add_path(job.pin_sums, job.pins, p.pin, t, x_bar, v_bar);
+        float t = progress(substep, c.substeps);
+        if (p.lane == 0) add_path(c.pin_sums, job.pins, p.pin, t, x_bar, v_bar);
         x_bar = v_bar = zero3();
     }
     float3 after = before;
     Law law_bar = {0.0f, 0.0f};
 #if CONTACT
-    u64 start = (u64)tape * job.topology.node_count;
-    Taped nodes = {job.tape_x + start, job.tape_v + start, job.tape_b + start,
-                   job.topology.inverse_mass};
+    u64 start = (u64)tape * c.nodes;
+    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, job.topology.inverse_mass};
     float touches;
     after = collide(job, nodes, p.at, p.valid, p.lane, touches);
 #endif
 #if GROUND
-    advance_adjoint(c.ground, c.law, c.dt, xyz(x4), after, x_bar, v_bar, law_bar);
+    advance_adjoint(c.ground, c.law, c.dt, x, after, x_bar, v_bar, law_bar);
 #else
     v_bar = add_scaled(v_bar, c.dt, x_bar);
 #endif
@@ -145,9 +153,8 @@ DEVICE void contact_adjoint(
     const Local& l, const Constants& c, const Place& p, u32 buffer, u32 tape, Sums& sums
 ) {
     const Job& job = *l.job;
-    u64 start = (u64)tape * job.topology.node_count;
-    Taped nodes = {job.tape_x + start, job.tape_v + start, job.tape_b + start,
-                   job.topology.inverse_mass};
+    u64 start = (u64)tape * c.nodes;
+    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, job.topology.inverse_mass};
     float3 x_bar = xyz(bar_x_of(l)[p.node]), v_bar = xyz(bar_v_of(l)[p.node]);
     __syncwarp();
     collide_adjoint(job, nodes, p.at, p.valid, p.lane, job.contact_v, x_bar, v_bar, sums.object);
@@ -157,28 +164,35 @@ DEVICE void contact_adjoint(
     if (p.valid) accelerate_adjoint(l, c, p, buffer, before, x_bar, v_bar, sums);
 }
 
-DEVICE void bend_adjoints(const Local& l, u32 now, Sums& sums) {
+DEVICE BendAdjoint
+bend_one(const Local& l, u32 now, float4* out, u32 t, const HeldTriplet& h) {
+    const float4* lambda = lambda_of(l, now);
+    State i = l.state(now, 0, h.ends.i), j = l.state(now, 0, h.ends.j), k = l.state(now, 0, h.ends.k);
+    float3 lj = xyz(lambda[h.ends.j]);
+    BendAdjoint a = bend_adjoint(
+        h.params, sub(i.x, j.x), sub(k.x, j.x), sub(i.v, j.v), sub(k.v, j.v),
+        sub(xyz(lambda[h.ends.i]), lj), sub(xyz(lambda[h.ends.k]), lj));
+    out[4 * t] = with_w(a.x_i, 0.0f);
+    out[4 * t + 1] = with_w(a.x_k, 0.0f);
+    out[4 * t + 2] = with_w(a.v_i, 0.0f);
+    out[4 * t + 3] = with_w(a.v_k, 0.0f);
+    return a;
+}
+
+DEVICE void
+bend_adjoints(const Local& l, u32 now, float4* out, const HeldTriplet& first, Sums& sums) {
 #if BENDING
+    if (first.has) {
+        BendAdjoint a = bend_one(l, now, out, threadIdx.x, first);
+        sums.bend_stiffness += a.stiffness;
+        sums.bend_damping += a.damping;
+        sums.bend_rest += a.rest;
+    }
     const Job& job = *l.job;
-    float4* out = bend_buffer(l);
-    const float4 *x = l.x(now, 0), *v = l.v(now, 0), *lambda = lambda_of(l, now);
-    for (u32 t = threadIdx.x; t < l.share.triplets; t += THREADS) {
-        Triplet ends = job.topology.triplets[l.share.triplet + t];
-        float4 packed = job.bends[l.share.triplet + t];
-        BendParams p = {packed.x, packed.y, packed.z};
-        float3 xj = xyz(x[ends.j]), vj = xyz(v[ends.j]), lj = xyz(lambda[ends.j]);
-        BendAdjoint a = bend_adjoint(
-            p, sub(xyz(x[ends.i]), xj), sub(xyz(x[ends.k]), xj), sub(xyz(v[ends.i]), vj),
-            sub(xyz(v[ends.k]), vj), sub(xyz(lambda[ends.i]), lj), sub(xyz(lambda[ends.k]), lj));
-        out[4 * t] = with_w(a.x_i, 0.0f);
-        out[4 * t + 1] = with_w(a.x_k, 0.0f);
-        out[4 * t + 2] = with_w(a.v_i, 0.0f);
-        out[4 * t + 3] = with_w(a.v_k, 0.0f);
-        if (t < THREADS) {
-            sums.bend_stiffness += a.stiffness;
-            sums.bend_damping += a.damping;
-            sums.bend_rest += a.rest;
-        } else if (ends.owned) {
+    for (u32 t = threadIdx.x + THREADS; t < l.share.triplets; t += THREADS) {
+        HeldTriplet h = triplet_at(l, t);
+        BendAdjoint a = bend_one(l, now, out, t, h);
+        if (h.ends.owned) {
             u32 at = job.topology.triplet_of[l.share.triplet + t];
             job.bend_sums[at] += a.stiffness;
             job.bend_sums[job.triplets + at] += a.damping;
@@ -191,11 +205,9 @@ DEVICE void bend_adjoints(const Local& l, u32 now, Sums& sums) {
 
 // A lane's part of what an endpoint gets from its triplets.
 DEVICE void bend_share(
-    const Local& l, u32 arm, u32 arms, u32 lane, float3& x_bar, float3& v_bar
+    const float4* in, const u32* refs, u32 arm, u32 arms, u32 lane, float3& x_bar, float3& v_bar
 ) {
 #if BENDING
-    const float4* in = bend_buffer(l);
-    const u32* refs = l.job->topology.arm_refs;
     for (u32 a = arm + lane; a < arms; a += LANES) {
         u32 ref = refs[a];
         const float4* t = in + 4 * (ref >> 2);
@@ -211,55 +223,84 @@ DEVICE void bend_share(
 #endif
 }
 
-// d loss / d state of an endpoint through its half-springs.
-DEVICE void spring_adjoints(
-    const Local& l, u32 self, u32 first, u32 slots, bool is_node, u32 now, const float4* half_springs,
-    float3& x_bar, float3& v_bar, Sums& sums
+// What an endpoint's half-springs are worked on with.
+struct Self {
+    State s;
+    float3 lambda;
+    const float4 *xs, *lambdas;
+    const float2* vs;
+};
+
+DEVICE Self self_of(const Local& l, u32 now, u32 local) {
+    Self self;
+    self.xs = anchored(l.xs(now, 0));
+    self.vs = anchored(l.vs(now, 0));
+    self.lambdas = anchored<float4>(lambda_of(l, now));
+    self.s = state_at(self.xs, self.vs, local);
+    self.lambda = xyz(self.lambdas[local]);
+    return self;
+}
+
+DEVICE void half_adjoint(
+    const Local& l, const Self& self, const HalfSpring& h, float3& x_bar, float3& v_bar, SpringSums& sums
 ) {
-    const float4 *xs = l.x(now, 0), *vs = l.v(now, 0), *lambdas = lambda_of(l, now);
-    float3 x = xyz(xs[self]), v = xyz(vs[self]), lambda = xyz(lambdas[self]);
-#if HELD > 0
-    if (is_node) {
-#pragma unroll
-        for (u32 s = 0; s < HELD; s++) {
-            if (s < slots) {
-                HalfSpring h = half_spring(half_springs[first + s * 32]);
-                float3 r = sub(xyz(xs[h.other]), x), w = sub(xyz(vs[h.other]), v);
-                float3 pull = sub(lambda, xyz(lambdas[h.other]));
-                SpringSums unwanted = {0.0f, 0.0f, 0.0f};
-                spring_adjoint(h, r, w, pull, x_bar, v_bar,
-                               s < HELD_SUMS ? sums.springs[s < HELD_SUMS ? s : 0] : unwanted);
-            }
-        }
-        return;
-    }
-#endif
-    const int* spring_of = l.job->topology.spring_of + (u64)l.job->topology.rows[l.share.row] * 32;
-    for (u32 s = 0; s < slots; s++) {
-        u32 e = first + s * 32;
-        HalfSpring h = half_spring(half_springs[e]);
-        float3 r = sub(xyz(xs[h.other]), x), w = sub(xyz(vs[h.other]), v);
-        float3 pull = sub(lambda, xyz(lambdas[h.other]));
-        SpringSums own = {0.0f, 0.0f, 0.0f};
-        spring_adjoint(h, r, w, pull, x_bar, v_bar, own);
-        int spring = spring_of[e];
-        if (spring >= 0) {
-            float* to = l.job->spring_sums + spring;
-            to[0] += own.stretch;
-            to[l.job->springs] += own.pull;
-            to[2 * (u64)l.job->springs] += own.rate;
-        }
-    }
+    State other = state_at(self.xs, self.vs, h.other);
+    float3 pull = sub(self.lambda, xyz(self.lambdas[h.other]));
+    spring_adjoint(h, sub(other.x, self.s.x), sub(other.v, self.s.v), pull, x_bar, v_bar, sums);
+}
+
+// Adds to the sums of a spring, if this end reports them.
+DEVICE void add_spring_sums(const Job& job, int spring, const SpringSums& sums) {
+    if (spring < 0) return;
+    float* to = job.spring_sums + spring;
+    to[0] += sums.stretch;
+    to[job.springs] += sums.pull;
+    to[2 * (u64)job.springs] += sums.rate;
+}
+
+// A pair with its sums in memory.
+DEVICE void reporting_pair(
+    const Local& l, const Constants& c, const Self& self, const Pairs& pairs, u32 at, float3& x_bar,
+    float3& v_bar
+) {
+    const int* spring_of = l.job->topology.spring_of + (u64)l.job->topology.rows[l.share.row] * 64;
+    Pair pair = load_pair(pairs, at);
+    SpringSums one = {0.0f, 0.0f, 0.0f}, two = {0.0f, 0.0f, 0.0f};
+    half_adjoint(l, self, first_of(pair, c.dashpot), x_bar, v_bar, one);
+    half_adjoint(l, self, second_of(pair, c.dashpot), x_bar, v_bar, two);
+    add_spring_sums(*l.job, spring_of[2 * at], one);
+    add_spring_sums(*l.job, spring_of[2 * at + 1], two);
 }
 
 // Second half of a substep for a node; leaves d loss / d state at its start in `x_bar`, `v_bar`.
 DEVICE void force_adjoint(
-    const Local& l, const Place& p, u32 now, const float4* half_springs, float3& x_bar, float3& v_bar,
-    Sums& sums
+    const Local& l, const Constants& c, const Place& p, u32 now, const Pairs& pairs, const float4* bends,
+    const u32* refs, float3& x_bar, float3& v_bar, Sums& sums
 ) {
     float3 x_sum = zero3(), v_sum = zero3();
-    spring_adjoints(l, p.node, p.first, p.slots, true, now, half_springs, x_sum, v_sum, sums);
-    bend_share(l, p.arm, p.arms, p.lane, x_sum, v_sum);
+    Self self = self_of(l, now, p.node);
+#if HELD > 0
+#pragma unroll
+    for (u32 k = 0; k < HELD_SUMS; k++) {
+        if (k < p.pairs) {
+            Pair pair = load_pair(pairs, p.first + k * 32);
+            half_adjoint(l, self, first_of(pair, c.dashpot), x_sum, v_sum, sums.springs[2 * k]);
+            half_adjoint(l, self, second_of(pair, c.dashpot), x_sum, v_sum, sums.springs[2 * k + 1]);
+        }
+    }
+#endif
+    // Those that report come first; the others' sums are their other ends' business.
+    u32 reporting = min(p.pairs, (u32)OWNER_PAIRS);
+    for (u32 k = HELD_SUMS; k < reporting; k++)
+        reporting_pair(l, c, self, pairs, p.first + k * 32, x_sum, v_sum);
+    SpringSums unwanted;
+#pragma unroll 2
+    for (u32 k = OWNER_PAIRS; k < p.pairs; k++) {
+        Pair pair = load_pair(pairs, p.first + k * 32);
+        half_adjoint(l, self, first_of(pair, c.dashpot), x_sum, v_sum, unwanted);
+        half_adjoint(l, self, second_of(pair, c.dashpot), x_sum, v_sum, unwanted);
+    }
+    bend_share(bends, refs, p.arm, p.arms, p.lane, x_sum, v_sum);
     x_sum = sum_lanes(x_sum);
     v_sum = sum_lanes(v_sum);
     x_bar = add(xyz(bar_x_of(l)[p.node]), x_sum);
@@ -269,30 +310,36 @@ DEVICE void force_adjoint(
 
 // The control points' part of the second half.
 DEVICE void control_adjoint(
-    const Local& l, u32 now, u32 substep, const float4* half_springs, Sums& sums
+    const Local& l, const Constants& c, u32 now, u32 substep, const Pairs& pairs, const float4* bends,
+    const u32* refs
 ) {
     const Job& job = *l.job;
-    const Topology& t = job.topology;
     if (!job.control_sums) return;
+    const Topology& t = job.topology;
     const u32* rows = t.rows + l.share.row;
     u32 lane = threadIdx.x % LANES;
     for (u32 row = threadIdx.x / 32; row < l.share.control_rows; row += WARPS) {
-        u32 c = row * NODES_A_ROW + threadIdx.x % 32 / LANES;
-        bool valid = c < t.controls;
-        u32 self = t.control_base + (valid ? c : 0);
+        u32 control = row * NODES_A_ROW + threadIdx.x % 32 / LANES;
+        bool valid = control < l.controls;
         u32 start = rows[l.share.rows + row], end = rows[l.share.rows + row + 1];
         float3 x_bar = zero3(), v_bar = zero3();
+        Self self = self_of(l, now, l.control_base + (valid ? control : 0));
         u32 first = (start - rows[0]) * 32 + threadIdx.x % 32;
-        spring_adjoints(l, self, first, end - start, false, now, half_springs, x_bar, v_bar, sums);
+        SpringSums unwanted;
+        for (u32 k = 0; k < end - start; k++) {
+            Pair pair = load_pair(pairs, first + k * 32);
+            half_adjoint(l, self, first_of(pair, c.dashpot), x_bar, v_bar, unwanted);
+            half_adjoint(l, self, second_of(pair, c.dashpot), x_bar, v_bar, unwanted);
+        }
         if (valid) {
             const u32* arms = t.arms + l.share.arm + l.share.own;
-            bend_share(l, arms[c], arms[c + 1], lane, x_bar, v_bar);
+            bend_share(bends, refs, arms[control], arms[control + 1], lane, x_bar, v_bar);
         }
         x_bar = sum_lanes(x_bar);
         v_bar = sum_lanes(v_bar);
         if (valid && lane == 0) {
-            float* to = job.control_sums + (u64)l.rank * 9 * t.controls;
-            add_path(to, t.controls, c, progress(substep, job.substeps), x_bar, v_bar);
+            float* to = job.control_sums + (u64)l.rank * 9 * l.controls;
+            add_path(to, l.controls, control, progress(substep, c.substeps), x_bar, v_bar);
         }
     }
 }
@@ -311,32 +358,25 @@ DEVICE void add_block_sum(float value, float* to) {
     __syncthreads();
 }
 
-DEVICE void store_sums(const Local& l, const Constants& c, const Place& p, const Sums& sums) {
+DEVICE void
+store_sums(const Local& l, const Constants& c, const Place& p, const HeldTriplet& triplet, const Sums& sums) {
     const Job& job = *l.job;
 #if HELD > 0
     if (p.valid) {
-        const int* spring_of = job.topology.spring_of + (u64)job.topology.rows[l.share.row] * 32;
+        const int* spring_of = job.topology.spring_of + (u64)job.topology.rows[l.share.row] * 64;
 #pragma unroll
-        for (u32 s = 0; s < HELD_SUMS; s++) {
-            int spring = s < p.slots ? spring_of[p.first + s * 32] : -1;
-            if (spring >= 0) {
-                float* to = job.spring_sums + spring;
-                to[0] += sums.springs[s].stretch;
-                to[job.springs] += sums.springs[s].pull;
-                to[2 * (u64)job.springs] += sums.springs[s].rate;
-            }
+        for (u32 k = 0; k < 2 * HELD_SUMS; k++) {
+            u32 at = 2 * (p.first + k / 2 * 32) + k % 2;
+            add_spring_sums(job, k / 2 < p.pairs ? spring_of[at] : -1, sums.springs[k]);
         }
     }
 #endif
-#if BENDING
-    if (threadIdx.x < l.share.triplets &&
-        job.topology.triplets[l.share.triplet + threadIdx.x].owned) {
+    if (triplet.has && triplet.ends.owned) {
         u32 at = job.topology.triplet_of[l.share.triplet + threadIdx.x];
         job.bend_sums[at] += sums.bend_stiffness;
         job.bend_sums[job.triplets + at] += sums.bend_damping;
         job.bend_sums[2 * job.triplets + at] += sums.bend_rest;
     }
-#endif
     float* laws = job.law_sums + 5 * l.rank;
     add_block_sum(-c.dt * sums.decay, laws);
     add_block_sum(sums.ground.restitution, laws + 1);
@@ -357,7 +397,7 @@ DEVICE void contact_half(
     Local& l, const Constants& c, const Place& one, u32 buffer, u32 tape, Sums& sums
 ) {
 #if CONTACT
-    meet(l.job->barrier, l.round);
+    meet(l.barrier, l.round);
 #if ONE_ROW
     contact_adjoint(l, c, one, buffer, tape, sums);
 #else
@@ -366,13 +406,10 @@ DEVICE void contact_half(
 #endif
 }
 
-DEVICE void meet_with_lambda(Local& l, u32 buffer) {
+DEVICE void meet_with_lambda(Local& l, const Halo& halo, u32 buffer) {
     wait_for_copies();
-    meet(l.job->barrier, l.round);
-    fetch_halo(l, lambda_of(l, buffer), exchange_of(*l.job, buffer, 0));
-#if SHAPE == SHAPE_GRID
-    __syncthreads();
-#endif
+    meet(l.barrier, l.round);
+    fetch_vectors(l, halo, buffer, lambda_of(l, buffer));
 }
 
 DEVICE void begin_frame_adjoint(const Local& l, const Place& p, float3& x_bar, float3& v_bar) {
@@ -385,46 +422,43 @@ DEVICE void begin_frame_adjoint(const Local& l, const Place& p, float3& x_bar, f
 // Turns `Job::bar_*` at the end of substep `to` - 1 of frame `Job::first` into that at the start of
 // substep `from`; substep `from` is the tape's first.
 extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all, u32 from, u32 to) {
-    const Job* own = all + blockIdx.x / BLOCKS;
-    Local l = local_of(own, blockIdx.x % BLOCKS);
-    const Job& job = *own;
-    const Topology& t = job.topology;
-    Constants c = {job.dt, job.decay, job.ground, job.ground_law};
-    const float4* half_springs = job.half_springs + (u64)t.rows[l.share.row] * 32;
-#if HALF_SPRINGS_IN_SHARED
-    float4* near = after_bars(l);
-    u32 last_row = l.share.row + l.share.rows + l.share.control_rows;
-    u32 entries = (t.rows[last_row] - t.rows[l.share.row]) * 32;
-    for (u32 e = threadIdx.x; e < entries; e += THREADS) near[e] = half_springs[e];
-    half_springs = near;
-#endif
+    const Job& job = all[blockIdx.x / BLOCKS];
+    Local l = local_of(&job, blockIdx.x % BLOCKS);
+    Constants c = {job.dt,       job.decay,    job.ground, job.ground_law, job.dashpot, job.substeps,
+                   job.topology.node_count, job.tape_x, job.tape_v, job.tape_b, job.pin_sums};
+    u32 rows = l.share.rows + (job.control_sums ? l.share.control_rows : 0);
+    Pairs pairs = pairs_of(l, rows, after_bars(l));
+    float4* bends = bend_buffer(l);
+    const u32* refs = job.topology.arm_refs;
+    HeldTriplet triplet = triplet_at(l, threadIdx.x);
+    Halo halo = halo_of(l);
     Sums sums = {};
     Place one = place_of(l, threadIdx.x / 32);
-    for (u32 i = threadIdx.x; i < t.controls; i += THREADS) {
-        lambda_of(l, 0)[t.control_base + i] = zero4();
-        lambda_of(l, 1)[t.control_base + i] = zero4();
+    for (u32 i = threadIdx.x; i < l.controls; i += THREADS) {
+        lambda_of(l, 0)[l.control_base + i] = zero4();
+        lambda_of(l, 1)[l.control_base + i] = zero4();
     }
     u32 now = 0;
-    fetch_tape(l, now, job.first, to - 1 - from, to - 1);
+    fetch_tape(l, c, now, to - 1 - from, to - 1);
     wait_for_copies();
     __syncthreads();
     // A cluster's blocks must all have started before one writes into another.
-    meet(job.barrier, l.round);
+    meet(l.barrier, l.round);
 #if ONE_ROW
-    node_adjoint(l, c, one, now, to - 1, to - 1 - from, xyz(job.bar_x[one.at]),
-                 xyz(job.bar_v[one.at]), sums);
+    node_adjoint(l, c, one, now, to - 1, to - 1 - from, entry_of(c, one, to - 1 - from),
+                 xyz(job.bar_x[one.at]), xyz(job.bar_v[one.at]), sums);
 #else
     FOR_PLACES(p) {
-        node_adjoint(l, c, p, now, to - 1, to - 1 - from, xyz(job.bar_x[p.at]),
-                     xyz(job.bar_v[p.at]), sums);
+        node_adjoint(l, c, p, now, to - 1, to - 1 - from, entry_of(c, p, to - 1 - from),
+                     xyz(job.bar_x[p.at]), xyz(job.bar_v[p.at]), sums);
     }
 #endif
     contact_half(l, c, one, now, to - 1 - from, sums);
-    meet_with_lambda(l, now);
+    meet_with_lambda(l, halo, now);
     for (u32 s = to; s-- > from;) {
         u32 earlier = now ^ 1;
-        if (s > from) fetch_tape(l, earlier, job.first, s - 1 - from, s - 1);
-        bend_adjoints(l, now, sums);
+        if (s > from) fetch_tape(l, c, earlier, s - 1 - from, s - 1);
+        bend_adjoints(l, now, bends, triplet, sums);
 #if ONE_ROW
         {
             const Place& p = one;
@@ -432,9 +466,12 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
         FOR_PLACES(p) {
 #endif
             float3 x_bar, v_bar;
-            force_adjoint(l, p, now, half_springs, x_bar, v_bar, sums);
+            // Asked for early: it comes from far away.
+            Entry entry = {};
+            if (s > from) entry = entry_of(c, p, s - 1 - from);
+            force_adjoint(l, c, p, now, pairs, bends, refs, x_bar, v_bar, sums);
             if (s > from) {
-                node_adjoint(l, c, p, earlier, s - 1, s - 1 - from, x_bar, v_bar, sums);
+                node_adjoint(l, c, p, earlier, s - 1, s - 1 - from, entry, x_bar, v_bar, sums);
             } else if (p.valid) {
                 if (from == 0) begin_frame_adjoint(l, p, x_bar, v_bar);
                 if (p.lane == 0) {
@@ -443,10 +480,10 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
                 }
             }
         }
-        control_adjoint(l, now, s, half_springs, sums);
+        control_adjoint(l, c, now, s, pairs, bends, refs);
         if (s > from) contact_half(l, c, one, earlier, s - 1 - from, sums);
-        meet_with_lambda(l, earlier);
+        meet_with_lambda(l, halo, earlier);
         now = earlier;
     }
-    store_sums(l, c, one, sums);
+    store_sums(l, c, one, triplet, sums);
 }

@@ -37,12 +37,11 @@ struct Live {
 
 // The same from a substep on tape.
 struct Taped {
-    const float4 *x, *v;
+    const float4* x;
     const float *b, *inverse_mass;
     DEVICE_MEMBER void load(u32 node, float4& x_out, float3& v_out) const {
-        float4 x4 = x[node];
-        x_out = with_w(xyz(x4), inverse_mass[node]);
-        v_out = v3(x4.w, v[node].w, b[node]);
+        x_out = with_w(xyz(x[node]), inverse_mass[node]);
+        v_out = load_v3(b + 3 * (u64)node);
     }
 };
 

@@ -11,6 +11,7 @@ struct Constants {
     float dt, decay;
     Ground ground;
     Law law;
+    float dashpot;
 };
 
 DEVICE Constants constants_of(const Job& job) {
@@ -20,45 +21,41 @@ DEVICE Constants constants_of(const Job& job) {
     c.decay = job.decay;
     c.ground = job.ground;
     c.law = job.ground_law;
+    c.dashpot = job.dashpot;
     return c;
 }
 
 // Forces of the ends i and k, by triplet and instance.
 DEVICE float4* bend_buffer(const Local& l) {
-    u32 before = HALF_SPRINGS_IN_SHARED ? l.job->topology.max_entries : 0;
+    u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.job->topology.max_pairs) : 0;
     return BEND_IN_SHARED ? l.after_states(before) : l.spill();
 }
 
-DEVICE void bend_forces(const Local& l, u32 now) {
-#if BENDING
-    float4* forces = bend_buffer(l);
-    const Triplet* triplets = l.job->topology.triplets + l.share.triplet;
-    const float4* bends = l.job->bends + l.share.triplet;
-    for (u32 t = threadIdx.x; t < l.share.triplets; t += THREADS) {
-        Triplet ends = triplets[t];
-        float4 packed = bends[t];
-        BendParams p = {packed.x, packed.y, packed.z};
+DEVICE void bend_one(const Local& l, u32 now, float4* forces, u32 t, const HeldTriplet& h) {
 #pragma unroll
-        for (u32 m = 0; m < INSTANCES; m++) {
-            const float4 *x = l.x(now, m), *v = l.v(now, m);
-            float3 xj = xyz(x[ends.j]), vj = xyz(v[ends.j]);
-            float3 f_i, f_k;
-            bend_force(p, sub(xyz(x[ends.i]), xj), sub(xyz(x[ends.k]), xj),
-                       sub(xyz(v[ends.i]), vj), sub(xyz(v[ends.k]), vj), f_i, f_k);
-            forces[(t * INSTANCES + m) * 2] = with_w(f_i, 0.0f);
-            forces[(t * INSTANCES + m) * 2 + 1] = with_w(f_k, 0.0f);
-        }
+    for (u32 m = 0; m < INSTANCES; m++) {
+        State i = l.state(now, m, h.ends.i), j = l.state(now, m, h.ends.j);
+        State k = l.state(now, m, h.ends.k);
+        float3 f_i, f_k;
+        bend_force(h.params, sub(i.x, j.x), sub(k.x, j.x), sub(i.v, j.v), sub(k.v, j.v), f_i, f_k);
+        forces[(t * INSTANCES + m) * 2] = with_w(f_i, 0.0f);
+        forces[(t * INSTANCES + m) * 2 + 1] = with_w(f_k, 0.0f);
     }
+}
+
+DEVICE void bend_forces(const Local& l, u32 now, float4* forces, const HeldTriplet& first) {
+#if BENDING
+    if (first.has) bend_one(l, now, forces, threadIdx.x, first);
+    for (u32 t = threadIdx.x + THREADS; t < l.share.triplets; t += THREADS)
+        bend_one(l, now, forces, t, triplet_at(l, t));
     __syncthreads();
 #endif
 }
 
 // A lane's part of the forces of its node's triplets.
-DEVICE float3 bend_share(const Local& l, const Place& p, u32 m) {
+DEVICE float3 bend_share(const Place& p, const float4* forces, const u32* refs, u32 m) {
     float3 sum = zero3();
 #if BENDING
-    const float4* forces = bend_buffer(l);
-    const u32* refs = l.job->topology.arm_refs;
     for (u32 a = p.arm + p.lane; a < p.arms; a += LANES) {
         u32 ref = refs[a];
         u32 at = ((ref >> 2) * INSTANCES + m) * 2;
@@ -81,25 +78,27 @@ DEVICE float3 accelerate(const Constants& c, float inverse_mass, float3 force, f
 
 // Ends a node's substep: from its velocity after contact to its new state, for everyone to see.
 DEVICE void travel(
-    const Local& l, const Constants& c, const Place& p, u32 m, u32 now, float3 x, float3 before,
+    const Local& l, const Constants& c, const Place& p, u32 m, u32 now, State s, float3 before,
     float3 after, u32 tape
 ) {
-    const Job& job = *l.job;
 #if TAPE
     // Substeps before the segment on tape have wrapped around to large numbers.
     if (p.lane == 0 && tape < 0x80000000u) {
+        const Job& job = *l.job;
         u64 at = (u64)tape * job.topology.node_count + p.at;
-        job.tape_x[at] = with_w(x, before.x);
-        job.tape_v[at] = with_w(xyz(l.v(now, m)[p.node]), before.y);
-        job.tape_b[at] = before.z;
+        job.tape_x[at] = with_w(s.x, s.v.x);
+        job.tape_v[at] = make_float2(s.v.y, s.v.z);
+        float* b = job.tape_b + 3 * at;
+        b[0] = before.x;
+        b[1] = before.y;
+        b[2] = before.z;
     }
 #endif
-    float3 v = after;
+    float3 x = s.x, v = after;
     if (p.pin >= 0) {
-        Pin pin = job.topology.pins[p.pin];
-        u32 control = job.topology.control_base + pin.control;
-        x = add(xyz(l.x(now, m)[control]), load_v3(pin.offset));
-        v = xyz(l.v(now, m)[control]);
+        State held = l.state(now, m, p.pin_control);
+        x = add(held.x, p.pin_offset);
+        v = held.v;
     } else {
 #if GROUND
         advance(c.ground, c.law, c.dt, x, v);
@@ -107,59 +106,80 @@ DEVICE void travel(
         x = add_scaled(x, c.dt, v);
 #endif
     }
-    publish(l, p, l.x(now ^ 1, m), exchange_of(job, now ^ 1, 0), with_w(x, 0.0f));
-    publish(l, p, l.v(now ^ 1, m), exchange_of(job, now ^ 1, 1), with_w(v, 0.0f));
+    publish_state(l, p, now ^ 1, m, x, v);
 }
 
 // The half-springs of the one row that a warp has, in registers.
 struct Held {
 #if HELD > 0
-    HalfSpring springs[HELD];
+    Pair pairs[HELD];
 #endif
 };
 
+// A pair of a node's half-springs, `xs` and `vs` being the states that they see.
+DEVICE void spring_forces(
+    const Constants& c, const float4* const* xs, const float2* const* vs, const Pair& pair,
+    const State* s, float3* force
+) {
+    HalfSpring one = first_of(pair, c.dashpot), two = second_of(pair, c.dashpot);
+#pragma unroll
+    for (u32 m = 0; m < INSTANCES; m++) {
+        float4 ax = xs[m][one.other], bx = xs[m][two.other];
+        float2 av = vs[m][one.other], bv = vs[m][two.other];
+        float3 r = sub(xyz(ax), s[m].x), w = sub(v3(ax.w, av.x, av.y), s[m].v);
+        spring_force(one.rate, one.rest, one.dashpot, r, w, force[m]);
+        r = sub(xyz(bx), s[m].x);
+        w = sub(v3(bx.w, bv.x, bv.y), s[m].v);
+        spring_force(two.rate, two.rest, two.dashpot, r, w, force[m]);
+    }
+}
+
+// A pair from where pairs are, with its stiffnesses.
+DEVICE Pair stiff_pair(const Pairs& pairs, u32 at) {
+    Pair p = load_pair(pairs, at);
+#if !HALF_SPRINGS_IN_SHARED
+    p.rates = with_stiffness(p.rates);
+#endif
+    return p;
+}
+
 DEVICE void work_on(
     const Local& l, const Constants& c, const Place& p, const Held& held, u32 now, u32 tape,
-    const float4* half_springs
+    const Pairs& pairs, const float4* bends, const u32* refs
 ) {
-    float3 x[INSTANCES], v[INSTANCES], force[INSTANCES];
+    State s[INSTANCES];
+    float3 force[INSTANCES];
+    const float4* xs[INSTANCES];
+    const float2* vs[INSTANCES];
 #pragma unroll
     for (u32 m = 0; m < INSTANCES; m++) {
-        x[m] = xyz(l.x(now, m)[p.node]);
-        v[m] = xyz(l.v(now, m)[p.node]);
+        s[m] = l.state(now, m, p.node);
         force[m] = zero3();
+        xs[m] = anchored(l.xs(now, m));
+        vs[m] = anchored(l.vs(now, m));
     }
 #if HELD > 0
+    // What all rows have needs no question.
 #pragma unroll
-    for (u32 s = 0; s < HELD; s++) {
-        const HalfSpring& h = held.springs[s];
-#else
-#pragma unroll 4
-    for (u32 s = 0; s < p.slots; s++) {
-        HalfSpring h = half_spring(half_springs[p.first + s * 32]);
-#endif
-#pragma unroll
-        for (u32 m = 0; m < INSTANCES; m++) {
-            float3 r = sub(xyz(l.x(now, m)[h.other]), x[m]);
-            float3 w = sub(xyz(l.v(now, m)[h.other]), v[m]);
-            spring_force(h, r, w, force[m]);
-        }
+    for (u32 k = 0; k < HELD; k++) {
+        if (k < HELD_ALWAYS || k < p.pairs) spring_forces(c, xs, vs, held.pairs[k], s, force);
     }
+#endif
+#pragma unroll 2
+    for (u32 k = HELD; k < p.pairs; k++)
+        spring_forces(c, xs, vs, stiff_pair(pairs, p.first + k * 32), s, force);
 #pragma unroll
     for (u32 m = 0; m < INSTANCES; m++) {
-        float3 total = sum_lanes(add(force[m], bend_share(l, p, m)));
-        float3 before = accelerate(c, p.inverse_mass, total, v[m]);
-        if (p.pin >= 0) {
-            u32 control = l.job->topology.pins[p.pin].control;
-            before = xyz(l.v(now, m)[l.job->topology.control_base + control]);
-        }
+        float3 total = sum_lanes(add(force[m], bend_share(p, bends, refs, m)));
+        float3 before = accelerate(c, p.inverse_mass, total, s[m].v);
+        if (p.pin >= 0) before = l.state(now, m, p.pin_control).v;
 #if CONTACT
         if (p.valid && p.lane == 0) {
-            __stcg(l.job->contact_x + p.at, with_w(x[m], p.inverse_mass));
+            __stcg(l.job->contact_x + p.at, with_w(s[m].x, p.inverse_mass));
             __stcg(l.job->contact_v + p.at, with_w(before, 0.0f));
         }
 #else
-        if (p.valid) travel(l, c, p, m, now, x[m], before, before, tape);
+        if (p.valid) travel(l, c, p, m, now, s[m], before, before, tape);
 #endif
     }
 }
@@ -172,7 +192,7 @@ DEVICE void work_on_contact(
     Live nodes = {job.contact_x, job.contact_v};
     float3 after = collide(job, nodes, p.at, p.valid, p.lane, touches);
     float3 before = xyz(__ldcg(job.contact_v + p.at));
-    if (p.valid) travel(l, c, p, 0, now, xyz(l.x(now, 0)[p.node]), before, after, tape);
+    if (p.valid) travel(l, c, p, 0, now, l.state(now, 0, p.node), before, after, tape);
 }
 
 // A frame of a job; one that has ended stays in its last.
@@ -180,36 +200,61 @@ DEVICE u32 frame_of(const Job& job, u32 frame) {
     return job.first + min(frame, max(job.frames, 1u) - 1);
 }
 
-// Control points and pinned nodes stand at the frame's start, and move.
+// The path of the control point that a thread moves, held in registers. The last threads do it: their rows
+// are the shortest.
+struct Moved {
+    float3 from[INSTANCES], to[INSTANCES];
+    float3 velocity[INSTANCES];
+    u32 control;
+    u32 substeps;
+};
+
+DEVICE Moved moved_of(const Local& l, const Job* jobs, u32 frame) {
+    Moved w;
+    w.control = THREADS - 1 - threadIdx.x;
+    w.substeps = jobs->substeps;
+#pragma unroll
+    for (u32 m = 0; m < INSTANCES; m++) {
+        w.from[m] = w.to[m] = w.velocity[m] = zero3();
+        if (w.control < l.controls) {
+            Path path = path_of(jobs[m], frame_of(jobs[m], frame));
+            w.from[m] = load_v3(path.from + 3 * w.control);
+            w.to[m] = load_v3(path.to + 3 * w.control);
+            w.velocity[m] = control_velocity(path, w.control);
+        }
+    }
+    return w;
+}
+
+// Puts the control points where a substep's forces see them.
+DEVICE void place_controls(
+    const Local& l, const Job* jobs, const Moved& w, u32 buffer, u32 frame, u32 substep
+) {
+    if (w.control >= l.controls) return;
+    float t = progress(substep, w.substeps);
+#pragma unroll
+    for (u32 m = 0; m < INSTANCES; m++) {
+        float3 at = add_scaled(scale(w.from[m], 1.0f - t), t, w.to[m]);
+        l.put(buffer, m, l.control_base + w.control, at, w.velocity[m]);
+        for (u32 c = w.control + THREADS; c < l.controls; c += THREADS) {
+            Path path = path_of(jobs[m], frame_of(jobs[m], frame));
+            l.put(buffer, m, l.control_base + c, control_position(path, t, c),
+                  control_velocity(path, c));
+        }
+    }
+}
+
+// Pinned nodes stand at the frame's start with its velocity, wherever they are known.
 DEVICE void begin_frame(const Local& l, const Job* jobs, u32 now, u32 frame) {
     const Topology& t = l.job->topology;
     for (u32 m = 0; m < INSTANCES; m++) {
         Path path = path_of(jobs[m], frame_of(jobs[m], frame));
-        for (u32 c = threadIdx.x; c < t.controls; c += THREADS) {
-            float3 at = control_position(path, progress(0, jobs[m].substeps), c);
-            float4 velocity = with_w(control_velocity(path, c), 0.0f);
-            l.x(now, m)[t.control_base + c] = with_w(at, 0.0f);
-            l.v(now, m)[t.control_base + c] = velocity;
-            l.v(now ^ 1, m)[t.control_base + c] = velocity;
-        }
         for (u32 i = threadIdx.x; i < l.share.pins; i += THREADS) {
             LocalPin local = t.local_pins[l.share.pin + i];
             Pin pin = t.pins[local.pin];
             float3 held = load_v3(path.from + 3 * pin.control);
-            l.x(now, m)[local.local] = with_w(add(held, load_v3(pin.offset)), 0.0f);
-            l.v(now, m)[local.local] = with_w(control_velocity(path, pin.control), 0.0f);
-        }
-    }
-    __syncthreads();
-}
-
-DEVICE void place_controls(const Local& l, const Job* jobs, u32 next, u32 frame, u32 substep) {
-    const Topology& t = l.job->topology;
-    for (u32 m = 0; m < INSTANCES; m++) {
-        Path path = path_of(jobs[m], frame_of(jobs[m], frame));
-        for (u32 c = threadIdx.x; c < t.controls; c += THREADS) {
-            float3 at = control_position(path, progress(substep, jobs[m].substeps), c);
-            l.x(next, m)[t.control_base + c] = with_w(at, 0.0f);
+            l.put(now, m, local.local, add(held, load_v3(pin.offset)),
+                  control_velocity(path, pin.control));
         }
     }
 }
@@ -220,17 +265,17 @@ DEVICE void load_states(const Local& l, const Job* jobs, u32 now, u32 frame) {
         const float* s = jobs[m].states + (u64)(frame_of(jobs[m], frame) % jobs[m].slots) * 6 * n;
         for (u32 i = threadIdx.x; i < l.share.local; i += THREADS) {
             u32 g = l.graph_node(i);
-            l.x(now, m)[i] = make_float4(s[g], s[n + g], s[2 * n + g], 0.0f);
-            l.v(now, m)[i] = make_float4(s[3 * n + g], s[4 * n + g], s[5 * n + g], 0.0f);
+            l.put(now, m, i, v3(s[g], s[n + g], s[2 * n + g]),
+                  v3(s[3 * n + g], s[4 * n + g], s[5 * n + g]));
         }
     }
     __syncthreads();
 }
 
 // Nodes farther out than 1 km, or not finite, have diverged.
-DEVICE bool inside(float4 x, float4 v) {
-    return fabsf(x.x) <= 1000.0f && fabsf(x.y) <= 1000.0f && fabsf(x.z) <= 1000.0f &&
-           isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
+DEVICE bool inside(const State& s) {
+    return fabsf(s.x.x) <= 1000.0f && fabsf(s.x.y) <= 1000.0f && fabsf(s.x.z) <= 1000.0f &&
+           isfinite(s.v.x) && isfinite(s.v.y) && isfinite(s.v.z);
 }
 
 DEVICE void store_states(const Local& l, const Job* jobs, u32 now, u32 frame) {
@@ -239,17 +284,17 @@ DEVICE void store_states(const Local& l, const Job* jobs, u32 now, u32 frame) {
         const Job& job = jobs[m];
         if (frame >= job.frames) continue;
         u32 reached = job.first + frame + 1;
-        float* s = job.states + (u64)(reached % job.slots) * 6 * n;
+        float* to = job.states + (u64)(reached % job.slots) * 6 * n;
         for (u32 i = threadIdx.x; i < l.share.own; i += THREADS) {
             u32 g = l.graph_node(i);
-            float4 x = l.x(now, m)[i], v = l.v(now, m)[i];
-            s[g] = x.x;
-            s[n + g] = x.y;
-            s[2 * n + g] = x.z;
-            s[3 * n + g] = v.x;
-            s[4 * n + g] = v.y;
-            s[5 * n + g] = v.z;
-            if (!inside(x, v)) atomicMin(job.divergence, (u64)reached << 32 | g);
+            State s = l.state(now, m, i);
+            to[g] = s.x.x;
+            to[n + g] = s.x.y;
+            to[2 * n + g] = s.x.z;
+            to[3 * n + g] = s.v.x;
+            to[4 * n + g] = s.v.y;
+            to[5 * n + g] = s.v.z;
+            if (!inside(s)) atomicMin(job.divergence, (u64)reached << 32 | g);
         }
     }
     __syncthreads();
@@ -267,45 +312,43 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     advance_frames(const Job* all, u32 first, u32 end, u32 from, u32 to) {
     const Job* jobs = all + (u64)(blockIdx.x / BLOCKS) * INSTANCES;
     Local l = local_of(jobs, blockIdx.x % BLOCKS);
-    const Topology& t = jobs->topology;
-    const float4* half_springs = jobs->half_springs + (u64)t.rows[l.share.row] * 32;
-#if HALF_SPRINGS_IN_SHARED
-    float4* near = l.after_states(0);
-    u32 entries = (t.rows[l.share.row + l.share.rows] - t.rows[l.share.row]) * 32;
-    for (u32 e = threadIdx.x; e < entries; e += THREADS) near[e] = half_springs[e];
-    half_springs = near;
-#endif
+    Pairs pairs = pairs_of(l, l.share.rows, l.after_states(0));
     Constants c = constants_of(*jobs);
+    float4* bends = bend_buffer(l);
+    const u32* refs = jobs->topology.arm_refs;
+    HeldTriplet triplet = triplet_at(l, threadIdx.x);
+    Halo halo = halo_of(l);
+    u32 now = 0;
+    load_states(l, jobs, now, first);
     Held held;
 #if ONE_ROW
     Place p = place_of(l, threadIdx.x / 32);
 #if HELD > 0
 #pragma unroll
-    for (u32 s = 0; s < HELD; s++) {
-        // A slot that the row does not have joins the node with itself, without stiffness.
-        float4 none = make_float4(0.0f, 0.0f, 0.0f, __int_as_float((int)p.node));
-        held.springs[s] = half_spring(s < p.slots ? half_springs[p.first + s * 32] : none);
-    }
+    for (u32 k = 0; k < HELD; k++)
+        held.pairs[k] = k < p.pairs ? stiff_pair(pairs, p.first + k * 32) : no_pair(p.node);
 #endif
 #endif
-    u32 now = 0;
-    load_states(l, jobs, now, first);
     // A cluster's blocks must all have started before one writes into another.
-    meet(jobs->barrier, l.round);
+    meet(l.barrier, l.round);
     u32 last_frame = min(end, longest(jobs));
     for (u32 frame = first; frame < last_frame; frame++) {
+        Moved moved = moved_of(l, jobs, frame);
         begin_frame(l, jobs, now, frame);
-        u32 last = TAPE ? to : jobs->substeps;
+        place_controls(l, jobs, moved, now, frame, 0);
+        __syncthreads();
+        u32 last = TAPE ? to : moved.substeps;
         for (u32 s = 0; s < last; s++) {
-            bend_forces(l, now);
+            place_controls(l, jobs, moved, now ^ 1, frame, s + 1);
+            bend_forces(l, now, bends, triplet);
 #if ONE_ROW
-            work_on(l, c, p, held, now, s - from, half_springs);
+            work_on(l, c, p, held, now, s - from, pairs, bends, refs);
 #else
             for (u32 row = threadIdx.x / 32; row < l.share.rows; row += WARPS)
-                work_on(l, c, place_of(l, row), held, now, s - from, half_springs);
+                work_on(l, c, place_of(l, row), held, now, s - from, pairs, bends, refs);
 #endif
 #if CONTACT
-            meet(jobs->barrier, l.round);
+            meet(l.barrier, l.round);
 #if ONE_ROW
             work_on_contact(l, c, p, now, s - from);
 #else
@@ -314,16 +357,11 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 #endif
 #endif
             now ^= 1;
-            place_controls(l, jobs, now, frame, s + 1);
-            meet(jobs->barrier, l.round);
-            fetch_halo(l, l.x(now, 0), exchange_of(*jobs, now, 0));
-            fetch_halo(l, l.v(now, 0), exchange_of(*jobs, now, 1));
-#if SHAPE == SHAPE_GRID
-            __syncthreads();
-#endif
+            meet(l.barrier, l.round);
+            fetch_states(l, halo, now);
         }
         if (!TAPE) store_states(l, jobs, now, frame);
     }
     // None may end while another still writes into it.
-    meet(jobs->barrier, l.round);
+    meet(l.barrier, l.round);
 }

@@ -37,7 +37,7 @@ struct Triplet {
 struct Topology {
     const Share* shares;
     const u32* nodes;          // graph index of each local node
-    const u32* rows;           // first slot of each row, in slots of 32 half-springs
+    const u32* rows;           // first pair of slots of each row; a slot is 32 half-springs
     const Triplet* triplets;
     const u32* arms;           // per own node and control point: first of its arm references
     const u32* arm_refs;       // triplet * 4 + role (0: i, 1: k, 2: j)
@@ -53,22 +53,24 @@ struct Topology {
     u32 control_base;          // local index of control point 0
     u32 stride;                // control_base + controls
     u32 max_triplets;          // of a share
-    u32 max_entries;           // half-springs of a share's nodes, padding included
-    u32 max_all_entries;       // and of its nodes and control points
+    u32 max_pairs;             // pairs of half-springs of a share's nodes, padding included
+    u32 max_all_pairs;         // and of its nodes and control points
     u32 unused;
 };
 
 // One simulation to run.
 struct Job {
     Topology topology;
-    const float4* half_springs;  // as in `HalfSpring`
+    const float4* rates;         // per pair of half-springs: rate, rest length, rate, rest length
+    const u32* others;           // per pair: local indices of the other ends, 16 bits each
+    const float2* dashpots;      // per pair; not looked at where all are `dashpot`
     const float4* bends;         // per triplet of a share, as in `BendParams`
     const float* controls;       // [frames + 1][C][3]
     float* states;               // [slots][6][N]: x, y, z, vx, vy, vz of frame f at f % slots
     u64* divergence;             // smallest frame << 32 | node
-    float4* tape_x;              // [substeps of a segment][N]: x, v_x before contact
-    float4* tape_v;              // v, v_y before contact
-    float* tape_b;               // v_z before contact
+    float4* tape_x;              // [substeps of a segment][N]: x, v_x
+    float2* tape_v;              // v_y, v_z
+    float* tape_b;               // [3]: velocity before contact
     float4* bar_x;               // [N]: d loss / d state
     float4* bar_v;
     float* spring_sums;          // [3][E], as in `SpringSums`
@@ -84,7 +86,8 @@ struct Job {
     const u32* joined;
     float4* contact_x;           // [N]: x, inverse mass
     float4* contact_v;           // [N]: velocity before contact
-    float4* exchange;            // [2][2][N]: where a grid's blocks meet
+    float4* exchange_x;          // [2][N]: where a grid's blocks meet
+    float2* exchange_v;          // [2][N]
     u32* barrier;                // counts a grid's blocks
     float4* spill;               // per block: what does not fit shared memory
     float kick[3];               // gravity times dt
@@ -93,6 +96,7 @@ struct Job {
     float dt, decay;             // decay is exp(-dt drag)
     float frame_s;
     float collision_distance;
+    float dashpot;
     u32 substeps;
     u32 slots;
     u32 controls_move;
@@ -102,7 +106,6 @@ struct Job {
     u32 max_partners;
     u32 between_objects, within_object;
     u32 spill_stride;            // float4s of a block's spill
-    u32 unused;
 };
 
 // The host's idea of these structs must be the same.

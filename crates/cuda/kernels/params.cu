@@ -4,23 +4,26 @@
 
 #define NONE 0xffffffffu
 
-// Half-springs as one shape of launch wants them: combined with rest lengths, beside the other end's index.
+// Half-springs as one shape of launch wants them, in pairs: combined with rest lengths, beside the other ends'
+// indices.
 extern "C" __global__ void pack_half_springs(
-    float4* out, const u32* springs, const u32* others, const float* params, u32 count, u32 e
+    float4* rates, u32* packed_others, float2* dashpots, const u32* springs, const u32* others,
+    const float* params, u32 pairs, u32 e
 ) {
     u32 i = blockIdx.x * THREADS + threadIdx.x;
-    if (i >= count) return;
-    float4 packed = zero4();
-    u32 spring = springs[i];
-    if (spring != NONE) {
-        float rest = params[2 * (u64)e + spring];
-        float rate = params[spring] / rest;
-        packed.x = rest > 0.0f && isfinite(rate) ? rate : 0.0f;
-        packed.y = rest;
-        packed.z = params[e + spring];
+    if (i >= pairs) return;
+    float rate[2] = {0.0f, 0.0f}, rest[2] = {0.0f, 0.0f}, dashpot[2] = {0.0f, 0.0f};
+    for (u32 k = 0; k < 2; k++) {
+        u32 spring = springs[2 * i + k];
+        if (spring == NONE) continue;
+        rest[k] = params[2 * (u64)e + spring];
+        float r = params[spring] / rest[k];
+        rate[k] = rest[k] > 0.0f && isfinite(r) ? r : 0.0f;
+        dashpot[k] = params[e + spring];
     }
-    packed.w = __uint_as_float(others[i]);
-    out[i] = packed;
+    rates[i] = make_float4(rate[0], rest[0], rate[1], rest[1]);
+    packed_others[i] = others[2 * i] | others[2 * i + 1] << 16;
+    dashpots[i] = make_float2(dashpot[0], dashpot[1]);
 }
 
 extern "C" __global__ void

@@ -1,9 +1,16 @@
-// Where a block keeps things: local state in shared memory, two buffers of positions and velocities per
-// instance; then the half-springs, if they are held there; then bending forces, in shared memory if they
-// fit and in the block's spill otherwise.
+// Where a block keeps things. In shared memory: local state, two buffers of it per instance, a node in a float4
+// and a float2; then the half-springs, if they are held there; then what triplets exert, if it fits, or
+// else in the block's spill. What every substep needs of global memory is read once, into registers.
 
 #define NODES_A_ROW (32 / LANES)
 #define WARPS (THREADS / 32)
+// Halos that a lane tells of its node's new state, and halo nodes that a thread fetches, held in registers.
+#define HELD_EXPORTS 2
+#define HELD_HALO 4
+
+struct State {
+    float3 x, v;
+};
 
 struct Local {
     const Job* job;
@@ -11,20 +18,55 @@ struct Local {
     u32 rank;    // of this block in its team
     u32 stride;
     u32 round;   // meetings so far
+    u32 control_base, controls;
+    u32* barrier;
 
-    DEVICE_MEMBER float4* x(u32 buffer, u32 instance) const {
-        return shared_memory + (buffer * 2 * INSTANCES + instance) * stride;
+    // x, y, z, vx.
+    DEVICE_MEMBER float4* xs(u32 buffer, u32 instance) const {
+        return shared_memory + (buffer * INSTANCES + instance) * stride;
     }
-    DEVICE_MEMBER float4* v(u32 buffer, u32 instance) const {
-        return shared_memory + ((buffer * 2 + 1) * INSTANCES + instance) * stride;
+    // vy, vz.
+    DEVICE_MEMBER float2* vs(u32 buffer, u32 instance) const {
+        return reinterpret_cast<float2*>(shared_memory + 2 * INSTANCES * stride) +
+               (buffer * INSTANCES + instance) * stride;
+    }
+    DEVICE_MEMBER State state(u32 buffer, u32 instance, u32 local) const {
+        float4 a = xs(buffer, instance)[local];
+        float2 b = vs(buffer, instance)[local];
+        State s;
+        s.x = xyz(a);
+        s.v = v3(a.w, b.x, b.y);
+        return s;
+    }
+    DEVICE_MEMBER void put(u32 buffer, u32 instance, u32 local, float3 x, float3 v) const {
+        xs(buffer, instance)[local] = with_w(x, v.x);
+        vs(buffer, instance)[local] = make_float2(v.y, v.z);
     }
     // What follows the states, from so many float4s on.
     DEVICE_MEMBER float4* after_states(u32 offset) const {
-        return shared_memory + 4 * INSTANCES * stride + offset;
+        return shared_memory + 3 * INSTANCES * stride + offset;
     }
     DEVICE_MEMBER float4* spill() const { return job->spill + (u64)rank * job->spill_stride; }
     DEVICE_MEMBER u32 graph_node(u32 local) const { return job->topology.nodes[share.nodes + local]; }
 };
+
+// An array of shared memory that indices will be added to: its address is a number of its own, or the compiler
+// would work it out anew for every index.
+template <class T>
+DEVICE const T* anchored(const T* p) {
+    u32 address = shared_address(p);
+    asm volatile("" : "+r"(address));
+    return reinterpret_cast<const T*>(__cvta_shared_to_generic(address));
+}
+
+DEVICE State state_at(const float4* xs, const float2* vs, u32 local) {
+    float4 a = xs[local];
+    float2 b = vs[local];
+    State s;
+    s.x = xyz(a);
+    s.v = v3(a.w, b.x, b.y);
+    return s;
+}
 
 DEVICE Local local_of(const Job* job, u32 rank) {
     Local l;
@@ -33,7 +75,43 @@ DEVICE Local local_of(const Job* job, u32 rank) {
     l.share = job->topology.shares[rank];
     l.stride = job->topology.stride;
     l.round = 0;
+    l.control_base = job->topology.control_base;
+    l.controls = job->topology.controls;
+    l.barrier = job->barrier;
     return l;
+}
+
+// Forward, half-springs that are copied have their stiffness beside their rate.
+#ifndef STIFFNESS_FIRST
+#define STIFFNESS_FIRST 0
+#endif
+
+// Float4s that `pairs` pairs of half-springs take.
+DEVICE u32 pairs_size(u32 pairs) {
+    u32 floats = UNIFORM_DASHPOT ? 5 : 7;
+    return (pairs * floats + 3) / 4;
+}
+
+// The half-springs of rows `0..rows` of a block: where they are, after a copy to `near` if they are held there.
+DEVICE Pairs pairs_of(const Local& l, u32 rows, float4* near) {
+    const Topology& t = l.job->topology;
+    u32 first = t.rows[l.share.row] * 32;
+    Pairs far = {l.job->rates + first, l.job->others + first, l.job->dashpots + first};
+#if HALF_SPRINGS_IN_SHARED
+    u32 count = t.rows[l.share.row + rows] * 32 - first;
+    float4* rates = near;
+    float2* dashpots = reinterpret_cast<float2*>(rates + count);
+    u32* others = reinterpret_cast<u32*>(UNIFORM_DASHPOT ? dashpots : dashpots + count);
+    for (u32 i = threadIdx.x; i < count; i += THREADS) {
+        rates[i] = STIFFNESS_FIRST ? with_stiffness(far.rates[i]) : far.rates[i];
+        others[i] = far.others[i];
+        if (!UNIFORM_DASHPOT) dashpots[i] = far.dashpots[i];
+    }
+    Pairs here = {rates, others, dashpots};
+    return here;
+#else
+    return far;
+#endif
 }
 
 // What a thread knows of the node that it works on: one of a row of NODES_A_ROW, LANES lanes to each.
@@ -43,10 +121,13 @@ struct Place {
     u32 lane;             // which of the node's lanes this is
     bool valid;
     int pin;              // -1 if it is free
+    u32 pin_control;      // local index of its control point
+    float3 pin_offset;
     float inverse_mass;
-    u32 first, slots;     // its half-springs: every 32nd from `first` on
+    u32 first, pairs;     // its half-springs: every 32nd pair from `first` on
     u32 arm, arms;        // its arm references
-    u32 export_, exports; // its export references
+    u32 export_, exports; // its export references; the first of them:
+    u32 refs[HELD_EXPORTS];
 };
 
 DEVICE Place place_of(const Local& l, u32 row) {
@@ -58,44 +139,153 @@ DEVICE Place place_of(const Local& l, u32 row) {
     p.node = p.valid ? node : 0;
     p.at = l.share.own > 0 ? l.graph_node(p.node) : 0;
     p.pin = p.valid ? t.pin_of[p.at] : -1;
+    p.pin_control = 0;
+    p.pin_offset = zero3();
+    if (p.pin >= 0) {
+        p.pin_control = l.control_base + t.pins[p.pin].control;
+        p.pin_offset = load_v3(t.pins[p.pin].offset);
+    }
     p.inverse_mass = p.valid ? t.inverse_mass[p.at] : 0.0f;
     const u32* rows = t.rows + l.share.row;
     bool has_row = row < l.share.rows;
     p.first = has_row ? (rows[row] - rows[0]) * 32 + threadIdx.x % 32 : 0;
-    p.slots = has_row ? rows[row + 1] - rows[row] : 0;
+    p.pairs = has_row ? rows[row + 1] - rows[row] : 0;
     p.arm = p.arms = p.export_ = p.exports = 0;
     if (p.valid) {
         p.arm = t.arms[l.share.arm + p.node];
         p.arms = t.arms[l.share.arm + p.node + 1];
-        p.export_ = t.exports[l.share.export_ + p.node];
+        p.export_ = t.exports[l.share.export_ + p.node] + p.lane;
         p.exports = t.exports[l.share.export_ + p.node + 1];
     }
+#if SHAPE == SHAPE_CLUSTER
+#pragma unroll
+    for (u32 k = 0; k < HELD_EXPORTS; k++) {
+        u32 e = p.export_ + k * LANES;
+        p.refs[k] = e < p.exports ? t.export_refs[e] : 0xffffffffu;
+    }
+#endif
     return p;
 }
 
-// Writes a value of a node here and, its lanes together, into all halos that it belongs to.
-// `exchange` is where a grid's blocks find it, by graph index.
-DEVICE void publish(const Local& l, const Place& p, float4* here, float4* exchange, float4 value) {
+// Calls `tell(block, local index there)` for the halos that this lane tells of its node.
+template <class Tell>
+DEVICE void for_exports(const Local& l, const Place& p, Tell tell) {
+#pragma unroll
+    for (u32 k = 0; k < HELD_EXPORTS; k++) {
+        if (p.refs[k] != 0xffffffffu) tell(p.refs[k] >> 16, p.refs[k] & 0xffff);
+    }
+    for (u32 e = p.export_ + HELD_EXPORTS * LANES; e < p.exports; e += LANES) {
+        u32 ref = l.job->topology.export_refs[e];
+        tell(ref >> 16, ref & 0xffff);
+    }
+}
+
+// Writes a node's new state here and, its lanes together, into all halos that it belongs to.
+DEVICE void
+publish_state(const Local& l, const Place& p, u32 next, u32 m, float3 x, float3 v) {
+    float4 a = with_w(x, v.x);
+    float2 b = make_float2(v.y, v.z);
+    float4* xs = l.xs(next, m);
+    float2* vs = l.vs(next, m);
+    if (p.lane == 0) {
+        xs[p.node] = a;
+        vs[p.node] = b;
+    }
+#if SHAPE == SHAPE_CLUSTER
+    for_exports(l, p, [&](u32 block, u32 there) {
+        store_remote(xs + there, block, a);
+        store_remote(vs + there, block, b);
+    });
+#elif SHAPE == SHAPE_GRID
+    u32 n = l.job->topology.node_count;
+    if (p.lane == 0) {
+        __stcg(l.job->exchange_x + next * (u64)n + p.at, a);
+        __stcg(l.job->exchange_v + next * (u64)n + p.at, b);
+    }
+#endif
+}
+
+// The same for a vector that stands in `here`.
+DEVICE void publish_vector(const Local& l, const Place& p, u32 next, float4* here, float4 value) {
     if (p.lane == 0) here[p.node] = value;
 #if SHAPE == SHAPE_CLUSTER
-    for (u32 e = p.export_ + p.lane; e < p.exports; e += LANES) {
-        u32 ref = l.job->topology.export_refs[e];
-        store_remote(here + (ref & 0xffff), ref >> 16, value);
-    }
+    for_exports(l, p, [&](u32 block, u32 there) { store_remote(here + there, block, value); });
 #elif SHAPE == SHAPE_GRID
-    if (p.lane == 0) __stcg(exchange + p.at, value);
+    if (p.lane == 0) __stcg(l.job->exchange_x + next * (u64)l.job->topology.node_count + p.at, value);
 #endif
 }
 
-// Fetches the halo of a grid's block.
-DEVICE void fetch_halo(const Local& l, float4* here, const float4* exchange) {
+// Graph indices of the halo nodes that a thread fetches, for a grid's blocks.
+struct Halo {
+    u32 at[HELD_HALO];
+    u32 nodes;
+};
+
+DEVICE Halo halo_of(const Local& l) {
+    Halo h;
+    h.nodes = 0;
 #if SHAPE == SHAPE_GRID
-    for (u32 h = l.share.own + threadIdx.x; h < l.share.local; h += THREADS)
-        here[h] = __ldcg(exchange + l.graph_node(h));
+    h.nodes = l.job->topology.node_count;
+#pragma unroll
+    for (u32 k = 0; k < HELD_HALO; k++) {
+        u32 i = l.share.own + threadIdx.x + k * THREADS;
+        h.at[k] = i < l.share.local ? l.graph_node(i) : 0xffffffffu;
+    }
+#endif
+    return h;
+}
+
+// Calls `fetch(local index, graph index)` for the thread's halo nodes.
+template <class Fetch>
+DEVICE void for_halo(const Local& l, const Halo& h, Fetch fetch) {
+#if SHAPE == SHAPE_GRID
+#pragma unroll
+    for (u32 k = 0; k < HELD_HALO; k++) {
+        u32 i = l.share.own + threadIdx.x + k * THREADS;
+        if (h.at[k] != 0xffffffffu) fetch(i, h.at[k]);
+    }
+    for (u32 i = l.share.own + threadIdx.x + HELD_HALO * THREADS; i < l.share.local; i += THREADS)
+        fetch(i, l.graph_node(i));
+    __syncthreads();
 #endif
 }
 
-// Where a grid's blocks exchange arrays, two buffers of so many.
-DEVICE float4* exchange_of(const Job& job, u32 buffer, u32 array) {
-    return job.exchange + (u64)(2 * buffer + array) * job.topology.node_count;
+DEVICE void fetch_states(const Local& l, const Halo& h, u32 next) {
+#if SHAPE == SHAPE_GRID
+    const float4* from_x = l.job->exchange_x + next * (u64)h.nodes;
+    const float2* from_v = l.job->exchange_v + next * (u64)h.nodes;
+    for_halo(l, h, [&](u32 i, u32 at) {
+        l.xs(next, 0)[i] = __ldcg(from_x + at);
+        l.vs(next, 0)[i] = __ldcg(from_v + at);
+    });
+#endif
+}
+
+DEVICE void fetch_vectors(const Local& l, const Halo& h, u32 next, float4* here) {
+#if SHAPE == SHAPE_GRID
+    const float4* from = l.job->exchange_x + next * (u64)h.nodes;
+    for_halo(l, h, [&](u32 i, u32 at) { here[i] = __ldcg(from + at); });
+#endif
+}
+
+// A triplet of a thread: the first is held in registers.
+struct HeldTriplet {
+    Triplet ends;
+    BendParams params;
+    bool has;
+};
+
+DEVICE HeldTriplet triplet_at(const Local& l, u32 t) {
+    HeldTriplet h;
+    h.has = BENDING && t < l.share.triplets;
+    h.ends.i = h.ends.j = h.ends.k = h.ends.owned = 0;
+    h.params.stiffness = h.params.damping = h.params.rest_bend = 0.0f;
+    if (h.has) {
+        h.ends = l.job->topology.triplets[l.share.triplet + t];
+        float4 packed = l.job->bends[l.share.triplet + t];
+        h.params.stiffness = packed.x;
+        h.params.damping = packed.y;
+        h.params.rest_bend = packed.z;
+    }
+    return h;
 }

@@ -4,29 +4,87 @@
 // With r = x_other - x_self, l = |r|, d = r / l and q = (v_other - v_self) . d:
 // f_self = [k (l/l0 - 1) + gamma q] d.
 
-// One end of a spring. `other` is a local index, stored as an integer's bits.
+// One end of a spring; `other` is a local index. Forward the second number is k [N], backward l0 [m].
 struct HalfSpring {
     float rate;  // k / l0 [N/m]
-    float rest;  // l0 [m]
+    float rest;
     float dashpot;
-    int other;
+    u32 other;
 };
 
-DEVICE HalfSpring half_spring(float4 e) {
+// Two of them, as they are stored: 20 bytes where all dashpots are alike, 28 where they are not.
+struct Pair {
+    float4 rates;
+    u32 others;
+#if !UNIFORM_DASHPOT
+    float2 dashpots;
+#endif
+};
+
+// From rest lengths to stiffnesses, for `spring_force`.
+DEVICE float4 with_stiffness(float4 rates) {
+    rates.y *= rates.x;
+    rates.w *= rates.z;
+    return rates;
+}
+
+// Where pairs are.
+struct Pairs {
+    const float4* rates;
+    const u32* others;
+    const float2* dashpots;
+};
+
+DEVICE Pair load_pair(const Pairs& from, u32 at) {
+    Pair p;
+    p.rates = from.rates[at];
+    p.others = from.others[at];
+#if !UNIFORM_DASHPOT
+    p.dashpots = from.dashpots[at];
+#endif
+    return p;
+}
+
+// Joins a node with itself, without stiffness.
+DEVICE Pair no_pair(u32 self) {
+    Pair p;
+    p.rates = zero4();
+    p.others = self | self << 16;
+#if !UNIFORM_DASHPOT
+    p.dashpots = make_float2(0.0f, 0.0f);
+#endif
+    return p;
+}
+
+DEVICE HalfSpring first_of(const Pair& p, float dashpot) {
     HalfSpring s;
-    s.rate = e.x;
-    s.rest = e.y;
-    s.dashpot = e.z;
-    s.other = __float_as_int(e.w);
+    s.rate = p.rates.x;
+    s.rest = p.rates.y;
+    s.other = p.others & 0xffff;
+    s.dashpot = dashpot;
+#if !UNIFORM_DASHPOT
+    s.dashpot = p.dashpots.x;
+#endif
     return s;
 }
 
-// Adds the spring's force on this end.
-DEVICE void spring_force(const HalfSpring& s, float3 r, float3 w, float3& force) {
-    float square = dot(r, r);
-    float inverse = inverse_length(square);
-    float stretch = fmaf(square, inverse, -s.rest);
-    float magnitude = fmaf(s.dashpot * inverse, dot(w, r), s.rate * stretch) * inverse;
+DEVICE HalfSpring second_of(const Pair& p, float dashpot) {
+    HalfSpring s;
+    s.rate = p.rates.z;
+    s.rest = p.rates.w;
+    s.other = p.others >> 16;
+    s.dashpot = dashpot;
+#if !UNIFORM_DASHPOT
+    s.dashpot = p.dashpots.y;
+#endif
+    return s;
+}
+
+// Adds the spring's force on this end: (k/l0 - k/l + gamma w.r / l^2) r. Below the shortest length that has a
+// direction r itself is nothing.
+DEVICE void spring_force(float rate, float k, float dashpot, float3 r, float3 w, float3& force) {
+    float inverse = rsqrtf(fmaxf(dot(r, r), 1e-24f));
+    float magnitude = fmaf(inverse, fmaf(dashpot, dot(w, r) * inverse, -k), rate);
     force = add_scaled(force, magnitude, r);
 }
 

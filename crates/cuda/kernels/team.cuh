@@ -13,17 +13,24 @@ extern __shared__ float4 shared_memory[];
 
 DEVICE u32 shared_address(const void* p) { return (u32)__cvta_generic_to_shared(p); }
 
-// Writes to the same place in another block of the cluster.
-DEVICE void store_remote(const float4* here, u32 block, float4 value) {
-#if SHAPE == SHAPE_CLUSTER
+// The same place in another block of the cluster.
+DEVICE u32 remote_address(const void* here, u32 block) {
     u32 there;
-    asm volatile("mapa.shared::cluster.u32 %0, %1, %2;"
-                 : "=r"(there)
-                 : "r"(shared_address(here)), "r"(block));
-    asm volatile("st.shared::cluster.v4.f32 [%0], {%1, %2, %3, %4};" ::"r"(there), "f"(value.x),
-                 "f"(value.y), "f"(value.z), "f"(value.w)
+    asm("mapa.shared::cluster.u32 %0, %1, %2;"
+        : "=r"(there)
+        : "r"(shared_address(here)), "r"(block));
+    return there;
+}
+DEVICE void store_remote(const float4* here, u32 block, float4 value) {
+    asm volatile("st.shared::cluster.v4.f32 [%0], {%1, %2, %3, %4};" ::"r"(
+                     remote_address(here, block)),
+                 "f"(value.x), "f"(value.y), "f"(value.z), "f"(value.w)
                  : "memory");
-#endif
+}
+DEVICE void store_remote(const float2* here, u32 block, float2 value) {
+    asm volatile("st.shared::cluster.v2.f32 [%0], {%1, %2};" ::"r"(remote_address(here, block)),
+                 "f"(value.x), "f"(value.y)
+                 : "memory");
 }
 
 // All threads of the team meet; what they wrote before, to shared and to global memory, is visible
@@ -50,9 +57,13 @@ DEVICE void meet(u32* counter, u32& round) {
 #endif
 }
 
-// Copies 16 bytes from global to shared memory in the background.
+// Copies from global to shared memory in the background.
 DEVICE void copy_async(float4* to, const float4* from) {
     asm volatile("cp.async.cg.shared.global [%0], [%1], 16;" ::"r"(shared_address(to)), "l"(from)
+                 : "memory");
+}
+DEVICE void copy_async(float2* to, const float2* from) {
+    asm volatile("cp.async.ca.shared.global [%0], [%1], 8;" ::"r"(shared_address(to)), "l"(from)
                  : "memory");
 }
 DEVICE void wait_for_copies() { asm volatile("cp.async.wait_all;" ::: "memory"); }

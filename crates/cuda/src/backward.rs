@@ -46,8 +46,8 @@ struct Window {
 /// Arrays that windows which run side by side need, one part for each.
 struct Slots {
     tape_x: Buffer<[f32; 4]>,
-    tape_v: Buffer<[f32; 4]>,
-    tape_b: Buffer<f32>,
+    tape_v: Buffer<[f32; 2]>,
+    tape_b: Buffer<[f32; 3]>,
     bar_x: Buffer<[f32; 4]>,
     bar_v: Buffer<[f32; 4]>,
     sums: Buffer<f32>,
@@ -288,11 +288,9 @@ impl Backward<'_> {
             let seeds = Buffer::of(stream, &seeds(group, &places))?;
             self.add_seeds(jobs, &seeds, depth == 0, slots.nodes)?;
         }
-        if self.simulation.instances[members[0]].model.model().graph.node_count() > 0 {
-            for (group, jobs) in tape.iter().zip(&tape_jobs) {
-                if group.fitted.variant.contact {
-                    self.simulation.find_partners(jobs, 0)?;
-                }
+        for (group, jobs) in tape.iter().zip(&tape_jobs) {
+            if group.fitted.variant.contact {
+                self.simulation.find_partners(jobs, 0)?;
             }
         }
         let segments = substeps.div_ceil(slots.segment);

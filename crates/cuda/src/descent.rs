@@ -202,7 +202,7 @@ impl Walk {
         let Start { loaded, chart, position } = start;
         let before = resident(&loaded)?;
         let params = chart.params(&position.theta);
-        let own = Resident::new(&before.device, &before.graph, &params)?;
+        let own = Resident::new(&before.device, &before.graph, &params)?.varying();
         let stream = &queue.stream;
         let rates: Vec<f64> = chart.rates().collect();
         let model = Model { params, ..Model::clone(loaded.model()) };

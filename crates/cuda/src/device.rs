@@ -17,6 +17,7 @@ use crate::{
     compile, fault,
     kernel::{Source, Variant},
     launch::Function,
+    team::Team,
 };
 
 /// First architecture with clusters and distributed shared memory.
@@ -42,6 +43,8 @@ pub(crate) struct Device {
     pub(crate) ability: Ability,
     /// Bytes that this process may have.
     pub(crate) budget: u64,
+    /// The one kind of team that is used, whatever would be best.
+    pub(crate) team: Option<Team>,
     /// Serves requests that must not wait.
     pub(crate) urgent: Arc<CudaStream>,
     pub(crate) normal: Arc<CudaStream>,
@@ -100,6 +103,10 @@ impl Device {
             made.map_err(|e| fault("making a stream", e))
         };
         keep_freed_memory(&context, budget)?;
+        let team = match &options.team {
+            Some(name) => Some(name.parse::<Team>().map_err(Error::InvalidInput)?),
+            None => None,
+        };
         // Smaller numbers go first.
         let (normal, urgent) = (stream(0)?, stream(-5)?);
         let device = Self {
@@ -107,6 +114,7 @@ impl Device {
             name,
             ability,
             budget,
+            team,
             urgent,
             normal,
             functions: Mutex::default(),

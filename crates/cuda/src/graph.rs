@@ -134,8 +134,8 @@ impl DeviceGraph {
             control_base: layout.control_base,
             stride: layout.stride(),
             max_triplets: layout.max_triplets,
-            max_entries: layout.max_entries,
-            max_all_entries: layout.max_all_entries,
+            max_pairs: layout.max_pairs,
+            max_all_pairs: layout.max_all_pairs,
             unused: 0,
         };
         let springs = Buffer::of(stream, &layout.springs)?;

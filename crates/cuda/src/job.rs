@@ -71,8 +71,8 @@ pub(crate) struct Topology {
     pub(crate) control_base: u32,
     pub(crate) stride: u32,
     pub(crate) max_triplets: u32,
-    pub(crate) max_entries: u32,
-    pub(crate) max_all_entries: u32,
+    pub(crate) max_pairs: u32,
+    pub(crate) max_all_pairs: u32,
     pub(crate) unused: u32,
 }
 
@@ -81,7 +81,9 @@ pub(crate) struct Topology {
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct Job {
     pub(crate) topology: Topology,
-    pub(crate) half_springs: Address,
+    pub(crate) rates: Address,
+    pub(crate) others: Address,
+    pub(crate) dashpots: Address,
     pub(crate) bends: Address,
     pub(crate) controls: Address,
     pub(crate) states: Address,
@@ -104,7 +106,8 @@ pub(crate) struct Job {
     pub(crate) joined: Address,
     pub(crate) contact_x: Address,
     pub(crate) contact_v: Address,
-    pub(crate) exchange: Address,
+    pub(crate) exchange_x: Address,
+    pub(crate) exchange_v: Address,
     pub(crate) barrier: Address,
     pub(crate) spill: Address,
     pub(crate) kick: [f32; 3],
@@ -116,6 +119,7 @@ pub(crate) struct Job {
     pub(crate) decay: f32,
     pub(crate) frame_s: f32,
     pub(crate) collision_distance: f32,
+    pub(crate) dashpot: f32,
     pub(crate) substeps: u32,
     pub(crate) slots: u32,
     pub(crate) controls_move: u32,
@@ -128,7 +132,6 @@ pub(crate) struct Job {
     pub(crate) between_objects: u32,
     pub(crate) within_object: u32,
     pub(crate) spill_stride: u32,
-    pub(crate) unused: u32,
 }
 
 /// One term of an objective; see `kernels/loss.cu`.

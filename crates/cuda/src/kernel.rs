@@ -80,10 +80,16 @@ pub(crate) struct Variant {
     pub(crate) threads: u32,
     /// Every warp has one row of nodes at most.
     pub(crate) one_row: bool,
-    /// Half-springs of a lane in registers (forward), or with their sums there (backward).
+    /// Pairs of half-springs of a lane in registers (forward); whether their sums are there (backward).
     pub(crate) held: u32,
-    /// Of these, how many may report a gradient.
+    /// Of these, how many every row has.
+    pub(crate) held_always: u32,
+    /// Pairs that have their sums in registers.
     pub(crate) held_sums: u32,
+    /// Pairs of a row that may report a gradient.
+    pub(crate) owner_pairs: u32,
+    /// All springs have the same dashpot.
+    pub(crate) uniform_dashpot: bool,
     pub(crate) bending: bool,
     pub(crate) ground: bool,
     pub(crate) contact: bool,
@@ -104,7 +110,10 @@ impl Variant {
             threads: THREADS,
             one_row: true,
             held: 0,
+            held_always: 0,
             held_sums: 0,
+            owner_pairs: 0,
+            uniform_dashpot: false,
             bending: false,
             ground: false,
             contact: false,
@@ -133,7 +142,11 @@ impl Variant {
             ("THREADS", self.threads),
             ("ONE_ROW", self.one_row.into()),
             ("HELD", self.held),
+            ("HELD_ALWAYS", self.held_always),
             ("HELD_SUMS", self.held_sums),
+            ("OWNER_PAIRS", self.owner_pairs),
+            ("STIFFNESS_FIRST", (self.source == Source::Integrate).into()),
+            ("UNIFORM_DASHPOT", self.uniform_dashpot.into()),
             ("BENDING", self.bending.into()),
             ("GROUND", self.ground.into()),
             ("CONTACT", self.contact.into()),

@@ -26,7 +26,7 @@ pub(crate) struct Layout {
     pub(crate) shares: Vec<Share>,
     pub(crate) nodes: Vec<u32>,
     pub(crate) rows: Vec<u32>,
-    /// Spring of each slot of a row, [`NONE`] if it has none; shape [slots, 32].
+    /// Spring of each half-spring, [`NONE`] where one only fills up; shape [pairs of slots, 32, 2].
     pub(crate) springs: Vec<u32>,
     /// Local index of the other end.
     pub(crate) others: Vec<u32>,
@@ -43,14 +43,17 @@ pub(crate) struct Layout {
     pub(crate) control_base: u32,
     pub(crate) controls: u32,
     pub(crate) max_triplets: u32,
-    /// Half-springs of a share's nodes, padding included.
-    pub(crate) max_entries: u32,
+    /// Pairs of half-springs of a share's nodes, those that fill up included.
+    pub(crate) max_pairs: u32,
     /// And of its nodes and control points.
-    pub(crate) max_all_entries: u32,
+    pub(crate) max_all_pairs: u32,
     pub(crate) max_rows: u32,
-    pub(crate) max_slots: u32,
-    /// Slots that may report a gradient.
-    pub(crate) max_owner_slots: u32,
+    /// Pairs of slots of a row.
+    pub(crate) max_row_pairs: u32,
+    /// Pairs that every row has.
+    pub(crate) min_row_pairs: u32,
+    /// Of these, how many may report a gradient.
+    pub(crate) max_owner_pairs: u32,
     pub(crate) lanes: u32,
 }
 
@@ -68,13 +71,16 @@ impl Layout {
     pub(crate) fn new(graph: &Graph, blocks: usize, threads: u32) -> Result<Self, Error> {
         let incidence = Incidence::new(graph);
         let mut parts = partition(graph, blocks);
-        // Nodes of like valence share a row, so that few of its slots stay empty.
-        for part in &mut parts {
-            part.sort_by_key(|&i| (std::cmp::Reverse(incidence.springs_of(i).len()), i));
-        }
         let largest = parts.iter().map(Vec::len).max().unwrap_or(0);
+        let lanes = lanes_for(largest, &incidence, threads);
+        // Nodes of like valence share a row, so that few of its slots stay empty; among them neighbours
+        // in space, which reach for the same nodes at once.
+        let pairs = |i: u32| incidence.springs_of(i).len().div_ceil(2 * lanes as usize);
+        for part in &mut parts {
+            part.sort_by_key(|&i| (std::cmp::Reverse(pairs(i)), i));
+        }
         let mut this = Self {
-            lanes: lanes_for(largest, &incidence, threads),
+            lanes,
             controls: graph.control_count() as u32,
             ..Self::default()
         };
@@ -87,6 +93,7 @@ impl Layout {
         for (b, part) in parts.iter().enumerate() {
             halos.push(this.add_share(graph, &incidence, &owner, b as u32, part, &mut local));
         }
+        this.min_row_pairs = this.fewest_pairs();
         this.place_controls()?;
         this.add_exports(&parts, &halos, &owner, &mut local);
         Ok(this)
@@ -121,21 +128,21 @@ impl Layout {
         share.local = (part.len() + halo.len()) as u32;
 
         let mut rows = Rows { lanes: self.lanes as usize, layout: self };
-        let before = rows.entries();
+        let before = rows.pairs();
         share.rows = rows.add(part.len(), |i| {
             let half = incidence.springs_of(part[i]).iter();
             half.map(|&(s, other, owns)| (s, find(other), owns)).collect()
         });
-        let entries = rows.entries() - before;
+        let pairs = rows.pairs() - before;
         let own = |e: u32| (e as usize) < n && owner[e as usize] == block;
         share.control_rows = rows.add(graph.control_count(), |c| {
             let half = incidence.springs_of((n + c) as u32).iter();
             half.filter(|h| own(h.1)).map(|&(s, other, _)| (s, find(other), false)).collect()
         });
         rows.end();
-        let all_entries = rows.entries() - before;
-        self.max_entries = self.max_entries.max(entries);
-        self.max_all_entries = self.max_all_entries.max(all_entries);
+        let all_pairs = rows.pairs() - before;
+        self.max_pairs = self.max_pairs.max(pairs);
+        self.max_all_pairs = self.max_all_pairs.max(all_pairs);
         self.max_rows = self.max_rows.max(share.rows);
 
         let mut arms: Vec<Vec<u32>> = vec![Vec::new(); part.len() + graph.control_count()];
@@ -178,6 +185,12 @@ impl Layout {
         self.max_triplets = self.max_triplets.max(share.triplets);
         self.shares.push(share);
         halo
+    }
+
+    fn fewest_pairs(&self) -> u32 {
+        let rows = self.shares.iter().flat_map(|s| s.row..s.row + s.rows);
+        let pairs = rows.map(|r| self.rows[r as usize + 1] - self.rows[r as usize]);
+        pairs.min().unwrap_or(0)
     }
 
     /// Control points stand behind the largest block's nodes, in all blocks alike.

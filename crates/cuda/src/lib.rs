@@ -45,6 +45,9 @@ pub struct Options {
     pub cache_dir: Option<PathBuf>,
     /// Device memory that may be used [bytes]; nine tenths of what is free if `None`.
     pub memory_limit: Option<u64>,
+    /// Use only this kind of team of blocks, for comparisons: `block`, `block4` (instances in it),
+    /// `cluster16`, `grid66` (blocks); the best for each batch if `None`.
+    pub team: Option<String>,
 }
 
 /// A backend on a CUDA device.

@@ -4,7 +4,7 @@
 use bendtwin_core::Graph;
 
 /// Work of a node beside its half-springs, in half-springs.
-const NODE_WORK: u64 = 4;
+const NODE_WORK: u64 = 24;
 
 /// The nodes of each of `parts` parts; every node is in one. Parts may be empty.
 pub(crate) fn partition(graph: &Graph, parts: usize) -> Vec<Vec<u32>> {

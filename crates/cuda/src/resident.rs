@@ -28,13 +28,17 @@ pub(crate) struct Resident {
     /// Stiffness, dashpot, rest length [E each]; bend stiffness, bend damping, rest angle [T each];
     /// [`LAWS`] more.
     pub(crate) params: Buffer<f32>,
+    /// The dashpot of all springs, if they are alike: then it need not be loaded again and again.
+    pub(crate) dashpot: Option<f32>,
     packed: Mutex<HashMap<Cut, Arc<Packed>>>,
 }
 
 /// Parameters as one shape of launch wants them.
 pub(crate) struct Packed {
     pub(crate) cut: Arc<CutGraph>,
-    half_springs: Buffer<[f32; 4]>,
+    rates: Buffer<[f32; 4]>,
+    others: Buffer<u32>,
+    dashpots: Buffer<[f32; 2]>,
     bends: Buffer<[f32; 4]>,
 }
 
@@ -44,18 +48,20 @@ impl Resident {
         graph: &Arc<DeviceGraph>,
         params: &Params,
     ) -> Result<Self, Error> {
-        let params = Buffer::of(&device.normal, &flatten(params))?;
-        Ok(Self::with(device, graph, params))
+        let first = params.spring_dashpot.first().copied().unwrap_or_default();
+        let alike = params.spring_dashpot.iter().all(|&d| d == first);
+        Ok(Self {
+            params: Buffer::of(&device.normal, &flatten(params))?,
+            dashpot: alike.then_some(first),
+            device: device.clone(),
+            graph: graph.clone(),
+            packed: Mutex::default(),
+        })
     }
 
-    /// With parameters that are on the device already.
-    pub(crate) fn with(
-        device: &Arc<Device>,
-        graph: &Arc<DeviceGraph>,
-        params: Buffer<f32>,
-    ) -> Self {
-        let (device, graph) = (device.clone(), graph.clone());
-        Self { device, graph, params, packed: Mutex::default() }
+    /// One whose parameters on the device will change.
+    pub(crate) fn varying(self) -> Self {
+        Self { dashpot: None, ..self }
     }
 
     /// Packed for a cut; made at first use, on the stream that fits and loads use.
@@ -72,9 +78,12 @@ impl Resident {
     fn pack(&self, cut: Cut) -> Result<Packed, Error> {
         let stream = &self.device.normal;
         let cut = self.graph.cut(&self.device, cut)?;
-        let half_springs = Buffer::empty(stream, cut.springs.len())?;
+        let pairs = cut.springs.len() / 2;
+        let rates = Buffer::empty(stream, pairs)?;
+        let others = Buffer::empty(stream, pairs)?;
+        let dashpots = Buffer::empty(stream, pairs)?;
         let bends = Buffer::empty(stream, cut.triplet_of.len())?;
-        let packed = Packed { cut, half_springs, bends };
+        let packed = Packed { cut, rates, others, dashpots, bends };
         self.fill(&packed)?;
         crate::synchronize(stream)?;
         Ok(packed)
@@ -84,17 +93,19 @@ impl Resident {
         let (device, cut) = (&self.device, &packed.cut);
         let variant = Variant::small(Source::Params);
         let (e, t) = (self.graph.graph.springs.len() as u32, self.graph.graph.triplets.len() as u32);
-        let (springs, triplets) = (cut.springs.len() as u32, cut.triplet_of.len() as u32);
+        let (pairs, triplets) = (packed.rates.len() as u32, cut.triplet_of.len() as u32);
         let arguments = Arguments::default()
-            .with(packed.half_springs.address())
+            .with(packed.rates.address())
+            .with(packed.others.address())
+            .with(packed.dashpots.address())
             .with(cut.springs.address())
             .with(cut.others.address())
             .with(self.params.address())
-            .with(springs)
+            .with(pairs)
             .with(e);
         let function = device.function(&variant, "pack_half_springs")?;
-        let grid = (springs.div_ceil(THREADS), 1, 1);
-        // SAFETY: output and indices have `springs` values, parameters are laid out for E springs.
+        let grid = (pairs.div_ceil(THREADS), 1, 1);
+        // SAFETY: outputs and indices are of so many pairs, parameters are laid out for E springs.
         unsafe { function.launch(&device.normal, grid, 0, &arguments)? };
         let arguments = Arguments::default()
             .with(packed.bends.address())
@@ -125,7 +136,9 @@ impl Packed {
         let ground = model.environment.ground;
         Job {
             topology: self.cut.topology,
-            half_springs: self.half_springs.address(),
+            rates: self.rates.address(),
+            others: self.others.address(),
+            dashpots: self.dashpots.address(),
             bends: self.bends.address(),
             kick: gravity.map(|g| g * dt as f32),
             ground_normal: ground.map_or([0.0; 3], |g| g.normal),

@@ -56,7 +56,7 @@ pub(crate) struct Group {
     jobs: Vec<Job>,
     _packed: Vec<Arc<Packed>>,
     _spill: Option<Buffer<[f32; 4]>>,
-    _exchange: Option<Buffer<[f32; 4]>>,
+    _exchange: Option<(Buffer<[f32; 4]>, Buffer<[f32; 2]>)>,
     barriers: Option<Buffer<u32>>,
 }
 
@@ -148,6 +148,7 @@ impl<'a> Simulation<'a> {
             slots: self.slots_of(index) as u32,
             frames: instance.frames as u32,
             object_ids: resident.graph.object_ids.address(),
+            dashpot: resident.dashpot.unwrap_or_default(),
             ..packed.job(model)
         };
         if has_contact(model) {
@@ -219,13 +220,16 @@ impl<'a> Simulation<'a> {
     ) -> Result<Vec<Group>, Error> {
         let device = &self.queue.device;
         let of = |i: usize| resident(&self.instances[i].model);
+        // Where there are no nodes, nothing moves.
+        let has_nodes = |i: &&usize| self.instances[**i].model.model().graph.node_count() > 0;
+        let members: Vec<usize> = members.iter().filter(has_nodes).copied().collect();
         let mut alike: HashMap<usize, usize> = HashMap::new();
-        for &i in members {
+        for &i in &members {
             *alike.entry(std::ptr::from_ref(of(i)?) as usize).or_default() += 1;
         }
         let mut fitted: HashMap<usize, Fitted> = HashMap::new();
         let mut groups: Vec<Group> = Vec::new();
-        for &i in members {
+        for &i in &members {
             let resident = of(i)?;
             let key = std::ptr::from_ref(resident) as usize;
             let model = self.instances[i].model.model();
@@ -357,12 +361,13 @@ impl Group {
             self._spill = Some(spill);
         }
         if self.fitted.team.meeting == Meeting::Grid {
-            let nodes = |j: &Job| 4 * j.topology.node_count as usize;
-            let exchange = Buffer::empty(stream, self.jobs.iter().map(nodes).sum())?;
+            let nodes = |j: &Job| 2 * j.topology.node_count as usize;
+            let total = self.jobs.iter().map(nodes).sum();
+            let exchange = (Buffer::empty(stream, total)?, Buffer::empty(stream, total)?);
             let barriers = Buffer::zeros(stream, self.jobs.len())?;
             let mut at = 0;
             for (j, job) in self.jobs.iter_mut().enumerate() {
-                job.exchange = exchange.at(at);
+                (job.exchange_x, job.exchange_v) = (exchange.0.at(at), exchange.1.at(at));
                 job.barrier = barriers.at(j);
                 at += nodes(job);
             }

@@ -33,7 +33,48 @@ pub(crate) struct Team {
     pub(crate) instances: u32,
 }
 
+/// How a named team is written: `block`, `block4` (instances), `cluster16` or `grid66` (blocks), each perhaps
+/// with the threads of a block: `cluster16@256`.
+impl std::str::FromStr for Team {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        let (s, given) = match s.split_once('@') {
+            Some((s, threads)) => (s, threads.parse::<u32>().ok()),
+            None => (s, None),
+        };
+        let digits = s.trim_start_matches(|c: char| !c.is_ascii_digit());
+        let name = &s[..s.len() - digits.len()];
+        let number = match digits {
+            "" => Ok(1),
+            digits => digits.parse::<u32>().map_err(|e| format!("`{s}`: {e}")),
+        }?;
+        let team = |meeting, blocks, threads, instances| {
+            let threads = given.unwrap_or(threads).clamp(64, 1024).next_multiple_of(32);
+            Self { meeting, blocks, threads, instances }
+        };
+        match (name, number) {
+            ("block", 1 | 2 | 4) => Ok(team(Meeting::Block, 1, BLOCK_THREADS, number)),
+            ("cluster", 2 | 4 | 8 | 16) => Ok(team(Meeting::Cluster, number, BLOCK_THREADS, 1)),
+            ("grid", 1..=1024) => Ok(team(Meeting::Grid, number, TEAM_THREADS, 1)),
+            _ => Err(format!(
+                "`{s}` is no team: use block, block2, block4, cluster2 to cluster16 or grid1 to grid1024"
+            )),
+        }
+    }
+}
+
 impl Team {
+    /// The same team for another purpose.
+    fn for_purpose(self, purpose: Purpose) -> Self {
+        let instances = if purpose == Purpose::Forward { self.instances } else { 1 };
+        let threads = if purpose == Purpose::Backward {
+            self.threads.min(TEAM_THREADS)
+        } else {
+            self.threads
+        };
+        Self { instances, threads, ..self }
+    }
+
     pub(crate) fn cut(&self) -> Cut {
         Cut { blocks: self.blocks, threads: self.threads }
     }
@@ -63,19 +104,24 @@ pub(crate) struct Fitted {
     pub(crate) substep_us: f64,
 }
 
-/// Microseconds of a substep that do not shrink with more blocks: latencies of a node's update.
-const FIXED_US: f64 = 0.35;
+/// Threads of a block that is a team of its own, and of one among several.
+const BLOCK_THREADS: u32 = 1024;
+const TEAM_THREADS: u32 = 512;
+/// Microseconds of a substep that do not shrink with more blocks: latencies of a node's update and of meetings.
+const BLOCK_US: f64 = 0.1;
+const CLUSTER_US: f64 = 0.95;
+const GRID_US: f64 = 2.2;
 /// Of a half-spring on one multiprocessor.
-const HALF_SPRING_US: f64 = 0.18e-3;
+const HALF_SPRING_US: f64 = 0.265e-3;
+/// Half-springs of a thread whose sums still fit its registers, and how much slower it gets beyond.
+const BACKWARD_HALF_SPRINGS: f64 = 24.0;
+const BACKWARD_PENALTY: f64 = 4.0;
 /// Of one end of a triplet, in half-springs.
 const TRIPLET_END: f64 = 1.5;
-/// Of meetings.
-const CLUSTER_MEETING_US: f64 = 0.3;
-const GRID_MEETING_US: f64 = 2.2;
 /// Registers of a multiprocessor, and those that a thread needs beside its half-springs and sums.
 const REGISTERS: u32 = 65_536;
-const WORKING_REGISTERS: u32 = 46;
-const WORKING_REGISTERS_BACKWARD: u32 = 76;
+const WORKING_REGISTERS: u32 = 72;
+const WORKING_REGISTERS_BACKWARD: u32 = 86;
 /// Shared memory that a kernel's static variables may take.
 const STATIC_SHARED_BYTES: u32 = 1024;
 
@@ -89,9 +135,12 @@ pub(crate) fn choose(
     batch: usize,
     alike: usize,
 ) -> Result<Fitted, Error> {
-    let mut candidates = candidates(ability, &model.graph, purpose, batch, alike);
+    let mut candidates = match resident.device.team {
+        Some(team) => vec![(BLOCK_US, team.for_purpose(purpose))],
+        None => candidates(ability, &model.graph, purpose, batch, alike),
+    };
     if has_contact(model) {
-        candidates.retain(|(_, t)| t.instances == 1);
+        candidates.iter_mut().for_each(|(_, t)| t.instances = 1);
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut least = u64::MAX;
@@ -118,36 +167,37 @@ fn candidates(
     let work =
         2.0 * graph.springs.len() as f64 + TRIPLET_END * 3.0 * graph.triplets.len() as f64;
     let mut found = Vec::new();
-    let mut add = |meeting, blocks: u32, threads, instances: u32, meeting_us: f64, capacity: f64| {
+    let mut add = |meeting, blocks: u32, threads: u32, instances: u32, fixed_us: f64, capacity: f64| {
         let teams = (batch as f64 / f64::from(instances)).ceil();
-        let one = FIXED_US
-            + meeting_us
-            + work / f64::from(blocks) * f64::from(instances) * HALF_SPRING_US;
+        let own = work / f64::from(blocks);
+        let spills = purpose == Purpose::Backward && own > BACKWARD_HALF_SPRINGS * f64::from(threads);
+        let penalty = if spills { BACKWARD_PENALTY } else { 1.0 };
+        let one = fixed_us + own * f64::from(instances) * HALF_SPRING_US * penalty;
         let rounds = (teams / capacity.max(1.0)).ceil().max(1.0);
         found.push((rounds * one, Team { meeting, blocks, threads, instances }));
     };
     let processors = f64::from(ability.processors);
-    let block_threads = if purpose == Purpose::Backward { 512 } else { 1024 };
-    add(Meeting::Block, 1, block_threads, 1, 0.03, processors);
+    let block_threads = if purpose == Purpose::Backward { TEAM_THREADS } else { BLOCK_THREADS };
+    add(Meeting::Block, 1, block_threads, 1, BLOCK_US, processors);
     if purpose == Purpose::Forward {
         for instances in [2, 4] {
             if alike >= ability.processors as usize * instances as usize {
-                add(Meeting::Block, 1, block_threads, instances, 0.03, processors);
+                add(Meeting::Block, 1, block_threads, instances, BLOCK_US, processors);
             }
         }
     }
     for blocks in [2, 4, 8, 16].into_iter().filter(|&b| b <= ability.cluster) {
         // Clusters do not fill the device: their blocks share a part of it.
         let capacity = (processors * (1.0 - 0.0078 * f64::from(blocks)) / f64::from(blocks)).floor();
-        add(Meeting::Cluster, blocks, 512, 1, CLUSTER_MEETING_US, capacity);
+        add(Meeting::Cluster, blocks, block_threads, 1, CLUSTER_US, capacity);
     }
     let mut blocks = 32;
     while blocks <= ability.processors {
         let capacity = (processors / f64::from(blocks)).floor();
-        add(Meeting::Grid, blocks, 512, 1, GRID_MEETING_US, capacity);
+        add(Meeting::Grid, blocks, TEAM_THREADS, 1, GRID_US, capacity);
         blocks *= 2;
     }
-    add(Meeting::Grid, ability.processors, 512, 1, GRID_MEETING_US, 1.0);
+    add(Meeting::Grid, ability.processors, TEAM_THREADS, 1, GRID_US, 1.0);
     found
 }
 
@@ -170,7 +220,7 @@ pub(crate) fn fit(
     if states > room {
         return Ok(Err(states));
     }
-    let mut variant = variant(&cut, model, purpose, team);
+    let mut variant = variant(&cut, resident, model, purpose, team);
     let mut used = states;
     let per_triplet = if purpose == Purpose::Backward { 4 } else { 2 * team.instances };
     let bend = u64::from(cut.layout.max_triplets) * u64::from(per_triplet);
@@ -178,11 +228,14 @@ pub(crate) fn fit(
     if variant.bend_in_shared {
         used += 16 * bend;
     }
-    let half_springs = 16 * u64::from(match purpose {
-        Purpose::Backward => cut.layout.max_all_entries,
-        _ => cut.layout.max_entries,
-    });
-    let in_registers = variant.held > 0 && purpose != Purpose::Backward;
+    let pair_bytes = if variant.uniform_dashpot { 20 } else { 28 };
+    let pairs = match purpose {
+        Purpose::Backward => cut.layout.max_all_pairs,
+        _ => cut.layout.max_pairs,
+    };
+    let half_springs = (u64::from(pairs) * pair_bytes).next_multiple_of(16);
+    let in_registers =
+        purpose != Purpose::Backward && variant.held >= cut.layout.max_row_pairs;
     variant.half_springs_in_shared = !in_registers && used + half_springs <= room;
     if variant.half_springs_in_shared {
         used += half_springs;
@@ -195,27 +248,36 @@ pub(crate) fn fit(
 fn state_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
     let stride = u64::from(cut.layout.stride());
     match purpose {
-        Purpose::Backward => 6 * stride + 2 * u64::from(cut.layout.control_base),
-        _ => 4 * stride * u64::from(instances),
+        Purpose::Backward => 5 * stride + 2 * u64::from(cut.layout.control_base),
+        _ => 3 * stride * u64::from(instances),
     }
 }
 
-fn variant(cut: &CutGraph, model: &Model, purpose: Purpose, team: Team) -> Variant {
+fn variant(
+    cut: &CutGraph,
+    resident: &Resident,
+    model: &Model,
+    purpose: Purpose,
+    team: Team,
+) -> Variant {
     let layout = &cut.layout;
     let one_row = layout.max_rows * 32 <= team.threads;
     let threads = if one_row { (layout.max_rows * 32).max(64) } else { team.threads };
-    let registers = (REGISTERS / threads / 8 * 8).min(248);
+    // Registers are handed out to four warps at a time.
+    let registers = (REGISTERS / threads.next_multiple_of(128) / 8 * 8).min(248);
+    let uniform_dashpot = resident.dashpot.is_some();
     let (held, held_sums) = match purpose {
         Purpose::Backward => {
-            let fits = WORKING_REGISTERS_BACKWARD + 3 * layout.max_owner_slots <= registers;
-            let held = if one_row && fits { layout.max_slots } else { 0 };
-            (held, if held > 0 { layout.max_owner_slots.max(1) } else { 0 })
+            let room = registers.saturating_sub(WORKING_REGISTERS_BACKWARD) / 6;
+            let sums = if one_row { room.min(layout.max_owner_pairs) } else { 0 };
+            (sums, sums)
         }
-        _ => {
-            let per_slot = 4 * layout.max_slots;
-            let fits = WORKING_REGISTERS + per_slot <= registers && team.instances == 1;
-            (if one_row && fits { layout.max_slots } else { 0 }, 0)
+        _ if one_row && team.instances == 1 => {
+            let a_pair = if uniform_dashpot { 5 } else { 7 };
+            let room = registers.saturating_sub(WORKING_REGISTERS) / a_pair;
+            (room.min(layout.max_row_pairs), 0)
         }
+        _ => (0, 0),
     };
     Variant {
         source: match purpose {
@@ -229,7 +291,10 @@ fn variant(cut: &CutGraph, model: &Model, purpose: Purpose, team: Team) -> Varia
         threads,
         one_row,
         held,
+        held_always: held.min(layout.min_row_pairs),
         held_sums,
+        owner_pairs: if purpose == Purpose::Backward { layout.max_owner_pairs } else { 0 },
+        uniform_dashpot,
         bending: !model.graph.triplets.is_empty(),
         ground: model.environment.ground.is_some(),
         contact: has_contact(model),

@@ -1,5 +1,6 @@
 //! Which half-spring a lane takes in which slot. A quarter of a warp reads eight float4s of shared memory at
-//! once, and in one go only if they lie in different banks: indices that differ modulo 8.
+//! once, and in one go only if they lie in different banks: indices that differ modulo 8. Half a warp reads
+//! sixteen float2s at once: indices that differ modulo 16.
 
 use super::rows::{Half, WARP};
 
@@ -22,13 +23,17 @@ pub(super) fn arrange(
     let mut out = Vec::with_capacity(slots);
     while out.len() < slots || first.iter().chain(&then).any(|n| !n.is_empty()) {
         let mut slot: Slot = [None; WARP];
+        let mut used_by_half = [None; 2 * BANKS];
         for quarter in 0..WARP / TOGETHER {
             let mut used = [None; BANKS];
+            if quarter % 2 == 0 {
+                used_by_half = [None; 2 * BANKS];
+            }
             for lane in quarter * TOGETHER..(quarter + 1) * TOGETHER {
                 let node = lane / lanes;
                 let Some(own) = first.get_mut(node) else { continue };
                 let from = if own.is_empty() { &mut then[node] } else { own };
-                slot[lane] = take(from, &mut used);
+                slot[lane] = take(from, &mut used, &mut used_by_half);
             }
         }
         out.push(slot);
@@ -36,19 +41,33 @@ pub(super) fn arrange(
     out
 }
 
-/// Takes a half-spring whose bank is free, from the bank that has most of them left; any if none is.
-fn take(from: &mut Vec<Half>, used: &mut [Option<u32>; BANKS]) -> Option<Half> {
+/// Takes a half-spring that is read along with another lane's, or else one whose banks are free, from the bank
+/// that has most of them left; any if none is.
+fn take(
+    from: &mut Vec<Half>,
+    used: &mut [Option<u32>; BANKS],
+    used_by_half: &mut [Option<u32>; 2 * BANKS],
+) -> Option<Half> {
     let bank = |h: &Half| h.1 as usize % BANKS;
+    let half_bank = |h: &Half| h.1 as usize % (2 * BANKS);
     let mut left = [0_u32; BANKS];
     from.iter().for_each(|h| left[bank(h)] += 1);
-    let free = |h: &Half| used[bank(h)].is_none_or(|other| other == h.1);
-    let candidates = from.iter().enumerate().filter(|(_, h)| free(h));
-    let best = candidates.max_by_key(|(i, h)| (left[bank(h)], std::cmp::Reverse(*i)));
-    let at = best.map_or(0, |(i, _)| i);
-    if at >= from.len() {
-        return None;
-    }
-    let taken = from.swap_remove(at);
+    let gain = |of: Option<u32>, h: &Half| match of {
+        Some(other) if other == h.1 => 2,
+        None => 1,
+        Some(_) => 0,
+    };
+    let rank = |i: usize| {
+        let h = &from[i];
+        let gains = 3 * gain(used[bank(h)], h) + gain(used_by_half[half_bank(h)], h);
+        (gains, left[bank(h)], std::cmp::Reverse(i))
+    };
+    let best = (0..from.len()).max_by_key(|&i| rank(i))?;
+    let taken = from.swap_remove(best);
     used[bank(&taken)].get_or_insert(taken.1);
+    used_by_half[half_bank(&taken)].get_or_insert(taken.1);
     Some(taken)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,5 @@
 //! Half-springs in rows: a warp works on 32 / lanes nodes at once, each lane on every lanes-th half-spring
-//! of its node. A slot is one half-spring for each of the 32 lanes.
+//! of its node. A slot is one half-spring for each of the 32 lanes; slots come in pairs.
 
 use super::{Incidence, Layout, NONE, banks};
 
@@ -44,31 +44,32 @@ impl Rows<'_> {
         rows as u32
     }
 
-    /// Half-springs so far, padding included.
-    pub(super) fn entries(&self) -> u32 {
-        self.layout.springs.len() as u32
+    /// Pairs of half-springs so far, those that fill up included.
+    pub(super) fn pairs(&self) -> u32 {
+        (self.layout.springs.len() / 2) as u32
     }
 
     /// Ends the rows of a share.
     pub(super) fn end(&mut self) {
-        let slots = self.entries() / WARP as u32;
-        self.layout.rows.push(slots);
+        let pairs = self.pairs() / WARP as u32;
+        self.layout.rows.push(pairs);
     }
 
     fn add_row(&mut self, ends: &[Vec<Half>]) {
         let lanes = self.lanes;
         let layout = &mut *self.layout;
-        layout.rows.push((layout.springs.len() / WARP) as u32);
+        layout.rows.push((layout.springs.len() / (2 * WARP)) as u32);
         // Those that report gradients come first, so that few slots need sums.
         let owners: Vec<Vec<Half>> = ends.iter().map(|e| pick(e, true)).collect();
         let others: Vec<Vec<Half>> = ends.iter().map(|e| pick(e, false)).collect();
-        let slots_for = |most: usize| most.div_ceil(lanes);
-        let total = slots_for(ends.iter().map(Vec::len).max().unwrap_or(0));
-        let owner_slots = slots_for(owners.iter().map(Vec::len).max().unwrap_or(0));
-        layout.max_slots = layout.max_slots.max(total as u32);
-        layout.max_owner_slots = layout.max_owner_slots.max(owner_slots as u32);
-        for slot in banks::arrange(lanes, owners, others, total) {
-            for half in slot {
+        let pairs_for = |most: usize| most.div_ceil(2 * lanes);
+        let total = pairs_for(ends.iter().map(Vec::len).max().unwrap_or(0));
+        let owner_pairs = pairs_for(owners.iter().map(Vec::len).max().unwrap_or(0));
+        layout.max_row_pairs = layout.max_row_pairs.max(total as u32);
+        layout.max_owner_pairs = layout.max_owner_pairs.max(owner_pairs as u32);
+        let slots = banks::arrange(lanes, owners, others, 2 * total);
+        for pair in slots.chunks(2) {
+            for half in (0..WARP).flat_map(|lane| pair.iter().map(move |slot| slot[lane])) {
                 // What fills up a slot joins some node to another without any stiffness.
                 let (spring, other, owns) = half.unwrap_or((NONE, 0, false));
                 layout.springs.push(spring);

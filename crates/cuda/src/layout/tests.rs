@@ -45,9 +45,9 @@ fn halves(
     let a_row = 32 / lanes;
     let row = (share.row + first_row) as usize + index as usize / a_row;
     let mut found = BTreeSet::new();
-    for slot in layout.rows[row]..layout.rows[row + 1] {
-        for lane in 0..lanes {
-            let e = slot as usize * 32 + index as usize % a_row * lanes + lane;
+    for pair in layout.rows[row]..layout.rows[row + 1] {
+        for half in 0..2 * lanes {
+            let e = pair as usize * 64 + index as usize % a_row * 2 * lanes + half;
             let spring = layout.springs[e];
             if spring != NONE {
                 let other = endpoint(graph, layout, share, layout.others[e]);
@@ -116,10 +116,10 @@ fn gradients_come_from_the_first_slots() {
     for (_, layout) in layouts() {
         for share in &layout.shares {
             for row in share.row..share.row + share.rows {
-                let slots = layout.rows[row as usize]..layout.rows[row as usize + 1];
-                for (k, slot) in slots.enumerate() {
-                    let own = &layout.spring_of[slot as usize * 32..(slot as usize + 1) * 32];
-                    let late = k as u32 >= layout.max_owner_slots;
+                let pairs = layout.rows[row as usize]..layout.rows[row as usize + 1];
+                for (k, pair) in pairs.enumerate() {
+                    let own = &layout.spring_of[pair as usize * 64..(pair as usize + 1) * 64];
+                    let late = k as u32 >= layout.max_owner_pairs;
                     assert!(!late || own.iter().all(|&s| s == -1));
                 }
             }
