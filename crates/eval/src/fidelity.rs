@@ -72,7 +72,7 @@ pub fn fast_variant(
     // without softening.
     let own = Reduction { substeps: model.timing.substeps, rate_limit: None };
     let (mut best, mut too_few) = (variant(own, (0.0, 0.0)), 0);
-    let mut guess = stable_substeps(&model).needed;
+    let mut guess = stable_substeps(&model).needed.min(best.substeps.saturating_sub(1));
     while guess > too_few && guess < best.substeps {
         match measure(guess)? {
             Some(variant) => best = variant,
