@@ -1,11 +1,16 @@
 //! Which backend computes, and how it is opened. The only place that knows of more than one: workers,
 //! `bendtwin eval` and `bendtwin bench` all come here.
 
-use std::{path::PathBuf, str::FromStr, sync::Arc};
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::PathBuf,
+    str::FromStr,
+    sync::Arc,
+};
 
 use bendtwin_engine::{self as engine, Backend};
 
-use crate::Error;
+use crate::{Error, device::panic_text};
 
 /// Which backend computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,7 +83,8 @@ fn choose(
 ) -> Result<Arc<dyn Backend>, Error> {
     let refusal = match choice {
         BackendChoice::Cpu => return Ok(cpu()),
-        BackendChoice::Auto | BackendChoice::Cuda => match cuda() {
+        // A driver without a function that is looked for ends in a panic.
+        BackendChoice::Auto | BackendChoice::Cuda => match caught(cuda) {
             Ok(backend) => return Ok(backend),
             Err(engine::Error::Device(why)) => why,
             Err(other) => other.to_string(),
@@ -91,6 +97,11 @@ fn choose(
             Ok(cpu())
         }
     }
+}
+
+fn caught<T>(open: impl FnOnce() -> Result<T, engine::Error>) -> Result<T, engine::Error> {
+    catch_unwind(AssertUnwindSafe(open))
+        .unwrap_or_else(|panic| Err(engine::Error::Device(panic_text(&*panic))))
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ mod queue;
 mod thread;
 
 use std::{
-    sync::Arc,
+    sync::{Arc, Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
@@ -23,6 +23,7 @@ use tokio::sync::mpsc;
 pub(crate) use self::lane::Lane;
 pub(crate) use self::queue::Priority;
 use self::{
+    lane::Way,
     queue::{Broken, Queue},
     thread::{Opened, Threads},
 };
@@ -44,6 +45,8 @@ pub(crate) struct Device {
     description: Description,
     /// Whether rollouts have a thread of their own.
     has_urgent: bool,
+    /// The highest speeds seen, forward and backward.
+    speeds: Arc<[Mutex<Option<f64>>; 2]>,
 }
 
 impl Device {
@@ -62,7 +65,7 @@ impl Device {
         if let Some(urgent) = urgent {
             threads.start_urgent(urgent)?;
         }
-        Ok(Self { threads, description, has_urgent })
+        Ok(Self { threads, description, has_urgent, speeds: Arc::default() })
     }
 
     /// What the backend runs on.
@@ -109,6 +112,19 @@ impl Device {
             (true, Priority::Interactive) => URGENT_SLICE,
             (true, Priority::Background) => BACKGROUND_SLICE,
         }
+    }
+
+    /// The speed to expect of a batch of which nothing is known, in element substeps a second. Where
+    /// rollouts wait for fits it is found out carefully; where they only wait for each other a large batch shall
+    /// not be cut because it is the first of its caller, for large slices are what a GPU is fast with.
+    fn usual_speed(&self, way: Way) -> Option<f64> {
+        let speed = self.speeds[way as usize].lock().unwrap_or_else(PoisonError::into_inner);
+        speed.filter(|_| self.has_urgent)
+    }
+
+    fn note_speed(&self, way: Way, seen: Option<f64>) {
+        let mut speed = self.speeds[way as usize].lock().unwrap_or_else(PoisonError::into_inner);
+        *speed = [*speed, seen].into_iter().flatten().reduce(f64::max);
     }
 
     fn queue(&self, priority: Priority) -> &Queue {

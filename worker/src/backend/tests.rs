@@ -22,6 +22,14 @@ fn auto_falls_back_and_cuda_does_not() {
 }
 
 #[test]
+fn a_library_that_panics_is_one_that_cannot_be_used() {
+    let old = || -> Result<Arc<dyn Backend>, engine::Error> { panic!("no such symbol") };
+    assert_eq!(choose(BackendChoice::Auto, old, cpu).unwrap().device().kind, "cpu");
+    let error = choose(BackendChoice::Cuda, old, cpu).map(drop).unwrap_err();
+    assert!(error.to_string().contains("no such symbol"), "{error}");
+}
+
+#[test]
 fn cuda_is_preferred_and_the_cpu_never_asks_for_it() {
     let unwanted = || -> Arc<dyn Backend> { panic!("the CPU was not asked for") };
     for choice in [BackendChoice::Auto, BackendChoice::Cuda] {

@@ -24,6 +24,13 @@ use self::descent::LaneDescent;
 
 use super::{Device, Priority};
 
+/// Which way through the frames, for a gradient costs several times a rollout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    Forward,
+    Backward,
+}
+
 /// Device time that a lane has used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Usage {
@@ -40,7 +47,6 @@ pub(crate) struct Lane(Arc<Access>);
 struct Access {
     device: Device,
     priority: Priority,
-    /// Per kind of call, for a gradient costs several times a rollout.
     forward: Mutex<Usage>,
     backward: Mutex<Usage>,
 }
@@ -59,7 +65,7 @@ impl Lane {
     fn sliced<R: Send + 'static>(
         &self,
         batch: &[Instance],
-        usage: &Mutex<Usage>,
+        way: Way,
         cancel: &CancelToken,
         run: impl Fn(&dyn Backend, &[Instance]) -> Result<Vec<R>, Error> + Clone + Send + 'static,
     ) -> Result<Vec<R>, Error> {
@@ -67,7 +73,7 @@ impl Lane {
         let mut order: Vec<usize> = (0..batch.len()).collect();
         // Stable, so that equal instances keep their order.
         order.sort_by(|a, b| work[*b].total_cmp(&work[*a]));
-        self.0.in_slices(batch, &work, &order, usage, cancel, |instances| {
+        self.0.in_slices(batch, &work, &order, way, cancel, |instances| {
             let (instances, run) = (Arc::new(instances), run.clone());
             self.0.call(move |backend| run(backend, &instances))
         })
@@ -93,6 +99,13 @@ impl Access {
         result
     }
 
+    fn usage(&self, way: Way) -> &Mutex<Usage> {
+        match way {
+            Way::Forward => &self.forward,
+            Way::Backward => &self.backward,
+        }
+    }
+
     /// Runs a job that cannot run twice.
     fn call_once<R: Send + 'static>(
         &self,
@@ -107,17 +120,19 @@ impl Access {
         batch: &[T],
         work: &[f64],
         order: &[usize],
-        usage: &Mutex<Usage>,
+        way: Way,
         cancel: &CancelToken,
         run: impl Fn(Vec<T>) -> Result<(Vec<R>, Duration), Error>,
     ) -> Result<Vec<R>, Error> {
+        let usage = self.usage(way);
         let mut results: Vec<Option<R>> = batch.iter().map(|_| None).collect();
         let mut rest = order;
         while !rest.is_empty() {
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            let budget = lock(usage).affordable(self.device.slice(self.priority));
+            let speed = lock(usage).speed().or_else(|| self.device.usual_speed(way));
+            let budget = speed.unwrap_or(0.0) * self.device.slice(self.priority).as_secs_f64();
             let count = slice_len(rest, work, budget, self.device.description().lanes);
             let (slice, later) = rest.split_at(count);
             rest = later;
@@ -126,7 +141,9 @@ impl Access {
                 let fault = format!("{} results for {} instances", values.len(), slice.len());
                 return Err(Error::Device(fault));
             }
-            lock(usage).add(took, slice.iter().map(|i| work[*i]).sum());
+            let slice_work = slice.iter().map(|i| work[*i]).sum();
+            lock(usage).add(took, slice_work);
+            self.device.note_speed(way, Usage { compute: took, work: slice_work }.speed());
             for (index, value) in slice.iter().zip(values) {
                 results[*index] = Some(value);
             }
@@ -156,14 +173,14 @@ impl Backend for Lane {
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
         let (recording, token) = (recording.clone(), cancel.clone());
-        self.sliced(batch, &self.0.forward, cancel, move |backend, slice| {
+        self.sliced(batch, Way::Forward, cancel, move |backend, slice| {
             backend.roll_out(slice, &recording, &token)
         })
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
         let token = cancel.clone();
-        self.sliced(batch, &self.0.forward, cancel, move |backend, slice| {
+        self.sliced(batch, Way::Forward, cancel, move |backend, slice| {
             backend.losses(slice, &token)
         })
     }
@@ -175,7 +192,7 @@ impl Backend for Lane {
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
         let (request, token) = (request.clone(), cancel.clone());
-        self.sliced(batch, &self.0.backward, cancel, move |backend, slice| {
+        self.sliced(batch, Way::Backward, cancel, move |backend, slice| {
             backend.gradients(slice, &request, &token)
         })
     }
@@ -200,16 +217,15 @@ impl Usage {
         self.work += work;
     }
 
-    /// Work that fits a slice of so long at the speed seen so far; nothing is known at first, so one round
-    /// of the device's lanes is tried.
-    fn affordable(&self, slice: Duration) -> f64 {
+    /// Work a second, once there was any.
+    fn speed(&self) -> Option<f64> {
         let seconds = self.compute.as_secs_f64();
-        if seconds > 0.0 { self.work / seconds * slice.as_secs_f64() } else { 0.0 }
+        (seconds > 0.0).then(|| self.work / seconds)
     }
 }
 
-/// How many of the instances in `rest` the next slice takes: whole rounds of
-/// lanes while they fit the budget, and one round at least.
+/// How many of the instances in `rest` the next slice takes: whole rounds of lanes while they fit the
+/// budget, and one round at least: where no speed is known yet, it is found out with that.
 fn slice_len(rest: &[usize], work: &[f64], budget: f64, lanes: usize) -> usize {
     let lanes = lanes.max(1);
     let mut taken = lanes.min(rest.len());

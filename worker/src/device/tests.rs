@@ -290,3 +290,18 @@ fn what_breaks_in_one_queue_ends_both() {
         assert!(matches!(fit.load(model), Err(EngineError::Device(_))));
     }
 }
+
+#[test]
+fn with_a_second_queue_a_large_batch_is_not_cut_once_the_device_is_known() {
+    let urgent = Slow { each: Duration::from_millis(1), ..Slow::default() };
+    let batches = urgent.batches.clone();
+    let (device, _died) = two_queues(urgent);
+    let cancel = CancelToken::default();
+    for _ in 0..2 {
+        let lane = device.lane(Priority::Interactive);
+        let batch = instances(&lane, std::iter::repeat_n(1, 20));
+        lane.roll_out(&batch, &Recording::default(), &cancel).unwrap();
+    }
+    let sizes = batches.lock().unwrap().clone();
+    assert_eq!((sizes[0], *sizes.last().unwrap()), (2, 20), "{sizes:?}");
+}

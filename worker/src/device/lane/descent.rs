@@ -9,7 +9,7 @@ use bendtwin_engine::{
     descent::{Decay, Descent, Position, Probe, Slope, Start},
 };
 
-use super::{Access, instance_work};
+use super::{Access, Way, instance_work};
 
 /// The backend's own descent; only jobs on the device thread open the slot.
 type Slot = Arc<Mutex<Option<Box<dyn Descent>>>>;
@@ -80,12 +80,16 @@ impl Descent for LaneDescent {
     ) -> Result<Vec<Slope>, Error> {
         let work: Vec<f64> = batch.iter().map(|p| instance_work(&p.instance)).collect();
         let order: Vec<usize> = (0..batch.len()).collect();
-        let usage = &self.access.backward;
-        self.access.in_slices(batch, &work, &order, usage, cancel, |slice| {
+        self.access.in_slices(batch, &work, &order, Way::Backward, cancel, |slice| {
             let (request, token) = (request.clone(), cancel.clone());
+            let job = on(&self.slot, move |descent| descent.measure(&slice, &request, &token));
             // Never twice: after an error some of the slice's gradients may wait.
-            self.access
-                .call_once(on(&self.slot, move |descent| descent.measure(&slice, &request, &token)))
+            let result = self.access.call_once(job);
+            if let Err(Error::OutOfMemory { .. }) = result {
+                // The next attempt at the fit goes on from its checkpoint, and finds room.
+                self.access.device.reclaim(u64::MAX);
+            }
+            result
         })
     }
 
