@@ -16,8 +16,11 @@ use super::{
     system::System,
 };
 
-/// Largest tape of one instance. Tests use a small one, so that they meet segments.
-const MAX_TAPE_BYTES: usize = if cfg!(test) { 20_000 } else { 256 << 20 };
+/// Up to this size a frame's tape is kept whole. Tests use a small one, so that they meet segments.
+const WHOLE_TAPE_BYTES: usize = if cfg!(test) { 20_000 } else { 64 << 20 };
+/// Otherwise its segments should stay in a core's share of the cache: writing a larger tape to memory and reading it
+/// back costs more than running the frame once more.
+const SEGMENT_BYTES: usize = if cfg!(test) { 5_000 } else { 12 << 20 };
 
 /// d loss / d everything, as far back as the frames gone through.
 #[derive(Debug)]
@@ -108,11 +111,17 @@ impl<T: Real> Adjoint<T> {
     }
 }
 
-/// Substeps that may be on tape at once: a whole frame, unless that takes too much memory. Then a
-/// frame is run once more to mark where its segments start.
+/// Substeps that are on tape at once: a whole frame, unless that takes too much memory. Then a
+/// frame is run once more to mark where its segments start; these are no shorter than the root of their
+/// number, which keeps marks and tape together small.
 fn segment_length<T: Real>(system: &System<T>) -> usize {
     let substep = system.endpoints() * size_of::<Node<T>>() + system.nodes * size_of::<Quad<T>>();
-    (MAX_TAPE_BYTES / substep.max(1)).clamp(1, system.substeps)
+    let substep = substep.max(1);
+    if WHOLE_TAPE_BYTES / substep >= system.substeps {
+        return system.substeps.max(1);
+    }
+    let shortest = system.substeps.isqrt();
+    (SEGMENT_BYTES / substep).max(shortest).clamp(1, system.substeps)
 }
 
 struct BackSubsteps<'a, T> {

@@ -170,9 +170,9 @@ fn push<T: Real, M: Machine<T>>(
 /// Adjoint of [`spring_forces`]: given d loss / d force in `lambda`, adds d loss / d (position,
 /// velocity) to `adjoint` and to the sums that d loss / d parameters are made of.
 ///
-/// With p = d . (lambda_i - lambda_j) and F the bracket above: `r_bar = k/l0 p d + gamma p (w - q d)/l
-/// + F (lambda - p d)/l`, `w_bar = gamma p d`, both with opposite signs at the two ends. Where a spring
-/// has no direction, d and with it everything is zero.
+/// With p = d . (lambda_i - lambda_j) and F the bracket above:
+/// `r_bar = k/l0 p d + gamma p (w - q d)/l + F (lambda_i - lambda_j - p d)/l`, `w_bar = gamma p d`,
+/// both with opposite signs at the two ends. Where a spring has no direction, d and with it everything is zero.
 #[inline(always)]
 pub(crate) fn spring_adjoint<T: Real, M: Machine<T>>(
     m: M,
