@@ -12,9 +12,9 @@ DEVICE float4* bar_x_of(const Local& l) { return l.after_states(2 * l.stride); }
 DEVICE float4* bar_v_of(const Local& l) { return l.after_states(2 * l.stride + l.control_base); }
 DEVICE float4* after_bars(const Local& l) { return l.after_states(2 * l.stride + 2 * l.control_base); }
 // d loss / d (x_i, x_k, v_i, v_k), by triplet.
-DEVICE float4* bend_buffer(const Local& l) {
+DEVICE float3* bend_buffer(const Local& l) {
     u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.job->topology.max_all_pairs) : 0;
-    return BEND_IN_SHARED ? after_bars(l) + before : l.spill();
+    return reinterpret_cast<float3*>(BEND_IN_SHARED ? after_bars(l) + before : l.spill());
 }
 
 // What all substeps need, kept in registers.
@@ -165,22 +165,22 @@ DEVICE void contact_adjoint(
 }
 
 DEVICE BendAdjoint
-bend_one(const Local& l, u32 now, float4* out, u32 t, const HeldTriplet& h) {
+bend_one(const Local& l, u32 now, float3* out, u32 t, const HeldTriplet& h) {
     const float4* lambda = lambda_of(l, now);
     State i = l.state(now, 0, h.ends.i), j = l.state(now, 0, h.ends.j), k = l.state(now, 0, h.ends.k);
     float3 lj = xyz(lambda[h.ends.j]);
     BendAdjoint a = bend_adjoint(
         h.params, sub(i.x, j.x), sub(k.x, j.x), sub(i.v, j.v), sub(k.v, j.v),
         sub(xyz(lambda[h.ends.i]), lj), sub(xyz(lambda[h.ends.k]), lj));
-    out[4 * t] = with_w(a.x_i, 0.0f);
-    out[4 * t + 1] = with_w(a.x_k, 0.0f);
-    out[4 * t + 2] = with_w(a.v_i, 0.0f);
-    out[4 * t + 3] = with_w(a.v_k, 0.0f);
+    out[4 * t] = a.x_i;
+    out[4 * t + 1] = a.x_k;
+    out[4 * t + 2] = a.v_i;
+    out[4 * t + 3] = a.v_k;
     return a;
 }
 
 DEVICE void
-bend_adjoints(const Local& l, u32 now, float4* out, const HeldTriplet& first, Sums& sums) {
+bend_adjoints(const Local& l, u32 now, float3* out, const HeldTriplet& first, Sums& sums) {
 #if BENDING
     if (first.has) {
         BendAdjoint a = bend_one(l, now, out, threadIdx.x, first);
@@ -205,19 +205,19 @@ bend_adjoints(const Local& l, u32 now, float4* out, const HeldTriplet& first, Su
 
 // A lane's part of what an endpoint gets from its triplets.
 DEVICE void bend_share(
-    const float4* in, const u32* refs, u32 arm, u32 arms, u32 lane, float3& x_bar, float3& v_bar
+    const float3* in, const u32* refs, u32 arm, u32 arms, u32 lane, float3& x_bar, float3& v_bar
 ) {
 #if BENDING
     for (u32 a = arm + lane; a < arms; a += LANES) {
         u32 ref = refs[a];
-        const float4* t = in + 4 * (ref >> 2);
+        const float3* t = in + 4 * (ref >> 2);
         u32 role = ref & 3;
         if (role < 2) {
-            x_bar = add(x_bar, xyz(t[role]));
-            v_bar = add(v_bar, xyz(t[2 + role]));
+            x_bar = add(x_bar, t[role]);
+            v_bar = add(v_bar, t[2 + role]);
         } else {
-            x_bar = sub(x_bar, add(xyz(t[0]), xyz(t[1])));
-            v_bar = sub(v_bar, add(xyz(t[2]), xyz(t[3])));
+            x_bar = sub(x_bar, add(t[0], t[1]));
+            v_bar = sub(v_bar, add(t[2], t[3]));
         }
     }
 #endif
@@ -274,7 +274,7 @@ DEVICE void reporting_pair(
 
 // Second half of a substep for a node; leaves d loss / d state at its start in `x_bar`, `v_bar`.
 DEVICE void force_adjoint(
-    const Local& l, const Constants& c, const Place& p, u32 now, const Pairs& pairs, const float4* bends,
+    const Local& l, const Constants& c, const Place& p, u32 now, const Pairs& pairs, const float3* bends,
     const u32* refs, float3& x_bar, float3& v_bar, Sums& sums
 ) {
     float3 x_sum = zero3(), v_sum = zero3();
@@ -310,7 +310,7 @@ DEVICE void force_adjoint(
 
 // The control points' part of the second half.
 DEVICE void control_adjoint(
-    const Local& l, const Constants& c, u32 now, u32 substep, const Pairs& pairs, const float4* bends,
+    const Local& l, const Constants& c, u32 now, u32 substep, const Pairs& pairs, const float3* bends,
     const u32* refs
 ) {
     const Job& job = *l.job;
@@ -428,7 +428,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
                    job.topology.node_count, job.tape_x, job.tape_v, job.tape_b, job.pin_sums};
     u32 rows = l.share.rows + (job.control_sums ? l.share.control_rows : 0);
     Pairs pairs = pairs_of(l, rows, after_bars(l));
-    float4* bends = bend_buffer(l);
+    float3* bends = bend_buffer(l);
     const u32* refs = job.topology.arm_refs;
     HeldTriplet triplet = triplet_at(l, threadIdx.x);
     Halo halo = halo_of(l);

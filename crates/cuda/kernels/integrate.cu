@@ -26,24 +26,24 @@ DEVICE Constants constants_of(const Job& job) {
 }
 
 // Forces of the ends i and k, by triplet and instance.
-DEVICE float4* bend_buffer(const Local& l) {
+DEVICE float3* bend_buffer(const Local& l) {
     u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.job->topology.max_pairs) : 0;
-    return BEND_IN_SHARED ? l.after_states(before) : l.spill();
+    return reinterpret_cast<float3*>(BEND_IN_SHARED ? l.after_states(before) : l.spill());
 }
 
-DEVICE void bend_one(const Local& l, u32 now, float4* forces, u32 t, const HeldTriplet& h) {
+DEVICE void bend_one(const Local& l, u32 now, float3* forces, u32 t, const HeldTriplet& h) {
 #pragma unroll
     for (u32 m = 0; m < INSTANCES; m++) {
         State i = l.state(now, m, h.ends.i), j = l.state(now, m, h.ends.j);
         State k = l.state(now, m, h.ends.k);
         float3 f_i, f_k;
         bend_force(h.params, sub(i.x, j.x), sub(k.x, j.x), sub(i.v, j.v), sub(k.v, j.v), f_i, f_k);
-        forces[(t * INSTANCES + m) * 2] = with_w(f_i, 0.0f);
-        forces[(t * INSTANCES + m) * 2 + 1] = with_w(f_k, 0.0f);
+        forces[(t * INSTANCES + m) * 2] = f_i;
+        forces[(t * INSTANCES + m) * 2 + 1] = f_k;
     }
 }
 
-DEVICE void bend_forces(const Local& l, u32 now, float4* forces, const HeldTriplet& first) {
+DEVICE void bend_forces(const Local& l, u32 now, float3* forces, const HeldTriplet& first) {
 #if BENDING
     if (first.has) bend_one(l, now, forces, threadIdx.x, first);
     for (u32 t = threadIdx.x + THREADS; t < l.share.triplets; t += THREADS)
@@ -53,7 +53,7 @@ DEVICE void bend_forces(const Local& l, u32 now, float4* forces, const HeldTripl
 }
 
 // A lane's part of the forces of its node's triplets.
-DEVICE float3 bend_share(const Place& p, const float4* forces, const u32* refs, u32 m) {
+DEVICE float3 bend_share(const Place& p, const float3* forces, const u32* refs, u32 m) {
     float3 sum = zero3();
 #if BENDING
     for (u32 a = p.arm + p.lane; a < p.arms; a += LANES) {
@@ -61,9 +61,9 @@ DEVICE float3 bend_share(const Place& p, const float4* forces, const u32* refs, 
         u32 at = ((ref >> 2) * INSTANCES + m) * 2;
         u32 role = ref & 3;
         if (role < 2) {
-            sum = add(sum, xyz(forces[at + role]));
+            sum = add(sum, forces[at + role]);
         } else {
-            sum = sub(sum, add(xyz(forces[at]), xyz(forces[at + 1])));
+            sum = sub(sum, add(forces[at], forces[at + 1]));
         }
     }
 #endif
@@ -127,25 +127,16 @@ DEVICE void spring_forces(
         float4 ax = xs[m][one.other], bx = xs[m][two.other];
         float2 av = vs[m][one.other], bv = vs[m][two.other];
         float3 r = sub(xyz(ax), s[m].x), w = sub(v3(ax.w, av.x, av.y), s[m].v);
-        spring_force(one.rate, one.rest, one.dashpot, r, w, force[m]);
+        spring_force(one, r, w, force[m]);
         r = sub(xyz(bx), s[m].x);
         w = sub(v3(bx.w, bv.x, bv.y), s[m].v);
-        spring_force(two.rate, two.rest, two.dashpot, r, w, force[m]);
+        spring_force(two, r, w, force[m]);
     }
-}
-
-// A pair from where pairs are, with its stiffnesses.
-DEVICE Pair stiff_pair(const Pairs& pairs, u32 at) {
-    Pair p = load_pair(pairs, at);
-#if !HALF_SPRINGS_IN_SHARED
-    p.rates = with_stiffness(p.rates);
-#endif
-    return p;
 }
 
 DEVICE void work_on(
     const Local& l, const Constants& c, const Place& p, const Held& held, u32 now, u32 tape,
-    const Pairs& pairs, const float4* bends, const u32* refs
+    const Pairs& pairs, const float3* bends, const u32* refs
 ) {
     State s[INSTANCES];
     float3 force[INSTANCES];
@@ -167,7 +158,7 @@ DEVICE void work_on(
 #endif
 #pragma unroll 2
     for (u32 k = HELD; k < p.pairs; k++)
-        spring_forces(c, xs, vs, stiff_pair(pairs, p.first + k * 32), s, force);
+        spring_forces(c, xs, vs, load_pair(pairs, p.first + k * 32), s, force);
 #pragma unroll
     for (u32 m = 0; m < INSTANCES; m++) {
         float3 total = sum_lanes(add(force[m], bend_share(p, bends, refs, m)));
@@ -314,7 +305,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     Local l = local_of(jobs, blockIdx.x % BLOCKS);
     Pairs pairs = pairs_of(l, l.share.rows, l.after_states(0));
     Constants c = constants_of(*jobs);
-    float4* bends = bend_buffer(l);
+    float3* bends = bend_buffer(l);
     const u32* refs = jobs->topology.arm_refs;
     HeldTriplet triplet = triplet_at(l, threadIdx.x);
     Halo halo = halo_of(l);
@@ -326,7 +317,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 #if HELD > 0
 #pragma unroll
     for (u32 k = 0; k < HELD; k++)
-        held.pairs[k] = k < p.pairs ? stiff_pair(pairs, p.first + k * 32) : no_pair(p.node);
+        held.pairs[k] = k < p.pairs ? load_pair(pairs, p.first + k * 32) : no_pair(p.node);
 #endif
 #endif
     // A cluster's blocks must all have started before one writes into another.

@@ -81,11 +81,6 @@ DEVICE Local local_of(const Job* job, u32 rank) {
     return l;
 }
 
-// Forward, half-springs that are copied have their stiffness beside their rate.
-#ifndef STIFFNESS_FIRST
-#define STIFFNESS_FIRST 0
-#endif
-
 // Float4s that `pairs` pairs of half-springs take.
 DEVICE u32 pairs_size(u32 pairs) {
     u32 floats = UNIFORM_DASHPOT ? 5 : 7;
@@ -103,7 +98,7 @@ DEVICE Pairs pairs_of(const Local& l, u32 rows, float4* near) {
     float2* dashpots = reinterpret_cast<float2*>(rates + count);
     u32* others = reinterpret_cast<u32*>(UNIFORM_DASHPOT ? dashpots : dashpots + count);
     for (u32 i = threadIdx.x; i < count; i += THREADS) {
-        rates[i] = STIFFNESS_FIRST ? with_stiffness(far.rates[i]) : far.rates[i];
+        rates[i] = far.rates[i];
         others[i] = far.others[i];
         if (!UNIFORM_DASHPOT) dashpots[i] = far.dashpots[i];
     }

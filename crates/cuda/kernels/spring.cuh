@@ -4,10 +4,10 @@
 // With r = x_other - x_self, l = |r|, d = r / l and q = (v_other - v_self) . d:
 // f_self = [k (l/l0 - 1) + gamma q] d.
 
-// One end of a spring; `other` is a local index. Forward the second number is k [N], backward l0 [m].
+// One end of a spring; `other` is a local index.
 struct HalfSpring {
     float rate;  // k / l0 [N/m]
-    float rest;
+    float rest;  // l0 [m]
     float dashpot;
     u32 other;
 };
@@ -20,13 +20,6 @@ struct Pair {
     float2 dashpots;
 #endif
 };
-
-// From rest lengths to stiffnesses, for `spring_force`.
-DEVICE float4 with_stiffness(float4 rates) {
-    rates.y *= rates.x;
-    rates.w *= rates.z;
-    return rates;
-}
 
 // Where pairs are.
 struct Pairs {
@@ -80,11 +73,12 @@ DEVICE HalfSpring second_of(const Pair& p, float dashpot) {
     return s;
 }
 
-// Adds the spring's force on this end: (k/l0 - k/l + gamma w.r / l^2) r. Below the shortest length that has a
-// direction r itself is nothing.
-DEVICE void spring_force(float rate, float k, float dashpot, float3 r, float3 w, float3& force) {
-    float inverse = rsqrtf(fmaxf(dot(r, r), 1e-24f));
-    float magnitude = fmaf(inverse, fmaf(dashpot, dot(w, r) * inverse, -k), rate);
+// Adds the spring's force on this end. Below the shortest length that has a direction r itself is nothing.
+DEVICE void spring_force(const HalfSpring& s, float3 r, float3 w, float3& force) {
+    float square = dot(r, r);
+    float inverse = rsqrtf(fmaxf(square, 1e-24f));
+    float stretch = fmaf(square, inverse, -s.rest);
+    float magnitude = fmaf(s.dashpot * inverse, dot(w, r), s.rate * stretch) * inverse;
     force = add_scaled(force, magnitude, r);
 }
 

@@ -145,7 +145,6 @@ impl Variant {
             ("HELD_ALWAYS", self.held_always),
             ("HELD_SUMS", self.held_sums),
             ("OWNER_PAIRS", self.owner_pairs),
-            ("STIFFNESS_FIRST", (self.source == Source::Integrate).into()),
             ("UNIFORM_DASHPOT", self.uniform_dashpot.into()),
             ("BENDING", self.bending.into()),
             ("GROUND", self.ground.into()),

@@ -222,8 +222,9 @@ pub(crate) fn fit(
     }
     let mut variant = variant(&cut, resident, model, purpose, team);
     let mut used = states;
+    // Vectors of three floats; float4s.
     let per_triplet = if purpose == Purpose::Backward { 4 } else { 2 * team.instances };
-    let bend = u64::from(cut.layout.max_triplets) * u64::from(per_triplet);
+    let bend = (u64::from(cut.layout.max_triplets) * u64::from(per_triplet) * 3).div_ceil(4);
     variant.bend_in_shared = used + 16 * bend <= room;
     if variant.bend_in_shared {
         used += 16 * bend;

@@ -4,7 +4,7 @@ use super::*;
 use crate::compile;
 
 /// Set where NVRTC has been installed for these tests.
-const REQUIRED: &str = "BENDTWIN_REQUIRE_NVRTC";
+const REQUIRED: &str = "BENDTWIN_NVRTC";
 
 fn variants() -> Vec<Variant> {
     let base = Variant { ground: true, ..Variant::small(Source::Integrate) };

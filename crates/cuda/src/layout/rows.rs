@@ -5,7 +5,10 @@ use super::{Incidence, Layout, NONE, banks};
 
 /// Lanes of a warp.
 pub(super) const WARP: usize = 32;
-/// Fewer half-springs than this a lane are not worth a shuffle more.
+/// A block of so many threads keeps its multiprocessor busy.
+const BUSY_THREADS: usize = 512;
+/// Fewer half-springs than this a lane are not worth a shuffle more, in a block that is busy and in one that is not.
+const FEWEST_SLOTS_BUSY: usize = 6;
 const FEWEST_SLOTS: usize = 3;
 
 /// A half-spring: spring, other end by local index, whether it reports the gradient.
@@ -16,10 +19,12 @@ pub(super) fn lanes_for(nodes: usize, incidence: &Incidence, threads: u32) -> u3
     let ends = incidence.starts.len().saturating_sub(1).max(1);
     let valence = incidence.springs.len() / ends;
     let mut lanes = 1;
-    while lanes < WARP
-        && (nodes * 2 * lanes).next_multiple_of(WARP) <= threads as usize
-        && valence / (2 * lanes) >= FEWEST_SLOTS
-    {
+    while lanes < WARP {
+        let more = (nodes * 2 * lanes).next_multiple_of(WARP);
+        let fewest = if more > BUSY_THREADS { FEWEST_SLOTS_BUSY } else { FEWEST_SLOTS };
+        if more > threads as usize || valence / (2 * lanes) < fewest {
+            break;
+        }
         lanes *= 2;
     }
     lanes as u32
