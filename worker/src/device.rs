@@ -10,7 +10,7 @@ mod queue;
 mod thread;
 
 use std::{
-    sync::{Arc, Mutex, PoisonError},
+    sync::Arc,
     time::{Duration, Instant},
 };
 
@@ -23,7 +23,6 @@ use tokio::sync::mpsc;
 pub(crate) use self::lane::Lane;
 pub(crate) use self::queue::Priority;
 use self::{
-    lane::Way,
     queue::{Broken, Queue},
     thread::{Opened, Threads},
 };
@@ -33,10 +32,10 @@ use crate::Error;
 /// a fit. Rollouts are to be answered within 50 ms of their own time; estimates of a slice's time may
 /// be off by half. A single instance that takes longer cannot be cut.
 const SHARED_SLICE: Duration = Duration::from_millis(30);
-/// How long a rollout's slice should take where rollouts have a queue of their own: what they wait for is each other.
-const URGENT_SLICE: Duration = Duration::from_millis(100);
-/// How long a fit's slice should take there: nobody waits but those who cancel it.
-const BACKGROUND_SLICE: Duration = Duration::from_millis(250);
+/// Work of a rollout's slice where rollouts have a queue of their own, in element substeps: a fraction of a
+/// second on a large GPU. By work and not by time, since how a GPU computes a batch, and with it the last
+/// bits of the result, depends on how many instances there are: the same request must be cut alike.
+const URGENT_WORK: f64 = 5e10;
 
 /// A handle on the device; clones share it. Its threads end on [`Device::close`].
 #[derive(Clone)]
@@ -45,8 +44,6 @@ pub(crate) struct Device {
     description: Description,
     /// Whether rollouts have a thread of their own.
     has_urgent: bool,
-    /// The highest speeds seen, forward and backward.
-    speeds: Arc<[Mutex<Option<f64>>; 2]>,
 }
 
 impl Device {
@@ -65,7 +62,7 @@ impl Device {
         if let Some(urgent) = urgent {
             threads.start_urgent(urgent)?;
         }
-        Ok(Self { threads, description, has_urgent, speeds: Arc::default() })
+        Ok(Self { threads, description, has_urgent })
     }
 
     /// What the backend runs on.
@@ -105,26 +102,14 @@ impl Device {
         self.threads.close();
     }
 
-    /// How long a slice of work should take.
-    fn slice(&self, priority: Priority) -> Duration {
+    /// Work of a slice, in element substeps, for a caller who has seen this speed.
+    fn slice_work(&self, priority: Priority, speed: Option<f64>) -> f64 {
         match (self.has_urgent, priority) {
-            (false, _) => SHARED_SLICE,
-            (true, Priority::Interactive) => URGENT_SLICE,
-            (true, Priority::Background) => BACKGROUND_SLICE,
+            (false, _) => speed.unwrap_or(0.0) * SHARED_SLICE.as_secs_f64(),
+            (true, Priority::Interactive) => URGENT_WORK,
+            // Nobody waits for it; such a backend hears of cancellations while it computes.
+            (true, Priority::Background) => f64::INFINITY,
         }
-    }
-
-    /// The speed to expect of a batch of which nothing is known, in element substeps a second. Where
-    /// rollouts wait for fits it is found out carefully; where they only wait for each other a large batch shall
-    /// not be cut because it is the first of its caller, for large slices are what a GPU is fast with.
-    fn usual_speed(&self, way: Way) -> Option<f64> {
-        let speed = self.speeds[way as usize].lock().unwrap_or_else(PoisonError::into_inner);
-        speed.filter(|_| self.has_urgent)
-    }
-
-    fn note_speed(&self, way: Way, seen: Option<f64>) {
-        let mut speed = self.speeds[way as usize].lock().unwrap_or_else(PoisonError::into_inner);
-        *speed = [*speed, seen].into_iter().flatten().reduce(f64::max);
     }
 
     fn queue(&self, priority: Priority) -> &Queue {

@@ -131,8 +131,8 @@ impl Access {
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            let speed = lock(usage).speed().or_else(|| self.device.usual_speed(way));
-            let budget = speed.unwrap_or(0.0) * self.device.slice(self.priority).as_secs_f64();
+            let speed = lock(usage).speed();
+            let budget = self.device.slice_work(self.priority, speed);
             let count = slice_len(rest, work, budget, self.device.description().lanes);
             let (slice, later) = rest.split_at(count);
             rest = later;
@@ -143,7 +143,6 @@ impl Access {
             }
             let slice_work = slice.iter().map(|i| work[*i]).sum();
             lock(usage).add(took, slice_work);
-            self.device.note_speed(way, Usage { compute: took, work: slice_work }.speed());
             for (index, value) in slice.iter().zip(values) {
                 results[*index] = Some(value);
             }
