@@ -7,7 +7,7 @@
 
 mod adjoint;
 pub(crate) mod bend;
-pub(crate) mod check;
+pub mod check;
 mod contact;
 mod control;
 mod diagnostics;
