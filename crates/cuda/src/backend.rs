@@ -34,6 +34,9 @@ use crate::{
 /// Share of the budget that a batch's working memory may take.
 const WORKING_SHARE: u64 = 2;
 
+/// The graphs on a device, by the host's.
+type Graphs = Vec<(Weak<Graph>, Weak<DeviceGraph>)>;
+
 /// One queue of a device.
 #[derive(Clone)]
 pub(crate) struct CudaBackend {
@@ -41,14 +44,13 @@ pub(crate) struct CudaBackend {
     pub(crate) queue: Arc<Queue>,
     normal: Arc<Queue>,
     urgent: Arc<Queue>,
-    graphs: Arc<Mutex<Vec<(Weak<Graph>, Weak<DeviceGraph>)>>>,
+    graphs: Arc<Mutex<Graphs>>,
 }
 
-/// A simulation that has been scored and, if asked for, gone through backward.
+/// A simulation that has been run and scored.
 pub(crate) struct Measured<'a> {
     simulation: Simulation<'a>,
     scores: Option<Scores>,
-    gradients: Option<Gradients>,
     divergences: Vec<Option<Divergence>>,
 }
 
@@ -91,7 +93,11 @@ impl CudaBackend {
     }
 
     /// Parts of a batch that fit into the room side by side; at least one instance each.
-    fn chunks(batch: &[Instance], room: u64, bytes: impl Fn(&Instance) -> u64) -> Vec<Range<usize>> {
+    fn chunks(
+        batch: &[Instance],
+        room: u64,
+        bytes: impl Fn(&Instance) -> u64,
+    ) -> Vec<Range<usize>> {
         let mut chunks = Vec::new();
         let (mut first, mut sum) = (0, 0_u64);
         for (i, instance) in batch.iter().enumerate() {
@@ -129,7 +135,7 @@ impl CudaBackend {
         batch: &'a [Instance],
         request: &GradientRequest,
         cancel: &CancelToken,
-    ) -> Result<Measured<'a>, Error> {
+    ) -> Result<(Measured<'a>, Gradients), Error> {
         let needed = batch.iter().map(|i| simulation::bytes_of(i, Keep::All)).sum::<u64>();
         self.refuse_too_large(needed)?;
         let simulation = Simulation::new(&self.queue, batch, Keep::All)?;
@@ -138,12 +144,7 @@ impl CudaBackend {
         let room = self.room() / 2;
         let gradients = Gradients::new(&simulation, &scores, request, room, cancel)?;
         let divergences = simulation.divergences()?;
-        Ok(Measured {
-            simulation,
-            scores: Some(scores),
-            gradients: Some(gradients),
-            divergences,
-        })
+        Ok((Measured { simulation, scores: Some(scores), divergences }, gradients))
     }
 
     /// Runs checked instances forward and scores them.
@@ -159,7 +160,7 @@ impl CudaBackend {
         let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
         let scores = if scored { Some(Scores::new(&simulation, None)?) } else { None };
         let divergences = simulation.divergences()?;
-        Ok(Measured { simulation, scores, gradients: None, divergences })
+        Ok(Measured { simulation, scores, divergences })
     }
 
     /// Waits for what a failed call has left on the queue: its models may be gone next.
@@ -188,8 +189,7 @@ impl CudaBackend {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
-        let mut measured = self.measure(batch, request, cancel)?;
-        let gradients = measured.take_gradients();
+        let (measured, gradients) = self.measure(batch, request, cancel)?;
         let params = self.queue.fetch(&gradients.params)?;
         let controls = self.queue.fetch(&gradients.controls)?;
         let initial = match request.initial || request.controls {
@@ -272,11 +272,6 @@ impl Measured<'_> {
                 Ok(each.map(|(i, d)| loss(*d, zeros(i))).collect())
             }
         }
-    }
-
-    /// The gradients; asked for once, and only of what has gone backward.
-    pub(crate) fn take_gradients(&mut self) -> Gradients {
-        self.gradients.take().expect("measured with gradients, taken once")
     }
 
     /// State of an instance at the end of a frame.

@@ -278,9 +278,8 @@ impl Backward<'_> {
         };
         let (tape_jobs, back_jobs) = (upload(&tape)?, upload(&back)?);
         let seeds = |group: &Group, places: &[usize]| -> Vec<u64> {
-            let seed = |(&i, &w): (&usize, &usize)| {
-                self.scores.seed(self.simulation, i, frame(w) + 1)
-            };
+            let seed =
+                |(&i, &w): (&usize, &usize)| self.scores.seed(self.simulation, i, frame(w) + 1);
             group.members.iter().zip(places).map(seed).collect()
         };
         for (group, jobs) in back.iter().zip(&back_jobs) {
@@ -365,10 +364,8 @@ impl Backward<'_> {
         begins: bool,
         nodes: usize,
     ) -> Result<(), Error> {
-        let arguments = Arguments::default()
-            .with(jobs.address())
-            .with(seeds.address())
-            .with(u32::from(begins));
+        let arguments =
+            Arguments::default().with(jobs.address()).with(seeds.address()).with(u32::from(begins));
         let grid = ((nodes as u32).div_ceil(THREADS), jobs.len() as u32, 1);
         // SAFETY: every job has its bars and a seed of as many nodes.
         unsafe { self.simulation.queue.launch(Source::Params, "add_seeds", grid, &arguments) }

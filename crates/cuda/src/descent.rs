@@ -79,8 +79,8 @@ impl DeviceDescent {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<Slope>, Error> {
-        let mut measured = self.backend.measure(instances, request, cancel)?;
-        let gradients = Arc::new(measured.take_gradients());
+        let (measured, gradients) = self.backend.measure(instances, request, cancel)?;
+        let gradients = Arc::new(gradients);
         let losses = measured.losses()?;
         let mut slopes = Vec::with_capacity(probes.len());
         for (i, (probe, loss)) in probes.iter().zip(losses).enumerate() {
@@ -243,8 +243,7 @@ impl Walk {
         }
         let ended: Vec<u64> = gradients.iter().map(|g| g.1).filter(|&a| a != 0).collect();
         let addresses = Buffer::of(&queue.stream, &ended)?;
-        let sums: Buffer<f64> =
-            Buffer::empty(&queue.stream, ended.len() * LENGTH_BLOCKS as usize)?;
+        let sums: Buffer<f64> = Buffer::empty(&queue.stream, ended.len() * LENGTH_BLOCKS as usize)?;
         let arguments = Arguments::default()
             .with(sums.address())
             .with(addresses.address())

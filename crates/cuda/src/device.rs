@@ -62,7 +62,8 @@ impl Device {
         }
         if !compile::is_present() {
             return Err(Error::Device(
-                "NVRTC (libnvrtc.so) is missing: install the CUDA toolkit's runtime compiler".into(),
+                "NVRTC (libnvrtc.so) is missing: install the CUDA toolkit's runtime compiler"
+                    .into(),
             ));
         }
         let count = {

@@ -32,9 +32,17 @@ pub(crate) struct DeviceGraph {
     pub(crate) object_ids: Buffer<u32>,
     /// Shape [E, 2].
     pub(crate) springs: Buffer<[u32; 2]>,
-    /// Starts and sorted neighbours by spring, made when self contact first asks for them.
-    joined: OnceLock<Result<(Buffer<u32>, Buffer<u32>), Error>>,
+    /// Made when self contact first asks for it.
+    joined: OnceLock<Result<Joined, Error>>,
     cuts: Mutex<HashMap<Cut, Arc<CutGraph>>>,
+}
+
+/// Which nodes a spring joins to each node.
+pub(crate) struct Joined {
+    /// First neighbour of each node, shape [N + 1].
+    pub(crate) starts: Buffer<u32>,
+    /// Neighbours, ascending for each node.
+    pub(crate) nodes: Buffer<u32>,
 }
 
 /// A graph cut for one shape of launch.
@@ -145,8 +153,8 @@ impl DeviceGraph {
         Ok(CutGraph { topology, springs, others, triplet_of, layout, _parts: parts })
     }
 
-    /// Starts [N + 1] and ascending neighbours of each node by springs.
-    pub(crate) fn joined(&self, device: &Device) -> Result<(&Buffer<u32>, &Buffer<u32>), Error> {
+    /// Neighbours by springs.
+    pub(crate) fn joined(&self, device: &Device) -> Result<&Joined, Error> {
         let made = self.joined.get_or_init(|| {
             let n = self.graph.node_count();
             let mut near: Vec<Vec<u32>> = vec![Vec::new(); n];
@@ -161,13 +169,13 @@ impl DeviceGraph {
                 all.extend(list);
                 starts.push(all.len() as u32);
             }
-            let made = (Buffer::of(&device.normal, &starts)?, Buffer::of(&device.normal, &all)?);
+            let made = Joined {
+                starts: Buffer::of(&device.normal, &starts)?,
+                nodes: Buffer::of(&device.normal, &all)?,
+            };
             crate::synchronize(&device.normal)?;
             Ok(made)
         });
-        match made {
-            Ok((starts, all)) => Ok((starts, all)),
-            Err(e) => Err(e.clone()),
-        }
+        made.as_ref().map_err(Error::clone)
     }
 }

@@ -123,6 +123,11 @@ impl Variant {
         }
     }
 
+    /// Whether a block works on triplets with its half-springs or their forces outside shared memory.
+    pub(crate) fn spills(&self) -> bool {
+        self.bending && !(self.bend_in_shared && self.half_springs_in_shared)
+    }
+
     /// The whole source with its constants in front.
     pub(crate) fn text(&self) -> String {
         let mut text = String::new();

@@ -62,8 +62,7 @@ impl Function {
 
     /// Lets blocks have so much dynamic shared memory.
     pub(crate) fn allow_shared(&self, bytes: u32) -> Result<(), Error> {
-        let attribute =
-            sys::CUfunction_attribute::CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES;
+        let attribute = sys::CUfunction_attribute::CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES;
         self.set(attribute, bytes as i32)
     }
 

@@ -79,11 +79,7 @@ impl Layout {
         for part in &mut parts {
             part.sort_by_key(|&i| (std::cmp::Reverse(pairs(i)), i));
         }
-        let mut this = Self {
-            lanes,
-            controls: graph.control_count() as u32,
-            ..Self::default()
-        };
+        let mut this = Self { lanes, controls: graph.control_count() as u32, ..Self::default() };
         let mut owner = vec![0_u32; graph.node_count()];
         for (b, part) in parts.iter().enumerate() {
             part.iter().for_each(|&i| owner[i as usize] = b as u32);
@@ -124,21 +120,30 @@ impl Layout {
         for (at, &i) in part.iter().chain(&halo).enumerate() {
             local[i as usize] = at as u32;
         }
-        let find = |e: u32| if (e as usize) < n { local[e as usize] } else { CONTROL | (e - n as u32) };
+        let find =
+            |e: u32| if (e as usize) < n { local[e as usize] } else { CONTROL | (e - n as u32) };
         share.local = (part.len() + halo.len()) as u32;
 
         let mut rows = Rows { lanes: self.lanes as usize, layout: self };
         let before = rows.pairs();
-        share.rows = rows.add(part.len(), |i| {
-            let half = incidence.springs_of(part[i]).iter();
-            half.map(|&(s, other, owns)| (s, find(other), owns)).collect()
-        });
+        share.rows = rows.add(
+            part.len(),
+            |i| i as u32,
+            |i| {
+                let half = incidence.springs_of(part[i]).iter();
+                half.map(|&(s, other, owns)| (s, find(other), owns)).collect()
+            },
+        );
         let pairs = rows.pairs() - before;
         let own = |e: u32| (e as usize) < n && owner[e as usize] == block;
-        share.control_rows = rows.add(graph.control_count(), |c| {
-            let half = incidence.springs_of((n + c) as u32).iter();
-            half.filter(|h| own(h.1)).map(|&(s, other, _)| (s, find(other), false)).collect()
-        });
+        share.control_rows = rows.add(
+            graph.control_count(),
+            |c| CONTROL | c as u32,
+            |c| {
+                let half = incidence.springs_of((n + c) as u32).iter();
+                half.filter(|h| own(h.1)).map(|&(s, other, _)| (s, find(other), false)).collect()
+            },
+        );
         rows.end();
         let all_pairs = rows.pairs() - before;
         self.max_pairs = self.max_pairs.max(pairs);
@@ -159,10 +164,8 @@ impl Layout {
                 }
             }
             self.triplet_of.push(t);
-            self.triplets.push(Triplet {
-                ends: ends.map(|e| encode(find(e))),
-                owned: u16::from(owned),
-            });
+            self.triplets
+                .push(Triplet { ends: ends.map(|e| encode(find(e))), owned: u16::from(owned) });
         }
         share.triplets = triplets.len() as u32;
         for refs in &arms {
@@ -280,8 +283,7 @@ impl Incidence {
         let (mut cursor, mut owned) = (starts.clone(), vec![0_u32; ends]);
         for (s, &[a, b]) in graph.springs.iter().enumerate() {
             // The end that reports fewer gradients so far takes this one; control points take none.
-            let first = b as usize >= graph.node_count()
-                || owned[a as usize] <= owned[b as usize];
+            let first = b as usize >= graph.node_count() || owned[a as usize] <= owned[b as usize];
             owned[if first { a } else { b } as usize] += 1;
             for (end, other, owns) in [(a, b, first), (b, a, !first)] {
                 springs[cursor[end as usize] as usize] = (s as u32, other, owns);

@@ -5,10 +5,7 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use bendtwin_engine::{
-    Error, Objective, PointLoss, Term,
-    objective::WeightedTerm,
-};
+use bendtwin_engine::{Error, Objective, PointLoss, Term, objective::WeightedTerm};
 use cudarc::driver::CudaStream;
 
 use crate::{

@@ -45,8 +45,8 @@ fn split(graph: &Graph, work: &[u64], mut nodes: Vec<u32>, parts: usize, out: &m
 fn longest_axis(graph: &Graph, nodes: &[u32]) -> usize {
     let extent = |axis: usize| {
         let along = nodes.iter().map(|&i| graph.rest_positions[i as usize][axis]);
-        let (low, high) = along
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let (low, high) =
+            along.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         high - low
     };
     (0..3).max_by(|&a, &b| extent(a).total_cmp(&extent(b)).then(b.cmp(&a))).unwrap_or(0)

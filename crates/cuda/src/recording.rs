@@ -48,10 +48,7 @@ fn frames(instance: &Instance, recording: &Recording) -> Vec<u32> {
 
 impl Recorded {
     /// Gathers what is to be recorded of instances that have been run.
-    pub(crate) fn new(
-        simulation: &Simulation<'_>,
-        recording: &Recording,
-    ) -> Result<Self, Error> {
+    pub(crate) fn new(simulation: &Simulation<'_>, recording: &Recording) -> Result<Self, Error> {
         let (queue, instances) = (simulation.queue, simulation.instances);
         let stream = &queue.stream;
         let frames: Vec<Vec<u32>> = instances.iter().map(|i| frames(i, recording)).collect();

@@ -92,7 +92,8 @@ impl Resident {
     fn fill(&self, packed: &Packed) -> Result<(), Error> {
         let (device, cut) = (&self.device, &packed.cut);
         let variant = Variant::small(Source::Params);
-        let (e, t) = (self.graph.graph.springs.len() as u32, self.graph.graph.triplets.len() as u32);
+        let (e, t) =
+            (self.graph.graph.springs.len() as u32, self.graph.graph.triplets.len() as u32);
         let (pairs, triplets) = (packed.rates.len() as u32, cut.triplet_of.len() as u32);
         let arguments = Arguments::default()
             .with(packed.rates.address())
@@ -172,13 +173,8 @@ pub(crate) fn has_contact(model: &Model) -> bool {
 /// Parameters in the kernels' order.
 pub(crate) fn flatten(p: &Params) -> Vec<f32> {
     let c = &p.contact;
-    let laws = [
-        p.drag,
-        c.ground_restitution,
-        c.ground_friction,
-        c.object_restitution,
-        c.object_friction,
-    ];
+    let laws =
+        [p.drag, c.ground_restitution, c.ground_friction, c.object_restitution, c.object_friction];
     let arrays = [
         &p.spring_stiffness,
         &p.spring_dashpot,

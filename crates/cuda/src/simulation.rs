@@ -48,6 +48,9 @@ pub(crate) struct Simulation<'a> {
     contact: Contact,
 }
 
+/// Where a grid's blocks meet: x, y, z, vx and vy, vz.
+type Exchange = (Buffer<[f32; 4]>, Buffer<[f32; 2]>);
+
 /// Jobs of instances that one launch serves.
 pub(crate) struct Group {
     pub(crate) fitted: Fitted,
@@ -56,7 +59,7 @@ pub(crate) struct Group {
     jobs: Vec<Job>,
     _packed: Vec<Arc<Packed>>,
     _spill: Option<Buffer<[f32; 4]>>,
-    _exchange: Option<(Buffer<[f32; 4]>, Buffer<[f32; 2]>)>,
+    _exchange: Option<Exchange>,
     barriers: Option<Buffer<u32>>,
 }
 
@@ -101,10 +104,7 @@ impl<'a> Simulation<'a> {
             state_starts.push(last(&state_starts) + 6 * n * slots(instance, keep));
             control_starts.push(last(&control_starts) + instance.controls.len());
         }
-        let states = Buffer::empty(stream, last(&state_starts))?;
-        for (instance, &start) in instances.iter().zip(&state_starts) {
-            states.write(start, &planes(instance))?;
-        }
+        let states = initial_states(queue, instances, &state_starts)?;
         let all: Vec<Point> = instances.iter().flat_map(|i| i.controls.iter()).copied().collect();
         let divergence = Buffer::empty(stream, instances.len())?;
         divergence.fill(0xff)?;
@@ -153,8 +153,8 @@ impl<'a> Simulation<'a> {
         };
         if has_contact(model) {
             if model.params.contact.within_object {
-                let (starts, joined) = resident.graph.joined(&resident.device)?;
-                (job.joined_starts, job.joined) = (starts.address(), joined.address());
+                let joined = resident.graph.joined(&resident.device)?;
+                (job.joined_starts, job.joined) = (joined.starts.address(), joined.nodes.address());
             }
             self.contact.place(index, &mut job);
         }
@@ -213,11 +213,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Jobs of some instances, in groups that one launch serves.
-    pub(crate) fn groups(
-        &self,
-        members: &[usize],
-        purpose: Purpose,
-    ) -> Result<Vec<Group>, Error> {
+    pub(crate) fn groups(&self, members: &[usize], purpose: Purpose) -> Result<Vec<Group>, Error> {
         let device = &self.queue.device;
         let of = |i: usize| resident(&self.instances[i].model);
         // Where there are no nodes, nothing moves.
@@ -237,8 +233,7 @@ impl<'a> Simulation<'a> {
                 Some(fit) => *fit,
                 None => {
                     let (batch, alike) = (members.len(), alike[&key]);
-                    let fit =
-                        choose(&device.ability, resident, model, purpose, batch, alike)?;
+                    let fit = choose(&device.ability, resident, model, purpose, batch, alike)?;
                     *fitted.entry(key).or_insert(fit)
                 }
             };
@@ -293,6 +288,25 @@ impl<'a> Simulation<'a> {
 
 fn last(starts: &[usize]) -> usize {
     starts.last().copied().unwrap_or(0)
+}
+
+/// Room for the states of all instances, the initial ones in place.
+fn initial_states(
+    queue: &Queue,
+    instances: &[Instance],
+    starts: &[usize],
+) -> Result<Buffer<f32>, Error> {
+    let stream = &queue.stream;
+    let states = Buffer::empty(stream, last(starts))?;
+    let initial: Vec<Vec<f32>> = instances.iter().map(planes).collect();
+    // One copy to the device, and from there to where each belongs.
+    let together = Buffer::of(stream, &initial.concat())?;
+    let mut from = 0;
+    for (planes, &start) in initial.iter().zip(starts) {
+        states.copy_from(start, &together, from, planes.len())?;
+        from += planes.len();
+    }
+    Ok(states)
 }
 
 /// An instance's initial state as planes x, y, z, vx, vy, vz, pinned nodes on their control points.
@@ -396,9 +410,8 @@ impl Group {
         from: u32,
         to: u32,
     ) -> Result<(), Error> {
-        let arguments = |jobs: u64| {
-            Arguments::default().with(jobs).with(first).with(end).with(from).with(to)
-        };
+        let arguments =
+            |jobs: u64| Arguments::default().with(jobs).with(first).with(end).with(from).with(to);
         self.launch(queue, "advance_frames", jobs, arguments)
     }
 

@@ -143,9 +143,13 @@ pub(crate) fn choose(
         candidates.iter_mut().for_each(|(_, t)| t.instances = 1);
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let chosen = resident.device.team.is_some();
+    let wasteful = |f: &Fitted| !chosen && f.team.instances > 1 && f.variant.spills();
     let mut least = u64::MAX;
     for (substep_us, team) in candidates {
         match fit(ability, resident, model, purpose, team)? {
+            // Interleaved instances pay for what does not fit several times.
+            Ok(fitted) if wasteful(&fitted) => {}
             Ok(fitted) => return Ok(Fitted { substep_us, ..fitted }),
             Err(bytes) => least = least.min(bytes),
         }
@@ -164,18 +168,19 @@ fn candidates(
     batch: usize,
     alike: usize,
 ) -> Vec<(f64, Team)> {
-    let work =
-        2.0 * graph.springs.len() as f64 + TRIPLET_END * 3.0 * graph.triplets.len() as f64;
+    let work = 2.0 * graph.springs.len() as f64 + TRIPLET_END * 3.0 * graph.triplets.len() as f64;
     let mut found = Vec::new();
-    let mut add = |meeting, blocks: u32, threads: u32, instances: u32, fixed_us: f64, capacity: f64| {
-        let teams = (batch as f64 / f64::from(instances)).ceil();
-        let own = work / f64::from(blocks);
-        let spills = purpose == Purpose::Backward && own > BACKWARD_HALF_SPRINGS * f64::from(threads);
-        let penalty = if spills { BACKWARD_PENALTY } else { 1.0 };
-        let one = fixed_us + own * f64::from(instances) * HALF_SPRING_US * penalty;
-        let rounds = (teams / capacity.max(1.0)).ceil().max(1.0);
-        found.push((rounds * one, Team { meeting, blocks, threads, instances }));
-    };
+    let mut add =
+        |meeting, blocks: u32, threads: u32, instances: u32, fixed_us: f64, capacity: f64| {
+            let teams = (batch as f64 / f64::from(instances)).ceil();
+            let own = work / f64::from(blocks);
+            let spills =
+                purpose == Purpose::Backward && own > BACKWARD_HALF_SPRINGS * f64::from(threads);
+            let penalty = if spills { BACKWARD_PENALTY } else { 1.0 };
+            let one = fixed_us + own * f64::from(instances) * HALF_SPRING_US * penalty;
+            let rounds = (teams / capacity.max(1.0)).ceil().max(1.0);
+            found.push((rounds * one, Team { meeting, blocks, threads, instances }));
+        };
     let processors = f64::from(ability.processors);
     let block_threads = if purpose == Purpose::Backward { TEAM_THREADS } else { BLOCK_THREADS };
     add(Meeting::Block, 1, block_threads, 1, BLOCK_US, processors);
@@ -188,7 +193,8 @@ fn candidates(
     }
     for blocks in [2, 4, 8, 16].into_iter().filter(|&b| b <= ability.cluster) {
         // Clusters do not fill the device: their blocks share a part of it.
-        let capacity = (processors * (1.0 - 0.0078 * f64::from(blocks)) / f64::from(blocks)).floor();
+        let capacity =
+            (processors * (1.0 - 0.0078 * f64::from(blocks)) / f64::from(blocks)).floor();
         add(Meeting::Cluster, blocks, block_threads, 1, CLUSTER_US, capacity);
     }
     let mut blocks = 32;
@@ -235,8 +241,7 @@ pub(crate) fn fit(
         _ => cut.layout.max_pairs,
     };
     let half_springs = (u64::from(pairs) * pair_bytes).next_multiple_of(16);
-    let in_registers =
-        purpose != Purpose::Backward && variant.held >= cut.layout.max_row_pairs;
+    let in_registers = purpose != Purpose::Backward && variant.held >= cut.layout.max_row_pairs;
     variant.half_springs_in_shared = !in_registers && used + half_springs <= room;
     if variant.half_springs_in_shared {
         used += half_springs;

@@ -38,15 +38,26 @@ fn models() -> Vec<(String, Model)> {
         ("two objects", RandomOptions { objects: 2, contact: true, ..RandomOptions::default() }),
         (
             "everything",
-            RandomOptions { objects: 2, contact: true, ground: true, pins: 3, ..RandomOptions::default() },
+            RandomOptions {
+                objects: 2,
+                contact: true,
+                ground: true,
+                pins: 3,
+                ..RandomOptions::default()
+            },
         ),
     ];
-    let sizes = [5, 60, 400, 1500];
+    let sizes = [5, 60, 401, 1500];
     let each = kinds.into_iter().enumerate().flat_map(|(k, (name, options))| {
         sizes.into_iter().map(move |nodes| {
             let options = RandomOptions { nodes, ..options };
             let seed = seed() + (k as u64) * 100 + nodes as u64;
-            (format!("{name}, {nodes} nodes, seed {seed}"), random_model(seed, &options))
+            let mut model = random_model(seed, &options);
+            // Where all dashpots are alike the kernels are others.
+            if (k + nodes).is_multiple_of(2) {
+                model.params.spring_dashpot.fill(0.4);
+            }
+            (format!("{name}, {nodes} nodes, seed {seed}"), model)
         })
     });
     each.collect()
@@ -100,9 +111,11 @@ fn positions_after_a_frame_agree() {
         let [expected, found] = both(&model, seed(), 1).map(|(b, i)| {
             b.roll_out(&[i], &recording, &CancelToken::default()).expect("valid").remove(0)
         });
-        let squares = expected.positions.iter().zip(&found.positions).map(|(a, b)| {
-            a.iter().zip(b).map(|(x, y)| f64::from(x - y).powi(2)).sum::<f64>()
-        });
+        let squares = expected
+            .positions
+            .iter()
+            .zip(&found.positions)
+            .map(|(a, b)| a.iter().zip(b).map(|(x, y)| f64::from(x - y).powi(2)).sum::<f64>());
         let rms = (squares.sum::<f64>() / expected.positions.len().max(1) as f64).sqrt();
         println!("{name}: {rms:.2e} m rms");
         assert!(rms < 1e-6, "{name}: {rms} m rms");
@@ -144,7 +157,8 @@ fn arrays(p: &Params) -> [(&'static str, Vec<f32>); 7] {
 fn gradients_agree() {
     for (name, model) in models() {
         for cut_every in [0, 1] {
-            let request = GradientRequest { cut_every, controls: true, initial: true, final_state: true };
+            let request =
+                GradientRequest { cut_every, controls: true, initial: true, final_state: true };
             let [expected, found] = both(&model, seed(), 3).map(|(b, i)| {
                 b.gradients(&[i], &request, &CancelToken::default()).expect("valid").remove(0)
             });

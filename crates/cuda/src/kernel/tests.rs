@@ -10,7 +10,13 @@ fn variants() -> Vec<Variant> {
     let base = Variant { ground: true, ..Variant::small(Source::Integrate) };
     let mut variants: Vec<Variant> = Source::SMALL.map(Variant::small).to_vec();
     let forward = [
-        Variant { threads: 1024, lanes: 2, half_springs_in_shared: true, uniform_dashpot: true, ..base },
+        Variant {
+            threads: 1024,
+            lanes: 2,
+            half_springs_in_shared: true,
+            uniform_dashpot: true,
+            ..base
+        },
         Variant { threads: 1024, instances: 4, one_row: false, bending: true, ..base },
         Variant { meeting: Meeting::Cluster, blocks: 16, lanes: 4, threads: 512, held: 6, ..base },
         Variant { meeting: Meeting::Grid, blocks: 132, one_row: false, tape: true, ..base },
@@ -22,7 +28,15 @@ fn variants() -> Vec<Variant> {
         variants.push(forward);
         let (source, instances) = (Source::Adjoint, 1);
         let threads = forward.threads.min(512);
-        variants.push(Variant { source, instances, threads, held_sums, owner_pairs, tape: false, ..forward });
+        variants.push(Variant {
+            source,
+            instances,
+            threads,
+            held_sums,
+            owner_pairs,
+            tape: false,
+            ..forward
+        });
     }
     variants
 }

@@ -29,11 +29,12 @@ pub(super) fn arrange(
             if quarter % 2 == 0 {
                 used_by_half = [None; 2 * BANKS];
             }
-            for lane in quarter * TOGETHER..(quarter + 1) * TOGETHER {
+            let lanes_of = slot.iter_mut().enumerate().skip(quarter * TOGETHER).take(TOGETHER);
+            for (lane, taken) in lanes_of {
                 let node = lane / lanes;
                 let Some(own) = first.get_mut(node) else { continue };
                 let from = if own.is_empty() { &mut then[node] } else { own };
-                slot[lane] = take(from, &mut used, &mut used_by_half);
+                *taken = take(from, &mut used, &mut used_by_half);
             }
         }
         out.push(slot);

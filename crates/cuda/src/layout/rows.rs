@@ -37,14 +37,22 @@ pub(super) struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Rows for `count` endpoints; how many there are.
-    pub(super) fn add(&mut self, count: usize, halves: impl Fn(usize) -> Vec<Half>) -> u32 {
+    /// Rows for `count` endpoints, which have these local indices and half-springs; how many there are.
+    pub(super) fn add(
+        &mut self,
+        count: usize,
+        local: impl Fn(usize) -> u32,
+        halves: impl Fn(usize) -> Vec<Half>,
+    ) -> u32 {
         let a_row = WARP / self.lanes;
         let rows = count.div_ceil(a_row);
         for row in 0..rows {
             let ends: Vec<Vec<Half>> =
                 (row * a_row..((row + 1) * a_row).min(count)).map(&halves).collect();
-            self.add_row(&ends);
+            // A lane without an endpoint looks at the first.
+            let selves = (0..a_row).map(|k| row * a_row + k);
+            let selves: Vec<u32> = selves.map(|i| local(if i < count { i } else { 0 })).collect();
+            self.add_row(&ends, &selves);
         }
         rows as u32
     }
@@ -60,7 +68,7 @@ impl Rows<'_> {
         self.layout.rows.push(pairs);
     }
 
-    fn add_row(&mut self, ends: &[Vec<Half>]) {
+    fn add_row(&mut self, ends: &[Vec<Half>], selves: &[u32]) {
         let lanes = self.lanes;
         let layout = &mut *self.layout;
         layout.rows.push((layout.springs.len() / (2 * WARP)) as u32);
@@ -74,9 +82,10 @@ impl Rows<'_> {
         layout.max_owner_pairs = layout.max_owner_pairs.max(owner_pairs as u32);
         let slots = banks::arrange(lanes, owners, others, 2 * total);
         for pair in slots.chunks(2) {
-            for half in (0..WARP).flat_map(|lane| pair.iter().map(move |slot| slot[lane])) {
-                // What fills up a slot joins some node to another without any stiffness.
-                let (spring, other, owns) = half.unwrap_or((NONE, 0, false));
+            let halves = (0..WARP).flat_map(|lane| pair.iter().map(move |slot| (lane, slot[lane])));
+            for (lane, half) in halves {
+                // What fills up a slot joins an endpoint to itself: that exerts nothing, dashpot or not.
+                let (spring, other, owns) = half.unwrap_or((NONE, selves[lane / lanes], false));
                 layout.springs.push(spring);
                 layout.others.push(other);
                 layout.spring_of.push(if owns { spring as i32 } else { -1 });

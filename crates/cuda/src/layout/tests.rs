@@ -112,6 +112,31 @@ fn control_points_have_their_half_springs_across_the_blocks() {
 }
 
 #[test]
+fn what_fills_up_a_row_joins_an_endpoint_to_itself() {
+    for (graph, layout) in layouts() {
+        let a_row = 32 / layout.lanes;
+        for share in &layout.shares {
+            for row in 0..share.rows + share.control_rows {
+                let at = (share.row + row) as usize;
+                for e in layout.rows[at] * 64..layout.rows[at + 1] * 64 {
+                    let place = e % 64 / 2 / layout.lanes;
+                    let own = match row.checked_sub(share.rows) {
+                        None if row * a_row + place < share.own => row * a_row + place,
+                        None => 0,
+                        Some(row) if row * a_row + place < layout.controls => {
+                            layout.control_base + row * a_row + place
+                        }
+                        Some(_) => layout.control_base,
+                    };
+                    let fills = layout.springs[e as usize] == NONE;
+                    assert!(!fills || layout.others[e as usize] == own, "{}", graph.springs.len());
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn gradients_come_from_the_first_slots() {
     for (_, layout) in layouts() {
         for share in &layout.shares {

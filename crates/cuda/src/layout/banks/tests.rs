@@ -16,7 +16,9 @@ fn collisions(slots: &[Slot]) -> f64 {
 
 /// A row of a chain in which every node is joined to the 17 before and behind it.
 fn chain(lanes: usize) -> Vec<Vec<Half>> {
-    let node = |i: u32| (1..=17).flat_map(move |d| [(d, 100 + i - d, false), (100 + d, 100 + i + d, false)]);
+    let node = |i: u32| {
+        (1..=17).flat_map(move |d| [(d, 100 + i - d, false), (100 + d, 100 + i + d, false)])
+    };
     (0..(WARP / lanes) as u32).map(|i| node(i).collect()).collect()
 }
 
