@@ -155,7 +155,11 @@ DEVICE void contact_adjoint(
     const Job& job = *l.job;
     u64 start = (u64)tape * c.nodes;
     Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, job.topology.inverse_mass};
-    float3 x_bar = xyz(bar_x_of(l)[p.node]), v_bar = xyz(bar_v_of(l)[p.node]);
+    float3 x_bar = zero3(), v_bar = zero3();
+    if (p.valid) {
+        x_bar = xyz(bar_x_of(l)[p.node]);
+        v_bar = xyz(bar_v_of(l)[p.node]);
+    }
     __syncwarp();
     collide_adjoint(job, nodes, p.at, p.valid, p.lane, job.contact_v, x_bar, v_bar, sums.object);
     float4 x4;
@@ -303,8 +307,12 @@ DEVICE void force_adjoint(
     bend_share(bends, refs, p.arm, p.arms, p.lane, x_sum, v_sum);
     x_sum = sum_lanes(x_sum);
     v_sum = sum_lanes(v_sum);
-    x_bar = add(xyz(bar_x_of(l)[p.node]), x_sum);
-    v_bar = add(xyz(bar_v_of(l)[p.node]), v_sum);
+    x_bar = v_bar = zero3();
+    // Lanes without a node keep their hands off the node that they look at: its own warp writes there.
+    if (p.valid) {
+        x_bar = add(xyz(bar_x_of(l)[p.node]), x_sum);
+        v_bar = add(xyz(bar_v_of(l)[p.node]), v_sum);
+    }
     __syncwarp();
 }
 

@@ -13,7 +13,9 @@ use crate::{
     memory::Buffer,
 };
 
-/// Objectives kept at a time: a fit asks for the same ones again and again.
+/// Targets kept at a time (a few hundred megabytes): a fit asks for the same ones again and again.
+const KEPT_TARGETS: usize = 1 << 24;
+/// Objectives kept at a time.
 const KEPT: usize = 256;
 
 /// An objective's terms, ordered by frame.
@@ -48,7 +50,8 @@ impl Objectives {
             return Ok(found.clone());
         }
         let made = Arc::new(DeviceObjective::new(stream, &objective.terms, frames)?);
-        if kept.len() >= KEPT {
+        let targets = kept.values().map(|o| o.target_count).sum::<usize>() + made.target_count;
+        if kept.len() >= KEPT || targets > KEPT_TARGETS {
             kept.clear();
         }
         kept.insert(key, made.clone());
