@@ -18,8 +18,8 @@ use crate::harness::{
 const SETTINGS: &str = r#"{
     "seed": 11,
     "graph": {"max_nodes": 40},
-    "search": {"generations": 60, "population": 8},
-    "refine": {"passes": 120}
+    "search": {"generations": 200, "population": 8},
+    "refine": {"passes": 400}
 }"#;
 /// The share of a fit over which kills are spread.
 const SPREAD: f64 = 0.75;
