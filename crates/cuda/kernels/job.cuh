@@ -125,7 +125,8 @@ struct Path {
 DEVICE Path path_of(const Job& job, u32 frame) {
     Path p;
     p.from = job.controls + (u64)frame * job.topology.controls * 3;
-    p.to = p.from + job.topology.controls * 3;
+    // A job without frames stands still.
+    p.to = frame < job.first + job.frames ? p.from + job.topology.controls * 3 : p.from;
     p.frame_s = job.frame_s;
     p.moves = job.controls_move != 0;
     return p;

@@ -177,6 +177,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) seed(const Measure* jobs) 
     }
     for (u32 term = m.frame_terms[frame]; term < m.frame_terms[frame + 1]; term++) {
         const Term t = m.terms[term];
+        // Without a surface there is no nearest node.
+        if (t.kind == CHAMFER && m.surface == 0) continue;
         if (t.kind == ACCELERATION) {
             if (frame >= 2) {
                 float w = 2.0f * t.weight / max(m.nodes, 1u);

@@ -85,7 +85,9 @@ DEVICE u32 visit(const Search& s, const u32* starts, u32 node, float limit, u32*
             float3 r = sub(position(s, other), here);
             bool near = other != node && dot(r, r) <= limit && may_touch(*s.job, node, other);
             u32 hits = __ballot_sync(0xffffffffu, near);
-            if (near && to) to[found + __popc(hits & ((1u << lane) - 1))] = other;
+            u32 slot = found + __popc(hits & ((1u << lane) - 1));
+            // More nodes in one place than there is room for stay out, however near.
+            if (near && to && slot < s.job->max_partners) to[slot] = other;
             found += __popc(hits);
         }
     }

@@ -80,13 +80,18 @@ impl CudaBackend {
         self.device.budget / WORKING_SHARE
     }
 
+    /// Checks that a model is on this device.
+    fn own(&self, resident: &Resident) -> Result<(), Error> {
+        match Arc::ptr_eq(&resident.device, &self.device) {
+            true => Ok(()),
+            false => Err(Error::InvalidInput("the model is on another device".into())),
+        }
+    }
+
     /// Checks instances against their models, which must have been loaded on this device.
     pub(crate) fn check(&self, batch: &[Instance]) -> Result<(), Error> {
         for (index, instance) in batch.iter().enumerate() {
-            let resident = resident(&instance.model)?;
-            if !Arc::ptr_eq(&resident.device, &self.device) {
-                return Err(Error::InvalidInput("the model is on another device".into()));
-            }
+            self.own(resident(&instance.model)?)?;
             check::instance(index, instance)?;
         }
         Ok(())
@@ -310,6 +315,7 @@ impl Backend for CudaBackend {
 
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
         let before = resident(loaded)?;
+        self.own(before)?;
         let model = Model { params, ..Model::clone(loaded.model()) };
         model.params.check(&model.graph).map_err(Error::InvalidModel)?;
         let resident = Resident::new(&self.device, &before.graph, &model.params)?;

@@ -19,6 +19,8 @@ use crate::{
 
 /// Bytes of a node's substep on tape.
 const TAPE_BYTES: u64 = 36;
+/// Most windows side by side: blocks of a grid's second dimension.
+const MOST_WINDOWS: usize = 65_535;
 /// Largest tape of a window; a longer frame goes backward in segments.
 const MAX_TAPE_BYTES: u64 = 256 << 20;
 
@@ -82,13 +84,14 @@ impl Gradients {
         cancel: &CancelToken,
     ) -> Result<Self, Error> {
         let this = Self::empty(simulation, request)?;
-        // Windows of like shape go side by side: those of one graph and as many substeps.
+        // Windows of like shape go side by side: of one graph, with as many substeps, and with contact or without.
         let mut order: Vec<usize> = (0..simulation.instances.len()).collect();
         let graph = |i: usize| {
             let loaded = &simulation.instances[i].model;
             let resident = resident(loaded)?;
             let substeps = loaded.model().timing.substeps;
-            Ok::<_, Error>((std::ptr::from_ref(&*resident.graph) as usize, substeps))
+            let graph = std::ptr::from_ref(&*resident.graph) as usize;
+            Ok::<_, Error>((graph, substeps, contact_nodes(loaded.model())))
         };
         let keys = order.iter().map(|&i| graph(i)).collect::<Result<Vec<_>, _>>()?;
         order.sort_by_key(|&i| (keys[i], i));
@@ -147,7 +150,7 @@ impl Backward<'_> {
         let count = slots.bar_x.len() / slots.nodes.max(1);
         let total: Buffer<f32> =
             Buffer::zeros(&self.simulation.queue.stream, stride * members.len())?;
-        let per_group = if slots.nodes == 0 { windows.len() } else { count };
+        let per_group = if slots.nodes == 0 { windows.len().min(MOST_WINDOWS) } else { count };
         for together in windows.chunks(per_group.max(1)) {
             slots.sums.clear()?;
             slots.control_sums.clear()?;
@@ -206,7 +209,7 @@ impl Backward<'_> {
         // Segments of equal length.
         let segment = substeps.div_ceil(substeps.div_ceil(longest));
         let each = substep * segment as u64 + fixed;
-        let count = ((room / each.max(1)) as usize).clamp(1, windows.max(1));
+        let count = ((room / each.max(1)) as usize).clamp(1, windows.clamp(1, MOST_WINDOWS));
         Ok(Slots {
             tape_x: Buffer::empty(stream, count * n * segment)?,
             tape_v: Buffer::empty(stream, count * n * segment)?,

@@ -22,6 +22,8 @@ use crate::{
 
 /// First architecture with clusters and distributed shared memory.
 const CLUSTERS_FROM: u32 = 90;
+/// Shared memory that a kernel's static variables may take.
+const STATIC_SHARED_BYTES: u32 = 1024;
 /// Blocks of the largest cluster that is tried.
 const LARGEST_CLUSTER: u32 = 16;
 
@@ -34,6 +36,13 @@ pub(crate) struct Ability {
     pub(crate) shared_bytes: u32,
     /// Blocks of the largest cluster; 1 without clusters.
     pub(crate) cluster: u32,
+}
+
+impl Ability {
+    /// Dynamic shared memory that a block can have beside its static variables [bytes].
+    pub(crate) fn dynamic_shared(&self) -> u32 {
+        self.shared_bytes.saturating_sub(STATIC_SHARED_BYTES)
+    }
 }
 
 /// A device that is in use.
@@ -148,7 +157,7 @@ impl Device {
             .module(variant)?
             .load_function(name)
             .map_err(|e| fault("finding a kernel in its module", e))?;
-        let function = Arc::new(Function::new(loaded, variant)?);
+        let function = Arc::new(Function::new(loaded, variant, self.ability.dynamic_shared())?);
         lock(&self.functions).insert(key, function.clone());
         Ok(function)
     }

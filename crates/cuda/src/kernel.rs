@@ -42,6 +42,11 @@ impl Source {
     pub(crate) const SMALL: [Self; 5] =
         [Self::Partners, Self::Loss, Self::Params, Self::Descent, Self::Record];
 
+    /// Whether its kernels keep states in dynamic shared memory.
+    pub(crate) fn is_persistent(self) -> bool {
+        matches!(self, Self::Integrate | Self::Adjoint)
+    }
+
     fn text(self) -> (&'static str, &'static str) {
         match self {
             Self::Integrate => ("integrate.cu", include_str!("../kernels/integrate.cu")),

@@ -38,13 +38,21 @@ impl Arguments {
 }
 
 impl Function {
-    pub(crate) fn new(function: CudaFunction, variant: &Variant) -> Result<Self, Error> {
+    /// Blocks may have up to `shared_bytes` of dynamic shared memory.
+    pub(crate) fn new(
+        function: CudaFunction,
+        variant: &Variant,
+        shared_bytes: u32,
+    ) -> Result<Self, Error> {
         let this = Self {
             function,
             meeting: variant.meeting,
             blocks: variant.blocks,
             threads: variant.threads,
         };
+        if variant.source.is_persistent() {
+            this.allow_shared(shared_bytes)?;
+        }
         if variant.meeting == Meeting::Cluster && variant.blocks > 8 {
             let allowed =
                 sys::CUfunction_attribute::CU_FUNC_ATTRIBUTE_NON_PORTABLE_CLUSTER_SIZE_ALLOWED;
@@ -60,8 +68,8 @@ impl Function {
             .map_err(|e| fault("setting up a kernel", e))
     }
 
-    /// Lets blocks have so much dynamic shared memory.
-    pub(crate) fn allow_shared(&self, bytes: u32) -> Result<(), Error> {
+    /// Lets blocks have so much dynamic shared memory. Once for all launches: they share the function.
+    fn allow_shared(&self, bytes: u32) -> Result<(), Error> {
         let attribute = sys::CUfunction_attribute::CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES;
         self.set(attribute, bytes as i32)
     }

@@ -70,7 +70,7 @@ impl Scores {
                 nearest: nearest.at(nearest_starts[i]),
                 values: values.at(value_starts[i]),
                 seeds: seeds.as_ref().map_or(0, |s: &Buffer<f32>| s.at(seed_starts[i])),
-                cut_every: cut_every.unwrap_or(0) as u32,
+                cut_every: cut_every.unwrap_or(0).min(u32::MAX as usize) as u32,
                 ..objective.measure(graph.node_count(), graph.surface_count())
             });
         }

@@ -437,7 +437,6 @@ impl Group {
     ) -> Result<(), Error> {
         let Fitted { team, variant, shared_bytes, .. } = &self.fitted;
         let function = queue.device.function(variant, name)?;
-        function.allow_shared(*shared_bytes)?;
         let instances = team.instances as usize;
         let teams = jobs.len() / instances;
         // The blocks of a grid wait for each other: all must be running.

@@ -122,8 +122,6 @@ const TRIPLET_END: f64 = 1.5;
 const REGISTERS: u32 = 65_536;
 const WORKING_REGISTERS: u32 = 72;
 const WORKING_REGISTERS_BACKWARD: u32 = 86;
-/// Shared memory that a kernel's static variables may take.
-const STATIC_SHARED_BYTES: u32 = 1024;
 
 /// The best team for a batch of so many instances of one graph, of those that fit the device.
 /// `alike` says how many of them share their parameters.
@@ -221,7 +219,7 @@ pub(crate) fn fit(
         Err(Error::InvalidModel(_)) => return Ok(Err(u64::MAX)),
         Err(e) => return Err(e),
     };
-    let room = u64::from(ability.shared_bytes.saturating_sub(STATIC_SHARED_BYTES));
+    let room = u64::from(ability.dynamic_shared());
     let states = 16 * state_float4s(&cut, purpose, team.instances);
     if states > room {
         return Ok(Err(states));
