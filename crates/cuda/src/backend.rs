@@ -15,7 +15,6 @@ use bendtwin_engine::{
     check,
     descent::{Decay, Descent, Start},
     model::State,
-    stable_substeps,
 };
 
 use crate::{
@@ -295,15 +294,7 @@ impl Backend for CudaBackend {
     }
 
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
-        check::model(&model)?;
-        let stable = stable_substeps(&model);
-        if model.timing.substeps < stable.needed {
-            return Err(Error::Unstable {
-                substeps: model.timing.substeps,
-                needed: stable.needed,
-                node: stable.stiffest_node,
-            });
-        }
+        check::loadable(&model)?;
         self.refuse_too_large(resident_bytes(&model))?;
         let graph = self.graph(&model.graph)?;
         let resident = Resident::new(&self.device, &graph, &model.params)?;

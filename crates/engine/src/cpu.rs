@@ -47,7 +47,6 @@ use crate::{
         Recording, Rollout,
     },
     descent::{Decay, Descent, HostDescent, Start},
-    stability::stable_substeps,
 };
 
 /// Runs on the CPU's cores; clones share the threads. Make one with [`cpu`] or [`cpu_with_threads`].
@@ -130,15 +129,7 @@ impl Backend for CpuBackend {
     }
 
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
-        check::model(&model)?;
-        let stable = stable_substeps(&model);
-        if model.timing.substeps < stable.needed {
-            return Err(Error::Unstable {
-                substeps: model.timing.substeps,
-                needed: stable.needed,
-                node: stable.stiffest_node,
-            });
-        }
+        check::loadable(&model)?;
         let layout = Arc::new(Layout::new(&model.graph));
         Ok(Self::make(model, layout))
     }

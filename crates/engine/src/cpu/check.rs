@@ -6,6 +6,7 @@ use crate::{
     Model,
     backend::{Error, Instance, Recording},
     objective::{Objective, PointLoss, Term, WeightedTerm},
+    stability::stable_substeps,
 };
 
 /// Most substeps a frame: between two of them nobody can cancel.
@@ -27,6 +28,23 @@ pub fn model(model: &Model) -> Result<(), Error> {
             "{} substeps a frame: {MAX_SUBSTEPS} is the most",
             model.timing.substeps
         )));
+    }
+    Ok(())
+}
+
+/// Checks a model and that its substep is short enough for its stiffness.
+///
+/// # Errors
+/// The first fault, as a sentence; [`Error::Unstable`] says how many substeps it takes.
+pub fn loadable(model: &Model) -> Result<(), Error> {
+    self::model(model)?;
+    let stable = stable_substeps(model);
+    if model.timing.substeps < stable.needed {
+        return Err(Error::Unstable {
+            substeps: model.timing.substeps,
+            needed: stable.needed,
+            node: stable.stiffest_node,
+        });
     }
     Ok(())
 }
