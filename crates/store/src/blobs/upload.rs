@@ -55,15 +55,20 @@ impl Upload {
     ///
     /// # Errors
     /// [`Error::DigestMismatch`], file errors.
-    pub async fn finish(mut self, expected: Option<Digest>) -> Result<Staged> {
+    pub async fn finish(self, expected: Option<Digest>) -> Result<Staged> {
         let digest = self.hasher.finalize();
         if let Some(given) = expected.filter(|given| *given != digest) {
             return Err(Error::DigestMismatch { given, actual: digest });
         }
-        self.sink.put_part(self.part.split().freeze().into()).await?;
-        self.sink.complete().await?;
-        let (blobs, size_bytes) = (self.blobs, self.size_bytes);
-        Ok(Staged { blobs, path: Some(self.path.clone()), digest, size_bytes })
+        let Self { blobs, path, mut sink, part, size_bytes, .. } = self;
+        // In a task of its own: whoever waits here may be dropped half way through, when content is no
+        // longer the upload's and not yet staged. Then the task drops what it staged.
+        let whole = tokio::spawn(async move {
+            sink.put_part(part.freeze().into()).await?;
+            sink.complete().await?;
+            Ok(Staged { blobs, path: Some(path), digest, size_bytes })
+        });
+        whole.await.map_err(object_store::Error::from)?
     }
 }
 
