@@ -9,8 +9,8 @@ use bendtwin_engine::{
 use crate::{
     job::Job,
     kernel::{Source, THREADS},
-    launch::Arguments,
-    memory::Buffer,
+    launch::{Arguments, MOST_BLOCKS},
+    memory::{Buffer, end_of},
     resident::{LAWS, resident},
     scoring::Scores,
     simulation::{Contact, Group, Simulation, contact_nodes},
@@ -19,8 +19,6 @@ use crate::{
 
 /// Bytes of a node's substep on tape.
 const TAPE_BYTES: u64 = 36;
-/// Most windows side by side: blocks of a grid's second dimension.
-const MOST_WINDOWS: usize = 65_535;
 /// Largest tape of a window; a longer frame goes backward in segments.
 const MAX_TAPE_BYTES: u64 = 256 << 20;
 
@@ -107,16 +105,15 @@ impl Gradients {
         for instance in simulation.instances {
             let graph = &instance.model.model().graph;
             let length = 3 * (graph.springs.len() + graph.triplets.len()) + LAWS;
-            starts.push(starts[starts.len() - 1] + length);
+            starts.push(end_of(&starts) + length);
             let controls = if request.controls { instance.controls.len() } else { 0 };
-            control_starts.push(control_starts[control_starts.len() - 1] + controls);
-            initial_starts.push(initial_starts[initial_starts.len() - 1] + 2 * graph.node_count());
+            control_starts.push(end_of(&control_starts) + controls);
+            initial_starts.push(end_of(&initial_starts) + 2 * graph.node_count());
         }
-        let end = |s: &[usize]| s.last().copied().unwrap_or(0);
         Ok(Self {
-            params: Buffer::zeros(stream, end(&starts))?,
-            controls: Buffer::zeros(stream, end(&control_starts))?,
-            initial: Buffer::zeros(stream, end(&initial_starts))?,
+            params: Buffer::zeros(stream, end_of(&starts))?,
+            controls: Buffer::zeros(stream, end_of(&control_starts))?,
+            initial: Buffer::zeros(stream, end_of(&initial_starts))?,
             starts,
             control_starts,
             initial_starts,
@@ -150,7 +147,7 @@ impl Backward<'_> {
         let count = slots.bar_x.len() / slots.nodes.max(1);
         let total: Buffer<f32> =
             Buffer::zeros(&self.simulation.queue.stream, stride * members.len())?;
-        let per_group = if slots.nodes == 0 { windows.len().min(MOST_WINDOWS) } else { count };
+        let per_group = if slots.nodes == 0 { windows.len().min(MOST_BLOCKS) } else { count };
         for together in windows.chunks(per_group.max(1)) {
             slots.sums.clear()?;
             slots.control_sums.clear()?;
@@ -209,7 +206,7 @@ impl Backward<'_> {
         // Segments of equal length.
         let segment = substeps.div_ceil(substeps.div_ceil(longest));
         let each = substep * segment as u64 + fixed;
-        let count = ((room / each.max(1)) as usize).clamp(1, windows.clamp(1, MOST_WINDOWS));
+        let count = ((room / each.max(1)) as usize).clamp(1, windows.clamp(1, MOST_BLOCKS));
         Ok(Slots {
             tape_x: Buffer::empty(stream, count * n * segment)?,
             tape_v: Buffer::empty(stream, count * n * segment)?,

@@ -11,6 +11,9 @@ use crate::{
     kernel::{Meeting, Variant},
 };
 
+/// Most blocks of a grid's second and third dimension.
+pub(crate) const MOST_BLOCKS: usize = 65_535;
+
 /// A loaded kernel.
 pub(crate) struct Function {
     function: CudaFunction,

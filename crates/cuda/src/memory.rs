@@ -8,6 +8,11 @@ use cudarc::driver::{CudaStream, result, sys};
 
 use crate::{fault, job::Address};
 
+/// Where arrays that follow each other end, from where each starts and the last one ends.
+pub(crate) fn end_of(starts: &[usize]) -> usize {
+    starts.last().copied().unwrap_or(0)
+}
+
 /// `len` values on the device; freed in the stream's order when dropped. Never null, even if empty.
 pub(crate) struct Buffer<T> {
     address: Address,

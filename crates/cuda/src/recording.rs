@@ -10,16 +10,14 @@ use bendtwin_engine::{
 use crate::{
     job::Record,
     kernel::{Source, THREADS},
-    launch::Arguments,
-    memory::Buffer,
+    launch::{Arguments, MOST_BLOCKS},
+    memory::{Buffer, end_of},
     resident::resident,
     simulation::{Keep, Simulation},
 };
 
 /// Nodes lower than this above the ground [m] stand on it.
 const ON_GROUND_M: f32 = 1e-3;
-/// Most blocks of a grid's second and third dimension.
-const MOST_BLOCKS: usize = 65_535;
 
 /// Recorded arrays of a simulation's instances, on the device.
 pub(crate) struct Recorded {
@@ -55,15 +53,14 @@ impl Recorded {
         let node_count = |i: &Instance| i.model.model().graph.node_count();
         let nodes = |i: &Instance| recording.nodes.as_ref().map_or(node_count(i), |n| n.len());
         let (mut starts, mut extreme_starts, mut frame_starts) = (vec![0], vec![0], vec![0]);
-        let end = |s: &[usize]| s.last().copied().unwrap_or(0);
         for (instance, frames) in instances.iter().zip(&frames) {
-            starts.push(end(&starts) + frames.len() * nodes(instance));
+            starts.push(end_of(&starts) + frames.len() * nodes(instance));
             let measured = if recording.diagnostics { instance.frames } else { 0 };
-            extreme_starts.push(end(&extreme_starts) + measured);
-            frame_starts.push(end(&frame_starts) + frames.len());
+            extreme_starts.push(end_of(&extreme_starts) + measured);
+            frame_starts.push(end_of(&frame_starts) + frames.len());
         }
-        let positions = Buffer::empty(stream, end(&starts))?;
-        let extremes = Buffer::empty(stream, end(&extreme_starts))?;
+        let positions = Buffer::empty(stream, end_of(&starts))?;
+        let extremes = Buffer::empty(stream, end_of(&extreme_starts))?;
         let all_frames = Buffer::of(stream, &frames.concat())?;
         let selected = match &recording.nodes {
             Some(nodes) => Some(Buffer::of(stream, nodes)?),

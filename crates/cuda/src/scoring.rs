@@ -10,14 +10,11 @@ use bendtwin_engine::{
 use crate::{
     job::Measure,
     kernel::{Source, THREADS},
-    launch::Arguments,
-    memory::Buffer,
+    launch::{Arguments, MOST_BLOCKS},
+    memory::{Buffer, end_of},
     objective::DeviceObjective,
     simulation::Simulation,
 };
-
-/// Most blocks of a grid's second and third dimension.
-const MOST_BLOCKS: usize = 65_535;
 
 /// Objectives of all instances of a simulation.
 pub(crate) struct Scores {
@@ -51,15 +48,14 @@ impl Scores {
         let (mut nearest_starts, mut value_starts, mut seed_starts) = (vec![0], vec![0], vec![0]);
         for (instance, objective) in instances.iter().zip(&objectives) {
             let n = instance.model.model().graph.node_count();
-            nearest_starts.push(nearest_starts[nearest_starts.len() - 1] + objective.target_count);
-            value_starts.push(value_starts[value_starts.len() - 1] + objective.order.len());
-            seed_starts.push(seed_starts[seed_starts.len() - 1] + 3 * n * (instance.frames + 1));
+            nearest_starts.push(end_of(&nearest_starts) + objective.target_count);
+            value_starts.push(end_of(&value_starts) + objective.order.len());
+            seed_starts.push(end_of(&seed_starts) + 3 * n * (instance.frames + 1));
         }
-        let end = |starts: &[usize]| starts.last().copied().unwrap_or(0);
-        let nearest = Buffer::empty(stream, end(&nearest_starts))?;
-        let values = Buffer::empty(stream, end(&value_starts))?;
+        let nearest = Buffer::empty(stream, end_of(&nearest_starts))?;
+        let values = Buffer::empty(stream, end_of(&value_starts))?;
         let seeds = match cut_every {
-            Some(_) => Some(Buffer::empty(stream, end(&seed_starts))?),
+            Some(_) => Some(Buffer::empty(stream, end_of(&seed_starts))?),
             None => None,
         };
         let mut measures = Vec::with_capacity(instances.len());

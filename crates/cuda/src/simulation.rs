@@ -14,7 +14,7 @@ use crate::{
     job::Job,
     kernel::{Meeting, Source},
     launch::Arguments,
-    memory::Buffer,
+    memory::{Buffer, end_of},
     queue::Queue,
     resident::{Packed, has_contact, resident},
     team::{Fitted, Purpose, choose},
@@ -101,8 +101,8 @@ impl<'a> Simulation<'a> {
         let (mut state_starts, mut control_starts) = (vec![0], vec![0]);
         for instance in instances {
             let n = instance.model.model().graph.node_count();
-            state_starts.push(last(&state_starts) + 6 * n * slots(instance, keep));
-            control_starts.push(last(&control_starts) + instance.controls.len());
+            state_starts.push(end_of(&state_starts) + 6 * n * slots(instance, keep));
+            control_starts.push(end_of(&control_starts) + instance.controls.len());
         }
         let states = initial_states(queue, instances, &state_starts)?;
         let all: Vec<Point> = instances.iter().flat_map(|i| i.controls.iter()).copied().collect();
@@ -286,10 +286,6 @@ impl<'a> Simulation<'a> {
     }
 }
 
-fn last(starts: &[usize]) -> usize {
-    starts.last().copied().unwrap_or(0)
-}
-
 /// Room for the states of all instances, the initial ones in place.
 fn initial_states(
     queue: &Queue,
@@ -297,7 +293,7 @@ fn initial_states(
     starts: &[usize],
 ) -> Result<Buffer<f32>, Error> {
     let stream = &queue.stream;
-    let states = Buffer::empty(stream, last(starts))?;
+    let states = Buffer::empty(stream, end_of(starts))?;
     let initial: Vec<Vec<f32>> = instances.iter().map(planes).collect();
     // One copy to the device, and from there to where each belongs.
     let together = Buffer::of(stream, &initial.concat())?;
@@ -474,9 +470,9 @@ impl Contact {
     pub(crate) fn new(queue: &Queue, nodes: impl Iterator<Item = usize>) -> Result<Self, Error> {
         let mut starts = vec![0];
         for nodes in nodes {
-            starts.push(last(&starts) + nodes);
+            starts.push(end_of(&starts) + nodes);
         }
-        let (n, stream) = (last(&starts), &queue.stream);
+        let (n, stream) = (end_of(&starts), &queue.stream);
         Ok(Self {
             partners: Buffer::empty(stream, n * MAX_PARTNERS)?,
             counts: Buffer::empty(stream, n)?,
