@@ -28,6 +28,7 @@ struct Constants {
     const float2* tape_v;
     const float* tape_b;
     float* pin_sums;
+    float* sums;
 };
 
 // What a thread adds up over a launch.
@@ -253,27 +254,28 @@ DEVICE void half_adjoint(
     spring_adjoint(h, sub(other.x, self.s.x), sub(other.v, self.s.v), pull, x_bar, v_bar, sums);
 }
 
-// Adds to the sums of a spring, if this end reports them.
-DEVICE void add_spring_sums(const Job& job, int spring, const SpringSums& sums) {
-    if (spring < 0) return;
-    float* to = job.spring_sums + spring;
-    to[0] += sums.stretch;
-    to[job.springs] += sums.pull;
-    to[2 * (u64)job.springs] += sums.rate;
+// Sums of a pair in memory, where a warp's stand side by side. Those of ends that report nothing are not looked at.
+DEVICE void add_sums(float* to, const float* before, const SpringSums& one, const SpringSums& two) {
+    to[0] = before[0] + one.stretch;
+    to[32] = before[1] + one.pull;
+    to[64] = before[2] + one.rate;
+    to[96] = before[3] + two.stretch;
+    to[128] = before[4] + two.pull;
+    to[160] = before[5] + two.rate;
 }
 
-// A pair with its sums in memory.
-DEVICE void reporting_pair(
-    const Local& l, const Constants& c, const Self& self, const Pairs& pairs, u32 at, float3& x_bar,
+// A pair with its sums in memory; they are asked for before there is anything to add.
+DEVICE void summed_pair(
+    const Local& l, const Constants& c, const Self& self, const Pair& pair, float* to, float3& x_bar,
     float3& v_bar
 ) {
-    const int* spring_of = l.job->topology.spring_of + (u64)l.job->topology.rows[l.share.row] * 64;
-    Pair pair = load_pair(pairs, at);
+    float before[6];
+#pragma unroll
+    for (u32 k = 0; k < 6; k++) before[k] = to[32 * k];
     SpringSums one = {0.0f, 0.0f, 0.0f}, two = {0.0f, 0.0f, 0.0f};
     half_adjoint(l, self, first_of(pair, c.dashpot), x_bar, v_bar, one);
     half_adjoint(l, self, second_of(pair, c.dashpot), x_bar, v_bar, two);
-    add_spring_sums(*l.job, spring_of[2 * at], one);
-    add_spring_sums(*l.job, spring_of[2 * at + 1], two);
+    add_sums(to, before, one, two);
 }
 
 // Second half of a substep for a node; leaves d loss / d state at its start in `x_bar`, `v_bar`.
@@ -293,13 +295,14 @@ DEVICE void force_adjoint(
         }
     }
 #endif
-    // Those that report come first; the others' sums are their other ends' business.
-    u32 reporting = min(p.pairs, (u32)OWNER_PAIRS);
-    for (u32 k = HELD_SUMS; k < reporting; k++)
-        reporting_pair(l, c, self, pairs, p.first + k * 32, x_sum, v_sum);
+    // Those with sums come first; the others' are their other ends' business.
+    u32 k = HELD_SUMS;
+    for (; k < p.summed; k++)
+        summed_pair(l, c, self, load_pair(pairs, p.first + k * 32), c.sums + p.sums + k * PAIR_SUMS,
+                    x_sum, v_sum);
     SpringSums unwanted;
 #pragma unroll 2
-    for (u32 k = OWNER_PAIRS; k < p.pairs; k++) {
+    for (; k < p.pairs; k++) {
         Pair pair = load_pair(pairs, p.first + k * 32);
         half_adjoint(l, self, first_of(pair, c.dashpot), x_sum, v_sum, unwanted);
         half_adjoint(l, self, second_of(pair, c.dashpot), x_sum, v_sum, unwanted);
@@ -370,13 +373,13 @@ DEVICE void
 store_sums(const Local& l, const Constants& c, const Place& p, const HeldTriplet& triplet, const Sums& sums) {
     const Job& job = *l.job;
 #if HELD > 0
-    if (p.valid) {
-        const int* spring_of = job.topology.spring_of + (u64)job.topology.rows[l.share.row] * 64;
 #pragma unroll
-        for (u32 k = 0; k < 2 * HELD_SUMS; k++) {
-            u32 at = 2 * (p.first + k / 2 * 32) + k % 2;
-            add_spring_sums(job, k / 2 < p.pairs ? spring_of[at] : -1, sums.springs[k]);
-        }
+    for (u32 k = 0; k < HELD_SUMS; k++) {
+        if (k >= p.summed) continue;
+        float* to = job.spring_sums + p.sums + k * PAIR_SUMS;
+        float before[6];
+        for (u32 i = 0; i < 6; i++) before[i] = to[32 * i];
+        add_sums(to, before, sums.springs[2 * k], sums.springs[2 * k + 1]);
     }
 #endif
     if (triplet.has && triplet.ends.owned) {
@@ -433,7 +436,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
     const Job& job = all[blockIdx.x / BLOCKS];
     Local l = local_of(&job, blockIdx.x % BLOCKS);
     Constants c = {job.dt,       job.decay,    job.ground, job.ground_law, job.dashpot, job.substeps,
-                   job.topology.node_count, job.tape_x, job.tape_v, job.tape_b, job.pin_sums};
+                   job.topology.node_count, job.tape_x, job.tape_v, job.tape_b, job.pin_sums, job.spring_sums};
     u32 rows = l.share.rows + (job.control_sums ? l.share.control_rows : 0);
     Pairs pairs = pairs_of(l, rows, after_bars(l));
     float3* bends = bend_buffer(l);

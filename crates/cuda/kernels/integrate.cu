@@ -70,6 +70,8 @@ DEVICE float3 bend_share(const Place& p, const float3* forces, const u32* refs, 
     return sum;
 }
 
+#define NO_TAPE 0xffffffffu
+
 // Velocity of a node before contact.
 DEVICE float3 accelerate(const Constants& c, float inverse_mass, float3 force, float3 v) {
     float3 change = add_scaled(c.kick, inverse_mass * c.dt, force);
@@ -82,8 +84,7 @@ DEVICE void travel(
     float3 after, u32 tape
 ) {
 #if TAPE
-    // Substeps before the segment on tape have wrapped around to large numbers.
-    if (p.lane == 0 && tape < 0x80000000u) {
+    if (p.lane == 0 && tape != NO_TAPE) {
         const Job& job = *l.job;
         u64 at = (u64)tape * job.topology.node_count + p.at;
         job.tape_x[at] = with_w(s.x, s.v.x);
@@ -297,10 +298,10 @@ DEVICE u32 longest(const Job* jobs) {
     return longest;
 }
 
-// Runs frames `first..end` of each job's. With TAPE: one frame as far as substep `to`, on tape from `from`
-// on; it ends without a state.
+// Runs frames `first..end` of each job's. With TAPE, each only as far as substep `to`, and what happens from
+// `from` on goes onto tape, frame after frame. If `keep`, frames leave the states that they end in.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    advance_frames(const Job* all, u32 first, u32 end, u32 from, u32 to) {
+    advance_frames(const Job* all, u32 first, u32 end, u32 from, u32 to, u32 keep) {
     const Job* jobs = all + (u64)(blockIdx.x / BLOCKS) * INSTANCES;
     Local l = local_of(jobs, blockIdx.x % BLOCKS);
     Pairs pairs = pairs_of(l, l.share.rows, l.after_states(0));
@@ -328,30 +329,31 @@ extern "C" __global__ void __launch_bounds__(THREADS)
         begin_frame(l, jobs, now, frame);
         place_controls(l, jobs, moved, now, frame, 0);
         __syncthreads();
-        u32 last = TAPE ? to : moved.substeps;
+        u32 last = TAPE ? min(to, moved.substeps) : moved.substeps;
         for (u32 s = 0; s < last; s++) {
+            u32 tape = s >= from ? frame * (last - from) + s - from : NO_TAPE;
             place_controls(l, jobs, moved, now ^ 1, frame, s + 1);
             bend_forces(l, now, bends, triplet);
 #if ONE_ROW
-            work_on(l, c, p, held, now, s - from, pairs, bends, refs);
+            work_on(l, c, p, held, now, tape, pairs, bends, refs);
 #else
             for (u32 row = threadIdx.x / 32; row < l.share.rows; row += WARPS)
-                work_on(l, c, place_of(l, row), held, now, s - from, pairs, bends, refs);
+                work_on(l, c, place_of(l, row), held, now, tape, pairs, bends, refs);
 #endif
 #if CONTACT
             meet(l.barrier, l.round);
 #if ONE_ROW
-            work_on_contact(l, c, p, now, s - from);
+            work_on_contact(l, c, p, now, tape);
 #else
             for (u32 row = threadIdx.x / 32; row < l.share.rows; row += WARPS)
-                work_on_contact(l, c, place_of(l, row), now, s - from);
+                work_on_contact(l, c, place_of(l, row), now, tape);
 #endif
 #endif
             now ^= 1;
             meet(l.barrier, l.round);
             fetch_states(l, halo, now);
         }
-        if (!TAPE) store_states(l, jobs, now, frame);
+        if (keep) store_states(l, jobs, now, frame);
     }
     // None may end while another still writes into it.
     meet(l.barrier, l.round);

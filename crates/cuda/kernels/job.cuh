@@ -47,7 +47,7 @@ struct Topology {
     const u32* exports;        // per own node: first of its export references
     const u32* export_refs;    // block << 16 | local index there
     const float* inverse_mass; // by graph index; zero where pinned
-    const int* spring_of;      // per half-spring: its spring if this end reports the gradient, else -1
+    const u32* sum_rows;       // as `rows`: pairs with sums before each row
     const int* triplet_of;     // per triplet of a share: its index in the graph
     u32 node_count, controls;
     u32 control_base;          // local index of control point 0
@@ -73,7 +73,7 @@ struct Job {
     float* tape_b;               // [3]: velocity before contact
     float4* bar_x;               // [N]: d loss / d state
     float4* bar_v;
-    float* spring_sums;          // [3][E], as in `SpringSums`
+    float* spring_sums;          // [pairs with sums][2][3][32 lanes], as in `SpringSums`
     float* bend_sums;            // [3][T]
     float* law_sums;             // [blocks][5]: drag, ground restitution, friction, object restitution, friction
     float* control_sums;         // [blocks][9][C]: d loss / d from, to, velocity
@@ -102,10 +102,11 @@ struct Job {
     u32 controls_move;
     u32 first;                   // frame that the launch's frame 0 is
     u32 frames;                  // frames of this job; it sits out the rest of a launch
-    u32 springs, triplets, pins;
+    u32 triplets, pins;
     u32 max_partners;
     u32 between_objects, within_object;
     u32 spill_stride;            // float4s of a block's spill
+    u32 unused;
 };
 
 // The host's idea of these structs must be the same.

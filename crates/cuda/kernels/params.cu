@@ -37,14 +37,28 @@ pack_bends(float4* out, const u32* triplets, const float* params, u32 count, u32
     out[i] = make_float4(bend[0], bend[t], rest_bend, 0.0f);
 }
 
-// Adds up what the windows of an instance have summed, each `stride` floats apart.
-extern "C" __global__ void
-gather_sums(float* total, const float* sums, u32 windows, u64 stride, u32 length) {
+// Adds up what the windows of an instance have summed, `stride` floats apart: per spring from `sum_of` on, then
+// `others` more behind `first_other`. `total` is [3][E], then those.
+extern "C" __global__ void gather_sums(
+    float* total, const float* sums, const u32* sum_of, u32 windows, u64 stride, u32 e, u32 others,
+    u32 first_other
+) {
     u32 i = blockIdx.x * THREADS + threadIdx.x;
-    if (i >= length) return;
-    float sum = total[i];
-    for (u32 w = 0; w < windows; w++) sum += sums[w * stride + i];
-    total[i] = sum;
+    if (i >= e + others) return;
+    if (i >= e) {
+        u64 k = i - e;
+        float sum = total[3 * (u64)e + k];
+        for (u32 w = 0; w < windows; w++) sum += sums[w * stride + first_other + k];
+        total[3 * (u64)e + k] = sum;
+        return;
+    }
+    float sum[3];
+    for (u32 k = 0; k < 3; k++) sum[k] = total[k * (u64)e + i];
+    for (u32 w = 0; w < windows; w++) {
+        const float* own = sums + w * stride + sum_of[i];
+        for (u32 k = 0; k < 3; k++) sum[k] += own[32 * k];
+    }
+    for (u32 k = 0; k < 3; k++) total[k * (u64)e + i] = sum[k];
 }
 
 // d loss / d parameters from the spring sums [3][E], the bend sums [3][T] and the law sums [blocks][5].

@@ -3,6 +3,8 @@
 // else in the block's spill. What every substep needs of global memory is read once, into registers.
 
 #define NODES_A_ROW (32 / LANES)
+// Floats of a warp's pairs' sums.
+#define PAIR_SUMS (6 * 32)
 #define WARPS (THREADS / 32)
 // Halos that a lane tells of its node's new state, and halo nodes that a thread fetches, held in registers.
 #define HELD_EXPORTS 2
@@ -120,6 +122,7 @@ struct Place {
     float3 pin_offset;
     float inverse_mass;
     u32 first, pairs;     // its half-springs: every 32nd pair from `first` on
+    u32 summed, sums;     // how many of them, from the first on, have sums, and where
     u32 arm, arms;        // its arm references
     u32 export_, exports; // its export references; the first of them:
     u32 refs[HELD_EXPORTS];
@@ -145,6 +148,9 @@ DEVICE Place place_of(const Local& l, u32 row) {
     bool has_row = row < l.share.rows;
     p.first = has_row ? (rows[row] - rows[0]) * 32 + threadIdx.x % 32 : 0;
     p.pairs = has_row ? rows[row + 1] - rows[row] : 0;
+    const u32* sums = t.sum_rows + l.share.row;
+    p.summed = has_row ? sums[row + 1] - sums[row] : 0;
+    p.sums = has_row ? sums[row] * PAIR_SUMS + threadIdx.x % 32 : 0;
     p.arm = p.arms = p.export_ = p.exports = 0;
     if (p.valid) {
         p.arm = t.arms[l.share.arm + p.node];

@@ -18,7 +18,7 @@ use bendtwin_engine::{
 };
 
 use crate::{
-    backward::{self, Gradients},
+    backward::{self, Gradients, Way},
     descent::DeviceDescent,
     device::Device,
     graph::DeviceGraph,
@@ -27,6 +27,7 @@ use crate::{
     resident::{Resident, resident, unflatten},
     scoring::{Scores, loss},
     simulation::{self, Keep, Simulation},
+    tape::Kept,
     team::{Purpose, choose},
 };
 
@@ -55,8 +56,8 @@ pub(crate) struct Measured<'a> {
 
 impl CudaBackend {
     pub(crate) fn new(device: &Arc<Device>) -> Self {
-        let normal = Arc::new(Queue::new(device, &device.normal));
-        let urgent = Arc::new(Queue::new(device, &device.urgent));
+        let normal = Arc::new(Queue::normal(device));
+        let urgent = Arc::new(Queue::urgent(device));
         let (device, queue) = (device.clone(), normal.clone());
         Self { device, queue, normal, urgent, graphs: Arc::default() }
     }
@@ -143,10 +144,19 @@ impl CudaBackend {
         let needed = batch.iter().map(|i| simulation::bytes_of(i, Keep::All)).sum::<u64>();
         self.refuse_too_large(needed)?;
         let simulation = Simulation::new(&self.queue, batch, Keep::All)?;
-        simulation.run(cancel)?;
+        // Tapes that fit are written on the way forward; others when they are needed.
+        let mut room = self.room() / 2;
+        let bytes = Kept::bytes_of(batch);
+        let tape = if bytes <= room / 4 * 3 {
+            room -= bytes;
+            Some(Kept::new(&self.queue.stream, batch)?)
+        } else {
+            None
+        };
+        simulation.run(tape.as_ref(), cancel)?;
         let scores = Scores::new(&simulation, Some(request.cut_every))?;
-        let room = self.room() / 2;
-        let gradients = Gradients::new(&simulation, &scores, request, room, cancel)?;
+        let way = Way { simulation: &simulation, scores: &scores, kept: tape.as_ref() };
+        let gradients = Gradients::new(&way, request, room, cancel)?;
         let divergences = simulation.divergences()?;
         Ok((Measured { simulation, scores: Some(scores), divergences }, gradients))
     }
@@ -160,7 +170,7 @@ impl CudaBackend {
     ) -> Result<Measured<'a>, Error> {
         self.refuse_too_large(batch.iter().map(|i| simulation::bytes_of(i, keep)).sum())?;
         let simulation = Simulation::new(&self.queue, batch, keep)?;
-        simulation.run(cancel)?;
+        simulation.run(None, cancel)?;
         let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
         let scores = if scored { Some(Scores::new(&simulation, None)?) } else { None };
         let divergences = simulation.divergences()?;

@@ -24,6 +24,11 @@ use crate::{
 const CLUSTERS_FROM: u32 = 90;
 /// Shared memory that a kernel's static variables may take.
 const STATIC_SHARED_BYTES: u32 = 1024;
+/// Priorities of streams.
+const NORMAL: i32 = 0;
+const URGENT: i32 = -5;
+/// Kernels that run side by side at most.
+const BESIDE: usize = 8;
 /// Blocks of the largest cluster that is tried.
 const LARGEST_CLUSTER: u32 = 16;
 
@@ -57,6 +62,9 @@ pub(crate) struct Device {
     /// Serves requests that must not wait.
     pub(crate) urgent: Arc<CudaStream>,
     pub(crate) normal: Arc<CudaStream>,
+    /// Streams of the same priorities for kernels that run side by side.
+    pub(crate) beside_urgent: Vec<Arc<CudaStream>>,
+    pub(crate) beside_normal: Vec<Arc<CudaStream>>,
     cache: Cache,
     functions: Mutex<HashMap<(Variant, &'static str), Arc<Function>>>,
     modules: Mutex<HashMap<Variant, Arc<CudaModule>>>,
@@ -117,8 +125,10 @@ impl Device {
             Some(name) => Some(name.parse::<Team>().map_err(Error::InvalidInput)?),
             None => None,
         };
+        let several =
+            |priority| (0..BESIDE).map(|_| stream(priority)).collect::<Result<Vec<_>, _>>();
         // Smaller numbers go first.
-        let (normal, urgent) = (stream(0)?, stream(-5)?);
+        let (normal, urgent) = (stream(NORMAL)?, stream(URGENT)?);
         let device = Self {
             cache: Cache::new(options.cache_dir.as_deref(), architecture)?,
             name,
@@ -127,6 +137,8 @@ impl Device {
             team,
             urgent,
             normal,
+            beside_urgent: several(URGENT)?,
+            beside_normal: several(NORMAL)?,
             functions: Mutex::default(),
             modules: Mutex::default(),
             context,
@@ -160,6 +172,11 @@ impl Device {
         let function = Arc::new(Function::new(loaded, variant, self.ability.dynamic_shared())?);
         lock(&self.functions).insert(key, function.clone());
         Ok(function)
+    }
+
+    /// A kernel that is not specialised.
+    pub(crate) fn small(&self, source: Source, name: &'static str) -> Result<Arc<Function>, Error> {
+        self.function(&Variant::small(source), name)
     }
 
     fn module(&self, variant: &Variant) -> Result<Arc<CudaModule>, Error> {

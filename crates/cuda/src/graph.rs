@@ -52,6 +52,8 @@ pub(crate) struct CutGraph {
     pub(crate) springs: Buffer<u32>,
     pub(crate) others: Buffer<u32>,
     pub(crate) triplet_of: Buffer<u32>,
+    /// Where each spring's sums begin; see `layout.rs`.
+    pub(crate) sum_of: Buffer<u32>,
     /// Keeps alive what `topology` points to.
     _parts: Parts,
 }
@@ -66,7 +68,7 @@ struct Parts {
     _local_pins: Buffer<LocalPin>,
     _exports: Buffer<u32>,
     _export_refs: Buffer<u32>,
-    _spring_of: Buffer<i32>,
+    _sum_rows: Buffer<u32>,
 }
 
 impl DeviceGraph {
@@ -95,6 +97,11 @@ impl DeviceGraph {
         })
     }
 
+    /// Addresses of each node's pin, -1 where it has none, and of the pins.
+    pub(crate) fn pins(&self) -> (job::Address, job::Address) {
+        (self.pin_of.address(), self.pins.address())
+    }
+
     /// The graph cut in this way; made at first use.
     pub(crate) fn cut(&self, device: &Device, cut: Cut) -> Result<Arc<CutGraph>, Error> {
         let mut cuts = self.cuts.lock().unwrap_or_else(PoisonError::into_inner);
@@ -119,7 +126,7 @@ impl DeviceGraph {
             _local_pins: Buffer::of(stream, &layout.local_pins)?,
             _exports: Buffer::of(stream, &layout.exports)?,
             _export_refs: Buffer::of(stream, &layout.export_refs)?,
-            _spring_of: Buffer::of(stream, &layout.spring_of)?,
+            _sum_rows: Buffer::of(stream, &layout.sum_rows)?,
         };
         let triplet_of = Buffer::of(stream, &layout.triplet_of)?;
         let topology = job::Topology {
@@ -135,7 +142,7 @@ impl DeviceGraph {
             exports: parts._exports.address(),
             export_refs: parts._export_refs.address(),
             inverse_mass: self.inverse_mass.address(),
-            spring_of: parts._spring_of.address(),
+            sum_rows: parts._sum_rows.address(),
             triplet_of: triplet_of.address(),
             node_count: self.graph.node_count() as u32,
             controls: layout.controls,
@@ -148,9 +155,10 @@ impl DeviceGraph {
         };
         let springs = Buffer::of(stream, &layout.springs)?;
         let others = Buffer::of(stream, &layout.others)?;
+        let sum_of = Buffer::of(stream, &layout.sum_of)?;
         // The urgent stream may use it next.
         crate::synchronize(stream)?;
-        Ok(CutGraph { topology, springs, others, triplet_of, layout, _parts: parts })
+        Ok(CutGraph { topology, springs, others, triplet_of, sum_of, layout, _parts: parts })
     }
 
     /// Neighbours by springs.

@@ -64,7 +64,7 @@ pub(crate) struct Topology {
     pub(crate) exports: Address,
     pub(crate) export_refs: Address,
     pub(crate) inverse_mass: Address,
-    pub(crate) spring_of: Address,
+    pub(crate) sum_rows: Address,
     pub(crate) triplet_of: Address,
     pub(crate) node_count: u32,
     pub(crate) controls: u32,
@@ -125,13 +125,13 @@ pub(crate) struct Job {
     pub(crate) controls_move: u32,
     pub(crate) first: u32,
     pub(crate) frames: u32,
-    pub(crate) springs: u32,
     pub(crate) triplets: u32,
     pub(crate) pins: u32,
     pub(crate) max_partners: u32,
     pub(crate) between_objects: u32,
     pub(crate) within_object: u32,
     pub(crate) spill_stride: u32,
+    pub(crate) unused: u32,
 }
 
 /// One term of an objective; see `kernels/loss.cu`.
@@ -188,4 +188,19 @@ pub(crate) struct Record {
     pub(crate) controls_count: u32,
     pub(crate) frame_count: u32,
     pub(crate) unused: u32,
+}
+
+/// An instance as its start sees it; see `kernels/start.cu`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct Start {
+    pub(crate) initial: Address,
+    pub(crate) states: Address,
+    pub(crate) controls: Address,
+    pub(crate) pin_of: Address,
+    pub(crate) pins: Address,
+    pub(crate) frame_s: f32,
+    pub(crate) nodes: u32,
+    pub(crate) control_count: u32,
+    pub(crate) controls_move: u32,
 }

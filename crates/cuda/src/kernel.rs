@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::job::{Job, Measure, Record, Share, Term, Topology};
+use crate::job::{Job, Measure, Record, Share, Start, Term, Topology};
 
 /// Threads of a block of the small kernels.
 pub(crate) const THREADS: u32 = 256;
@@ -22,6 +22,8 @@ const HEADERS: &[(&str, &str)] = &[
 /// A source file of kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Source {
+    /// Initial states.
+    Start,
     /// Frames forward.
     Integrate,
     /// A frame backward.
@@ -39,8 +41,8 @@ pub(crate) enum Source {
 }
 
 impl Source {
-    pub(crate) const SMALL: [Self; 5] =
-        [Self::Partners, Self::Loss, Self::Params, Self::Descent, Self::Record];
+    pub(crate) const SMALL: [Self; 6] =
+        [Self::Start, Self::Partners, Self::Loss, Self::Params, Self::Descent, Self::Record];
 
     /// Whether its kernels keep states in dynamic shared memory.
     pub(crate) fn is_persistent(self) -> bool {
@@ -49,6 +51,7 @@ impl Source {
 
     fn text(self) -> (&'static str, &'static str) {
         match self {
+            Self::Start => ("start.cu", include_str!("../kernels/start.cu")),
             Self::Integrate => ("integrate.cu", include_str!("../kernels/integrate.cu")),
             Self::Adjoint => ("adjoint.cu", include_str!("../kernels/adjoint.cu")),
             Self::Partners => ("partners.cu", include_str!("../kernels/partners.cu")),
@@ -91,8 +94,6 @@ pub(crate) struct Variant {
     pub(crate) held_always: u32,
     /// Pairs that have their sums in registers.
     pub(crate) held_sums: u32,
-    /// Pairs of a row that may report a gradient.
-    pub(crate) owner_pairs: u32,
     /// All springs have the same dashpot.
     pub(crate) uniform_dashpot: bool,
     pub(crate) bending: bool,
@@ -117,7 +118,6 @@ impl Variant {
             held: 0,
             held_always: 0,
             held_sums: 0,
-            owner_pairs: 0,
             uniform_dashpot: false,
             bending: false,
             ground: false,
@@ -143,6 +143,7 @@ impl Variant {
             ("SIZE_OF_TERM", size_of::<Term>()),
             ("SIZE_OF_MEASURE", size_of::<Measure>()),
             ("SIZE_OF_RECORD", size_of::<Record>()),
+            ("SIZE_OF_START", size_of::<Start>()),
         ];
         let constants = [
             ("SHAPE", self.meeting as u32),
@@ -154,7 +155,6 @@ impl Variant {
             ("HELD", self.held),
             ("HELD_ALWAYS", self.held_always),
             ("HELD_SUMS", self.held_sums),
-            ("OWNER_PAIRS", self.owner_pairs),
             ("UNIFORM_DASHPOT", self.uniform_dashpot.into()),
             ("BENDING", self.bending.into()),
             ("GROUND", self.ground.into()),

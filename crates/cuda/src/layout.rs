@@ -2,17 +2,24 @@
 //! rows for its warps, triplets, pins, and who needs to be told of a node's new state.
 
 mod banks;
+mod reporters;
 mod rows;
 
 use bendtwin_core::Graph;
 use bendtwin_engine::Error;
 
-use self::rows::{Rows, lanes_for};
+use self::{
+    reporters::first_ends,
+    rows::{Rows, lanes_for},
+};
 use crate::{
     job::{LocalPin, Share, Triplet},
     partition::partition,
 };
 
+/// Floats between the sums of a half-spring, and those of a pair of slots: each sum of a warp stands together.
+pub(crate) const SUMS_APART: u32 = 32;
+pub(crate) const PAIR_SUMS: u32 = 6 * SUMS_APART;
 /// No spring: a slot that fills up a row.
 pub(crate) const NONE: u32 = u32::MAX;
 /// Marks control points while the number of local nodes is not known yet.
@@ -30,8 +37,12 @@ pub(crate) struct Layout {
     pub(crate) springs: Vec<u32>,
     /// Local index of the other end.
     pub(crate) others: Vec<u32>,
-    /// The spring if this end reports its gradient, else -1.
-    pub(crate) spring_of: Vec<i32>,
+    /// Where each spring's three sums for its gradient begin, [`SUMS_APART`] floats apart.
+    pub(crate) sum_of: Vec<u32>,
+    /// Pairs with sums before each row, by the same index as `rows`.
+    pub(crate) sum_rows: Vec<u32>,
+    /// All pairs with sums.
+    pub(crate) sum_pairs: u32,
     pub(crate) triplets: Vec<Triplet>,
     /// Index in the graph.
     pub(crate) triplet_of: Vec<u32>,
@@ -52,8 +63,8 @@ pub(crate) struct Layout {
     pub(crate) max_row_pairs: u32,
     /// Pairs that every row has.
     pub(crate) min_row_pairs: u32,
-    /// Of these, how many may report a gradient.
-    pub(crate) max_owner_pairs: u32,
+    /// Pairs of slots of a row that have sums.
+    pub(crate) max_sum_pairs: u32,
     pub(crate) lanes: u32,
 }
 
@@ -79,7 +90,12 @@ impl Layout {
         for part in &mut parts {
             part.sort_by_key(|&i| (std::cmp::Reverse(pairs(i)), i));
         }
-        let mut this = Self { lanes, controls: graph.control_count() as u32, ..Self::default() };
+        let mut this = Self {
+            lanes,
+            controls: graph.control_count() as u32,
+            sum_of: vec![NONE; graph.springs.len()],
+            ..Self::default()
+        };
         let mut owner = vec![0_u32; graph.node_count()];
         for (b, part) in parts.iter().enumerate() {
             part.iter().for_each(|&i| owner[i as usize] = b as u32);
@@ -280,11 +296,8 @@ impl Incidence {
             triplet_starts[e + 1] += triplet_starts[e];
         }
         let mut springs = vec![(0, 0, false); 2 * graph.springs.len()];
-        let (mut cursor, mut owned) = (starts.clone(), vec![0_u32; ends]);
-        for (s, &[a, b]) in graph.springs.iter().enumerate() {
-            // The end that reports fewer gradients so far takes this one; control points take none.
-            let first = b as usize >= graph.node_count() || owned[a as usize] <= owned[b as usize];
-            owned[if first { a } else { b } as usize] += 1;
+        let mut cursor = starts.clone();
+        for (s, (&[a, b], first)) in graph.springs.iter().zip(first_ends(graph)).enumerate() {
             for (end, other, owns) in [(a, b, first), (b, a, !first)] {
                 springs[cursor[end as usize] as usize] = (s as u32, other, owns);
                 cursor[end as usize] += 1;

@@ -8,10 +8,11 @@ use cudarc::driver::{CudaEvent, CudaStream};
 use crate::{
     device::Device,
     fault,
-    kernel::{Source, Variant},
+    kernel::{Meeting, Source},
     launch::Arguments,
     objective::Objectives,
     staging::Staging,
+    team::Team,
 };
 
 /// One of a device's two queues.
@@ -20,12 +21,66 @@ pub(crate) struct Queue {
     pub(crate) stream: Arc<CudaStream>,
     pub(crate) objectives: Objectives,
     pub(crate) staging: Staging,
+    sides: Vec<Arc<CudaStream>>,
+}
+
+/// Streams for kernels that run side by side.
+pub(crate) struct Sides<'a> {
+    queue: &'a Queue,
+    used: &'a [Arc<CudaStream>],
+}
+
+impl Sides<'_> {
+    /// The stream of the k-th kernel, which is a team's. A grid has its barriers on the queue's own stream.
+    pub(crate) fn of(&self, k: usize, team: &Team) -> &CudaStream {
+        match self.used.len() {
+            0 => &self.queue.stream,
+            _ if team.meeting == Meeting::Grid => &self.queue.stream,
+            count => &self.used[k % count],
+        }
+    }
 }
 
 impl Queue {
-    pub(crate) fn new(device: &Arc<Device>, stream: &Arc<CudaStream>) -> Self {
-        let (device, stream) = (device.clone(), stream.clone());
-        Self { device, stream, objectives: Objectives::default(), staging: Staging::default() }
+    pub(crate) fn normal(device: &Arc<Device>) -> Self {
+        Self::new(device, &device.normal, &device.beside_normal)
+    }
+
+    pub(crate) fn urgent(device: &Arc<Device>) -> Self {
+        Self::new(device, &device.urgent, &device.beside_urgent)
+    }
+
+    fn new(device: &Arc<Device>, stream: &Arc<CudaStream>, sides: &[Arc<CudaStream>]) -> Self {
+        Self {
+            device: device.clone(),
+            stream: stream.clone(),
+            sides: sides.to_vec(),
+            objectives: Objectives::default(),
+            staging: Staging::default(),
+        }
+    }
+
+    /// Launches so many kernels on streams side by side: behind all that has been launched, and before all that will be.
+    pub(crate) fn side_by_side(
+        &self,
+        kernels: usize,
+        mut launch: impl FnMut(usize, &Sides<'_>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let count = if kernels > 1 { kernels.min(self.sides.len()) } else { 0 };
+        let sides = Sides { queue: self, used: &self.sides[..count] };
+        if count > 0 {
+            let mark = self.mark()?;
+            for side in sides.used {
+                side.wait(&mark).map_err(|e| fault("forking a stream", e))?;
+            }
+        }
+        let launched = (0..kernels).try_for_each(|k| launch(k, &sides));
+        // Even if one failed: memory that the others use is freed behind what the queue has.
+        for side in sides.used {
+            let mark = side.record_event(None).map_err(|e| fault("recording an event", e))?;
+            self.stream.wait(&mark).map_err(|e| fault("joining a stream", e))?;
+        }
+        launched
     }
 
     /// Launches a kernel that is not specialised.
@@ -39,7 +94,7 @@ impl Queue {
         grid: (u32, u32, u32),
         arguments: &Arguments,
     ) -> Result<(), Error> {
-        let function = self.device.function(&Variant::small(source), name)?;
+        let function = self.device.small(source, name)?;
         // SAFETY: the caller's promise.
         unsafe { function.launch(&self.stream, grid, 0, arguments) }
     }

@@ -152,7 +152,6 @@ impl Packed {
             collision_distance: contact.collision_distance_m,
             substeps: model.timing.substeps,
             controls_move: u32::from(model.control_velocity == ControlVelocity::True),
-            springs: model.graph.springs.len() as u32,
             triplets: model.graph.triplets.len() as u32,
             pins: model.graph.pins.len() as u32,
             between_objects: u32::from(contact.between_objects),

@@ -8,6 +8,7 @@ use crate::{
     device::Ability,
     graph::{Cut, CutGraph},
     kernel::{Meeting, Source, Variant},
+    layout::Layout,
     resident::{Resident, has_contact},
 };
 
@@ -67,12 +68,7 @@ impl Team {
     /// The same team for another purpose.
     fn for_purpose(self, purpose: Purpose) -> Self {
         let instances = if purpose == Purpose::Forward { self.instances } else { 1 };
-        let threads = if purpose == Purpose::Backward {
-            self.threads.min(TEAM_THREADS)
-        } else {
-            self.threads
-        };
-        Self { instances, threads, ..self }
+        Self { instances, ..self }
     }
 
     pub(crate) fn cut(&self) -> Cut {
@@ -111,11 +107,12 @@ const TEAM_THREADS: u32 = 512;
 const BLOCK_US: f64 = 0.1;
 const CLUSTER_US: f64 = 0.95;
 const GRID_US: f64 = 2.2;
-/// Of a half-spring on one multiprocessor.
+const GRID_BACK_US: f64 = 3.3;
+/// Of a half-spring on one multiprocessor, forward and backward.
 const HALF_SPRING_US: f64 = 0.265e-3;
-/// Half-springs of a thread whose sums still fit its registers, and how much slower it gets beyond.
-const BACKWARD_HALF_SPRINGS: f64 = 24.0;
-const BACKWARD_PENALTY: f64 = 4.0;
+const HALF_SPRING_BACK_US: f64 = 0.64e-3;
+/// How much slower a way back is whose sums are all in memory.
+const SUMS_IN_MEMORY: f64 = 0.8;
 /// Of one end of a triplet, in half-springs.
 const TRIPLET_END: f64 = 1.5;
 /// Registers of a multiprocessor, and those that a thread needs beside its half-springs and sums.
@@ -144,21 +141,32 @@ pub(crate) fn choose(
     let chosen = resident.device.team.is_some();
     let wasteful = |f: &Fitted| !chosen && f.team.instances > 1 && f.variant.spills();
     let mut least = u64::MAX;
+    let mut best: Option<Fitted> = None;
     for (substep_us, team) in candidates {
+        if best.is_some_and(|b| b.substep_us <= substep_us) {
+            break;
+        }
         match fit(ability, resident, model, purpose, team)? {
             // Interleaved instances pay for what does not fit several times.
             Ok(fitted) if wasteful(&fitted) => {}
-            Ok(fitted) => return Ok(Fitted { substep_us, ..fitted }),
+            Ok(fitted) => {
+                let fitted = Fitted { substep_us: substep_us * fitted.substep_us, ..fitted };
+                if best.is_none_or(|b| fitted.substep_us < b.substep_us) {
+                    best = Some(fitted);
+                }
+            }
             Err(bytes) => least = least.min(bytes),
         }
     }
-    Err(Error::InvalidModel(format!(
-        "a block would need {least} bytes of shared memory, it can have {}: use a coarser twin",
-        ability.shared_bytes
-    )))
+    best.ok_or_else(|| {
+        Error::InvalidModel(format!(
+            "a block would need {least} bytes of shared memory, it can have {}: use a coarser twin",
+            ability.shared_bytes
+        ))
+    })
 }
 
-/// Teams with their estimated microseconds for a substep of the whole batch.
+/// Teams with the microseconds that a substep of the whole batch takes at least.
 fn candidates(
     ability: &Ability,
     graph: &Graph,
@@ -167,15 +175,16 @@ fn candidates(
     alike: usize,
 ) -> Vec<(f64, Team)> {
     let work = 2.0 * graph.springs.len() as f64 + TRIPLET_END * 3.0 * graph.triplets.len() as f64;
+    let (half_spring_us, grid_us) = match purpose {
+        Purpose::Backward => (HALF_SPRING_BACK_US, GRID_BACK_US),
+        _ => (HALF_SPRING_US, GRID_US),
+    };
     let mut found = Vec::new();
     let mut add =
         |meeting, blocks: u32, threads: u32, instances: u32, fixed_us: f64, capacity: f64| {
             let teams = (batch as f64 / f64::from(instances)).ceil();
             let own = work / f64::from(blocks);
-            let spills =
-                purpose == Purpose::Backward && own > BACKWARD_HALF_SPRINGS * f64::from(threads);
-            let penalty = if spills { BACKWARD_PENALTY } else { 1.0 };
-            let one = fixed_us + own * f64::from(instances) * HALF_SPRING_US * penalty;
+            let one = fixed_us + own * f64::from(instances) * half_spring_us;
             let rounds = (teams / capacity.max(1.0)).ceil().max(1.0);
             found.push((rounds * one, Team { meeting, blocks, threads, instances }));
         };
@@ -198,14 +207,15 @@ fn candidates(
     let mut blocks = 32;
     while blocks <= ability.processors {
         let capacity = (processors / f64::from(blocks)).floor();
-        add(Meeting::Grid, blocks, TEAM_THREADS, 1, GRID_US, capacity);
+        add(Meeting::Grid, blocks, TEAM_THREADS, 1, grid_us, capacity);
         blocks *= 2;
     }
-    add(Meeting::Grid, ability.processors, TEAM_THREADS, 1, GRID_US, 1.0);
+    add(Meeting::Grid, ability.processors, TEAM_THREADS, 1, grid_us, 1.0);
     found
 }
 
-/// The kernel of a team for a model; the bytes that it would need if it does not fit.
+/// The kernel of a team for a model, with how much slower than estimated it is; the bytes that it would need if it
+/// does not fit.
 pub(crate) fn fit(
     ability: &Ability,
     resident: &Resident,
@@ -246,7 +256,18 @@ pub(crate) fn fit(
     }
     let spill_stride = if variant.bend_in_shared { 0 } else { bend as u32 };
     let shared_bytes = used as u32;
-    Ok(Ok(Fitted { team, variant, shared_bytes, spill_stride, substep_us: 0.0 }))
+    let substep_us = match purpose {
+        Purpose::Backward => 1.0 + SUMS_IN_MEMORY * share_in_memory(&cut.layout, &variant),
+        _ => 1.0,
+    };
+    Ok(Ok(Fitted { team, variant, shared_bytes, spill_stride, substep_us }))
+}
+
+/// Share of the springs' sums that are not in registers.
+fn share_in_memory(layout: &Layout, variant: &Variant) -> f64 {
+    let rows: u32 = layout.shares.iter().map(|s| s.rows).sum();
+    let mean = f64::from(layout.sum_pairs) / f64::from(rows.max(1));
+    ((mean - f64::from(variant.held_sums)) / mean.max(1.0)).clamp(0.0, 1.0)
 }
 
 fn state_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
@@ -266,20 +287,22 @@ fn variant(
 ) -> Variant {
     let layout = &cut.layout;
     let one_row = layout.max_rows * 32 <= team.threads;
-    let threads = if one_row { (layout.max_rows * 32).max(64) } else { team.threads };
-    // Registers are handed out to four warps at a time.
+    // Graphs that differ a little share a kernel. Registers are handed out to four warps at a time anyway.
+    let threads = if one_row { (layout.max_rows * 32).next_multiple_of(128) } else { team.threads };
+    let threads = threads.clamp(64, team.threads.max(64));
+    let even = |pairs: u32| pairs.next_multiple_of(2);
     let registers = (REGISTERS / threads.next_multiple_of(128) / 8 * 8).min(248);
     let uniform_dashpot = resident.dashpot.is_some();
     let (held, held_sums) = match purpose {
         Purpose::Backward => {
             let room = registers.saturating_sub(WORKING_REGISTERS_BACKWARD) / 6;
-            let sums = if one_row { room.min(layout.max_owner_pairs) } else { 0 };
+            let sums = if one_row { room.min(even(layout.max_sum_pairs)) } else { 0 };
             (sums, sums)
         }
         _ if one_row && team.instances == 1 => {
             let a_pair = if uniform_dashpot { 5 } else { 7 };
             let room = registers.saturating_sub(WORKING_REGISTERS) / a_pair;
-            (room.min(layout.max_row_pairs), 0)
+            (room.min(even(layout.max_row_pairs)), 0)
         }
         _ => (0, 0),
     };
@@ -295,9 +318,8 @@ fn variant(
         threads,
         one_row,
         held,
-        held_always: held.min(layout.min_row_pairs),
+        held_always: held.min(layout.min_row_pairs) / 2 * 2,
         held_sums,
-        owner_pairs: if purpose == Purpose::Backward { layout.max_owner_pairs } else { 0 },
         uniform_dashpot,
         bending: !model.graph.triplets.is_empty(),
         ground: model.environment.ground.is_some(),

@@ -24,19 +24,10 @@ fn variants() -> Vec<Variant> {
     ];
     for forward in forward {
         let held_sums = forward.held / 2;
-        let owner_pairs = held_sums + 1;
         variants.push(forward);
         let (source, instances) = (Source::Adjoint, 1);
         let threads = forward.threads.min(512);
-        variants.push(Variant {
-            source,
-            instances,
-            threads,
-            held_sums,
-            owner_pairs,
-            tape: false,
-            ..forward
-        });
+        variants.push(Variant { source, instances, threads, held_sums, tape: false, ..forward });
     }
     variants
 }

@@ -1,7 +1,7 @@
 //! Half-springs in rows: a warp works on 32 / lanes nodes at once, each lane on every lanes-th half-spring
 //! of its node. A slot is one half-spring for each of the 32 lanes; slots come in pairs.
 
-use super::{Incidence, Layout, NONE, banks};
+use super::{Incidence, Layout, NONE, PAIR_SUMS, SUMS_APART, banks};
 
 /// Lanes of a warp.
 pub(super) const WARP: usize = 32;
@@ -66,32 +66,44 @@ impl Rows<'_> {
     pub(super) fn end(&mut self) {
         let pairs = self.pairs() / WARP as u32;
         self.layout.rows.push(pairs);
+        self.layout.sum_rows.push(self.layout.sum_pairs);
     }
 
     fn add_row(&mut self, ends: &[Vec<Half>], selves: &[u32]) {
         let lanes = self.lanes;
         let layout = &mut *self.layout;
         layout.rows.push((layout.springs.len() / (2 * WARP)) as u32);
+        layout.sum_rows.push(layout.sum_pairs);
         // Those that report gradients come first, so that few slots need sums.
         let owners: Vec<Vec<Half>> = ends.iter().map(|e| pick(e, true)).collect();
         let others: Vec<Vec<Half>> = ends.iter().map(|e| pick(e, false)).collect();
         let pairs_for = |most: usize| most.div_ceil(2 * lanes);
         let total = pairs_for(ends.iter().map(Vec::len).max().unwrap_or(0));
-        let owner_pairs = pairs_for(owners.iter().map(Vec::len).max().unwrap_or(0));
+        let sum_pairs = pairs_for(owners.iter().map(Vec::len).max().unwrap_or(0));
         layout.max_row_pairs = layout.max_row_pairs.max(total as u32);
-        layout.max_owner_pairs = layout.max_owner_pairs.max(owner_pairs as u32);
+        layout.max_sum_pairs = layout.max_sum_pairs.max(sum_pairs as u32);
         let slots = banks::arrange(lanes, owners, others, 2 * total);
-        for pair in slots.chunks(2) {
-            let halves = (0..WARP).flat_map(|lane| pair.iter().map(move |slot| (lane, slot[lane])));
-            for (lane, half) in halves {
-                // What fills up a slot joins an endpoint to itself: that exerts nothing, dashpot or not.
-                let (spring, other, owns) = half.unwrap_or((NONE, selves[lane / lanes], false));
-                layout.springs.push(spring);
-                layout.others.push(other);
-                layout.spring_of.push(if owns { spring as i32 } else { -1 });
+        for (at, pair) in (0_u32..).zip(slots.chunks(2)) {
+            for lane in 0..WARP {
+                for (h, slot) in pair.iter().enumerate() {
+                    // What fills up a slot joins an endpoint to itself: that exerts nothing, dashpot or not.
+                    let filler = (NONE, selves[lane / lanes], false);
+                    let (spring, other, owns) = slot[lane].unwrap_or(filler);
+                    layout.springs.push(spring);
+                    layout.others.push(other);
+                    if owns && let Some(sums) = layout.sum_of.get_mut(spring as usize) {
+                        *sums = first_sum(layout.sum_pairs + at, h, lane);
+                    }
+                }
             }
         }
+        layout.sum_pairs += sum_pairs as u32;
     }
+}
+
+/// Where the sums of a half-spring begin: of one half of a pair, in a lane.
+fn first_sum(pair: u32, half: usize, lane: usize) -> u32 {
+    pair * PAIR_SUMS + half as u32 * 3 * SUMS_APART + lane as u32
 }
 
 fn pick(halves: &[Half], owns: bool) -> Vec<Half> {

@@ -33,7 +33,7 @@ fn endpoint(graph: &Graph, layout: &Layout, share: &Share, local: u32) -> u32 {
     layout.nodes[(share.nodes + local) as usize]
 }
 
-/// What a row's lanes of one end hold: (spring, other end, reports its gradient).
+/// What a row's lanes of one end hold: (spring, other end, whether its sums are here).
 fn halves(
     graph: &Graph,
     layout: &Layout,
@@ -45,15 +45,18 @@ fn halves(
     let a_row = 32 / lanes;
     let row = (share.row + first_row) as usize + index as usize / a_row;
     let mut found = BTreeSet::new();
-    for pair in layout.rows[row]..layout.rows[row + 1] {
+    for (at, pair) in (layout.rows[row]..layout.rows[row + 1]).enumerate() {
         for half in 0..2 * lanes {
             let e = pair as usize * 64 + index as usize % a_row * 2 * lanes + half;
             let spring = layout.springs[e];
             if spring != NONE {
                 let other = endpoint(graph, layout, share, layout.others[e]);
-                let reports = layout.spring_of[e];
-                assert!(reports == -1 || reports == spring as i32);
-                assert!(found.insert((spring, other, reports >= 0)), "a half-spring twice");
+                let sums = layout.sum_rows[row] + at as u32;
+                let lane = (index as usize % a_row * lanes + half / 2) as u32;
+                let here = sums * PAIR_SUMS + half as u32 % 2 * 3 * SUMS_APART + lane;
+                let reports =
+                    sums < layout.sum_rows[row + 1] && layout.sum_of[spring as usize] == here;
+                assert!(found.insert((spring, other, reports)), "a half-spring twice");
             }
         }
     }
@@ -137,17 +140,15 @@ fn what_fills_up_a_row_joins_an_endpoint_to_itself() {
 }
 
 #[test]
-fn gradients_come_from_the_first_slots() {
+fn sums_are_apart() {
     for (_, layout) in layouts() {
+        let parts =
+            layout.sum_of.iter().flat_map(|&first| (0..3).map(move |k| first + k * SUMS_APART));
+        let mut seen = BTreeSet::new();
+        assert!(parts.clone().all(|p| p < layout.sum_pairs * PAIR_SUMS && seen.insert(p)));
         for share in &layout.shares {
-            for row in share.row..share.row + share.rows {
-                let pairs = layout.rows[row as usize]..layout.rows[row as usize + 1];
-                for (k, pair) in pairs.enumerate() {
-                    let own = &layout.spring_of[pair as usize * 64..(pair as usize + 1) * 64];
-                    let late = k as u32 >= layout.max_owner_pairs;
-                    assert!(!late || own.iter().all(|&s| s == -1));
-                }
-            }
+            let rows = &layout.sum_rows[share.row as usize..][..=share.rows as usize];
+            assert!(rows.windows(2).all(|w| w[1] - w[0] <= layout.max_sum_pairs));
         }
     }
 }

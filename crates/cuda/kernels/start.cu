@@ -1,0 +1,39 @@
+// Where instances start: the initial state, which many may share, with pinned nodes on their control points.
+
+struct Start {
+    const float* initial;   // [6][N]: x, y, z, vx, vy, vz
+    float* states;          // the same, of frame 0
+    const float* controls;  // [frames + 1][C][3]
+    const int* pin_of;      // by node: its pin, -1 if it has none
+    const Pin* pins;
+    float frame_s;
+    u32 nodes;
+    u32 control_count;
+    u32 controls_move;      // whether there is a next frame, towards which pinned nodes move
+};
+
+static_assert(sizeof(Start) == SIZE_OF_START, "src/job.rs");
+
+// Block (nodes, job).
+extern "C" __global__ void start(const Start* jobs) {
+    const Start& s = jobs[blockIdx.y];
+    u32 i = blockIdx.x * THREADS + threadIdx.x;
+    if (i >= s.nodes) return;
+    u64 n = s.nodes;
+    float3 x = v3(s.initial[i], s.initial[n + i], s.initial[2 * n + i]);
+    float3 v = v3(s.initial[3 * n + i], s.initial[4 * n + i], s.initial[5 * n + i]);
+    int pin = s.pin_of[i];
+    if (pin >= 0) {
+        Pin held = s.pins[pin];
+        Path path = {s.controls, s.controls + 3 * (u64)s.control_count, s.frame_s, s.controls_move != 0};
+        x = add(load_v3(path.from + 3 * held.control), load_v3(held.offset));
+        v = control_velocity(path, held.control);
+    }
+    float* to = s.states + i;
+    to[0] = x.x;
+    to[n] = x.y;
+    to[2 * n] = x.z;
+    to[3 * n] = v.x;
+    to[4 * n] = v.y;
+    to[5 * n] = v.z;
+}

@@ -1,0 +1,142 @@
+//! How many windows go backward side by side, how many frames of each are on tape at a time, and the arrays for
+//! it.
+
+use bendtwin_engine::Error;
+
+use super::{Backward, windows::Window};
+use crate::{
+    job::Job,
+    launch::MOST_BLOCKS,
+    memory::Buffer,
+    resident::LAWS,
+    simulation::{Contact, contact_nodes},
+    tape::{self, Tape},
+};
+
+/// Bytes that contact takes a node.
+const CONTACT_BYTES: u64 = 2_088;
+/// Frames that go onto tape together, a multiprocessor: more would not be quicker.
+const FRAMES_A_PROCESSOR: usize = 2;
+
+/// Arrays of windows that go backward side by side.
+pub(super) struct Slots {
+    /// How many windows.
+    pub(super) windows: usize,
+    /// Frames of each that are on tape at a time.
+    pub(super) frames: usize,
+    /// Substeps of a frame that are on tape at a time: all of them, unless not even one frame fits.
+    pub(super) segment: usize,
+    pub(super) substeps: usize,
+    pub(super) nodes: usize,
+    pub(super) bar_x: Buffer<[f32; 4]>,
+    pub(super) bar_v: Buffer<[f32; 4]>,
+    /// None if all tapes were written on the way forward.
+    tape: Option<Tape>,
+    contact: Option<Contact>,
+}
+
+/// Bytes of a window.
+struct Bytes {
+    /// Whatever is on tape.
+    fixed: u64,
+    /// Of each frame on tape.
+    frame: u64,
+    /// Of each substep of it.
+    substep: u64,
+}
+
+impl Slots {
+    /// For windows of one graph, of which an instance is one, in so many bytes.
+    pub(super) fn new(
+        way_back: &Backward<'_>,
+        instance: usize,
+        windows: &[Window],
+        room: u64,
+    ) -> Result<Self, Error> {
+        let simulation = way_back.way.simulation;
+        let stream = &simulation.queue.stream;
+        let model = simulation.instances[instance].model.model();
+        let (nodes, substeps) = (model.graph.node_count(), model.timing.substeps as usize);
+        let deepest = windows.iter().map(Window::len).max().unwrap_or(0).max(1);
+        let most = windows.len().clamp(1, MOST_BLOCKS);
+        let bytes = way_back.bytes(instance);
+        let fit = |room: u64, each: u64| (room / each.max(1)) as usize;
+        let (count, frames, segment) = if way_back.way.kept.is_some() {
+            (fit(room, bytes.fixed).clamp(1, most), deepest, substeps)
+        } else {
+            let count = fit(room, bytes.fixed + bytes.frame).clamp(1, most);
+            let left = room.saturating_sub(count as u64 * bytes.fixed);
+            let processors = simulation.queue.device.ability.processors as usize;
+            let useful = (FRAMES_A_PROCESSOR * processors / count).max(1);
+            let frames = fit(left, count as u64 * bytes.frame).clamp(1, deepest.min(useful));
+            let longest = fit(left, bytes.substep).clamp(1, substeps.max(1));
+            // Segments of equal length.
+            let segment = substeps.div_ceil(substeps.div_ceil(longest).max(1));
+            (count, frames, segment)
+        };
+        let on_tape = if way_back.way.kept.is_some() { 0 } else { count * frames };
+        let contacts = if way_back.way.kept.is_some() { count } else { on_tape };
+        let contact = contact_nodes(model);
+        Ok(Self {
+            windows: count,
+            frames,
+            segment,
+            substeps,
+            nodes,
+            bar_x: Buffer::empty(stream, count * nodes)?,
+            bar_v: Buffer::empty(stream, count * nodes)?,
+            tape: match on_tape {
+                0 => None,
+                frames => Some(Tape::new(stream, frames * segment * nodes)?),
+            },
+            contact: match contact {
+                0 => None,
+                nodes => {
+                    let each = std::iter::repeat_n(nodes, contacts);
+                    Some(Contact::new(simulation.queue, each)?)
+                }
+            },
+        })
+    }
+
+    /// Whether a frame has to go onto tape in parts.
+    pub(super) fn is_segmented(&self) -> bool {
+        self.segment < self.substeps
+    }
+
+    /// Gives a job the arrays of a frame of a window on tape, counted from the first that is.
+    pub(super) fn place(&self, window: usize, frame: usize, job: &mut Job) {
+        let slot = window * self.frames + frame;
+        if let Some(tape) = &self.tape {
+            tape.place(slot * self.segment * self.nodes, job);
+        }
+        if let Some(contact) = &self.contact {
+            contact.place(if self.tape.is_some() { slot } else { window }, job);
+        }
+    }
+}
+
+impl Backward<'_> {
+    fn bytes(&self, instance: usize) -> Bytes {
+        let simulation = self.way.simulation;
+        let graph = &simulation.instances[instance].model.model().graph;
+        let contact = contact_nodes(simulation.instances[instance].model.model()) as u64;
+        let (n, e, t) = (graph.node_count(), graph.springs.len(), graph.triplets.len());
+        let blocks = simulation.queue.device.ability.processors as usize;
+        let paths = if self.request.controls {
+            blocks * graph.control_count() + graph.pins.len()
+        } else {
+            0
+        };
+        // A spring has three sums, in rows that are not full.
+        let sums = 5 * e + 3 * t + LAWS * blocks;
+        let fixed = (32 * n + 4 * sums + 36 * paths) as u64;
+        let contact = CONTACT_BYTES * contact;
+        let substep = tape::NODE_BYTES * n as u64;
+        let substeps = u64::from(simulation.instances[instance].model.model().timing.substeps);
+        match self.way.kept {
+            Some(_) => Bytes { fixed: fixed + contact, frame: 0, substep: 0 },
+            None => Bytes { fixed, frame: substep * substeps + contact, substep },
+        }
+    }
+}
