@@ -21,7 +21,7 @@ use bendtwin_core::{
 use bendtwin_engine::{
     Model,
     build::{Connectivity, connect, rest_geometry, sample_nodes},
-    stable_substeps,
+    enough_substeps,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -168,7 +168,7 @@ impl Scene {
         };
         for stiffness in STIFFNESSES {
             model.params.spring_stiffness = relative.iter().map(|r| r * stiffness).collect();
-            if stable_substeps(&model).needed <= SUBSTEPS {
+            if enough_substeps(&model, SUBSTEPS).is_ok() {
                 return Ok(Self { name, bending, model: Arc::new(model), stiffness, motion });
             }
         }

@@ -1,5 +1,6 @@
 //! What a substep costs on one core: microseconds by number of nodes, forward and with the gradient, spring
-//! evaluations a second, and the share of what a hand count of instructions allows. Prints Markdown tables.
+//! evaluations a second, and the share of what a hand count of instructions allows; then what it costs to look at a
+//! model's stability. Prints Markdown tables.
 //!
 //! `cargo bench -p bendtwin-engine`
 
@@ -12,14 +13,15 @@ mod clock;
 #[path = "substep/limits.rs"]
 mod limits;
 
-use std::sync::Arc;
+use std::{hint::black_box, sync::Arc};
 
 use bendtwin_engine::{
     Backend, Model, Objective, Term,
     backend::{CancelToken, GradientRequest, Instance},
-    cpu_with_threads,
+    cpu_with_threads, enough_substeps,
     model::State,
     objective::WeightedTerm,
+    stable_substeps,
 };
 
 use self::{bound::Elements, clock::best_of};
@@ -55,6 +57,7 @@ fn main() {
         table(&*backend, bending, flops);
     }
     small(&*backend, flops);
+    stability();
 }
 
 fn table(backend: &dyn Backend, bending: bool, flops: f64) {
@@ -102,6 +105,30 @@ fn small(backend: &dyn Backend, flops: f64) {
         c.elements.triplets,
         shares(&c, flops)
     );
+}
+
+/// What it costs to find out how many substeps a model needs, and that those it has are enough.
+fn stability() {
+    println!("\nStability of a model, looked at once\n");
+    println!(
+        "| nodes | springs | triplets | needed | estimate ms | four times enough ms | 1.5 times enough ms | just enough ms |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    for (nodes, bending) in [(500, false), (2000, false), (2000, true), (6000, false)] {
+        let model = body::ellipsoid(nodes, bending);
+        let needed = stable_substeps(&model).needed;
+        // The kernel counts in steps of milliseconds.
+        let ms = |work: &dyn Fn()| 1e3 / 50.0 * best_of(7, || (0..50).for_each(|_| work()));
+        println!(
+            "| {nodes} | {} | {} | {needed} | {:.2} | {:.2} | {:.2} | {:.2} |",
+            model.graph.springs.len(),
+            model.graph.triplets.len(),
+            ms(&|| _ = black_box(stable_substeps(&model))),
+            ms(&|| _ = black_box(enough_substeps(&model, 4 * needed))),
+            ms(&|| _ = black_box(enough_substeps(&model, 3 * needed / 2))),
+            ms(&|| _ = black_box(enough_substeps(&model, needed))),
+        );
+    }
 }
 
 fn cost(backend: &dyn Backend, model: Model) -> Cost {

@@ -12,7 +12,7 @@
 
 use bendtwin_core::{FastVariant, Point};
 
-use crate::{Model, cpu::check, stable_substeps};
+use crate::{Model, cpu::check, enough_substeps};
 
 /// Rate limits that are considered: an element alone is unstable above 4; where even the lower
 /// end is unstable, nearly every element would have to give way.
@@ -41,7 +41,7 @@ impl Reduction {
     pub fn to(model: &Model, substeps: u32) -> Option<Self> {
         let is_stable = |rate_limit| {
             let reduced = Self { substeps, rate_limit }.apply(model);
-            stable_substeps(&reduced).needed <= substeps
+            enough_substeps(&reduced, substeps).is_ok()
         };
         if substeps == 0 || check::unstepped_model(model).is_err() {
             return None;

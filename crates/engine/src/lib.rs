@@ -20,4 +20,4 @@ pub use cpu::{CpuBackend, check, cpu, cpu_with_threads};
 pub use energy::{Energy, energy};
 pub use model::Model;
 pub use objective::{Objective, PointLoss, Term};
-pub use stability::{StableSubsteps, stable_substeps};
+pub use stability::{StableSubsteps, enough_substeps, stable_substeps};

@@ -6,7 +6,7 @@ use crate::{
     Model,
     backend::{Error, Instance, Recording},
     objective::{Objective, PointLoss, Term, WeightedTerm},
-    stability::stable_substeps,
+    stability::enough_substeps,
 };
 
 /// Most substeps a frame: between two of them nobody can cancel.
@@ -38,15 +38,12 @@ pub fn model(model: &Model) -> Result<(), Error> {
 /// The first fault, as a sentence; [`Error::Unstable`] says how many substeps it takes.
 pub fn loadable(model: &Model) -> Result<(), Error> {
     self::model(model)?;
-    let stable = stable_substeps(model);
-    if model.timing.substeps < stable.needed {
-        return Err(Error::Unstable {
-            substeps: model.timing.substeps,
-            needed: stable.needed,
-            node: stable.stiffest_node,
-        });
-    }
-    Ok(())
+    let substeps = model.timing.substeps;
+    enough_substeps(model, substeps).map_err(|needs| Error::Unstable {
+        substeps,
+        needed: needs.needed,
+        node: needs.stiffest_node,
+    })
 }
 
 /// Checks a model whose number of substeps is still to be chosen.

@@ -5,6 +5,7 @@ use bendtwin_core::{
 };
 
 use super::*;
+use crate::stable_substeps;
 
 /// A straight chain of ten nodes 1 cm apart that hangs on a control point; its third spring is far
 /// stiffer than the others.

@@ -7,7 +7,7 @@ use bendtwin_core::{Graph, Params, Timing, settings::Substeps};
 use bendtwin_engine::{
     Backend, Loaded, backend,
     descent::{Chart, Descent, Position, Slope, Start},
-    stable_substeps,
+    enough_substeps,
 };
 use serde::{Deserialize, Serialize};
 
@@ -214,12 +214,12 @@ impl<'a> Walk<'a> {
     /// Adds substeps where stiffness has grown; backs off where there are none to add.
     fn settle_substeps(&mut self, index: usize, descent: &mut dyn Descent) -> Result<(), Error> {
         let current = self.loaded.model();
-        let needed = stable_substeps(current).needed;
         let margin = match self.task.settings.substeps {
             Substeps::Auto { safety, .. } => safety.min(THIN_MARGIN),
             Substeps::Fixed(_) => 1.0,
         };
-        if f64::from(needed) * margin <= f64::from(self.state.substeps) {
+        let with_margin = (f64::from(self.state.substeps) / margin) as u32;
+        if enough_substeps(current, with_margin).is_ok() {
             return Ok(());
         }
         let moved = match model(self.task, &self.graph, current.params.clone()) {
