@@ -29,6 +29,7 @@ struct Constants {
     const float* tape_b;
     float* pin_sums;
     float* sums;
+    u32 first_slot;  // on tape, of the thread's first local node
 };
 
 // What a thread adds up over a launch.
@@ -63,7 +64,7 @@ DEVICE void fetch_tape(const Local& l, const Constants& c, u32 buffer, u32 tape,
     const float4* xs = c.tape_x + (u64)tape * c.nodes;
     const float2* vs = c.tape_v + (u64)tape * c.nodes;
     for (u32 i = threadIdx.x; i < l.share.local; i += THREADS) {
-        u32 at = nodes[i];
+        u32 at = i == threadIdx.x ? c.first_slot : job.tape_slots[nodes[i]];
         copy_async(l.xs(buffer, 0) + i, xs + at);
         copy_async(l.vs(buffer, 0) + i, vs + at);
     }
@@ -99,7 +100,7 @@ struct Entry {
 };
 
 DEVICE Entry entry_of(const Constants& c, const Place& p, u32 tape) {
-    u64 at = (u64)tape * c.nodes + p.at;
+    u64 at = (u64)tape * c.nodes + p.slot;
     Entry e;
     e.x = xyz(c.tape_x[at]);
     e.before = load_v3(c.tape_b + 3 * at);
@@ -123,7 +124,7 @@ DEVICE void node_adjoint(
     Law law_bar = {0.0f, 0.0f};
 #if CONTACT
     u64 start = (u64)tape * c.nodes;
-    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, job.topology.inverse_mass};
+    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, job.topology.inverse_mass, job.tape_slots};
     float touches;
     after = collide(job, nodes, p.at, p.valid, p.lane, touches);
 #endif
@@ -155,7 +156,7 @@ DEVICE void contact_adjoint(
 ) {
     const Job& job = *l.job;
     u64 start = (u64)tape * c.nodes;
-    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, job.topology.inverse_mass};
+    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, job.topology.inverse_mass, job.tape_slots};
     float3 x_bar = zero3(), v_bar = zero3();
     if (p.valid) {
         x_bar = xyz(bar_x_of(l)[p.node]);
@@ -436,7 +437,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
     const Job& job = all[blockIdx.x / BLOCKS];
     Local l = local_of(&job, blockIdx.x % BLOCKS);
     Constants c = {job.dt,       job.decay,    job.ground, job.ground_law, job.dashpot, job.substeps,
-                   job.topology.node_count, job.tape_x, job.tape_v, job.tape_b, job.pin_sums, job.spring_sums};
+                   job.topology.node_count, job.tape_x, job.tape_v, job.tape_b, job.pin_sums, job.spring_sums,
+                   threadIdx.x < l.share.local ? job.tape_slots[l.graph_node(threadIdx.x)] : 0};
     u32 rows = l.share.rows + (job.control_sums ? l.share.control_rows : 0);
     Pairs pairs = pairs_of(l, rows, after_bars(l));
     float3* bends = bend_buffer(l);

@@ -39,9 +39,11 @@ struct Live {
 struct Taped {
     const float4* x;
     const float *b, *inverse_mass;
+    const u32* slots;
     DEVICE_MEMBER void load(u32 node, float4& x_out, float3& v_out) const {
-        x_out = with_w(xyz(x[node]), inverse_mass[node]);
-        v_out = load_v3(b + 3 * (u64)node);
+        u32 slot = slots[node];
+        x_out = with_w(xyz(x[slot]), inverse_mass[node]);
+        v_out = load_v3(b + 3 * (u64)slot);
     }
 };
 

@@ -86,7 +86,8 @@ DEVICE void travel(
 #if TAPE
     if (p.lane == 0 && tape != NO_TAPE) {
         const Job& job = *l.job;
-        u64 at = (u64)tape * job.topology.node_count + p.at;
+        // Nodes of a row side by side: scattered, they would cost more than the rest of the tape.
+        u64 at = (u64)tape * job.topology.node_count + l.share.slot + p.node;
         job.tape_x[at] = with_w(s.x, s.v.x);
         job.tape_v[at] = make_float2(s.v.y, s.v.z);
         float* b = job.tape_b + 3 * at;

@@ -16,6 +16,7 @@ struct Share {
     u32 pins;            // pinned nodes among its local ones
     u32 pin;             // first of them in `Topology::local_pins`
     u32 export_;         // first of its own + 1 export starts in `Topology::exports`
+    u32 slot;            // where its own nodes begin on a tape that this cut writes
 };
 
 struct LocalPin {
@@ -68,7 +69,8 @@ struct Job {
     const float* controls;       // [frames + 1][C][3]
     float* states;               // [slots][6][N]: x, y, z, vx, vy, vz of frame f at f % slots
     u64* divergence;             // smallest frame << 32 | node
-    float4* tape_x;              // [substeps of a segment][N]: x, v_x
+    const u32* tape_slots;       // by graph index: where a node is on a tape that is read
+    float4* tape_x;              // [substeps of a segment][N], in the order of the cut that writes it: x, v_x
     float2* tape_v;              // v_y, v_z
     float* tape_b;               // [3]: velocity before contact
     float4* bar_x;               // [N]: d loss / d state

@@ -115,6 +115,7 @@ DEVICE Pairs pairs_of(const Local& l, u32 rows, float4* near) {
 struct Place {
     u32 node;             // local index; a lane without a node looks at node 0 and keeps silent
     u32 at;               // graph index
+    u32 slot;             // where it is on tape; known on the way back only
     u32 lane;             // which of the node's lanes this is
     bool valid;
     int pin;              // -1 if it is free
@@ -136,6 +137,7 @@ DEVICE Place place_of(const Local& l, u32 row) {
     p.valid = row < l.share.rows && node < l.share.own;
     p.node = p.valid ? node : 0;
     p.at = l.share.own > 0 ? l.graph_node(p.node) : 0;
+    p.slot = l.job->tape_slots ? l.job->tape_slots[p.at] : 0;
     p.pin = p.valid ? t.pin_of[p.at] : -1;
     p.pin_control = 0;
     p.pin_offset = zero3();

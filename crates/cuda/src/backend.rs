@@ -147,13 +147,13 @@ impl CudaBackend {
         // Tapes that fit are written on the way forward; others when they are needed.
         let mut room = self.room() / 2;
         let bytes = Kept::bytes_of(batch);
-        let tape = if bytes <= room / 4 * 3 {
+        let mut tape = if bytes <= room / 4 * 3 {
             room -= bytes;
             Some(Kept::new(&self.queue.stream, batch)?)
         } else {
             None
         };
-        simulation.run(tape.as_ref(), cancel)?;
+        simulation.run(tape.as_mut(), cancel)?;
         let scores = Scores::new(&simulation, Some(request.cut_every))?;
         let way = Way { simulation: &simulation, scores: &scores, kept: tape.as_ref() };
         let gradients = Gradients::new(&way, request, room, cancel)?;

@@ -54,6 +54,8 @@ pub(crate) struct CutGraph {
     pub(crate) triplet_of: Buffer<u32>,
     /// Where each spring's sums begin; see `layout.rs`.
     pub(crate) sum_of: Buffer<u32>,
+    /// Where each node is on a tape that this cut writes.
+    pub(crate) tape_slots: Buffer<u32>,
     /// Keeps alive what `topology` points to.
     _parts: Parts,
 }
@@ -156,9 +158,19 @@ impl DeviceGraph {
         let springs = Buffer::of(stream, &layout.springs)?;
         let others = Buffer::of(stream, &layout.others)?;
         let sum_of = Buffer::of(stream, &layout.sum_of)?;
+        let tape_slots = Buffer::of(stream, &layout.tape_slots())?;
         // The urgent stream may use it next.
         crate::synchronize(stream)?;
-        Ok(CutGraph { topology, springs, others, triplet_of, sum_of, layout, _parts: parts })
+        Ok(CutGraph {
+            topology,
+            springs,
+            others,
+            triplet_of,
+            sum_of,
+            tape_slots,
+            layout,
+            _parts: parts,
+        })
     }
 
     /// Neighbours by springs.

@@ -22,6 +22,7 @@ pub(crate) struct Share {
     pub(crate) pins: u32,
     pub(crate) pin: u32,
     pub(crate) export: u32,
+    pub(crate) slot: u32,
 }
 
 /// A pinned node among a block's local ones.
@@ -88,6 +89,7 @@ pub(crate) struct Job {
     pub(crate) controls: Address,
     pub(crate) states: Address,
     pub(crate) divergence: Address,
+    pub(crate) tape_slots: Address,
     pub(crate) tape_x: Address,
     pub(crate) tape_v: Address,
     pub(crate) tape_b: Address,

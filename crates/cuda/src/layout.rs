@@ -129,6 +129,7 @@ impl Layout {
             triplet: self.triplets.len() as u32,
             arm: self.arms.len() as u32,
             pin: self.local_pins.len() as u32,
+            slot: self.shares.last().map_or(0, |s| s.slot + s.own),
             ..Share::default()
         };
         let triplets = triplets_of(graph, incidence, part);
@@ -232,6 +233,16 @@ impl Layout {
             }
         }
         Ok(())
+    }
+
+    /// Where each node is on a tape that this cut writes, by its index in the graph.
+    pub(crate) fn tape_slots(&self) -> Vec<u32> {
+        let own = |s: &Share| &self.nodes[s.nodes as usize..][..s.own as usize];
+        let mut slots = vec![0; self.shares.iter().map(|s| s.own as usize).sum()];
+        for (slot, &node) in self.shares.iter().flat_map(own).enumerate() {
+            slots[node as usize] = slot as u32;
+        }
+        slots
     }
 
     /// Float4s of one array of local states.

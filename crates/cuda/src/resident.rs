@@ -141,6 +141,7 @@ impl Packed {
             others: self.others.address(),
             dashpots: self.dashpots.address(),
             bends: self.bends.address(),
+            tape_slots: self.cut.tape_slots.address(),
             kick: gravity.map(|g| g * dt as f32),
             ground_normal: ground.map_or([0.0; 3], |g| g.normal),
             ground_offset: ground.map_or(0.0, |g| g.offset_m),

@@ -151,13 +151,13 @@ impl<'a> Simulation<'a> {
     }
 
     /// Runs all frames, with all that happens in them onto tape if there is one.
-    pub(crate) fn run(&self, tape: Option<&Kept>, cancel: &CancelToken) -> Result<(), Error> {
+    pub(crate) fn run(&self, tape: Option<&mut Kept>, cancel: &CancelToken) -> Result<(), Error> {
         let all: Vec<usize> = (0..self.instances.len()).collect();
         let purpose = if tape.is_some() { Purpose::Tape } else { Purpose::Forward };
         let mut groups = self.groups(&all, purpose)?;
         if let Some(tape) = tape {
             for (index, job) in groups.iter_mut().flat_map(Group::members_mut) {
-                tape.place(self.instances, index, 0, job);
+                tape.write(index, job);
             }
         }
         let longest = self.instances.iter().map(|i| i.frames).max().unwrap_or(0);

@@ -6,7 +6,7 @@ use bendtwin_engine::{Error, backend::Instance};
 use cudarc::driver::CudaStream;
 
 use crate::{
-    job::Job,
+    job::{Address, Job},
     memory::{Buffer, end_of},
 };
 
@@ -26,6 +26,8 @@ pub(crate) struct Tape {
 pub(crate) struct Kept {
     tape: Tape,
     starts: Vec<usize>,
+    /// By instance, where each node is on tape.
+    slots: Vec<Address>,
 }
 
 impl Tape {
@@ -57,12 +59,20 @@ impl Kept {
         for instance in instances {
             starts.push(end_of(&starts) + entries(instance, instance.frames));
         }
-        Ok(Self { tape: Tape::new(stream, end_of(&starts))?, starts })
+        let slots = vec![0; instances.len()];
+        Ok(Self { tape: Tape::new(stream, end_of(&starts))?, starts, slots })
     }
 
-    /// Lets a job of an instance write or read from a frame on.
-    pub(crate) fn place(&self, instances: &[Instance], index: usize, frame: usize, job: &mut Job) {
+    /// Lets the job of an instance write all its frames.
+    pub(crate) fn write(&mut self, index: usize, job: &mut Job) {
+        self.tape.place(self.starts[index], job);
+        self.slots[index] = job.tape_slots;
+    }
+
+    /// Lets a job of an instance read from a frame on.
+    pub(crate) fn read(&self, instances: &[Instance], index: usize, frame: usize, job: &mut Job) {
         self.tape.place(self.starts[index] + entries(&instances[index], frame), job);
+        job.tape_slots = self.slots[index];
     }
 }
 

@@ -189,12 +189,11 @@ fn candidates(
             found.push((rounds * one, Team { meeting, blocks, threads, instances }));
         };
     let processors = f64::from(ability.processors);
-    let block_threads = if purpose == Purpose::Backward { TEAM_THREADS } else { BLOCK_THREADS };
-    add(Meeting::Block, 1, block_threads, 1, BLOCK_US, processors);
+    add(Meeting::Block, 1, BLOCK_THREADS, 1, BLOCK_US, processors);
     if purpose == Purpose::Forward {
         for instances in [2, 4] {
             if alike >= ability.processors as usize * instances as usize {
-                add(Meeting::Block, 1, block_threads, instances, BLOCK_US, processors);
+                add(Meeting::Block, 1, BLOCK_THREADS, instances, BLOCK_US, processors);
             }
         }
     }
@@ -202,7 +201,7 @@ fn candidates(
         // Clusters do not fill the device: their blocks share a part of it.
         let capacity =
             (processors * (1.0 - 0.0078 * f64::from(blocks)) / f64::from(blocks)).floor();
-        add(Meeting::Cluster, blocks, block_threads, 1, CLUSTER_US, capacity);
+        add(Meeting::Cluster, blocks, BLOCK_THREADS, 1, CLUSTER_US, capacity);
     }
     let mut blocks = 32;
     while blocks <= ability.processors {

@@ -1,6 +1,8 @@
 //! How many windows go backward side by side, how many frames of each are on tape at a time, and the arrays for
 //! it.
 
+use std::ops::Range;
+
 use bendtwin_engine::Error;
 
 use super::{Backward, windows::Window};
@@ -25,8 +27,8 @@ pub(super) struct Slots {
     /// Frames of each that are on tape at a time.
     pub(super) frames: usize,
     /// Substeps of a frame that are on tape at a time: all of them, unless not even one frame fits.
-    pub(super) segment: usize,
-    pub(super) substeps: usize,
+    segment: usize,
+    substeps: usize,
     pub(super) nodes: usize,
     pub(super) bar_x: Buffer<[f32; 4]>,
     pub(super) bar_v: Buffer<[f32; 4]>,
@@ -99,9 +101,15 @@ impl Slots {
         })
     }
 
-    /// Whether a frame has to go onto tape in parts.
-    pub(super) fn is_segmented(&self) -> bool {
-        self.segment < self.substeps
+    /// The parts of a frame that go onto tape one after the other: one, unless not even a frame fits.
+    pub(super) fn segments(&self) -> impl DoubleEndedIterator<Item = Range<u32>> + use<> {
+        let (segment, substeps) = (self.segment.max(1), self.substeps);
+        let part = move |s: usize| (s * segment) as u32..((s + 1) * segment).min(substeps) as u32;
+        (0..substeps.div_ceil(segment)).map(part)
+    }
+
+    pub(super) fn last_segment(&self) -> Range<u32> {
+        self.segments().next_back().unwrap_or(0..0)
     }
 
     /// Gives a job the arrays of a frame of a window on tape, counted from the first that is.

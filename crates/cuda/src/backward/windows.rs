@@ -1,5 +1,7 @@
 //! Windows that go backward side by side, from their ends to their starts.
 
+use std::ops::Range;
+
 use bendtwin_engine::Error;
 
 use super::{Backward, Slots};
@@ -138,10 +140,11 @@ impl<'a> SideBySide<'a> {
         let mut pace = Pace::default();
         for from in (0..deepest).step_by(self.slots.frames) {
             let depths = from..(from + self.slots.frames).min(deepest);
-            if self.way_back.way.kept.is_none() && !self.slots.is_segmented() {
-                self.again(depths.clone(), 0..self.slots.substeps as u32)?;
-            }
-            let rounds = self.lanes.iter().map(|lane| self.rounds(lane, depths.clone()));
+            let slots = match self.way_back.way.kept {
+                Some(_) => Vec::new(),
+                None => self.again(depths.clone(), self.slots.last_segment())?,
+            };
+            let rounds = self.lanes.iter().map(|lane| self.rounds(lane, depths.clone(), &slots));
             let rounds = rounds.collect::<Result<Vec<_>, Error>>()?;
             for depth in depths {
                 if self.way_back.cancel.is_cancelled() {
@@ -159,7 +162,13 @@ impl<'a> SideBySide<'a> {
     }
 
     /// Jobs of windows that reach so deep.
-    fn rounds(&self, lane: &Lane, depths: std::ops::Range<usize>) -> Result<Rounds, Error> {
+    /// Where nodes are on tape is said by `slots`, by window, for tapes that have just been written.
+    fn rounds(
+        &self,
+        lane: &Lane,
+        depths: Range<usize>,
+        slots: &[Address],
+    ) -> Result<Rounds, Error> {
         let (simulation, from) = (self.simulation(), depths.start);
         let (mut jobs, mut seeds, mut outs) = (Vec::new(), Vec::new(), Vec::new());
         let (mut starts, mut shared) = (vec![0], false);
@@ -173,8 +182,11 @@ impl<'a> SideBySide<'a> {
                 let frame = window.frame(depth);
                 let mut job = Job { first: frame as u32, ..*job };
                 self.slots.place(w, depth - from, &mut job);
-                if let Some(kept) = self.way_back.way.kept {
-                    kept.place(simulation.instances, window.instance, frame, &mut job);
+                match self.way_back.way.kept {
+                    Some(kept) => {
+                        kept.read(simulation.instances, window.instance, frame, &mut job);
+                    }
+                    None => job.tape_slots = slots[w],
                 }
                 jobs.push(job);
                 seeds.push(self.way_back.way.scores.seed(simulation, window.instance, frame + 1));
@@ -211,10 +223,9 @@ impl<'a> SideBySide<'a> {
                 simulation.find_partners(&queue.stream, jobs, 0)?;
             }
         }
-        for segment in (0..slots.substeps.div_ceil(slots.segment.max(1))).rev() {
-            let to = ((segment + 1) * slots.segment).min(slots.substeps) as u32;
-            let taped = (segment * slots.segment) as u32..to;
-            if slots.is_segmented() {
+        for taped in slots.segments().rev() {
+            // The last is there.
+            if taped != slots.last_segment() {
                 self.again(depth..depth + 1, taped.clone())?;
             }
             for (lane, rounds) in self.lanes.iter().zip(rounds) {
@@ -235,12 +246,8 @@ impl<'a> SideBySide<'a> {
         Ok(())
     }
 
-    /// Runs frames again, all at once, with these substeps on tape.
-    fn again(
-        &self,
-        depths: std::ops::Range<usize>,
-        taped: std::ops::Range<u32>,
-    ) -> Result<(), Error> {
+    /// Runs frames again, all at once, with these substeps on tape; says where nodes are on it, by window.
+    fn again(&self, depths: Range<usize>, taped: Range<u32>) -> Result<Vec<Address>, Error> {
         let (simulation, from) = (self.simulation(), depths.start);
         let queue = simulation.queue;
         let windows = self.windows.iter().enumerate();
@@ -250,12 +257,14 @@ impl<'a> SideBySide<'a> {
             })
             .collect();
         let instances: Vec<usize> = frames.iter().map(|&(w, _)| self.windows[w].instance).collect();
+        let mut slots = vec![0; self.windows.len()];
         for mut group in simulation.groups(&instances, Purpose::Tape)? {
             for (f, job) in group.members_mut() {
                 let (w, depth) = frames[f];
                 job.first = self.windows[w].frame(depth) as u32;
                 job.frames = 1;
                 self.slots.place(w, depth - from, job);
+                slots[w] = job.tape_slots;
             }
             let jobs = Buffer::of(&queue.stream, group.jobs())?;
             if group.fitted.variant.contact {
@@ -264,7 +273,7 @@ impl<'a> SideBySide<'a> {
             let stretch = Stretch::again(taped.clone());
             group.advance(queue, &queue.stream, Jobs::all(&jobs), &stretch)?;
         }
-        Ok(())
+        Ok(slots)
     }
 
     fn add_seeds(&self, jobs: Jobs, seeds: Address, begins: bool) -> Result<(), Error> {
