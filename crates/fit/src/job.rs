@@ -201,7 +201,7 @@ impl<'a> Run<'a> {
         }
         let mut refinement = Refinement::new(self.task, walks, backend, self.cancel)?;
         if states.iter().any(|s| matches!(s, VariantState::Search(_))) {
-            refinement.score()?;
+            refinement.begin()?;
         }
         let passes = self.job.settings.refine.passes;
         while refinement.walks.iter().any(|w| w.state.pass < passes) {

@@ -5,11 +5,14 @@ mod schedule;
 mod walk;
 mod windows;
 
-use std::sync::Arc;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::Arc,
+};
 
 use bendtwin_engine::{
     Backend,
-    backend::{CancelToken, GradientRequest, Instance},
+    backend::{CancelToken, GradientRequest, Instance, Loss},
     descent::{Decay, Descent, Probe, Slope, Start},
     model::State,
 };
@@ -44,38 +47,99 @@ impl<'a> Refinement<'a> {
         Ok(Self { walks, descent, windows: Windows::default(), task, backend, cancel })
     }
 
+    /// Measures where the variants start, so that none can end worse than it began; left to the first
+    /// pass if that does it.
+    pub(crate) fn begin(&mut self) -> Result<(), Error> {
+        let passes = self.task.settings.refine.passes;
+        let first_does = passes > 0 && schedule::steps(self.task, 0).len() == 1;
+        if first_does { Ok(()) } else { self.score() }
+    }
+
     /// One pass of all variants over the training frames.
     ///
     /// A variant whose simulation or gradient is not finite goes back to its best parameters with half
     /// the rate and sits out the rest of the pass; the others are not disturbed.
+    ///
+    /// A pass of several steps ends by measuring where they led. A pass of a single step needs no more than
+    /// its gradient: the losses that come with it tell how good the parameters are where the pass begins,
+    /// and the next pass tells the same of where this one ends. Only the last pass has none after it.
     pub(crate) fn pass(&mut self) -> Result<(), Error> {
         let Some(pass) = self.walks.first().map(|w| w.state.pass) else { return Ok(()) };
         let initial: Vec<_> = self.task.training.iter().map(|t| t.initial.clone()).collect();
         // States at the start of the next window, by variant and sequence.
         let mut states = vec![initial; self.walks.len()];
         self.walks.iter_mut().for_each(Walk::begin_pass);
-        for step in schedule::steps(self.task, pass) {
-            self.run_step(&mut states, &step)?;
+        let steps = schedule::steps(self.task, pass);
+        match &steps[..] {
+            [only] => self.judge_and_step(&states, only)?,
+            several => {
+                for step in several {
+                    self.run_step(&mut states, step)?;
+                }
+            }
         }
         for (index, walk) in self.walks.iter_mut().enumerate() {
             walk.arrive(index, &mut *self.descent)?;
         }
-        self.score()?;
+        let is_last = pass + 1 >= self.task.settings.refine.passes;
+        if is_last || steps.len() > 1 {
+            self.score()?;
+        }
         self.walks.iter_mut().for_each(Walk::end_pass);
         Ok(())
     }
 
     fn run_step(&mut self, states: &mut [Vec<Arc<State>>], step: &Step) -> Result<(), Error> {
-        // One batch for all variants whose gradients reach equally far, as they nearly always do.
-        let mut results: Vec<Option<Vec<Slope>>> = self.walks.iter().map(|_| None).collect();
-        let active = self.walks.iter().filter(|w| w.is_active());
-        let mut reaches: Vec<usize> = active.map(Walk::reach).collect();
-        reaches.sort_unstable();
-        reaches.dedup();
+        let active = self.active();
+        for (index, own) in self.measure(&active, states, step)? {
+            self.walks[index].learn(index, &own, &mut *self.descent)?;
+            for (slope, window) in own.into_iter().zip(&step.windows) {
+                if let Some(state) = slope.final_state {
+                    states[index][window.sequence] = Arc::new(state);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The only step of a pass: it sees all training frames from their start. Who goes back
+    /// to better parameters steps from there.
+    fn judge_and_step(&mut self, states: &[Vec<Arc<State>>], step: &Step) -> Result<(), Error> {
+        let (active, mut back) = (self.active(), Vec::new());
+        for (index, slopes) in self.measure(&active, states, step)? {
+            let (walk, descent) = (&mut self.walks[index], &mut *self.descent);
+            walk.judge(index, mean(slopes.iter().map(|s| &s.loss)), descent)?;
+            if walk.is_active() {
+                walk.learn(index, &slopes, descent)?;
+            } else {
+                walk.set_out();
+                back.push(index);
+            }
+        }
+        back.retain(|&index| self.walks[index].is_active());
+        for (index, slopes) in self.measure(&back, states, step)? {
+            self.walks[index].learn(index, &slopes, &mut *self.descent)?;
+        }
+        Ok(())
+    }
+
+    fn active(&self) -> Vec<usize> {
+        (0..self.walks.len()).filter(|&walk| self.walks[walk].is_active()).collect()
+    }
+
+    /// Gradients of these walks over the windows of a step, by walk.
+    fn measure(
+        &mut self,
+        walks: &[usize],
+        states: &[Vec<Arc<State>>],
+        step: &Step,
+    ) -> Result<BTreeMap<usize, Vec<Slope>>, Error> {
+        let mut slopes_of = BTreeMap::new();
+        // One batch for all whose gradients reach equally far, as they nearly always do.
+        let reaches: BTreeSet<usize> = walks.iter().map(|&walk| self.walks[walk].reach()).collect();
         for reach in reaches {
-            let members: Vec<usize> = (0..self.walks.len())
-                .filter(|&i| self.walks[i].is_active() && self.walks[i].reach() == reach)
-                .collect();
+            let reaches_so_far = |walk: &usize| self.walks[*walk].reach() == reach;
+            let members: Vec<usize> = walks.iter().copied().filter(reaches_so_far).collect();
             let mut batch = Vec::with_capacity(members.len() * step.windows.len());
             for &walk in &members {
                 let model = &self.walks[walk].loaded;
@@ -95,25 +159,15 @@ impl<'a> Refinement<'a> {
                 descent.measure(slice, &request, self.cancel)
             })?;
             let mut slopes = slopes.into_iter();
-            for i in members {
-                results[i] = Some(slopes.by_ref().take(step.windows.len()).collect());
+            for walk in members {
+                slopes_of.insert(walk, slopes.by_ref().take(step.windows.len()).collect());
             }
         }
-        for (index, result) in results.into_iter().enumerate() {
-            let Some(own) = result else { continue };
-            self.walks[index].learn(index, &own, &mut *self.descent)?;
-            for (slope, window) in own.into_iter().zip(&step.windows) {
-                if let Some(state) = slope.final_state {
-                    states[index][window.sequence] = Arc::new(state);
-                }
-            }
-        }
-        Ok(())
+        Ok(slopes_of)
     }
 
-    /// Measures the parameters where every variant arrived on all training frames and keeps the best; done
-    /// before the first pass too, so that none can end worse than it began.
-    pub(crate) fn score(&mut self) -> Result<(), Error> {
+    /// Measures the parameters where every variant is on all training frames, and keeps the best.
+    fn score(&mut self) -> Result<(), Error> {
         let training = &self.task.training;
         let mut batch: Vec<Instance> = Vec::with_capacity(self.walks.len() * training.len());
         for walk in &self.walks {
@@ -122,11 +176,20 @@ impl<'a> Refinement<'a> {
         let losses = submit::losses(self.backend, &batch, self.cancel)?;
         let own = losses.chunks(training.len());
         for (index, (walk, own)) in self.walks.iter_mut().zip(own).enumerate() {
-            let loss = own.iter().map(|l| l.total).sum::<f64>() / own.len() as f64;
-            walk.judge(index, loss, &mut *self.descent)?;
+            walk.judge(index, mean(own), &mut *self.descent)?;
         }
         Ok(())
     }
+}
+
+/// The loss of parameters: the mean over all sequences, which are in the task's order.
+fn mean<'l>(losses: impl IntoIterator<Item = &'l Loss>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_usize);
+    for loss in losses {
+        sum += loss.total;
+        count += 1;
+    }
+    sum / count as f64
 }
 
 #[cfg(test)]

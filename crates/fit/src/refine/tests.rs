@@ -1,5 +1,7 @@
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use bendtwin_capture::{MakeOptions, Scene, make};
-use bendtwin_core::{FitSettings, Params, Progress, Stage};
+use bendtwin_core::{FitSettings, Params, Progress, Stage, settings::GradientWindow};
 use bendtwin_engine::{
     Device, Loaded, Model,
     backend::{Error as EngineError, Gradient, Loss, Recording, Rollout},
@@ -10,19 +12,32 @@ use crate::{FitJob, Observer, ObserverError};
 
 use super::*;
 
-/// The CPU, but every gradient has left the finite numbers on its way; losses are as they should be.
+/// The CPU, watched; if told so, every gradient has left the finite numbers on its way, but losses are as they
+/// should be.
 #[derive(Clone)]
-struct Exploding(Arc<dyn Backend>);
+struct Watched {
+    cpu: Arc<dyn Backend>,
+    explodes: bool,
+    /// Calls of `losses`.
+    scored: Arc<AtomicUsize>,
+}
 
-impl Backend for Exploding {
+impl Watched {
+    fn new(explodes: bool) -> Self {
+        let cpu = bendtwin_engine::cpu_with_threads(1);
+        Self { cpu, explodes, scored: Arc::default() }
+    }
+}
+
+impl Backend for Watched {
     fn device(&self) -> Device {
-        self.0.device()
+        self.cpu.device()
     }
     fn load(&self, model: Arc<Model>) -> Result<Loaded, EngineError> {
-        self.0.load(model)
+        self.cpu.load(model)
     }
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, EngineError> {
-        self.0.with_params(loaded, params)
+        self.cpu.with_params(loaded, params)
     }
     fn roll_out(
         &self,
@@ -30,10 +45,11 @@ impl Backend for Exploding {
         recording: &Recording,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, EngineError> {
-        self.0.roll_out(batch, recording, cancel)
+        self.cpu.roll_out(batch, recording, cancel)
     }
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, EngineError> {
-        self.0.losses(batch, cancel)
+        self.scored.fetch_add(1, Ordering::Relaxed);
+        self.cpu.losses(batch, cancel)
     }
     fn gradients(
         &self,
@@ -41,8 +57,9 @@ impl Backend for Exploding {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, EngineError> {
-        let gradients = self.0.gradients(batch, request, cancel)?;
-        Ok(gradients.into_iter().map(|g| Gradient { overflowed: true, ..g }).collect())
+        let gradients = self.cpu.gradients(batch, request, cancel)?;
+        let spoilt = |g: Gradient| Gradient { overflowed: g.overflowed || self.explodes, ..g };
+        Ok(gradients.into_iter().map(spoilt).collect())
     }
     fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, EngineError> {
         Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
@@ -63,14 +80,19 @@ impl Observer for Passes {
     }
 }
 
-#[test]
-fn a_gradient_that_is_not_finite_takes_no_step() {
-    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+/// A fit that is refinement alone.
+fn settings(passes: u32) -> FitSettings {
     let mut settings = FitSettings { compare_axial: false, ..FitSettings::default() };
     settings.graph.max_nodes = 24;
     settings.search.generations = 0;
-    settings.refine.passes = 2;
-    let backend = Arc::new(Exploding(bendtwin_engine::cpu_with_threads(1)));
+    settings.refine.passes = passes;
+    settings
+}
+
+#[test]
+fn a_gradient_that_is_not_finite_takes_no_step() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+    let (settings, backend) = (settings(2), Arc::new(Watched::new(true)));
     let job = FitJob { capture: &capture, capture_digest: "digest".into(), settings, backend };
     let mut passes = Passes::default();
     job.run(None, &mut passes, &CancelToken::default()).unwrap();
@@ -81,4 +103,77 @@ fn a_gradient_that_is_not_finite_takes_no_step() {
         assert_eq!(pass.loss, pass.best_loss, "it stays where it started");
     }
     assert_eq!(passes.0[0].best_loss, passes.0[1].best_loss);
+}
+
+/// What a fit says of its best parameters is what a rollout of its twin finds, however that loss came
+/// about, and whether steps led downhill or, being far too long, anywhere.
+#[test]
+fn the_best_loss_is_the_twins() {
+    let capture = make(Scene::Cable, &MakeOptions::tiny(2)).unwrap();
+    for (window, rate, passes) in [
+        (GradientWindow::Pass, 0.02, 3),
+        (GradientWindow::Pass, 1.0, 9),
+        (GradientWindow::Pass, 0.02, 0),
+        (GradientWindow::Frames(9), 0.02, 2),
+    ] {
+        let mut settings = settings(passes);
+        (settings.refine.window, settings.refine.learning_rate) = (window, rate);
+        let backend: Arc<dyn Backend> = Arc::new(Watched::new(false));
+        let (digest, of) = ("digest".into(), settings.clone());
+        let job = FitJob {
+            capture: &capture,
+            capture_digest: digest,
+            settings: of,
+            backend: backend.clone(),
+        };
+        let (mut seen, cancel) = (Passes::default(), CancelToken::default());
+        let twin = job.run(None, &mut seen, &cancel).unwrap().twin;
+        let losses: Vec<f64> = seen.0.iter().filter_map(|p| p.best_loss).collect();
+        assert!(losses.is_sorted_by(|a, b| a >= b), "{losses:?}");
+        let task = Task::new(&capture, &settings).unwrap();
+        let loaded = backend.load(Arc::new(Model::from(&twin))).unwrap();
+        let batch: Vec<_> = task.training.iter().map(|t| t.instance(&loaded)).collect();
+        let loss = mean(&backend.losses(&batch, &cancel).unwrap());
+        assert!(loss.is_finite());
+        assert!(losses.last().is_none_or(|best| *best == loss), "{window:?}: {loss} {losses:?}");
+    }
+}
+
+/// Apart from its end, a walk of single steps learns what it is worth from its gradients.
+#[test]
+fn a_pass_of_one_step_needs_no_rollout_beside() {
+    let capture = make(Scene::Cable, &MakeOptions::tiny(2)).unwrap();
+    let scored = |window: GradientWindow| {
+        let backend = Watched::new(false);
+        let scored = backend.scored.clone();
+        let mut settings = settings(4);
+        settings.refine.window = window;
+        let backend = Arc::new(backend);
+        let job = FitJob { capture: &capture, capture_digest: "digest".into(), settings, backend };
+        let mut before_the_end = Counting { scored: scored.clone(), after_passes: Vec::new() };
+        job.run(None, &mut before_the_end, &CancelToken::default()).unwrap();
+        before_the_end.after_passes
+    };
+    let once = scored(GradientWindow::Pass);
+    assert!(once[..3].iter().all(|&n| n == 0), "{once:?}");
+    assert!(once[3] > 0, "where it ends has to be measured: {once:?}");
+    let each = scored(GradientWindow::Frames(9));
+    assert!(each.is_sorted_by(|a, b| a < b) && each[0] > 0, "{each:?}");
+}
+
+/// Notes how often losses were asked for after every pass.
+struct Counting {
+    scored: Arc<AtomicUsize>,
+    after_passes: Vec<usize>,
+}
+
+impl Observer for Counting {
+    fn progress(&mut self, progress: Progress) {
+        if progress.stage == Stage::Refine {
+            self.after_passes.push(self.scored.load(Ordering::Relaxed));
+        }
+    }
+    fn checkpoint(&mut self, _: Vec<u8>) -> Result<(), ObserverError> {
+        Ok(())
+    }
 }

@@ -34,7 +34,7 @@ const THIN_MARGIN: f64 = 1.15;
 pub(crate) struct WalkState {
     /// Passes that are done.
     pub(crate) pass: u32,
-    /// After the last pass.
+    /// Where the last pass led.
     position: Position,
     substeps: u32,
     /// Halved by every back-off.
@@ -43,7 +43,7 @@ pub(crate) struct WalkState {
     reach: u32,
     /// Passes since the best one, or since the last back-off.
     stale: u32,
-    /// Loss after the last pass.
+    /// The loss that was judged last: where the last pass began if it was a single step, otherwise where it led.
     pub(crate) loss: f64,
     pub(crate) best: Best,
 }
@@ -143,6 +143,11 @@ impl<'a> Walk<'a> {
 
     pub(crate) fn begin_pass(&mut self) {
         self.note = None;
+        self.set_out();
+    }
+
+    /// Takes part again after a back-off, unless its steps have become too short to matter.
+    pub(crate) fn set_out(&mut self) {
         self.sits_out = self.state.rate < SMALLEST_RATE;
     }
 
@@ -233,7 +238,7 @@ impl<'a> Walk<'a> {
         };
         match moved {
             Ok(()) => {
-                self.note = Some(format!("raised to {} substeps a frame", self.state.substeps));
+                self.say(format!("raised to {} substeps a frame", self.state.substeps));
                 Ok(())
             }
             Err(Refusal::TooStiff(n)) => {
@@ -242,7 +247,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Takes the loss over all training frames of the parameters where it arrived.
+    /// Takes the loss over all training frames of the parameters where it is: keeps them if they are the best,
+    /// goes back to the best after too many that were not.
     pub(crate) fn judge(
         &mut self,
         index: usize,
@@ -279,7 +285,7 @@ impl<'a> Walk<'a> {
         }
         self.state.reach = shorter;
         self.go_back(index, descent)?;
-        self.note = Some(format!(
+        self.say(format!(
             "{why}: went back to the best parameters, gradients now reach {shorter} frames"
         ));
         Ok(())
@@ -294,8 +300,16 @@ impl<'a> Walk<'a> {
     ) -> Result<(), Error> {
         self.state.rate *= 0.5;
         self.go_back(index, descent)?;
-        self.note = Some(format!("{why}: went back to the best parameters and halved the rate"));
+        self.say(format!("{why}: went back to the best parameters and halved the rate"));
         Ok(())
+    }
+
+    /// Notes what happened in this pass, after what has happened in it already.
+    fn say(&mut self, what: String) {
+        match &mut self.note {
+            Some(note) => note.extend(["; ", &what]),
+            None => self.note = Some(what),
+        }
     }
 
     /// Back to the best parameters, without momentum, until the next pass.
