@@ -189,13 +189,13 @@ DEVICE void
 bend_adjoints(const Local& l, u32 now, float3* out, const HeldTriplet& first, Sums& sums) {
 #if BENDING
     if (first.has) {
-        BendAdjoint a = bend_one(l, now, out, threadIdx.x, first);
+        BendAdjoint a = bend_one(l, now, out, first_triplet(), first);
         sums.bend_stiffness += a.stiffness;
         sums.bend_damping += a.damping;
         sums.bend_rest += a.rest;
     }
     const Job& job = *l.job;
-    for (u32 t = threadIdx.x + THREADS; t < l.share.triplets; t += THREADS) {
+    for (u32 t = first_triplet() + THREADS; t < l.share.triplets; t += THREADS) {
         HeldTriplet h = triplet_at(l, t);
         BendAdjoint a = bend_one(l, now, out, t, h);
         if (h.ends.owned) {
@@ -205,28 +205,22 @@ bend_adjoints(const Local& l, u32 now, float3* out, const HeldTriplet& first, Su
             job.bend_sums[2 * job.triplets + at] += a.rest;
         }
     }
-    __syncthreads();
+#if !ONE_ROW
+    meet_for_bends();
+#endif
 #endif
 }
 
-// A lane's part of what an endpoint gets from its triplets.
-DEVICE void bend_share(
-    const float3* in, const u32* refs, u32 arm, u32 arms, u32 lane, float3& x_bar, float3& v_bar
-) {
-#if BENDING
-    for (u32 a = arm + lane; a < arms; a += LANES) {
-        u32 ref = refs[a];
-        const float3* t = in + 4 * (ref >> 2);
-        u32 role = ref & 3;
-        if (role < 2) {
-            x_bar = add(x_bar, t[role]);
-            v_bar = add(v_bar, t[2 + role]);
-        } else {
-            x_bar = sub(x_bar, add(t[0], t[1]));
-            v_bar = sub(v_bar, add(t[2], t[3]));
-        }
+// Adds what an endpoint gets from a triplet.
+DEVICE void add_bend(const float3* in, u32 triplet, u32 role, float3& x_bar, float3& v_bar) {
+    const float3* t = in + 4 * triplet;
+    if (role < 2) {
+        x_bar = add(x_bar, t[role]);
+        v_bar = add(v_bar, t[2 + role]);
+    } else {
+        x_bar = sub(x_bar, add(t[0], t[1]));
+        v_bar = sub(v_bar, add(t[2], t[3]));
     }
-#endif
 }
 
 // What an endpoint's half-springs are worked on with.
@@ -308,7 +302,12 @@ DEVICE void force_adjoint(
         half_adjoint(l, self, first_of(pair, c.dashpot), x_sum, v_sum, unwanted);
         half_adjoint(l, self, second_of(pair, c.dashpot), x_sum, v_sum, unwanted);
     }
-    bend_share(bends, refs, p.arm, p.arms, p.lane, x_sum, v_sum);
+#if ONE_ROW
+    meet_for_bends();
+#endif
+#if BENDING
+    for_arms(p, refs, [&](u32 t, u32 role) { add_bend(bends, t, role, x_sum, v_sum); });
+#endif
     x_sum = sum_lanes(x_sum);
     v_sum = sum_lanes(v_sum);
     x_bar = v_bar = zero3();
@@ -345,7 +344,8 @@ DEVICE void control_adjoint(
         }
         if (valid) {
             const u32* arms = t.arms + l.share.arm + l.share.own;
-            bend_share(bends, refs, arms[control], arms[control + 1], lane, x_bar, v_bar);
+            for (u32 a = arms[control] + lane; BENDING && a < arms[control + 1]; a += LANES)
+                add_bend(bends, refs[a] >> 2, refs[a] & 3, x_bar, v_bar);
         }
         x_bar = sum_lanes(x_bar);
         v_bar = sum_lanes(v_bar);
@@ -384,7 +384,7 @@ store_sums(const Local& l, const Constants& c, const Place& p, const HeldTriplet
     }
 #endif
     if (triplet.has && triplet.ends.owned) {
-        u32 at = job.topology.triplet_of[l.share.triplet + threadIdx.x];
+        u32 at = job.topology.triplet_of[l.share.triplet + first_triplet()];
         job.bend_sums[at] += sums.bend_stiffness;
         job.bend_sums[job.triplets + at] += sums.bend_damping;
         job.bend_sums[2 * job.triplets + at] += sums.bend_rest;
@@ -443,7 +443,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
     Pairs pairs = pairs_of(l, rows, after_bars(l));
     float3* bends = bend_buffer(l);
     const u32* refs = job.topology.arm_refs;
-    HeldTriplet triplet = triplet_at(l, threadIdx.x);
+    HeldTriplet triplet = triplet_at(l, first_triplet());
     Halo halo = halo_of(l);
     Sums sums = {};
     Place one = place_of(l, threadIdx.x / 32);

@@ -45,10 +45,12 @@ DEVICE void bend_one(const Local& l, u32 now, float3* forces, u32 t, const HeldT
 
 DEVICE void bend_forces(const Local& l, u32 now, float3* forces, const HeldTriplet& first) {
 #if BENDING
-    if (first.has) bend_one(l, now, forces, threadIdx.x, first);
-    for (u32 t = threadIdx.x + THREADS; t < l.share.triplets; t += THREADS)
+    if (first.has) bend_one(l, now, forces, first_triplet(), first);
+    for (u32 t = first_triplet() + THREADS; t < l.share.triplets; t += THREADS)
         bend_one(l, now, forces, t, triplet_at(l, t));
-    __syncthreads();
+#if !ONE_ROW
+    meet_for_bends();
+#endif
 #endif
 }
 
@@ -56,16 +58,10 @@ DEVICE void bend_forces(const Local& l, u32 now, float3* forces, const HeldTripl
 DEVICE float3 bend_share(const Place& p, const float3* forces, const u32* refs, u32 m) {
     float3 sum = zero3();
 #if BENDING
-    for (u32 a = p.arm + p.lane; a < p.arms; a += LANES) {
-        u32 ref = refs[a];
-        u32 at = ((ref >> 2) * INSTANCES + m) * 2;
-        u32 role = ref & 3;
-        if (role < 2) {
-            sum = add(sum, forces[at + role]);
-        } else {
-            sum = sub(sum, add(forces[at], forces[at + 1]));
-        }
-    }
+    for_arms(p, refs, [&](u32 triplet, u32 role) {
+        const float3* f = forces + (triplet * INSTANCES + m) * 2;
+        sum = role < 2 ? add(sum, f[role]) : sub(sum, add(f[0], f[1]));
+    });
 #endif
     return sum;
 }
@@ -161,6 +157,9 @@ DEVICE void work_on(
 #pragma unroll 2
     for (u32 k = HELD; k < p.pairs; k++)
         spring_forces(c, xs, vs, load_pair(pairs, p.first + k * 32), s, force);
+#if ONE_ROW
+    meet_for_bends();
+#endif
 #pragma unroll
     for (u32 m = 0; m < INSTANCES; m++) {
         float3 total = sum_lanes(add(force[m], bend_share(p, bends, refs, m)));
@@ -309,7 +308,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     Constants c = constants_of(*jobs);
     float3* bends = bend_buffer(l);
     const u32* refs = jobs->topology.arm_refs;
-    HeldTriplet triplet = triplet_at(l, threadIdx.x);
+    HeldTriplet triplet = triplet_at(l, first_triplet());
     Halo halo = halo_of(l);
     u32 now = 0;
     load_states(l, jobs, now, first);

@@ -9,6 +9,9 @@
 // Halos that a lane tells of its node's new state, and halo nodes that a thread fetches, held in registers.
 #define HELD_EXPORTS 2
 #define HELD_HALO 4
+// References to its node's triplets that a lane holds in registers.
+#define HELD_ARMS 4
+#define NO_ARM 0xffffffffu
 
 struct State {
     float3 x, v;
@@ -124,7 +127,8 @@ struct Place {
     float inverse_mass;
     u32 first, pairs;     // its half-springs: every 32nd pair from `first` on
     u32 summed, sums;     // how many of them, from the first on, have sums, and where
-    u32 arm, arms;        // its arm references
+    u32 arm, arms;        // its arm references that the lane does not hold: every LANES-th
+    u32 held_arms[HELD_ARMS];
     u32 export_, exports; // its export references; the first of them:
     u32 refs[HELD_EXPORTS];
 };
@@ -155,11 +159,18 @@ DEVICE Place place_of(const Local& l, u32 row) {
     p.sums = has_row ? sums[row] * PAIR_SUMS + threadIdx.x % 32 : 0;
     p.arm = p.arms = p.export_ = p.exports = 0;
     if (p.valid) {
-        p.arm = t.arms[l.share.arm + p.node];
+        p.arm = t.arms[l.share.arm + p.node] + p.lane;
         p.arms = t.arms[l.share.arm + p.node + 1];
         p.export_ = t.exports[l.share.export_ + p.node] + p.lane;
         p.exports = t.exports[l.share.export_ + p.node + 1];
     }
+#if BENDING
+#pragma unroll
+    for (u32 k = 0; k < HELD_ARMS; k++) {
+        p.held_arms[k] = p.arm < p.arms ? t.arm_refs[p.arm] : NO_ARM;
+        p.arm = min(p.arm + LANES, p.arms);
+    }
+#endif
 #if SHAPE == SHAPE_CLUSTER
 #pragma unroll
     for (u32 k = 0; k < HELD_EXPORTS; k++) {
@@ -268,6 +279,28 @@ DEVICE void fetch_vectors(const Local& l, const Halo& h, u32 next, float4* here)
 #if SHAPE == SHAPE_GRID
     const float4* from = l.job->exchange_x + next * (u64)h.nodes;
     for_halo(l, h, [&](u32 i, u32 at) { here[i] = __ldcg(from + at); });
+#endif
+}
+
+// Calls `add(triplet, role)` for a lane's share of its node's triplets.
+template <class Add>
+DEVICE void for_arms(const Place& p, const u32* refs, Add add) {
+#pragma unroll
+    for (u32 k = 0; k < HELD_ARMS; k++) {
+        if (p.held_arms[k] != NO_ARM) add(p.held_arms[k] >> 2, p.held_arms[k] & 3);
+    }
+#pragma unroll 4
+    for (u32 a = p.arm; a < p.arms; a += LANES) add(refs[a] >> 2, refs[a] & 3);
+}
+
+// The first triplet of a thread. The last threads have the shortest rows, so they begin.
+DEVICE u32 first_triplet() { return THREADS - 1 - threadIdx.x; }
+
+// All have written what their triplets exert. With one row a thread this is asked for when the row's
+// half-springs are done, so that nobody waits for a triplet with nothing else to do.
+DEVICE void meet_for_bends() {
+#if BENDING
+    __syncthreads();
 #endif
 }
 

@@ -145,7 +145,7 @@ impl CudaBackend {
         self.refuse_too_large(needed)?;
         let simulation = Simulation::new(&self.queue, batch, Keep::All)?;
         // Tapes that fit are written on the way forward; others when they are needed.
-        let mut room = self.room() / 2;
+        let mut room = self.room() - needed;
         let bytes = Kept::bytes_of(batch);
         let mut tape = if bytes <= room / 4 * 3 {
             room -= bytes;

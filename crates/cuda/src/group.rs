@@ -12,7 +12,7 @@ use crate::{
     memory::Buffer,
     queue::Queue,
     resident::Packed,
-    team::Fitted,
+    team::{Fitted, Purpose},
 };
 
 /// Jobs on the device, one after the other.
@@ -163,7 +163,7 @@ impl Group {
         stretch: &Stretch,
     ) -> Result<(), Error> {
         let Stretch { first, end, taped, keep } = stretch;
-        self.launch(queue, stream, "advance_frames", jobs, |jobs| {
+        self.launch(queue, stream, Purpose::Forward, jobs, |jobs| {
             let substeps = Arguments::default().with(jobs).with(*first).with(*end);
             substeps.with(taped.start).with(taped.end).with(u32::from(*keep))
         })
@@ -171,7 +171,7 @@ impl Group {
 
     /// Substeps `from..to` of a frame backward.
     pub(crate) fn back(&self, queue: &Queue, jobs: Jobs, from: u32, to: u32) -> Result<(), Error> {
-        self.launch(queue, &queue.stream, "back_frame", jobs, |jobs| {
+        self.launch(queue, &queue.stream, Purpose::Backward, jobs, |jobs| {
             Arguments::default().with(jobs).with(from).with(to)
         })
     }
@@ -180,12 +180,12 @@ impl Group {
         &self,
         queue: &Queue,
         stream: &CudaStream,
-        name: &'static str,
+        purpose: Purpose,
         jobs: Jobs,
         arguments: impl Fn(Address) -> Arguments,
     ) -> Result<(), Error> {
         let Fitted { team, variant, shared_bytes, .. } = &self.fitted;
-        let function = queue.device.function(variant, name)?;
+        let function = queue.device.function(variant, purpose.kernel())?;
         let instances = team.instances as usize;
         let teams = jobs.count / instances;
         // The blocks of a grid wait for each other: all must be running.

@@ -1,6 +1,9 @@
 //! Instances under way on the device: where they start, and frames forward.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
 
 use bendtwin_core::{Point, environment::ControlVelocity};
 use bendtwin_engine::{
@@ -9,11 +12,12 @@ use bendtwin_engine::{
     model::State,
 };
 use cudarc::driver::CudaStream;
+use rayon::prelude::*;
 
 use crate::{
     group::{Group, Jobs, Stretch},
     job::{Job, Start},
-    kernel::{Source, THREADS},
+    kernel::{Source, THREADS, Variant},
     launch::{Arguments, MOST_BLOCKS},
     memory::{Buffer, end_of},
     pace::Pace,
@@ -220,35 +224,37 @@ impl<'a> Simulation<'a> {
         // Where there are no nodes, nothing moves.
         let moves = |&m: &usize| model(m).model().graph.node_count() > 0;
         let members: Vec<usize> = (0..of.len()).filter(moves).collect();
-        let mut alike: HashMap<usize, usize> = HashMap::new();
+        // The first member of each model, and how many it has.
+        let mut alike: HashMap<usize, (usize, usize)> = HashMap::new();
         for &m in &members {
-            *alike.entry(std::ptr::from_ref(resident(model(m))?) as usize).or_default() += 1;
+            let key = std::ptr::from_ref(resident(model(m))?) as usize;
+            alike.entry(key).or_insert((m, 0)).1 += 1;
         }
-        let mut known: HashMap<usize, (Fitted, Arc<Packed>)> = HashMap::new();
+        let firsts: Vec<usize> = alike.values().map(|&(first, _)| first).collect();
+        let fitted = side_by_side(&firsts, |&m| {
+            let (resident, model) = (resident(model(m))?, model(m).model());
+            let key = std::ptr::from_ref(resident) as usize;
+            let (batch, alike) = (members.len(), alike[&key].1);
+            let fit = choose(&device.ability, resident, model, purpose, batch, alike)?;
+            Ok((key, (fit, resident.packed(fit.team.cut())?)))
+        })?;
+        let known: HashMap<usize, (Fitted, Arc<Packed>)> = fitted.into_iter().collect();
+        let variants: HashSet<Variant> = known.values().map(|(fit, _)| fit.variant).collect();
+        let variants: Vec<Variant> = variants.into_iter().collect();
+        side_by_side(&variants, |variant| device.function(variant, purpose.kernel()))?;
         let mut groups: Vec<Group> = Vec::new();
         for &m in &members {
-            let resident = resident(model(m))?;
-            let key = std::ptr::from_ref(resident) as usize;
-            let (fit, packed) = match known.get(&key) {
-                Some(known) => known.clone(),
-                None => {
-                    let (batch, alike) = (members.len(), alike[&key]);
-                    let (ability, model) = (&device.ability, model(m).model());
-                    let fit = choose(ability, resident, model, purpose, batch, alike)?;
-                    let packed = resident.packed(fit.team.cut())?;
-                    known.entry(key).or_insert((fit, packed)).clone()
-                }
-            };
-            let job = self.job(of[m], &packed)?;
+            let (fit, packed) = &known[&(std::ptr::from_ref(resident(model(m))?) as usize)];
+            let job = self.job(of[m], packed)?;
             // Instances that are simulated together share their model, and groups of them are full.
-            let at = match groups.iter().position(|g| g.takes(&fit, &packed)) {
+            let at = match groups.iter().position(|g| g.takes(fit, packed)) {
                 Some(at) => at,
                 None => {
-                    groups.push(Group::new(fit));
+                    groups.push(Group::new(*fit));
                     groups.len() - 1
                 }
             };
-            groups[at].add(m, job, &fit, &packed);
+            groups[at].add(m, job, fit, packed);
         }
         groups.iter_mut().try_for_each(|g| g.complete(self.queue))?;
         Ok(groups)
@@ -276,6 +282,17 @@ impl<'a> Simulation<'a> {
             positions: (0..n).map(|i| point(0, i)).collect(),
             velocities: (0..n).map(|i| point(3, i)).collect(),
         })
+    }
+}
+
+/// Makes something of each, on several threads if there are several: new graphs are cut and kernels compiled.
+fn side_by_side<T: Sync, U: Send>(
+    of: &[T],
+    make: impl Fn(&T) -> Result<U, Error> + Sync + Send,
+) -> Result<Vec<U>, Error> {
+    match of {
+        [one] => Ok(vec![make(one)?]),
+        several => several.par_iter().map(make).collect(),
     }
 }
 

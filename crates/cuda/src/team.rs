@@ -23,6 +23,16 @@ pub(crate) enum Purpose {
     Backward,
 }
 
+impl Purpose {
+    /// The kernel for it.
+    pub(crate) fn kernel(self) -> &'static str {
+        match self {
+            Self::Forward | Self::Tape => "advance_frames",
+            Self::Backward => "back_frame",
+        }
+    }
+}
+
 /// A team of blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Team {
