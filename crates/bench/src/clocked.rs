@@ -1,13 +1,11 @@
 //! A backend that notes how long each kind of call takes, so that a fit's time can be split.
 
 mod descent;
+mod stopwatch;
 
-use std::{
-    sync::{
-        Arc,
-        atomic::{AtomicU64, Ordering},
-    },
-    time::Instant,
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
 };
 
 use bendtwin_core::Params;
@@ -17,7 +15,7 @@ use bendtwin_engine::{
     descent::{Decay, Descent, Start},
 };
 
-use self::descent::ClockedDescent;
+use self::{descent::ClockedDescent, stopwatch::Stopwatch};
 
 /// Passes every call on to another backend. A method that the trait gains must be passed on here too, or
 /// its default would be timed instead of the backend's own; a test sees to it.
@@ -39,13 +37,13 @@ enum Kind {
 /// What calls took.
 #[derive(Debug, Default)]
 struct Clocks {
-    /// Nanoseconds, by [`Kind`].
-    spent_ns: [AtomicU64; 5],
+    /// By [`Kind`].
+    watches: [Stopwatch; 5],
     /// Instances that were rolled out without a gradient.
     rollouts: AtomicU64,
 }
 
-/// Seconds spent so far in each kind of call, and what for.
+/// Seconds spent so far in each kind of call, and what for. Calls of a kind that run side by side count once.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Spent {
     /// Loading models.
@@ -86,11 +84,7 @@ impl Spent {
 
 impl Clocks {
     fn time<R>(&self, kind: Kind, work: impl FnOnce() -> R) -> R {
-        let began = Instant::now();
-        let result = work();
-        self.spent_ns[kind as usize]
-            .fetch_add(began.elapsed().as_nanos() as u64, Ordering::Relaxed);
-        result
+        self.watches[kind as usize].time(work)
     }
 
     fn roll_out<R>(&self, instances: usize, work: impl FnOnce() -> R) -> R {
@@ -99,7 +93,7 @@ impl Clocks {
     }
 
     fn seconds(&self, kind: Kind) -> f64 {
-        self.spent_ns[kind as usize].load(Ordering::Relaxed) as f64 * 1e-9
+        self.watches[kind as usize].seconds()
     }
 }
 

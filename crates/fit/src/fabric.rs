@@ -5,10 +5,12 @@ use std::sync::Arc;
 
 use bendtwin_core::{Graph, Params, Timing, settings::Substeps};
 use bendtwin_engine::{
-    Backend, Loaded, Model, backend,
+    Backend, Loaded, Model,
+    backend::{self, CancelToken},
     build::{Connectivity, MIN_REST_LENGTH_M, Notes, connect_with_notes, rest_geometry},
-    stable_substeps,
+    enough_substeps, stable_substeps,
 };
+use rayon::prelude::*;
 
 use crate::task::Task;
 
@@ -24,6 +26,18 @@ pub(crate) struct Fabric {
     pub(crate) notes: Notes,
 }
 
+impl Fabric {
+    /// The graph of a connectivity.
+    pub(crate) fn new(task: &Task<'_>, connectivity: &Connectivity) -> Self {
+        let (graph, notes) = connect_with_notes(&task.sample, connectivity);
+        let (mut rest_lengths_m, rest_angles_rad) = rest_geometry(&graph, &task.sample);
+        if task.sample.edges.is_some() {
+            measure_lengths(task, &graph, &mut rest_lengths_m);
+        }
+        Self { graph: Arc::new(graph), rest_lengths_m, rest_angles_rad, notes }
+    }
+}
+
 /// Graphs by connectivity, the least recently made forgotten first.
 #[derive(Default)]
 pub(crate) struct Fabrics {
@@ -31,22 +45,31 @@ pub(crate) struct Fabrics {
 }
 
 impl Fabrics {
-    pub(crate) fn get(&mut self, task: &Task<'_>, connectivity: &Connectivity) -> Arc<Fabric> {
-        if let Some((_, fabric)) = self.kept.iter().find(|(c, _)| c == connectivity) {
-            return fabric.clone();
+    /// The fabrics of these connectivities, in their order. Those that are not kept yet are made side by
+    /// side, each once.
+    pub(crate) fn all(
+        &mut self,
+        task: &Task<'_>,
+        wanted: &[Connectivity],
+        cancel: &CancelToken,
+    ) -> Result<Vec<Arc<Fabric>>, backend::Error> {
+        let mut missing: Vec<Connectivity> = Vec::new();
+        for connectivity in wanted {
+            let is_kept = self.kept.iter().any(|(c, _)| c == connectivity);
+            if !is_kept && !missing.contains(connectivity) {
+                missing.push(*connectivity);
+            }
         }
-        let (graph, notes) = connect_with_notes(&task.sample, connectivity);
-        let (mut rest_lengths_m, rest_angles_rad) = rest_geometry(&graph, &task.sample);
-        if task.sample.edges.is_some() {
-            measure_lengths(task, &graph, &mut rest_lengths_m);
-        }
-        let fabric =
-            Arc::new(Fabric { graph: Arc::new(graph), rest_lengths_m, rest_angles_rad, notes });
-        if self.kept.len() == KEPT {
-            self.kept.remove(0);
-        }
-        self.kept.push((*connectivity, fabric.clone()));
-        fabric
+        let make = |connectivity: Connectivity| match cancel.is_cancelled() {
+            true => Err(backend::Error::Cancelled),
+            false => Ok((connectivity, Arc::new(Fabric::new(task, &connectivity)))),
+        };
+        let made = missing.into_par_iter().map(make).collect::<Result<Vec<_>, _>>()?;
+        self.kept.extend(made);
+        let find = |wanted: &Connectivity| self.kept.iter().find(|(c, _)| c == wanted);
+        let found = wanted.iter().filter_map(find).map(|(_, fabric)| fabric.clone()).collect();
+        self.kept.drain(..self.kept.len().saturating_sub(KEPT));
+        Ok(found)
     }
 }
 
@@ -100,14 +123,18 @@ pub(crate) fn model(task: &Task<'_>, graph: &Arc<Graph>, params: Params) -> Resu
 
 /// Substeps that a model should have.
 pub(crate) fn substeps(model: &Model, setting: Substeps) -> Result<u32, Refusal> {
-    let needed = stable_substeps(model).needed;
     match setting {
-        Substeps::Fixed(n) if needed <= n => Ok(n),
-        Substeps::Auto { safety, max } if needed <= max => {
+        Substeps::Fixed(n) => match enough_substeps(model, n) {
+            Ok(()) => Ok(n),
+            Err(needs) => Err(Refusal::TooStiff(needs.needed)),
+        },
+        Substeps::Auto { safety, max } => match stable_substeps(model).needed {
             // Up to the limit the margin is a wish; the stability itself is not.
-            Ok(((f64::from(needed) * safety).ceil() as u32).clamp(1, max))
-        }
-        _ => Err(Refusal::TooStiff(needed)),
+            needed if needed <= max => {
+                Ok(((f64::from(needed) * safety).ceil() as u32).clamp(1, max))
+            }
+            needed => Err(Refusal::TooStiff(needed)),
+        },
     }
 }
 

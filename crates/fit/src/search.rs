@@ -1,13 +1,19 @@
 //! The zeroth-order stage: CMA-ES over global variables. A generation of all variants is one batch,
-//! every candidate with its own graph.
+//! every candidate with its own graph; the host's threads prepare its candidates side by side.
 
-use bendtwin_engine::{Backend, Loaded, backend::CancelToken};
+use std::sync::Arc;
+
+use bendtwin_engine::{
+    Backend, Loaded,
+    backend::{self, CancelToken},
+};
+use rayon::prelude::*;
 
 use crate::{
     Error,
-    cmaes::{CmaEs, Sample},
-    fabric::{Fabrics, Refusal, load, model},
-    space::Space,
+    cmaes::CmaEs,
+    fabric::{Fabric, Fabrics, Refusal, load, model},
+    space::{Candidate, Space},
     submit,
     task::{Task, Training},
 };
@@ -57,58 +63,61 @@ impl<'a> Search<'a> {
         backend: &dyn Backend,
         cancel: &CancelToken,
     ) -> Result<Vec<Generation>, Error> {
+        let asked: Vec<_> = variants.iter().map(|(_, strategy)| strategy.ask()).collect();
+        let of = variants.iter().zip(&asked);
+        let candidates: Vec<Candidate> = of
+            .flat_map(|((space, _), samples)| samples.iter().map(|s| space.candidate(&s.point)))
+            .collect();
         let mut batch = Vec::new();
-        let mut asked: Vec<(Vec<Sample>, Vec<Option<usize>>, Failures)> = Vec::new();
-        for (space, strategy) in variants.iter() {
-            let samples = strategy.ask();
-            let mut first = Vec::with_capacity(samples.len());
-            let mut failures = Failures::default();
-            for sample in &samples {
-                if cancel.is_cancelled() {
-                    return Err(bendtwin_engine::Error::Cancelled.into());
-                }
-                match self.load(space, &sample.point, backend)? {
-                    Ok(loaded) => {
-                        first.push(Some(batch.len()));
-                        batch.extend(self.set.iter().map(|t| t.instance(&loaded)));
-                    }
-                    Err(Refusal::TooStiff(_)) => {
-                        failures.too_stiff += 1;
-                        first.push(None);
-                    }
-                }
+        // Where each candidate's instances begin, unless it was refused.
+        let mut first = Vec::with_capacity(candidates.len());
+        for loaded in self.load(&candidates, backend, cancel)? {
+            first.push(loaded.is_ok().then_some(batch.len()));
+            if let Ok(loaded) = &loaded {
+                batch.extend(self.set.iter().map(|t| t.instance(loaded)));
             }
-            asked.push((samples, first, failures));
         }
         let losses = submit::losses(backend, &batch, cancel)?;
+        let mean = |at: usize| {
+            let all = &losses[at..at + self.set.len()];
+            all.iter().map(|l| l.total).sum::<f64>() / all.len() as f64
+        };
+        let mut first = first.into_iter();
         let mut generations = Vec::with_capacity(asked.len());
-        for ((samples, first, mut failures), (_, strategy)) in asked.into_iter().zip(variants) {
-            let mean = |at: usize| {
-                let all = &losses[at..at + self.set.len()];
-                all.iter().map(|l| l.total).sum::<f64>() / all.len() as f64
-            };
+        for (samples, (_, strategy)) in asked.iter().zip(variants) {
+            let first: Vec<_> = first.by_ref().take(samples.len()).collect();
+            let too_stiff = first.iter().filter(|at| at.is_none()).count() as u32;
             let losses: Vec<f64> =
                 first.into_iter().map(|at| at.map_or(f64::INFINITY, mean)).collect();
             let failed = losses.iter().filter(|l| !l.is_finite()).count() as u32;
-            failures.diverged = failed - failures.too_stiff;
-            strategy.tell(&samples, &losses);
+            strategy.tell(samples, &losses);
+            let failures = Failures { too_stiff, diverged: failed - too_stiff };
             generations.push(Generation { losses, failures });
         }
         Ok(generations)
     }
 
+    /// The candidates on the device, in their order.
     fn load(
         &mut self,
-        space: &Space,
-        point: &[f64],
+        candidates: &[Candidate],
         backend: &dyn Backend,
-    ) -> Result<Result<Loaded, Refusal>, Error> {
-        let candidate = space.candidate(point);
-        let fabric = self.fabrics.get(self.task, &candidate.connectivity);
-        let params = candidate.params(&fabric.rest_lengths_m, &fabric.rest_angles_rad);
-        Ok(match model(self.task, &fabric.graph, params) {
-            Ok(model) => load(backend, model)?,
-            Err(refusal) => Err(refusal),
-        })
+        cancel: &CancelToken,
+    ) -> Result<Vec<Result<Loaded, Refusal>>, Error> {
+        let wanted: Vec<_> = candidates.iter().map(|c| c.connectivity).collect();
+        let fabrics = self.fabrics.all(self.task, &wanted, cancel)?;
+        let one = |(candidate, fabric): (&Candidate, &Arc<Fabric>)| {
+            if cancel.is_cancelled() {
+                return Err(backend::Error::Cancelled);
+            }
+            let params = candidate.params(&fabric.rest_lengths_m, &fabric.rest_angles_rad);
+            match model(self.task, &fabric.graph, params) {
+                Ok(model) => load(backend, model),
+                Err(refusal) => Ok(Err(refusal)),
+            }
+        };
+        // All of them before the first error is looked for: which one that is depends on no thread.
+        let loaded: Vec<_> = candidates.par_iter().zip(&fabrics).map(one).collect();
+        Ok(loaded.into_iter().collect::<Result<_, _>>()?)
     }
 }

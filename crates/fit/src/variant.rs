@@ -6,13 +6,8 @@ use bendtwin_core::{FitSettings, Params, Twin, twin::Provenance};
 use bendtwin_engine::{Backend, descent::Start};
 
 use crate::{
-    Error, FitJob,
-    checkpoint::VariantState,
-    cmaes::CmaEs,
-    fabric::{Fabric, Fabrics},
-    refine::Walk,
-    space::Space,
-    task::Task,
+    Error, FitJob, checkpoint::VariantState, cmaes::CmaEs, fabric::Fabric, refine::Walk,
+    space::Space, task::Task,
 };
 
 /// Apart from the search's and the schedule's random numbers, each variant has its own.
@@ -55,7 +50,7 @@ impl Variant {
     /// Graph and parameters at a point of the search space.
     pub(crate) fn realise(&self, task: &Task<'_>, point: &[f64]) -> (Arc<Fabric>, Params) {
         let candidate = self.space.candidate(point);
-        let fabric = Fabrics::default().get(task, &candidate.connectivity);
+        let fabric = Arc::new(Fabric::new(task, &candidate.connectivity));
         let params = candidate.params(&fabric.rest_lengths_m, &fabric.rest_angles_rad);
         (fabric, params)
     }

@@ -150,7 +150,7 @@ fn a_pass_of_one_step_needs_no_rollout_beside() {
         settings.refine.window = window;
         let backend = Arc::new(backend);
         let job = FitJob { capture: &capture, capture_digest: "digest".into(), settings, backend };
-        let mut before_the_end = Counting { scored: scored.clone(), after_passes: Vec::new() };
+        let mut before_the_end = Counting { scored, after_passes: Vec::new() };
         job.run(None, &mut before_the_end, &CancelToken::default()).unwrap();
         before_the_end.after_passes
     };
