@@ -140,8 +140,11 @@ pub struct RefineSettings {
     pub beta1: f64,
     /// Decay of the second moment.
     pub beta2: f64,
-    /// How far gradients reach back in time.
+    /// When steps are taken, and how far gradients reach back in time for them.
     pub window: GradientWindow,
+    /// Frames that gradients reach back at most within a window (0: as far as the window goes); a fit that makes
+    /// no gain shortens it further.
+    pub reach: u32,
     /// Training sequences a step (0: all); each pass deals them out anew.
     pub batch: usize,
     /// Fit rest lengths and rest angles too.
@@ -213,6 +216,7 @@ impl Default for RefineSettings {
             beta1: 0.9,
             beta2: 0.99,
             window: GradientWindow::Pass,
+            reach: 0,
             batch: 8,
             rest_shape: true,
         }
@@ -290,6 +294,7 @@ impl FitSettings {
         within("refine.learning_rate", r.learning_rate, 1e-9, 1.0);
         within("refine.beta1", r.beta1, 0.0, 0.999_999);
         within("refine.beta2", r.beta2, 0.0, 0.999_999_9);
+        within("refine.reach", f64::from(r.reach), 0.0, 1_000_000.0);
         if r.window == GradientWindow::Frames(0) {
             faults.push("refine.window.frames is 0: a window has at least one frame".to_owned());
         }

@@ -15,7 +15,8 @@ fn every_fault_is_reported_at_once() {
     settings.graph.sampling_ratio = 0.0;
     settings.refine.learning_rate = f64::NAN;
     settings.substeps = Substeps::Fixed(0);
-    assert_eq!(settings.validate().unwrap_err().len(), 3);
+    settings.refine.reach = 1_000_001;
+    assert_eq!(settings.validate().unwrap_err().len(), 4);
 }
 
 #[test]

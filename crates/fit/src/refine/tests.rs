@@ -20,12 +20,14 @@ struct Watched {
     explodes: bool,
     /// Calls of `losses`.
     scored: Arc<AtomicUsize>,
+    /// Where the last gradients were cut.
+    cut_every: Arc<AtomicUsize>,
 }
 
 impl Watched {
     fn new(explodes: bool) -> Self {
         let cpu = bendtwin_engine::cpu_with_threads(1);
-        Self { cpu, explodes, scored: Arc::default() }
+        Self { cpu, explodes, scored: Arc::default(), cut_every: Arc::default() }
     }
 }
 
@@ -57,6 +59,7 @@ impl Backend for Watched {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, EngineError> {
+        self.cut_every.store(request.cut_every, Ordering::Relaxed);
         let gradients = self.cpu.gradients(batch, request, cancel)?;
         let spoilt = |g: Gradient| Gradient { overflowed: g.overflowed || self.explodes, ..g };
         Ok(gradients.into_iter().map(spoilt).collect())
@@ -136,6 +139,19 @@ fn the_best_loss_is_the_twins() {
         let loss = mean(&backend.losses(&batch, &cancel).unwrap());
         assert!(loss.is_finite());
         assert!(losses.last().is_none_or(|best| *best == loss), "{window:?}: {loss} {losses:?}");
+    }
+}
+
+#[test]
+fn gradients_reach_as_far_as_the_settings_say() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
+    for reach in [0, 1, 5] {
+        let (mut settings, backend) = (settings(1), Watched::new(false));
+        settings.refine.reach = reach;
+        let (cut_every, backend) = (backend.cut_every.clone(), Arc::new(backend));
+        let job = FitJob { capture: &capture, capture_digest: "digest".into(), settings, backend };
+        job.run(None, &mut (), &CancelToken::default()).unwrap();
+        assert_eq!(cut_every.load(Ordering::Relaxed), reach as usize);
     }
 }
 

@@ -24,7 +24,7 @@ const FINAL_RATE: f64 = 0.1;
 const SMALLEST_RATE: f64 = 1e-3;
 /// Passes without a better loss after which a walk goes back and takes shorter steps.
 const PATIENCE: u32 = 3;
-/// Frames that gradients reach back after the first such failure; a quarter after each further one.
+/// Frames that gradients reach back at most after the first such failure; a quarter after each further one.
 const FIRST_REACH: u32 = 16;
 /// Margin of stability below which substeps are added.
 const THIN_MARGIN: f64 = 1.15;
@@ -39,7 +39,8 @@ pub(crate) struct WalkState {
     substeps: u32,
     /// Halved by every back-off.
     rate: f64,
-    /// Frames that gradients reach back, shortened by back-offs; 0 is as far as the window goes.
+    /// Frames that gradients reach back, as the settings say, shortened by back-offs; 0 is as far as the
+    /// window goes.
     reach: u32,
     /// Passes since the best one, or since the last back-off.
     stale: u32,
@@ -88,7 +89,7 @@ impl<'a> Walk<'a> {
             position,
             substeps,
             rate: 1.0,
-            reach: 0,
+            reach: task.settings.refine.reach,
             stale: 0,
             loss: f64::INFINITY,
             best,
@@ -276,13 +277,9 @@ impl<'a> Walk<'a> {
     /// a shorter step.
     fn reach_less(&mut self, index: usize, descent: &mut dyn Descent) -> Result<(), Error> {
         let why = format!("no gain in {PATIENCE} passes");
-        let shorter = match self.state.reach {
-            0 => FIRST_REACH,
-            reach => reach / 4,
-        };
-        if shorter == 0 {
+        let Some(shorter) = shorter(self.state.reach) else {
             return self.back_off(index, &why, descent);
-        }
+        };
         self.state.reach = shorter;
         self.go_back(index, descent)?;
         self.say(format!(
@@ -320,6 +317,15 @@ impl<'a> Walk<'a> {
         self.state.stale = 0;
         self.sits_out = true;
         Ok(())
+    }
+}
+
+/// The next shorter reach, if there is one.
+fn shorter(reach: u32) -> Option<u32> {
+    match reach {
+        0 => Some(FIRST_REACH),
+        1 => None,
+        far => Some((far / 4).clamp(1, FIRST_REACH)),
     }
 }
 
