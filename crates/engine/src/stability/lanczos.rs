@@ -16,6 +16,7 @@ const BISECTIONS: usize = 40;
 type Lane = [f32; 4];
 
 /// A spring at its first end, as the operator needs it.
+#[derive(Clone, Copy, Default)]
 struct Bar {
     /// Times the root of what it has along more than across.
     direction: Lane,
@@ -48,8 +49,7 @@ impl Operator {
             starts[i] += starts[i - 1];
         }
         let mut next = starts.clone();
-        let mut bars: Vec<Bar> = Vec::new();
-        bars.resize_with(system.bars.len(), || Bar { direction: [0.0; 4], across: 0.0, other: 0 });
+        let mut bars = vec![Bar::default(); system.bars.len()];
         for b in &system.bars {
             let across = dt * dt * b.across;
             // Never negative: across exceeds along only where there is no direction.
@@ -182,14 +182,9 @@ fn subtract(from: &mut [Lane], factor: f64, vector: &[Lane]) {
 
 /// Largest eigenvalue of the symmetric tridiagonal matrix with so many rows as the diagonal has.
 fn largest_eigenvalue(diagonal: &[f64], beside: &[f64]) -> f64 {
-    let neighbours = |i: usize| {
-        let before = i.checked_sub(1).and_then(|b| beside.get(b)).copied().unwrap_or(0.0);
-        let after = if i + 1 < diagonal.len() { beside[i] } else { 0.0 };
-        before.abs() + after.abs()
-    };
-    let mut low = diagonal.iter().fold(f64::NEG_INFINITY, |m, d| m.max(*d));
-    let ends = diagonal.iter().enumerate().map(|(i, d)| d + neighbours(i));
-    let mut high = ends.fold(low, f64::max);
+    let most = |values: &[f64]| values.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x));
+    let mut low = most(diagonal);
+    let mut high = low + 2.0 * most(beside).max(0.0);
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
         if is_above(diagonal, beside, middle) { high = middle } else { low = middle }
