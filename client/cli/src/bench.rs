@@ -20,7 +20,7 @@ const MOST_INSTANCES: u64 = 16_384;
 The defaults are for a data centre's GPU. On a laptop, say which scenes, and how much:
   bendtwin bench n500 --batches 1,16 --quick
 A whole fit takes minutes on a GPU and hours on a CPU; it is measured only if asked for:
-  bendtwin bench n2000 --bending without --fit frame,pass")]
+  bendtwin bench n2000 --bending without --fit frame,pass,cut")]
 pub(crate) struct Bench {
     /// Scenes [default: all; with --quick: rope and n500]
     scenes: Vec<SceneName>,
@@ -49,7 +49,8 @@ pub(crate) struct Bench {
     /// Leave out what would take longer than this for a single call [s] [default: 20; with --quick: 2]
     #[arg(long, value_name = "S", value_parser = seconds)]
     patience: Option<f64>,
-    /// Also time whole fits: `frame` steps once a frame, as PhysTwin does, `pass` once a pass
+    /// Also time whole fits: `frame` steps once a frame, as PhysTwin does, `pass` once a pass, `cut` once a
+    /// pass with gradients that end at each frame's start
     #[arg(long, value_name = "SCHEME,...", value_enum, value_delimiter = ',')]
     fit: Vec<FitScheme>,
     /// Generations of a fit, of 11 candidates each [default: 20; with --quick: 2]
@@ -82,6 +83,7 @@ enum Bending {
 enum FitScheme {
     Frame,
     Pass,
+    Cut,
 }
 
 impl Bench {
@@ -113,6 +115,7 @@ impl Bench {
         let scheme = match scheme {
             FitScheme::Frame => Scheme::Frame,
             FitScheme::Pass => Scheme::Pass,
+            FitScheme::Cut => Scheme::Cut,
         };
         let mut plan = FitPlan::phystwin(scheme);
         if self.quick {

@@ -1,7 +1,7 @@
 //! A report as tables for people; `-` where a number is not known or was left out.
 
 use bendtwin_bench::{
-    Report, SceneName,
+    Report, SceneName, Scheme,
     fit::FitRun,
     report::{Measured, Run, SceneReport},
 };
@@ -131,6 +131,7 @@ fn fits(scenes: &[SceneReport]) -> Table {
         "host",
         "evaluation",
         "total",
+        "initial loss",
         "search's loss",
         "final loss",
         "memory",
@@ -143,12 +144,15 @@ fn fits(scenes: &[SceneReport]) -> Table {
     table
 }
 
-fn fit_row(scene: &SceneReport, fit: &FitRun) -> [String; 20] {
+fn fit_row(scene: &SceneReport, fit: &FitRun) -> [String; 21] {
     let (plan, search, refine) = (&fit.plan, &fit.search, &fit.refine);
     let loss = |loss: Option<f64>| or_dash(loss, |x| format!("{x:.3e}"));
     [
         title(scene),
-        format!("a {}", plan.scheme.as_str()),
+        match plan.scheme {
+            Scheme::Cut => "a pass, cut".to_owned(),
+            scheme => format!("a {}", scheme.as_str()),
+        },
         format!("{} of {}", search.rollouts, plan.generations as usize * plan.candidates),
         plan.passes.to_string(),
         plan.frames.to_string(),
@@ -164,6 +168,7 @@ fn fit_row(scene: &SceneReport, fit: &FitRun) -> [String; 20] {
         significant(refine.host_s),
         significant(fit.evaluate_s),
         significant(fit.total_s),
+        loss(fit.initial_loss),
         loss(fit.search_loss),
         loss(fit.final_loss),
         or_dash(fit.memory_bytes, output::bytes),

@@ -23,11 +23,11 @@ fn nothing_named_means_everything_but_fits() {
 
 #[test]
 fn quick_is_small_but_what_is_said_holds() {
-    let plan = parse("bench --quick --fit frame,pass --passes 7").plan();
+    let plan = parse("bench --quick --fit frame,pass,cut --passes 7").plan();
     assert_eq!(plan.scenes.len(), 4);
     assert!(plan.measurement < Duration::from_secs(1));
     let fits: Vec<_> = plan.fits.iter().map(|f| (f.scheme, f.generations, f.passes)).collect();
-    assert_eq!(fits, [(Scheme::Frame, 2, 7), (Scheme::Pass, 2, 7)]);
+    assert_eq!(fits, [Scheme::Frame, Scheme::Pass, Scheme::Cut].map(|scheme| (scheme, 2, 7)));
 }
 
 #[test]

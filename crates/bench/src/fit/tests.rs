@@ -6,7 +6,7 @@ fn phystwins_count_is_220_candidates_and_200_passes() {
     let plan = FitPlan::phystwin(Scheme::Frame);
     assert_eq!(plan.generations as usize * plan.candidates, 220);
     let scene = Scene::new(SceneName::Rope, false).unwrap();
-    for scheme in [Scheme::Frame, Scheme::Pass] {
+    for scheme in [Scheme::Frame, Scheme::Pass, Scheme::Cut] {
         let settings = settings(&scene, &FitPlan::phystwin(scheme));
         assert_eq!(settings.validate(), Ok(()));
         assert_eq!((settings.refine.passes, settings.search.population), (200, 11));
@@ -25,7 +25,7 @@ fn a_short_fit_improves_and_its_stages_add_up() {
     let parts = run.refine;
     assert!(parts.gradient_s > 0.0 && parts.forward_s > 0.0 && parts.host_s > 0.0, "{run:?}");
     let (search, last) = (run.search_loss.unwrap(), run.final_loss.unwrap());
-    assert!(last <= search, "{run:?}");
+    assert!(last <= search && search <= run.initial_loss.unwrap(), "{run:?}");
 }
 
 #[test]
