@@ -420,7 +420,7 @@ DEVICE void contact_half(
 
 DEVICE void meet_with_lambda(Local& l, const Halo& halo, u32 buffer) {
     wait_for_copies();
-    meet(l.barrier, l.round);
+    meet_for_halo(l.arrivals, buffer, l.barrier, l.round);
     fetch_vectors(l, halo, buffer, lambda_of(l, buffer));
 }
 
@@ -435,7 +435,7 @@ DEVICE void begin_frame_adjoint(const Local& l, const Place& p, float3& x_bar, f
 // substep `from`; substep `from` is the tape's first.
 extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all, u32 from, u32 to) {
     const Job& job = all[blockIdx.x / BLOCKS];
-    Local l = local_of(&job, blockIdx.x % BLOCKS);
+    Local l = local_of(&job, blockIdx.x % BLOCKS, sizeof(float4));
     Constants c = {job.dt,       job.decay,    job.ground, job.ground_law, job.dashpot, job.substeps,
                    job.topology.node_count, job.tape_x, job.tape_v, job.tape_b, job.pin_sums, job.spring_sums,
                    threadIdx.x < l.share.local ? job.tape_slots[l.graph_node(threadIdx.x)] : 0};
@@ -457,6 +457,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
     __syncthreads();
     // A cluster's blocks must all have started before one writes into another.
     meet(l.barrier, l.round);
+    expect_halo(l.arrivals, now);
 #if ONE_ROW
     node_adjoint(l, c, one, now, to - 1, to - 1 - from, entry_of(c, one, to - 1 - from),
                  xyz(job.bar_x[one.at]), xyz(job.bar_v[one.at]), sums);
@@ -470,7 +471,10 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
     meet_with_lambda(l, halo, now);
     for (u32 s = to; s-- > from;) {
         u32 earlier = now ^ 1;
-        if (s > from) fetch_tape(l, c, earlier, s - 1 - from, s - 1);
+        if (s > from) {
+            expect_halo(l.arrivals, earlier);
+            fetch_tape(l, c, earlier, s - 1 - from, s - 1);
+        }
         bend_adjoints(l, now, bends, triplet, sums);
 #if ONE_ROW
         {
@@ -494,8 +498,10 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
             }
         }
         control_adjoint(l, c, now, s, pairs, bends, refs);
-        if (s > from) contact_half(l, c, one, earlier, s - 1 - from, sums);
-        meet_with_lambda(l, halo, earlier);
+        if (s > from) {
+            contact_half(l, c, one, earlier, s - 1 - from, sums);
+            meet_with_lambda(l, halo, earlier);
+        }
         now = earlier;
     }
     store_sums(l, c, one, triplet, sums);

@@ -303,7 +303,7 @@ DEVICE u32 longest(const Job* jobs) {
 extern "C" __global__ void __launch_bounds__(THREADS)
     advance_frames(const Job* all, u32 first, u32 end, u32 from, u32 to, u32 keep) {
     const Job* jobs = all + (u64)(blockIdx.x / BLOCKS) * INSTANCES;
-    Local l = local_of(jobs, blockIdx.x % BLOCKS);
+    Local l = local_of(jobs, blockIdx.x % BLOCKS, sizeof(float4) + sizeof(float2));
     Pairs pairs = pairs_of(l, l.share.rows, l.after_states(0));
     Constants c = constants_of(*jobs);
     float3* bends = bend_buffer(l);
@@ -332,6 +332,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
         u32 last = TAPE ? min(to, moved.substeps) : moved.substeps;
         for (u32 s = 0; s < last; s++) {
             u32 tape = s >= from ? frame * (last - from) + s - from : NO_TAPE;
+            expect_halo(l.arrivals, now ^ 1);
             place_controls(l, jobs, moved, now ^ 1, frame, s + 1);
             bend_forces(l, now, bends, triplet);
 #if ONE_ROW
@@ -350,7 +351,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 #endif
 #endif
             now ^= 1;
-            meet(l.barrier, l.round);
+            meet_for_halo(l.arrivals, now, l.barrier, l.round);
             fetch_states(l, halo, now);
         }
         if (keep) store_states(l, jobs, now, frame);

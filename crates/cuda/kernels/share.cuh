@@ -25,6 +25,7 @@ struct Local {
     u32 round;   // meetings so far
     u32 control_base, controls;
     u32* barrier;
+    Arrivals arrivals;
 
     // x, y, z, vx.
     DEVICE_MEMBER float4* xs(u32 buffer, u32 instance) const {
@@ -73,7 +74,8 @@ DEVICE State state_at(const float4* xs, const float2* vs, u32 local) {
     return s;
 }
 
-DEVICE Local local_of(const Job* job, u32 rank) {
+// `halo_bytes` are those that a node in a halo is told of in a substep.
+DEVICE Local local_of(const Job* job, u32 rank, u32 halo_bytes) {
     Local l;
     l.job = job;
     l.rank = rank;
@@ -83,6 +85,7 @@ DEVICE Local local_of(const Job* job, u32 rank) {
     l.control_base = job->topology.control_base;
     l.controls = job->topology.controls;
     l.barrier = job->barrier;
+    l.arrivals = count_bytes((l.share.local - l.share.own) * halo_bytes);
     return l;
 }
 
@@ -207,8 +210,8 @@ publish_state(const Local& l, const Place& p, u32 next, u32 m, float3 x, float3 
     }
 #if SHAPE == SHAPE_CLUSTER
     for_exports(l, p, [&](u32 block, u32 there) {
-        store_remote(xs + there, block, a);
-        store_remote(vs + there, block, b);
+        send(xs + there, l.arrivals.of(next), block, a);
+        send(vs + there, l.arrivals.of(next), block, b);
     });
 #elif SHAPE == SHAPE_GRID
     u32 n = l.job->topology.node_count;
@@ -223,7 +226,7 @@ publish_state(const Local& l, const Place& p, u32 next, u32 m, float3 x, float3 
 DEVICE void publish_vector(const Local& l, const Place& p, u32 next, float4* here, float4 value) {
     if (p.lane == 0) here[p.node] = value;
 #if SHAPE == SHAPE_CLUSTER
-    for_exports(l, p, [&](u32 block, u32 there) { store_remote(here + there, block, value); });
+    for_exports(l, p, [&](u32 block, u32 there) { send(here + there, l.arrivals.of(next), block, value); });
 #elif SHAPE == SHAPE_GRID
     if (p.lane == 0) __stcg(l.job->exchange_x + next * (u64)l.job->topology.node_count + p.at, value);
 #endif

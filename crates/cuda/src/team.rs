@@ -115,14 +115,14 @@ const BLOCK_THREADS: u32 = 1024;
 const TEAM_THREADS: u32 = 512;
 /// Microseconds of a substep that do not shrink with more blocks: latencies of a node's update and of meetings.
 const BLOCK_US: f64 = 0.1;
-const CLUSTER_US: f64 = 0.95;
+const CLUSTER_US: f64 = 0.62;
 const GRID_US: f64 = 2.2;
 const GRID_BACK_US: f64 = 3.3;
 /// Of a half-spring on one multiprocessor, forward and backward.
 const HALF_SPRING_US: f64 = 0.265e-3;
 const HALF_SPRING_BACK_US: f64 = 0.64e-3;
 /// How much slower a way back is whose sums are all in memory.
-const SUMS_IN_MEMORY: f64 = 0.8;
+const SUMS_IN_MEMORY: f64 = 0.3;
 /// Of one end of a triplet, in half-springs.
 const TRIPLET_END: f64 = 1.5;
 /// Registers of a multiprocessor, and those that a thread needs beside its half-springs and sums.
