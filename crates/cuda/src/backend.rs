@@ -2,7 +2,7 @@
 
 use std::{
     ops::Range,
-    sync::{Arc, Mutex, PoisonError, Weak},
+    sync::{Arc, Mutex, Weak},
 };
 
 use bendtwin_core::{Graph, Params};
@@ -22,6 +22,7 @@ use crate::{
     descent::DeviceDescent,
     device::Device,
     graph::DeviceGraph,
+    memo::lock,
     queue::Queue,
     recording::{Recorded, keeps},
     resident::{Resident, resident, unflatten},
@@ -34,8 +35,8 @@ use crate::{
 /// Share of the budget that a batch's working memory may take.
 const WORKING_SHARE: u64 = 2;
 
-/// The graphs on a device, by the host's.
-type Graphs = Vec<(Weak<Graph>, Weak<DeviceGraph>)>;
+/// The graphs on a device, by the host's: a slot for each, so that only those who want the same one wait for it.
+type Graphs = Vec<(Weak<Graph>, Arc<Mutex<Weak<DeviceGraph>>>)>;
 
 /// One queue of a device.
 #[derive(Clone)]
@@ -63,16 +64,27 @@ impl CudaBackend {
     }
 
     fn graph(&self, graph: &Arc<Graph>) -> Result<Arc<DeviceGraph>, Error> {
-        let mut graphs = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
-        graphs.retain(|(host, device)| host.strong_count() > 0 && device.strong_count() > 0);
-        let same = |host: &Weak<Graph>| std::ptr::eq(host.as_ptr(), Arc::as_ptr(graph));
-        let known = graphs.iter().find(|(host, _)| same(host)).and_then(|(_, d)| d.upgrade());
-        if let Some(known) = known {
+        let slot = self.slot_of(graph);
+        let mut slot = lock(&slot);
+        if let Some(known) = slot.upgrade() {
             return Ok(known);
         }
         let made = Arc::new(DeviceGraph::new(&self.device, graph)?);
-        graphs.push((Arc::downgrade(graph), Arc::downgrade(&made)));
+        *slot = Arc::downgrade(&made);
         Ok(made)
+    }
+
+    fn slot_of(&self, graph: &Arc<Graph>) -> Arc<Mutex<Weak<DeviceGraph>>> {
+        let mut graphs = lock(&self.graphs);
+        graphs.retain(|(host, _)| host.strong_count() > 0);
+        // A weak reference keeps the address: no other graph can have it.
+        let same = |host: &Weak<Graph>| std::ptr::eq(host.as_ptr(), Arc::as_ptr(graph));
+        if let Some((_, slot)) = graphs.iter().find(|(host, _)| same(host)) {
+            return slot.clone();
+        }
+        let slot = Arc::default();
+        graphs.push((Arc::downgrade(graph), Arc::clone(&slot)));
+        slot
     }
 
     /// Memory that batches may work with [bytes].

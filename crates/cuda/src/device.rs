@@ -1,9 +1,6 @@
 //! A device: its context, what it is able to, its memory, and the kernels loaded on it.
 
-use std::{
-    collections::HashMap,
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::sync::Arc;
 
 use bendtwin_engine::{Error, backend::Memory};
 use cudarc::driver::{
@@ -17,6 +14,7 @@ use crate::{
     compile, fault,
     kernel::{Source, Variant},
     launch::Function,
+    memo::Memo,
     team::Team,
 };
 
@@ -66,8 +64,8 @@ pub(crate) struct Device {
     pub(crate) beside_urgent: Vec<Arc<CudaStream>>,
     pub(crate) beside_normal: Vec<Arc<CudaStream>>,
     cache: Cache,
-    functions: Mutex<HashMap<(Variant, &'static str), Arc<Function>>>,
-    modules: Mutex<HashMap<Variant, Arc<CudaModule>>>,
+    functions: Memo<(Variant, &'static str), Arc<Function>>,
+    modules: Memo<Variant, Arc<CudaModule>>,
 }
 
 impl Device {
@@ -139,8 +137,8 @@ impl Device {
             normal,
             beside_urgent: several(URGENT)?,
             beside_normal: several(NORMAL)?,
-            functions: Mutex::default(),
-            modules: Mutex::default(),
+            functions: Memo::default(),
+            modules: Memo::default(),
             context,
         };
         for source in Source::SMALL {
@@ -161,17 +159,14 @@ impl Device {
         variant: &Variant,
         name: &'static str,
     ) -> Result<Arc<Function>, Error> {
-        let key = (*variant, name);
-        if let Some(found) = lock(&self.functions).get(&key) {
-            return Ok(found.clone());
-        }
-        let loaded = self
-            .module(variant)?
-            .load_function(name)
-            .map_err(|e| fault("finding a kernel in its module", e))?;
-        let function = Arc::new(Function::new(loaded, variant, self.ability.dynamic_shared())?);
-        lock(&self.functions).insert(key, function.clone());
-        Ok(function)
+        self.functions.get_or_make((*variant, name), || {
+            let module = self.module(variant)?;
+            // Another thread may have loaded the module.
+            self.context.bind_to_thread().map_err(|e| fault("the CUDA context", e))?;
+            let loaded = module.load_function(name);
+            let loaded = loaded.map_err(|e| fault("finding a kernel in its module", e))?;
+            Ok(Arc::new(Function::new(loaded, variant, self.ability.dynamic_shared())?))
+        })
     }
 
     /// A kernel that is not specialised.
@@ -180,16 +175,10 @@ impl Device {
     }
 
     fn module(&self, variant: &Variant) -> Result<Arc<CudaModule>, Error> {
-        if let Some(found) = lock(&self.modules).get(variant) {
-            return Ok(found.clone());
-        }
-        let cubin = self.cache.cubin(variant)?;
-        let module = self
-            .context
-            .load_module(cudarc::nvrtc::Ptx::from_binary(cubin))
-            .map_err(|e| fault("loading a kernel", e))?;
-        lock(&self.modules).insert(*variant, module.clone());
-        Ok(module)
+        self.modules.get_or_make(*variant, || {
+            let cubin = cudarc::nvrtc::Ptx::from_binary(self.cache.cubin(variant)?);
+            self.context.load_module(cubin).map_err(|e| fault("loading a kernel", e))
+        })
     }
 }
 
@@ -206,8 +195,4 @@ fn keep_freed_memory(context: &CudaContext, bytes: u64) -> Result<(), Error> {
         })
     }
     .map_err(|e| fault("the memory pool", e))
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,9 +1,6 @@
 //! What the device keeps of a graph, for all parameters on it.
 
-use std::{
-    collections::HashMap,
-    sync::{Arc, Mutex, OnceLock, PoisonError},
-};
+use std::sync::{Arc, OnceLock};
 
 use bendtwin_core::Graph;
 use bendtwin_engine::Error;
@@ -12,6 +9,7 @@ use crate::{
     device::Device,
     job::{self, LocalPin, Share, Triplet},
     layout::Layout,
+    memo::Memo,
     memory::Buffer,
 };
 
@@ -34,7 +32,7 @@ pub(crate) struct DeviceGraph {
     pub(crate) springs: Buffer<[u32; 2]>,
     /// Made when self contact first asks for it.
     joined: OnceLock<Result<Joined, Error>>,
-    cuts: Mutex<HashMap<Cut, Arc<CutGraph>>>,
+    cuts: Memo<Cut, Arc<CutGraph>>,
 }
 
 /// Which nodes a spring joins to each node.
@@ -94,7 +92,7 @@ impl DeviceGraph {
             object_ids: Buffer::of(stream, &graph.object_ids)?,
             springs: Buffer::of(stream, &graph.springs)?,
             joined: OnceLock::new(),
-            cuts: Mutex::default(),
+            cuts: Memo::default(),
             graph: graph.clone(),
         })
     }
@@ -106,14 +104,10 @@ impl DeviceGraph {
 
     /// The graph cut in this way; made at first use.
     pub(crate) fn cut(&self, device: &Device, cut: Cut) -> Result<Arc<CutGraph>, Error> {
-        let mut cuts = self.cuts.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = cuts.get(&cut) {
-            return Ok(found.clone());
-        }
-        let layout = Layout::new(&self.graph, cut.blocks as usize, cut.threads)?;
-        let made = Arc::new(self.upload(device, layout)?);
-        cuts.insert(cut, made.clone());
-        Ok(made)
+        self.cuts.get_or_make(cut, || {
+            let layout = Layout::new(&self.graph, cut.blocks as usize, cut.threads)?;
+            Ok(Arc::new(self.upload(device, layout)?))
+        })
     }
 
     fn upload(&self, device: &Device, layout: Layout) -> Result<CutGraph, Error> {

@@ -21,6 +21,7 @@ mod job;
 mod kernel;
 mod launch;
 mod layout;
+mod memo;
 mod memory;
 mod objective;
 mod pace;

@@ -1,10 +1,7 @@
 //! A model on the device: its graph, shared by all parameters on it, and its parameters, packed for each
 //! shape of launch that has asked for them.
 
-use std::{
-    collections::HashMap,
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::sync::Arc;
 
 use bendtwin_core::{Params, environment::ControlVelocity};
 use bendtwin_engine::{Error, Loaded, Model};
@@ -15,6 +12,7 @@ use crate::{
     job::Job,
     kernel::{Source, THREADS, Variant},
     launch::Arguments,
+    memo::Memo,
     memory::Buffer,
 };
 
@@ -30,7 +28,7 @@ pub(crate) struct Resident {
     pub(crate) params: Buffer<f32>,
     /// The dashpot of all springs, if they are alike: then it need not be loaded again and again.
     pub(crate) dashpot: Option<f32>,
-    packed: Mutex<HashMap<Cut, Arc<Packed>>>,
+    packed: Memo<Cut, Arc<Packed>>,
 }
 
 /// Parameters as one shape of launch wants them.
@@ -55,7 +53,7 @@ impl Resident {
             dashpot: alike.then_some(first),
             device: device.clone(),
             graph: graph.clone(),
-            packed: Mutex::default(),
+            packed: Memo::default(),
         })
     }
 
@@ -66,13 +64,7 @@ impl Resident {
 
     /// Packed for a cut; made at first use, on the stream that fits and loads use.
     pub(crate) fn packed(&self, cut: Cut) -> Result<Arc<Packed>, Error> {
-        let mut packed = self.packed.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = packed.get(&cut) {
-            return Ok(found.clone());
-        }
-        let made = Arc::new(self.pack(cut)?);
-        packed.insert(cut, made.clone());
-        Ok(made)
+        self.packed.get_or_make(cut, || Ok(Arc::new(self.pack(cut)?)))
     }
 
     fn pack(&self, cut: Cut) -> Result<Packed, Error> {
@@ -123,8 +115,7 @@ impl Resident {
 
     /// Packs again what has been packed, after the parameters on the device have changed.
     pub(crate) fn repack(&self) -> Result<(), Error> {
-        let packed = self.packed.lock().unwrap_or_else(PoisonError::into_inner);
-        packed.values().try_for_each(|p| self.fill(p))
+        self.packed.values().iter().try_for_each(|p| self.fill(p))
     }
 }
 
