@@ -12,7 +12,7 @@ use crate::{
     Options,
     cache::Cache,
     compile, fault,
-    kernel::{Source, Variant},
+    kernel::{Meeting, Source, Variant},
     launch::Function,
     memo::Memo,
     team::Team,
@@ -27,8 +27,8 @@ const NORMAL: i32 = 0;
 const URGENT: i32 = -5;
 /// Kernels that run side by side at most.
 const BESIDE: usize = 8;
-/// Blocks of the largest cluster that is tried.
-const LARGEST_CLUSTER: u32 = 16;
+/// Blocks of the clusters that are tried, the largest first: what runs depends on the chip and on who shares it.
+const CLUSTERS: [u32; 4] = [16, 8, 4, 2];
 
 /// What a device is able to.
 #[derive(Clone, Copy, Debug)]
@@ -109,7 +109,7 @@ impl Device {
                 Attribute::CU_DEVICE_ATTRIBUTE_MAX_SHARED_MEMORY_PER_BLOCK_OPTIN,
             )?
             .max(0) as u32,
-            cluster: if architecture >= CLUSTERS_FROM { LARGEST_CLUSTER } else { 1 },
+            cluster: 1,
         };
         let name = context.name().map_err(|e| fault("the device's name", e))?;
         let (free, _) = context.mem_get_info().map_err(|e| fault("device memory", e))?;
@@ -119,20 +119,16 @@ impl Device {
             made.map_err(|e| fault("making a stream", e))
         };
         keep_freed_memory(&context, budget)?;
-        let team = match &options.team {
-            Some(name) => Some(name.parse::<Team>().map_err(Error::InvalidInput)?),
-            None => None,
-        };
         let several =
             |priority| (0..BESIDE).map(|_| stream(priority)).collect::<Result<Vec<_>, _>>();
         // Smaller numbers go first.
         let (normal, urgent) = (stream(NORMAL)?, stream(URGENT)?);
-        let device = Self {
+        let mut device = Self {
             cache: Cache::new(options.cache_dir.as_deref(), architecture)?,
             name,
             ability,
             budget,
-            team,
+            team: None,
             urgent,
             normal,
             beside_urgent: several(URGENT)?,
@@ -144,7 +140,40 @@ impl Device {
         for source in Source::SMALL {
             device.module(&Variant::small(source))?;
         }
+        if architecture >= CLUSTERS_FROM {
+            device.ability.cluster = device.largest_cluster();
+        }
+        if let Some(name) = &options.team {
+            let team = name.parse::<Team>().map_err(Error::InvalidInput)?;
+            team.check(&device.ability).map_err(Error::InvalidInput)?;
+            device.team = Some(team);
+        }
         Ok(Arc::new(device))
+    }
+
+    /// Blocks of the largest cluster that runs here, 1 if none does.
+    fn largest_cluster(&self) -> u32 {
+        let runs = |blocks: u32| match self.has_room_for_cluster(blocks) {
+            Ok(runs) => runs,
+            Err(error) => {
+                tracing::debug!(blocks, %error, "no such clusters here");
+                false
+            }
+        };
+        CLUSTERS.into_iter().find(|&blocks| runs(blocks)).unwrap_or(1)
+    }
+
+    /// Whether a cluster runs here whose blocks have all the shared memory that a block can have.
+    fn has_room_for_cluster(&self, blocks: u32) -> Result<bool, Error> {
+        let shared = self.ability.dynamic_shared();
+        // Any kernel will do.
+        let any = Variant::small(Source::Start);
+        let loaded = self.module(&any)?.load_function("start");
+        let loaded = loaded.map_err(|e| fault("finding a kernel in its module", e))?;
+        let cluster = Variant { meeting: Meeting::Cluster, blocks, ..any };
+        let function = Function::new(loaded, &cluster, shared)?;
+        function.allow_shared(shared)?;
+        Ok(function.resident_teams(shared, self.ability.processors)? > 0)
     }
 
     /// Memory of the device, whoever uses it.

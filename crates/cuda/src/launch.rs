@@ -72,7 +72,7 @@ impl Function {
     }
 
     /// Lets blocks have so much dynamic shared memory. Once for all launches: they share the function.
-    fn allow_shared(&self, bytes: u32) -> Result<(), Error> {
+    pub(crate) fn allow_shared(&self, bytes: u32) -> Result<(), Error> {
         let attribute = sys::CUfunction_attribute::CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES;
         self.set(attribute, bytes as i32)
     }

@@ -81,6 +81,19 @@ impl Team {
         Self { instances, ..self }
     }
 
+    /// Whether a device has room for such a team, and if not, why.
+    pub(crate) fn check(&self, ability: &Ability) -> Result<(), String> {
+        let most = match self.meeting {
+            Meeting::Block => 1,
+            Meeting::Cluster => ability.cluster,
+            Meeting::Grid => ability.processors,
+        };
+        if self.blocks > most {
+            return Err(format!("{self}: this device has room for {most} blocks"));
+        }
+        Ok(())
+    }
+
     pub(crate) fn cut(&self) -> Cut {
         Cut { blocks: self.blocks, threads: self.threads }
     }
