@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use bendtwin_core::FitSettings;
+use bendtwin_core::{FitSettings, settings::layers::merge};
 use clap::Args;
 use serde_json::Value;
 
@@ -51,21 +51,6 @@ impl SettingsArgs {
             Ok(()) => Ok(settings),
             Err(faults) => Err(Usage::error(format!("settings: {}", faults.join("; ")))),
         }
-    }
-}
-
-/// Takes over what a document says; what it leaves out stays.
-fn merge(into: &mut Value, from: Value) {
-    match (into, from) {
-        // An enum with one variant as its only key ({"fixed": 100}) is replaced, not mixed.
-        (Value::Object(into), Value::Object(from))
-            if from.keys().all(|k| into.contains_key(k)) || into.len() != 1 =>
-        {
-            for (key, value) in from {
-                merge(into.entry(key).or_insert(Value::Null), value);
-            }
-        }
-        (into, from) => *into = from,
     }
 }
 
