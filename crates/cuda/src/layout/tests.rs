@@ -1,3 +1,5 @@
+mod halos;
+
 use std::collections::BTreeSet;
 
 use bendtwin_engine::conformance::{RandomOptions, random_model};
