@@ -115,16 +115,22 @@ impl Backward<'_> {
     fn run(&self, members: &[usize], room: u64) -> Result<(), Error> {
         let Some(&first) = members.first() else { return Ok(()) };
         let simulation = self.way.simulation;
-        let each = members.iter().enumerate();
-        let windows: Vec<Window> = each.flat_map(|(place, &i)| self.windows(place, i)).collect();
+        // Not all at once: there may be as many as frames.
+        let all = || members.iter().enumerate().flat_map(|(place, &i)| self.windows(place, i));
+        let shape = all().fold((0, 0), |(count, most), w| (count + 1, most.max(w.len())));
         let (e, t) = self.elements(first);
         // No team has more.
         let blocks = simulation.queue.device.ability.processors as usize;
         let stride = 3 * (e + t) + LAWS * blocks;
         let total: Buffer<f32> = Buffer::zeros(&simulation.queue.stream, stride * members.len())?;
-        let slots = Slots::new(self, first, &windows, room)?;
-        for together in windows.chunks(slots.windows) {
-            SideBySide::new(self, together, &slots)?.run(|place| total.at(place * stride))?;
+        let slots = Slots::new(self, first, shape, room)?;
+        let mut windows = all();
+        loop {
+            let together: Vec<Window> = windows.by_ref().take(slots.windows).collect();
+            if together.is_empty() {
+                break;
+            }
+            SideBySide::new(self, &together, &slots)?.run(|place| total.at(place * stride))?;
         }
         for (place, &i) in members.iter().enumerate() {
             self.finish(i, total.at(place * stride), blocks)?;
@@ -132,15 +138,15 @@ impl Backward<'_> {
         Ok(())
     }
 
-    fn windows(&self, place: usize, instance: usize) -> Vec<Window> {
+    fn windows(&self, place: usize, instance: usize) -> impl Iterator<Item = Window> + use<> {
         let frames = self.way.simulation.instances[instance].frames;
         let every = match self.request.cut_every {
             0 => frames.max(1),
             every => every,
         };
         let window =
-            |first: usize| Window { instance, place, first, end: (first + every).min(frames) };
-        (0..frames.max(1)).step_by(every).map(window).collect()
+            move |first: usize| Window { instance, place, first, end: (first + every).min(frames) };
+        (0..frames.max(1)).step_by(every).map(window)
     }
 
     fn elements(&self, instance: usize) -> (usize, usize) {

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use bendtwin_engine::Error;
 
-use super::{Backward, windows::Window};
+use super::Backward;
 use crate::{
     job::Job,
     launch::MOST_BLOCKS,
@@ -19,12 +19,15 @@ use crate::{
 const CONTACT_BYTES: u64 = 2_088;
 /// Frames that go onto tape together, a multiprocessor: more would not be quicker.
 const FRAMES_A_PROCESSOR: usize = 2;
+/// Most jobs that are made ready together. They stand in the host's memory too, where a small twin's would
+/// take far more than its frames on the device.
+const JOBS_AT_ONCE: usize = 1 << 16;
 
 /// Arrays of windows that go backward side by side.
 pub(super) struct Slots {
     /// How many windows.
     pub(super) windows: usize,
-    /// Frames of each that are on tape at a time.
+    /// Frames of each that are made ready at a time; they are on tape together.
     pub(super) frames: usize,
     /// Substeps of a frame that are on tape at a time: all of them, unless not even one frame fits.
     segment: usize,
@@ -48,23 +51,23 @@ struct Bytes {
 }
 
 impl Slots {
-    /// For windows of one graph, of which an instance is one, in so many bytes.
+    /// For `all` windows of one graph, of which an instance is one, and of at most `deepest` frames, in `room` bytes.
     pub(super) fn new(
         way_back: &Backward<'_>,
         instance: usize,
-        windows: &[Window],
+        (all, deepest): (usize, usize),
         room: u64,
     ) -> Result<Self, Error> {
         let simulation = way_back.way.simulation;
         let stream = &simulation.queue.stream;
         let model = simulation.instances[instance].model.model();
         let (nodes, substeps) = (model.graph.node_count(), model.timing.substeps as usize);
-        let deepest = windows.iter().map(Window::len).max().unwrap_or(0).max(1);
-        let most = windows.len().clamp(1, MOST_BLOCKS);
+        let (most, deepest) = (all.clamp(1, MOST_BLOCKS), deepest.max(1));
         let bytes = way_back.bytes(instance);
         let fit = |room: u64, each: u64| (room / each.max(1)) as usize;
         let (count, frames, segment) = if way_back.way.kept.is_some() {
-            (fit(room, bytes.fixed).clamp(1, most), deepest, substeps)
+            let count = fit(room, bytes.fixed).clamp(1, most);
+            (count, deepest.min(JOBS_AT_ONCE / count).max(1), substeps)
         } else {
             let count = fit(room, bytes.fixed + bytes.frame).clamp(1, most);
             let left = room.saturating_sub(count as u64 * bytes.fixed);

@@ -161,8 +161,8 @@ impl<'a> SideBySide<'a> {
         self.lanes.iter().try_for_each(|lane| self.add_sums(lane, &total))
     }
 
-    /// Jobs of windows that reach so deep.
-    /// Where nodes are on tape is said by `slots`, by window, for tapes that have just been written.
+    /// Jobs of windows that reach so deep. For tapes that have just been written, `slots` says by window where nodes
+    /// are on them.
     fn rounds(
         &self,
         lane: &Lane,
@@ -224,7 +224,7 @@ impl<'a> SideBySide<'a> {
             }
         }
         for taped in slots.segments().rev() {
-            // The last is there.
+            // The last is there. The others take its place, in its order: they are written by the same jobs.
             if taped != slots.last_segment() {
                 self.again(depth..depth + 1, taped.clone())?;
             }
