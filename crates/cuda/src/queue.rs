@@ -76,11 +76,17 @@ impl Queue {
         }
         let launched = (0..kernels).try_for_each(|k| launch(k, &sides));
         // Even if one failed: memory that the others use is freed behind what the queue has.
-        for side in sides.used {
-            let mark = side.record_event(None).map_err(|e| fault("recording an event", e))?;
-            self.stream.wait(&mark).map_err(|e| fault("joining a stream", e))?;
-        }
-        launched
+        let joined = sides.used.iter().map(|side| self.join(side)).fold(Ok(()), Result::and);
+        launched.and(joined)
+    }
+
+    /// Puts what comes behind what a side has; if that fails, waits for the side.
+    fn join(&self, side: &CudaStream) -> Result<(), Error> {
+        let joined = side.record_event(None).and_then(|mark| self.stream.wait(&mark));
+        joined.map_err(|e| {
+            let _ = side.synchronize();
+            fault("joining a stream", e)
+        })
     }
 
     /// Launches a kernel that is not specialised.
