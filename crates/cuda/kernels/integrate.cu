@@ -298,7 +298,7 @@ DEVICE u32 longest(const Job* jobs) {
     return longest;
 }
 
-// Runs frames `first..end` of each job's. With TAPE, each only as far as substep `to`, and what happens from
+// Runs frames `first..end` of each job. With TAPE, each only as far as substep `to`, and what happens from
 // `from` on goes onto tape, frame after frame. If `keep`, frames leave the states that they end in.
 extern "C" __global__ void __launch_bounds__(THREADS)
     advance_frames(const Job* all, u32 first, u32 end, u32 from, u32 to, u32 keep) {

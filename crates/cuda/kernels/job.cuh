@@ -70,7 +70,7 @@ struct Job {
     float* states;               // [slots][6][N]: x, y, z, vx, vy, vz of frame f at f % slots
     u64* divergence;             // smallest frame << 32 | node
     const u32* tape_slots;       // by graph index: where a node is on a tape that is read
-    float4* tape_x;              // [substeps of a segment][N], in the order of the cut that writes it: x, v_x
+    float4* tape_x;              // [substeps on tape][N], in the order of the cut that writes it: x, v_x
     float2* tape_v;              // v_y, v_z
     float* tape_b;               // [3]: velocity before contact
     float4* bar_x;               // [N]: d loss / d state

@@ -17,7 +17,7 @@ use crate::{
 pub(crate) enum Purpose {
     /// Frames forward.
     Forward,
-    /// A frame forward onto tape.
+    /// Frames forward onto tape.
     Tape,
     /// A frame backward.
     Backward,
