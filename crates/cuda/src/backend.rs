@@ -1,11 +1,8 @@
 //! The backend: checks, cuts batches to what memory holds, and runs them.
 
-use std::{
-    ops::Range,
-    sync::{Arc, Mutex, Weak},
-};
+use std::{ops::Range, sync::Arc};
 
-use bendtwin_core::{Graph, Params};
+use bendtwin_core::Params;
 use bendtwin_engine::{
     Backend, Device as Description, Error, Loaded, Model,
     backend::{
@@ -21,8 +18,7 @@ use crate::{
     backward::{self, Gradients, Way},
     descent::DeviceDescent,
     device::Device,
-    graph::DeviceGraph,
-    memo::lock,
+    graphs::Graphs,
     queue::Queue,
     recording::{Recorded, keeps},
     resident::{Resident, resident, unflatten},
@@ -35,9 +31,6 @@ use crate::{
 /// Share of the budget that a batch's working memory may take.
 const WORKING_SHARE: u64 = 2;
 
-/// The graphs on a device, by the host's: a slot for each, so that only those who want the same one wait for it.
-type Graphs = Vec<(Weak<Graph>, Arc<Mutex<Weak<DeviceGraph>>>)>;
-
 /// One queue of a device.
 #[derive(Clone)]
 pub(crate) struct CudaBackend {
@@ -45,7 +38,7 @@ pub(crate) struct CudaBackend {
     pub(crate) queue: Arc<Queue>,
     normal: Arc<Queue>,
     urgent: Arc<Queue>,
-    graphs: Arc<Mutex<Graphs>>,
+    graphs: Arc<Graphs>,
 }
 
 /// A simulation that has been run and scored.
@@ -61,30 +54,6 @@ impl CudaBackend {
         let urgent = Arc::new(Queue::urgent(device));
         let (device, queue) = (device.clone(), normal.clone());
         Self { device, queue, normal, urgent, graphs: Arc::default() }
-    }
-
-    fn graph(&self, graph: &Arc<Graph>) -> Result<Arc<DeviceGraph>, Error> {
-        let slot = self.slot_of(graph);
-        let mut slot = lock(&slot);
-        if let Some(known) = slot.upgrade() {
-            return Ok(known);
-        }
-        let made = Arc::new(DeviceGraph::new(&self.device, graph)?);
-        *slot = Arc::downgrade(&made);
-        Ok(made)
-    }
-
-    fn slot_of(&self, graph: &Arc<Graph>) -> Arc<Mutex<Weak<DeviceGraph>>> {
-        let mut graphs = lock(&self.graphs);
-        graphs.retain(|(host, _)| host.strong_count() > 0);
-        // A weak reference keeps the address: no other graph can have it.
-        let same = |host: &Weak<Graph>| std::ptr::eq(host.as_ptr(), Arc::as_ptr(graph));
-        if let Some((_, slot)) = graphs.iter().find(|(host, _)| same(host)) {
-            return slot.clone();
-        }
-        let slot = Arc::default();
-        graphs.push((Arc::downgrade(graph), Arc::clone(&slot)));
-        slot
     }
 
     /// Memory that batches may work with [bytes].
@@ -318,7 +287,7 @@ impl Backend for CudaBackend {
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
         check::loadable(&model)?;
         self.refuse_too_large(resident_bytes(&model))?;
-        let graph = self.graph(&model.graph)?;
+        let graph = self.graphs.get(&self.device, &model.graph)?;
         let resident = Resident::new(&self.device, &graph, &model.params)?;
         // One shape is made now, so that what cannot run is refused here.
         choose(&self.device.ability, &resident, &model, Purpose::Forward, 1, 1)?;

@@ -16,6 +16,7 @@ mod compile;
 mod descent;
 mod device;
 mod graph;
+mod graphs;
 mod group;
 mod job;
 mod kernel;
