@@ -49,16 +49,21 @@ impl Source {
         matches!(self, Self::Integrate | Self::Adjoint)
     }
 
-    fn text(self) -> (&'static str, &'static str) {
+    /// Its files, the last one with the kernels.
+    fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
-            Self::Start => ("start.cu", include_str!("../kernels/start.cu")),
-            Self::Integrate => ("integrate.cu", include_str!("../kernels/integrate.cu")),
-            Self::Adjoint => ("adjoint.cu", include_str!("../kernels/adjoint.cu")),
-            Self::Partners => ("partners.cu", include_str!("../kernels/partners.cu")),
-            Self::Loss => ("loss.cu", include_str!("../kernels/loss.cu")),
-            Self::Params => ("params.cu", include_str!("../kernels/params.cu")),
-            Self::Descent => ("descent.cu", include_str!("../kernels/descent.cu")),
-            Self::Record => ("record.cu", include_str!("../kernels/record.cu")),
+            Self::Start => &[("start.cu", include_str!("../kernels/start.cu"))],
+            Self::Integrate => &[("integrate.cu", include_str!("../kernels/integrate.cu"))],
+            Self::Adjoint => &[
+                ("adjoint_state.cuh", include_str!("../kernels/adjoint_state.cuh")),
+                ("adjoint_forces.cuh", include_str!("../kernels/adjoint_forces.cuh")),
+                ("adjoint.cu", include_str!("../kernels/adjoint.cu")),
+            ],
+            Self::Partners => &[("partners.cu", include_str!("../kernels/partners.cu"))],
+            Self::Loss => &[("loss.cu", include_str!("../kernels/loss.cu"))],
+            Self::Params => &[("params.cu", include_str!("../kernels/params.cu"))],
+            Self::Descent => &[("descent.cu", include_str!("../kernels/descent.cu"))],
+            Self::Record => &[("record.cu", include_str!("../kernels/record.cu"))],
         }
     }
 }
@@ -170,7 +175,7 @@ impl Variant {
         for (name, value) in constants {
             let _ = writeln!(text, "#define {name} {value}");
         }
-        for (name, body) in HEADERS.iter().copied().chain([self.source.text()]) {
+        for (name, body) in HEADERS.iter().chain(self.source.files()) {
             let _ = writeln!(text, "#line 1 \"{name}\"\n{body}");
         }
         text

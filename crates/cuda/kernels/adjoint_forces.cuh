@@ -1,0 +1,187 @@
+// The second half of a substep backward: what forces say about the state that they saw.
+
+DEVICE BendAdjoint
+bend_one(const Local& l, u32 now, float3* out, u32 t, const HeldTriplet& h) {
+    const float4* lambda = lambda_of(l, now);
+    State i = l.state(now, 0, h.ends.i), j = l.state(now, 0, h.ends.j), k = l.state(now, 0, h.ends.k);
+    float3 lj = xyz(lambda[h.ends.j]);
+    BendAdjoint a = bend_adjoint(
+        h.params, sub(i.x, j.x), sub(k.x, j.x), sub(i.v, j.v), sub(k.v, j.v),
+        sub(xyz(lambda[h.ends.i]), lj), sub(xyz(lambda[h.ends.k]), lj));
+    out[4 * t] = a.x_i;
+    out[4 * t + 1] = a.x_k;
+    out[4 * t + 2] = a.v_i;
+    out[4 * t + 3] = a.v_k;
+    return a;
+}
+
+DEVICE void
+bend_adjoints(const Local& l, u32 now, float3* out, const HeldTriplet& first, Sums& sums) {
+#if BENDING
+    if (first.has) {
+        BendAdjoint a = bend_one(l, now, out, first_triplet(), first);
+        sums.bend_stiffness += a.stiffness;
+        sums.bend_damping += a.damping;
+        sums.bend_rest += a.rest;
+    }
+    const Job& job = *l.job;
+    for (u32 t = first_triplet() + THREADS; t < l.share.triplets; t += THREADS) {
+        HeldTriplet h = triplet_at(l, t);
+        BendAdjoint a = bend_one(l, now, out, t, h);
+        if (h.ends.owned) {
+            u32 at = job.topology.triplet_of[l.share.triplet + t];
+            job.bend_sums[at] += a.stiffness;
+            job.bend_sums[job.triplets + at] += a.damping;
+            job.bend_sums[2 * job.triplets + at] += a.rest;
+        }
+    }
+#if !ONE_ROW
+    meet_for_bends();
+#endif
+#endif
+}
+
+// Adds what an endpoint gets from a triplet.
+DEVICE void add_bend(const float3* in, u32 triplet, u32 role, float3& x_bar, float3& v_bar) {
+    const float3* t = in + 4 * triplet;
+    if (role < 2) {
+        x_bar = add(x_bar, t[role]);
+        v_bar = add(v_bar, t[2 + role]);
+    } else {
+        x_bar = sub(x_bar, add(t[0], t[1]));
+        v_bar = sub(v_bar, add(t[2], t[3]));
+    }
+}
+
+// What an endpoint's half-springs are worked on with.
+struct Self {
+    State s;
+    float3 lambda;
+    const float4 *xs, *lambdas;
+    const float2* vs;
+};
+
+DEVICE Self self_of(const Local& l, u32 now, u32 local) {
+    Self self;
+    self.xs = anchored(l.xs(now, 0));
+    self.vs = anchored(l.vs(now, 0));
+    self.lambdas = anchored<float4>(lambda_of(l, now));
+    self.s = state_at(self.xs, self.vs, local);
+    self.lambda = xyz(self.lambdas[local]);
+    return self;
+}
+
+DEVICE void half_adjoint(
+    const Local& l, const Self& self, const HalfSpring& h, float3& x_bar, float3& v_bar, SpringSums& sums
+) {
+    State other = state_at(self.xs, self.vs, h.other);
+    float3 pull = sub(self.lambda, xyz(self.lambdas[h.other]));
+    spring_adjoint(h, sub(other.x, self.s.x), sub(other.v, self.s.v), pull, x_bar, v_bar, sums);
+}
+
+// Sums of a pair in memory, where a warp's stand side by side. Those of ends that report nothing are not looked at.
+DEVICE void add_sums(float* to, const float* before, const SpringSums& one, const SpringSums& two) {
+    to[0] = before[0] + one.stretch;
+    to[32] = before[1] + one.pull;
+    to[64] = before[2] + one.rate;
+    to[96] = before[3] + two.stretch;
+    to[128] = before[4] + two.pull;
+    to[160] = before[5] + two.rate;
+}
+
+// A pair with its sums in memory; they are asked for before there is anything to add.
+DEVICE void summed_pair(
+    const Local& l, const Constants& c, const Self& self, const Pair& pair, float* to, float3& x_bar,
+    float3& v_bar
+) {
+    float before[6];
+#pragma unroll
+    for (u32 k = 0; k < 6; k++) before[k] = to[32 * k];
+    SpringSums one = {0.0f, 0.0f, 0.0f}, two = {0.0f, 0.0f, 0.0f};
+    half_adjoint(l, self, first_of(pair, c.dashpot), x_bar, v_bar, one);
+    half_adjoint(l, self, second_of(pair, c.dashpot), x_bar, v_bar, two);
+    add_sums(to, before, one, two);
+}
+
+// Second half of a substep for a node; leaves d loss / d state at its start in `x_bar`, `v_bar`.
+DEVICE void force_adjoint(
+    const Local& l, const Constants& c, const Place& p, u32 now, const Pairs& pairs, const float3* bends,
+    const u32* refs, float3& x_bar, float3& v_bar, Sums& sums
+) {
+    float3 x_sum = zero3(), v_sum = zero3();
+    Self self = self_of(l, now, p.node);
+#if HELD > 0
+#pragma unroll
+    for (u32 k = 0; k < HELD_SUMS; k++) {
+        if (k < p.pairs) {
+            Pair pair = load_pair(pairs, p.first + k * 32);
+            half_adjoint(l, self, first_of(pair, c.dashpot), x_sum, v_sum, sums.springs[2 * k]);
+            half_adjoint(l, self, second_of(pair, c.dashpot), x_sum, v_sum, sums.springs[2 * k + 1]);
+        }
+    }
+#endif
+    // Those with sums come first; the others' are their other ends' business.
+    u32 k = HELD_SUMS;
+    for (; k < p.summed; k++)
+        summed_pair(l, c, self, load_pair(pairs, p.first + k * 32), c.sums + p.sums + k * PAIR_SUMS,
+                    x_sum, v_sum);
+    SpringSums unwanted;
+#pragma unroll 2
+    for (; k < p.pairs; k++) {
+        Pair pair = load_pair(pairs, p.first + k * 32);
+        half_adjoint(l, self, first_of(pair, c.dashpot), x_sum, v_sum, unwanted);
+        half_adjoint(l, self, second_of(pair, c.dashpot), x_sum, v_sum, unwanted);
+    }
+#if ONE_ROW
+    meet_for_bends();
+#endif
+#if BENDING
+    for_arms(p, refs, [&](u32 t, u32 role) { add_bend(bends, t, role, x_sum, v_sum); });
+#endif
+    x_sum = sum_lanes(x_sum);
+    v_sum = sum_lanes(v_sum);
+    x_bar = v_bar = zero3();
+    // Lanes without a node keep their hands off the node that they look at: its own warp writes there.
+    if (p.valid) {
+        x_bar = add(xyz(bar_x_of(l)[p.node]), x_sum);
+        v_bar = add(xyz(bar_v_of(l)[p.node]), v_sum);
+    }
+    __syncwarp();
+}
+
+// The control points' part of the second half.
+DEVICE void control_adjoint(
+    const Local& l, const Constants& c, u32 now, u32 substep, const Pairs& pairs, const float3* bends,
+    const u32* refs
+) {
+    const Job& job = *l.job;
+    if (!job.control_sums) return;
+    const Topology& t = job.topology;
+    const u32* rows = t.rows + l.share.row;
+    u32 lane = threadIdx.x % LANES;
+    for (u32 row = threadIdx.x / 32; row < l.share.control_rows; row += WARPS) {
+        u32 control = row * NODES_A_ROW + threadIdx.x % 32 / LANES;
+        bool valid = control < l.controls;
+        u32 start = rows[l.share.rows + row], end = rows[l.share.rows + row + 1];
+        float3 x_bar = zero3(), v_bar = zero3();
+        Self self = self_of(l, now, l.control_base + (valid ? control : 0));
+        u32 first = (start - rows[0]) * 32 + threadIdx.x % 32;
+        SpringSums unwanted;
+        for (u32 k = 0; k < end - start; k++) {
+            Pair pair = load_pair(pairs, first + k * 32);
+            half_adjoint(l, self, first_of(pair, c.dashpot), x_bar, v_bar, unwanted);
+            half_adjoint(l, self, second_of(pair, c.dashpot), x_bar, v_bar, unwanted);
+        }
+        if (valid) {
+            const u32* arms = t.arms + l.share.arm + l.share.own;
+            for (u32 a = arms[control] + lane; BENDING && a < arms[control + 1]; a += LANES)
+                add_bend(bends, refs[a] >> 2, refs[a] & 3, x_bar, v_bar);
+        }
+        x_bar = sum_lanes(x_bar);
+        v_bar = sum_lanes(v_bar);
+        if (valid && lane == 0) {
+            float* to = job.control_sums + (u64)l.rank * 9 * l.controls;
+            add_path(to, l.controls, control, progress(substep, c.substeps), x_bar, v_bar);
+        }
+    }
+}
