@@ -22,7 +22,7 @@ use crate::{
     queue::Queue,
     recording::{Recorded, keeps},
     resident::{Resident, resident, unflatten},
-    scoring::{Scores, loss},
+    scoring::{Scores, loss, refuse_too_long},
     simulation::{self, Keep, Simulation},
     tape::Kept,
     team::{Purpose, choose},
@@ -122,6 +122,7 @@ impl CudaBackend {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<(Measured<'a>, Gradients), Error> {
+        refuse_too_long(batch)?;
         let needed = batch.iter().map(|i| simulation::bytes_of(i, Keep::All)).sum::<u64>();
         self.refuse_too_large(needed)?;
         let simulation = Simulation::new(&self.queue, batch, Keep::All)?;

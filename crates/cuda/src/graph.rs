@@ -1,6 +1,6 @@
 //! What the device keeps of a graph, for all parameters on it.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use bendtwin_core::Graph;
 use bendtwin_engine::Error;
@@ -31,7 +31,7 @@ pub(crate) struct DeviceGraph {
     /// Shape [E, 2].
     pub(crate) springs: Buffer<[u32; 2]>,
     /// Made when self contact first asks for it.
-    joined: OnceLock<Result<Joined, Error>>,
+    joined: Memo<(), Arc<Joined>>,
     cuts: Memo<Cut, Arc<CutGraph>>,
 }
 
@@ -91,7 +91,7 @@ impl DeviceGraph {
             pin_of: Buffer::of(stream, &pin_of)?,
             object_ids: Buffer::of(stream, &graph.object_ids)?,
             springs: Buffer::of(stream, &graph.springs)?,
-            joined: OnceLock::new(),
+            joined: Memo::default(),
             cuts: Memo::default(),
             graph: graph.clone(),
         })
@@ -167,9 +167,9 @@ impl DeviceGraph {
         })
     }
 
-    /// Neighbours by springs.
-    pub(crate) fn joined(&self, device: &Device) -> Result<&Joined, Error> {
-        let made = self.joined.get_or_init(|| {
+    /// Neighbours by springs; kept as long as the graph.
+    pub(crate) fn joined(&self, device: &Device) -> Result<Arc<Joined>, Error> {
+        self.joined.get_or_make((), || {
             let n = self.graph.node_count();
             let mut near: Vec<Vec<u32>> = vec![Vec::new(); n];
             for &[a, b] in self.graph.springs.iter().filter(|s| (s[1] as usize) < n) {
@@ -188,8 +188,7 @@ impl DeviceGraph {
                 nodes: Buffer::of(&device.normal, &all)?,
             };
             crate::synchronize(&device.normal)?;
-            Ok(made)
-        });
-        made.as_ref().map_err(Error::clone)
+            Ok(Arc::new(made))
+        })
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bendtwin_engine::{
     Error,
-    backend::{Divergence, Loss},
+    backend::{Divergence, Instance, Loss},
 };
 
 use crate::{
@@ -32,9 +32,20 @@ pub(crate) fn seed_bytes(frames: usize, nodes: usize) -> u64 {
     12 * (frames as u64 + 1) * nodes as u64
 }
 
+/// Refuses gradients of more frames than are seeded at once, before anything is simulated.
+pub(crate) fn refuse_too_long(instances: &[Instance]) -> Result<(), Error> {
+    let most = MOST_BLOCKS - 1;
+    match instances.iter().map(|i| i.frames).find(|&frames| frames > most) {
+        Some(frames) => Err(Error::InvalidInput(format!(
+            "{frames} frames in one gradient: {most} is the most on this device"
+        ))),
+        None => Ok(()),
+    }
+}
+
 impl Scores {
     /// Scores all instances, whose frames have been run and kept. With `cut_every` also finds
-    /// what seeds their adjoints, cut at every so many frames.
+    /// what seeds their adjoints, cut at every so many frames; see [`refuse_too_long`].
     pub(crate) fn new(
         simulation: &Simulation<'_>,
         cut_every: Option<usize>,
@@ -87,7 +98,7 @@ impl Scores {
     fn launch(&self, simulation: &Simulation<'_>) -> Result<(), Error> {
         let (queue, instances) = (simulation.queue, simulation.instances);
         let terms = self.objectives.iter().map(|o| o.order.len()).max().unwrap_or(0);
-        let graph = |i: &bendtwin_engine::backend::Instance| i.model.model().graph.node_count();
+        let graph = |i: &Instance| i.model.model().graph.node_count();
         let nodes = instances.iter().map(graph).max().unwrap_or(0);
         let frames = instances.iter().map(|i| i.frames).max().unwrap_or(0);
         for first in (0..instances.len()).step_by(MOST_BLOCKS) {
@@ -100,11 +111,6 @@ impl Scores {
                 continue;
             }
             let grid = ((nodes as u32).div_ceil(THREADS), frames as u32 + 1, jobs);
-            if frames + 1 > MOST_BLOCKS {
-                return Err(Error::InvalidInput(format!(
-                    "{frames} frames in one gradient: {MOST_BLOCKS} is the most on this device"
-                )));
-            }
             // SAFETY: as above.
             unsafe { queue.launch(Source::Loss, "seed", grid, &arguments)? };
         }

@@ -20,7 +20,14 @@ fn variants() -> Vec<Variant> {
         Variant { threads: 1024, instances: 4, one_row: false, bending: true, ..base },
         Variant { meeting: Meeting::Cluster, blocks: 16, lanes: 4, threads: 512, held: 6, ..base },
         Variant { meeting: Meeting::Grid, blocks: 132, one_row: false, tape: true, ..base },
-        Variant { meeting: Meeting::Cluster, blocks: 8, bending: true, tape: true, held: 4, ..base },
+        Variant {
+            meeting: Meeting::Cluster,
+            blocks: 8,
+            bending: true,
+            tape: true,
+            held: 4,
+            ..base
+        },
         Variant { meeting: Meeting::Cluster, blocks: 4, bending: true, one_row: false, ..base },
         Variant { meeting: Meeting::Cluster, blocks: 2, contact: true, bending: true, ..base },
     ];
