@@ -21,6 +21,8 @@ pub(crate) struct Queue {
     pub(crate) stream: Arc<CudaStream>,
     pub(crate) objectives: Objectives,
     pub(crate) staging: Staging,
+    /// Its callers wait for nobody else's work, on the host neither.
+    pub(crate) is_urgent: bool,
     sides: Vec<Arc<CudaStream>>,
 }
 
@@ -43,20 +45,26 @@ impl Sides<'_> {
 
 impl Queue {
     pub(crate) fn normal(device: &Arc<Device>) -> Self {
-        Self::new(device, &device.normal, &device.beside_normal)
+        Self::new(device, &device.normal, &device.beside_normal, false)
     }
 
     pub(crate) fn urgent(device: &Arc<Device>) -> Self {
-        Self::new(device, &device.urgent, &device.beside_urgent)
+        Self::new(device, &device.urgent, &device.beside_urgent, true)
     }
 
-    fn new(device: &Arc<Device>, stream: &Arc<CudaStream>, sides: &[Arc<CudaStream>]) -> Self {
+    fn new(
+        device: &Arc<Device>,
+        stream: &Arc<CudaStream>,
+        sides: &[Arc<CudaStream>],
+        is_urgent: bool,
+    ) -> Self {
         Self {
             device: device.clone(),
             stream: stream.clone(),
             sides: sides.to_vec(),
             objectives: Objectives::default(),
             staging: Staging::default(),
+            is_urgent,
         }
     }
 

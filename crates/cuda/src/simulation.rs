@@ -231,7 +231,7 @@ impl<'a> Simulation<'a> {
             alike.entry(key).or_insert((m, 0)).1 += 1;
         }
         let firsts: Vec<usize> = alike.values().map(|&(first, _)| first).collect();
-        let fitted = side_by_side(&firsts, |&m| {
+        let fitted = side_by_side(self.queue, &firsts, |&m| {
             let (resident, model) = (resident(model(m))?, model(m).model());
             let key = std::ptr::from_ref(resident) as usize;
             let (batch, alike) = (members.len(), alike[&key].1);
@@ -241,7 +241,7 @@ impl<'a> Simulation<'a> {
         let known: HashMap<usize, (Fitted, Arc<Packed>)> = fitted.into_iter().collect();
         let variants: HashSet<Variant> = known.values().map(|(fit, _)| fit.variant).collect();
         let variants: Vec<Variant> = variants.into_iter().collect();
-        side_by_side(&variants, |variant| device.function(variant, purpose.kernel()))?;
+        side_by_side(self.queue, &variants, |variant| device.function(variant, purpose.kernel()))?;
         let mut groups: Vec<Group> = Vec::new();
         for &m in &members {
             let (fit, packed) = &known[&(std::ptr::from_ref(resident(model(m))?) as usize)];
@@ -285,13 +285,16 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// Makes something of each, on several threads if there are several: new graphs are cut and kernels compiled.
+/// Makes something of each, on several threads if there are several: new graphs are cut and kernels compiled. Who is
+/// in a hurry does it alone: the threads may be busy with a fit.
 fn side_by_side<T: Sync, U: Send>(
+    queue: &Queue,
     of: &[T],
     make: impl Fn(&T) -> Result<U, Error> + Sync + Send,
 ) -> Result<Vec<U>, Error> {
     match of {
-        [one] => Ok(vec![make(one)?]),
+        [] | [_] => of.iter().map(make).collect(),
+        _ if queue.is_urgent => of.iter().map(make).collect(),
         several => several.par_iter().map(make).collect(),
     }
 }
