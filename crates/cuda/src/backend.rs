@@ -126,8 +126,9 @@ impl CudaBackend {
         let needed = batch.iter().map(|i| simulation::bytes_of(i, Keep::All)).sum::<u64>();
         self.refuse_too_large(needed)?;
         let simulation = Simulation::new(&self.queue, batch, Keep::All)?;
+        let gradients = batch.iter().map(backward::bytes_of).sum::<u64>();
+        let mut room = self.room().saturating_sub(needed).saturating_sub(gradients);
         // Tapes that fit are written on the way forward; others when they are needed.
-        let mut room = self.room() - needed;
         let bytes = Kept::bytes_of(batch);
         let mut tape = if bytes <= room / 4 * 3 {
             room -= bytes;
