@@ -3,7 +3,7 @@
 use bendtwin_client::Client;
 use clap::{Args, Parser, Subcommand};
 
-use crate::{bench, capture, demo, eval, fit, logging, rollout, server, twin, worker};
+use crate::{bench, capture, demo, eval, fit, logging, rollout, server, suite, twin, worker};
 
 /// Where a server listens unless told otherwise.
 pub(crate) const DEFAULT_SERVER: &str = "http://127.0.0.1:7070";
@@ -58,6 +58,8 @@ pub(crate) enum Command {
     Rollout(rollout::Rollout),
     /// Fit and score captures here, without a server
     Eval(eval::Eval),
+    /// Fit and compare a whole list of captures and configurations, without a server
+    Suite(suite::SuiteArgs),
     /// Time the physics on this machine, on named scenes
     Bench(bench::Bench),
 }

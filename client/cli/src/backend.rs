@@ -8,6 +8,9 @@ use clap::Args;
 
 use crate::failure;
 
+/// Pieces of work that a GPU does side by side, unless told otherwise: one alone seldom fills it.
+const GPU_JOBS: usize = 4;
+
 /// Which backend, and what of it may be used.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct BackendArgs {
@@ -36,6 +39,34 @@ impl BackendArgs {
     /// Opens it in this process.
     pub(crate) fn open(&self) -> anyhow::Result<Arc<dyn Backend>> {
         open_backend(&self.options(None)).map_err(failure::failed)
+    }
+
+    /// Opens it as often as so many pieces of work are to run side by side; `jobs` says how many, or what suits the
+    /// device. On the CPU they share the cores. On a GPU each has queues of its own and a share of the memory.
+    pub(crate) fn open_several(
+        &self,
+        jobs: Option<usize>,
+        work: usize,
+    ) -> anyhow::Result<Vec<Arc<dyn Backend>>> {
+        let first = self.open()?;
+        let is_cpu = first.device().kind == "cpu";
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let usual = if is_cpu { cores } else { GPU_JOBS };
+        let jobs = jobs.unwrap_or(usual).min(work).max(1);
+        if jobs == 1 {
+            return Ok(vec![first]);
+        }
+        if is_cpu {
+            let threads = (cores / jobs).max(1);
+            return Ok((0..jobs).map(|_| bendtwin_engine::cpu_with_threads(threads)).collect());
+        }
+        let mut options = self.options(None);
+        let free = first.memory().map(|m| m.total.saturating_sub(m.used) / 10 * 9);
+        drop(first);
+        options.device_memory = options.device_memory.or(free).map(|bytes| bytes / jobs as u64);
+        // What was found once must not be something else the second time.
+        options.choice = BackendChoice::Cuda;
+        (0..jobs).map(|_| open_backend(&options).map_err(failure::failed)).collect()
     }
 
     /// The same choice as environment variables, for a server's workers.

@@ -18,6 +18,7 @@ mod rollout;
 mod server;
 mod settings;
 mod signals;
+mod suite;
 mod table;
 mod twin;
 mod worker;
@@ -57,6 +58,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Twin(args) => twin::run(args, global).await,
         Command::Rollout(args) => rollout::run(args, global).await,
         Command::Eval(args) => eval::run(args, global).await,
+        Command::Suite(args) => suite::run(args, global).await,
         Command::Bench(args) => bench::run(args, global).await,
     }
 }

@@ -7,7 +7,7 @@ use bendtwin_core::{Capture, Twin, quality::Predictor};
 use bendtwin_engine::{Backend, backend::CancelToken};
 use bendtwin_eval::{
     picture::{Model, Picture},
-    predict,
+    predict, predictor_name,
 };
 
 use crate::failure;
@@ -36,13 +36,14 @@ pub(crate) fn draw(
     let models: Vec<Model<'_>> = twins
         .iter()
         .zip(&predictions)
-        .map(|(twin, trajectory)| Model { predictor: predictor_of(twin), twin, trajectory })
+        .map(|(twin, trajectory)| Model { name: name_of(twin), twin, trajectory })
         .collect();
     let picture = Picture { capture, sequence, models: &models, columns: COLUMNS };
     let png = picture.to_png().map_err(failure::failed)?;
     std::fs::write(path, png).with_context(|| format!("cannot write {}", path.display()))
 }
 
-fn predictor_of(twin: &Twin) -> Predictor {
-    if twin.graph.triplets.is_empty() { Predictor::Axial } else { Predictor::Bending }
+fn name_of(twin: &Twin) -> &'static str {
+    let is_axial = twin.graph.triplets.is_empty();
+    predictor_name(if is_axial { Predictor::Axial } else { Predictor::Bending })
 }

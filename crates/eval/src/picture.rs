@@ -35,7 +35,7 @@ const MODELS: [Color; 3] = [Color(0, 114, 178), Color(213, 94, 0), Color(0, 158,
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'a> {
     /// Who predicts; names the row.
-    pub predictor: Predictor,
+    pub name: &'a str,
     /// The twin.
     pub twin: &'a Twin,
     /// Its prediction of the sequence that is shown.
@@ -95,7 +95,7 @@ impl Picture<'_> {
         self.draw_header(&mut canvas, width);
         for (index, model) in models.iter().enumerate() {
             let top = HEADER + index as f32 * row_height;
-            canvas.bold(MARGIN, top + 8.0, MODELS[index], predictor_name(model.predictor));
+            canvas.bold(MARGIN, top + 8.0, MODELS[index], model.name);
             for (column, &frame) in frames.iter().enumerate() {
                 let panel = Rect {
                     x: MARGIN + column as f32 * (PANEL_WIDTH + GAP),
@@ -184,7 +184,7 @@ impl Picture<'_> {
             };
             let own = errors(model.trajectory);
             is_track &= own.iter().any(|e| e.track_m.is_some());
-            lines.push((predictor_name(model.predictor), MODELS[index], own));
+            lines.push((model.name, MODELS[index], own));
             if index + 1 == models.len() {
                 let still = standing_still(graph, sequence, start);
                 let name = predictor_name(Predictor::StandingStill);

@@ -16,7 +16,7 @@ use bendtwin_engine::backend::CancelToken;
 use bendtwin_eval::{
     TableStyle, Trajectory, format_table,
     picture::{Model, Picture},
-    predict,
+    predict, predictor_name,
 };
 use bendtwin_fit::{FitJob, Observer, ObserverError, Outcome};
 
@@ -75,7 +75,7 @@ fn picture(capture: &Capture, outcome: &Outcome) -> Result<Vec<u8>, Failure> {
     }
     let models: Vec<Model<'_>> = shown
         .iter()
-        .map(|(predictor, twin, trajectory)| Model { predictor: *predictor, twin, trajectory })
+        .map(|(predictor, twin, trajectory)| Model { name: predictor_name(*predictor), twin, trajectory })
         .collect();
     Ok(Picture { capture, sequence, models: &models, columns: 4 }.to_png()?)
 }

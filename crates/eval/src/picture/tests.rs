@@ -2,7 +2,7 @@ use super::*;
 use crate::{predict, scene};
 
 fn models<'a>(twin: &'a Twin, trajectory: &'a Trajectory) -> [Model<'a>; 2] {
-    [Predictor::Bending, Predictor::Axial].map(|predictor| Model { predictor, twin, trajectory })
+    ["with", "without"].map(|name| Model { name, twin, trajectory })
 }
 
 fn prediction(capture: &Capture, twin: &Twin) -> Trajectory {

@@ -1,0 +1,154 @@
+//! How a suite goes on: a line for each run that starts or ends, and one line that changes.
+
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use bendtwin_core::{Progress, Stage, quality::ErrorSummary};
+use bendtwin_engine::Backend;
+use bendtwin_study::{Event, Outcome, Plan, Record, RunId};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::output;
+
+/// Between two lines where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(30);
+/// Positions of the bar for each run.
+const STEPS: f64 = 1000.0;
+
+pub(super) struct Board {
+    bar: ProgressBar,
+    quiet: bool,
+    total: usize,
+    ended: usize,
+    running: Vec<(RunId, Option<Progress>)>,
+    began: Instant,
+    last_line: Instant,
+}
+
+impl Board {
+    /// `quiet` shows nothing (for `--json`).
+    pub(super) fn new(plan: &Plan<'_>, backends: &[Arc<dyn Backend>], quiet: bool) -> Self {
+        let total = plan.pending();
+        let bar = match quiet || total == 0 {
+            true => ProgressBar::hidden(),
+            false => ProgressBar::new(total as u64 * STEPS as u64),
+        };
+        let style = ProgressStyle::with_template("  [{bar:20}] {percent:>3}%  {wide_msg}");
+        if let Ok(style) = style {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        let now = Instant::now();
+        let (ended, running) = (0, Vec::new());
+        let board = Self { bar, quiet, total, ended, running, began: now, last_line: now };
+        let device = backends.first().map(|b| b.device().name).unwrap_or_default();
+        board.say(&format!(
+            "{total} runs, {} at a time ({device} each); {} are done already",
+            backends.len(),
+            plan.done()
+        ));
+        board
+    }
+
+    pub(super) fn show(&mut self, event: &Event<'_>) {
+        match event {
+            Event::Started { run, resumed } => {
+                self.running.push(((*run).clone(), None));
+                let how = if *resumed { "goes on" } else { "starts" };
+                self.say(&format!("{run} {how}"));
+            }
+            Event::Progress { run, progress } => {
+                if let Some(entry) = self.running.iter_mut().find(|(id, _)| id == *run) {
+                    entry.1 = Some(progress.clone());
+                }
+            }
+            Event::Ended(record) => {
+                self.leave(&record.run);
+                self.ended += 1;
+                self.say(&format!("[{}/{}] {}", self.ended, self.total, result(record)));
+            }
+            Event::Interrupted(run) => {
+                self.leave(run);
+                self.say(&format!("{run} stops; it can go on"));
+            }
+        }
+        self.refresh();
+    }
+
+    /// Takes the line away.
+    pub(super) fn finish(self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn leave(&mut self, run: &RunId) {
+        self.running.retain(|(id, _)| id != run);
+    }
+
+    fn say(&self, text: &str) {
+        if self.quiet {
+        } else if self.bar.is_hidden() {
+            eprintln!("  {text}");
+        } else {
+            self.bar.println(format!("  {text}"));
+        }
+    }
+
+    fn refresh(&mut self) {
+        let fraction = |p: &Option<Progress>| p.as_ref().map_or(0.0, |p| p.fraction.clamp(0.0, 1.0));
+        let done: f64 =
+            self.ended as f64 + self.running.iter().map(|(_, p)| fraction(p)).sum::<f64>();
+        let running = self.running.iter().map(|(id, p)| now(id, p.as_ref()));
+        let mut text = running.collect::<Vec<_>>().join(", ");
+        if done > 0.0 {
+            let left = self.began.elapsed().as_secs_f64() / done * (self.total as f64 - done);
+            text += &format!("; {} left", output::duration(left));
+        }
+        if !self.bar.is_hidden() {
+            self.bar.set_position((done * STEPS) as u64);
+            self.bar.set_message(text);
+        } else if self.last_line.elapsed() >= LINE_EVERY {
+            self.last_line = Instant::now();
+            self.say(&format!("{} of {} done; {text}", self.ended, self.total));
+        }
+    }
+}
+
+fn now(run: &RunId, progress: Option<&Progress>) -> String {
+    let Some(progress) = progress else { return run.to_string() };
+    let stage = match progress.stage {
+        Stage::Ingest => "ingest",
+        Stage::Search => "search",
+        Stage::Refine => "refine",
+        Stage::Evaluate => "evaluate",
+    };
+    format!("{run} {stage} {}/{}", progress.iteration, progress.iterations)
+}
+
+/// A run's end in a line: its headline errors on future frames, or why there are none.
+fn result(record: &Record) -> String {
+    let finished = match &record.outcome {
+        Outcome::Finished(finished) => finished,
+        Outcome::Failed(fault) => return format!("{} failed: {fault}", record.run),
+    };
+    let unknown = ErrorSummary::default();
+    let score = finished.quality.scores.first();
+    let (span, errors) = match score {
+        Some(s) if s.future != unknown => ("future", &s.future),
+        Some(s) => ("train", &s.train),
+        None => ("", &unknown),
+    };
+    let named = [
+        ("CD", errors.chamfer_l1_m),
+        ("track", errors.track_m),
+        ("coordinate", errors.coordinate_m),
+    ];
+    let figures = named.into_iter().filter_map(|(name, m)| Some(format!("{name} {:.2}", 1e3 * m?)));
+    format!(
+        "{} {span} {} mm, {} nodes, in {}",
+        record.run,
+        figures.collect::<Vec<_>>().join(" "),
+        finished.graph.nodes,
+        output::duration(finished.fit_s)
+    )
+}

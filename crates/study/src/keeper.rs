@@ -1,0 +1,130 @@
+//! Watches a fit: passes its progress on, notes its losses, and keeps its checkpoints in the folder, so that it goes on
+//! where it was after any interruption.
+
+use std::time::{Duration, Instant};
+
+use bendtwin_core::{Progress, Stage};
+use bendtwin_fit::{Observer, ObserverError};
+use serde::{Deserialize, Serialize};
+
+use crate::{folder::Folder, record::Losses, suite::RunId};
+
+/// What stands before a fit's own checkpoint, as a line of JSON.
+#[derive(Debug, Serialize, Deserialize)]
+struct Header {
+    /// Digest of the run that it belongs to.
+    digest: String,
+    /// Time spent until then [s].
+    spent_s: f64,
+    losses: Losses,
+}
+
+/// Where a fit was.
+#[derive(Debug, Default)]
+pub(crate) struct Resumption {
+    /// The fit's checkpoint; none if it starts anew.
+    pub(crate) checkpoint: Option<Vec<u8>>,
+    spent_s: f64,
+    losses: Losses,
+}
+
+impl Resumption {
+    /// What the folder has of a run.
+    pub(crate) fn find(folder: &Folder, id: &RunId, digest: &str) -> Self {
+        let read = || {
+            let mut bytes = folder.checkpoint(id)?;
+            let end = bytes.iter().position(|b| *b == b'\n')?;
+            let header: Header = serde_json::from_slice(&bytes[..end]).ok()?;
+            let checkpoint = bytes.split_off(end + 1);
+            (header.digest == digest).then_some(Self {
+                checkpoint: Some(checkpoint),
+                spent_s: header.spent_s,
+                losses: header.losses,
+            })
+        };
+        read().unwrap_or_default()
+    }
+}
+
+/// Watches one fit.
+pub(crate) struct Keeper<'a> {
+    folder: &'a Folder,
+    id: &'a RunId,
+    digest: &'a str,
+    every: Duration,
+    tell: &'a dyn Fn(Progress),
+    began: Instant,
+    spent_before_s: f64,
+    losses: Losses,
+    written: Instant,
+    /// The last checkpoint. It is written when the next one comes, for its own iteration's losses are told after it.
+    pending: Option<Vec<u8>>,
+}
+
+impl<'a> Keeper<'a> {
+    pub(crate) fn new(
+        folder: &'a Folder,
+        (id, digest): (&'a RunId, &'a str),
+        from: &Resumption,
+        every: Duration,
+        tell: &'a dyn Fn(Progress),
+    ) -> Self {
+        let now = Instant::now();
+        Self {
+            folder,
+            id,
+            digest,
+            every,
+            tell,
+            began: now,
+            spent_before_s: from.spent_s,
+            losses: from.losses,
+            written: now,
+            pending: None,
+        }
+    }
+
+    pub(crate) fn losses(&self) -> Losses {
+        self.losses
+    }
+
+    /// Time spent on the run in all [s].
+    pub(crate) fn spent_s(&self) -> f64 {
+        self.spent_before_s + self.began.elapsed().as_secs_f64()
+    }
+
+    /// Writes the last checkpoint, if it is not written yet.
+    pub(crate) fn flush(&mut self) -> Result<(), ObserverError> {
+        let Some(checkpoint) = self.pending.take() else { return Ok(()) };
+        let header = Header {
+            digest: self.digest.to_owned(),
+            spent_s: self.spent_s(),
+            losses: self.losses,
+        };
+        let mut bytes = serde_json::to_vec(&header)?;
+        bytes.push(b'\n');
+        bytes.extend(checkpoint);
+        self.folder.write_checkpoint(self.id, &bytes)?;
+        self.written = Instant::now();
+        Ok(())
+    }
+}
+
+impl Observer for Keeper<'_> {
+    fn progress(&mut self, progress: Progress) {
+        match progress.stage {
+            Stage::Search => self.losses.search = progress.best_loss,
+            Stage::Refine => self.losses.refine = progress.best_loss,
+            Stage::Ingest | Stage::Evaluate => {}
+        }
+        (self.tell)(progress);
+    }
+
+    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        if self.written.elapsed() >= self.every {
+            self.flush()?;
+        }
+        self.pending = Some(checkpoint);
+        Ok(())
+    }
+}

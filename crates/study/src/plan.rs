@@ -1,0 +1,186 @@
+//! What is to be done: which runs of a suite have a result that still holds, and which have none.
+
+use std::{
+    collections::HashMap,
+    path::PathBuf,
+    sync::Arc,
+    time::Duration,
+};
+
+use bendtwin_capture::Limits;
+use bendtwin_core::{Capture, Fault, Problem};
+
+use crate::{
+    Error, digest,
+    folder::Folder,
+    record::{Outcome, Record},
+    run::Work,
+    suite::{CaptureEntry, RunId, Selection, Suite},
+};
+
+/// What a plan is made from, apart from the suite.
+#[derive(Clone, Debug)]
+pub struct PlanOptions {
+    /// Where captures lie, if not beside the suite.
+    pub data: Option<PathBuf>,
+    /// Only these runs; all if empty.
+    pub only: Vec<Selection>,
+    /// The software that runs: results of another one do not hold.
+    pub build: String,
+    /// Results hold whatever build made them.
+    pub any_build: bool,
+    /// Checkpoints of a fit are written no more often than this.
+    pub checkpoint_every: Duration,
+}
+
+/// A capture as it was read.
+#[derive(Debug)]
+pub(crate) struct Source {
+    pub(crate) path: PathBuf,
+    pub(crate) capture: Result<Capture, Fault>,
+    /// Empty if it could not be read.
+    pub(crate) digest: String,
+}
+
+/// The runs of a suite.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    pub(crate) suite: &'a Suite,
+    pub(crate) folder: &'a Folder,
+    pub(crate) options: PlanOptions,
+    pub(crate) work: Vec<Work>,
+    pub(crate) kept: HashMap<RunId, Record>,
+    /// The captures of selected runs, by name.
+    pub(crate) sources: HashMap<&'a str, Arc<Source>>,
+}
+
+impl<'a> Plan<'a> {
+    /// Reads the captures of the selected runs and looks for results. A capture that cannot be read makes its runs fail;
+    /// one that is not there at all is an error now.
+    ///
+    /// # Errors
+    /// If nothing is selected, or captures are missing.
+    pub fn new(
+        suite: &'a Suite,
+        folder: &'a Folder,
+        options: PlanOptions,
+    ) -> Result<Self, Error> {
+        for only in &options.only {
+            if !suite.runs().any(|(id, ..)| only.contains(&id)) {
+                return Err(Error::Selection(nothing(suite, only)));
+            }
+        }
+        let (work, kept, sources) = (Vec::new(), HashMap::new(), HashMap::new());
+        let mut plan = Self { suite, folder, options, work, kept, sources };
+        plan.sources = plan.read_sources()?;
+        for (id, capture, configuration) in suite.runs() {
+            let record = folder.record(&id);
+            let faults = |faults| Error::Suite { file: suite.file.clone(), faults };
+            let settings = suite.settings(capture, configuration, id.seed).map_err(faults)?;
+            let source = plan.sources.get(capture.name.as_str()).filter(|_| plan.is_selected(&id));
+            let holds = |record: &Record| {
+                let capture = source.map_or(&record.capture_digest, |s| &s.digest);
+                let build =
+                    if plan.options.any_build { &record.build } else { &plan.options.build };
+                record.digest == digest::of_run(capture, &settings, build)
+            };
+            let record = record.filter(holds);
+            let is_done = record.as_ref().is_some_and(|r| r.finished().is_some());
+            if let Some(source) = source.filter(|_| !is_done) {
+                let build = plan.options.build.clone();
+                let digest = digest::of_run(&source.digest, &settings, &build);
+                let source = source.clone();
+                plan.work.push(Work { id: id.clone(), settings, source, build, digest });
+            }
+            plan.kept.extend(record.map(|record| (id, record)));
+        }
+        Ok(plan)
+    }
+
+    /// Number of runs that are still to be done.
+    pub fn pending(&self) -> usize {
+        self.work.len()
+    }
+
+    /// Number of selected runs whose results hold.
+    pub fn done(&self) -> usize {
+        self.kept.iter().filter(|(id, r)| self.is_selected(id) && r.finished().is_some()).count()
+    }
+
+    /// All results of the suite that hold, selected or not, in the suite's order.
+    pub fn records(&self) -> Vec<&Record> {
+        self.suite.runs().filter_map(|(id, ..)| self.kept.get(&id)).collect()
+    }
+
+    /// Where a capture of the suite lies.
+    pub(crate) fn path_of(&self, capture: &CaptureEntry) -> PathBuf {
+        self.suite.locate(capture, self.options.data.as_deref())
+    }
+
+    fn is_selected(&self, id: &RunId) -> bool {
+        self.options.only.is_empty() || self.options.only.iter().any(|s| s.contains(id))
+    }
+
+    /// The captures that selected runs need.
+    fn read_sources(&self) -> Result<HashMap<&'a str, Arc<Source>>, Error> {
+        let needed = |c: &&CaptureEntry| {
+            self.suite.runs().any(|(id, ..)| id.capture == c.name && self.is_selected(&id))
+        };
+        let needed: Vec<_> = self.suite.captures.iter().filter(needed).collect();
+        let paths: Vec<PathBuf> = needed.iter().map(|c| self.path_of(c)).collect();
+        let missing = needed.iter().zip(&paths).filter(|(_, path)| !path.exists());
+        let faults: Vec<String> = missing
+            .map(|(c, path)| format!("capture `{}`: there is no {}", c.name, path.display()))
+            .collect();
+        if !faults.is_empty() {
+            return Err(Error::Suite { file: self.suite.file.clone(), faults });
+        }
+        let read = |(c, path): (&&'a CaptureEntry, PathBuf)| {
+            (c.name.as_str(), Arc::new(Source::read(path)))
+        };
+        Ok(needed.iter().zip(paths).map(read).collect())
+    }
+}
+
+impl Source {
+    fn read(path: PathBuf) -> Self {
+        match bendtwin_capture::read_checked(&path, &Limits::default()) {
+            Ok((capture, _)) => {
+                Self { path, digest: bendtwin_capture::digest(&capture), capture: Ok(capture) }
+            }
+            Err(error) => Self { path, digest: String::new(), capture: Err(error.fault()) },
+        }
+    }
+}
+
+/// What a selection that names nothing might have named.
+fn nothing(suite: &Suite, only: &Selection) -> String {
+    let captures: Vec<_> = suite.captures.iter().map(|c| c.name.as_str()).collect();
+    let configurations: Vec<_> = suite.configurations.iter().map(|c| c.name.as_str()).collect();
+    let seeds: Vec<_> = suite.seeds.iter().map(u64::to_string).collect();
+    format!(
+        "`{only}` names no run: captures are {}; configurations {}; seeds {}",
+        captures.join(", "),
+        configurations.join(", "),
+        seeds.join(", ")
+    )
+}
+
+impl Plan<'_> {
+    /// Takes over a run's record.
+    pub(crate) fn take(&mut self, record: Record) {
+        self.kept.insert(record.run.clone(), record);
+    }
+
+    /// Runs that failed, with why, in the suite's order.
+    pub fn failures(&self) -> Vec<(&RunId, &Fault)> {
+        let failed = |record: &'_ Record| matches!(record.outcome, Outcome::Failed(_));
+        let records = self.records().into_iter().filter(|r| failed(r));
+        records
+            .filter_map(|r| match &r.outcome {
+                Outcome::Failed(fault) => Some((&r.run, fault)),
+                Outcome::Finished(_) => None,
+            })
+            .collect()
+    }
+}

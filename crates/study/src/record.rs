@@ -1,0 +1,110 @@
+//! What is kept of a run: which one it was, what made it, and what came of it.
+
+use bendtwin_core::{Fault, FitSettings, Graph, Quality};
+use serde::{Deserialize, Serialize};
+
+use crate::{digest, suite::RunId};
+
+/// Raised by every change of [`Record`] that makes older ones unreadable.
+pub(crate) const VERSION: u32 = 1;
+
+/// A run's result, as its file has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Version of this format.
+    pub version: u32,
+    /// Which run.
+    pub run: RunId,
+    /// BLAKE3 digest of capture, settings and build, hex: a run that still has it need not be repeated.
+    pub digest: String,
+    /// BLAKE3 digest of the capture's content, hex; empty if it could not be read.
+    pub capture_digest: String,
+    /// The settings in force.
+    pub settings: FitSettings,
+    /// The software that ran.
+    pub build: String,
+    /// What computed: `cpu` or `cuda`.
+    pub backend: String,
+    /// Name of the device for people.
+    pub device: String,
+    /// The command that makes this run again, without the suite.
+    pub command: String,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// What came of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// A twin and its errors.
+    Finished(Box<Finished>),
+    /// Why there is none.
+    Failed(Fault),
+}
+
+/// What a run made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finished {
+    /// The twin's graph.
+    pub graph: GraphCounts,
+    /// Losses of the fit.
+    pub losses: Losses,
+    /// Substeps per frame of the twin.
+    pub substeps: u32,
+    /// Fewest substeps per frame that the stability estimate finds enough for it.
+    pub stable_substeps: u32,
+    /// Errors of the twin and of the free baselines, warnings, and the fast variant with its fidelity.
+    pub quality: Quality,
+    /// Time that fit and evaluation took [s], over all attempts; what was lost by an interruption does not count.
+    pub fit_s: f64,
+}
+
+/// The size of a graph, and which nodes it has.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GraphCounts {
+    /// Nodes.
+    pub nodes: usize,
+    /// Nodes of the surface.
+    pub surface_nodes: usize,
+    /// Axial springs, those to control points among them.
+    pub springs: usize,
+    /// Bending triplets.
+    pub triplets: usize,
+    /// Control points.
+    pub controls: usize,
+    /// BLAKE3 digest of the nodes' rest positions, hex: equal where two twins have the same nodes.
+    pub nodes_digest: String,
+}
+
+/// Best losses of a fit, in its own units; none for a stage that was left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Losses {
+    /// After the search.
+    pub search: Option<f64>,
+    /// After the refinement.
+    pub refine: Option<f64>,
+}
+
+impl Record {
+    /// What the run made, unless it failed.
+    pub fn finished(&self) -> Option<&Finished> {
+        match &self.outcome {
+            Outcome::Finished(finished) => Some(finished),
+            Outcome::Failed(_) => None,
+        }
+    }
+}
+
+impl From<&Graph> for GraphCounts {
+    fn from(graph: &Graph) -> Self {
+        Self {
+            nodes: graph.node_count(),
+            surface_nodes: graph.surface_count(),
+            springs: graph.springs.len(),
+            triplets: graph.triplets.len(),
+            controls: graph.control_count(),
+            nodes_digest: digest::of_nodes(&graph.rest_positions),
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! What a suite is: captures, configurations, seeds, and what is compared with what. docs/accuracy.md specifies the file.
+
+mod parse;
+mod selection;
+
+use std::path::{Path, PathBuf};
+
+use bendtwin_core::{
+    FitSettings,
+    quality::{ErrorSummary, Predictor},
+    settings::layers::{merge, unknown_fields},
+};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+pub use self::selection::Selection;
+use crate::Error;
+
+/// A list of captures and the ways in which each of them is fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Suite {
+    /// The file that it was read from.
+    pub file: PathBuf,
+    /// A title for people.
+    pub name: String,
+    /// What it is to show.
+    pub about: String,
+    /// What is fitted to.
+    pub captures: Vec<CaptureEntry>,
+    /// Settings that all configurations share, over the defaults.
+    pub base: Value,
+    /// How it is fitted.
+    pub configurations: Vec<Configuration>,
+    /// Each run is repeated with each of these seeds.
+    pub seeds: Vec<u64>,
+    /// Rows whose relative differences the table shows.
+    pub compare: Vec<Comparison>,
+    /// Published figures to stand beside.
+    pub references: Vec<Reference>,
+}
+
+/// A capture of a suite.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct CaptureEntry {
+    /// Its name in tables and files.
+    pub name: String,
+    /// Where it lies, from the suite's folder on or from the data folder.
+    pub path: PathBuf,
+    /// Settings for this capture alone; they go over those of the configuration.
+    #[serde(default)]
+    pub settings: Value,
+}
+
+/// A way to fit.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Configuration {
+    /// Its name in tables and files.
+    pub name: String,
+    /// What it changes of the base.
+    #[serde(default)]
+    pub settings: Value,
+}
+
+/// Two rows of the table, one measured by the other.
+///
+/// A row is named by its configuration, by its reference, or as `configuration:baseline`, where the baseline is
+/// `standing_still`, `last_residual` or `clamp_interpolation`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// Whose errors are told.
+    pub of: String,
+    /// In percent of whose.
+    pub against: String,
+}
+
+/// Published figures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// Whose they are.
+    pub name: String,
+    /// Which capture they are about; of none, the mean over captures.
+    pub capture: Option<String>,
+    /// Errors on training frames.
+    pub train: ErrorSummary,
+    /// Errors on future frames.
+    pub future: ErrorSummary,
+}
+
+/// One fit of a suite, written `capture/configuration/seed`.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct RunId {
+    /// Name of the capture.
+    pub capture: String,
+    /// Name of the configuration.
+    pub configuration: String,
+    /// The seed.
+    pub seed: u64,
+}
+
+impl std::fmt::Display for RunId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}/{}/{}", self.capture, self.configuration, self.seed)
+    }
+}
+
+/// Predictors that cost nothing, as comparisons name them.
+pub(crate) const BASELINES: [(&str, Predictor); 3] = [
+    ("standing_still", Predictor::StandingStill),
+    ("clamp_interpolation", Predictor::ClampInterpolation),
+    ("last_residual", Predictor::LastResidual),
+];
+
+impl Suite {
+    /// Reads and checks a suite.
+    ///
+    /// # Errors
+    /// If it cannot be read, or with everything that is wrong with it.
+    pub fn read(file: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(file).map_err(Error::file(file))?;
+        parse::parse(file, &text)
+            .map_err(|faults| Error::Suite { file: file.to_owned(), faults })
+    }
+
+    /// Where a capture lies: under the data folder if there is one, by its path or by its file name alone, otherwise
+    /// beside the suite.
+    pub fn locate(&self, capture: &CaptureEntry, data: Option<&Path>) -> PathBuf {
+        let folder = match data {
+            Some(data) => {
+                let named = capture.path.file_name().map(|name| data.join(name));
+                let full = data.join(&capture.path);
+                match named {
+                    Some(named) if !full.exists() && named.exists() => return named,
+                    _ => return full,
+                }
+            }
+            None => self.file.parent().unwrap_or(Path::new("")),
+        };
+        folder.join(&capture.path)
+    }
+
+    /// The settings of a run.
+    ///
+    /// # Errors
+    /// Everything that is wrong with them; a suite that was read has no such faults.
+    pub fn settings(
+        &self,
+        capture: &CaptureEntry,
+        configuration: &Configuration,
+        seed: u64,
+    ) -> Result<FitSettings, Vec<String>> {
+        in_force(&[&self.base, &configuration.settings, &capture.settings], seed)
+    }
+
+    /// All runs, the first seed of all captures before the second.
+    pub fn runs(&self) -> impl Iterator<Item = (RunId, &CaptureEntry, &Configuration)> {
+        self.seeds.iter().flat_map(move |&seed| {
+            self.captures.iter().flat_map(move |capture| {
+                self.configurations.iter().map(move |configuration| {
+                    let id = RunId {
+                        capture: capture.name.clone(),
+                        configuration: configuration.name.clone(),
+                        seed,
+                    };
+                    (id, capture, configuration)
+                })
+            })
+        })
+    }
+}
+
+/// Settings from layers over the defaults.
+fn in_force(layers: &[&Value], seed: u64) -> Result<FitSettings, Vec<String>> {
+    let mut document = serde_json::to_value(FitSettings::default()).unwrap_or_default();
+    for layer in layers.iter().filter(|layer| !layer.is_null()) {
+        merge(&mut document, (*layer).clone());
+    }
+    let settings: FitSettings =
+        serde_json::from_value(document).map_err(|e| vec![e.to_string()])?;
+    let settings = FitSettings { seed, ..settings };
+    settings.validate().map(|()| settings)
+}
+
+/// What is wrong with a layer whatever stands below it.
+fn faults_of_layer(layer: &Value) -> Vec<String> {
+    if layer.is_null() {
+        return Vec::new();
+    }
+    if !layer.is_object() {
+        return vec!["settings are an object".to_owned()];
+    }
+    let mut faults: Vec<String> =
+        unknown_fields(layer).into_iter().map(|f| format!("there is no setting `{f}`")).collect();
+    if layer.get("seed").is_some() {
+        faults.push("the seed stands in `seeds`, not in settings".to_owned());
+    }
+    if layer.get("compare_axial").is_some_and(|v| v != &Value::Bool(false)) {
+        faults.push("instead of compare_axial, add a configuration with \"bending\": false".into());
+    }
+    faults
+}
+
+#[cfg(test)]
+mod tests;

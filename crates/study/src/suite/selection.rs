@@ -1,0 +1,38 @@
+//! Which runs of a suite are wanted: `capture/configuration/seed`, where `*` and what is left out at the end stand for all.
+
+use std::str::FromStr;
+
+use super::RunId;
+
+/// A pattern of run names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Selection {
+    text: String,
+    parts: Vec<String>,
+}
+
+impl Selection {
+    /// Whether it names a run.
+    pub fn contains(&self, id: &RunId) -> bool {
+        let names = [&id.capture, &id.configuration, &id.seed.to_string()];
+        self.parts.iter().zip(names).all(|(part, name)| part == "*" || part == name)
+    }
+}
+
+impl FromStr for Selection {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parts: Vec<String> = text.split('/').map(str::to_owned).collect();
+        if parts.len() > 3 || parts.iter().any(String::is_empty) {
+            return Err(format!("`{text}`: write capture/configuration/seed; `*` stands for all"));
+        }
+        Ok(Self { text: text.to_owned(), parts })
+    }
+}
+
+impl std::fmt::Display for Selection {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}

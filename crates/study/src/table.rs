@@ -1,0 +1,199 @@
+//! What a suite found: a row for each capture and configuration, the free baselines and published figures beside them, means
+//! over captures, and relative differences. All errors in millimetres.
+
+mod compare;
+mod markdown;
+mod rows;
+mod samples;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+pub(crate) use self::samples::Samples;
+use crate::{Error, Plan, command::Invocation, suite::RunId};
+
+/// Version of `table.json`.
+const VERSION: u32 = 1;
+
+/// The table of a suite.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Table {
+    /// Version of this format.
+    pub version: u32,
+    /// The suite's title.
+    pub suite: String,
+    /// What it is to show.
+    pub about: String,
+    /// The command that makes the table.
+    pub command: String,
+    /// The software that made its figures.
+    pub builds: Vec<String>,
+    /// What computed them: backend and device.
+    pub devices: Vec<String>,
+    /// Runs of the suite.
+    pub runs: usize,
+    /// Runs that have no result yet.
+    pub missing: usize,
+    /// Rows of each capture, in the suite's order.
+    pub rows: Vec<Row>,
+    /// The same as means over captures; empty if there is one capture.
+    pub means: Vec<Row>,
+    /// What was to be compared.
+    pub differences: Vec<Difference>,
+    /// Runs that failed.
+    pub failures: Vec<Failure>,
+}
+
+/// What a row is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Twins of a configuration.
+    Configuration,
+    /// A free baseline.
+    Baseline,
+    /// Published by others.
+    Published,
+}
+
+/// A mean, and how far what it is the mean of strays from it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Figure {
+    /// The mean.
+    pub mean: f64,
+    /// Standard deviation over seeds, if there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spread: Option<f64>,
+}
+
+/// Figures by metric and span, `cd_l1_future_mm` say.
+pub type Figures = BTreeMap<&'static str, Figure>;
+
+/// A row of the table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Its name, as comparisons use it.
+    pub row: String,
+    /// Its name for people.
+    pub label: String,
+    /// What it is about.
+    pub kind: Kind,
+    /// Which capture; of none, the mean over captures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub capture: Option<String>,
+    /// How many captures the mean is over.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub captures: Option<usize>,
+    /// How many seeds.
+    pub seeds: usize,
+    /// Size of the twins: means over seeds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<Size>,
+    /// Errors, means over seeds [mm].
+    pub errors: Figures,
+    /// Time of a fit with its evaluation [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fit_s: Option<Figure>,
+    /// The command that makes the row again.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command: Option<String>,
+}
+
+/// How large twins are.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Size {
+    /// Nodes.
+    pub nodes: f64,
+    /// Axial springs.
+    pub springs: f64,
+    /// Bending triplets.
+    pub triplets: f64,
+}
+
+/// How much larger the errors of one row are than those of another.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Difference {
+    /// Whose errors are told.
+    pub of: String,
+    /// In percent of whose.
+    pub against: String,
+    /// On which capture; of none, means over the captures that both know.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub capture: Option<String>,
+    /// Whether both have the same nodes; none where one of them has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub same_nodes: Option<bool>,
+    /// Relative differences by metric and span [%]; negative is better.
+    pub percent: BTreeMap<&'static str, f64>,
+    /// On how many captures it is better, of how many; of a single capture, none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub better: BTreeMap<&'static str, (usize, usize)>,
+}
+
+/// A run that failed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Failure {
+    /// Which one.
+    pub run: RunId,
+    /// Stable reason.
+    pub reason: String,
+    /// Why.
+    pub message: String,
+}
+
+impl Table {
+    /// The table of the results that hold.
+    pub fn new(plan: &Plan<'_>, invocation: &Invocation) -> Self {
+        let (suite, records) = (plan.suite, plan.records());
+        let samples = Samples::new(suite, &records);
+        let unique = |texts: Vec<String>| {
+            let mut texts = texts;
+            texts.sort();
+            texts.dedup();
+            texts
+        };
+        let runs = suite.runs().count();
+        let finished = records.iter().filter(|r| r.finished().is_some());
+        let (builds, devices) = finished
+            .map(|r| (r.build.clone(), format!("{}: {}", r.backend, r.device)))
+            .unzip::<_, _, Vec<_>, Vec<_>>();
+        let failures = plan.failures().into_iter().map(|(run, fault)| Failure {
+            run: run.clone(),
+            reason: fault.reason.clone(),
+            message: fault.message.clone(),
+        });
+        let (rows, means) = rows::of(suite, &samples, invocation);
+        Self {
+            version: VERSION,
+            suite: suite.name.clone(),
+            about: suite.about.clone(),
+            command: invocation.command(),
+            builds: unique(builds),
+            devices: unique(devices),
+            runs,
+            missing: runs - records.len(),
+            rows,
+            means,
+            differences: compare::all(suite, &samples),
+            failures: failures.collect(),
+        }
+    }
+
+    /// For people.
+    pub fn to_markdown(&self) -> String {
+        markdown::write(self)
+    }
+
+    /// For programs: `table.json`.
+    ///
+    /// # Errors
+    /// If a figure cannot be written.
+    pub fn to_json(&self) -> Result<String, Error> {
+        let json = serde_json::to_string_pretty(self);
+        json.map(|text| text + "\n").map_err(|e| Error::Writing(e.to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests;

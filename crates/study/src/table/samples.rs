@@ -1,0 +1,176 @@
+//! Figures as runs gave them: by row, capture and seed.
+
+use std::collections::BTreeMap;
+
+use bendtwin_core::quality::{ErrorSummary, Score};
+
+use super::{Figure, Figures, Size};
+use crate::{
+    record::Record,
+    suite::{BASELINES, Suite},
+};
+
+/// A metric over a span of frames.
+pub(crate) struct Column {
+    /// Its name in JSON.
+    pub(crate) key: &'static str,
+    /// Its name for people.
+    pub(crate) heading: &'static str,
+    error: fn(&ErrorSummary) -> Option<f64>,
+    is_future: bool,
+}
+
+macro_rules! column {
+    ($key:literal, $heading:literal, $field:ident, $future:literal) => {
+        Column { key: $key, heading: $heading, error: |e| e.$field, is_future: $future }
+    };
+}
+
+/// All columns, in the table's order.
+pub(crate) const COLUMNS: [Column; 8] = [
+    column!("cd_l1_train_mm", "CD train", chamfer_l1_m, false),
+    column!("cd_l1_future_mm", "CD future", chamfer_l1_m, true),
+    column!("cd_l2_train_mm", "CD (L2) train", chamfer_l2_m, false),
+    column!("cd_l2_future_mm", "CD (L2) future", chamfer_l2_m, true),
+    column!("track_train_mm", "track train", track_m, false),
+    column!("track_future_mm", "track future", track_m, true),
+    column!("coordinate_train_mm", "coordinate train", coordinate_m, false),
+    column!("coordinate_future_mm", "coordinate future", coordinate_m, true),
+];
+
+/// One value a column [mm].
+pub(crate) type Values = [Option<f64>; COLUMNS.len()];
+
+/// What one run says of a row.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sample {
+    pub(crate) values: Values,
+    /// Of a configuration's own row.
+    pub(crate) size: Option<Size>,
+    pub(crate) fit_s: Option<f64>,
+    nodes_digest: Option<String>,
+}
+
+impl Sample {
+    /// Published figures have no nodes that anyone could look at.
+    pub(crate) fn is_published(&self) -> bool {
+        self.nodes_digest.is_none()
+    }
+}
+
+/// A row's samples of one capture, by seed. Published figures have one sample, as if of seed 0.
+pub(crate) type Seeds = BTreeMap<u64, Sample>;
+
+/// All samples.
+#[derive(Debug, Default)]
+pub(crate) struct Samples<'a> {
+    /// By row and capture.
+    rows: BTreeMap<String, BTreeMap<&'a str, Seeds>>,
+    /// Published means over captures, by row.
+    published_means: BTreeMap<&'a str, Values>,
+    published: Vec<&'a str>,
+}
+
+impl<'a> Samples<'a> {
+    pub(crate) fn new(suite: &'a Suite, records: &[&'a Record]) -> Self {
+        let mut samples = Self::default();
+        for record in records {
+            let Some(finished) = record.finished() else { continue };
+            let (run, quality) = (&record.run, &finished.quality);
+            let size = Size {
+                nodes: finished.graph.nodes as f64,
+                springs: finished.graph.springs as f64,
+                triplets: finished.graph.triplets as f64,
+            };
+            let digest = Some(finished.graph.nodes_digest.clone());
+            let mut add = |row: String, sample| {
+                let captures = samples.rows.entry(row).or_default();
+                captures.entry(run.capture.as_str()).or_default().insert(run.seed, sample);
+            };
+            if let Some(own) = quality.scores.first() {
+                let (values, fit_s) = (values(&own.train, &own.future), Some(finished.fit_s));
+                let sample = Sample { values, size: Some(size), fit_s, nodes_digest: digest.clone() };
+                add(run.configuration.clone(), sample);
+            }
+            for (name, predictor) in BASELINES {
+                let Some(Score { train, future, .. }) = quality.score(predictor) else { continue };
+                let values = values(train, future);
+                let sample =
+                    Sample { values, size: None, fit_s: None, nodes_digest: digest.clone() };
+                add(baseline_row(&run.configuration, name), sample);
+            }
+        }
+        for reference in &suite.references {
+            let values = values(&reference.train, &reference.future);
+            if !samples.published.contains(&reference.name.as_str()) {
+                samples.published.push(&reference.name);
+            }
+            match &reference.capture {
+                Some(capture) => {
+                    let sample = Sample { values, size: None, fit_s: None, nodes_digest: None };
+                    let captures = samples.rows.entry(reference.name.clone()).or_default();
+                    captures.entry(capture).or_default().insert(0, sample);
+                }
+                None => drop(samples.published_means.insert(&reference.name, values)),
+            }
+        }
+        samples
+    }
+
+    /// Names of published rows, in the suite's order.
+    pub(crate) fn published(&self) -> &[&'a str] {
+        &self.published
+    }
+
+    pub(crate) fn seeds(&self, row: &str, capture: &str) -> Option<&Seeds> {
+        self.rows.get(row)?.get(capture)
+    }
+
+    /// Captures of a row with their samples.
+    pub(crate) fn captures(&self, row: &str) -> impl Iterator<Item = (&'a str, &Seeds)> {
+        self.rows.get(row).into_iter().flatten().map(|(capture, seeds)| (*capture, seeds))
+    }
+
+    pub(crate) fn published_mean(&self, row: &str) -> Option<&Values> {
+        self.published_means.get(row)
+    }
+
+    /// Whether two rows have the same nodes on a capture; none if one of them has none.
+    pub(crate) fn same_nodes(&self, one: &str, other: &str, capture: &str) -> Option<bool> {
+        let (one, other) = (self.seeds(one, capture)?, self.seeds(other, capture)?);
+        let pairs = one.iter().filter_map(|(seed, a)| Some((a, other.get(seed)?)));
+        let digests = pairs.map(|(a, b)| Some(a.nodes_digest.as_ref()? == b.nodes_digest.as_ref()?));
+        digests.collect::<Option<Vec<bool>>>().filter(|d| !d.is_empty()).map(|d| d.iter().all(|x| *x))
+    }
+}
+
+/// The name of a baseline's row.
+pub(crate) fn baseline_row(configuration: &str, baseline: &str) -> String {
+    format!("{configuration}:{baseline}")
+}
+
+fn values(train: &ErrorSummary, future: &ErrorSummary) -> Values {
+    std::array::from_fn(|i| {
+        let column = &COLUMNS[i];
+        (column.error)(if column.is_future { future } else { train }).map(|m| 1e3 * m)
+    })
+}
+
+/// Mean and, of several, the standard deviation; none of nothing.
+pub(crate) fn figure(values: &[f64]) -> Option<Figure> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+    let spread = (values.len() > 1).then(|| (square / (n - 1.0)).sqrt());
+    (!values.is_empty()).then_some(Figure { mean, spread })
+}
+
+/// A figure for each column that has values.
+pub(crate) fn figures(of: impl Fn(usize) -> Option<Figure>) -> Figures {
+    (0..COLUMNS.len()).filter_map(|i| Some((COLUMNS[i].key, of(i)?))).collect()
+}
+
+/// The values of a column over seeds.
+pub(crate) fn over_seeds(seeds: &Seeds, column: usize) -> Vec<f64> {
+    seeds.values().filter_map(|s| s.values[column]).collect()
+}
