@@ -7,7 +7,7 @@ use std::{path::PathBuf, sync::Arc, time::Duration};
 use bendtwin_core::{Category, Fault};
 use bendtwin_engine::backend::CancelToken;
 use bendtwin_study::{
-    Folder, Invocation, Plan, PlanOptions, Selection, Suite, Table, Tally, draw_pictures,
+    Folder, Invocation, Plan, PlanOptions, Selection, Suite, Table, draw_pictures,
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
@@ -61,14 +61,18 @@ pub(crate) async fn run(args: SuiteArgs, global: &Global) -> anyhow::Result<()> 
     });
     let (args, quiet) = (Arc::new(args), global.json);
     let working = Arc::clone(&args);
-    let (table, tally) =
+    let (table, failed, left) =
         tokio::task::spawn_blocking(move || work(&working, &cancel, quiet)).await??;
     output::print(global, &table, || table.to_markdown())?;
-    verdict(&tally, &args)
+    verdict(failed, left, &args)
 }
 
-/// Runs what is to be done; returns the table of all there is.
-fn work(args: &SuiteArgs, cancel: &CancelToken, quiet: bool) -> anyhow::Result<(Table, Tally)> {
+/// Runs what is to be done; returns the table of all there is, and how many runs failed and are left.
+fn work(
+    args: &SuiteArgs,
+    cancel: &CancelToken,
+    quiet: bool,
+) -> anyhow::Result<(Table, usize, usize)> {
     let suite = Suite::read(&args.suite).map_err(failure::failed)?;
     let folder = Folder::open(&args.out).map_err(failure::failed)?;
     let options = PlanOptions {
@@ -84,21 +88,18 @@ fn work(args: &SuiteArgs, cancel: &CancelToken, quiet: bool) -> anyhow::Result<(
     let result = plan.run(&backends, cancel, &mut |event| board.show(&event));
     board.finish();
     // What was found before a failure is told too.
-    let invocation = Invocation {
-        suite: args.suite.clone(),
-        data: args.data.clone(),
-        out: args.out.clone(),
-    };
+    let invocation =
+        Invocation { suite: args.suite.clone(), data: args.data.clone(), out: args.out.clone() };
     let table = Table::new(&plan, &invocation);
     let json = table.to_json().map_err(failure::failed)?;
     folder.write("table.json", json.as_bytes()).map_err(failure::failed)?;
     folder.write("table.md", table.to_markdown().as_bytes()).map_err(failure::failed)?;
-    let tally = result.map_err(failure::failed)?;
+    let left = result.map_err(failure::failed)?.left;
     if let (Some(backend), false) = (backends.first(), args.no_pictures) {
         let complaints = draw_pictures(&plan, &**backend, cancel).map_err(failure::failed)?;
         complaints.iter().for_each(|complaint| eprintln!("warning: {complaint}"));
     }
-    Ok((table, tally))
+    Ok((table, plan.failed(), left))
 }
 
 /// Version and content of this program: results hold as long as it does not change.
@@ -114,23 +115,23 @@ fn build() -> String {
     }
 }
 
-fn verdict(tally: &Tally, args: &SuiteArgs) -> anyhow::Result<()> {
+fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
     let told = |category, reason: &str, message| {
         Err(Failed(Fault { category, reason: reason.to_owned(), message }).into())
     };
-    match tally {
-        Tally { failed: 0, left: 0, .. } => Ok(()),
-        Tally { failed: 0, left, .. } => {
+    match (failed, left) {
+        (0, 0) => Ok(()),
+        (0, _) => {
             let message = format!("{left} runs are left: the same command goes on with them");
             told(Category::Cancelled, "CANCELLED", message)
         }
-        Tally { failed, .. } => {
-            let place = args.out.join("table.md");
-            let message = format!(
-                "{failed} runs failed: {} says why; the same command tries them again",
-                place.display()
-            );
-            told(Category::Aborted, "RUNS_FAILED", message)
+        _ => {
+            let place = args.out.join("table.md").display().to_string();
+            told(
+                Category::Aborted,
+                "RUNS_FAILED",
+                format!("{failed} runs failed: {place} says why"),
+            )
         }
     }
 }

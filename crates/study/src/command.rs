@@ -26,6 +26,12 @@ impl Invocation {
         words.push(format!("--out {}", path(&self.out)));
         words.join(" ")
     }
+
+    /// The command that makes a row: all seeds of a configuration, on a capture or on all (`*`).
+    pub(crate) fn row_command(&self, capture: &str, configuration: &str) -> String {
+        let only = format!("{capture}/{configuration}");
+        format!("{} --only {}", self.command(), quoted(&only))
+    }
 }
 
 /// The command that makes one run by itself: it has all settings that are not the defaults, the seed among them.

@@ -96,11 +96,8 @@ impl<'a> Keeper<'a> {
     /// Writes the last checkpoint, if it is not written yet.
     pub(crate) fn flush(&mut self) -> Result<(), ObserverError> {
         let Some(checkpoint) = self.pending.take() else { return Ok(()) };
-        let header = Header {
-            digest: self.digest.to_owned(),
-            spent_s: self.spent_s(),
-            losses: self.losses,
-        };
+        let header =
+            Header { digest: self.digest.to_owned(), spent_s: self.spent_s(), losses: self.losses };
         let mut bytes = serde_json::to_vec(&header)?;
         bytes.push(b'\n');
         bytes.extend(checkpoint);

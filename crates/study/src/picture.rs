@@ -75,11 +75,7 @@ fn twins(
     names: &[&str],
 ) -> Option<Vec<Twin>> {
     let twin = |name: &&str, seed: u64| {
-        let run = RunId {
-            capture: capture.name.clone(),
-            configuration: (*name).to_owned(),
-            seed,
-        };
+        let run = RunId { capture: capture.name.clone(), configuration: (*name).to_owned(), seed };
         plan.kept.get(&run)?.finished()?;
         let bytes = std::fs::read(plan.folder.twin_path(&run)).ok()?;
         Twin::decode(&bytes).ok().filter(|t| t.provenance.capture_digest == source.digest)

@@ -1,11 +1,6 @@
 //! What is to be done: which runs of a suite have a result that still holds, and which have none.
 
-use std::{
-    collections::HashMap,
-    path::PathBuf,
-    sync::Arc,
-    time::Duration,
-};
+use std::{collections::HashMap, path::PathBuf, sync::Arc, time::Duration};
 
 use bendtwin_capture::Limits;
 use bendtwin_core::{Capture, Fault, Problem};
@@ -60,11 +55,7 @@ impl<'a> Plan<'a> {
     ///
     /// # Errors
     /// If nothing is selected, or captures are missing.
-    pub fn new(
-        suite: &'a Suite,
-        folder: &'a Folder,
-        options: PlanOptions,
-    ) -> Result<Self, Error> {
+    pub fn new(suite: &'a Suite, folder: &'a Folder, options: PlanOptions) -> Result<Self, Error> {
         for only in &options.only {
             if !suite.runs().any(|(id, ..)| only.contains(&id)) {
                 return Err(Error::Selection(nothing(suite, only)));
@@ -85,7 +76,7 @@ impl<'a> Plan<'a> {
                 record.digest == digest::of_run(capture, &settings, build)
             };
             let record = record.filter(holds);
-            let is_done = record.as_ref().is_some_and(|r| r.finished().is_some());
+            let is_done = record.as_ref().is_some_and(Record::is_final);
             if let Some(source) = source.filter(|_| !is_done) {
                 let build = plan.options.build.clone();
                 let digest = digest::of_run(&source.digest, &settings, &build);
@@ -104,7 +95,7 @@ impl<'a> Plan<'a> {
 
     /// Number of selected runs whose results hold.
     pub fn done(&self) -> usize {
-        self.kept.iter().filter(|(id, r)| self.is_selected(id) && r.finished().is_some()).count()
+        self.kept.iter().filter(|(id, r)| self.is_selected(id) && r.is_final()).count()
     }
 
     /// All results of the suite that hold, selected or not, in the suite's order.
@@ -172,13 +163,17 @@ impl Plan<'_> {
         self.kept.insert(record.run.clone(), record);
     }
 
-    /// Runs that failed, with why, in the suite's order.
+    /// Number of selected runs that failed.
+    pub fn failed(&self) -> usize {
+        self.failures().iter().filter(|(id, _)| self.is_selected(id)).count()
+    }
+
+    /// All runs that failed, with why, in the suite's order.
     pub fn failures(&self) -> Vec<(&RunId, &Fault)> {
-        let failed = |record: &'_ Record| matches!(record.outcome, Outcome::Failed(_));
-        let records = self.records().into_iter().filter(|r| failed(r));
-        records
-            .filter_map(|r| match &r.outcome {
-                Outcome::Failed(fault) => Some((&r.run, fault)),
+        self.records()
+            .into_iter()
+            .filter_map(|record| match &record.outcome {
+                Outcome::Failed(fault) => Some((&record.run, fault)),
                 Outcome::Finished(_) => None,
             })
             .collect()

@@ -1,6 +1,6 @@
 //! What is kept of a run: which one it was, what made it, and what came of it.
 
-use bendtwin_core::{Fault, FitSettings, Graph, Quality};
+use bendtwin_core::{Category, Fault, FitSettings, Graph, Quality};
 use serde::{Deserialize, Serialize};
 
 use crate::{digest, suite::RunId};
@@ -87,6 +87,15 @@ pub struct Losses {
 }
 
 impl Record {
+    /// Whether the run would come to the same end again: it finished, or its capture or settings were refused. Whatever
+    /// else made it fail, a device or a disk, may have passed.
+    pub fn is_final(&self) -> bool {
+        match &self.outcome {
+            Outcome::Finished(_) => true,
+            Outcome::Failed(fault) => fault.category == Category::InvalidArgument,
+        }
+    }
+
     /// What the run made, unless it failed.
     pub fn finished(&self) -> Option<&Finished> {
         match &self.outcome {

@@ -117,8 +117,7 @@ impl Suite {
     /// If it cannot be read, or with everything that is wrong with it.
     pub fn read(file: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(file).map_err(Error::file(file))?;
-        parse::parse(file, &text)
-            .map_err(|faults| Error::Suite { file: file.to_owned(), faults })
+        parse::parse(file, &text).map_err(|faults| Error::Suite { file: file.to_owned(), faults })
     }
 
     /// Where a capture lies: under the data folder if there is one, by its path or by its file name alone, otherwise

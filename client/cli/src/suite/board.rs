@@ -95,7 +95,8 @@ impl Board {
     }
 
     fn refresh(&mut self) {
-        let fraction = |p: &Option<Progress>| p.as_ref().map_or(0.0, |p| p.fraction.clamp(0.0, 1.0));
+        let fraction =
+            |p: &Option<Progress>| p.as_ref().map_or(0.0, |p| p.fraction.clamp(0.0, 1.0));
         let done: f64 =
             self.ended as f64 + self.running.iter().map(|(_, p)| fraction(p)).sum::<f64>();
         let running = self.running.iter().map(|(id, p)| now(id, p.as_ref()));

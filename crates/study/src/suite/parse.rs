@@ -9,9 +9,7 @@ use bendtwin_core::quality::ErrorSummary;
 use serde::{Deserialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
 
-use super::{
-    BASELINES, CaptureEntry, Configuration, Reference, Suite, faults_of_layer, in_force,
-};
+use super::{BASELINES, CaptureEntry, Configuration, Reference, Suite, faults_of_layer, in_force};
 
 /// The format that this build reads.
 const VERSION: u64 = 1;
@@ -100,7 +98,11 @@ impl Reader {
         }
     }
 
-    fn value<T: DeserializeOwned>(&mut self, object: &Map<String, Value>, field: &str) -> Option<T> {
+    fn value<T: DeserializeOwned>(
+        &mut self,
+        object: &Map<String, Value>,
+        field: &str,
+    ) -> Option<T> {
         match serde_json::from_value(object.get(field)?.clone()) {
             Ok(value) => Some(value),
             Err(e) => {

@@ -86,9 +86,11 @@ fn published(c: &Comparison, samples: &Samples<'_>, column: usize) -> Option<(f6
     }
     let value = |row: &str| match samples.published_mean(row) {
         Some(values) => values[column],
-        None => mean_of(samples.captures(row).filter_map(|(_, seeds)| {
-            mean_of(seeds.values().filter_map(|s| s.values[column]))
-        })),
+        None => mean_of(
+            samples
+                .captures(row)
+                .filter_map(|(_, seeds)| mean_of(seeds.values().filter_map(|s| s.values[column]))),
+        ),
     };
     Some((value(&c.of)?, value(&c.against)?))
 }

@@ -33,7 +33,7 @@ pub(super) fn write(table: &Table) -> String {
     let _ = writeln!(text, "\nMade by {} on {} with", list(&table.builds), list(&table.devices));
     let _ = writeln!(text, "\n    {}", table.command);
     let commands = table.rows.iter().filter_map(|r| r.command.as_ref());
-    text += "\nA row by itself, in a new folder:\n\n";
+    text += "\nA row by itself (in another folder than this, where its runs are done):\n\n";
     for command in commands {
         let _ = writeln!(text, "    {command}");
     }

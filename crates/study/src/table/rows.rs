@@ -40,8 +40,7 @@ impl Maker<'_> {
         let mut rows = Vec::new();
         for name in names() {
             if let Some(row) = self.row(name, name.to_owned(), Kind::Configuration, capture) {
-                let of = format!("{}/{name}", capture.unwrap_or("*"));
-                let command = format!("{} --only '{of}'", self.invocation.command());
+                let command = self.invocation.row_command(capture.unwrap_or("*"), name);
                 rows.push(Row { command: Some(command), ..row });
             }
         }
@@ -50,13 +49,46 @@ impl Maker<'_> {
                 let row = baseline_row(name, baseline);
                 Some((name, self.row(&row, String::new(), Kind::Baseline, capture)?))
             });
-            rows.extend(merged(predictor, named.collect()));
+            rows.extend(self.merged(predictor, named.collect(), capture));
         }
         for name in self.samples.published() {
             let label = format!("{name} (published)");
             rows.extend(self.row(name, label, Kind::Published, capture));
         }
         rows
+    }
+
+    /// A baseline's rows: what does not depend on the configuration stands there once. The last residual does, for it
+    /// stands on the twin's own prediction.
+    fn merged(
+        &self,
+        predictor: Predictor,
+        rows: Vec<(&str, Row)>,
+        capture: Option<&str>,
+    ) -> Vec<Row> {
+        let depends = predictor == Predictor::LastResidual;
+        let agree = |a: &Row, b: &Row| !depends && self.samples.agree(&a.row, &b.row, capture);
+        let mut groups: Vec<(Vec<&str>, Row)> = Vec::new();
+        for (name, row) in rows {
+            match groups.iter_mut().find(|(_, kept)| agree(kept, &row)) {
+                Some((names, kept)) => {
+                    names.push(name);
+                    // Runs that failed have no baselines: the row that knows most stays.
+                    if (row.captures, row.seeds) > (kept.captures, kept.seeds) {
+                        *kept = row;
+                    }
+                }
+                None => groups.push((vec![name], row)),
+            }
+        }
+        let alone = groups.len() == 1 && !depends;
+        let named = |(names, row): (Vec<&str>, Row)| {
+            let what = predictor_name(predictor);
+            let label =
+                if alone { what.to_owned() } else { format!("{what}, {}", names.join(", ")) };
+            Row { label, ..row }
+        };
+        groups.into_iter().map(named).collect()
     }
 
     fn row(&self, row: &str, label: String, kind: Kind, capture: Option<&str>) -> Option<Row> {
@@ -126,23 +158,3 @@ fn size(sizes: Vec<Size>) -> Option<Size> {
         triplets: mean(|s| s.triplets)?.mean,
     })
 }
-
-/// A baseline's rows: what does not depend on the configuration stands there once. The last residual does, for it stands
-/// on the twin's own prediction.
-fn merged(predictor: Predictor, rows: Vec<(&str, Row)>) -> Vec<Row> {
-    let mut groups: Vec<(Vec<&str>, Row)> = Vec::new();
-    for (name, row) in rows {
-        match groups.iter_mut().find(|(_, first)| first.errors == row.errors) {
-            Some((names, _)) if predictor != Predictor::LastResidual => names.push(name),
-            _ => groups.push((vec![name], row)),
-        }
-    }
-    let alone = groups.len() == 1 && predictor != Predictor::LastResidual;
-    let named = |(names, row): (Vec<&str>, Row)| {
-        let what = predictor_name(predictor);
-        let label = if alone { what.to_owned() } else { format!("{what}, {}", names.join(", ")) };
-        Row { label, ..row }
-    };
-    groups.into_iter().map(named).collect()
-}
-

@@ -89,7 +89,8 @@ impl<'a> Samples<'a> {
             };
             if let Some(own) = quality.scores.first() {
                 let (values, fit_s) = (values(&own.train, &own.future), Some(finished.fit_s));
-                let sample = Sample { values, size: Some(size), fit_s, nodes_digest: digest.clone() };
+                let sample =
+                    Sample { values, size: Some(size), fit_s, nodes_digest: digest.clone() };
                 add(run.configuration.clone(), sample);
             }
             for (name, predictor) in BASELINES {
@@ -135,12 +136,27 @@ impl<'a> Samples<'a> {
         self.published_means.get(row)
     }
 
+    /// Whether two rows say the same wherever both say anything: on a capture, or on all.
+    pub(crate) fn agree(&self, one: &str, other: &str, capture: Option<&str>) -> bool {
+        let mut pairs = self
+            .captures(one)
+            .filter(|(name, _)| capture.is_none_or(|c| c == *name))
+            .filter_map(|(name, seeds)| Some((seeds, self.seeds(other, name)?)))
+            .flat_map(|(a, b)| a.iter().filter_map(|(seed, x)| Some((x, b.get(seed)?))))
+            .peekable();
+        pairs.peek().is_some() && pairs.all(|(a, b)| a.values == b.values)
+    }
+
     /// Whether two rows have the same nodes on a capture; none if one of them has none.
     pub(crate) fn same_nodes(&self, one: &str, other: &str, capture: &str) -> Option<bool> {
         let (one, other) = (self.seeds(one, capture)?, self.seeds(other, capture)?);
         let pairs = one.iter().filter_map(|(seed, a)| Some((a, other.get(seed)?)));
-        let digests = pairs.map(|(a, b)| Some(a.nodes_digest.as_ref()? == b.nodes_digest.as_ref()?));
-        digests.collect::<Option<Vec<bool>>>().filter(|d| !d.is_empty()).map(|d| d.iter().all(|x| *x))
+        let digests =
+            pairs.map(|(a, b)| Some(a.nodes_digest.as_ref()? == b.nodes_digest.as_ref()?));
+        digests
+            .collect::<Option<Vec<bool>>>()
+            .filter(|d| !d.is_empty())
+            .map(|d| d.iter().all(|x| *x))
     }
 }
 
