@@ -75,7 +75,11 @@ fn picture(capture: &Capture, outcome: &Outcome) -> Result<Vec<u8>, Failure> {
     }
     let models: Vec<Model<'_>> = shown
         .iter()
-        .map(|(predictor, twin, trajectory)| Model { name: predictor_name(*predictor), twin, trajectory })
+        .map(|(predictor, twin, trajectory)| Model {
+            name: predictor_name(*predictor),
+            twin,
+            trajectory,
+        })
         .collect();
     Ok(Picture { capture, sequence, models: &models, columns: 4 }.to_png()?)
 }

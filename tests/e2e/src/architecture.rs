@@ -10,13 +10,14 @@ use crate::workspace;
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 6] = [
+const PHYSICS: [&str; 7] = [
     "bendtwin-engine",
     "bendtwin-fit",
     "bendtwin-eval",
     "bendtwin-capture",
     "bendtwin-cuda",
     "bendtwin-bench",
+    "bendtwin-study",
 ];
 
 struct Rule {
@@ -49,7 +50,7 @@ const RULES: [Rule; 7] = [
         never: &[&NETWORK, &DATABASE, &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"]],
     },
     Rule {
-        of: &["bendtwin-cuda", "bendtwin-bench"],
+        of: &["bendtwin-cuda", "bendtwin-bench", "bendtwin-study"],
         because: "physics knows no network and no database",
         never: &[&NETWORK, &DATABASE, &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"]],
     },

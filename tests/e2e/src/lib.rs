@@ -20,6 +20,8 @@ mod over_http;
 #[cfg(test)]
 mod rollouts;
 #[cfg(test)]
+mod suites;
+#[cfg(test)]
 mod survival;
 #[cfg(test)]
 mod tidy;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Folders and root files with the project's own text.
-const PARTS: [&str; 13] = [
+const PARTS: [&str; 14] = [
     "proto",
     "crates",
     "server",
@@ -11,6 +11,7 @@ const PARTS: [&str; 13] = [
     "client",
     "tests",
     "docs",
+    "studies",
     "deploy",
     ".ci",
     "Cargo.toml",

@@ -32,6 +32,7 @@ fn a_later_layer_wins_where_it_speaks() {
 
 #[test]
 fn every_unknown_field_is_found() {
-    let document = json!({"graf": 1, "graph": {"radius": 1, "radius_m": 2}, "substeps": {"fixed": 3}});
+    let document =
+        json!({"graf": 1, "graph": {"radius": 1, "radius_m": 2}, "substeps": {"fixed": 3}});
     assert_eq!(unknown_fields(&document), ["graf", "graph.radius"]);
 }

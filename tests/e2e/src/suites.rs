@@ -1,0 +1,158 @@
+//! A researcher runs a suite: it is killed in the middle, goes on, and ends in the table of one that was left in peace;
+//! each of its runs can be made again by the command that it names.
+
+use std::{
+    path::Path,
+    process::{Child, Output, Stdio},
+    time::Duration,
+};
+
+use serde_json::Value;
+
+use crate::harness::{
+    command::{bendtwin, binary},
+    pace, until,
+};
+
+/// Fits of a second or so, two at a time; one configuration has too few substeps for anything.
+const SUITE: &str = r#"{
+    "version": 1,
+    "captures": [{"name": "rope", "path": "rope.zip"}, {"name": "cable", "path": "cable.zip"}],
+    "base": {
+        "graph": {"max_nodes": 24},
+        "search": {"generations": 60, "population": 8},
+        "refine": {"passes": 60}
+    },
+    "configurations": [
+        {"name": "axial", "settings": {"bending": false}},
+        {"name": "bending"},
+        {"name": "hopeless", "settings": {"substeps": {"fixed": 1}, "graph": {"radius_m": 0.03}}}
+    ],
+    "compare": [{"of": "bending", "against": "axial"}]
+}"#;
+const SUITE_ARGUMENTS: [&str; 10] = [
+    "suite",
+    "suite.json",
+    "--data",
+    "data",
+    "--out",
+    "out",
+    "--backend",
+    "cpu",
+    "--checkpoint-every",
+    "0",
+];
+const DEADLINE: Duration = Duration::from_secs(120);
+
+fn start(place: &Path) -> Child {
+    let mut command = bendtwin();
+    command.args(SUITE_ARGUMENTS).current_dir(place);
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn prepare(place: &Path) {
+    let data = place.join("data");
+    std::fs::create_dir(&data).unwrap();
+    for scene in ["rope", "cable"] {
+        let file = format!("{scene}.zip");
+        let made = bendtwin()
+            .args(["capture", "make", scene, &file, "--tiny"])
+            .current_dir(&data)
+            .output()
+            .unwrap();
+        assert!(made.status.success(), "{made:?}");
+    }
+    std::fs::write(place.join("suite.json"), SUITE).unwrap();
+}
+
+/// The tables that a suite left, times apart: they stand in the last column.
+fn tables(place: &Path) -> (Value, String) {
+    let read = |name: &str| std::fs::read_to_string(place.join("out").join(name)).unwrap();
+    let mut json: Value = serde_json::from_str(&read("table.json")).unwrap();
+    for part in ["rows", "means"] {
+        for row in json[part].as_array_mut().unwrap() {
+            row.as_object_mut().unwrap().remove("fit_s");
+        }
+    }
+    let timeless = |line: &str| match line.rsplit_once(" | ") {
+        Some((rest, _)) => rest.to_owned(),
+        None => line.to_owned(),
+    };
+    (json, read("table.md").lines().map(timeless).collect::<Vec<_>>().join("\n"))
+}
+
+fn files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries
+        .flat_map(|e| if e.path().is_dir() { files(&e.path()) } else { vec![e.path()] })
+        .collect()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn ended_with_failures(output: &Output) {
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("failed: out/table.md says why"), "{errors}");
+}
+
+#[tokio::test]
+async fn a_suite_that_was_killed_ends_in_the_same_table() {
+    let _turn = pace::turn().await;
+    let peace = tempfile::tempdir().unwrap();
+    let war = tempfile::tempdir().unwrap();
+    prepare(peace.path());
+    prepare(war.path());
+    let undisturbed = start(peace.path()).wait_with_output().unwrap();
+    ended_with_failures(&undisturbed);
+    let (table, markdown) = tables(peace.path());
+    assert_eq!(table["rows"].as_array().unwrap().len(), 2 * 5 + 1 - missing(&table));
+    assert!(markdown.contains("`rope/hopeless/0` (NO_STABLE_CANDIDATE)"), "{markdown}");
+    assert!(text(&undisturbed.stdout).contains("bending against axial"));
+
+    // Killed as soon as one run is done and another is under way.
+    let mut child = start(war.path());
+    until("a suite that is half done", DEADLINE, async || {
+        let done = files(&war.path().join("out/runs")).len();
+        let begun = files(&war.path().join("out/checkpoints")).len();
+        (done > 0 && begun > 0).then_some(())
+    })
+    .await;
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!war.path().join("out/table.json").exists(), "it had ended already");
+    let output = start(war.path()).wait_with_output().unwrap();
+    ended_with_failures(&output);
+    let told = text(&output.stderr);
+    assert!(told.contains("goes on") && !told.contains(" 0 are done already"), "{told}");
+    assert_eq!(tables(war.path()), (table, markdown));
+
+    // A third start has nothing to do.
+    let output = start(war.path()).wait_with_output().unwrap();
+    assert!(text(&output.stderr).contains("  0 runs"), "{}", text(&output.stderr));
+    runs_name_commands_that_make_them_again(war.path());
+}
+
+/// A capture that has no twin under a configuration has no row for it, and no last residual.
+fn missing(table: &Value) -> usize {
+    let failures = table["failures"].as_array().unwrap();
+    assert!(failures.iter().all(|f| f["run"]["configuration"] == "hopeless"), "{failures:?}");
+    failures.len()
+}
+
+fn runs_name_commands_that_make_them_again(place: &Path) {
+    let record = std::fs::read(place.join("out/runs/cable/bending/0.json")).unwrap();
+    let record: Value = serde_json::from_slice(&record).unwrap();
+    let command = record["command"].as_str().unwrap();
+    let words = command.strip_prefix("bendtwin ").unwrap();
+    let output = std::process::Command::new("sh")
+        .args(["-c", &format!("'{}' {words} --json", binary().display())])
+        .current_dir(place)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{command}: {}", text(&output.stderr));
+    let again: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(again["quality"], record["outcome"]["finished"]["quality"], "{command}");
+}
