@@ -112,6 +112,8 @@ pub struct SearchSettings {
     pub sigma: f64,
     /// Whether radius and neighbour counts are variables too.
     pub topology: bool,
+    /// Whether the strength of gravity is a variable too, from half to twice what the capture says.
+    pub gravity: bool,
     /// Use only the first so many training frames (0: all).
     pub max_frames: usize,
     /// Use only so many training sequences, spread evenly over all of them (0: all).
@@ -204,6 +206,7 @@ impl Default for SearchSettings {
             population: 16,
             sigma: 1.0 / 6.0,
             topology: false,
+            gravity: false,
             max_frames: 0,
             max_sequences: 8,
         }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Graph, Params, Timing, settings::Substeps};
+use bendtwin_core::{Environment, Graph, Params, Timing, settings::Substeps};
 use bendtwin_engine::{
     Backend, Loaded, Model,
     backend::{self, CancelToken},
@@ -109,11 +109,16 @@ pub(crate) enum Refusal {
 }
 
 /// The model of a graph with parameters, with as many substeps as it needs.
-pub(crate) fn model(task: &Task<'_>, graph: &Arc<Graph>, params: Params) -> Result<Model, Refusal> {
+pub(crate) fn model(
+    task: &Task<'_>,
+    graph: &Arc<Graph>,
+    params: Params,
+    environment: Environment,
+) -> Result<Model, Refusal> {
     let mut model = Model {
         graph: graph.clone(),
         params,
-        environment: task.capture.environment,
+        environment,
         timing: Timing { fps: task.capture.fps, substeps: 1 },
         control_velocity: task.settings.control_velocity,
     };

@@ -226,7 +226,7 @@ impl<'a> Run<'a> {
         let mut finished = Vec::new();
         for ((variant, walk), point) in self.variants.iter().zip(&refinement.walks).zip(&points) {
             let twin = variant.twin(self.job, walk)?;
-            let (fabric, _) = variant.realise(self.task, point);
+            let (fabric, ..) = variant.realise(self.task, point);
             let warnings = warnings::of_fit(self.task, variant, point, &fabric);
             finished.push(Finished { twin, warnings });
         }

@@ -16,6 +16,7 @@ mod job;
 mod meter;
 mod refine;
 mod search;
+mod sequences;
 mod space;
 mod submit;
 mod task;

@@ -12,14 +12,14 @@ use std::{
 
 use bendtwin_engine::{
     Backend,
-    backend::{CancelToken, GradientRequest, Instance, Loss},
+    backend::{CancelToken, GradientRequest, Instance},
     descent::{Decay, Descent, Probe, Slope, Start},
     model::State,
 };
 
 pub(crate) use self::walk::{Walk, WalkState};
 use self::{schedule::Step, windows::Windows};
-use crate::{Error, submit, task::Task};
+use crate::{Error, sequences, submit, task::Task};
 
 /// The refinement of all variants.
 pub(crate) struct Refinement<'a> {
@@ -108,7 +108,8 @@ impl<'a> Refinement<'a> {
         let (active, mut back) = (self.active(), Vec::new());
         for (index, slopes) in self.measure(&active, states, step)? {
             let (walk, descent) = (&mut self.walks[index], &mut *self.descent);
-            walk.judge(index, mean(slopes.iter().map(|s| &s.loss)), descent)?;
+            let losses = slopes.iter().map(|s| s.loss.total);
+            walk.judge(index, sequences::mean(losses), descent)?;
             if walk.is_active() {
                 walk.learn(index, &slopes, descent)?;
             } else {
@@ -176,20 +177,11 @@ impl<'a> Refinement<'a> {
         let losses = submit::losses(self.backend, &batch, self.cancel)?;
         let own = losses.chunks(training.len());
         for (index, (walk, own)) in self.walks.iter_mut().zip(own).enumerate() {
-            walk.judge(index, mean(own), &mut *self.descent)?;
+            let loss = sequences::mean(own.iter().map(|l| l.total));
+            walk.judge(index, loss, &mut *self.descent)?;
         }
         Ok(())
     }
-}
-
-/// The loss of parameters: the mean over all sequences, which are in the task's order.
-fn mean<'l>(losses: impl IntoIterator<Item = &'l Loss>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0_usize);
-    for loss in losses {
-        sum += loss.total;
-        count += 1;
-    }
-    sum / count as f64
 }
 
 #[cfg(test)]

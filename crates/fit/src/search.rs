@@ -13,6 +13,7 @@ use crate::{
     Error,
     cmaes::CmaEs,
     fabric::{Fabric, Fabrics, Refusal, load, model},
+    sequences,
     space::{Candidate, Space},
     submit,
     task::{Task, Training},
@@ -78,10 +79,8 @@ impl<'a> Search<'a> {
             }
         }
         let losses = submit::losses(backend, &batch, cancel)?;
-        let mean = |at: usize| {
-            let all = &losses[at..at + self.set.len()];
-            all.iter().map(|l| l.total).sum::<f64>() / all.len() as f64
-        };
+        let mean =
+            |at: usize| sequences::mean(losses[at..at + self.set.len()].iter().map(|l| l.total));
         let mut first = first.into_iter();
         let mut generations = Vec::with_capacity(asked.len());
         for (samples, (_, strategy)) in asked.iter().zip(variants) {
@@ -111,7 +110,8 @@ impl<'a> Search<'a> {
                 return Err(backend::Error::Cancelled);
             }
             let params = candidate.params(&fabric.rest_lengths_m, &fabric.rest_angles_rad);
-            match model(self.task, &fabric.graph, params) {
+            let environment = candidate.environment(self.task.capture.environment);
+            match model(self.task, &fabric.graph, params, environment) {
                 Ok(model) => load(backend, model),
                 Err(refusal) => Ok(Err(refusal)),
             }

@@ -8,7 +8,7 @@
 
 use std::f32::consts::PI;
 
-use bendtwin_core::{Contact, Params, params::MAX_SPRING_STIFFNESS};
+use bendtwin_core::{Contact, Environment, Params, params::MAX_SPRING_STIFFNESS};
 use bendtwin_engine::build::Connectivity;
 
 use crate::task::Task;
@@ -34,6 +34,7 @@ pub(crate) enum Variable {
     Neighbours,
     ControlRadius,
     ControlNeighbours,
+    Gravity,
 }
 
 impl std::fmt::Display for Variable {
@@ -54,6 +55,7 @@ impl std::fmt::Display for Variable {
             Self::Neighbours => "neighbours",
             Self::ControlRadius => "control radius",
             Self::ControlNeighbours => "control neighbours",
+            Self::Gravity => "gravity's strength",
         })
     }
 }
@@ -115,6 +117,8 @@ pub(crate) struct Candidate {
     /// Share of the measured rest shape's bend that counts; 0 is straight.
     rest_bend: f64,
     contact: Contact,
+    /// Gravity as a multiple of what the capture says.
+    gravity: f64,
 }
 
 impl Space {
@@ -148,6 +152,9 @@ impl Space {
             axes.push(Axis::linear(ObjectFriction, 0.0, 2.0, 0.3));
             axes.push(Axis::linear(CollisionDistance, 0.01, 0.05, 0.02));
         }
+        if settings.search.gravity {
+            axes.push(Axis::log(Gravity, 0.5, 2.0, 1.0));
+        }
         if settings.search.topology {
             let graph = &settings.graph;
             if task.sample.edges.is_none() {
@@ -170,6 +177,7 @@ impl Space {
             bend_damping: 0.0,
             rest_bend: 1.0,
             contact,
+            gravity: 1.0,
         };
         axes.iter().for_each(|a| start.set(a.variable, a.start));
         Self { axes, start }
@@ -216,10 +224,17 @@ impl Candidate {
             Variable::Radius => self.connectivity.radius_m = to_grid(value),
             Variable::Neighbours => self.connectivity.max_neighbours = value.round() as usize,
             Variable::ControlRadius => self.connectivity.control_radius_m = to_grid(value),
+            Variable::Gravity => self.gravity = value,
             Variable::ControlNeighbours => {
                 self.connectivity.control_neighbours = value.round() as usize;
             }
         }
+    }
+
+    /// What surrounds the object, in a capture that says so much of it.
+    pub(crate) fn environment(&self, said: Environment) -> Environment {
+        let gravity = said.gravity.map(|g| (f64::from(g) * self.gravity) as f32);
+        Environment { gravity, ..said }
     }
 
     /// Parameters of a graph: the same for every spring and every triplet.

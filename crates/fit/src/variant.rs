@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{FitSettings, Params, Twin, twin::Provenance};
+use bendtwin_core::{Environment, FitSettings, Params, Twin, twin::Provenance};
 use bendtwin_engine::{Backend, descent::Start};
 
 use crate::{
@@ -47,12 +47,16 @@ impl Variant {
         VariantState::Search(CmaEs::new(start, search.sigma, search.population, seed))
     }
 
-    /// Graph and parameters at a point of the search space.
-    pub(crate) fn realise(&self, task: &Task<'_>, point: &[f64]) -> (Arc<Fabric>, Params) {
+    /// Graph, parameters and surroundings at a point of the search space.
+    pub(crate) fn realise(
+        &self,
+        task: &Task<'_>,
+        point: &[f64],
+    ) -> (Arc<Fabric>, Params, Environment) {
         let candidate = self.space.candidate(point);
         let fabric = Arc::new(Fabric::new(task, &candidate.connectivity));
         let params = candidate.params(&fabric.rest_lengths_m, &fabric.rest_angles_rad);
-        (fabric, params)
+        (fabric, params, candidate.environment(task.capture.environment))
     }
 
     /// The walk from where the search ended, or from where a checkpoint left it, and its start.
@@ -77,12 +81,12 @@ impl Variant {
         if point.len() != dimension {
             return Err(Error::Checkpoint("it has another number of variables".into()));
         }
-        let (fabric, params) = self.realise(task, &point);
+        let (fabric, params, environment) = self.realise(task, &point);
         let graph = fabric.graph.clone();
         let walk = match state {
-            VariantState::Search(_) => Walk::start(task, graph, params, backend)?,
+            VariantState::Search(_) => Walk::start(task, graph, params, environment, backend)?,
             VariantState::Refine { walk, .. } => {
-                Walk::resume(task, graph, params, walk.clone(), backend)?
+                Walk::resume(task, graph, params, environment, walk.clone(), backend)?
             }
         };
         Ok((point, walk))
@@ -98,7 +102,7 @@ impl Variant {
         Ok(Twin {
             graph: walk.graph.as_ref().clone(),
             params,
-            environment: job.capture.environment,
+            environment: walk.loaded.model().environment,
             timing,
             control_velocity: self.settings.control_velocity,
             provenance: Provenance {

@@ -162,3 +162,27 @@ fn hopeless_limits_are_explained() {
     let note = recorder.progress[0].note.clone().unwrap();
     assert!(note.contains("need more substeps"), "{note}");
 }
+
+#[test]
+fn gravity_that_was_misjudged_is_found() {
+    let mut capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
+    let true_gravity = capture.environment.gravity;
+    // As if the camera's clock ran fast.
+    capture.environment.gravity = true_gravity.map(|g| g / 1.4);
+    let mut settings = FitSettings { compare_axial: false, ..FitSettings::default() };
+    settings.graph.max_nodes = 24;
+    settings.search.gravity = true;
+    settings.search.generations = 12;
+    settings.refine.passes = 1;
+    let fit = |settings: &FitSettings| {
+        let backend = bendtwin_engine::cpu_with_threads(1);
+        let settings = settings.clone();
+        let job = FitJob { capture: &capture, capture_digest: "d".into(), settings, backend };
+        job.run(None, &mut (), &CancelToken::default()).unwrap().twin
+    };
+    let twin = fit(&settings);
+    let ratio = twin.environment.gravity[2] / true_gravity[2];
+    assert!((0.8..1.25).contains(&ratio), "{ratio} of the true gravity, from 0.71");
+    settings.search.gravity = false;
+    assert_eq!(fit(&settings).environment, capture.environment);
+}

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Graph, Params, Timing, settings::Substeps};
+use bendtwin_core::{Environment, Graph, Params, Timing, settings::Substeps};
 use bendtwin_engine::{
     Backend, Loaded, backend,
     descent::{Chart, Descent, Position, Slope, Start},
@@ -15,6 +15,7 @@ use crate::{
     Error,
     chart::chart,
     fabric::{Refusal, load, model},
+    sequences,
     task::Task,
 };
 
@@ -76,11 +77,13 @@ impl<'a> Walk<'a> {
         task: &'a Task<'a>,
         graph: Arc<Graph>,
         params: Params,
+        environment: Environment,
         backend: &dyn Backend,
     ) -> Result<(Self, Start), Error> {
         let chart = chart(task, params);
         let position = Position::at_rest(chart.start());
-        let model = model(task, &graph, chart.params(&position.theta)).map_err(too_stiff)?;
+        let model =
+            model(task, &graph, chart.params(&position.theta), environment).map_err(too_stiff)?;
         let substeps = model.timing.substeps;
         let loaded = load(backend, model)?.map_err(too_stiff)?;
         let best = Best { theta: position.theta.clone(), substeps, loss: f64::INFINITY };
@@ -102,6 +105,7 @@ impl<'a> Walk<'a> {
         task: &'a Task<'a>,
         graph: Arc<Graph>,
         params: Params,
+        environment: Environment,
         state: WalkState,
         backend: &dyn Backend,
     ) -> Result<(Self, Start), Error> {
@@ -111,7 +115,7 @@ impl<'a> Walk<'a> {
             chart.check_position(position).map_err(|e| Error::Checkpoint(e.to_string()))?;
         }
         let params = chart.params(&state.position.theta);
-        let mut model = model(task, &graph, params).map_err(too_stiff)?;
+        let mut model = model(task, &graph, params, environment).map_err(too_stiff)?;
         model.timing.substeps = state.substeps;
         let loaded = load(backend, model)?.map_err(too_stiff)?;
         Ok(Self::at(task, graph, loaded, chart, state))
@@ -206,8 +210,12 @@ impl<'a> Walk<'a> {
         if slopes.iter().any(|s| !(s.length.is_finite() && s.loss.total.is_finite())) {
             return self.back_off(index, "the gradient is not finite", descent);
         }
-        let lengths: Vec<f64> = slopes.iter().map(|s| s.length).collect();
-        Ok(descent.step(index, &weights(&lengths), self.learning_rate())?)
+        let losses: Vec<f64> = slopes.iter().map(|s| s.loss.total).collect();
+        let pulls = sequences::pulls(&losses);
+        let lengths: Vec<f64> =
+            slopes.iter().zip(&pulls).map(|(s, pull)| pull * s.length).collect();
+        let weights: Vec<f64> = weights(&lengths).iter().zip(&pulls).map(|(w, p)| w * p).collect();
+        Ok(descent.step(index, &weights, self.learning_rate())?)
     }
 
     /// Takes over where the steps of a pass led.
@@ -228,7 +236,8 @@ impl<'a> Walk<'a> {
         if enough_substeps(current, with_margin).is_ok() {
             return Ok(());
         }
-        let moved = match model(self.task, &self.graph, current.params.clone()) {
+        let moved = match model(self.task, &self.graph, current.params.clone(), current.environment)
+        {
             // At the limit the margin has to give way.
             Ok(model) if model.timing.substeps <= self.state.substeps => return Ok(()),
             Ok(model) => {
