@@ -62,10 +62,10 @@ impl BackendArgs {
         }
         let mut options = self.options(None);
         let free = first.memory().map(|m| m.total.saturating_sub(m.used) / 10 * 9);
-        drop(first);
         options.device_memory = options.device_memory.or(free).map(|bytes| bytes / jobs as u64);
         // What was found once must not be something else the second time.
         options.choice = BackendChoice::Cuda;
+        // The first one holds the device open meanwhile, and goes.
         (0..jobs).map(|_| open_backend(&options).map_err(failure::failed)).collect()
     }
 

@@ -19,6 +19,10 @@ const PANEL_WIDTH: f32 = 330.0;
 const CHART_HEIGHT: f32 = 250.0;
 const HEADER: f32 = 64.0;
 const ROW_TITLE: f32 = 34.0;
+/// From so many surface nodes on they are drawn finer.
+const DENSE_NODES: f32 = 300.0;
+/// Of more springs than this, only so many are drawn.
+const MOST_SPRINGS: usize = 4000;
 const BACKGROUND: Color = Color(255, 255, 255);
 const PANEL: Color = Color(246, 248, 250);
 /// Panels of frames that were never shown to the fit.
@@ -147,16 +151,28 @@ impl Picture<'_> {
         let Some(nodes) = model.trajectory.at(frame) else { return };
         let graph = &model.twin.graph;
         let at = |p: Point| view.place(p, panel);
-        for &[a, b] in &graph.springs {
+        // A dense graph would hide what was observed: it is drawn finer, and below.
+        let surface = graph.surface_count();
+        let fineness = (DENSE_NODES / surface.max(1) as f32).sqrt().clamp(0.3, 1.0);
+        let every = graph.springs.len().div_ceil(MOST_SPRINGS).max(1);
+        for &[a, b] in graph.springs.iter().step_by(every) {
             if let (Some(a), Some(b)) = (nodes.get(a as usize), nodes.get(b as usize)) {
                 canvas.line(at(*a), at(*b), 0.8, color, 0.28, clip.as_ref());
             }
         }
-        for p in observed(sequence, frame) {
-            canvas.disc_clipped(at(p), 2.2, OBSERVED, 0.55, clip.as_ref());
+        let draw_observed = |canvas: &mut Canvas| {
+            for p in observed(sequence, frame) {
+                canvas.disc_clipped(at(p), 2.2, OBSERVED, 0.55, clip.as_ref());
+            }
+        };
+        if fineness == 1.0 {
+            draw_observed(canvas);
         }
-        for p in &nodes[..graph.surface_count()] {
-            canvas.disc_clipped(at(*p), 2.6, color, 0.95, clip.as_ref());
+        for p in &nodes[..surface] {
+            canvas.disc_clipped(at(*p), 2.6 * fineness, color, 0.95 * fineness, clip.as_ref());
+        }
+        if fineness < 1.0 {
+            draw_observed(canvas);
         }
         for p in sequence.controls_at(frame) {
             canvas.disc_clipped(at(*p), 2.2, CONTROL, 0.8, clip.as_ref());
