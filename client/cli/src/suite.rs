@@ -7,11 +7,11 @@ use std::{path::PathBuf, sync::Arc, time::Duration};
 use bendtwin_core::{Category, Fault};
 use bendtwin_engine::backend::CancelToken;
 use bendtwin_study::{
-    Folder, Invocation, Plan, PlanOptions, Selection, Suite, Table, draw_pictures,
+    Folder, Invocation, Plan, PlanOptions, Selection, Suite, Table, Tally, draw_pictures,
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
-use self::board::Board;
+use self::board::{Board, counted};
 use crate::{
     args::Global,
     backend::BackendArgs,
@@ -44,6 +44,9 @@ pub(crate) struct SuiteArgs {
     /// Keep results of other builds too
     #[arg(long)]
     any_build: bool,
+    /// Run nothing: write the table and the pictures of what there is
+    #[arg(long)]
+    table_only: bool,
     /// Draw no pictures
     #[arg(long)]
     no_pictures: bool,
@@ -83,10 +86,16 @@ fn work(
         checkpoint_every: Duration::from_secs(args.checkpoint_every),
     };
     let mut plan = Plan::new(&suite, &folder, options).map_err(failure::failed)?;
-    let backends = args.backend.open_several(args.jobs, plan.pending())?;
-    let mut board = Board::new(&plan, &backends, quiet);
-    let result = plan.run(&backends, cancel, &mut |event| board.show(&event));
-    board.finish();
+    let work = if args.table_only { 0 } else { plan.pending() };
+    let backends = args.backend.open_several(args.jobs, work)?;
+    let result = if args.table_only {
+        Ok(Tally::default())
+    } else {
+        let mut board = Board::new(&plan, &backends, quiet);
+        let result = plan.run(&backends, cancel, &mut |event| board.show(&event));
+        board.finish();
+        result
+    };
     // What was found before a failure is told too.
     let invocation =
         Invocation { suite: args.suite.clone(), data: args.data.clone(), out: args.out.clone() };
@@ -122,7 +131,8 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
     match (failed, left) {
         (0, 0) => Ok(()),
         (0, _) => {
-            let message = format!("{left} runs are left: the same command goes on with them");
+            let message =
+                format!("not all is done, {} left: the same command goes on", counted(left));
             told(Category::Cancelled, "CANCELLED", message)
         }
         _ => {
@@ -130,7 +140,7 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
             told(
                 Category::Aborted,
                 "RUNS_FAILED",
-                format!("{failed} runs failed: {place} says why"),
+                format!("{} failed: {place} says why", counted(failed)),
             )
         }
     }

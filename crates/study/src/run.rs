@@ -74,7 +74,10 @@ impl Work {
             outcome,
         };
         site.folder.write_record(&record)?;
-        site.folder.remove_checkpoint(&self.id);
+        // What may go better the next time goes on from where it was.
+        if record.is_final() {
+            site.folder.remove_checkpoint(&self.id);
+        }
         Ok(End::Recorded(Box::new(record)))
     }
 
@@ -118,6 +121,8 @@ impl Work {
                     message: format!("a defect of this software: {}", panic_text(&*panic)),
                 },
             };
+            // A checkpoint that cannot be kept costs time the next time, no more.
+            let _ = keeper.flush();
             return Ok(Some(Outcome::Failed(fault)));
         }
     }

@@ -44,7 +44,8 @@ impl Board {
         let board = Self { bar, quiet, total, ended, running, began: now, last_line: now };
         let device = backends.first().map(|b| b.device().name).unwrap_or_default();
         board.say(&format!(
-            "{total} runs, {} at a time ({device} each); {} are done already",
+            "{}, {} at a time ({device} each); {} are done already",
+            counted(total),
             backends.len(),
             plan.done()
         ));
@@ -113,6 +114,11 @@ impl Board {
             self.say(&format!("{} of {} done; {text}", self.ended, self.total));
         }
     }
+}
+
+/// A number of runs, as people say it.
+pub(super) fn counted(runs: usize) -> String {
+    format!("{runs} run{}", if runs == 1 { "" } else { "s" })
 }
 
 fn now(run: &RunId, progress: Option<&Progress>) -> String {
