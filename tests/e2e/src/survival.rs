@@ -19,7 +19,7 @@ use crate::harness::{
 const SETTINGS: &str = r#"{
     "seed": 11,
     "graph": {"max_nodes": 40},
-    "search": {"generations": 900, "population": 8},
+    "search": {"generations": 500, "population": 8},
     "refine": {"passes": 40}
 }"#;
 /// The share of a fit over which kills are spread.
