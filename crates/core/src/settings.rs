@@ -71,6 +71,16 @@ pub enum TripletReference {
     OppositePairs,
 }
 
+/// A mean of several sequences' losses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SequenceMean {
+    /// Their sum, divided by their number: what is measured in the end.
+    Arithmetic,
+    /// The exponential of the mean of their logarithms, to which a few lost sequences matter less.
+    Geometric,
+}
+
 /// Substeps per frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -98,6 +108,8 @@ pub struct LossSettings {
     pub track_beta_m: f64,
     /// Acceleration smoothness, search stage only.
     pub acceleration_weight: f64,
+    /// How the losses of several sequences become one.
+    pub sequences: SequenceMean,
 }
 
 /// CMA-ES over the global variables.
@@ -195,6 +207,7 @@ impl Default for LossSettings {
             track_weight: 1.0,
             track_beta_m: 0.01,
             acceleration_weight: 0.0,
+            sequences: SequenceMean::Arithmetic,
         }
     }
 }

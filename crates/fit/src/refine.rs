@@ -109,7 +109,8 @@ impl<'a> Refinement<'a> {
         for (index, slopes) in self.measure(&active, states, step)? {
             let (walk, descent) = (&mut self.walks[index], &mut *self.descent);
             let losses = slopes.iter().map(|s| s.loss.total);
-            walk.judge(index, sequences::mean(losses), descent)?;
+            let kind = self.task.settings.loss.sequences;
+            walk.judge(index, sequences::mean(kind, losses), descent)?;
             if walk.is_active() {
                 walk.learn(index, &slopes, descent)?;
             } else {
@@ -177,7 +178,8 @@ impl<'a> Refinement<'a> {
         let losses = submit::losses(self.backend, &batch, self.cancel)?;
         let own = losses.chunks(training.len());
         for (index, (walk, own)) in self.walks.iter_mut().zip(own).enumerate() {
-            let loss = sequences::mean(own.iter().map(|l| l.total));
+            let kind = self.task.settings.loss.sequences;
+            let loss = sequences::mean(kind, own.iter().map(|l| l.total));
             walk.judge(index, loss, &mut *self.descent)?;
         }
         Ok(())

@@ -79,8 +79,10 @@ impl<'a> Search<'a> {
             }
         }
         let losses = submit::losses(backend, &batch, cancel)?;
-        let mean =
-            |at: usize| sequences::mean(losses[at..at + self.set.len()].iter().map(|l| l.total));
+        let mean = |at: usize| {
+            let own = losses[at..at + self.set.len()].iter().map(|l| l.total);
+            sequences::mean(self.task.settings.loss.sequences, own)
+        };
         let mut first = first.into_iter();
         let mut generations = Vec::with_capacity(asked.len());
         for (samples, (_, strategy)) in asked.iter().zip(variants) {

@@ -211,7 +211,7 @@ impl<'a> Walk<'a> {
             return self.back_off(index, "the gradient is not finite", descent);
         }
         let losses: Vec<f64> = slopes.iter().map(|s| s.loss.total).collect();
-        let pulls = sequences::pulls(&losses);
+        let pulls = sequences::pulls(self.task.settings.loss.sequences, &losses);
         let lengths: Vec<f64> =
             slopes.iter().zip(&pulls).map(|(s, pull)| pull * s.length).collect();
         let weights: Vec<f64> = weights(&lengths).iter().zip(&pulls).map(|(w, p)| w * p).collect();
