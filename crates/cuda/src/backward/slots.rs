@@ -65,7 +65,8 @@ impl Slots {
         let (most, deepest) = (all.clamp(1, MOST_BLOCKS), deepest.max(1));
         let bytes = way_back.bytes(instance);
         let fit = |room: u64, each: u64| (room / each.max(1)) as usize;
-        let (count, frames, segment) = if way_back.way.kept.is_some() {
+        let kept = way_back.way.kept.is_some();
+        let (count, frames, segment) = if kept {
             let count = fit(room, bytes.fixed).clamp(1, most);
             (count, deepest.min(JOBS_AT_ONCE / count).max(1), substeps)
         } else {
@@ -79,8 +80,8 @@ impl Slots {
             let segment = substeps.div_ceil(substeps.div_ceil(longest).max(1));
             (count, frames, segment)
         };
-        let on_tape = if way_back.way.kept.is_some() { 0 } else { count * frames };
-        let contacts = if way_back.way.kept.is_some() { count } else { on_tape };
+        // With tapes of their own the windows need none here, and one frame's candidates each.
+        let (on_tape, contacts) = if kept { (0, count) } else { (count * frames, count * frames) };
         let contact = contact_nodes(model);
         Ok(Self {
             windows: count,
@@ -130,8 +131,8 @@ impl Slots {
 impl Backward<'_> {
     fn bytes(&self, instance: usize) -> Bytes {
         let simulation = self.way.simulation;
-        let graph = &simulation.instances[instance].model.model().graph;
-        let contact = contact_nodes(simulation.instances[instance].model.model()) as u64;
+        let model = simulation.instances[instance].model.model();
+        let graph = &model.graph;
         let (n, e, t) = (graph.node_count(), graph.springs.len(), graph.triplets.len());
         let blocks = simulation.queue.device.ability.processors as usize;
         let paths = if self.request.controls {
@@ -142,9 +143,9 @@ impl Backward<'_> {
         // A spring has three sums, in rows that are not full.
         let sums = 5 * e + 3 * t + LAWS * blocks;
         let fixed = (32 * n + 4 * sums + 36 * paths) as u64;
-        let contact = CONTACT_BYTES * contact;
+        let contact = CONTACT_BYTES * contact_nodes(model) as u64;
         let substep = tape::NODE_BYTES * n as u64;
-        let substeps = u64::from(simulation.instances[instance].model.model().timing.substeps);
+        let substeps = u64::from(model.timing.substeps);
         match self.way.kept {
             Some(_) => Bytes { fixed: fixed + contact, frame: 0, substep: 0 },
             None => Bytes { fixed, frame: substep * substeps + contact, substep },
