@@ -19,7 +19,7 @@ use bendtwin_engine::{
 
 pub(crate) use self::walk::{Walk, WalkState};
 use self::{schedule::Step, windows::Windows};
-use crate::{Error, sequences, submit, task::Task};
+use crate::{Error, submit, task::Task};
 
 /// The refinement of all variants.
 pub(crate) struct Refinement<'a> {
@@ -108,9 +108,8 @@ impl<'a> Refinement<'a> {
         let (active, mut back) = (self.active(), Vec::new());
         for (index, slopes) in self.measure(&active, states, step)? {
             let (walk, descent) = (&mut self.walks[index], &mut *self.descent);
-            let losses = slopes.iter().map(|s| s.loss.total);
-            let kind = self.task.settings.loss.sequences;
-            walk.judge(index, sequences::mean(kind, losses), descent)?;
+            let loss = self.task.loss(slopes.iter().map(|s| s.loss.total));
+            walk.judge(index, loss, descent)?;
             if walk.is_active() {
                 walk.learn(index, &slopes, descent)?;
             } else {
@@ -178,8 +177,7 @@ impl<'a> Refinement<'a> {
         let losses = submit::losses(self.backend, &batch, self.cancel)?;
         let own = losses.chunks(training.len());
         for (index, (walk, own)) in self.walks.iter_mut().zip(own).enumerate() {
-            let kind = self.task.settings.loss.sequences;
-            let loss = sequences::mean(kind, own.iter().map(|l| l.total));
+            let loss = self.task.loss(own.iter().map(|l| l.total));
             walk.judge(index, loss, &mut *self.descent)?;
         }
         Ok(())

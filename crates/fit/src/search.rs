@@ -13,7 +13,6 @@ use crate::{
     Error,
     cmaes::CmaEs,
     fabric::{Fabric, Fabrics, Refusal, load, model},
-    sequences,
     space::{Candidate, Space},
     submit,
     task::{Task, Training},
@@ -79,10 +78,8 @@ impl<'a> Search<'a> {
             }
         }
         let losses = submit::losses(backend, &batch, cancel)?;
-        let mean = |at: usize| {
-            let own = losses[at..at + self.set.len()].iter().map(|l| l.total);
-            sequences::mean(self.task.settings.loss.sequences, own)
-        };
+        let mean =
+            |at: usize| self.task.loss(losses[at..at + self.set.len()].iter().map(|l| l.total));
         let mut first = first.into_iter();
         let mut generations = Vec::with_capacity(asked.len());
         for (samples, (_, strategy)) in asked.iter().zip(variants) {

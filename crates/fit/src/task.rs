@@ -12,7 +12,7 @@ use bendtwin_engine::{
 };
 use bendtwin_eval::initial_state;
 
-use crate::Error;
+use crate::{Error, sequences};
 
 /// Everything about a fit that no iteration changes.
 pub(crate) struct Task<'a> {
@@ -107,6 +107,11 @@ impl<'a> Task<'a> {
             set.push(training);
         }
         set
+    }
+
+    /// The loss of parameters, from those of the sequences.
+    pub(crate) fn loss(&self, of_sequences: impl IntoIterator<Item = f64>) -> f64 {
+        sequences::mean(self.settings.loss.sequences, of_sequences)
     }
 
     /// Whether an object of the capture comes near the ground in training.
