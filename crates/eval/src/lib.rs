@@ -1,6 +1,7 @@
 //! How good a twin is: Chamfer distance, track error, free baselines, pictures. Knows no optimiser.
 
 mod baselines;
+mod branches;
 mod distance;
 mod error;
 mod evaluate;

@@ -6,11 +6,15 @@
 //!   frame. Motion capture is its own clean track: every point against its own node.
 //! - **Coordinate** (motion capture, DEFORM's): mean |difference| per coordinate over all points. In total it is
 //!   summed over predicted frames and divided by the number of frames of the sequence, start frames included.
+//! - **Padded RMS** (motion capture of cables with branches, DEFT's): root of the mean squared difference per coordinate
+//!   over all branches, each filled up with zeros to the longest ([`crate::branches`]). In total the squares are
+//!   summed over predicted frames and divided by the number of frames, start frames included, before the root is taken.
 
 use bendtwin_core::{Capture, Graph, Point, Sequence, quality::ErrorSummary};
 
 use crate::{
     Trajectory,
+    branches::Branches,
     distance::{chamfer, euclidean, is_finite, nearest},
 };
 
@@ -22,6 +26,7 @@ pub(crate) struct Yardstick<'a> {
     tracks: Vec<(usize, usize)>,
     /// Points with their own nodes, if every point has one and the capture is motion capture.
     coordinates: Option<Vec<(usize, usize)>>,
+    branches: Option<Branches>,
 }
 
 impl<'a> Yardstick<'a> {
@@ -37,10 +42,11 @@ impl<'a> Yardstick<'a> {
         let own = own_nodes(graph, capture.object.point_count);
         let is_mocap = !capture.object.edges.is_empty() || !capture.object.pins.is_empty();
         let coordinates = own.filter(|_| is_mocap);
+        let branches = Branches::new(&capture.object.edges, capture.object.point_count);
         let truth = sequence.truth_at(sequence.start_frame());
         let known = truth.iter().enumerate().filter(|(_, p)| is_finite(p));
         let tracks = known.filter_map(|(k, p)| Some((nearest(*p, surface)?, k))).collect();
-        Self { sequence, surface_count, tracks, coordinates }
+        Self { sequence, surface_count, tracks, coordinates, branches }
     }
 
     /// Errors of predicted node positions in a frame, shape [N, 3].
@@ -52,7 +58,7 @@ impl<'a> Yardstick<'a> {
         let truth = self.sequence.truth_at(frame);
         let pairs = self.tracks.iter().filter(|(_, k)| is_finite(&truth[*k]));
         let mut track_m = mean(pairs.map(|&(n, k)| euclidean(nodes[n], truth[k])));
-        let mut coordinate_m = None;
+        let (mut coordinate_m, mut padded_rms_m) = (None, None);
         if let Some(own) = &self.coordinates {
             let own = || own.iter().filter(|(_, p)| seen(p));
             let difference = |&(n, p): &(usize, usize)| {
@@ -60,6 +66,13 @@ impl<'a> Yardstick<'a> {
                 a.iter().zip(b).map(|(x, y)| f64::from((x - y).abs())).sum::<f64>() / 3.0
             };
             coordinate_m = mean(own().map(difference));
+            if let Some(branches) = &self.branches {
+                let square = |&(n, p): &(usize, usize)| {
+                    (branches.memberships[p], euclidean(nodes[n], points[p]).powi(2) / 3.0)
+                };
+                padded_rms_m = weighted_mean(own().map(square)).map(|x| x / branches.padding);
+                padded_rms_m = padded_rms_m.map(f64::sqrt);
+            }
             if self.tracks.is_empty() {
                 track_m = mean(own().map(|&(n, p)| euclidean(nodes[n], points[p])));
             }
@@ -69,6 +82,7 @@ impl<'a> Yardstick<'a> {
             chamfer_l2_m: distances.map(|d| d.l2_m),
             track_m,
             coordinate_m,
+            padded_rms_m,
         }
     }
 }
@@ -89,6 +103,12 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     (n > 0).then(|| sum / n as f64)
 }
 
+/// Mean of values, each after its weight.
+fn weighted_mean(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let (sum, weight) = values.fold((0.0, 0.0), |(sum, total), (w, x)| (sum + w * x, total + w));
+    (weight > 0.0).then(|| sum / weight)
+}
+
 /// Means over frames of many sequences.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Totals {
@@ -96,10 +116,13 @@ pub(crate) struct Totals {
     chamfer_l2: (f64, f64),
     track: (f64, f64),
     coordinate: (f64, f64),
+    /// Of squares.
+    padded: (f64, f64),
 }
 
 impl Totals {
-    /// Adds the errors of consecutive frames; `divisor_frames` is what the coordinate sum is divided by.
+    /// Adds the errors of consecutive frames; `divisor_frames` is what the sums of the metrics of motion capture
+    /// are divided by.
     pub(crate) fn add(&mut self, frames: &[ErrorSummary], divisor_frames: usize) {
         for f in frames {
             let add = |to: &mut (f64, f64), x: Option<f64>| {
@@ -111,11 +134,14 @@ impl Totals {
             add(&mut self.chamfer_l2, f.chamfer_l2_m);
             add(&mut self.track, f.track_m);
         }
-        let coordinates: Vec<f64> = frames.iter().filter_map(|f| f.coordinate_m).collect();
-        if !coordinates.is_empty() {
-            self.coordinate.0 += coordinates.iter().sum::<f64>();
-            self.coordinate.1 += divisor_frames as f64;
-        }
+        let sum_up = |to: &mut (f64, f64), values: Vec<f64>| {
+            if !values.is_empty() {
+                *to = (to.0 + values.iter().sum::<f64>(), to.1 + divisor_frames as f64);
+            }
+        };
+        sum_up(&mut self.coordinate, frames.iter().filter_map(|f| f.coordinate_m).collect());
+        let squares = frames.iter().filter_map(|f| Some(f.padded_rms_m?.powi(2)));
+        sum_up(&mut self.padded, squares.collect());
     }
 
     pub(crate) fn summary(&self) -> ErrorSummary {
@@ -125,6 +151,7 @@ impl Totals {
             chamfer_l2_m: mean(self.chamfer_l2),
             track_m: mean(self.track),
             coordinate_m: mean(self.coordinate),
+            padded_rms_m: mean(self.padded).map(f64::sqrt),
         }
     }
 }
@@ -147,7 +174,7 @@ impl Account {
             .collect();
         let (train, future) =
             errors.split_at(s.train_frame_count.saturating_sub(first).min(errors.len()));
-        // A sequence that is not split counts with all of its frames, as in DEFORM's metric.
+        // A sequence that is not split counts with all of its frames, as in DEFORM's and DEFT's metrics.
         let divisor = |part: &[ErrorSummary]| {
             if part.len() == errors.len() { s.frame_count } else { part.len() }
         };

@@ -32,11 +32,12 @@ type Column = (&'static str, fn(&ErrorSummary) -> Option<f64>);
 /// A name and the part of a score that it stands for.
 type Span = (&'static str, fn(&Score) -> &ErrorSummary);
 
-const COLUMNS: [Column; 4] = [
+const COLUMNS: [Column; 5] = [
     ("CD", |e| e.chamfer_l1_m),
     ("CD (L2)", |e| e.chamfer_l2_m),
     ("track", |e| e.track_m),
     ("coordinate", |e| e.coordinate_m),
+    ("padded RMS", |e| e.padded_rms_m),
 ];
 
 /// The table in millimetres: a row per predictor, training and future errors side by side. Columns

@@ -149,6 +149,7 @@ fn result(record: &Record) -> String {
         ("CD", errors.chamfer_l1_m),
         ("track", errors.track_m),
         ("coordinate", errors.coordinate_m),
+        ("padded RMS", errors.padded_rms_m),
     ];
     let figures = named.into_iter().filter_map(|(name, m)| Some(format!("{name} {:.2}", 1e3 * m?)));
     format!(

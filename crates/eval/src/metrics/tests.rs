@@ -40,6 +40,26 @@ fn a_whole_sequence_counts_as_in_deforms_metric() {
 }
 
 #[test]
+fn branches_are_filled_up_to_the_longest_as_in_defts_metric() {
+    // Trunk 0 to 3, whose ends are points 0 and 3; point 4 hangs on point 1. Held are 0 and 4.
+    let mut capture = scene::chain(5, 5, 0, [0.0, 0.0, 0.03]);
+    capture.object.edges[3] = [1, 4];
+    let (graph, sequence) = (scene::chain_graph(5), &capture.sequences[0]);
+    let start = sequence.points_at(0);
+    let mut account = Account::default();
+    let yardstick = Yardstick::new(&capture, sequence, &graph, start);
+    account.add(&yardstick, &standing_still(&graph, sequence, start));
+    // Two branches of four places: point 1 counts in both of them, 2 and 3 once, two places are filling.
+    let of_frame = |f: f64| 4.0 * (0.03 * f).powi(2) / (3.0 * 8.0);
+    assert!(close(account.per_frame()[1].padded_rms_m, of_frame(2.0).sqrt()));
+    let mean = (1..5).map(|f| of_frame(f64::from(f))).sum::<f64>() / 5.0;
+    assert!(close(account.future.summary().padded_rms_m, mean.sqrt()));
+    let chain = scene::chain(5, 5, 0, [0.0, 0.0, 0.03]);
+    let of_chain = Yardstick::new(&chain, &chain.sequences[0], &graph, start);
+    assert_eq!(of_chain.measure(1, start).padded_rms_m, None);
+}
+
+#[test]
 fn tracks_belong_to_the_surface_node_nearest_at_the_start() {
     let mut capture = scene::chain(3, 2, 2, [0.0; 3]);
     capture.object.edges.clear();

@@ -36,6 +36,7 @@ struct Millimetres {
     cd_l2_mm: Option<f64>,
     track_mm: Option<f64>,
     coordinate_mm: Option<f64>,
+    padded_rms_mm: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -260,6 +261,7 @@ impl ReferenceEntry {
                 chamfer_l2_m: m(e.cd_l2_mm),
                 track_m: m(e.track_mm),
                 coordinate_m: m(e.coordinate_mm),
+                padded_rms_m: m(e.padded_rms_mm),
             }
         };
         Reference {
@@ -271,8 +273,8 @@ impl ReferenceEntry {
     }
 }
 
-fn figures_of(e: &ErrorSummary) -> [Option<f64>; 4] {
-    [e.chamfer_l1_m, e.chamfer_l2_m, e.track_m, e.coordinate_m]
+fn figures_of(e: &ErrorSummary) -> [Option<f64>; 5] {
+    [e.chamfer_l1_m, e.chamfer_l2_m, e.track_m, e.coordinate_m, e.padded_rms_m]
 }
 
 fn of_configuration(configuration: &Configuration) -> String {

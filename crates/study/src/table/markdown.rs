@@ -14,7 +14,7 @@ pub(super) fn write(table: &Table) -> String {
         let _ = write!(text, "\n{}\n", table.about);
     }
     text += "\nErrors in mm: one-sided Chamfer distance in the L1 norm (CD) and Euclidean (L2), track error, mean coordinate \
-             difference (motion capture), on training and on future frames.\n\n";
+             difference (motion capture) and its padded root mean square (cables with branches), on training and on future frames.\n\n";
     text += &errors(table);
     if !table.differences.is_empty() {
         text += "\nErrors of the first against those of the second; negative is better.\n\n";

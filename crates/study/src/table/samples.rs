@@ -27,7 +27,7 @@ macro_rules! column {
 }
 
 /// All columns, in the table's order.
-pub(crate) const COLUMNS: [Column; 8] = [
+pub(crate) const COLUMNS: [Column; 10] = [
     column!("cd_l1_train_mm", "CD train", chamfer_l1_m, false),
     column!("cd_l1_future_mm", "CD future", chamfer_l1_m, true),
     column!("cd_l2_train_mm", "CD (L2) train", chamfer_l2_m, false),
@@ -36,6 +36,8 @@ pub(crate) const COLUMNS: [Column; 8] = [
     column!("track_future_mm", "track future", track_m, true),
     column!("coordinate_train_mm", "coordinate train", coordinate_m, false),
     column!("coordinate_future_mm", "coordinate future", coordinate_m, true),
+    column!("padded_rms_train_mm", "padded RMS train", padded_rms_m, false),
+    column!("padded_rms_future_mm", "padded RMS future", padded_rms_m, true),
 ];
 
 /// One value a column [mm].
