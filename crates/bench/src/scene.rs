@@ -161,6 +161,7 @@ impl Scene {
                 rest_angles_rad,
                 drag: DRAG,
                 contact: Contact::default(),
+                ..Params::default()
             },
             environment: Environment::Z_UP,
             timing: Timing { fps: FPS, substeps: SUBSTEPS },
@@ -193,6 +194,7 @@ pub(crate) fn graph_settings() -> GraphSettings {
         max_neighbours: 29,
         control_radius_m: 0.04,
         control_neighbours: 50,
+        rods: false,
         max_triplets: 4,
         triplet_reference: TripletReference::OppositePairs,
     }

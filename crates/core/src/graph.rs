@@ -1,4 +1,4 @@
-//! The graph of a twin: nodes, springs and bending triplets. Topology and rest
+//! The graph of a twin: nodes, springs, bending triplets and rods. Topology and rest
 //! geometry only; the numbers that fitting changes are in [`crate::Params`].
 
 use serde::{Deserialize, Serialize};
@@ -38,11 +38,11 @@ pub struct Pin {
     pub offset_m: Point,
 }
 
-/// Nodes, springs and triplets.
+/// Nodes, springs, triplets and rods.
 ///
 /// **Endpoints.** Springs and triplets name *endpoints*: `e < N` is node `e`,
 /// `N <= e < N + C` is control point `e - N`. A control spring is therefore a
-/// spring like any other, and a triplet may include a control point.
+/// spring like any other, and a triplet may include a control point. A rod names nodes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Graph {
     /// Rest positions [m], shape [N, 3].
@@ -64,11 +64,19 @@ pub struct Graph {
     pub triplets: Vec<[u32; 3]>,
     /// Nodes prescribed by control points.
     pub pins: Vec<Pin>,
+    /// Rods that twist: each a path of nodes, in order, of at least [`Graph::MIN_ROD_NODES`]. Its first two and its
+    /// last two nodes are pinned, so that both clamps give a position and a direction; what the clamps
+    /// do about that direction is carried along by parallel transport.
+    #[serde(default)]
+    pub rods: Vec<Vec<u32>>,
 }
 
 impl Graph {
     /// Marks a node that is no observed point of the capture.
     pub const NOT_OBSERVED: u32 = u32::MAX;
+
+    /// Fewest nodes of a rod: two in each of its clamps.
+    pub const MIN_ROD_NODES: usize = 4;
 
     /// Number of nodes N.
     pub fn node_count(&self) -> usize {
@@ -141,6 +149,32 @@ impl Graph {
                 return Err(format!("node {} is pinned twice", p.node));
             }
         }
-        Ok(())
+        self.rods.iter().enumerate().try_for_each(|(r, rod)| check_rod(r, rod, &pinned))
     }
 }
+
+/// A rod is a path without loops between two clamps; `pinned` has an entry per node.
+fn check_rod(index: usize, rod: &[u32], pinned: &[bool]) -> Result<(), String> {
+    let least = Graph::MIN_ROD_NODES;
+    if rod.len() < least {
+        return Err(format!("rod {index} has {} nodes: it takes at least {least}", rod.len()));
+    }
+    if let Some(node) = rod.iter().find(|&&i| i as usize >= pinned.len()) {
+        return Err(format!("rod {index} names node {node} of {} nodes", pinned.len()));
+    }
+    let mut sorted = rod.to_vec();
+    sorted.sort_unstable();
+    if let Some(twice) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(format!("rod {index} passes node {} twice", twice[0]));
+    }
+    let clamped = rod[..2].iter().chain(&rod[rod.len() - 2..]);
+    match clamped.copied().find(|&i| !pinned[i as usize]) {
+        Some(node) => Err(format!(
+            "rod {index} is not clamped at node {node}: its first two and last two nodes must be pinned"
+        )),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,4 +1,4 @@
-//! What fitting changes: one number per spring, per triplet, and a few global ones.
+//! What fitting changes: one number per spring, per triplet, per rod, and a few global ones.
 
 use serde::{Deserialize, Serialize};
 
@@ -56,6 +56,16 @@ pub struct Params {
     pub bend_damping: Vec<f32>,
     /// Rest angle [rad], shape [T], 0..=pi.
     pub rest_angles_rad: Vec<f32>,
+    /// Twist stiffness of a whole rod, torque per twist [N m/rad], shape [R].
+    #[serde(default)]
+    pub twist_stiffness: Vec<f32>,
+    /// Twist damping of a whole rod [N m s/rad], shape [R].
+    #[serde(default)]
+    pub twist_damping: Vec<f32>,
+    /// Twist at which a rod gives no torque, relative to how it is when a simulation begins [rad], shape [R];
+    /// of any sign and size.
+    #[serde(default)]
+    pub rest_twists_rad: Vec<f32>,
     /// Velocity decay rate [1/s].
     pub drag: f32,
     /// Contact parameters.
@@ -68,7 +78,7 @@ impl Params {
     /// # Errors
     /// The first contradiction found, as a sentence.
     pub fn check(&self, graph: &Graph) -> Result<(), String> {
-        let (e, t) = (graph.springs.len(), graph.triplets.len());
+        let (e, t, r) = (graph.springs.len(), graph.triplets.len(), graph.rods.len());
         let arrays = [
             ("spring stiffness", &self.spring_stiffness, e),
             ("spring dashpot", &self.spring_dashpot, e),
@@ -76,6 +86,8 @@ impl Params {
             ("bend stiffness", &self.bend_stiffness, t),
             ("bend damping", &self.bend_damping, t),
             ("rest angle", &self.rest_angles_rad, t),
+            ("twist stiffness", &self.twist_stiffness, r),
+            ("twist damping", &self.twist_damping, r),
         ];
         for (what, values, expected) in arrays {
             if values.len() != expected {
@@ -87,6 +99,13 @@ impl Params {
                     values[i]
                 ));
             }
+        }
+        let twists = &self.rest_twists_rad;
+        if twists.len() != r {
+            return Err(format!("{} values of rest twist for {r} rods", twists.len()));
+        }
+        if let Some(i) = twists.iter().position(|x| !x.is_finite()) {
+            return Err(format!("rest twist {i} is {}: it must be finite", twists[i]));
         }
         let c = &self.contact;
         let globals = [

@@ -13,7 +13,7 @@ use crate::environment::ControlVelocity;
 pub struct FitSettings {
     /// Seed of every random choice; the same seed gives the same twin.
     pub seed: u64,
-    /// Whether the twin has bending triplets.
+    /// Whether the twin has bending triplets, and rods that twist where it can.
     pub bending: bool,
     /// Also fit the same nodes without bending and report it beside.
     pub compare_axial: bool,
@@ -55,6 +55,8 @@ pub struct GraphSettings {
     pub max_triplets: usize,
     /// Which neighbour is the reference arm of a node's triplets.
     pub triplet_reference: TripletReference,
+    /// Whether what lies between two clamps of a cable with known edges is a rod that twists.
+    pub twist: bool,
 }
 
 /// Choice of the reference neighbour r(j) of a centre j.
@@ -196,6 +198,7 @@ impl Default for GraphSettings {
             control_neighbours: 10,
             max_triplets: 4,
             triplet_reference: TripletReference::OppositePairs,
+            twist: true,
         }
     }
 }

@@ -207,8 +207,13 @@ impl CudaBackend {
                 Some(bars) if ended => State {
                     positions: bars[..n].iter().map(point).collect(),
                     velocities: bars[n..].iter().map(point).collect(),
+                    twists: Vec::new(),
                 },
-                _ => State { positions: vec![[0.0; 3]; n], velocities: vec![[0.0; 3]; n] },
+                _ => State {
+                    positions: vec![[0.0; 3]; n],
+                    velocities: vec![[0.0; 3]; n],
+                    twists: Vec::new(),
+                },
             };
             let span = gradients.control_starts[i]..gradients.control_starts[i + 1];
             let mut paths: Vec<[f32; 3]> = match ended {
@@ -288,6 +293,11 @@ impl Backend for CudaBackend {
 
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
         check::loadable(&model)?;
+        if !model.graph.rods.is_empty() {
+            let why =
+                "this backend has no rods that twist yet: use the CPU, or fit with graph.twist off";
+            return Err(Error::InvalidModel(why.into()));
+        }
         self.refuse_too_large(resident_bytes(&model))?;
         let graph = self.graphs.get(&self.device, &model.graph)?;
         let resident = Resident::new(&self.device, &graph, &model.params)?;

@@ -173,6 +173,9 @@ pub(crate) fn flatten(p: &Params) -> Vec<f32> {
         &p.bend_stiffness,
         &p.bend_damping,
         &p.rest_angles_rad,
+        &p.twist_stiffness,
+        &p.twist_damping,
+        &p.rest_twists_rad,
     ];
     let mut all = arrays.map(Vec::as_slice).concat();
     all.extend(laws);
@@ -197,6 +200,8 @@ pub(crate) fn unflatten(base: &Params, flat: &[f32]) -> Params {
     let (e, t) = (base.spring_stiffness.len(), base.bend_stiffness.len());
     let (spring_stiffness, spring_dashpot, rest_lengths_m) = (take(e), take(e), take(e));
     let (bend_stiffness, bend_damping, rest_angles_rad) = (take(t), take(t), take(t));
+    let r = base.twist_stiffness.len();
+    let (twist_stiffness, twist_damping, rest_twists_rad) = (take(r), take(r), take(r));
     let law = |k: usize| rest.get(k).copied().unwrap_or_default();
     Params {
         spring_stiffness,
@@ -205,6 +210,9 @@ pub(crate) fn unflatten(base: &Params, flat: &[f32]) -> Params {
         bend_stiffness,
         bend_damping,
         rest_angles_rad,
+        twist_stiffness,
+        twist_damping,
+        rest_twists_rad,
         drag: law(0),
         contact: bendtwin_core::Contact {
             ground_restitution: law(1),

@@ -281,6 +281,7 @@ impl<'a> Simulation<'a> {
         Ok(State {
             positions: (0..n).map(|i| point(0, i)).collect(),
             velocities: (0..n).map(|i| point(3, i)).collect(),
+            twists: Vec::new(),
         })
     }
 }
@@ -307,7 +308,7 @@ fn start(this: &Simulation<'_>) -> Result<(), Error> {
     for instance in this.instances {
         places.entry(Arc::as_ptr(&instance.initial)).or_insert_with(|| {
             let at = planes.len();
-            let State { positions, velocities } = &*instance.initial;
+            let State { positions, velocities, .. } = &*instance.initial;
             for points in [positions, velocities] {
                 (0..3).for_each(|k| planes.extend(points.iter().map(|p| p[k])));
             }

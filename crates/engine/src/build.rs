@@ -10,6 +10,7 @@ mod connect;
 mod error;
 mod order;
 mod rest;
+mod rods;
 mod sample;
 mod spread;
 mod triplets;
@@ -98,6 +99,8 @@ pub struct Connectivity {
     pub control_neighbours: usize,
     /// Bending triplets, if any.
     pub triplets: Option<Triplets>,
+    /// Whether what lies between two clamps of a cable with known edges is a rod that twists.
+    pub rods: bool,
 }
 
 /// How triplets are chosen.
@@ -110,7 +113,7 @@ pub struct Triplets {
 }
 
 impl Connectivity {
-    /// The settings' own values; without `bending`, without triplets.
+    /// The settings' own values; without `bending`, without triplets and rods.
     pub fn from_settings(settings: &GraphSettings, bending: bool) -> Self {
         Self {
             radius_m: settings.radius_m,
@@ -121,6 +124,7 @@ impl Connectivity {
                 max_per_node: settings.max_triplets,
                 reference: settings.triplet_reference,
             }),
+            rods: bending && settings.twist,
         }
     }
 }

@@ -25,6 +25,7 @@ mod random;
 mod refusals;
 mod scene;
 mod springs;
+mod twist;
 
 use crate::Backend;
 
@@ -133,6 +134,12 @@ suite! { ($)
         damping_forces_take_power,
         cantilever_bends_like_the_discrete_beam,
         straight_rod_stays_smooth_through_pi;
+    twist:
+        clamps_twist_by_the_solid_angle,
+        energy_of_a_twisted_rod,
+        twist_damping_never_raises_energy,
+        twist_turns_a_bow_out_of_its_plane,
+        rods_without_stiffness_change_nothing;
     ground:
         bouncing_node_loses_restitution_squared,
         sliding_node_stops_by_coulomb_friction,
@@ -154,6 +161,7 @@ suite! { ($)
     gradients:
         gradients_match_finite_differences,
         gradients_of_a_straight_rod,
+        gradients_of_a_twisting_rod,
         gradients_through_ground_contact,
         gradients_through_object_contact,
         gradients_of_every_term,

@@ -23,6 +23,7 @@ mod machine;
 mod nearest;
 pub(crate) mod parameters;
 pub(crate) mod real;
+pub(crate) mod rod;
 pub(crate) mod rollout;
 mod spring;
 mod strips;
@@ -37,7 +38,7 @@ use self::{
     diagnostics::{Observer, point, state_of},
     parameters::Parameters,
     real::quad,
-    rollout::{Case, Scorer, nodes_of},
+    rollout::{Case, Scorer, nodes_of, twists_of},
     system::{Layout, System},
 };
 use crate::{
@@ -113,6 +114,7 @@ fn case(instance: &Instance) -> Result<Case<'_, f32>, Error> {
     Ok(Case {
         system: &resident(&instance.model)?.system,
         initial: nodes_of(&instance.initial),
+        twists: twists_of(&instance.initial, &instance.model.model().graph),
         controls: instance.controls.iter().map(|&p| quad(p)).collect(),
         frames: instance.frames,
         objective: &instance.objective,
@@ -153,9 +155,9 @@ impl Backend for CpuBackend {
         self.each(batch, |case| {
             let mut scorer = Scorer::new(case.objective, case.system.surface);
             let mut observer = Observer::new(case, recording);
-            let diverged = case.run(cancel, |frame, nodes| {
-                scorer.see(frame, &nodes[..case.system.nodes]);
-                observer.see(frame, nodes);
+            let diverged = case.run(cancel, |frame, now| {
+                scorer.see(frame, &now.nodes[..case.system.nodes]);
+                observer.see(frame, now);
             })?;
             Ok(observer.finish(scorer.finish(diverged)))
         })
@@ -180,8 +182,9 @@ impl Backend for CpuBackend {
                 loss: g.loss,
                 params: g.parameters.into_gradient(),
                 controls: if request.controls { controls.collect() } else { Vec::new() },
-                initial: request.initial.then(|| state_of(&g.initial)),
-                final_state: (request.final_state && !diverged).then(|| state_of(&g.last)),
+                initial: request.initial.then(|| state_of(&g.initial, &g.initial_twists)),
+                final_state: (request.final_state && !diverged)
+                    .then(|| state_of(&g.last, &g.last_twists)),
             })
         })
     }

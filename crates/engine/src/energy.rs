@@ -9,7 +9,8 @@ use crate::{
         lanes::{LANES, Node},
         parameters::Parameters,
         real::{Real, dot, quad, sub},
-        rollout::nodes_of,
+        rod::Rod,
+        rollout::{nodes_of, twists_of},
         system::{Layout, System},
     },
     model::State,
@@ -20,7 +21,7 @@ use crate::{
 pub struct Energy {
     /// Sum of m v²/2.
     pub kinetic: f64,
-    /// Of springs, k (l - l0)² / (2 l0), and of triplets, k (theta - theta0)² / 2.
+    /// Of springs, k (l - l0)² / (2 l0), of triplets, k (theta - theta0)² / 2, and of rods, k (twist - rest)² / 2.
     pub elastic: f64,
     /// Sum of -m g . x; zero at the origin.
     pub gravitational: f64,
@@ -39,6 +40,7 @@ pub fn energy(model: &Model, state: &State, controls: &[Point]) -> Option<Energy
     let n = model.graph.node_count();
     let fits = state.positions.len() == n
         && state.velocities.len() == n
+        && (state.twists.is_empty() || state.twists.len() == model.graph.rods.len())
         && controls.len() == model.graph.control_count()
         && crate::cpu::check::model(model).is_ok();
     fits.then(|| {
@@ -46,13 +48,14 @@ pub fn energy(model: &Model, state: &State, controls: &[Point]) -> Option<Energy
         let system = System::new(model, &Layout::new(&model.graph), parameters);
         let mut nodes = nodes_of(state);
         nodes.extend(controls.iter().map(|&p| Node { x: quad(p), v: [0.0; 4] }));
-        of_nodes(&system, &nodes)
+        of_nodes(&system, &nodes, &twists_of(state, &model.graph))
     })
 }
 
-/// Energies of endpoints, shape [N + C].
-pub(crate) fn of_nodes<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> Energy {
-    let mut energy = Energy { elastic: elastic(system, nodes), ..Energy::default() };
+/// Energies of endpoints, shape [N + C], and twists, shape [R].
+pub(crate) fn of_nodes<T: Real>(system: &System<T>, nodes: &[Node<T>], twists: &[T]) -> Energy {
+    let elastic = elastic(system, nodes) + twisting(system, twists);
+    let mut energy = Energy { elastic, ..Energy::default() };
     for (node, m) in nodes.iter().zip(&system.masses) {
         let m = m.to_f64();
         energy.kinetic += 0.5 * m * dot(node.v, node.v).to_f64();
@@ -85,6 +88,14 @@ fn elastic<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> f64 {
         }
     }
     sum
+}
+
+fn twisting<T: Real>(system: &System<T>, twists: &[T]) -> f64 {
+    let of = |(rod, twist): (&Rod<T>, &T)| {
+        let deviation = twist.to_f64() - rod.rest_twist.to_f64();
+        0.5 * rod.stiffness.to_f64() * deviation * deviation
+    };
+    system.rods.rods.iter().zip(twists).map(of).sum()
 }
 
 fn length<T: Real>(nodes: &[Node<T>], i: u32, j: u32) -> f64 {

@@ -3,7 +3,8 @@
 //! **Softening.** A model can have fewer substeps than its stiffest mode allows only if that mode gives way. An
 //! element by itself has a stiffness κ [1/s²] and a damping ζ [1/s], both per mass: for a spring
 //! `κ = w k / l0` and `ζ = w γ` with `w = 1/m_i + 1/m_j`; for a triplet `κ = w kθ` and `ζ = w c_b` with
-//! `w = 1/(m_i lu²) + 1/(m_k lw²) + (1/lu + 1/lw)²/m_j` and lu, lw the lengths of its arms at rest. Pinned
+//! `w = 1/(m_i lu²) + 1/(m_k lw²) + (1/lu + 1/lw)²/m_j` and lu, lw the lengths of its arms at rest; for a rod
+//! the same with `w = sum |g|²/m` over its nodes, with the gradient g of its twist where it is stiff (see `stability.rs`). Pinned
 //! nodes and control points weigh infinitely much. With a rate limit λ, stiffness is scaled so that
 //! `dt² κ <= λ` and damping so that `2 dt ζ <= λ`; most elements stay as they are. A model is stable where the same
 //! expressions of all elements together stay below 4 (see `stability.rs`), so λ lies below 4 too.
@@ -12,7 +13,11 @@
 
 use bendtwin_core::{FastVariant, Point};
 
-use crate::{Model, cpu::check, enough_substeps};
+use crate::{
+    Model,
+    cpu::{check, rod::turned_pattern},
+    enough_substeps,
+};
 
 /// Rate limits that are considered: an element alone is unstable above 4; where even the lower
 /// end is unstable, nearly every element would have to give way.
@@ -90,6 +95,16 @@ impl Reduction {
                 give_way(stiffness, dt * dt * weight, limit);
                 give_way(damping, 2.0 * dt * weight, limit);
             }
+        }
+        let rods = params.twist_stiffness.iter_mut().zip(&mut params.twist_damping);
+        for (rod, (stiffness, damping)) in graph.rods.iter().zip(rods) {
+            let points: Vec<_> =
+                rod.iter().map(|&e| graph.rest_endpoint(e).map(f64::from)).collect();
+            let parts = rod.iter().zip(turned_pattern(&points));
+            let weight: f64 =
+                parts.map(|(&e, g)| of(e) * g.iter().map(|x| x * x).sum::<f64>()).sum();
+            give_way(stiffness, dt * dt * weight, limit);
+            give_way(damping, 2.0 * dt * weight, limit);
         }
         out
     }

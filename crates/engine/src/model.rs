@@ -33,21 +33,25 @@ impl From<&Twin> for Model {
     }
 }
 
-/// Positions and velocities of all nodes.
+/// Positions and velocities of all nodes, and how far rods are twisted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Positions [m], shape [N, 3].
     pub positions: Vec<Point>,
     /// Velocities [m/s], shape [N, 3].
     pub velocities: Vec<Point>,
+    /// Twist of each rod since some moment when it counted as none [rad], shape [R]. Where a rollout
+    /// starts, it may be empty: no rod is twisted. What a backend returns has them all.
+    pub twists: Vec<f32>,
 }
 
 impl State {
-    /// The rest shape, not moving.
+    /// The rest shape, neither moving nor twisted.
     pub fn rest(graph: &Graph) -> Self {
         Self {
             positions: graph.rest_positions.clone(),
             velocities: vec![[0.0; 3]; graph.node_count()],
+            twists: vec![0.0; graph.rods.len()],
         }
     }
 }

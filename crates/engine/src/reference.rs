@@ -28,18 +28,22 @@ pub struct Reference {
     pub positions: Vec<Point64>,
     /// Initial velocities [m/s], shape [N, 3]; start at zero.
     pub velocities: Vec<Point64>,
+    /// Initial twists [rad], shape [R]; start at zero.
+    pub twists: Vec<f64>,
     /// Control positions at frame boundaries [m], shape [F + 1, C, 3]; start at rest.
     pub controls: Vec<Point64>,
     frames: usize,
 }
 
-/// Positions and velocities of all nodes in double precision.
+/// Positions and velocities of all nodes, and twists of all rods, in double precision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferenceState {
     /// Positions [m], shape [N, 3].
     pub positions: Vec<Point64>,
     /// Velocities [m/s], shape [N, 3].
     pub velocities: Vec<Point64>,
+    /// Twists [rad], shape [R].
+    pub twists: Vec<f64>,
 }
 
 /// Loss and gradient in double precision.
@@ -53,6 +57,8 @@ pub struct ReferenceGradient {
     pub positions: Vec<Point64>,
     /// By initial velocity, shape [N, 3].
     pub velocities: Vec<Point64>,
+    /// By initial twist, shape [R].
+    pub twists: Vec<f64>,
     /// By control position, shape [F + 1, C, 3].
     pub controls: Vec<Point64>,
 }
@@ -71,6 +77,7 @@ impl Reference {
             parameters: Parameters::from_params(&model.params),
             velocities: vec![[0.0; 3]; rest.len()],
             positions: rest,
+            twists: vec![0.0; model.graph.rods.len()],
             controls: held.repeat(frames + 1),
             model: model.clone(),
             frames,
@@ -85,11 +92,12 @@ impl Reference {
         let objective = Objective::default();
         let mut states = Vec::new();
         self.with_case(&objective, |case| {
-            case.run(&CancelToken::default(), |_, endpoints| {
-                let nodes = &endpoints[..case.system.nodes];
+            case.run(&CancelToken::default(), |_, now| {
+                let nodes = &now.nodes[..case.system.nodes];
                 states.push(ReferenceState {
                     positions: nodes.iter().map(|n| point(n.x)).collect(),
                     velocities: nodes.iter().map(|n| point(n.v)).collect(),
+                    twists: now.twists.clone(),
                 });
             })
         })?;
@@ -120,6 +128,7 @@ impl Reference {
             parameters: g.parameters,
             positions: g.initial.iter().map(|n| point(n.x)).collect(),
             velocities: g.initial.iter().map(|n| point(n.v)).collect(),
+            twists: g.initial_twists,
             controls: g.controls.into_iter().map(point).collect(),
         })
     }
@@ -131,14 +140,16 @@ impl Reference {
     ) -> Result<R, Error> {
         let graph = &self.model.graph;
         let (n, c, p) = (graph.node_count(), graph.control_count(), &self.parameters);
-        let (e, t) = (graph.springs.len(), graph.triplets.len());
+        let (e, t, r) = (graph.springs.len(), graph.triplets.len(), graph.rods.len());
         let springs = [&p.spring_stiffness, &p.spring_dashpot, &p.rest_lengths_m];
         let triplets = [&p.bend_stiffness, &p.bend_damping, &p.rest_angles_rad];
+        let rods = [&p.twist_stiffness, &p.twist_damping, &p.rest_twists_rad, &self.twists];
         let fits = self.positions.len() == n
             && self.velocities.len() == n
             && self.controls.len() == (self.frames + 1) * c
             && springs.iter().all(|v| v.len() == e)
-            && triplets.iter().all(|v| v.len() == t);
+            && triplets.iter().all(|v| v.len() == t)
+            && rods.iter().all(|v| v.len() == r);
         if !fits {
             return Err(Error::InvalidInput("a length of the reference was changed".into()));
         }
@@ -148,6 +159,7 @@ impl Reference {
         work(&Case {
             system: &system,
             initial: both.map(|(&x, &v)| Node { x: quad(x), v: quad(v) }).collect(),
+            twists: self.twists.clone(),
             controls: self.controls.iter().map(|&p| quad(p)).collect(),
             frames: self.frames,
             objective,

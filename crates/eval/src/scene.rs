@@ -55,6 +55,7 @@ pub(crate) fn chain_graph(n: usize) -> Graph {
         springs: (1..n as u32).map(|i| [i - 1, i]).collect(),
         triplets: Vec::new(),
         pins: vec![pin(0, 0), pin(n as u32 - 1, 1)],
+        ..Graph::default()
     }
 }
 

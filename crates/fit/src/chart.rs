@@ -1,5 +1,5 @@
 //! The space in which the refinement walks: logarithms of stiffnesses, dashpots, dampings, drag and rest lengths
-//! (positive, and their scale is unknown), rest angles and contact ratios as they are.
+//! (positive, and their scale is unknown), rest angles, rest twists and contact ratios as they are.
 
 use std::f64::consts::PI;
 
@@ -16,6 +16,10 @@ const REST_ANGLE_SPAN: f64 = 0.6;
 const REST_LENGTH_RATE: f64 = 0.04;
 /// Rest angles [rad] per unit of learning rate.
 const REST_ANGLE_RATE: f64 = 0.3;
+/// How far rest twists may move from where they started [rad].
+const REST_TWIST_SPAN: f64 = 2.0 * PI;
+/// Rest twists [rad] per unit of learning rate: a rod turns by more than any one of its angles.
+const REST_TWIST_RATE: f64 = 1.0;
 
 /// The coordinates of one graph's parameters, which start at `base`.
 pub(crate) fn chart(task: &Task<'_>, base: Params) -> Chart {
@@ -24,10 +28,12 @@ pub(crate) fn chart(task: &Task<'_>, base: Params) -> Chart {
         Parameter::SpringDashpot,
         Parameter::BendStiffness,
         Parameter::BendDamping,
+        Parameter::TwistStiffness,
+        Parameter::TwistDamping,
         Parameter::Drag,
     ];
     if task.settings.refine.rest_shape {
-        parameters.extend([Parameter::RestLength, Parameter::RestAngle]);
+        parameters.extend([Parameter::RestLength, Parameter::RestAngle, Parameter::RestTwist]);
     }
     if task.nears_ground() {
         parameters.extend([Parameter::GroundRestitution, Parameter::GroundFriction]);
@@ -48,8 +54,11 @@ fn scale(parameter: Parameter) -> Scale {
         | Parameter::RestLength
         | Parameter::BendStiffness
         | Parameter::BendDamping
+        | Parameter::TwistStiffness
+        | Parameter::TwistDamping
         | Parameter::Drag => Scale::Logarithmic,
         Parameter::RestAngle
+        | Parameter::RestTwist
         | Parameter::GroundRestitution
         | Parameter::GroundFriction
         | Parameter::ObjectRestitution
@@ -62,6 +71,7 @@ fn rate(parameter: Parameter) -> f64 {
     match parameter {
         Parameter::RestLength => REST_LENGTH_RATE,
         Parameter::RestAngle => REST_ANGLE_RATE,
+        Parameter::RestTwist => REST_TWIST_RATE,
         _ => 1.0,
     }
 }
@@ -79,6 +89,9 @@ fn bounds(parameter: Parameter, start: f64, spacing_m: f64) -> [f64; 2] {
         Parameter::RestAngle => {
             [(start - REST_ANGLE_SPAN).max(0.0), (start + REST_ANGLE_SPAN).min(PI)]
         }
+        Parameter::TwistStiffness => logs(1e-4 * square, 1e5 * square),
+        Parameter::TwistDamping => logs(1e-6 * square, 1e4 * square),
+        Parameter::RestTwist => [start - REST_TWIST_SPAN, start + REST_TWIST_SPAN],
         Parameter::Drag => logs(1e-3, 50.0),
         Parameter::GroundRestitution | Parameter::ObjectRestitution => [0.0, 1.0],
         Parameter::GroundFriction | Parameter::ObjectFriction => [0.0, 2.0],

@@ -108,7 +108,7 @@ impl<'a> Search<'a> {
             if cancel.is_cancelled() {
                 return Err(backend::Error::Cancelled);
             }
-            let params = candidate.params(&fabric.rest_lengths_m, &fabric.rest_angles_rad);
+            let params = candidate.params(fabric);
             let environment = candidate.environment(self.task.capture.environment);
             match model(self.task, &fabric.graph, params, environment) {
                 Ok(model) => load(backend, model),

@@ -6,12 +6,14 @@
 //! slice at one end. Ratios and lengths are searched as they are. Variables without effect on the
 //! capture (friction of an object in the air) are left out: each costs the search evaluations.
 
-use std::f32::consts::PI;
+use std::f64::consts::PI;
 
-use bendtwin_core::{Contact, Environment, Params, params::MAX_SPRING_STIFFNESS};
+use bendtwin_core::{
+    Contact, Environment, Params, environment::ControlVelocity, params::MAX_SPRING_STIFFNESS,
+};
 use bendtwin_engine::build::Connectivity;
 
-use crate::task::Task;
+use crate::{fabric::Fabric, task::Task};
 
 /// Steps of searched radii [m]: finer ones would only make graphs that are equal in all but name.
 const RADIUS_STEP_M: f64 = 5e-4;
@@ -25,6 +27,9 @@ pub(crate) enum Variable {
     BendStiffness,
     BendDamping,
     RestBend,
+    TwistStiffness,
+    TwistDamping,
+    RestTwist,
     GroundRestitution,
     GroundFriction,
     ObjectRestitution,
@@ -46,6 +51,9 @@ impl std::fmt::Display for Variable {
             Self::BendStiffness => "bending stiffness",
             Self::BendDamping => "bending damping",
             Self::RestBend => "rest bend",
+            Self::TwistStiffness => "twist stiffness",
+            Self::TwistDamping => "twist damping",
+            Self::RestTwist => "rest twist",
             Self::GroundRestitution => "ground restitution",
             Self::GroundFriction => "ground friction",
             Self::ObjectRestitution => "object restitution",
@@ -116,6 +124,9 @@ pub(crate) struct Candidate {
     bend_damping: f64,
     /// Share of the measured rest shape's bend that counts; 0 is straight.
     rest_bend: f64,
+    twist_stiffness: f64,
+    twist_damping: f64,
+    rest_twist: f64,
     contact: Contact,
     /// Gravity as a multiple of what the capture says.
     gravity: f64,
@@ -125,7 +136,9 @@ impl Space {
     pub(crate) fn new(task: &Task<'_>, bending: bool) -> Self {
         use Variable::*;
         let settings = task.settings;
-        let connectivity = Connectivity::from_settings(&settings.graph, bending);
+        let mut connectivity = Connectivity::from_settings(&settings.graph, bending);
+        // Rods twist by how their clamps move.
+        connectivity.rods &= settings.control_velocity == ControlVelocity::True;
         let mut axes = vec![
             Axis::log(Stiffness, 1e2, f64::from(MAX_SPRING_STIFFNESS), 3e3),
             Axis::log(Dashpot, 0.1, 300.0, 20.0),
@@ -142,6 +155,12 @@ impl Space {
                 // towards its rest angle on the wrong side. Often a part of it fits best.
                 axes.push(Axis::linear(RestBend, 0.0, 1.0, 0.5));
             }
+        }
+        if task.has_rods(&connectivity) {
+            let square = task.spacing_m * task.spacing_m;
+            axes.push(Axis::log(TwistStiffness, 1e-2 * square, 1e4 * square, 30.0 * square));
+            axes.push(Axis::log(TwistDamping, 1e-4 * square, 1e3 * square, 0.1 * square));
+            axes.push(Axis::linear(RestTwist, -PI, PI, 0.0));
         }
         if task.nears_ground() {
             axes.push(Axis::linear(GroundRestitution, 0.0, 1.0, 0.3));
@@ -176,6 +195,9 @@ impl Space {
             bend_stiffness: 0.0,
             bend_damping: 0.0,
             rest_bend: 1.0,
+            twist_stiffness: 0.0,
+            twist_damping: 0.0,
+            rest_twist: 0.0,
             contact,
             gravity: 1.0,
         };
@@ -216,6 +238,9 @@ impl Candidate {
             Variable::BendStiffness => self.bend_stiffness = value,
             Variable::BendDamping => self.bend_damping = value,
             Variable::RestBend => self.rest_bend = value,
+            Variable::TwistStiffness => self.twist_stiffness = value,
+            Variable::TwistDamping => self.twist_damping = value,
+            Variable::RestTwist => self.rest_twist = value,
             Variable::GroundRestitution => c.ground_restitution = value as f32,
             Variable::GroundFriction => c.ground_friction = value as f32,
             Variable::ObjectRestitution => c.object_restitution = value as f32,
@@ -237,16 +262,20 @@ impl Candidate {
         Environment { gravity, ..said }
     }
 
-    /// Parameters of a graph: the same for every spring and every triplet.
-    pub(crate) fn params(&self, rest_lengths_m: &[f32], rest_angles_rad: &[f32]) -> Params {
-        let (e, t) = (rest_lengths_m.len(), rest_angles_rad.len());
+    /// Parameters of a fabric: the same for every spring, every triplet and every rod.
+    pub(crate) fn params(&self, fabric: &Fabric) -> Params {
+        let Fabric { rest_lengths_m, rest_angles_rad, .. } = fabric;
+        let (e, t, r) = (rest_lengths_m.len(), rest_angles_rad.len(), fabric.graph.rods.len());
         Params {
             spring_stiffness: vec![self.stiffness as f32; e],
             spring_dashpot: vec![self.dashpot as f32; e],
-            rest_lengths_m: rest_lengths_m.to_vec(),
+            rest_lengths_m: rest_lengths_m.clone(),
             bend_stiffness: vec![self.bend_stiffness as f32; t],
             bend_damping: vec![self.bend_damping as f32; t],
             rest_angles_rad: rest_angles_rad.iter().map(|&a| bent(a, self.rest_bend)).collect(),
+            twist_stiffness: vec![self.twist_stiffness as f32; r],
+            twist_damping: vec![self.twist_damping as f32; r],
+            rest_twists_rad: vec![self.rest_twist as f32; r],
             drag: self.drag as f32,
             contact: self.contact,
         }
@@ -255,6 +284,7 @@ impl Candidate {
 
 /// A rest angle with a share of its bend.
 fn bent(angle_rad: f32, share: f64) -> f32 {
-    let bend = f64::from(PI - angle_rad) * share;
-    ((f64::from(PI) - bend) as f32).clamp(0.0, PI)
+    let straight = std::f32::consts::PI;
+    let bend = f64::from(straight - angle_rad) * share;
+    ((f64::from(straight) - bend) as f32).clamp(0.0, straight)
 }

@@ -6,7 +6,7 @@ use bendtwin_core::{Capture, FitSettings, Graph, Point, Sequence};
 use bendtwin_engine::{
     Loaded, Objective, PointLoss, Term,
     backend::Instance,
-    build::{NodeSample, mean_spacing, sample_nodes},
+    build::{Connectivity, NodeSample, connect, mean_spacing, sample_nodes},
     model::State,
     objective::WeightedTerm,
 };
@@ -127,6 +127,14 @@ impl<'a> Task<'a> {
                 })
             })
         })
+    }
+
+    /// Whether a graph of this connectivity has rods that twist.
+    pub(crate) fn has_rods(&self, connectivity: &Connectivity) -> bool {
+        // Only cables with known edges have any; nothing else is joined in vain.
+        connectivity.rods
+            && self.sample.edges.is_some()
+            && !connect(&self.sample, connectivity).rods.is_empty()
     }
 
     /// Whether nodes can collide with each other.

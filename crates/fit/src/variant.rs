@@ -55,7 +55,7 @@ impl Variant {
     ) -> (Arc<Fabric>, Params, Environment) {
         let candidate = self.space.candidate(point);
         let fabric = Arc::new(Fabric::new(task, &candidate.connectivity));
-        let params = candidate.params(&fabric.rest_lengths_m, &fabric.rest_angles_rad);
+        let params = candidate.params(&fabric);
         (fabric, params, candidate.environment(task.capture.environment))
     }
 

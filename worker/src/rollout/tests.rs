@@ -45,6 +45,7 @@ pub(super) fn twin() -> Twin {
         springs: vec![[0, 4], [1, 0], [2, 1], [3, 2]],
         triplets: vec![[0, 1, 2], [1, 2, 3]],
         pins: Vec::new(),
+        ..Graph::default()
     };
     let params = Params {
         spring_stiffness: vec![500.0; 4],
@@ -55,6 +56,7 @@ pub(super) fn twin() -> Twin {
         rest_angles_rad: vec![std::f32::consts::PI; 2],
         drag: 1.0,
         contact: Contact::default(),
+        ..Params::default()
     };
     Twin {
         graph,

@@ -102,6 +102,7 @@ fn model(specimen: &Specimen<'_>) -> Model {
         springs: specimen.springs.to_vec(),
         triplets: material.triplets.clone(),
         pins: pins.collect(),
+        ..Graph::default()
     };
     let bends = material.triplets.len();
     let params = Params {
@@ -119,6 +120,7 @@ fn model(specimen: &Specimen<'_>) -> Model {
             within_object: false,
             ..Contact::default()
         },
+        ..Params::default()
     };
     Model {
         graph: Arc::new(graph),

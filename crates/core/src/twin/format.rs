@@ -13,8 +13,12 @@ use crate::{
     environment::ControlVelocity,
 };
 
-/// Version that this build writes; it reads this and every earlier one.
-pub const VERSION: u32 = 1;
+/// Newest version that this build reads and writes; it reads every earlier one. A twin is written in the earliest
+/// version that can say it, so that older programs read what they understand and refuse the rest.
+pub const VERSION: u32 = 2;
+
+/// The version with rods.
+const WITH_RODS: u32 = 2;
 
 /// Key of the JSON document in the container's metadata.
 const METADATA_KEY: &str = "bendtwin.twin";
@@ -102,7 +106,8 @@ impl Twin {
         let kinds: Vec<u8> = g.kinds.iter().map(|k| *k as u8).collect();
         let pins: Vec<[u32; 2]> = g.pins.iter().map(|p| [p.node, p.control]).collect();
         let offsets: Vec<Point> = g.pins.iter().map(|p| p.offset_m).collect();
-        let tensors = vec![
+        let version = if g.rods.is_empty() { 1 } else { WITH_RODS };
+        let mut tensors = vec![
             ("nodes.rest_position", raw(Dtype::F32, &[n, 3], &g.rest_positions)),
             ("nodes.kind", raw(Dtype::U8, &[n], &kinds)),
             ("nodes.mass", raw(Dtype::F32, &[n], &g.masses)),
@@ -120,8 +125,19 @@ impl Twin {
             ("pins.ends", raw(Dtype::U32, &[pins.len(), 2], &pins)),
             ("pins.offset", raw(Dtype::F32, &[offsets.len(), 3], &offsets)),
         ];
+        if version >= WITH_RODS {
+            let (r, nodes) = (g.rods.len(), g.rods.concat());
+            let lengths: Vec<u32> = g.rods.iter().map(|rod| rod.len() as u32).collect();
+            tensors.extend([
+                ("rods.lengths", raw(Dtype::U32, &[r], &lengths)),
+                ("rods.nodes", raw(Dtype::U32, &[nodes.len()], &nodes)),
+                ("rods.twist_stiffness", raw(Dtype::F32, &[r], &p.twist_stiffness)),
+                ("rods.twist_damping", raw(Dtype::F32, &[r], &p.twist_damping)),
+                ("rods.rest_twist", raw(Dtype::F32, &[r], &p.rest_twists_rad)),
+            ]);
+        }
         let metadata = Metadata {
-            version: VERSION,
+            version,
             environment: self.environment,
             timing: self.timing,
             control_velocity: self.control_velocity,
@@ -178,6 +194,10 @@ impl Twin {
                 "pins.ends and pins.offset differ in length".into(),
             ));
         }
+        let has_rods = version >= WITH_RODS;
+        let per_rod = |name| {
+            if has_rods { file.read::<f32>(name, Dtype::F32, None) } else { Ok(Vec::new()) }
+        };
         let twin = Self {
             graph: Graph {
                 rest_positions: file.read("nodes.rest_position", Dtype::F32, Some(3))?,
@@ -193,6 +213,7 @@ impl Twin {
                     .zip(pin_offsets)
                     .map(|([node, control], offset_m)| Pin { node, control, offset_m })
                     .collect(),
+                rods: if has_rods { file.rods()? } else { Vec::new() },
             },
             params: Params {
                 spring_stiffness: file.read("springs.stiffness", Dtype::F32, None)?,
@@ -201,6 +222,9 @@ impl Twin {
                 bend_stiffness: file.read("triplets.bend_stiffness", Dtype::F32, None)?,
                 bend_damping: file.read("triplets.bend_damping", Dtype::F32, None)?,
                 rest_angles_rad: file.read("triplets.rest_angle", Dtype::F32, None)?,
+                twist_stiffness: per_rod("rods.twist_stiffness")?,
+                twist_damping: per_rod("rods.twist_damping")?,
+                rest_twists_rad: per_rod("rods.rest_twist")?,
                 drag: metadata.drag,
                 contact: metadata.contact,
             },
@@ -243,6 +267,24 @@ impl Twin {
 struct Tensors<'a>(SafeTensors<'a>);
 
 impl Tensors<'_> {
+    /// The rods' nodes, one rod after another in the file.
+    fn rods(&self) -> Result<Vec<Vec<u32>>, FormatError> {
+        let lengths: Vec<u32> = self.read("rods.lengths", Dtype::U32, None)?;
+        let nodes: Vec<u32> = self.read("rods.nodes", Dtype::U32, None)?;
+        let mut rest = nodes.as_slice();
+        let mut rods = Vec::with_capacity(lengths.len());
+        for &length in &lengths {
+            let Some((rod, after)) = rest.split_at_checked(length as usize) else { break };
+            rods.push(rod.to_vec());
+            rest = after;
+        }
+        if rods.len() < lengths.len() || !rest.is_empty() {
+            let why = "rods.lengths does not add up to the length of rods.nodes";
+            return Err(FormatError::Inconsistent(why.into()));
+        }
+        Ok(rods)
+    }
+
     /// Reads a tensor of shape [n] or, with `width`, [n, width].
     fn read<T: bytemuck::AnyBitPattern>(
         &self,

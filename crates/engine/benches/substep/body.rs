@@ -126,6 +126,7 @@ fn model(
             rest_angles_rad: triplets.iter().map(angle).collect(),
             drag: 3.0,
             contact: Contact::default(),
+            ..Params::default()
         },
         graph: Arc::new(Graph {
             kinds: (0..n).map(kind).collect(),
@@ -137,6 +138,7 @@ fn model(
             rest_positions: positions,
             springs,
             triplets,
+            ..Graph::default()
         }),
         environment: Environment::Z_UP,
         timing: Timing { fps: 30.0, substeps: 667 },

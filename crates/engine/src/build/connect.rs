@@ -5,7 +5,7 @@ use std::num::NonZero;
 use bendtwin_core::Graph;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-use super::{Connectivity, MIN_REST_LENGTH_M, NodeSample, components, spread, triplets};
+use super::{Connectivity, MIN_REST_LENGTH_M, NodeSample, components, rods, spread, triplets};
 
 /// Control points nearer than this to each other belong to one hand [m].
 const HAND_LINK_M: f32 = 0.08;
@@ -60,6 +60,7 @@ pub fn connect(sample: &NodeSample, connectivity: &Connectivity) -> Graph {
 ///   `control_neighbours` nearest nodes within `control_radius_m · spacing_scale`.
 ///   Control points closer than 8 cm to each other are one hand; a hand that
 ///   reaches no node is attached to the nodes nearest to it.
+/// - With `rods`, what lies between two clamps of a cable with known edges is a rod.
 /// - Springs between nodes come first, ordered by their ends, control springs after.
 pub fn connect_with_notes(sample: &NodeSample, connectivity: &Connectivity) -> (Graph, Notes) {
     let mut notes = Notes::default();
@@ -84,6 +85,7 @@ pub fn connect_with_notes(sample: &NodeSample, connectivity: &Connectivity) -> (
         springs,
         triplets: Vec::new(),
         pins: sample.pins.clone(),
+        rods: if connectivity.rods { rods::find(sample) } else { Vec::new() },
     };
     if let Some(choice) = &connectivity.triplets {
         graph.triplets = triplets::find(sample, &graph.springs, choice);

@@ -26,6 +26,9 @@ fn finite_gradient(what: &str, gradient: &Gradient) -> Outcome {
         &p.bend_stiffness,
         &p.bend_damping,
         &p.rest_angles_rad,
+        &p.twist_stiffness,
+        &p.twist_damping,
+        &p.rest_twists_rad,
     ];
     let c = &p.contact;
     let globals =
@@ -64,12 +67,13 @@ pub(super) fn random_graphs_stay_finite(backend: &dyn Backend) -> Outcome {
         let options = RandomOptions {
             nodes: 1 + (seed as usize * 7) % 50,
             controls: seed as usize % 4,
-            pins: seed as usize % 3,
+            pins: if seed % 5 == 4 { 4 } else { seed as usize % 3 },
             objects: 1 + seed as u32 % 3,
             bending: !bit(0) || bit(3),
             damping: !bit(1),
             ground: bit(2),
             contact: bit(1),
+            rod: seed % 5 == 4,
         };
         let model = random_model(seed, &options);
         let frames = 8;

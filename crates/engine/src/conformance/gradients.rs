@@ -12,6 +12,7 @@ use super::{
     expect::{Outcome, close, ensure},
     random::{RandomOptions, random_model, random_motion, random_objective},
     scene::Scene,
+    twist::cable,
 };
 use crate::{
     Backend, Objective, PointLoss, Term, backend::GradientRequest, objective::WeightedTerm,
@@ -83,6 +84,54 @@ pub(super) fn gradients_of_a_straight_rod(backend: &dyn Backend) -> Outcome {
     }]);
     let must_matter = &["controls", "initial positions", "initial velocities"];
     matches_differences(backend, &scene, &Check { seed: 0, tolerance: 1e-2, must_matter })
+}
+
+/// Through a rod, whose twist remembers the whole rollout, with clamps that move and turn: to 1 %.
+pub(super) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
+    for (seed, twist) in [(0, 3.0), (1, -2.0)] {
+        let mut scene = cable();
+        scene.params.twist_stiffness[0] = 0.3;
+        scene.params.twist_damping[0] = 3e-2;
+        scene.params.rest_twists_rad[0] = -0.4;
+        scene.params.spring_dashpot.fill(1.0);
+        scene.params.bend_damping.fill(1e-3);
+        scene.params.rest_angles_rad.fill(2.8);
+        scene.params.drag = 1.0;
+        scene.initial.twists = vec![twist];
+        scene.initial.velocities.fill([0.5, 0.1, 0.0]);
+        scene.frames = 12;
+        let rest = scene.graph.control_rest.clone();
+        let at = |frame: usize, c: usize| {
+            let t = 0.1 * frame as f32 + c as f32;
+            let by = [0.01 * t, 0.02 * t.sin(), 0.02 * (1.3 * t).cos() - 0.02];
+            std::array::from_fn(|k| rest[c][k] + by[k])
+        };
+        scene.controls = (0..=12)
+            .flat_map(|f| (0..rest.len()).map(move |c| (f, c)))
+            .map(|(f, c)| at(f, c))
+            .collect();
+        let targets = scene.graph.rest_positions.iter().map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]);
+        let track = Term::Track {
+            nodes: (0..10).collect(),
+            targets: targets.collect(),
+            loss: PointLoss::SquaredDistance,
+        };
+        scene.objective.groups = vec!["track".into()];
+        scene.objective.terms =
+            Arc::new(vec![WeightedTerm { frame: 12, weight: 1.0, group: 0, term: track }]);
+        let must_matter = &[
+            "twist stiffness",
+            "twist damping",
+            "rest twist",
+            "initial twists",
+            "bend stiffness",
+            "controls",
+            "initial positions",
+            "initial velocities",
+        ];
+        matches_differences(backend, &scene, &Check { seed, tolerance: 1e-2, must_matter })?;
+    }
+    Ok(())
 }
 
 /// Through impacts on the ground in the middle of the first substep, however the variables are

@@ -35,6 +35,8 @@ pub struct RandomOptions {
     pub ground: bool,
     /// With contact between objects and within them.
     pub contact: bool,
+    /// With a rod, clamped at the four outermost nodes; takes four pins.
+    pub rod: bool,
 }
 
 impl Default for RandomOptions {
@@ -48,6 +50,7 @@ impl Default for RandomOptions {
             damping: true,
             ground: false,
             contact: false,
+            rod: false,
         }
     }
 }
@@ -67,8 +70,10 @@ pub fn random_model(seed: u64, options: &RandomOptions) -> Model {
         triplets: options
             .bending
             .then_some(Triplets { max_per_node: 4, reference: TripletReference::OppositePairs }),
+        rods: false,
     };
-    let graph = connect(&sample, &connectivity);
+    let mut graph = connect(&sample, &connectivity);
+    graph.rods.extend(options.rod.then(|| along(&graph)).flatten());
     let params = params(&mut rng, &graph, &sample, options);
     let gravity = if options.ground { [0.3, 0.0, -9.81] } else { [0.0; 3] };
     let ground = options.ground.then(|| {
@@ -80,7 +85,7 @@ pub fn random_model(seed: u64, options: &RandomOptions) -> Model {
         params,
         environment: Environment { gravity, ground },
         timing: Timing { fps: 100.0, substeps: 40 },
-        control_velocity: if seed.is_multiple_of(2) {
+        control_velocity: if options.rod || seed.is_multiple_of(2) {
             ControlVelocity::True
         } else {
             ControlVelocity::Ignored
@@ -118,8 +123,9 @@ fn scatter(rng: &mut ChaCha8Rng, options: &RandomOptions) -> NodeSample {
         at.map(|x| x + SPACING_M * (rng.random::<f32>() - 0.5))
     };
     let mut control_rest: Vec<Point> = (0..options.controls).map(|_| near_node()).collect();
+    let outer = outermost(&points);
     let pins = (0..options.pins.min(n)).map(|i| {
-        let node = i * n / options.pins;
+        let node = if options.rod { outer[i] } else { i * n / options.pins };
         control_rest.push(points[node].map(|x| x + 0.01));
         let control = control_rest.len() as u32 - 1;
         Pin { node: node as u32, control, offset_m: [-0.01; 3] }
@@ -136,6 +142,35 @@ fn scatter(rng: &mut ChaCha8Rng, options: &RandomOptions) -> NodeSample {
         left_out: LeftOut::default(),
         positions: points,
     }
+}
+
+/// Nodes from the outermost in x inwards, from both sides in turn two by two: the first four can clamp a rod.
+fn outermost(points: &[Point]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| points[a][0].total_cmp(&points[b][0]));
+    let mut outer = Vec::with_capacity(order.len());
+    while !order.is_empty() {
+        outer.extend(order.drain(..order.len().min(2)));
+        outer.extend(order.drain(order.len().saturating_sub(2)..));
+    }
+    outer
+}
+
+/// A rod through up to nine nodes in the order of their x, so that it does not fold back; none if its ends are not pinned.
+fn along(graph: &Graph) -> Option<Vec<u32>> {
+    let mut order: Vec<u32> = (0..graph.node_count() as u32).collect();
+    order.sort_by(|&a, &b| {
+        let x = |i: u32| graph.rest_positions[i as usize][0];
+        x(a).total_cmp(&x(b))
+    });
+    let [first, second, inner @ .., third, fourth] = &order[..] else { return None };
+    let stride = inner.len().div_ceil(5).max(1);
+    let inner = inner.iter().step_by(stride);
+    let rod: Vec<u32> =
+        [first, second].into_iter().chain(inner).chain([third, fourth]).copied().collect();
+    let ends = [first, second, third, fourth];
+    let is_clamped = ends.iter().all(|i| graph.pins.iter().any(|p| p.node == **i));
+    is_clamped.then_some(rod)
 }
 
 fn params(
@@ -165,6 +200,9 @@ fn params(
             .zip(values(t, 0.9, 1.0))
             .map(|(a, s)| a * s)
             .collect(),
+        twist_stiffness: values(graph.rods.len(), 0.1, 1.0),
+        twist_damping: values(graph.rods.len(), 3e-4, 3e-3).iter().map(|x| x * damping).collect(),
+        rest_twists_rad: values(graph.rods.len(), 0.3, 3.0).iter().map(|x| 1.0 - x).collect(),
         drag: damping * 2.0,
         contact: Contact {
             ground_restitution: 0.4,
@@ -189,6 +227,7 @@ pub fn random_motion(seed: u64, model: &Model, frames: usize) -> (State, Vec<Poi
     let state = State {
         positions: graph.rest_positions.iter().map(|p| sum(*p, around(0.1 * SPACING_M))).collect(),
         velocities: graph.rest_positions.iter().map(|_| around(0.2)).collect(),
+        twists: graph.rods.iter().map(|_| around(1.5)[0]).collect(),
     };
     let paths: Vec<(Point, Point)> =
         graph.control_rest.iter().map(|_| (around(0.002), around(0.01))).collect();

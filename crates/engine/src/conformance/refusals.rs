@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Pin, Plane};
+use bendtwin_core::{Pin, Plane, environment::ControlVelocity};
 
 use super::{
     expect::{Outcome, ensure},
@@ -16,7 +16,7 @@ use crate::{
 };
 
 fn scene() -> Scene {
-    let options = RandomOptions { ground: true, ..RandomOptions::default() };
+    let options = RandomOptions { ground: true, rod: true, pins: 4, ..RandomOptions::default() };
     let model = random_model(3, &options);
     let (state, controls) = random_motion(3, &model, 2);
     let objective = random_objective(3, &model, 2);
@@ -75,7 +75,7 @@ type Break<T> = (&'static str, fn(&mut T));
 
 /// Every contradiction in a model is InvalidModel.
 pub(super) fn wrong_models_are_refused(backend: &dyn Backend) -> Outcome {
-    let breaks: [Break<Scene>; 24] = [
+    let breaks: [Break<Scene>; 32] = [
         ("a spring to nowhere", |s| s.graph.springs[0] = [0, 10_000]),
         ("a spring to itself", |s| s.graph.springs[0] = [4, 4]),
         ("a spring that starts at a control point", |s| {
@@ -108,6 +108,16 @@ pub(super) fn wrong_models_are_refused(backend: &dyn Backend) -> Outcome {
         ("gravity that is no number", |s| s.environment.gravity[0] = f32::NAN),
         ("a ground without direction", |s| {
             s.environment.ground = Some(Plane { normal: [0.0; 3], offset_m: 0.0 });
+        }),
+        ("a rod through nowhere", |s| s.graph.rods[0][2] = 999),
+        ("a rod without clamps", |s| s.graph.rods[0].rotate_left(2)),
+        ("a rod that is all clamp", |s| s.graph.rods[0].truncate(3)),
+        ("a rod through a node twice", |s| s.graph.rods[0][3] = s.graph.rods[0][2]),
+        ("a twist stiffness too few", |s| s.params.twist_stiffness.clear()),
+        ("a negative twist damping", |s| s.params.twist_damping[0] = -1.0),
+        ("a rest twist that is no number", |s| s.params.rest_twists_rad[0] = f32::NAN),
+        ("a rod whose clamps' velocity is ignored", |s| {
+            s.control_velocity = ControlVelocity::Ignored;
         }),
         ("no substeps", |s| s.timing.substeps = 0),
         ("a frame rate that is no number", |s| s.timing.fps = f64::NAN),
@@ -146,7 +156,7 @@ fn track(nodes: Vec<u32>, targets: Vec<[f32; 3]>) -> Term {
 /// Every input that does not fit its model is InvalidInput, in all three calls (a wrong recording:
 /// in the one that records), and a good input after it still runs.
 pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
-    let breaks: [Break<Request>; 17] = [
+    let breaks: [Break<Request>; 19] = [
         ("a position too few", |r| {
             state(r).positions.pop();
         }),
@@ -154,6 +164,8 @@ pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
         ("no state at all", |r| *state(r) = Default::default()),
         ("a position that is no number", |r| state(r).positions[3][0] = f32::NAN),
         ("an infinite velocity", |r| state(r).velocities[3][0] = f32::INFINITY),
+        ("a twist too many", |r| state(r).twists.push(0.0)),
+        ("a twist that is no number", |r| state(r).twists[0] = f32::NAN),
         ("a control too few", |r| {
             Arc::make_mut(&mut r.instance.controls).pop();
         }),

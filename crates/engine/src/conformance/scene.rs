@@ -100,6 +100,15 @@ impl Scene {
         self.params.bend_damping.push(damping);
     }
 
+    /// Adds a rod along these nodes.
+    pub(super) fn rod(&mut self, path: Vec<u32>, stiffness: f32, damping: f32, rest_twist: f32) {
+        self.graph.rods.push(path);
+        self.params.twist_stiffness.push(stiffness);
+        self.params.twist_damping.push(damping);
+        self.params.rest_twists_rad.push(rest_twist);
+        self.initial.twists.push(0.0);
+    }
+
     /// Adds a control point, resting where it is until driven; returns its endpoint.
     pub(super) fn control(&mut self, at: Point) -> u32 {
         self.graph.control_rest.push(at);

@@ -12,6 +12,7 @@ use super::{
     machine::{Machine, Work},
     parameters::Parameters,
     real::{Quad, Real, add, add_scaled, product, scale},
+    rod::{RodGradient, rod_adjoint},
     spring::{SpringGradient, spring_adjoint},
     system::System,
 };
@@ -27,12 +28,15 @@ const SEGMENT_BYTES: usize = if cfg!(test) { 5_000 } else { 12 << 20 };
 pub(crate) struct Adjoint<T> {
     /// Of the state, shape [N + C]; control points' are zero between substeps.
     pub(crate) bar: Vec<Node<T>>,
+    /// Of the twists, shape [R].
+    pub(crate) twist_bar: Vec<T>,
     /// Of the frame's controls.
     pub(crate) controls: FrameControlsAdjoint<T>,
     /// Of the forces, shape [N + C]; zero for control points.
     lambda: Vec<Quad<T>>,
     springs: Vec<SpringGradient<T>>,
     triplets: Vec<TripletGradient<T>>,
+    rods: Vec<RodGradient<T>>,
     drag: T,
     ground: Law<T>,
     object: Law<T>,
@@ -44,10 +48,12 @@ impl<T: Real> Adjoint<T> {
         let law = Law { restitution: T::ZERO, friction: T::ZERO };
         Self {
             bar: vec![Node::default(); system.endpoints()],
+            twist_bar: vec![T::ZERO; system.rods.rods.len()],
             controls: FrameControlsAdjoint::zero(system.controls),
             lambda: vec![[T::ZERO; 4]; system.endpoints()],
             springs: vec![SpringGradient::ZERO; system.springs.blocks.len()],
             triplets: vec![TripletGradient::ZERO; system.triplets.blocks.len()],
+            rods: vec![RodGradient::ZERO; system.rods.rods.len()],
             drag: T::ZERO,
             ground: law,
             object: law,
@@ -68,16 +74,17 @@ impl<T: Real> Adjoint<T> {
         let segment = segment_length(system);
         let starts: Vec<usize> = (0..system.substeps).step_by(segment).collect();
         let part = |start: usize| start..(start + segment).min(system.substeps);
-        let mut marks: Vec<Vec<Node<T>>> = Vec::new();
+        let mut marks: Vec<(Vec<Node<T>>, Vec<T>)> = Vec::new();
         for &start in starts.iter().take(starts.len().saturating_sub(1)) {
-            marks.push(workspace.nodes.clone());
+            marks.push((workspace.nodes.clone(), workspace.twists.clone()));
             run_substeps(system, controls, workspace, part(start), None);
         }
         for &start in starts.iter().rev() {
             run_substeps(system, controls, workspace, part(start), Some(&mut self.tape));
             T::dispatch(BackSubsteps { system, workspace, start, adjoint: self });
-            if let Some(mark) = marks.pop() {
-                workspace.nodes.copy_from_slice(&mark);
+            if let Some((nodes, twists)) = marks.pop() {
+                workspace.nodes.copy_from_slice(&nodes);
+                workspace.twists.copy_from_slice(&twists);
             }
         }
         self.controls.begin(system, &mut self.bar);
@@ -86,7 +93,8 @@ impl<T: Real> Adjoint<T> {
     /// The gradient by parameter, elements in the graph's order.
     pub(crate) fn parameters(&self, system: &System<T>) -> Parameters<T> {
         let p = &system.parameters;
-        let mut out = Parameters::zero(p.spring_stiffness.len(), p.bend_stiffness.len());
+        let (springs, triplets) = (p.spring_stiffness.len(), p.bend_stiffness.len());
+        let mut out = Parameters::zero(springs, triplets, self.rods.len());
         for (b, g) in self.springs.iter().enumerate() {
             for l in 0..LANES {
                 let Some(s) = system.spring_at(b, l) else { continue };
@@ -101,6 +109,11 @@ impl<T: Real> Adjoint<T> {
                 out.bend_damping[t] = g.damping[l];
                 out.rest_angles_rad[t] = g.rest[l];
             }
+        }
+        for (r, g) in self.rods.iter().enumerate() {
+            out.twist_stiffness[r] = g.stiffness;
+            out.twist_damping[r] = g.damping;
+            out.rest_twists_rad[r] = g.rest_twist;
         }
         out.drag = self.drag;
         out.ground_restitution = self.ground.restitution;
@@ -138,12 +151,13 @@ impl<T: Real> Work<T> for BackSubsteps<'_, T> {
     #[inline(always)]
     fn run<M: Machine<T>>(self, m: M) {
         let Self { system, workspace: w, start, adjoint: a } = self;
-        let (e, n) = (system.endpoints(), system.nodes);
+        let (e, n, r) = (system.endpoints(), system.nodes, system.rods.rods.len());
         let substeps = a.tape.substeps;
         for on_tape in (0..substeps).rev() {
             let substep = start + on_tape;
             let nodes = &a.tape.nodes[on_tape * e..(on_tape + 1) * e];
             let before = &a.tape.before[on_tape * n..(on_tape + 1) * n];
+            let twists = &a.tape.twists[on_tape * r..(on_tape + 1) * r];
             a.controls.pin_nodes(system, substep, &mut a.bar);
             if w.candidates.is_empty() {
                 travel_adjoint(m, system, nodes, before, &mut a.bar, &mut a.ground);
@@ -158,6 +172,9 @@ impl<T: Real> Work<T> for BackSubsteps<'_, T> {
             a.drag += accelerate_adjoint(system, before, &mut a.bar, &mut a.lambda);
             spring_adjoint(m, &system.springs, nodes, &a.lambda, &mut a.bar, &mut a.springs);
             bend_adjoint(m, &system.triplets, nodes, &a.lambda, &mut a.bar, &mut a.triplets);
+            let (bar, twist_bar) = (&mut a.bar, &mut a.twist_bar);
+            let (rods, gradients) = (&system.rods, &mut a.rods);
+            rod_adjoint(m, rods, system.dt, nodes, twists, &a.lambda, bar, twist_bar, gradients);
             a.controls.place(system, substep, &mut a.bar);
         }
     }

@@ -1,6 +1,6 @@
 //! Everything that a client can get wrong about a model or an instance, found before the simulation starts.
 
-use bendtwin_core::Point;
+use bendtwin_core::{Point, environment::ControlVelocity};
 
 use crate::{
     Model,
@@ -54,6 +54,10 @@ pub fn unstepped_model(model: &Model) -> Result<(), Error> {
     let invalid = Error::InvalidModel;
     model.graph.check().map_err(invalid)?;
     model.params.check(&model.graph).map_err(invalid)?;
+    if !model.graph.rods.is_empty() && model.control_velocity == ControlVelocity::Ignored {
+        let why = "rods twist by how their clamps move: they need the controls' true velocity";
+        return Err(invalid(why.into()));
+    }
     let timing = model.timing;
     if !(timing.fps.is_finite() && timing.fps > 0.0) {
         return Err(invalid(format!("{} frames a second: it must be positive", timing.fps)));
@@ -88,6 +92,13 @@ pub fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
             state.positions.len(),
             state.velocities.len()
         ));
+    }
+    let rods = graph.rods.len();
+    if !(state.twists.is_empty() || state.twists.len() == rods) {
+        return wrong(format!("{} initial twists for {rods} rods", state.twists.len()));
+    }
+    if !state.twists.iter().all(|x| x.is_finite()) {
+        return wrong("an initial twist is not finite".into());
     }
     if !finite(&state.positions) || !finite(&state.velocities) {
         return wrong("the initial state is not finite".into());

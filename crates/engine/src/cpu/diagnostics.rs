@@ -1,6 +1,7 @@
 //! What a rollout returns beside its costs: recorded positions, final state and physical sanity.
 
 use super::{
+    integrate::Workspace,
     lanes::Node,
     parameters::narrow,
     real::{Real, dot},
@@ -36,8 +37,8 @@ impl<'a, T: Real> Observer<'a, T> {
         }
     }
 
-    pub(crate) fn see(&mut self, frame: usize, endpoints: &[Node<T>]) {
-        let nodes = &endpoints[..self.system.nodes];
+    pub(crate) fn see(&mut self, frame: usize, now: &Workspace<T>) {
+        let nodes = &now.nodes[..self.system.nodes];
         let every = self.recording.every;
         let wanted = if frame == 0 {
             self.recording.initial
@@ -54,21 +55,21 @@ impl<'a, T: Real> Observer<'a, T> {
         }
         let last = frame == self.frames;
         if self.recording.final_state && last {
-            self.rollout.final_state = Some(state_of(nodes));
+            self.rollout.final_state = Some(state_of(nodes, &now.twists));
         }
         if self.recording.diagnostics && (frame > 0 || last) {
-            self.measure(endpoints, last);
+            self.measure(now, last);
         }
     }
 
-    fn measure(&mut self, endpoints: &[Node<T>], last: bool) {
-        let nodes = &endpoints[..self.system.nodes];
+    fn measure(&mut self, now: &Workspace<T>, last: bool) {
+        let nodes = &now.nodes[..self.system.nodes];
         let speed = nodes.iter().map(|n| dot(n.v, n.v).to_f64()).fold(0.0, f64::max).sqrt();
         self.sanity.max_speed_m_s = self.sanity.max_speed_m_s.max(narrow(speed));
-        let strain = energy::max_strain(self.system, endpoints);
+        let strain = energy::max_strain(self.system, &now.nodes);
         self.sanity.max_strain = self.sanity.max_strain.max(narrow(strain));
         if last {
-            let energy = energy::of_nodes(self.system, endpoints);
+            let energy = energy::of_nodes(self.system, &now.nodes, &now.twists);
             self.sanity.kinetic_energy = narrow(energy.kinetic);
             self.sanity.elastic_energy = narrow(energy.elastic);
             if let Some(g) = &self.system.ground {
@@ -97,10 +98,11 @@ pub(crate) fn point<T: Real>(x: [T; 4]) -> [f32; 3] {
     [narrow(x[0]), narrow(x[1]), narrow(x[2])]
 }
 
-/// A client's view of node states.
-pub(crate) fn state_of<T: Real>(nodes: &[Node<T>]) -> State {
+/// A client's view of nodes and twists.
+pub(crate) fn state_of<T: Real>(nodes: &[Node<T>], twists: &[T]) -> State {
     State {
         positions: nodes.iter().map(|n| point(n.x)).collect(),
         velocities: nodes.iter().map(|n| point(n.v)).collect(),
+        twists: twists.iter().map(|&x| narrow(x)).collect(),
     }
 }

@@ -21,8 +21,12 @@ pub(crate) struct Sensitivity<T> {
     pub(crate) controls: Vec<Quad<T>>,
     /// Shape [N].
     pub(crate) initial: Vec<Node<T>>,
+    /// Shape [R].
+    pub(crate) initial_twists: Vec<T>,
     /// State after the last frame, shape [N]; the last good one if it diverged.
     pub(crate) last: Vec<Node<T>>,
+    /// Twists after the last frame, shape [R].
+    pub(crate) last_twists: Vec<T>,
 }
 
 /// Loss and gradient; `cut_every` as in [`crate::backend::GradientRequest`].
@@ -35,27 +39,39 @@ pub(crate) fn gradient<T: Real>(
     let n = system.nodes;
     let mut scorer = Scorer::new(case.objective, system.surface);
     let mut states: Vec<Vec<Node<T>>> = Vec::new();
-    let diverged = case.run(cancel, |frame, endpoints| {
-        scorer.see(frame, &endpoints[..n]);
-        states.push(endpoints[..n].to_vec());
+    let mut twists: Vec<Vec<T>> = Vec::new();
+    let diverged = case.run(cancel, |frame, now| {
+        scorer.see(frame, &now.nodes[..n]);
+        states.push(now.nodes[..n].to_vec());
+        twists.push(now.twists.clone());
     })?;
     let loss = scorer.finish(diverged);
     let mut adjoint = Adjoint::zero(system);
     let mut controls = vec![[T::ZERO; 4]; case.controls.len()];
     if diverged.is_none() {
-        let mut backward = Backward { case, states: &states, terms: Terms::new(case.objective) };
+        let terms = Terms::new(case.objective);
+        let mut backward = Backward { case, states: &states, twists: &twists, terms };
         backward.run(&mut adjoint, &mut controls, cut_every, cancel)?;
     }
     let parameters = adjoint.parameters(system);
     adjoint.bar.truncate(n);
-    let last = states.pop().unwrap_or_default();
-    Ok(Sensitivity { loss, parameters, controls, initial: adjoint.bar, last })
+    Ok(Sensitivity {
+        loss,
+        parameters,
+        controls,
+        initial: adjoint.bar,
+        initial_twists: adjoint.twist_bar,
+        last: states.pop().unwrap_or_default(),
+        last_twists: twists.pop().unwrap_or_default(),
+    })
 }
 
 struct Backward<'a, T> {
     case: &'a Case<'a, T>,
     /// Frame-end states, shape [F + 1, N].
     states: &'a [Vec<Node<T>>],
+    /// Frame-end twists, shape [F + 1, R].
+    twists: &'a [Vec<T>],
     terms: Terms<'a>,
 }
 
@@ -73,6 +89,7 @@ impl<T: Real> Backward<'_, T> {
             self.add_later_terms(frame, &mut adjoint.bar);
             if frame > 0 && cut_every > 0 && frame.is_multiple_of(cut_every) {
                 adjoint.bar.fill(Node::default());
+                adjoint.twist_bar.fill(T::ZERO);
             }
             if let Some(moment) = self.moment(frame) {
                 self.terms.add_gradient(frame, moment, &mut adjoint.bar);
@@ -84,6 +101,7 @@ impl<T: Real> Backward<'_, T> {
                 return Err(Error::Cancelled);
             }
             workspace.nodes[..case.system.nodes].copy_from_slice(&self.states[frame - 1]);
+            workspace.twists.copy_from_slice(&self.twists[frame - 1]);
             adjoint.back_frame(case.system, case.controls_of(frame - 1), &mut workspace);
             accumulate(&mut controls[(frame - 1) * c..frame * c], &adjoint.controls.from);
             accumulate(&mut controls[frame * c..(frame + 1) * c], &adjoint.controls.to);

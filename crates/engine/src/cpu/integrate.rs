@@ -12,6 +12,7 @@ use super::{
     lanes::{LANES, Node},
     machine::{Machine, Work},
     real::{Quad, Real, add, add_scaled, scale},
+    rod::rod_forces,
     spring::spring_forces,
     system::System,
 };
@@ -21,6 +22,8 @@ use super::{
 pub(crate) struct Workspace<T> {
     /// Nodes, then control points, shape [N + C].
     pub(crate) nodes: Vec<Node<T>>,
+    /// Twists of rods [rad], shape [R].
+    pub(crate) twists: Vec<T>,
     /// Forces [N], shape [N + C]; zero between substeps.
     pub(crate) forces: Vec<Quad<T>>,
     /// Velocities before contact, shape [N].
@@ -37,6 +40,7 @@ impl<T: Real> Workspace<T> {
         let zero = [T::ZERO; 4];
         Self {
             nodes: vec![Node::default(); system.endpoints()],
+            twists: vec![T::ZERO; system.rods.rods.len()],
             forces: vec![zero; system.endpoints()],
             before: vec![zero; system.nodes],
             after: vec![zero; system.nodes],
@@ -54,6 +58,8 @@ pub(crate) struct Tape<T> {
     pub(crate) nodes: Vec<Node<T>>,
     /// Velocities before contact, shape [substeps, N].
     pub(crate) before: Vec<Quad<T>>,
+    /// Twists where each substep starts [rad], shape [substeps, R].
+    pub(crate) twists: Vec<T>,
 }
 
 /// The ground's restitution and friction.
@@ -113,12 +119,17 @@ impl<T: Real> Work<T> for Substeps<'_, T> {
         if let Some(tape) = &mut tape {
             tape.nodes.clear();
             tape.before.clear();
+            tape.twists.clear();
             tape.substeps = substeps.len();
         }
         for substep in substeps {
             controls.place(system, substep, &mut w.nodes);
             spring_forces(m, &system.springs, &w.nodes, &mut w.forces);
             bend_forces(m, &system.triplets, &w.nodes, &mut w.forces);
+            if let Some(tape) = &mut tape {
+                tape.twists.extend_from_slice(&w.twists);
+            }
+            rod_forces(m, &system.rods, system.dt, &w.nodes, &mut w.twists, &mut w.forces);
             accelerate(system, &w.nodes, &mut w.forces, &mut w.before);
             controls.pin_velocities(system, &mut w.before);
             if let Some(tape) = &mut tape {

@@ -19,6 +19,12 @@ pub struct Parameters<T> {
     pub bend_damping: Vec<T>,
     /// As in [`Params::rest_angles_rad`].
     pub rest_angles_rad: Vec<T>,
+    /// As in [`Params::twist_stiffness`].
+    pub twist_stiffness: Vec<T>,
+    /// As in [`Params::twist_damping`].
+    pub twist_damping: Vec<T>,
+    /// As in [`Params::rest_twists_rad`].
+    pub rest_twists_rad: Vec<T>,
     /// As in [`Params::drag`].
     pub drag: T,
     /// As in [`Contact::ground_restitution`].
@@ -44,6 +50,9 @@ impl<T: Real> Parameters<T> {
             bend_stiffness: each(&p.bend_stiffness),
             bend_damping: each(&p.bend_damping),
             rest_angles_rad: each(&p.rest_angles_rad),
+            twist_stiffness: each(&p.twist_stiffness),
+            twist_damping: each(&p.twist_damping),
+            rest_twists_rad: each(&p.rest_twists_rad),
             drag: T::from_f32(p.drag),
             ground_restitution: T::from_f32(p.contact.ground_restitution),
             ground_friction: T::from_f32(p.contact.ground_friction),
@@ -52,8 +61,8 @@ impl<T: Real> Parameters<T> {
         }
     }
 
-    /// All zero, for so many springs and triplets.
-    pub(crate) fn zero(springs: usize, triplets: usize) -> Self {
+    /// All zero, for so many springs, triplets and rods.
+    pub(crate) fn zero(springs: usize, triplets: usize, rods: usize) -> Self {
         Self {
             spring_stiffness: vec![T::ZERO; springs],
             spring_dashpot: vec![T::ZERO; springs],
@@ -61,6 +70,9 @@ impl<T: Real> Parameters<T> {
             bend_stiffness: vec![T::ZERO; triplets],
             bend_damping: vec![T::ZERO; triplets],
             rest_angles_rad: vec![T::ZERO; triplets],
+            twist_stiffness: vec![T::ZERO; rods],
+            twist_damping: vec![T::ZERO; rods],
+            rest_twists_rad: vec![T::ZERO; rods],
             ..Self::default()
         }
     }
@@ -76,6 +88,9 @@ impl<T: Real> Parameters<T> {
             &self.bend_stiffness,
             &self.bend_damping,
             &self.rest_angles_rad,
+            &self.twist_stiffness,
+            &self.twist_damping,
+            &self.rest_twists_rad,
         ];
         let globals = [
             &self.drag,
@@ -97,6 +112,9 @@ impl<T: Real> Parameters<T> {
             bend_stiffness: each(self.bend_stiffness),
             bend_damping: each(self.bend_damping),
             rest_angles_rad: each(self.rest_angles_rad),
+            twist_stiffness: each(self.twist_stiffness),
+            twist_damping: each(self.twist_damping),
+            rest_twists_rad: each(self.rest_twists_rad),
             drag: narrow(self.drag),
             contact: Contact {
                 ground_restitution: narrow(self.ground_restitution),

@@ -1,5 +1,7 @@
 //! One instance through all its frames, in any scalar.
 
+use bendtwin_core::Graph;
+
 use super::{
     control::FrameControls,
     integrate::{Workspace, run_frame},
@@ -22,6 +24,8 @@ pub(crate) struct Case<'a, T> {
     pub(crate) system: &'a System<T>,
     /// Initial state, shape [N].
     pub(crate) initial: Vec<Node<T>>,
+    /// Initial twists [rad], shape [R].
+    pub(crate) twists: Vec<T>,
     /// Shape [F + 1, C].
     pub(crate) controls: Vec<Quad<T>>,
     /// Frames F.
@@ -33,6 +37,13 @@ pub(crate) struct Case<'a, T> {
 pub(crate) fn nodes_of<T: Real>(state: &State) -> Vec<Node<T>> {
     let both = state.positions.iter().zip(&state.velocities);
     both.map(|(&x, &v)| Node { x: quad(x), v: quad(v) }).collect()
+}
+
+/// A client's twists in the simulation's scalar; zero where it names none.
+pub(crate) fn twists_of<T: Real>(state: &State, graph: &Graph) -> Vec<T> {
+    let mut twists: Vec<T> = state.twists.iter().map(|&x| T::from_f32(x)).collect();
+    twists.resize(graph.rods.len(), T::ZERO);
+    twists
 }
 
 impl<T: Real> Case<'_, T> {
@@ -49,20 +60,21 @@ impl<T: Real> Case<'_, T> {
     pub(crate) fn start(&self) -> Workspace<T> {
         let mut workspace = Workspace::new(self.system);
         workspace.nodes[..self.system.nodes].copy_from_slice(&self.initial);
+        workspace.twists.copy_from_slice(&self.twists);
         self.controls_of(0).begin(self.system, &mut workspace.nodes);
         workspace
     }
 
-    /// Runs all frames and shows the endpoints (shape [N + C]) at every frame's end, the initial
-    /// ones first, until a frame has diverged.
+    /// Runs all frames and shows endpoints and twists at every frame's end, the initial ones
+    /// first, until a frame has diverged.
     pub(crate) fn run(
         &self,
         cancel: &CancelToken,
-        mut on_frame: impl FnMut(usize, &[Node<T>]),
+        mut on_frame: impl FnMut(usize, &Workspace<T>),
     ) -> Result<Option<Divergence>, Error> {
         let n = self.system.nodes;
         let mut workspace = self.start();
-        on_frame(0, &workspace.nodes);
+        on_frame(0, &workspace);
         for frame in 1..=self.frames {
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
@@ -71,7 +83,7 @@ impl<T: Real> Case<'_, T> {
             if let Some(node) = first_diverged(&workspace.nodes[..n]) {
                 return Ok(Some(Divergence { frame, node }));
             }
-            on_frame(frame, &workspace.nodes);
+            on_frame(frame, &workspace);
         }
         Ok(None)
     }
@@ -129,6 +141,6 @@ impl<'a, T: Real> Scorer<'a, T> {
 pub(crate) fn losses<T: Real>(case: &Case<'_, T>, cancel: &CancelToken) -> Result<Loss, Error> {
     let mut scorer = Scorer::new(case.objective, case.system.surface);
     let diverged =
-        case.run(cancel, |frame, nodes| scorer.see(frame, &nodes[..case.system.nodes]))?;
+        case.run(cancel, |frame, now| scorer.see(frame, &now.nodes[..case.system.nodes]))?;
     Ok(scorer.finish(diverged))
 }

@@ -10,6 +10,7 @@ use super::{
     bend::{Triplet, Triplets},
     parameters::Parameters,
     real::{Quad, Real, quad},
+    rod::Rods,
     spring::{Spring, Springs},
     strips::{self, Owned, Strips},
 };
@@ -91,6 +92,7 @@ pub(crate) struct System<T> {
     pub(crate) inverse_mass: Vec<T>,
     pub(crate) springs: Springs<T>,
     pub(crate) triplets: Triplets<T>,
+    pub(crate) rods: Rods<T>,
     pub(crate) parameters: Parameters<T>,
     spring_order: Arc<Strips>,
     triplet_order: Arc<Strips>,
@@ -130,6 +132,7 @@ impl<T: Real> System<T> {
             inverse_mass,
             springs: springs(graph, &layout.spring_order, &parameters),
             triplets: triplets(graph, &layout.triplet_order, &parameters),
+            rods: rods(graph, &parameters),
             spring_order: layout.spring_order.clone(),
             triplet_order: layout.triplet_order.clone(),
             pins: graph
@@ -194,4 +197,8 @@ fn triplets<T: Real>(graph: &Graph, order: &Strips, p: &Parameters<T>) -> Triple
         damping: p.bend_damping[t],
         rest_angle: p.rest_angles_rad[t],
     })
+}
+
+fn rods<T: Real>(graph: &Graph, p: &Parameters<T>) -> Rods<T> {
+    Rods::new(&graph.rods, |r| [p.twist_stiffness[r], p.twist_damping[r], p.rest_twists_rad[r]])
 }

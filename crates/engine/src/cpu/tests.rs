@@ -32,6 +32,7 @@ fn model(
         springs,
         triplets,
         pins: vec![],
+        ..Graph::default()
     };
     let (e, t) = (graph.springs.len(), graph.triplets.len());
     Model {
@@ -44,6 +45,7 @@ fn model(
             rest_angles_rad: vec![std::f32::consts::PI; t],
             drag: 0.0,
             contact: Contact::default(),
+            ..Params::default()
         },
         graph: Arc::new(graph),
         environment: Environment { gravity: [0.0; 3], ground: None },

@@ -17,6 +17,12 @@ pub enum Parameter {
     BendDamping,
     /// [`Params::rest_angles_rad`].
     RestAngle,
+    /// [`Params::twist_stiffness`].
+    TwistStiffness,
+    /// [`Params::twist_damping`].
+    TwistDamping,
+    /// [`Params::rest_twists_rad`].
+    RestTwist,
     /// [`Params::drag`].
     Drag,
     /// [`bendtwin_core::Contact::ground_restitution`].
@@ -31,13 +37,16 @@ pub enum Parameter {
 
 impl Parameter {
     /// All of them, in the order of [`Params`].
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 14] = [
         Self::SpringStiffness,
         Self::SpringDashpot,
         Self::RestLength,
         Self::BendStiffness,
         Self::BendDamping,
         Self::RestAngle,
+        Self::TwistStiffness,
+        Self::TwistDamping,
+        Self::RestTwist,
         Self::Drag,
         Self::GroundRestitution,
         Self::GroundFriction,
@@ -55,6 +64,9 @@ impl Parameter {
             Self::BendStiffness => &p.bend_stiffness,
             Self::BendDamping => &p.bend_damping,
             Self::RestAngle => &p.rest_angles_rad,
+            Self::TwistStiffness => &p.twist_stiffness,
+            Self::TwistDamping => &p.twist_damping,
+            Self::RestTwist => &p.rest_twists_rad,
             Self::Drag => one(&p.drag),
             Self::GroundRestitution => one(&p.contact.ground_restitution),
             Self::GroundFriction => one(&p.contact.ground_friction),
@@ -73,6 +85,9 @@ impl Parameter {
             Self::BendStiffness => &mut p.bend_stiffness,
             Self::BendDamping => &mut p.bend_damping,
             Self::RestAngle => &mut p.rest_angles_rad,
+            Self::TwistStiffness => &mut p.twist_stiffness,
+            Self::TwistDamping => &mut p.twist_damping,
+            Self::RestTwist => &mut p.rest_twists_rad,
             Self::Drag => one(&mut p.drag),
             Self::GroundRestitution => one(&mut p.contact.ground_restitution),
             Self::GroundFriction => one(&mut p.contact.ground_friction),

@@ -24,6 +24,7 @@ fn chain(dashpot: f32) -> Model {
             springs: (1..n as u32).map(|i| [i, i - 1]).chain([[0, n as u32]]).collect(),
             triplets: (2..n as u32).map(|i| [i - 2, i - 1, i]).collect(),
             pins: Vec::new(),
+            ..Graph::default()
         }),
         params: Params {
             spring_stiffness,
@@ -34,6 +35,7 @@ fn chain(dashpot: f32) -> Model {
             rest_angles_rad: vec![std::f32::consts::PI; n - 2],
             drag: 0.0,
             contact: Contact::default(),
+            ..Params::default()
         },
         environment: Environment { gravity: [0.0, 0.0, -9.81], ground: None },
         timing: Timing { fps: 30.0, substeps: 200 },

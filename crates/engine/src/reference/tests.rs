@@ -45,6 +45,7 @@ fn body(seed: u64) -> Model {
         springs,
         triplets,
         pins: vec![Pin { node: 7, control: 1, offset_m: [-0.03, 0.03, 0.0] }],
+        ..Graph::default()
     };
     let lengths = graph.springs.iter().map(|&[a, b]| {
         let (a, b) = (graph.rest_endpoint(a), graph.rest_endpoint(b));
@@ -64,6 +65,7 @@ fn body(seed: u64) -> Model {
             rest_angles_rad: uniform(t, 1.0, 2.0),
             drag: 1.5,
             contact: Contact { within_object: false, ..Contact::default() },
+            ..Params::default()
         },
         graph: Arc::new(graph),
         environment: Environment {

@@ -10,7 +10,8 @@
 //! Cauchy's inequality sums up a row without looking at pairs:
 //! `Σ_f w_f |g_e·g_f| <= sqrt(Σ_f w_f |g_f| · g_eᵀ (Σ_f w_f g_f g_fᵀ / |g_f|) g_e)`, sums over all f at that
 //! end. Where springs point everywhere, that is about 1.7 times less than the sum of their weights.
-//! Tension's lateral stiffness, the same in all directions, is bounded node by node and added.
+//! Tension's lateral stiffness, the same in all directions, is bounded node by node and added. So is a rod's: the one
+//! eigenvalue of its pattern, at each of its nodes.
 
 use super::linear::{Bar, Hinge, Linear, Vector, dot};
 
@@ -116,6 +117,7 @@ fn coarse(system: &Linear, dt: f64) -> f64 {
             rows[e as usize] += weight * length * sum;
         }
     }
+    add_twists(system, rate, &mut rows);
     rows.into_iter().fold(0.0, larger)
 }
 
@@ -151,9 +153,19 @@ fn fine(system: &Linear, dt: f64) -> f64 {
             joints[e as usize].lateral += rate(b.across, 0.0) * root(e) * (root(e) + root(other));
         }
     }
+    let mut rows: Vec<f64> = joints.iter().map(|j| j.lateral).collect();
+    add_twists(system, rate, &mut rows);
     let most = bars().fold(0.0, |most, e| e.larger(&joints, most));
     let most = hinges().fold(most, |most, e| e.larger(&joints, most));
-    most + joints.iter().map(|j| j.lateral).fold(0.0, larger)
+    most + rows.into_iter().fold(0.0, larger)
+}
+
+/// Adds what no eigenvalue of a rod's part exceeds to each of its nodes.
+fn add_twists(system: &Linear, rate: impl Fn(f64, f64) -> f64, rows: &mut [f64]) {
+    for t in &system.twists {
+        let most = rate(t.stiffness, t.damping) * t.square(&system.roots);
+        t.ends.iter().for_each(|&e| rows[e as usize] += most);
+    }
 }
 
 /// Both bounds, for tests of how near the truth they are.

@@ -30,6 +30,12 @@ struct Hinge {
     pattern: [Lane; 3],
 }
 
+/// A rod's pattern, as a triplet's.
+struct Twist {
+    ends: Vec<u32>,
+    pattern: Vec<Lane>,
+}
+
 /// `dt² K + 2 dt C`.
 pub(super) struct Operator {
     roots: Vec<f32>,
@@ -37,6 +43,7 @@ pub(super) struct Operator {
     starts: Vec<u32>,
     bars: Vec<Bar>,
     hinges: Vec<Hinge>,
+    twists: Vec<Twist>,
 }
 
 impl Operator {
@@ -67,8 +74,15 @@ impl Operator {
             Hinge { ends: h.ends, pattern }
         };
         let hinges = system.hinges.iter().map(hinge).collect();
+        let twist = |t: &super::linear::Twist| {
+            let weight = (dt * dt * t.stiffness + 2.0 * dt * t.damping).sqrt();
+            let parts = t.ends.iter().zip(&t.pattern);
+            let pattern = parts.map(|(&e, &g)| lane(g, weight * system.roots[e as usize]));
+            Twist { ends: t.ends.clone(), pattern: pattern.collect() }
+        };
+        let twists = system.twists.iter().map(twist).collect();
         let roots = system.roots.iter().map(|&r| r as f32).collect();
-        Self { roots, starts, bars, hinges }
+        Self { roots, starts, bars, hinges, twists }
     }
 
     /// Writes the operator times `v` into `out`; `moved` is room to work in.
@@ -98,14 +112,10 @@ impl Operator {
             *o = o.map(|x| root * x);
         }
         for h in &self.hinges {
-            let parts = h.ends.iter().zip(&h.pattern);
-            let bent: f32 = parts.map(|(e, p)| product(&v[*e as usize], p)).sum();
-            for (e, p) in h.ends.iter().zip(&h.pattern) {
-                let end = &mut out[*e as usize];
-                for c in 0..4 {
-                    end[c] += bent * p[c];
-                }
-            }
+            project(&h.ends, &h.pattern, v, out);
+        }
+        for t in &self.twists {
+            project(&t.ends, &t.pattern, v, out);
         }
     }
 
@@ -156,6 +166,18 @@ impl Operator {
             }
         }
         mode
+    }
+}
+
+/// Adds a pattern times what a vector has of it.
+fn project(ends: &[u32], pattern: &[Lane], v: &[Lane], out: &mut [Lane]) {
+    let parts = ends.iter().zip(pattern);
+    let share: f32 = parts.map(|(e, p)| product(&v[*e as usize], p)).sum();
+    for (e, p) in ends.iter().zip(pattern) {
+        let end = &mut out[*e as usize];
+        for c in 0..4 {
+            end[c] += share * p[c];
+        }
     }
 }
 

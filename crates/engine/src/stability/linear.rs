@@ -1,9 +1,15 @@
 //! A model linearised at rest and normalised by mass: its elements in f64, what each weighs in a
 //! vector, and where to start looking for its stiffest mode.
 
-use crate::{Model, cpu::bend};
+use crate::{
+    Model,
+    cpu::{bend, rod},
+};
 
 pub(super) type Vector = [f64; 3];
+
+/// Rods count as twisted by so much from their rest: once around.
+const TWIST_RAD: f64 = std::f64::consts::TAU;
 
 /// Stiffness and damping of a spring for a relative displacement.
 pub(super) struct Bar {
@@ -23,12 +29,29 @@ pub(super) struct Hinge {
     pub(super) damping: f64,
 }
 
+/// Stiffness and damping of a rod for one pattern of displacement of all its nodes.
+pub(super) struct Twist {
+    pub(super) ends: Vec<u32>,
+    pub(super) pattern: Vec<Vector>,
+    pub(super) stiffness: f64,
+    pub(super) damping: f64,
+}
+
+impl Twist {
+    /// What the pattern weighs, given the roots of its ends.
+    pub(super) fn square(&self, roots: &[f64]) -> f64 {
+        let parts = self.ends.iter().zip(&self.pattern);
+        parts.map(|(&e, &g)| dot(g, g) * roots[e as usize].powi(2)).sum()
+    }
+}
+
 /// The linearised, mass-normalised model.
 pub(super) struct Linear {
     /// 1/sqrt(m) of every endpoint; zero where it is prescribed.
     pub(super) roots: Vec<f64>,
     pub(super) bars: Vec<Bar>,
     pub(super) hinges: Vec<Hinge>,
+    pub(super) twists: Vec<Twist>,
 }
 
 impl Linear {
@@ -44,12 +67,17 @@ impl Linear {
             let (a, b) = (at(a), at(b));
             std::array::from_fn(|c| b[c] - a[c])
         };
-        let bars = graph.springs.iter().enumerate().map(|(s, &[a, b])| {
-            let [k, rest, damping] =
-                [&params.spring_stiffness, &params.rest_lengths_m, &params.spring_dashpot]
-                    .map(|v| f64::from(v[s]));
-            bar([a, b], arm(a, b), k, rest, damping)
-        });
+        let mut bars: Vec<Bar> = graph
+            .springs
+            .iter()
+            .enumerate()
+            .map(|(s, &[a, b])| {
+                let [k, rest, damping] =
+                    [&params.spring_stiffness, &params.rest_lengths_m, &params.spring_dashpot]
+                        .map(|v| f64::from(v[s]));
+                bar([a, b], arm(a, b), k, rest, damping)
+            })
+            .collect();
         let mut hinges = Vec::new();
         for (t, &[i, j, k]) in graph.triplets.iter().enumerate() {
             let [stiffness, damping, rest] =
@@ -59,7 +87,19 @@ impl Linear {
                 hinges.push(Hinge { ends: [i, j, k], pattern, stiffness, damping });
             }
         }
-        Self { bars: bars.collect(), roots, hinges }
+        let mut twists = Vec::with_capacity(graph.rods.len());
+        for (r, rod) in graph.rods.iter().enumerate() {
+            let [stiffness, damping, rest] =
+                [&params.twist_stiffness, &params.twist_damping, &params.rest_twists_rad]
+                    .map(|v| f64::from(v[r]));
+            let points: Vec<Vector> = rod.iter().map(|&e| at(e)).collect();
+            let torque = stiffness * (rest.abs() + TWIST_RAD);
+            let edges = rod.iter().zip(&rod[1..]).zip(points.windows(2));
+            bars.extend(edges.map(|((&a, &b), x)| slanted([a, b], x, torque)));
+            let pattern = rod::turned_pattern(&points);
+            twists.push(Twist { ends: rod.clone(), pattern, stiffness, damping });
+        }
+        Self { bars, roots, hinges, twists }
     }
 
     /// Stiffness and damping of every endpoint by itself, all others held and all springs in one line.
@@ -76,6 +116,13 @@ impl Linear {
                 let square = dot(g, g) * self.roots[e as usize].powi(2);
                 alone[e as usize].0 += h.stiffness * square;
                 alone[e as usize].1 += h.damping * square;
+            }
+        }
+        for t in &self.twists {
+            for (&e, &g) in t.ends.iter().zip(&t.pattern) {
+                let square = dot(g, g) * self.roots[e as usize].powi(2);
+                alone[e as usize].0 += t.stiffness * square;
+                alone[e as usize].1 += t.damping * square;
             }
         }
         alone
@@ -122,6 +169,12 @@ impl Linear {
             stiff += h.stiffness * bent;
             damp += h.damping * bent;
         }
+        for t in &self.twists {
+            let parts = t.ends.iter().zip(&t.pattern);
+            let turned = parts.map(|(&e, &g)| dot(g, moved[e as usize])).sum::<f64>().powi(2);
+            stiff += t.stiffness * turned;
+            damp += t.damping * turned;
+        }
         let square: f64 = z.iter().map(|&v| dot(v, v)).sum();
         if square > 0.0 { (stiff / square, damp / square) } else { (0.0, 0.0) }
     }
@@ -145,6 +198,15 @@ fn bar(ends: [u32; 2], r: Vector, k: f64, rest: f64, damping: f64) -> Bar {
     }
     let across = (along * (length - rest) / length).max(0.0);
     Bar { ends, direction: r.map(|x| x / length), along, across, damping }
+}
+
+/// A twisted rod wants to coil, also where it is straight. In slopes s of its edges (displacements over length)
+/// that is a torque times a sum of `s_j x s_(j+1)`, which is never more than the sum of their squares.
+fn slanted(ends: [u32; 2], x: &[Vector], torque: f64) -> Bar {
+    let edge: Vector = std::array::from_fn(|c| x[1][c] - x[0][c]);
+    let square = dot(edge, edge);
+    let across = if square > rod::MIN_EDGE_M.powi(2) { torque / square } else { 0.0 };
+    Bar { ends, direction: [0.0; 3], along: across, across, damping: 0.0 }
 }
 
 /// Gradients of the angle with respect to the three ends: one, or where the rest shape is straight

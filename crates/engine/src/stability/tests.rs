@@ -30,6 +30,7 @@ fn model(positions: Vec<[f32; 3]>, springs: Vec<[u32; 2]>, triplets: Vec<[u32; 3
             rest_angles_rad: triplets.iter().map(|&t| angle(t)).collect(),
             drag: 0.0,
             contact: Contact::default(),
+            ..Params::default()
         },
         graph: Arc::new(Graph {
             kinds: vec![NodeKind::Observed; n],
@@ -41,6 +42,7 @@ fn model(positions: Vec<[f32; 3]>, springs: Vec<[u32; 2]>, triplets: Vec<[u32; 3
             springs,
             triplets,
             pins: vec![],
+            ..Graph::default()
         }),
         environment: Environment { gravity: [0.0; 3], ground: None },
         timing: Timing { fps: 1.0, substeps: 1 },

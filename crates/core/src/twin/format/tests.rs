@@ -14,6 +14,7 @@ fn twin() -> Twin {
             springs: vec![[0, 1], [1, 2], [2, 3]],
             triplets: vec![[0, 1, 2]],
             pins: vec![Pin { node: 2, control: 0, offset_m: [-0.1, 0.0, 0.0] }],
+            rods: Vec::new(),
         },
         params: Params {
             spring_stiffness: vec![1e3, 2e3, 3e3],
@@ -24,6 +25,7 @@ fn twin() -> Twin {
             rest_angles_rad: vec![std::f32::consts::PI],
             drag: 1.0,
             contact: Contact::default(),
+            ..Params::default()
         },
         environment: Environment::Z_UP,
         timing: Timing { fps: 30.0, substeps: 50 },
@@ -41,11 +43,69 @@ fn a_twin_survives_its_file() {
 }
 
 /// Written by the first release; must be readable for ever. To add one for a new version, write
-/// `twin().encode()` to `testdata/twin-v{VERSION}.safetensors` and keep the old ones.
+/// `encode()` of one that needs it to `testdata/twin-v{VERSION}.safetensors` and keep the old ones.
 #[test]
 fn released_files_stay_readable() {
     let first = include_bytes!("../../../testdata/twin-v1.safetensors");
     assert_eq!(Twin::decode(first).unwrap(), twin());
+    let second = include_bytes!("../../../testdata/twin-v2.safetensors");
+    assert_eq!(Twin::decode(second).unwrap(), cable());
+}
+
+/// A twin with two rods between clamps.
+fn cable() -> Twin {
+    let mut twin = twin();
+    let n = 9;
+    twin.graph = Graph {
+        rest_positions: (0..n).map(|i| [0.1 * i as f32, 0.0, 0.1]).collect(),
+        kinds: vec![NodeKind::Observed; n],
+        masses: vec![1.0; n],
+        object_ids: vec![0; n],
+        observed_points: (0..n as u32).collect(),
+        control_rest: vec![[0.0; 3]],
+        pins: [0, 1, 3, 4, 7, 8].map(|node| Pin { node, control: 0, offset_m: [0.0; 3] }).to_vec(),
+        rods: vec![vec![0, 1, 2, 3, 4], vec![4, 3, 5, 6, 7, 8]],
+        ..Graph::default()
+    };
+    twin.params = Params {
+        twist_stiffness: vec![0.1, 0.2],
+        twist_damping: vec![0.01, 0.02],
+        rest_twists_rad: vec![-7.0, 0.5],
+        ..Params::default()
+    };
+    twin
+}
+
+#[test]
+fn rods_survive_their_file() {
+    let bytes = cable().encode().unwrap();
+    assert_eq!(Twin::decode(&bytes).unwrap(), cable());
+    let version = |bytes: &[u8]| {
+        let text = String::from_utf8_lossy(bytes);
+        [1, 2].map(|v| text.contains(&format!("{{\\\"version\\\":{v},")))
+    };
+    assert_eq!(version(&bytes), [false, true]);
+    assert_eq!(version(&twin().encode().unwrap()), [true, false], "older programs read it");
+}
+
+#[test]
+fn rods_of_impossible_lengths_are_refused() {
+    let bytes = cable().encode().unwrap();
+    let container = SafeTensors::deserialize(&bytes).unwrap();
+    let (_, header) = SafeTensors::read_metadata(&bytes).unwrap();
+    for lengths in [[5_u32, 5], [5, 7], [u32::MAX, 6], [11, 0]] {
+        let tensors = container.tensors().into_iter().map(|(name, view)| {
+            let data = match &*name {
+                "rods.lengths" => bytemuck::cast_slice(&lengths).to_vec(),
+                _ => view.data().to_vec(),
+            };
+            let (dtype, shape) = (view.dtype(), view.shape().to_vec());
+            (name, Raw { dtype, shape, bytes: Cow::Owned(data) })
+        });
+        let file = safetensors::serialize(tensors, header.metadata().clone()).unwrap();
+        let fault = Twin::decode(&file).unwrap_err().to_string();
+        assert!(fault.contains("rod"), "{lengths:?}: {fault}");
+    }
 }
 
 #[test]

@@ -73,6 +73,20 @@ pub(super) fn kinds() -> Vec<Kind> {
             .rest_angles_rad
             .iter_mut()
             .collect()),
+        parameter!("twist stiffness", 0.05, |p| p.twist_stiffness.clone(), |p| p
+            .twist_stiffness
+            .iter_mut()
+            .collect()),
+        parameter!("twist damping", 0.05, |p| p.twist_damping.clone(), |p| p
+            .twist_damping
+            .iter_mut()
+            .collect()),
+        Kind {
+            name: "rest twist",
+            variables: |s| s.params.rest_twists_rad.iter_mut().collect(),
+            derivatives: |g| g.params.rest_twists_rad.clone(),
+            largest_step: |_| 0.3,
+        },
         parameter!("drag", 0.3, |p| vec![p.drag], |p| vec![&mut p.drag]),
         parameter!("ground restitution", 0.05, |p| vec![p.contact.ground_restitution], |p| vec![
             &mut p.contact.ground_restitution
@@ -103,6 +117,12 @@ pub(super) fn kinds() -> Vec<Kind> {
             variables: |s| s.initial.velocities.iter_mut().flatten().collect(),
             derivatives: |g| g.initial.as_ref().map_or(Vec::new(), |s| flat(&s.velocities)),
             largest_step: |_| 5e-3,
+        },
+        Kind {
+            name: "initial twists",
+            variables: |s| s.initial.twists.iter_mut().collect(),
+            derivatives: |g| g.initial.as_ref().map_or(Vec::new(), |s| s.twists.clone()),
+            largest_step: |_| 0.3,
         },
     ]
 }

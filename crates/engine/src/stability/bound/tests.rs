@@ -9,7 +9,12 @@ fn star(arms: usize, stiffness: f64) -> Linear {
         across: 0.0,
         damping: 0.0,
     };
-    Linear { roots: vec![1.0; arms + 1], bars: (0..arms).map(bar).collect(), hinges: Vec::new() }
+    Linear {
+        roots: vec![1.0; arms + 1],
+        bars: (0..arms).map(bar).collect(),
+        hinges: Vec::new(),
+        twists: Vec::new(),
+    }
 }
 
 #[test]

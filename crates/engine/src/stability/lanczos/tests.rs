@@ -19,7 +19,8 @@ fn a_tridiagonal_matrix_is_solved() {
 
 #[test]
 fn a_start_of_nothing_stays_nothing() {
-    let system = Linear { roots: vec![1.0; 2], bars: Vec::new(), hinges: Vec::new() };
+    let system =
+        Linear { roots: vec![1.0; 2], bars: Vec::new(), hinges: Vec::new(), twists: Vec::new() };
     let operator = Operator::new(&system, 1.0);
     assert_eq!(operator.stiffest(&[[0.0; 3]; 2], 8), [[0.0; 3]; 2]);
     assert_eq!(operator.stiffest(&[[1.0, 0.0, 0.0]; 2], 8).len(), 2);
