@@ -208,6 +208,10 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
     float3* bends = bend_buffer(l);
     const u32* refs = job.topology.arm_refs;
     HeldTriplet triplet = triplet_at(l, first_triplet());
+#if RODS
+    HeldRod rod = rod_at(l, threadIdx.x / 32);
+    load_rod_bars(job);
+#endif
     Halo halo = halo_of(l);
     Sums sums = {};
     Place one = place_of(l, threadIdx.x / 32);
@@ -239,6 +243,9 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
             expect_halo(l.arrivals, earlier);
             fetch_tape(l, c, earlier, s - 1 - from, s - 1);
         }
+#if RODS
+        rod_adjoints(l, c, now, bends, rod, s - from);
+#endif
         bend_adjoints(l, now, bends, triplet, sums);
 #if ONE_ROW
         {
@@ -269,4 +276,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
         now = earlier;
     }
     store_sums(l, c, one, triplet, sums);
+#if RODS
+    store_rod_bars(job);
+#endif
 }

@@ -41,6 +41,71 @@ bend_adjoints(const Local& l, u32 now, float3* out, const HeldTriplet& first, Su
 #endif
 }
 
+#if RODS
+// Sums of d loss / d (stiffness, damping, rest twist), [3][R].
+DEVICE float* rod_sums() {
+    static __shared__ float sums[3 * RODS];
+    return sums;
+}
+
+DEVICE void load_rod_bars(const Job& job) {
+    for (u32 r = threadIdx.x; r < RODS; r += THREADS) rod_twists()[r] = job.twist_bars[r];
+    for (u32 i = threadIdx.x; i < 3 * RODS; i += THREADS) rod_sums()[i] = 0.0f;
+}
+
+DEVICE void store_rod_bars(const Job& job) {
+    __syncthreads();
+    for (u32 r = threadIdx.x; r < RODS; r += THREADS) job.twist_bars[r] = rod_twists()[r];
+    for (u32 i = threadIdx.x; i < 3 * RODS; i += THREADS)
+        job.bend_sums[3 * job.triplets + i] += rod_sums()[i];
+}
+
+// The rods' part of a substep: from d loss / d twist at its end to that at its start, and what neighbours of inner
+// nodes get, where triplets leave theirs. With pull = grad . lambda: torque_bar = -pull, twist_bar += k torque_bar,
+// rate_bar = dt twist_bar + damping torque_bar; the adjoint of grad is rate_bar v - torque lambda.
+DEVICE void rod_adjoints(
+    const Local& l, const Constants& c, u32 now, float3* out, const HeldRod& first, u32 tape
+) {
+    const float4* lambda = lambda_of(l, now);
+    for_rods(l, first, [&](u32 r, const HeldRod& h) {
+        u32 lane = threadIdx.x % 32;
+        float before = l.job->tape_twists[(u64)tape * RODS + r];
+        float rate = 0.0f, pull = 0.0f;
+        for (u32 t = h.first + lane; t < h.end; t += 32) {
+            Inner in = inner_at(l, now, 0, t);
+            float3 own = xyz(lambda[in.ends.j]);
+            rate += along(in.turn, in.v_before, in.v_after);
+            pull += along(in.turn, sub(xyz(lambda[in.ends.i]), own), sub(xyz(lambda[in.ends.k]), own));
+        }
+        rate = sum_warp(rate);
+        pull = sum_warp(pull);
+        float deviation = before + rate * c.dt - h.rest_twist;
+        float torque = h.stiffness * deviation + h.damping * rate;
+        float bar = rod_twists()[r] - pull * h.stiffness;
+        float rate_bar = c.dt * bar - h.damping * pull;
+        __syncwarp();
+        if (lane == 0) {
+            rod_twists()[r] = bar;
+            rod_sums()[r] -= pull * deviation;
+            rod_sums()[RODS + r] -= pull * rate;
+            rod_sums()[2 * RODS + r] += pull * h.stiffness;
+        }
+        for (u32 t = h.first + lane; t < h.end; t += 32) {
+            Inner in = inner_at(l, now, 0, t);
+            float3 own = xyz(lambda[in.ends.j]);
+            float3 by_before = sub(xyz(lambda[in.ends.i]), own);
+            float3 by_after = sub(xyz(lambda[in.ends.k]), own);
+            float3 a_bar = add_scaled(scale(in.v_before, rate_bar), -torque, by_before);
+            float3 c_bar = add_scaled(scale(in.v_after, rate_bar), -torque, by_after);
+            turn_adjoint(in.turn, a_bar, c_bar, out[4 * t], out[4 * t + 1]);
+            out[4 * t + 2] = scale(in.turn.a, rate_bar);
+            out[4 * t + 3] = scale(in.turn.c, rate_bar);
+        }
+        __syncwarp();
+    });
+}
+#endif
+
 // Adds what an endpoint gets from a triplet.
 DEVICE void add_bend(const float3* in, u32 triplet, u32 role, float3& x_bar, float3& v_bar) {
     const float3* t = in + 4 * triplet;

@@ -25,6 +25,13 @@ DEVICE Constants constants_of(const Job& job) {
     return c;
 }
 
+#define NO_TAPE 0xffffffffu
+
+// A frame of a job; one that has ended stays in its last.
+DEVICE u32 frame_of(const Job& job, u32 frame) {
+    return job.first + min(frame, max(job.frames, 1u) - 1);
+}
+
 // Forces of the ends i and k, by triplet and instance.
 DEVICE float3* bend_buffer(const Local& l) {
     u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.job->topology.max_pairs) : 0;
@@ -42,6 +49,60 @@ DEVICE void bend_one(const Local& l, u32 now, float3* forces, u32 t, const HeldT
         forces[(t * INSTANCES + m) * 2 + 1] = f_k;
     }
 }
+
+#if RODS
+// Moves the rods' twists and leaves what their inner nodes exert on their neighbours where triplets leave theirs.
+DEVICE void rod_forces(
+    const Local& l, const Constants& c, const Job* jobs, u32 now, float3* forces, const HeldRod& first,
+    u32 tape
+) {
+    for_rods(l, first, [&](u32 r, const HeldRod& h) {
+        for (u32 m = 0; m < INSTANCES; m++) {
+            u32 lane = threadIdx.x % 32;
+            float rate = 0.0f;
+            for (u32 t = h.first + lane; t < h.end; t += 32) {
+                Inner in = inner_at(l, now, m, t);
+                rate += along(in.turn, in.v_before, in.v_after);
+            }
+            rate = sum_warp(rate);
+            float* kept = rod_twists() + m * RODS + r;
+            float before = *kept;
+            float twist = before + rate * c.dt;
+            __syncwarp();
+            if (lane == 0) {
+                *kept = twist;
+#if TAPE
+                if (tape != NO_TAPE) jobs[m].tape_twists[(u64)tape * RODS + r] = before;
+#endif
+            }
+            float torque = h.stiffness * (twist - h.rest_twist) + h.damping * rate;
+            for (u32 t = h.first + lane; t < h.end; t += 32) {
+                Turn turn = inner_at(l, now, m, t).turn;
+                forces[(t * INSTANCES + m) * 2] = scale(turn.a, -torque);
+                forces[(t * INSTANCES + m) * 2 + 1] = scale(turn.c, -torque);
+            }
+            __syncwarp();
+        }
+    });
+}
+
+// Twists where a launch begins and where frames end, as states.
+DEVICE void load_twists(const Job* jobs, u32 frame) {
+    for (u32 i = threadIdx.x; i < RODS * INSTANCES; i += THREADS) {
+        const Job& job = jobs[i / RODS];
+        rod_twists()[i] = job.twists[(u64)(frame_of(job, frame) % job.slots) * RODS + i % RODS];
+    }
+}
+
+DEVICE void store_twists(const Job* jobs, u32 frame) {
+    for (u32 i = threadIdx.x; i < RODS * INSTANCES; i += THREADS) {
+        const Job& job = jobs[i / RODS];
+        if (frame >= job.frames) continue;
+        u32 reached = job.first + frame + 1;
+        job.twists[(u64)(reached % job.slots) * RODS + i % RODS] = rod_twists()[i];
+    }
+}
+#endif
 
 DEVICE void bend_forces(const Local& l, u32 now, float3* forces, const HeldTriplet& first) {
 #if BENDING
@@ -65,8 +126,6 @@ DEVICE float3 bend_share(const Place& p, const float3* forces, const u32* refs, 
 #endif
     return sum;
 }
-
-#define NO_TAPE 0xffffffffu
 
 // Velocity of a node before contact.
 DEVICE float3 accelerate(const Constants& c, float inverse_mass, float3 force, float3 v) {
@@ -187,11 +246,6 @@ DEVICE void work_on_contact(
     if (p.valid) travel(l, c, p, 0, now, l.state(now, 0, p.node), before, after, tape);
 }
 
-// A frame of a job; one that has ended stays in its last.
-DEVICE u32 frame_of(const Job& job, u32 frame) {
-    return job.first + min(frame, max(job.frames, 1u) - 1);
-}
-
 // The path of the control point that a thread moves, held in registers. The last threads do it: their rows
 // are the shortest.
 struct Moved {
@@ -309,6 +363,10 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     float3* bends = bend_buffer(l);
     const u32* refs = jobs->topology.arm_refs;
     HeldTriplet triplet = triplet_at(l, first_triplet());
+#if RODS
+    HeldRod rod = rod_at(l, threadIdx.x / 32);
+    load_twists(jobs, first);
+#endif
     Halo halo = halo_of(l);
     u32 now = 0;
     load_states(l, jobs, now, first);
@@ -334,6 +392,9 @@ extern "C" __global__ void __launch_bounds__(THREADS)
             u32 tape = s >= from ? frame * (last - from) + s - from : NO_TAPE;
             expect_halo(l.arrivals, now ^ 1);
             place_controls(l, jobs, moved, now ^ 1, frame, s + 1);
+#if RODS
+            rod_forces(l, c, jobs, now, bends, rod, tape);
+#endif
             bend_forces(l, now, bends, triplet);
 #if ONE_ROW
             work_on(l, c, p, held, now, tape, pairs, bends, refs);
@@ -354,6 +415,9 @@ extern "C" __global__ void __launch_bounds__(THREADS)
             meet_for_halo(l.arrivals, now, l.barrier, l.round);
             fetch_states(l, halo, now);
         }
+#if RODS
+        if (keep) store_twists(jobs, frame);
+#endif
         if (keep) store_states(l, jobs, now, frame);
     }
     // None may end while another still writes into it.

@@ -56,7 +56,8 @@ struct Topology {
     u32 max_triplets;          // of a share
     u32 max_pairs;             // pairs of half-springs of a share's nodes, padding included
     u32 max_all_pairs;         // and of its nodes and control points
-    u32 unused;
+    u32 rods;                  // R; a graph with rods has one share
+    const u32* rod_turns;      // [R + 1]: where each rod's inner nodes begin in the share's list of triplets, behind these
 };
 
 // One simulation to run.
@@ -76,7 +77,7 @@ struct Job {
     float4* bar_x;               // [N]: d loss / d state
     float4* bar_v;
     float* spring_sums;          // [pairs with sums][2][3][32 lanes], as in `SpringSums`
-    float* bend_sums;            // [3][T]
+    float* bend_sums;            // [3][T], then [3][R] of rods
     float* law_sums;             // [blocks][5]: drag, ground restitution, friction, object restitution, friction
     float* control_sums;         // [blocks][9][C]: d loss / d from, to, velocity
     float* pin_sums;             // [9][pins]
@@ -109,6 +110,10 @@ struct Job {
     u32 between_objects, within_object;
     u32 spill_stride;            // float4s of a block's spill
     u32 unused;
+    const float* rods;           // [3][R]: stiffness, damping, rest twist
+    float* twists;               // [slots][R]: as `states`
+    float* tape_twists;          // [substeps on tape][R]: where a substep begins
+    float* twist_bars;           // [R]: d loss / d twist
 };
 
 // The host's idea of these structs must be the same.

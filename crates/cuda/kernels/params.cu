@@ -1,6 +1,6 @@
 // Parameters and their gradients. Both are one array of floats in the order of the host's `Params`:
-// stiffness [E], dashpot [E], rest length [E], bend stiffness [T], bend damping [T], rest angle [T]; then drag
-// and the restitution and friction of ground and objects.
+// stiffness [E], dashpot [E], rest length [E], bend stiffness [T], bend damping [T], rest angle [T], twist stiffness [R],
+// twist damping [R], rest twist [R]; then drag and the restitution and friction of ground and objects.
 
 #define NONE 0xffffffffu
 
@@ -61,7 +61,8 @@ extern "C" __global__ void gather_sums(
     for (u32 k = 0; k < 3; k++) total[k * (u64)e + i] = sum[k];
 }
 
-// d loss / d parameters from the spring sums [3][E], the bend sums [3][T] and the law sums [blocks][5].
+// d loss / d parameters from the spring sums [3][E], the bend sums [3][T], those of rods [3][R] and the law sums
+// [blocks][5]; `t` counts triplets and rods.
 extern "C" __global__ void
 finish_gradient(float* out, const float* sums, const float* params, u32 e, u32 t, u32 blocks) {
     u64 i = (u64)blockIdx.x * THREADS + threadIdx.x;
@@ -121,6 +122,9 @@ extern "C" __global__ void add_seeds(const Job* jobs, const float* const* seeds,
     const Job& job = jobs[blockIdx.y];
     const u32 n = job.topology.node_count;
     u32 node = blockIdx.x * THREADS + threadIdx.x;
+    // Nothing is measured of twists by themselves.
+    for (u32 r = node; begins && r < job.topology.rods; r += gridDim.x * THREADS)
+        job.twist_bars[r] = 0.0f;
     if (node >= n) return;
     const float* s = seeds[blockIdx.y];
     float3 x = begins ? zero3() : xyz(job.bar_x[node]);

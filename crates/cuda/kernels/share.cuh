@@ -314,6 +314,58 @@ struct HeldTriplet {
     bool has;
 };
 
+#if RODS
+// Twists of a block's rods (on the way back: d loss / d twist), by instance and rod.
+DEVICE float* rod_twists() {
+    static __shared__ float twists[RODS * INSTANCES];
+    return twists;
+}
+
+// A rod of a warp: the first is held in registers.
+struct HeldRod {
+    u32 first, end;  // its inner nodes, as triplets with their neighbours
+    float stiffness, damping, rest_twist;
+};
+
+DEVICE HeldRod rod_at(const Local& l, u32 r) {
+    HeldRod h = {0, 0, 0.0f, 0.0f, 0.0f};
+    if (r < RODS) {
+        h.first = l.job->topology.rod_turns[r];
+        h.end = l.job->topology.rod_turns[r + 1];
+        h.stiffness = l.job->rods[r];
+        h.damping = l.job->rods[RODS + r];
+        h.rest_twist = l.job->rods[2 * RODS + r];
+    }
+    return h;
+}
+
+// Calls `work(rod, what is held of it)` for the rods of a warp, all of its lanes together.
+template <class Work>
+DEVICE void for_rods(const Local& l, const HeldRod& first, Work work) {
+    u32 r = threadIdx.x / 32;
+    if (r < RODS) work(r, first);
+    for (r += WARPS; r < RODS; r += WARPS) work(r, rod_at(l, r));
+}
+
+// The inner node `t` of a rod: its turn, and its neighbours' velocities relative to its own.
+struct Inner {
+    Triplet ends;
+    Turn turn;
+    float3 v_before, v_after;
+};
+
+DEVICE Inner inner_at(const Local& l, u32 now, u32 m, u32 t) {
+    Inner in;
+    in.ends = l.job->topology.triplets[l.share.triplet + t];
+    State i = l.state(now, m, in.ends.i), j = l.state(now, m, in.ends.j);
+    State k = l.state(now, m, in.ends.k);
+    in.turn = turn_of(sub(j.x, i.x), sub(k.x, j.x));
+    in.v_before = sub(i.v, j.v);
+    in.v_after = sub(k.v, j.v);
+    return in;
+}
+#endif
+
 DEVICE HeldTriplet triplet_at(const Local& l, u32 t) {
     HeldTriplet h;
     h.has = BENDING && t < l.share.triplets;

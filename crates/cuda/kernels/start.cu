@@ -10,6 +10,10 @@ struct Start {
     u32 nodes;
     u32 control_count;
     u32 controls_move;      // whether there is a next frame, towards which pinned nodes move
+    const float* initial_twists;  // [R]
+    float* twists;          // the same, of frame 0
+    u32 rods;
+    u32 unused;
 };
 
 static_assert(sizeof(Start) == SIZE_OF_START, "src/job.rs");
@@ -18,6 +22,7 @@ static_assert(sizeof(Start) == SIZE_OF_START, "src/job.rs");
 extern "C" __global__ void start(const Start* jobs) {
     const Start& s = jobs[blockIdx.y];
     u32 i = blockIdx.x * THREADS + threadIdx.x;
+    for (u32 r = i; r < s.rods; r += gridDim.x * THREADS) s.twists[r] = s.initial_twists[r];
     if (i >= s.nodes) return;
     u64 n = s.nodes;
     float3 x = v3(s.initial[i], s.initial[n + i], s.initial[2 * n + i]);

@@ -30,6 +30,8 @@ use crate::{
 
 /// Share of the budget that a batch's working memory may take.
 const WORKING_SHARE: u64 = 2;
+/// Most rods of a graph: their twists are among the static variables of a block.
+const MAX_RODS: usize = 16;
 
 /// One queue of a device.
 #[derive(Clone)]
@@ -193,6 +195,10 @@ impl CudaBackend {
             true => self.queue.fetch(&gradients.initial)?,
             false => Vec::new(),
         };
+        let initial_twists = match request.initial {
+            true => self.queue.fetch(&gradients.initial_twists)?,
+            false => Vec::new(),
+        };
         let mut out = Vec::with_capacity(batch.len());
         for (i, (instance, loss)) in batch.iter().zip(measured.losses()?).enumerate() {
             let model = instance.model.model();
@@ -203,16 +209,22 @@ impl CudaBackend {
             let n = model.graph.node_count();
             let start = gradients.initial_starts[i];
             let point = |p: &[f32; 4]| [p[0], p[1], p[2]].map(narrow);
+            let r = model.graph.rods.len();
+            let at = gradients.initial_twist_starts[i];
+            let twist_bars = match initial_twists.get(at..at + r) {
+                Some(bars) if ended => bars.iter().map(|&x| narrow(x)).collect(),
+                _ => vec![0.0; r],
+            };
             let mut at_start = match initial.get(start..start + 2 * n) {
                 Some(bars) if ended => State {
                     positions: bars[..n].iter().map(point).collect(),
                     velocities: bars[n..].iter().map(point).collect(),
-                    twists: Vec::new(),
+                    twists: twist_bars,
                 },
                 _ => State {
                     positions: vec![[0.0; 3]; n],
                     velocities: vec![[0.0; 3]; n],
-                    twists: Vec::new(),
+                    twists: twist_bars,
                 },
             };
             let span = gradients.control_starts[i]..gradients.control_starts[i + 1];
@@ -293,10 +305,11 @@ impl Backend for CudaBackend {
 
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
         check::loadable(&model)?;
-        if !model.graph.rods.is_empty() {
-            let why =
-                "this backend has no rods that twist yet: use the CPU, or fit with graph.twist off";
-            return Err(Error::InvalidModel(why.into()));
+        let rods = model.graph.rods.len();
+        if rods > MAX_RODS {
+            return Err(Error::InvalidModel(format!(
+                "{rods} rods: on this device {MAX_RODS} are the most, use the CPU or fit with graph.twist off"
+            )));
         }
         self.refuse_too_large(resident_bytes(&model))?;
         let graph = self.graphs.get(&self.device, &model.graph)?;

@@ -4,6 +4,7 @@
 mod slots;
 mod windows;
 
+use bendtwin_core::Graph;
 use bendtwin_engine::{
     Error,
     backend::{CancelToken, GradientRequest},
@@ -34,15 +35,22 @@ pub(crate) struct Gradients {
     /// d loss / d initial state by instance: positions [N], then velocities [N], padded to four.
     pub(crate) initial: Buffer<[f32; 4]>,
     pub(crate) initial_starts: Vec<usize>,
+    /// d loss / d initial twists by instance.
+    pub(crate) initial_twists: Buffer<f32>,
+    pub(crate) initial_twist_starts: Vec<usize>,
 }
 
 /// Bytes of device memory that an instance's gradient takes beside one window's tape.
 pub(crate) fn bytes_of(simulated: &bendtwin_engine::backend::Instance) -> u64 {
     let graph = &simulated.model.model().graph;
-    let (n, elements) =
-        (graph.node_count() as u64, (graph.springs.len() + graph.triplets.len()) as u64);
+    let (n, elements) = (graph.node_count() as u64, (graph.springs.len() + hinges(graph)) as u64);
     // The gradient and its sums, what seeds it, and d loss / d initial state.
     24 * elements + crate::scoring::seed_bytes(simulated.frames, n as usize) + 32 * n
+}
+
+/// Triplets and rods: elements with three parameters each whose gradients are summed as they are.
+fn hinges(graph: &Graph) -> usize {
+    graph.triplets.len() + graph.rods.len()
 }
 
 /// What the way back needs of the way forward.
@@ -84,21 +92,25 @@ impl Gradients {
     fn empty(simulation: &Simulation<'_>, request: &GradientRequest) -> Result<Self, Error> {
         let stream = &simulation.queue.stream;
         let (mut starts, mut control_starts, mut initial_starts) = (vec![0], vec![0], vec![0]);
+        let mut initial_twist_starts = vec![0];
         for instance in simulation.instances {
             let graph = &instance.model.model().graph;
-            let length = 3 * (graph.springs.len() + graph.triplets.len()) + LAWS;
+            let length = 3 * (graph.springs.len() + hinges(graph)) + LAWS;
             starts.push(end_of(&starts) + length);
             let controls = if request.controls { instance.controls.len() } else { 0 };
             control_starts.push(end_of(&control_starts) + controls);
             initial_starts.push(end_of(&initial_starts) + 2 * graph.node_count());
+            initial_twist_starts.push(end_of(&initial_twist_starts) + graph.rods.len());
         }
         Ok(Self {
             params: Buffer::zeros(stream, end_of(&starts))?,
             controls: Buffer::zeros(stream, end_of(&control_starts))?,
             initial: Buffer::zeros(stream, end_of(&initial_starts))?,
+            initial_twists: Buffer::zeros(stream, end_of(&initial_twist_starts))?,
             starts,
             control_starts,
             initial_starts,
+            initial_twist_starts,
         })
     }
 }
@@ -149,9 +161,10 @@ impl Backward<'_> {
         (0..frames.max(1)).step_by(every).map(window)
     }
 
+    /// Springs, and triplets and rods.
     fn elements(&self, instance: usize) -> (usize, usize) {
         let graph = &self.way.simulation.instances[instance].model.model().graph;
-        (graph.springs.len(), graph.triplets.len())
+        (graph.springs.len(), hinges(graph))
     }
 
     fn finish(&self, instance: usize, sums: u64, blocks: usize) -> Result<(), Error> {
@@ -167,7 +180,7 @@ impl Backward<'_> {
             .with(blocks as u32);
         let length = 3 * (e + t) + LAWS;
         let grid = ((length as u32).div_ceil(THREADS), 1, 1);
-        // SAFETY: sums and parameters are those of a graph of E springs and T triplets.
+        // SAFETY: sums and parameters are those of a graph of E springs and T triplets and rods.
         unsafe { simulation.queue.launch(Source::Params, "finish_gradient", grid, &arguments) }
     }
 }

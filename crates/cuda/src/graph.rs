@@ -69,6 +69,7 @@ struct Parts {
     _exports: Buffer<u32>,
     _export_refs: Buffer<u32>,
     _sum_rows: Buffer<u32>,
+    _rod_turns: Buffer<u32>,
 }
 
 impl DeviceGraph {
@@ -123,6 +124,7 @@ impl DeviceGraph {
             _exports: Buffer::of(stream, &layout.exports)?,
             _export_refs: Buffer::of(stream, &layout.export_refs)?,
             _sum_rows: Buffer::of(stream, &layout.sum_rows)?,
+            _rod_turns: Buffer::of(stream, &layout.rod_turns)?,
         };
         let triplet_of = Buffer::of(stream, &layout.triplet_of)?;
         let topology = job::Topology {
@@ -147,7 +149,8 @@ impl DeviceGraph {
             max_triplets: layout.max_triplets,
             max_pairs: layout.max_pairs,
             max_all_pairs: layout.max_all_pairs,
-            unused: 0,
+            rods: self.graph.rods.len() as u32,
+            rod_turns: parts._rod_turns.address(),
         };
         let springs = Buffer::of(stream, &layout.springs)?;
         let others = Buffer::of(stream, &layout.others)?;

@@ -74,7 +74,8 @@ pub(crate) struct Topology {
     pub(crate) max_triplets: u32,
     pub(crate) max_pairs: u32,
     pub(crate) max_all_pairs: u32,
-    pub(crate) unused: u32,
+    pub(crate) rods: u32,
+    pub(crate) rod_turns: Address,
 }
 
 /// One simulation to run.
@@ -134,6 +135,10 @@ pub(crate) struct Job {
     pub(crate) within_object: u32,
     pub(crate) spill_stride: u32,
     pub(crate) unused: u32,
+    pub(crate) rods: Address,
+    pub(crate) twists: Address,
+    pub(crate) tape_twists: Address,
+    pub(crate) twist_bars: Address,
 }
 
 /// One term of an objective; see `kernels/loss.cu`.
@@ -205,4 +210,8 @@ pub(crate) struct Start {
     pub(crate) nodes: u32,
     pub(crate) control_count: u32,
     pub(crate) controls_move: u32,
+    pub(crate) initial_twists: Address,
+    pub(crate) twists: Address,
+    pub(crate) rods: u32,
+    pub(crate) unused: u32,
 }

@@ -11,6 +11,7 @@ const HEADERS: &[(&str, &str)] = &[
     ("vector.cuh", include_str!("../kernels/vector.cuh")),
     ("spring.cuh", include_str!("../kernels/spring.cuh")),
     ("bend.cuh", include_str!("../kernels/bend.cuh")),
+    ("rod.cuh", include_str!("../kernels/rod.cuh")),
     ("impulse.cuh", include_str!("../kernels/impulse.cuh")),
     ("ground.cuh", include_str!("../kernels/ground.cuh")),
     ("job.cuh", include_str!("../kernels/job.cuh")),
@@ -101,7 +102,10 @@ pub(crate) struct Variant {
     pub(crate) held_sums: u32,
     /// All springs have the same dashpot.
     pub(crate) uniform_dashpot: bool,
+    /// With triplets or rods.
     pub(crate) bending: bool,
+    /// Rods of an instance.
+    pub(crate) rods: u32,
     pub(crate) ground: bool,
     pub(crate) contact: bool,
     pub(crate) tape: bool,
@@ -125,6 +129,7 @@ impl Variant {
             held_sums: 0,
             uniform_dashpot: false,
             bending: false,
+            rods: 0,
             ground: false,
             contact: false,
             tape: false,
@@ -162,6 +167,7 @@ impl Variant {
             ("HELD_SUMS", self.held_sums),
             ("UNIFORM_DASHPOT", self.uniform_dashpot.into()),
             ("BENDING", self.bending.into()),
+            ("RODS", self.rods),
             ("GROUND", self.ground.into()),
             ("CONTACT", self.contact.into()),
             ("TAPE", self.tape.into()),

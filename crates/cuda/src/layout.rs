@@ -46,6 +46,9 @@ pub(crate) struct Layout {
     pub(crate) triplets: Vec<Triplet>,
     /// Index in the graph.
     pub(crate) triplet_of: Vec<u32>,
+    /// Where each rod's inner nodes begin among the triplets, behind the graph's, and their end; shape [R + 1]. Only
+    /// where one block has all nodes.
+    pub(crate) rod_turns: Vec<u32>,
     pub(crate) arms: Vec<u32>,
     pub(crate) arm_refs: Vec<u32>,
     pub(crate) local_pins: Vec<LocalPin>,
@@ -185,6 +188,10 @@ impl Layout {
                 .push(Triplet { ends: ends.map(|e| encode(find(e))), owned: u16::from(owned) });
         }
         share.triplets = triplets.len() as u32;
+        // Otherwise a rod's nodes would be in several blocks.
+        let is_whole = part.len() == n;
+        let turns =
+            if is_whole { self.add_rods(graph, share.triplets, local, &mut arms) } else { 0 };
         for refs in &arms {
             self.arms.push(self.arm_refs.len() as u32);
             self.arm_refs.extend(refs);
@@ -202,9 +209,35 @@ impl Layout {
             local[i as usize] = NONE;
             self.nodes.push(i);
         }
-        self.max_triplets = self.max_triplets.max(share.triplets);
+        self.max_triplets = self.max_triplets.max(share.triplets + turns);
         self.shares.push(share);
         halo
+    }
+
+    /// Adds every inner node of a rod as a triplet with its neighbours, behind `before` that bend; returns how many.
+    fn add_rods(
+        &mut self,
+        graph: &Graph,
+        before: u32,
+        local: &[u32],
+        arms: &mut [Vec<u32>],
+    ) -> u32 {
+        let mut at = before;
+        self.rod_turns.push(at);
+        for rod in &graph.rods {
+            for ends in rod.windows(3).map(|w| [w[0], w[1], w[2]]) {
+                let ends = ends.map(|e| local[e as usize]);
+                for (role, end) in [(0, ends[0]), (1, ends[2]), (2, ends[1])] {
+                    arms[end as usize].push(at << 2 | role);
+                }
+                // It has no parameters of a triplet: any triplet's will do.
+                self.triplet_of.push(0);
+                self.triplets.push(Triplet { ends: ends.map(encode), owned: 0 });
+                at += 1;
+            }
+            self.rod_turns.push(at);
+        }
+        at - before
     }
 
     fn fewest_pairs(&self) -> u32 {

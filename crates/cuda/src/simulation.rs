@@ -48,6 +48,9 @@ pub(crate) struct Simulation<'a> {
     /// States of each instance, shape [slots, 6, N].
     states: Buffer<f32>,
     state_starts: Vec<usize>,
+    /// Twists of each instance's rods, shape [slots, R].
+    twists: Buffer<f32>,
+    twist_starts: Vec<usize>,
     keep: Keep,
     controls: Buffer<Point>,
     control_starts: Vec<usize>,
@@ -70,7 +73,7 @@ pub(crate) struct Contact {
 pub(crate) fn bytes_of(instance: &Instance, keep: Keep) -> u64 {
     let model = instance.model.model();
     let n = model.graph.node_count() as u64;
-    let states = 24 * n * slots(instance, keep) as u64;
+    let states = (24 * n + 4 * model.graph.rods.len() as u64) * slots(instance, keep) as u64;
     let contact = if has_contact(model) { n * (4 * MAX_PARTNERS as u64 + 40) } else { 0 };
     states + contact + 12 * instance.controls.len() as u64
 }
@@ -91,9 +94,12 @@ impl<'a> Simulation<'a> {
     ) -> Result<Self, Error> {
         let stream = &queue.stream;
         let (mut state_starts, mut control_starts) = (vec![0], vec![0]);
+        let mut twist_starts = vec![0];
         for instance in instances {
-            let n = instance.model.model().graph.node_count();
+            let graph = &instance.model.model().graph;
+            let (n, r) = (graph.node_count(), graph.rods.len());
             state_starts.push(end_of(&state_starts) + 6 * n * slots(instance, keep));
+            twist_starts.push(end_of(&twist_starts) + r * slots(instance, keep));
             control_starts.push(end_of(&control_starts) + instance.controls.len());
         }
         let all: Vec<Point> = instances.iter().flat_map(|i| i.controls.iter()).copied().collect();
@@ -101,11 +107,13 @@ impl<'a> Simulation<'a> {
         divergence.fill(0xff)?;
         let this = Self {
             states: Buffer::empty(stream, end_of(&state_starts))?,
+            twists: Buffer::empty(stream, end_of(&twist_starts))?,
             controls: Buffer::of(stream, &all)?,
             contact: Contact::new(queue, instances.iter().map(|i| contact_nodes(i.model.model())))?,
             queue,
             instances,
             state_starts,
+            twist_starts,
             keep,
             control_starts,
             divergence,
@@ -117,6 +125,11 @@ impl<'a> Simulation<'a> {
     /// Address of an instance's states.
     pub(crate) fn states_of(&self, index: usize) -> u64 {
         self.states.at(self.state_starts[index])
+    }
+
+    /// Address of an instance's twists.
+    fn twists_of(&self, index: usize) -> u64 {
+        self.twists.at(self.twist_starts[index])
     }
 
     /// Address of an instance's controls.
@@ -137,6 +150,8 @@ impl<'a> Simulation<'a> {
         let mut job = Job {
             controls: self.controls_of(index),
             states: self.states_of(index),
+            rods: resident.params.at(3 * (model.graph.springs.len() + model.graph.triplets.len())),
+            twists: self.twists_of(index),
             divergence: self.divergence.at(index),
             slots: self.slots_of(index) as u32,
             frames: instance.frames as u32,
@@ -272,8 +287,13 @@ impl<'a> Simulation<'a> {
 
     /// State of an instance at the end of a frame; waits for the device.
     pub(crate) fn state(&self, index: usize, frame: usize) -> Result<State, Error> {
-        let n = self.instances[index].model.model().graph.node_count();
+        let graph = &self.instances[index].model.model().graph;
+        let (n, r) = (graph.node_count(), graph.rods.len());
         let slot = frame % self.slots_of(index);
+        let twists = match r {
+            0 => Vec::new(),
+            r => self.twists.read_from(self.twist_starts[index] + slot * r, r)?,
+        };
         let planes = self.states.read_from(self.state_starts[index] + slot * 6 * n, 6 * n)?;
         let point = |first: usize, i: usize| {
             [planes[first * n + i], planes[(first + 1) * n + i], planes[(first + 2) * n + i]]
@@ -281,7 +301,7 @@ impl<'a> Simulation<'a> {
         Ok(State {
             positions: (0..n).map(|i| point(0, i)).collect(),
             velocities: (0..n).map(|i| point(3, i)).collect(),
-            twists: Vec::new(),
+            twists,
         })
     }
 }
@@ -303,16 +323,20 @@ fn side_by_side<T: Sync, U: Send>(
 /// Puts initial states, which instances may share, to where each instance's first frame is.
 fn start(this: &Simulation<'_>) -> Result<(), Error> {
     let stream = &this.queue.stream;
-    let mut places: HashMap<*const State, usize> = HashMap::new();
+    // Where a state is, and where its twists are.
+    let mut places: HashMap<*const State, (usize, usize)> = HashMap::new();
     let mut planes: Vec<f32> = Vec::new();
     for instance in this.instances {
         places.entry(Arc::as_ptr(&instance.initial)).or_insert_with(|| {
             let at = planes.len();
-            let State { positions, velocities, .. } = &*instance.initial;
+            let State { positions, velocities, twists } = &*instance.initial;
             for points in [positions, velocities] {
                 (0..3).for_each(|k| planes.extend(points.iter().map(|p| p[k])));
             }
-            at
+            let twists_at = planes.len();
+            let rods = instance.model.model().graph.rods.len();
+            planes.extend((0..rods).map(|r| twists.get(r).copied().unwrap_or(0.0)));
+            (at, twists_at)
         });
     }
     let initial = Buffer::of(stream, &planes)?;
@@ -321,8 +345,13 @@ fn start(this: &Simulation<'_>) -> Result<(), Error> {
         let model = instance.model.model();
         let moves = model.control_velocity == ControlVelocity::True && instance.frames > 0;
         let (pin_of, pins) = resident(&instance.model)?.graph.pins();
+        let (at, twists_at) = places[&Arc::as_ptr(&instance.initial)];
         starts.push(Start {
-            initial: initial.at(places[&Arc::as_ptr(&instance.initial)]),
+            initial: initial.at(at),
+            initial_twists: initial.at(twists_at),
+            twists: this.twists_of(i),
+            rods: model.graph.rods.len() as u32,
+            unused: 0,
             states: this.states_of(i),
             controls: this.controls_of(i),
             pin_of,

@@ -75,6 +75,13 @@ impl std::str::FromStr for Team {
 }
 
 impl Team {
+    /// Makes one block of a team of several.
+    fn keep_together(&mut self) {
+        if self.meeting != Meeting::Block {
+            (self.meeting, self.blocks, self.threads) = (Meeting::Block, 1, BLOCK_THREADS);
+        }
+    }
+
     /// The same team for another purpose.
     fn for_purpose(self, purpose: Purpose) -> Self {
         let instances = if purpose == Purpose::Forward { self.instances } else { 1 };
@@ -157,6 +164,12 @@ pub(crate) fn choose(
         Some(team) => vec![(BLOCK_US, team.for_purpose(purpose))],
         None => candidates(ability, &model.graph, purpose, batch, alike),
     };
+    if !model.graph.rods.is_empty() {
+        // A rod's twist is the business of all of its nodes: they stay in one block.
+        let chosen = resident.device.team.is_some();
+        candidates.iter_mut().filter(|_| chosen).for_each(|(_, t)| t.keep_together());
+        candidates.retain(|(_, t)| t.meeting == Meeting::Block);
+    }
     if has_contact(model) {
         candidates.iter_mut().for_each(|(_, t)| t.instances = 1);
     }
@@ -343,7 +356,8 @@ fn variant(
         held_always: held.min(layout.min_row_pairs) / 2 * 2,
         held_sums,
         uniform_dashpot,
-        bending: !model.graph.triplets.is_empty(),
+        bending: !(model.graph.triplets.is_empty() && model.graph.rods.is_empty()),
+        rods: model.graph.rods.len() as u32,
         ground: model.environment.ground.is_some(),
         contact: has_contact(model),
         tape: purpose == Purpose::Tape,

@@ -12,7 +12,7 @@ use crate::{
     memory::Buffer,
     resident::LAWS,
     simulation::{Contact, contact_nodes},
-    tape::{self, Tape},
+    tape::{self, Entries, Tape},
 };
 
 /// Bytes that contact takes a node.
@@ -33,8 +33,10 @@ pub(super) struct Slots {
     segment: usize,
     substeps: usize,
     pub(super) nodes: usize,
+    pub(super) rods: usize,
     pub(super) bar_x: Buffer<[f32; 4]>,
     pub(super) bar_v: Buffer<[f32; 4]>,
+    pub(super) twist_bars: Buffer<f32>,
     /// None if all tapes were written on the way forward.
     tape: Option<Tape>,
     contact: Option<Contact>,
@@ -62,6 +64,7 @@ impl Slots {
         let stream = &simulation.queue.stream;
         let model = simulation.instances[instance].model.model();
         let (nodes, substeps) = (model.graph.node_count(), model.timing.substeps as usize);
+        let rods = model.graph.rods.len();
         let (most, deepest) = (all.clamp(1, MOST_BLOCKS), deepest.max(1));
         let bytes = way_back.bytes(instance);
         let fit = |room: u64, each: u64| (room / each.max(1)) as usize;
@@ -89,11 +92,13 @@ impl Slots {
             segment,
             substeps,
             nodes,
+            rods,
             bar_x: Buffer::empty(stream, count * nodes)?,
             bar_v: Buffer::empty(stream, count * nodes)?,
+            twist_bars: Buffer::empty(stream, count * rods)?,
             tape: match on_tape {
                 0 => None,
-                frames => Some(Tape::new(stream, frames * segment * nodes)?),
+                frames => Some(Tape::new(stream, Entries::of(&model.graph, frames * segment))?),
             },
             contact: match contact {
                 0 => None,
@@ -120,7 +125,9 @@ impl Slots {
     pub(super) fn place(&self, window: usize, frame: usize, job: &mut Job) {
         let slot = window * self.frames + frame;
         if let Some(tape) = &self.tape {
-            tape.place(slot * self.segment * self.nodes, job);
+            let before = slot * self.segment;
+            let entries = Entries { nodes: before * self.nodes, rods: before * self.rods };
+            tape.place(entries, job);
         }
         if let Some(contact) = &self.contact {
             contact.place(if self.tape.is_some() { slot } else { window }, job);
@@ -133,7 +140,8 @@ impl Backward<'_> {
         let simulation = self.way.simulation;
         let model = simulation.instances[instance].model.model();
         let graph = &model.graph;
-        let (n, e, t) = (graph.node_count(), graph.springs.len(), graph.triplets.len());
+        let (n, e, t, r) =
+            (graph.node_count(), graph.springs.len(), graph.triplets.len(), graph.rods.len());
         let blocks = simulation.queue.device.ability.processors as usize;
         let paths = if self.request.controls {
             blocks * graph.control_count() + graph.pins.len()
@@ -141,10 +149,10 @@ impl Backward<'_> {
             0
         };
         // A spring has three sums, in rows that are not full.
-        let sums = 5 * e + 3 * t + LAWS * blocks;
+        let sums = 5 * e + 3 * (t + r) + r + LAWS * blocks;
         let fixed = (32 * n + 4 * sums + 36 * paths) as u64;
         let contact = CONTACT_BYTES * contact_nodes(model) as u64;
-        let substep = tape::NODE_BYTES * n as u64;
+        let substep = tape::NODE_BYTES * n as u64 + tape::ROD_BYTES * r as u64;
         let substeps = u64::from(model.timing.substeps);
         match self.way.kept {
             Some(_) => Bytes { fixed: fixed + contact, frame: 0, substep: 0 },

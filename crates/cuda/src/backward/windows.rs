@@ -54,7 +54,7 @@ pub(super) struct SideBySide<'a> {
 struct Lane {
     group: Group,
     sums: Buffer<f32>,
-    /// Floats of a window's sums: first of springs, then of triplets and laws.
+    /// Floats of a window's sums: first of springs, then of triplets, rods and laws.
     stride: usize,
     of_springs: usize,
     _control_sums: Buffer<f32>,
@@ -101,10 +101,11 @@ impl<'a> SideBySide<'a> {
         let blocks = group.fitted.team.blocks as usize;
         let layout = group.packed().first().map(|p| &p.cut.layout);
         let of_springs = layout.map_or(0, |l| (l.sum_pairs * PAIR_SUMS) as usize);
-        let (controls, pins, triplets) = group.jobs().first().map_or((0, 0, 0), |j| {
-            (j.topology.controls as usize, j.pins as usize, j.triplets as usize)
+        let (controls, pins, hinges) = group.jobs().first().map_or((0, 0, 0), |j| {
+            let hinges = j.triplets + j.topology.rods;
+            (j.topology.controls as usize, j.pins as usize, hinges as usize)
         });
-        let stride = of_springs + 3 * triplets + LAWS * blocks;
+        let stride = of_springs + 3 * hinges + LAWS * blocks;
         let wanted = usize::from(self.way_back.request.controls && controls > 0);
         let sums = Buffer::zeros(stream, count * stride)?;
         let control_sums = Buffer::zeros(stream, wanted * count * 9 * blocks * controls)?;
@@ -113,9 +114,10 @@ impl<'a> SideBySide<'a> {
             job.frames = 1;
             job.bar_x = self.slots.bar_x.at(w * self.slots.nodes);
             job.bar_v = self.slots.bar_v.at(w * self.slots.nodes);
+            job.twist_bars = self.slots.twist_bars.at(w * self.slots.rods);
             job.spring_sums = sums.at(k * stride);
             job.bend_sums = sums.at(k * stride + of_springs);
-            job.law_sums = sums.at(k * stride + of_springs + 3 * triplets);
+            job.law_sums = sums.at(k * stride + of_springs + 3 * hinges);
             if wanted > 0 {
                 job.control_sums = control_sums.at(k * 9 * blocks * controls);
                 job.pin_sums = pin_sums.at(k * 9 * pins);
@@ -308,7 +310,12 @@ impl<'a> SideBySide<'a> {
                 continue;
             }
             let job = Job {
-                topology: Topology { node_count: n as u32, ..Default::default() },
+                topology: Topology {
+                    node_count: n as u32,
+                    rods: slots.rods as u32,
+                    ..Default::default()
+                },
+                twist_bars: slots.twist_bars.at(w * slots.rods),
                 bar_x: slots.bar_x.at(w * n),
                 bar_v: slots.bar_v.at(w * n),
                 ..Job::default()
@@ -323,6 +330,10 @@ impl<'a> SideBySide<'a> {
             let to = out.initial_starts[window.instance];
             out.initial.copy_from(to, &slots.bar_x, w * n, n)?;
             out.initial.copy_from(to + n, &slots.bar_v, w * n, n)?;
+            if slots.rods > 0 {
+                let (to, r) = (out.initial_twist_starts[window.instance], slots.rods);
+                out.initial_twists.copy_from(to, &slots.twist_bars, w * r, r)?;
+            }
         }
         Ok(())
     }

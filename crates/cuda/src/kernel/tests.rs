@@ -30,6 +30,17 @@ fn variants() -> Vec<Variant> {
         },
         Variant { meeting: Meeting::Cluster, blocks: 4, bending: true, one_row: false, ..base },
         Variant { meeting: Meeting::Cluster, blocks: 2, contact: true, bending: true, ..base },
+        Variant {
+            threads: 128,
+            lanes: 8,
+            bending: true,
+            rods: 1,
+            bend_in_shared: true,
+            tape: true,
+            ..base
+        },
+        Variant { threads: 64, instances: 4, bending: true, rods: 3, bend_in_shared: true, ..base },
+        Variant { threads: 256, one_row: false, bending: true, rods: 16, contact: true, ..base },
     ];
     for forward in forward {
         let held_sums = forward.held / 2;
