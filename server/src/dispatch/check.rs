@@ -99,6 +99,15 @@ fn initial(request: &RollOutRequest, batch: u64, nodes: u64) -> Result<()> {
             return Err(Error::invalid("initial.given.velocities", fault));
         }
     }
+    if let Some(twists) = given.twists.as_ref().filter(|t| !t.is_absent()) {
+        // How many rods the twin has is for the worker to say.
+        let twists = tensor(Some(twists), "initial.given.twists", FLOATS)?;
+        let batched = positions.len() == 3;
+        if twists.len() != positions.len() - 1 || batched && twists[0] != batch {
+            let fault = format!("has shape {twists:?} beside positions of shape {positions:?}");
+            return Err(Error::invalid("initial.given.twists", fault));
+        }
+    }
     Ok(())
 }
 

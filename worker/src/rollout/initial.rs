@@ -89,6 +89,7 @@ impl Wanted {
 fn read_given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Starts, Error> {
     const POSITIONS: &str = "initial.given.positions";
     const VELOCITIES: &str = "initial.given.velocities";
+    const TWISTS: &str = "initial.given.twists";
     let n = graph.node_count();
     let (dims, positions) = given(wire.positions, POSITIONS)?.unpack_points(POSITIONS)?;
     let each = match dims[..] {
@@ -114,11 +115,26 @@ fn read_given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Start
             velocities
         }
     };
+    let r = graph.rods.len();
+    let twists = match wire.twists.filter(|t| !t.is_absent()) {
+        None => vec![0.0; r * if each { instances } else { 1 }],
+        Some(tensor) => {
+            let (dims, twists): (Vec<usize>, Vec<f32>) = tensor.unpack(TWISTS)?;
+            let wanted = if each { vec![instances, r] } else { vec![r] };
+            if dims != wanted {
+                let fault = format!("has shape {dims:?}, not {wanted:?}: the twin has {r} rods");
+                return Err(Error::field(TWISTS, fault));
+            }
+            finite(TWISTS, &twists)?;
+            twists
+        }
+    };
     let start = |i: usize| {
         let nodes = i * n..(i + 1) * n;
         let state = State {
             positions: positions[nodes.clone()].to_vec(),
             velocities: velocities[nodes].to_vec(),
+            twists: twists[i * r..(i + 1) * r].to_vec(),
         };
         let controls = Arc::new(controls_of(graph, &state.positions));
         Start { state: Arc::new(state), controls }

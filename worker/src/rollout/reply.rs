@@ -106,6 +106,16 @@ pub(super) fn add_recordings(
         };
         part.final_positions = Some(pack(|s| &s.positions));
         part.final_velocities = Some(pack(|s| &s.velocities));
+        let rods = graph.rods.len();
+        if rods > 0 {
+            let mut twists = Vec::with_capacity(rollouts.len() * rods);
+            for rollout in rollouts {
+                let end = twists.len() + rods;
+                twists.extend(rollout.final_state.iter().flat_map(|s| &s.twists).take(rods));
+                twists.resize(end, f32::NAN);
+            }
+            part.final_twists = Some(Tensor::pack(&[rollouts.len(), rods], &twists));
+        }
     }
 }
 

@@ -253,6 +253,7 @@ fn a_given_state_starts_each_instance() {
         state: Some(State::Given(GivenState {
             positions: Some(Tensor::pack_points(&[2, 4], &positions)),
             velocities: None,
+            twists: None,
         })),
     });
     request.returns = Some(Returns { final_state: true, ..Returns::default() });

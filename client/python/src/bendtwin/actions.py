@@ -48,11 +48,14 @@ class CaptureFrame:
 
 @dataclass(frozen=True)
 class GivenState:
-    """Given positions [m] and velocities [m/s], shape [N, 3] for all instances or [B, N, 3]."""
+    """Given positions [m] and velocities [m/s], shape [N, 3] for all instances or [B, N, 3], and
+    twists of the twin's rods [rad], shape [rods] or [B, rods]."""
 
     positions: npt.ArrayLike
     #: None means at rest.
     velocities: npt.ArrayLike | None = None
+    #: None means that no rod is twisted.
+    twists: npt.ArrayLike | None = None
 
     def to_proto(self) -> rollout_pb2.InitialState:
         """Makes the wire form."""
@@ -61,6 +64,10 @@ class GivenState:
         )
         if self.velocities is not None:
             given.velocities.CopyFrom(_pack_nodes("initial velocities", self.velocities))
+        if self.twists is not None:
+            batched = np.ndim(self.positions) == 3
+            shape = (None, None) if batched else (None,)
+            given.twists.CopyFrom(pack_floats("initial twists", self.twists, shape))
         return rollout_pb2.InitialState(given=given)
 
 

@@ -127,6 +127,8 @@ class RolloutResult:
     final_positions: FloatArray | None
     #: Final velocities [R, N, 3], metres per second.
     final_velocities: FloatArray | None
+    #: Final twists of rods [R, rods], radians; None if the twin has none.
+    final_twists: FloatArray | None
     #: d cost / d control positions [R, F + 1, C, 3].
     control_gradients: FloatArray | None
     diagnostics: list[Diagnostics] = field(default_factory=list)
@@ -155,6 +157,7 @@ class RolloutResult:
                 "positions",
                 "final_positions",
                 "final_velocities",
+                "final_twists",
                 "control_gradients",
             )
         }

@@ -28,6 +28,8 @@ pub struct Reply {
     pub final_positions: Vec<Point>,
     /// Final velocities [m/s], shape [R, N].
     pub final_velocities: Vec<Point>,
+    /// Final twists [rad], shape [R, rods].
+    pub final_twists: Vec<f32>,
     /// d cost / d control positions, shape [R, F + 1, C].
     pub control_gradients: Vec<Point>,
     /// One for each instance covered, if asked for.
@@ -133,6 +135,7 @@ impl TryFrom<RollOutResponse> for Reply {
             positions: points(wire.positions, "positions")?,
             final_positions: points(wire.final_positions, "final_positions")?,
             final_velocities: points(wire.final_velocities, "final_velocities")?,
+            final_twists: floats(wire.final_twists, "final_twists")?,
             control_gradients: points(wire.control_gradients, "control_gradients")?,
             diagnostics: wire.diagnostics.into_iter().map(Diagnostics::from).collect(),
             diverged: wire.diverged.into_iter().map(Divergence::from).collect(),
@@ -172,6 +175,11 @@ impl From<wire::Divergence> for Divergence {
 fn values(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<f64>, Error> {
     let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
     Ok(tensor.unpack::<f64>(name).map_err(Error::malformed)?.1)
+}
+
+fn floats(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<f32>, Error> {
+    let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
+    Ok(tensor.unpack::<f32>(name).map_err(Error::malformed)?.1)
 }
 
 fn indices(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<usize>, Error> {

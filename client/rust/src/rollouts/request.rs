@@ -97,7 +97,18 @@ impl Rollout {
         self.start(State::Given(GivenState {
             positions: Some(Tensor::pack_points(&[positions.len()], positions)),
             velocities: Some(Tensor::pack_points(&[velocities.len()], velocities)),
+            twists: None,
         }))
+    }
+
+    /// Twists all instances' rods by so much [rad], shape [rods], where they start from a given state.
+    #[must_use]
+    pub fn twisted(mut self, twists: &[f32]) -> Self {
+        let state = self.request.initial.as_mut().and_then(|i| i.state.as_mut());
+        if let Some(State::Given(given)) = state {
+            given.twists = Some(Tensor::pack(&[twists.len()], twists));
+        }
+        self
     }
 
     /// Follows the twin exactly, which is the default, or by its fast variant; [`Reply::deviation`]

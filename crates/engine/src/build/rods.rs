@@ -117,3 +117,6 @@ impl Cable {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

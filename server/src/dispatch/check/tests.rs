@@ -28,7 +28,7 @@ fn sound_requests_pass() {
     let given = |shape: &[usize]| {
         let values = vec![0.0f32; shape.iter().product()];
         let positions = Some(Tensor::pack(shape, &values));
-        let given = GivenState { positions, velocities: None };
+        let given = GivenState { positions, velocities: None, twists: None };
         let initial = Some(InitialState { state: Some(State::Given(given)) });
         RollOutRequest { initial, ..sound() }
     };

@@ -95,8 +95,8 @@ enum Initial {
         sequence: u32,
         frame: u32,
     },
-    /// Given positions and velocities, [N, 3] or [B, N, 3].
-    Given { positions: JsonTensor, velocities: Option<JsonTensor> },
+    /// Given positions and velocities, [N, 3] or [B, N, 3], and twists of rods, [rods] or [B, rods].
+    Given { positions: JsonTensor, velocities: Option<JsonTensor>, twists: Option<JsonTensor> },
 }
 
 /// A weighted term of the cost; exactly one of target_cloud, keypoints, smoothness.
@@ -214,13 +214,14 @@ impl Initial {
                 let state = initial_state::CaptureFrame { capture, sequence, frame };
                 initial_state::State::CaptureFrame(state)
             }
-            Self::Given { positions, velocities } => {
+            Self::Given { positions, velocities, twists } => {
                 let floats = |t: JsonTensor, name| t.read(name, Dtype::Float32);
                 initial_state::State::Given(initial_state::GivenState {
                     positions: Some(floats(positions, "initial.given.positions")?),
                     velocities: velocities
                         .map(|v| floats(v, "initial.given.velocities"))
                         .transpose()?,
+                    twists: twists.map(|t| floats(t, "initial.given.twists")).transpose()?,
                 })
             }
         };
@@ -293,6 +294,8 @@ pub(super) struct RollOutResult {
     final_positions: Option<JsonTensor>,
     /// [R, N, 3], metres per second.
     final_velocities: Option<JsonTensor>,
+    /// [R, rods], radians; absent if the twin has no rods.
+    final_twists: Option<JsonTensor>,
     /// [R, F + 1, C, 3]
     control_gradients: Option<JsonTensor>,
     diagnostics: Vec<Diagnostics>,
@@ -358,6 +361,7 @@ impl RollOutResult {
             positions: tensor(&response.positions),
             final_positions: tensor(&response.final_positions),
             final_velocities: tensor(&response.final_velocities),
+            final_twists: tensor(&response.final_twists),
             control_gradients: tensor(&response.control_gradients),
             diagnostics: response
                 .diagnostics

@@ -79,12 +79,14 @@ class InitialState(_message.Message):
         frame: int
         def __init__(self, capture: _Optional[str] = ..., sequence: _Optional[int] = ..., frame: _Optional[int] = ...) -> None: ...
     class GivenState(_message.Message):
-        __slots__ = ("positions", "velocities")
+        __slots__ = ("positions", "velocities", "twists")
         POSITIONS_FIELD_NUMBER: _ClassVar[int]
         VELOCITIES_FIELD_NUMBER: _ClassVar[int]
+        TWISTS_FIELD_NUMBER: _ClassVar[int]
         positions: _tensor_pb2.Tensor
         velocities: _tensor_pb2.Tensor
-        def __init__(self, positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
+        twists: _tensor_pb2.Tensor
+        def __init__(self, positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., twists: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
     REST_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FRAME_FIELD_NUMBER: _ClassVar[int]
     GIVEN_FIELD_NUMBER: _ClassVar[int]
@@ -161,7 +163,7 @@ class Returns(_message.Message):
     def __init__(self, every_frames: _Optional[int] = ..., nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., encoding: _Optional[_Union[Returns.Encoding, str]] = ..., best: _Optional[int] = ..., final_state: bool = ..., diagnostics: bool = ..., control_gradients: bool = ...) -> None: ...
 
 class RollOutResponse(_message.Message):
-    __slots__ = ("first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation")
+    __slots__ = ("first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists")
     class Diagnostics(_message.Message):
         __slots__ = ("max_strain", "max_speed_m_s", "kinetic_energy", "elastic_energy", "ground_contacts")
         MAX_STRAIN_FIELD_NUMBER: _ClassVar[int]
@@ -219,6 +221,7 @@ class RollOutResponse(_message.Message):
     FIDELITY_FIELD_NUMBER: _ClassVar[int]
     SUBSTEPS_FIELD_NUMBER: _ClassVar[int]
     DEVIATION_FIELD_NUMBER: _ClassVar[int]
+    FINAL_TWISTS_FIELD_NUMBER: _ClassVar[int]
     first_instance: int
     costs: _tensor_pb2.Tensor
     cost_names: _containers.RepeatedScalarFieldContainer[str]
@@ -236,4 +239,5 @@ class RollOutResponse(_message.Message):
     fidelity: Fidelity
     substeps: int
     deviation: RollOutResponse.Deviation
-    def __init__(self, first_instance: _Optional[int] = ..., costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cost_names: _Optional[_Iterable[str]] = ..., cost_terms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., instances: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., frames: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., control_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., diagnostics: _Optional[_Iterable[_Union[RollOutResponse.Diagnostics, _Mapping]]] = ..., diverged: _Optional[_Iterable[_Union[RollOutResponse.Divergence, _Mapping]]] = ..., timing: _Optional[_Union[RollOutResponse.Timing, _Mapping]] = ..., worker: _Optional[str] = ..., fidelity: _Optional[_Union[Fidelity, str]] = ..., substeps: _Optional[int] = ..., deviation: _Optional[_Union[RollOutResponse.Deviation, _Mapping]] = ...) -> None: ...
+    final_twists: _tensor_pb2.Tensor
+    def __init__(self, first_instance: _Optional[int] = ..., costs: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., cost_names: _Optional[_Iterable[str]] = ..., cost_terms: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., instances: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., frames: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., final_velocities: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., control_gradients: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., diagnostics: _Optional[_Iterable[_Union[RollOutResponse.Diagnostics, _Mapping]]] = ..., diverged: _Optional[_Iterable[_Union[RollOutResponse.Divergence, _Mapping]]] = ..., timing: _Optional[_Union[RollOutResponse.Timing, _Mapping]] = ..., worker: _Optional[str] = ..., fidelity: _Optional[_Union[Fidelity, str]] = ..., substeps: _Optional[int] = ..., deviation: _Optional[_Union[RollOutResponse.Deviation, _Mapping]] = ..., final_twists: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
