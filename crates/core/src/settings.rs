@@ -110,8 +110,9 @@ pub struct LossSettings {
     pub track_beta_m: f64,
     /// Acceleration smoothness, search stage only.
     pub acceleration_weight: f64,
-    /// How the losses of several sequences become one.
-    pub sequences: SequenceMean,
+    /// How the losses of several sequences become one; if left open, geometric in captures with known edges (motion
+    /// capture of cables) and arithmetic in others.
+    pub sequences: Option<SequenceMean>,
 }
 
 /// CMA-ES over the global variables.
@@ -126,8 +127,9 @@ pub struct SearchSettings {
     pub sigma: f64,
     /// Whether radius and neighbour counts are variables too.
     pub topology: bool,
-    /// Whether the strength of gravity is a variable too, from half to twice what the capture says.
-    pub gravity: bool,
+    /// Whether the strength of gravity is a variable too, from half to twice what the capture says; if left open, it
+    /// is in captures with known edges.
+    pub gravity: Option<bool>,
     /// Use only the first so many training frames (0: all).
     pub max_frames: usize,
     /// Use only so many training sequences, spread evenly over all of them (0: all).
@@ -210,7 +212,7 @@ impl Default for LossSettings {
             track_weight: 1.0,
             track_beta_m: 0.01,
             acceleration_weight: 0.0,
-            sequences: SequenceMean::Arithmetic,
+            sequences: None,
         }
     }
 }
@@ -222,7 +224,7 @@ impl Default for SearchSettings {
             population: 16,
             sigma: 1.0 / 6.0,
             topology: false,
-            gravity: false,
+            gravity: None,
             max_frames: 0,
             max_sequences: 8,
         }

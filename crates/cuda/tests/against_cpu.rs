@@ -34,6 +34,7 @@ fn models() -> Vec<(String, Model)> {
     let kinds = [
         ("plain", RandomOptions { bending: false, damping: false, ..RandomOptions::default() }),
         ("bending", RandomOptions::default()),
+        ("rod", RandomOptions { rod: true, pins: 4, ..RandomOptions::default() }),
         ("ground", RandomOptions { ground: true, ..RandomOptions::default() }),
         ("two objects", RandomOptions { objects: 2, contact: true, ..RandomOptions::default() }),
         (
@@ -140,7 +141,7 @@ fn relative(name: &str, what: &str, expected: &[f32], found: &[f32]) -> f64 {
     relative
 }
 
-fn arrays(p: &Params) -> [(&'static str, Vec<f32>); 7] {
+fn arrays(p: &Params) -> [(&'static str, Vec<f32>); 10] {
     [
         ("stiffness", p.spring_stiffness.clone()),
         ("dashpot", p.spring_dashpot.clone()),
@@ -148,6 +149,9 @@ fn arrays(p: &Params) -> [(&'static str, Vec<f32>); 7] {
         ("bend stiffness", p.bend_stiffness.clone()),
         ("bend damping", p.bend_damping.clone()),
         ("rest angle", p.rest_angles_rad.clone()),
+        ("twist stiffness", p.twist_stiffness.clone()),
+        ("twist damping", p.twist_damping.clone()),
+        ("rest twist", p.rest_twists_rad.clone()),
         ("drag", vec![p.drag]),
     ]
 }
@@ -175,6 +179,8 @@ fn gradients_agree() {
                 [flat(&state.positions), flat(&state.velocities)].concat()
             });
             worst = worst.max(relative(&name, "initial state", &a, &b));
+            let [a, b] = [&expected, &found].map(|g| g.initial.clone().unwrap_or_default().twists);
+            worst = worst.max(relative(&name, "initial twists", &a, &b));
             println!("{name}: {worst:.2e}");
         }
     }

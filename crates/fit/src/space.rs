@@ -171,7 +171,7 @@ impl Space {
             axes.push(Axis::linear(ObjectFriction, 0.0, 2.0, 0.3));
             axes.push(Axis::linear(CollisionDistance, 0.01, 0.05, 0.02));
         }
-        if settings.search.gravity {
+        if task.searches_gravity() {
             axes.push(Axis::log(Gravity, 0.5, 2.0, 1.0));
         }
         if settings.search.topology {

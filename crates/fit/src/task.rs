@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, FitSettings, Graph, Point, Sequence};
+use bendtwin_core::{Capture, FitSettings, Graph, Point, Sequence, settings::SequenceMean};
 use bendtwin_engine::{
     Loaded, Objective, PointLoss, Term,
     backend::Instance,
@@ -109,9 +109,29 @@ impl<'a> Task<'a> {
         set
     }
 
+    /// How losses of sequences become one.
+    pub(crate) fn sequence_mean(&self) -> SequenceMean {
+        let usual = || match self.has_known_edges() {
+            true => SequenceMean::Geometric,
+            false => SequenceMean::Arithmetic,
+        };
+        self.settings.loss.sequences.unwrap_or_else(usual)
+    }
+
+    /// Whether the strength of gravity is searched. Where it pays is motion capture: nothing else there knows how
+    /// long a frame really was.
+    pub(crate) fn searches_gravity(&self) -> bool {
+        self.settings.search.gravity.unwrap_or_else(|| self.has_known_edges())
+    }
+
+    /// Whether the capture says how its points are joined, as motion capture of cables does.
+    fn has_known_edges(&self) -> bool {
+        self.sample.edges.is_some()
+    }
+
     /// The loss of parameters, from those of the sequences.
     pub(crate) fn loss(&self, of_sequences: impl IntoIterator<Item = f64>) -> f64 {
-        sequences::mean(self.settings.loss.sequences, of_sequences)
+        sequences::mean(self.sequence_mean(), of_sequences)
     }
 
     /// Whether an object of the capture comes near the ground in training.

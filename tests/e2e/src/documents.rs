@@ -2,7 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use bendtwin_core::{Contact, Environment, FitSettings, Graph, Params, Timing, Twin};
+use bendtwin_core::{
+    Contact, Environment, FitSettings, Graph, NodeKind, Params, Pin, Timing, Twin,
+};
 use serde_json::Value;
 
 use crate::workspace;
@@ -56,7 +58,7 @@ fn every_tensor_of_a_twin_file_is_specified_with_type_and_shape() {
             (cells[1].to_owned(), cells[2].to_owned(), cells[3].matches(',').count() + 1)
         })
         .collect();
-    let (tensors, _) = header(&empty_twin());
+    let (tensors, _) = header(&twin());
     let written: BTreeSet<_> = tensors
         .iter()
         .map(|(name, about)| {
@@ -70,7 +72,7 @@ fn every_tensor_of_a_twin_file_is_specified_with_type_and_shape() {
 #[test]
 fn every_part_of_a_twin_files_metadata_is_specified() {
     let text = document("twin-format.md");
-    let (_, metadata) = header(&empty_twin());
+    let (_, metadata) = header(&twin());
     let mut fields = BTreeMap::new();
     flatten("", &metadata, &mut fields);
     for path in fields.keys() {
@@ -96,10 +98,31 @@ fn the_example_configuration_says_what_holds_by_default() {
     }
 }
 
-fn empty_twin() -> Twin {
+/// A twin of the newest version: with a rod.
+fn twin() -> Twin {
+    let n = Graph::MIN_ROD_NODES;
+    let pin = |node| Pin { node, control: 0, offset_m: [0.0; 3] };
+    let graph = Graph {
+        rest_positions: vec![[0.0; 3]; n],
+        kinds: vec![NodeKind::Observed; n],
+        masses: vec![1.0; n],
+        object_ids: vec![0; n],
+        observed_points: vec![Graph::NOT_OBSERVED; n],
+        control_rest: vec![[0.0; 3]],
+        pins: (0..n as u32).map(pin).collect(),
+        rods: vec![(0..n as u32).collect()],
+        ..Graph::default()
+    };
+    let per_rod = vec![0.0];
     Twin {
-        graph: Graph::default(),
-        params: Params { contact: Contact::default(), ..Params::default() },
+        graph,
+        params: Params {
+            contact: Contact::default(),
+            twist_stiffness: per_rod.clone(),
+            twist_damping: per_rod.clone(),
+            rest_twists_rad: per_rod,
+            ..Params::default()
+        },
         environment: Environment::Z_UP,
         timing: Timing { fps: 30.0, substeps: 1 },
         control_velocity: Default::default(),

@@ -231,3 +231,28 @@ fn pins_are_known_wherever_their_nodes_are() {
         }
     }
 }
+
+#[test]
+fn rods_turn_at_their_inner_nodes_where_a_block_has_them_all() {
+    let options = RandomOptions { rod: true, pins: 4, ..RandomOptions::default() };
+    let graph = Graph::clone(&random_model(3, &options).graph);
+    let layout = Layout::new(&graph, 1, 256).expect("it is small");
+    let share = layout.shares[0];
+    assert_eq!(layout.rod_turns, [share.triplets, share.triplets + graph.rods[0].len() as u32 - 2]);
+    let mut arms = BTreeSet::new();
+    for index in 0..share.own {
+        let at = (share.arm + index) as usize;
+        let refs = &layout.arm_refs[layout.arms[at] as usize..layout.arms[at + 1] as usize];
+        let node = layout.nodes[(share.nodes + index) as usize];
+        arms.extend(refs.iter().map(|reference| (reference >> 2, reference & 3, node)));
+    }
+    for (t, ends) in (share.triplets..).zip(graph.rods[0].windows(3)) {
+        let local = layout.triplets[(share.triplet + t) as usize];
+        assert_eq!(local.ends.map(|e| endpoint(&graph, &layout, &share, e.into())), *ends);
+        assert_eq!(local.owned, 0, "it has no sums of a triplet");
+        for (role, end) in [(0, ends[0]), (1, ends[2]), (2, ends[1])] {
+            assert!(arms.contains(&(t, role, end)), "{end} does not hear of {t}");
+        }
+    }
+    assert!(Layout::new(&graph, 4, 128).expect("it is small").rod_turns.is_empty());
+}

@@ -17,7 +17,8 @@ fn mixed() -> Vec<Scene> {
             let options = RandomOptions {
                 nodes: [24, 3, 70, 1, 24, 41, 9][seed as usize],
                 controls: (seed % 3) as usize,
-                pins: (seed % 2) as usize,
+                pins: if seed == 5 { 4 } else { (seed % 2) as usize },
+                rod: seed == 5,
                 objects: 1 + (seed % 2) as u32,
                 bending: seed != 4,
                 ground: seed % 2 == 0,
@@ -105,6 +106,9 @@ pub(super) fn new_params_equal_a_new_model(backend: &dyn Backend) -> Outcome {
         p.bend_stiffness.iter_mut().for_each(|x| *x *= 0.9);
         p.bend_damping.iter_mut().for_each(|x| *x *= 1.2);
         p.rest_angles_rad.iter_mut().for_each(|x| *x *= 0.99);
+        p.twist_stiffness.iter_mut().for_each(|x| *x *= 0.8);
+        p.twist_damping.iter_mut().for_each(|x| *x *= 1.2);
+        p.rest_twists_rad.iter_mut().for_each(|x| *x -= 0.3);
         p.drag += 0.1;
         p.contact.ground_friction = 0.5;
         p.contact.object_restitution = 0.1;

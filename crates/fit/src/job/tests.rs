@@ -171,7 +171,7 @@ fn gravity_that_was_misjudged_is_found() {
     capture.environment.gravity = true_gravity.map(|g| g / 1.4);
     let mut settings = FitSettings { compare_axial: false, ..FitSettings::default() };
     settings.graph.max_nodes = 24;
-    settings.search.gravity = true;
+    settings.search.gravity = Some(true);
     settings.search.generations = 12;
     settings.refine.passes = 1;
     let fit = |settings: &FitSettings| {
@@ -183,6 +183,6 @@ fn gravity_that_was_misjudged_is_found() {
     let twin = fit(&settings);
     let ratio = twin.environment.gravity[2] / true_gravity[2];
     assert!((0.8..1.25).contains(&ratio), "{ratio} of the true gravity, from 0.71");
-    settings.search.gravity = false;
+    settings.search.gravity = Some(false);
     assert_eq!(fit(&settings).environment, capture.environment);
 }

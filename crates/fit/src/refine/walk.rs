@@ -15,18 +15,11 @@ use crate::{
     Error,
     chart::chart,
     fabric::{Refusal, load, model},
+    refine::pace::Pace,
     sequences,
     task::Task,
 };
 
-/// Share of the learning rate that is left in the last pass.
-const FINAL_RATE: f64 = 0.1;
-/// Below this share of its first rate a walk that keeps failing stays where it was best.
-const SMALLEST_RATE: f64 = 1e-3;
-/// Passes without a better loss after which a walk goes back and takes shorter steps.
-const PATIENCE: u32 = 3;
-/// Frames that gradients reach back at most after the first such failure; a quarter after each further one.
-const FIRST_REACH: u32 = 16;
 /// Margin of stability below which substeps are added.
 const THIN_MARGIN: f64 = 1.15;
 
@@ -38,13 +31,7 @@ pub(crate) struct WalkState {
     /// Where the last pass led.
     position: Position,
     substeps: u32,
-    /// Halved by every back-off.
-    rate: f64,
-    /// Frames that gradients reach back, as the settings say, shortened by back-offs; 0 is as far as the
-    /// window goes.
-    reach: u32,
-    /// Passes since the best one, or since the last back-off.
-    stale: u32,
+    pace: Pace,
     /// The loss that was judged last: where the last pass began if it was a single step, otherwise where it led.
     pub(crate) loss: f64,
     pub(crate) best: Best,
@@ -91,9 +78,7 @@ impl<'a> Walk<'a> {
             pass: 0,
             position,
             substeps,
-            rate: 1.0,
-            reach: task.settings.refine.reach,
-            stale: 0,
+            pace: Pace::new(task.settings.refine.reach),
             loss: f64::INFINITY,
             best,
         };
@@ -143,7 +128,7 @@ impl<'a> Walk<'a> {
 
     /// How far gradients of this walk reach back.
     pub(crate) fn reach(&self) -> usize {
-        self.state.reach as usize
+        self.state.pace.reach()
     }
 
     pub(crate) fn begin_pass(&mut self) {
@@ -153,7 +138,7 @@ impl<'a> Walk<'a> {
 
     /// Takes part again after a back-off, unless its steps have become too short to matter.
     pub(crate) fn set_out(&mut self) {
-        self.sits_out = self.state.rate < SMALLEST_RATE;
+        self.sits_out = !self.state.pace.goes_on();
     }
 
     pub(crate) fn end_pass(&mut self) {
@@ -189,11 +174,11 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Rate of the current pass: falls linearly, so that the walk comes to rest.
+    /// Rate of the current pass.
     fn learning_rate(&self) -> f64 {
         let refine = &self.task.settings.refine;
-        let done = f64::from(self.state.pass) / f64::from(refine.passes.max(1));
-        refine.learning_rate * self.state.rate * (1.0 - (1.0 - FINAL_RATE) * done)
+        let steps = self.state.position.adam.steps;
+        refine.learning_rate * self.state.pace.rate(self.state.pass, refine.passes, steps)
     }
 
     /// One step down the mean of the gradients that were just measured.
@@ -205,16 +190,21 @@ impl<'a> Walk<'a> {
     ) -> Result<(), Error> {
         if let Some(d) = slopes.iter().find_map(|s| s.loss.diverged) {
             let why = format!("the simulation diverged in frame {}", d.frame);
-            return self.back_off(index, &why, descent);
+            let change = self.state.pace.slow_down();
+            return self.go_back(index, &why, &change, descent);
         }
         if slopes.iter().any(|s| !(s.length.is_finite() && s.loss.total.is_finite())) {
-            return self.back_off(index, "the gradient is not finite", descent);
+            let change = self.state.pace.overflow();
+            return self.go_back(index, "the gradient is not finite", &change, descent);
         }
         let losses: Vec<f64> = slopes.iter().map(|s| s.loss.total).collect();
-        let pulls = sequences::pulls(self.task.settings.loss.sequences, &losses);
+        let pulls = sequences::pulls(self.task.sequence_mean(), &losses);
         let lengths: Vec<f64> =
             slopes.iter().zip(&pulls).map(|(s, pull)| pull * s.length).collect();
-        let weights: Vec<f64> = weights(&lengths).iter().zip(&pulls).map(|(w, p)| w * p).collect();
+        let mut weights = weights(&lengths);
+        let length = lengths.iter().zip(&weights).map(|(length, weight)| length * weight).sum();
+        let by = self.state.pace.shorten(length);
+        weights.iter_mut().zip(&pulls).for_each(|(weight, pull)| *weight *= pull * by);
         Ok(descent.step(index, &weights, self.learning_rate())?)
     }
 
@@ -252,7 +242,13 @@ impl<'a> Walk<'a> {
                 Ok(())
             }
             Err(Refusal::TooStiff(n)) => {
-                self.back_off(index, &format!("it would need {n} substeps a frame"), descent)
+                let change = self.state.pace.slow_down();
+                self.go_back(
+                    index,
+                    &format!("it would need {n} substeps a frame"),
+                    &change,
+                    descent,
+                )
             }
         }
     }
@@ -269,44 +265,19 @@ impl<'a> Walk<'a> {
         if loss < self.state.best.loss {
             let (theta, substeps) = (self.state.position.theta.clone(), self.state.substeps);
             self.state.best = Best { theta, substeps, loss };
-            self.state.stale = 0;
+            self.state.pace.gain();
             return Ok(());
         }
-        self.state.stale += 1;
+        let passes = self.task.settings.refine.passes;
         if !loss.is_finite() {
-            self.back_off(index, "the simulation diverged", descent)?;
-        } else if self.state.stale >= PATIENCE && !self.sits_out {
-            self.reach_less(index, descent)?;
+            let change = self.state.pace.slow_down();
+            self.go_back(index, "the simulation diverged", &change, descent)?;
+        } else if !self.sits_out
+            && let Some(patience) = self.state.pace.no_gain(passes)
+        {
+            let change = self.state.pace.fail();
+            self.go_back(index, &format!("no gain in {patience} passes"), &change, descent)?;
         }
-        Ok(())
-    }
-
-    /// Steps that help nowhere mean that the gradient has lost its way through many frames: it grows along
-    /// chaotic motion until nothing else is left of it. So it is cut shorter, and only then comes
-    /// a shorter step.
-    fn reach_less(&mut self, index: usize, descent: &mut dyn Descent) -> Result<(), Error> {
-        let why = format!("no gain in {PATIENCE} passes");
-        let Some(shorter) = shorter(self.state.reach) else {
-            return self.back_off(index, &why, descent);
-        };
-        self.state.reach = shorter;
-        self.go_back(index, descent)?;
-        self.say(format!(
-            "{why}: went back to the best parameters, gradients now reach {shorter} frames"
-        ));
-        Ok(())
-    }
-
-    /// Back to the best parameters with half the rate.
-    fn back_off(
-        &mut self,
-        index: usize,
-        why: &str,
-        descent: &mut dyn Descent,
-    ) -> Result<(), Error> {
-        self.state.rate *= 0.5;
-        self.go_back(index, descent)?;
-        self.say(format!("{why}: went back to the best parameters and halved the rate"));
         Ok(())
     }
 
@@ -318,23 +289,20 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Back to the best parameters, without momentum, until the next pass.
-    fn go_back(&mut self, index: usize, descent: &mut dyn Descent) -> Result<(), Error> {
+    /// Back to the best parameters, without momentum, until the next pass; says why and what changes.
+    fn go_back(
+        &mut self,
+        index: usize,
+        why: &str,
+        change: &str,
+        descent: &mut dyn Descent,
+    ) -> Result<(), Error> {
         let best = &self.state.best;
         let (position, substeps) = (Position::at_rest(best.theta.clone()), best.substeps);
         self.move_to(index, position, substeps, descent)?.map_err(too_stiff)?;
-        self.state.stale = 0;
         self.sits_out = true;
+        self.say(format!("{why}: went back to the best parameters, {change}"));
         Ok(())
-    }
-}
-
-/// The next shorter reach, if there is one.
-fn shorter(reach: u32) -> Option<u32> {
-    match reach {
-        0 => Some(FIRST_REACH),
-        1 => None,
-        far => Some((far / 4).clamp(1, FIRST_REACH)),
     }
 }
 

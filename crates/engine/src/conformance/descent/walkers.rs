@@ -25,7 +25,9 @@ pub(super) struct Walkers {
 impl Walkers {
     pub(super) fn new(backend: &dyn Backend) -> Result<Self, String> {
         let scene = |seed: u64, nodes: usize, bending: bool| {
-            let options = RandomOptions { nodes, bending, ground: true, ..Default::default() };
+            let (rod, pins) = if bending { (true, 4) } else { (false, 1) };
+            let options =
+                RandomOptions { nodes, bending, rod, pins, ground: true, ..Default::default() };
             let model = random_model(seed, &options);
             let frames = 3;
             let (state, controls) = random_motion(seed, &model, frames);
@@ -74,14 +76,17 @@ impl Walkers {
 fn chart(scene: &Scene) -> Chart {
     use Parameter::{
         BendDamping, BendStiffness, Drag, GroundFriction, GroundRestitution, ObjectFriction,
-        ObjectRestitution, RestAngle, RestLength, SpringDashpot, SpringStiffness,
+        ObjectRestitution, RestAngle, RestLength, RestTwist, SpringDashpot, SpringStiffness,
+        TwistDamping, TwistStiffness,
     };
     let near = |span: f64| move |x: f64| [x - span, x + span];
     let mut chart = Chart::new(scene.params.clone());
-    for parameter in [SpringStiffness, SpringDashpot, BendStiffness, BendDamping, Drag] {
+    let logarithms = [SpringStiffness, SpringDashpot, BendStiffness, BendDamping];
+    for parameter in logarithms.into_iter().chain([TwistStiffness, TwistDamping, Drag]) {
         chart = chart.with(parameter, Scale::Logarithmic, 1.0, near(0.5));
     }
     chart = chart.with(RestLength, Scale::Logarithmic, 0.04, near(0.05));
+    chart = chart.with(RestTwist, Scale::Linear, 1.0, near(0.5));
     chart = chart.with(RestAngle, Scale::Linear, 0.3, |x| {
         [(x - 0.3).max(0.0), (x + 0.3).min(std::f64::consts::PI)]
     });
