@@ -15,7 +15,7 @@ const REST_ANGLE_SPAN: f64 = 0.6;
 /// A rest length that moves by a percent says as much as a stiffness that moves by a quarter.
 const REST_LENGTH_RATE: f64 = 0.04;
 /// Rest angles [rad] per unit of learning rate.
-const REST_ANGLE_RATE: f64 = 0.3;
+const REST_ANGLE_RATE: f64 = 0.05;
 /// How far rest twists may move from where they started [rad].
 const REST_TWIST_SPAN: f64 = 2.0 * PI;
 /// Rest twists [rad] per unit of learning rate: a rod turns by more than any one of its angles.

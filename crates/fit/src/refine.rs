@@ -1,6 +1,7 @@
 //! The first-order stage: Adam on every spring and triplet, all variants side by side in each batch.
 //! Parameters and gradients stay with the backend's [`Descent`]; what comes back are losses and lengths.
 
+mod pace;
 mod schedule;
 mod walk;
 mod windows;

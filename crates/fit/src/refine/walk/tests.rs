@@ -10,16 +10,3 @@ fn no_gradient_counts_with_more_than_the_median_length() {
     assert_eq!(weights(&[0.0, 0.0]), [0.5, 0.5]);
     assert!(weights(&[]).is_empty());
 }
-
-#[test]
-fn gradients_reach_less_and_less_until_a_frame_is_left() {
-    let ladder = |from: u32| -> Vec<u32> {
-        std::iter::successors(Some(from), |&reach| shorter(reach)).skip(1).collect()
-    };
-    assert_eq!(ladder(0), [16, 4, 1]);
-    assert_eq!(ladder(1_000_000), [16, 4, 1]);
-    assert_eq!(ladder(16), [4, 1]);
-    assert_eq!(ladder(7), [1]);
-    assert_eq!(ladder(2), [1]);
-    assert!(ladder(1).is_empty());
-}
