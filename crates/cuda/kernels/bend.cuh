@@ -1,11 +1,15 @@
 // Bending triplets (i, j, k) about the centre j, and the adjoint of their forces.
 //
 // With u = xi - xj, w = xk - xj, n = u x w, m = |n|: theta = atan2(m, u.w), g_i = u x n / (|u|^2 m),
-// g_k = n x w / (|w|^2 m), g_j = -(g_i + g_k); the force on a is -[k (theta - theta0) + c thetadot] g_a.
+// g_k = n x w / (|w|^2 m), g_j = -(g_i + g_k). Rounded where a bent triplet passes through straight: with
+// beta = pi - theta, epsilon = ROUNDING beta0, q = -sqrt(beta^2 + epsilon^2), G = beta / sqrt(beta^2 + epsilon^2) g,
+// the force on a is -[k (q - q0) + c qdot] G_a.
 // Nearly collinear triplets keep a force only where the rest angle is pi, where it is smooth.
 
 #define MIN_SINE 1e-4f
 #define MIN_ARM_M 1e-6f
+#define ROUNDING 0.5f
+#define ROUNDED_REST 1.11803399f  // sqrt(1 + ROUNDING^2)
 #define PI_F 3.14159265358979f
 
 // atan2(y, x) for y >= 0, in [0, pi]; within 3e-7 of the exact angle.
@@ -36,7 +40,9 @@ struct Bent {
     float inverse_u2, inverse_w2;
     float inverse_m;  // 1 where collinear
     float cosine;     // u . w; -1 where it could divide by zero
-    float deviation;  // theta - theta0
+    float deviation;  // q - q0
+    float rounded;    // sqrt(beta^2 + epsilon^2); 1 where collinear
+    float ease;       // beta / rounded, the share of theta's gradient that q has; 1 where collinear
     bool regular, straight;
 };
 
@@ -57,7 +63,13 @@ DEVICE Bent bent(float3 u, float3 w, float rest_bend) {
     t.a_w = scale(cross(t.n, w), t.inverse_w2);
     t.inverse_m = t.regular ? 1.0f / m : 1.0f;
     t.cosine = t.straight ? cosine : -1.0f;
-    t.deviation = rest_bend - angle(m, -cosine);
+    float beta = angle(m, -cosine);
+    float epsilon = ROUNDING * rest_bend;
+    float square = fmaf(beta, beta, epsilon * epsilon);
+    float inverse = t.regular ? rsqrtf(square) : 1.0f;
+    t.rounded = t.regular ? square * inverse : 1.0f;
+    t.ease = t.regular ? beta * inverse : 1.0f;
+    t.deviation = ROUNDED_REST * rest_bend - t.rounded;
     return t;
 }
 
@@ -67,8 +79,9 @@ DEVICE void bend_force(
 ) {
     Bent t = bent(u, w, p.rest_bend);
     float rate = dot(t.a_u, u_dot) + dot(t.a_w, w_dot);
-    float elastic = t.straight ? 1.0f / t.cosine : t.deviation * t.inverse_m;
-    float damping = t.regular ? p.damping * rate * t.inverse_m * t.inverse_m : 0.0f;
+    float inverse = t.ease * t.inverse_m;
+    float elastic = t.straight ? 1.0f / t.cosine : t.deviation * inverse;
+    float damping = t.regular ? p.damping * rate * inverse * inverse : 0.0f;
     float magnitude = -((t.regular || t.straight ? p.stiffness * elastic : 0.0f) + damping);
     f_i = scale(t.a_u, magnitude);
     f_k = scale(t.a_w, magnitude);
@@ -90,12 +103,12 @@ DEVICE BendAdjoint bend_adjoint(
     out.stiffness = out.damping = out.rest = 0.0f;
     if (t.regular) {
         float3 g_u = scale(t.a_u, t.inverse_m), g_w = scale(t.a_w, t.inverse_m);
-        float rate = dot(g_u, u_dot) + dot(g_w, w_dot);
-        float rho = dot(g_u, pull_u) + dot(g_w, pull_w);
+        float rate = t.ease * (dot(g_u, u_dot) + dot(g_w, w_dot));
+        float rho = t.ease * (dot(g_u, pull_u) + dot(g_w, pull_w));
         float kappa = p.stiffness * t.deviation + p.damping * rate;
         float3 y_u = add_scaled(scale(pull_u, kappa), rho * p.damping, u_dot);
         float3 y_w = add_scaled(scale(pull_w, kappa), rho * p.damping, w_dot);
-        // The Hessian of theta times y: the derivative of (g_i, g_k) along it.
+        // The Hessian of q times y: the derivative of (G_i, G_k) along it.
         float3 n_dot = add(cross(y_u, w), cross(u, y_w));
         float m_rate = dot(t.n, n_dot) * t.inverse_m * t.inverse_m;
         float3 u_part = add(cross(y_u, t.n), cross(u, n_dot));
@@ -104,13 +117,20 @@ DEVICE BendAdjoint bend_adjoint(
         float w_decay = 2.0f * dot(w, y_w) * t.inverse_w2 + m_rate;
         float3 h_u = add_scaled(scale(u_part, t.inverse_u2 * t.inverse_m), -u_decay, g_u);
         float3 h_w = add_scaled(scale(w_part, t.inverse_w2 * t.inverse_m), -w_decay, g_w);
-        out.x_i = scale(add_scaled(h_u, rho * p.stiffness, g_u), -1.0f);
-        out.x_k = scale(add_scaled(h_w, rho * p.stiffness, g_w), -1.0f);
-        out.v_i = scale(g_u, -(rho * p.damping));
-        out.v_k = scale(g_w, -(rho * p.damping));
+        float inverse_rounded = 1.0f / t.rounded;
+        float turn = (1.0f - t.ease * t.ease) * inverse_rounded * (dot(g_u, y_u) + dot(g_w, y_w));
+        float by_g = rho * p.stiffness * t.ease - turn;
+        out.x_i = scale(add_scaled(scale(h_u, t.ease), by_g, g_u), -1.0f);
+        out.x_k = scale(add_scaled(scale(h_w, t.ease), by_g, g_w), -1.0f);
+        float by_rate = -(rho * p.damping * t.ease);
+        out.v_i = scale(g_u, by_rate);
+        out.v_k = scale(g_w, by_rate);
         out.stiffness = -(rho * t.deviation);
         out.damping = -(rho * rate);
-        out.rest = rho * p.stiffness;
+        // The rest angle moves q0, and the rounding with it.
+        float per_rounded = ROUNDING * ROUNDING * p.rest_bend * inverse_rounded;
+        out.rest = rho * (p.stiffness * (ROUNDED_REST - per_rounded)
+                          - (kappa + p.damping * rate) * per_rounded * inverse_rounded);
     } else if (t.straight) {
         // f_i = -k / (u.w) a_u, f_k = -k / (u.w) a_w.
         float r = -1.0f / t.cosine, d = t.cosine;

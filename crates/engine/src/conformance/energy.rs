@@ -1,5 +1,7 @@
 //! Energies, momenta and forces in double precision, from their definitions alone.
 
+use std::f64::consts::PI;
+
 use bendtwin_core::Point;
 
 use super::scene::{Scene, cross, difference, dot, norm};
@@ -29,7 +31,13 @@ pub(super) fn length(points: &[Point64], [a, b]: [u32; 2]) -> f64 {
     norm(minus(points[b as usize], points[a as usize]))
 }
 
-/// Sum of k (l - l0)² / (2 l0) over springs and k_theta (theta - theta0)² / 2 over triplets [J].
+/// The coordinate that a triplet's energy is quadratic in [rad]: -sqrt((pi - angle)² + epsilon²) with epsilon half of
+/// the rest angle's distance from pi, so that a bent triplet passes smoothly through straight.
+fn bend(angle: f64, rest: f64) -> f64 {
+    -(PI - angle).hypot(0.5 * (PI - rest))
+}
+
+/// Sum of k (l - l0)² / (2 l0) over springs and k_theta (q - q0)² / 2 over triplets, q by [`bend`] [J].
 pub(super) fn elastic(scene: &Scene, points: &[Point64]) -> f64 {
     let p = &scene.params;
     let springs = scene.graph.springs.iter().enumerate().map(|(e, &ends)| {
@@ -37,7 +45,8 @@ pub(super) fn elastic(scene: &Scene, points: &[Point64]) -> f64 {
         f64::from(p.spring_stiffness[e]) * (length(points, ends) - l0).powi(2) / (2.0 * l0)
     });
     let triplets = scene.graph.triplets.iter().enumerate().map(|(t, &ends)| {
-        let bent = angle(points, ends) - f64::from(p.rest_angles_rad[t]);
+        let rest = f64::from(p.rest_angles_rad[t]);
+        let bent = bend(angle(points, ends), rest) - bend(rest, rest);
         f64::from(p.bend_stiffness[t]) * bent * bent / 2.0
     });
     springs.sum::<f64>() + triplets.sum::<f64>()
@@ -62,8 +71,7 @@ pub(super) fn elastic_forces(scene: &Scene, state: &State) -> Vec<Point64> {
     forces
 }
 
-/// Power that the dampers take out [W]: gamma (dl/dt)² over springs and c_b (dtheta/dt)² over
-/// triplets, the rates by central differences along the velocities.
+/// Power that the dampers take out [W]: gamma (dl/dt)² over springs and c_b (dq/dt)² over triplets, q by [`bend`], the rates by central differences along the velocities.
 pub(super) fn dissipation(scene: &Scene, state: &State) -> f64 {
     let h = 1e-6;
     let points = endpoints(scene, state);
@@ -80,8 +88,10 @@ pub(super) fn dissipation(scene: &Scene, state: &State) -> f64 {
         let rate = (length(&after, ends) - length(&before, ends)) / (2.0 * h);
         f64::from(gamma) * rate * rate
     });
-    let triplets = scene.graph.triplets.iter().zip(&p.bend_damping).map(|(&ends, &damping)| {
-        let rate = (angle(&after, ends) - angle(&before, ends)) / (2.0 * h);
+    let triplets = scene.graph.triplets.iter().enumerate().map(|(t, &ends)| {
+        let (rest, damping) = (f64::from(p.rest_angles_rad[t]), p.bend_damping[t]);
+        let at = |points: &[Point64]| bend(angle(points, ends), rest);
+        let rate = (at(&after) - at(&before)) / (2.0 * h);
         f64::from(damping) * rate * rate
     });
     springs.sum::<f64>() + triplets.sum::<f64>()

@@ -1,9 +1,15 @@
 //! Bending triplets (i, j, k) about the centre j, and the adjoint of their forces.
 //!
 //! With u = xi - xj, w = xk - xj, n = u x w, m = |n|: `theta = atan2(m, u.w)`, its gradient is
-//! `g_i = u x n / (|u|² m)`, `g_k = n x w / (|w|² m)`, `g_j = -(g_i + g_k)`, and the force on a is
-//! `-[k (theta - theta0) + c thetadot] g_a`. This is the usual form with (ŵ - cos û)/(sin |u|),
-//! written with cross products because these do not cancel when the triplet is nearly straight.
+//! `g_i = u x n / (|u|² m)`, `g_k = n x w / (|w|² m)`, `g_j = -(g_i + g_k)`. This is the usual form with
+//! (ŵ - cos û)/(sin |u|), written with cross products because these do not cancel when the triplet is nearly straight.
+//!
+//! **Rounded.** `(theta - theta0)²` has an edge where a triplet whose rest angle is not pi passes through straight: its force
+//! turns over at once there, and an adjoint that meets it grows without bound. So the energy is `k (q - q0)² / 2` with
+//! `q = -sqrt(beta² + epsilon²)`, beta = pi - theta, where epsilon is [`ROUNDING`] of the rest
+//! angle's beta0: the rest shape is the same, straight rest angles have q = -beta as before, and beta = 0 is smooth. The force
+//! on a is `-[k (q - q0) + c qdot] G_a` with G = a g, a = beta / sqrt(beta² + epsilon²). At rest a triplet is stiff by
+//! `k / (1 + ROUNDING²)`.
 //!
 //! **Nearly collinear** (sin theta below [`MIN_SINE`]): the bending plane is undefined. A triplet
 //! whose rest angle is pi still has a smooth elastic force, (theta - pi)/m -> -1/|u.w|, and keeps
@@ -20,6 +26,8 @@ use super::{
 pub(crate) const MIN_SINE: f64 = 1e-4;
 /// Arms shorter than this [m] have no direction: the triplet is skipped.
 const MIN_ARM_M: f64 = 1e-6;
+/// Width of the rounding, as a share of pi - theta0.
+pub(crate) const ROUNDING: f64 = 0.5;
 /// Rest angles nearer to pi than this [rad] are pi (an `f32` pi is not quite).
 pub(crate) const STRAIGHT_RAD: f64 = 1e-6;
 
@@ -142,8 +150,12 @@ impl<P: Pack> Elbow<P> {
 struct Bent<P: Pack> {
     /// 1/m; 1/(u . w) in the straight limit; 1 where the triplet is skipped.
     inverse: P,
-    /// theta - theta0 = rest_bend - (pi - theta).
+    /// q - q0.
     deviation: P,
+    /// sqrt(beta² + epsilon²), never zero.
+    rounded: P,
+    /// beta / rounded: the share of theta's gradient that q has; 1 where the triplet is collinear.
+    ease: P,
     /// Not collinear: the general formula holds.
     regular: P::Mask,
     /// Collinear, but with a smooth elastic force.
@@ -158,9 +170,15 @@ impl<P: Pack> Bent<P> {
         let regular = e.armed & sine2.not_below(m.splat(T::from_f64(MIN_SINE * MIN_SINE)));
         let bends = rest_bend.above(zero) | zero.above(rest_bend);
         let straight = e.armed & !(regular | bends) & zero.above(e.cosine);
+        let beta = T::angle(m, e.sine, -e.cosine);
+        let epsilon = rest_bend * m.splat(T::from_f64(ROUNDING));
+        let rounded = beta.mul_add(beta, epsilon * epsilon).sqrt();
+        let rest = rest_bend * m.splat(T::from_f64(1.0_f64.hypot(ROUNDING)));
         Self {
             inverse: one / e.sine.or(regular, e.cosine.or(straight, one)),
-            deviation: rest_bend - T::angle(m, e.sine, -e.cosine),
+            deviation: rest - rounded,
+            rounded: rounded.or(regular, one),
+            ease: (beta / rounded.or(regular, one)).or(regular, one),
             regular,
             straight,
         }
@@ -228,9 +246,10 @@ fn push<T: Real, M: Machine<T>>(
     let e = &reach.elbow;
     let t = Bent::new(m, e, m.load(&b.rest_bend));
     let rate = reach.swing_u.mul_add(e.inverse_u2, reach.swing_w * e.inverse_w2);
+    let inverse = t.ease * t.inverse;
     let moment = m.load(&b.stiffness) * t.deviation.or(t.regular, m.splat(T::ONE));
-    let damping = (m.load(&b.damping) * rate * t.inverse).only_if(t.regular);
-    let push = -((moment + damping) * t.inverse).only_if(t.regular | t.straight);
+    let damping = (m.load(&b.damping) * rate * inverse).only_if(t.regular);
+    let push = -((moment + damping) * inverse).only_if(t.regular | t.straight);
     let f_i = v3::scale(e.across_u, push * e.inverse_u2);
     let f_k = v3::scale(e.across_w, push * e.inverse_w2);
     m.scatter_add(forces, &b.i, f_i);
@@ -241,9 +260,9 @@ fn push<T: Real, M: Machine<T>>(
 /// Adjoint of [`bend_forces`]: given d loss / d force in `lambda`, adds d loss / d (position, velocity) to
 /// `adjoint` and d loss / d parameters to `gradients`.
 ///
-/// With kappa the bracket of the force and rho = g . lambda: `v_bar = -rho c g`,
-/// `x_bar = -rho k g - H (rho c v + kappa lambda)` where H is the Hessian of theta, whose product
-/// with a vector is the derivative of g along it.
+/// With kappa the bracket of the force and rho = G . lambda: `v_bar = -rho c G`,
+/// `x_bar = -rho k G - H (rho c v + kappa lambda)` where H is the Hessian of q, whose product with a vector
+/// is the derivative of G along it: `a` times that of g, less `(1 - a²)/rounded (g . y) g` for what `a` itself does.
 #[inline(always)]
 pub(crate) fn bend_adjoint<T: Real, M: Machine<T>>(
     m: M,
@@ -270,27 +289,33 @@ pub(crate) fn bend_adjoint<T: Real, M: Machine<T>>(
             let t = Bent::new(m, &e, m.load(&b.rest_bend));
             let g_u = v3::scale(e.across_u, e.inverse_u2 * t.inverse);
             let g_w = v3::scale(e.across_w, e.inverse_w2 * t.inverse);
-            let rate = v3::dot(g_u, u_dot) + v3::dot(g_w, w_dot);
-            let rho = v3::dot(g_u, pull_u) + v3::dot(g_w, pull_w);
+            let rate = t.ease * (v3::dot(g_u, u_dot) + v3::dot(g_w, w_dot));
+            let rho = t.ease * (v3::dot(g_u, pull_u) + v3::dot(g_w, pull_w));
             let kappa = stiffness.mul_add(t.deviation, damping * rate);
             let (stiff, damped) = (rho * stiffness, rho * damping);
             let y_u = v3::add_scaled(v3::scale(pull_u, kappa), damped, u_dot);
             let y_w = v3::add_scaled(v3::scale(pull_w, kappa), damped, w_dot);
             let (h_u, h_w) = hessian_product(m, &e, t.inverse, (u, w), (g_u, g_w), (y_u, y_w));
-            let x_u = v3::only_if(v3::neg(v3::add_scaled(h_u, stiff, g_u)), t.regular);
-            let x_w = v3::only_if(v3::neg(v3::add_scaled(h_w, stiff, g_w)), t.regular);
+            let along = v3::dot(g_u, y_u) + v3::dot(g_w, y_w);
+            let turn = t.ease.neg_mul_add(t.ease, m.splat(T::ONE)) / t.rounded * along;
+            let by_g = stiff.mul_add(t.ease, -turn);
+            let x_u = v3::add_scaled(v3::scale(h_u, t.ease), by_g, g_u);
+            let x_w = v3::add_scaled(v3::scale(h_w, t.ease), by_g, g_w);
+            let x_u = v3::only_if(v3::neg(x_u), t.regular);
+            let x_w = v3::only_if(v3::neg(x_w), t.regular);
             let (mut x_bar, mut s_k) = ((x_u, x_w), m.splat(T::ZERO));
             if m.any(t.straight) {
                 let (s, work) = straight_adjoint(m, &e, &t, stiffness, (u, w), (pull_u, pull_w));
                 x_bar = (v3::add(x_u, s.0), v3::add(x_w, s.1));
                 s_k = work;
             }
-            let damped = -damped.only_if(t.regular);
+            let damped = -(damped * t.ease).only_if(t.regular);
             let (v_u, v_w) = (v3::scale(g_u, damped), v3::scale(g_w, damped));
             let rho = rho.only_if(t.regular);
             grad.stiffness = m.store(rho.neg_mul_add(t.deviation, m.load(&grad.stiffness) + s_k));
             grad.damping = m.store(rho.neg_mul_add(rate, m.load(&grad.damping)));
-            grad.rest = m.store(rho.mul_add(stiffness, m.load(&grad.rest)));
+            let by_rest = rest_slope(m, &t, stiffness, damping * rate + kappa, m.load(&b.rest_bend));
+            grad.rest = m.store(rho.mul_add(by_rest, m.load(&grad.rest)));
             x_sum = v3::sub(x_sum, v3::add(x_bar.0, x_bar.1));
             v_sum = v3::sub(v_sum, v3::add(v_u, v_w));
             m.scatter_add_nodes(adjoint, &b.i, x_bar.0, v_u);
@@ -298,6 +323,21 @@ pub(crate) fn bend_adjoint<T: Real, M: Machine<T>>(
         }
         m.scatter_add_nodes(adjoint, &strip.owners, x_sum, v_sum);
     }
+}
+
+/// d (force . lambda) / d theta0 per rho: the rest angle moves q0, and the rounding with it. `moments` is the
+/// bracket of the force, with its damping twice.
+#[inline(always)]
+fn rest_slope<T: Real, M: Machine<T>>(
+    m: M,
+    t: &Bent<M::Pack>,
+    stiffness: M::Pack,
+    moments: M::Pack,
+    rest_bend: M::Pack,
+) -> M::Pack {
+    let per_rounded = rest_bend * m.splat(T::from_f64(ROUNDING * ROUNDING)) / t.rounded;
+    let of_rest = m.splat(T::from_f64(1.0_f64.hypot(ROUNDING))) - per_rounded;
+    stiffness * of_rest - moments * (per_rounded / t.rounded)
 }
 
 /// A vector for each of the two arms.
@@ -355,7 +395,7 @@ fn straight_adjoint<T: Real, M: Machine<T>>(
     (arms, r * work)
 }
 
-/// theta - theta0 of one triplet; zero where an arm is missing.
+/// q - q0 of one triplet; zero where an arm is missing.
 pub(crate) fn deviation(u: [f64; 3], w: [f64; 3], rest_bend: f64) -> f64 {
     let m = Portable;
     let e = Elbow::new(m, u.map(|c| m.splat(c)), w.map(|c| m.splat(c)));
