@@ -169,7 +169,7 @@ fn settings(scene: &Scene, plan: &FitPlan) -> FitSettings {
         bending: scene.bending,
         control_velocity: ControlVelocity::True,
         search: SearchSettings {
-            generations: plan.generations,
+            generations: Some(plan.generations),
             population: plan.candidates,
             ..published.search
         },

@@ -194,7 +194,7 @@ pub(crate) fn graph_settings() -> GraphSettings {
         max_neighbours: 29,
         control_radius_m: 0.04,
         control_neighbours: 50,
-        rods: false,
+        twist: false,
         max_triplets: 4,
         triplet_reference: TripletReference::OppositePairs,
     }

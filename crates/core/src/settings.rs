@@ -119,8 +119,9 @@ pub struct LossSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchSettings {
-    /// Generations; 0 skips the stage.
-    pub generations: u32,
+    /// Generations; 0 skips the stage. If left open, as many as suit the capture: 60 where edges are known, whose few
+    /// nodes make them cheap and whose motion branches, 25 in others.
+    pub generations: Option<u32>,
     /// Candidates a generation; 0 means 4 + 3 ln(variables).
     pub population: usize,
     /// Initial step size in the unit cube.
@@ -220,13 +221,13 @@ impl Default for LossSettings {
 impl Default for SearchSettings {
     fn default() -> Self {
         Self {
-            generations: 25,
+            generations: None,
             population: 16,
             sigma: 1.0 / 6.0,
             topology: false,
             gravity: None,
             max_frames: 0,
-            max_sequences: 8,
+            max_sequences: 16,
         }
     }
 }
@@ -262,7 +263,7 @@ impl FitSettings {
             },
             loss: LossSettings { track_beta_m: 1.0, ..LossSettings::default() },
             search: SearchSettings {
-                generations: 20,
+                generations: Some(20),
                 population: 0,
                 topology: true,
                 ..SearchSettings::default()
@@ -309,7 +310,8 @@ impl FitSettings {
         within("loss.track_weight", l.track_weight, 0.0, 1e9);
         within("loss.track_beta_m", l.track_beta_m, 1e-9, 1e3);
         within("loss.acceleration_weight", l.acceleration_weight, 0.0, 1e9);
-        within("search.generations", f64::from(self.search.generations), 0.0, 10_000.0);
+        let generations = self.search.generations.unwrap_or_default();
+        within("search.generations", f64::from(generations), 0.0, 10_000.0);
         within("search.population", self.search.population as f64, 0.0, 10_000.0);
         within("search.sigma", self.search.sigma, 1e-6, 1.0);
         let r = &self.refine;

@@ -154,7 +154,7 @@ impl<'a> Run<'a> {
 
     /// Generations until all are done; states that are past the search come back as they are.
     fn search(&mut self, mut states: Vec<VariantState>) -> Result<Vec<VariantState>, Error> {
-        let generations = u64::from(self.job.settings.search.generations);
+        let generations = u64::from(self.task.generations());
         let mut search = Search::new(self.task);
         loop {
             self.check_cancelled()?;

@@ -38,7 +38,7 @@ impl Meter {
         Self {
             generation_frames: (search_frames * population) as f64,
             pass_frames: frames as f64 * GRADIENT_COST,
-            generations: task.settings.search.generations,
+            generations: task.generations(),
             passes: task.settings.refine.passes,
             origin: None,
         }

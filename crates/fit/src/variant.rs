@@ -70,7 +70,7 @@ impl Variant {
         let point = match state {
             VariantState::Search(search) => match search.best() {
                 Some(best) => best.point.clone(),
-                None if task.settings.search.generations == 0 => self.space.start(),
+                None if task.generations() == 0 => self.space.start(),
                 None => {
                     let why = "all were too stiff or diverged".to_owned();
                     return Err(Error::NothingStable(why));

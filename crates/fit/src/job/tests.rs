@@ -12,7 +12,7 @@ fn settings(window: GradientWindow) -> FitSettings {
     s.graph.max_nodes = 24;
     s.graph.max_neighbours = 6;
     s.substeps = Substeps::Auto { safety: 1.2, max: 60 };
-    s.search.generations = 3;
+    s.search.generations = Some(3);
     s.search.population = 4;
     s.search.topology = true;
     s.refine.passes = 3;
@@ -139,7 +139,7 @@ fn cancelling_and_refusing_end_the_fit() {
 fn a_checkpoint_of_other_settings_is_refused() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(2)).unwrap();
     let mut one = settings(GradientWindow::Pass);
-    one.search.generations = 1;
+    one.search.generations = Some(1);
     one.refine.passes = 0;
     let mut recorder = Recorder::default();
     job(&capture, one.clone()).run(None, &mut recorder, &CancelToken::default()).unwrap();
@@ -172,7 +172,7 @@ fn gravity_that_was_misjudged_is_found() {
     let mut settings = FitSettings { compare_axial: false, ..FitSettings::default() };
     settings.graph.max_nodes = 24;
     settings.search.gravity = Some(true);
-    settings.search.generations = 12;
+    settings.search.generations = Some(12);
     settings.refine.passes = 1;
     let fit = |settings: &FitSettings| {
         let backend = bendtwin_engine::cpu_with_threads(1);

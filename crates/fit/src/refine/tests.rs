@@ -87,7 +87,7 @@ impl Observer for Passes {
 fn settings(passes: u32) -> FitSettings {
     let mut settings = FitSettings { compare_axial: false, ..FitSettings::default() };
     settings.graph.max_nodes = 24;
-    settings.search.generations = 0;
+    settings.search.generations = Some(0);
     settings.refine.passes = passes;
     settings
 }
