@@ -125,7 +125,9 @@ fn random_graphs_hold_at_the_estimate_and_blow_up_soon_beyond_it() {
             // Rest angles in f32 are not quite at rest: a few micrometres are no instability.
             let held = excursion(&model, found.needed);
             assert!(held < 2e-5, "case {case} {seed}: {held} at {found:?}");
-            let beyond = (f64::from(found.needed) * 0.85).floor() as u32;
+            // Triplets count as stiff as they are far from straight; at rest they give way by a fifth.
+            let share = if bend > 0.0 { 0.7 } else { 0.85 };
+            let beyond = (f64::from(found.needed) * share).floor() as u32;
             let blown = excursion(&model, beyond);
             assert!(blown > 1e-3, "case {case} {seed}: {blown} at {beyond} of {found:?}");
         }

@@ -69,7 +69,7 @@ pub(super) fn kinds() -> Vec<Kind> {
             .bend_damping
             .iter_mut()
             .collect()),
-        parameter!("rest angle", 0.05, |p| p.rest_angles_rad.clone(), |p| p
+        parameter!("rest angle", 0.02, |p| p.rest_angles_rad.clone(), |p| p
             .rest_angles_rad
             .iter_mut()
             .collect()),
