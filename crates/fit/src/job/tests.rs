@@ -165,7 +165,7 @@ fn hopeless_limits_are_explained() {
 
 #[test]
 fn gravity_that_was_misjudged_is_found() {
-    let mut capture = make(Scene::Rope, &MakeOptions::tiny(3)).unwrap();
+    let mut capture = make(Scene::Cable, &MakeOptions::tiny(3)).unwrap();
     let true_gravity = capture.environment.gravity;
     // As if the camera's clock ran fast.
     capture.environment.gravity = true_gravity.map(|g| g / 1.4);

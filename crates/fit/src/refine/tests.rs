@@ -136,8 +136,7 @@ fn the_best_loss_is_the_twins() {
         let task = Task::new(&capture, &settings).unwrap();
         let loaded = backend.load(Arc::new(Model::from(&twin))).unwrap();
         let batch: Vec<_> = task.training.iter().map(|t| t.instance(&loaded)).collect();
-        let loss = backend.losses(&batch, &cancel).unwrap().iter().map(|l| l.total).sum::<f64>()
-            / batch.len() as f64;
+        let loss = task.loss(backend.losses(&batch, &cancel).unwrap().iter().map(|l| l.total));
         assert!(loss.is_finite());
         assert!(losses.last().is_none_or(|best| *best == loss), "{window:?}: {loss} {losses:?}");
     }

@@ -70,3 +70,24 @@ fn nothing_to_train_on_is_said() {
     let error = Task::new(&capture, &FitSettings::default()).err().unwrap();
     assert!(matches!(error, Error::Capture(_)), "{error}");
 }
+
+/// What settings leave open depends on the capture; what they say holds.
+#[test]
+fn cables_are_fitted_in_their_own_way() {
+    let open = FitSettings::default();
+    let mut said = open.clone();
+    said.search.generations = Some(7);
+    said.search.gravity = Some(false);
+    said.loss.sequences = Some(SequenceMean::Arithmetic);
+    let of = |scene, settings: &FitSettings| {
+        let capture = make(scene, &MakeOptions::tiny(1)).unwrap();
+        let task = Task::new(&capture, settings).unwrap();
+        let rods = task.has_rods(&Connectivity::from_settings(&settings.graph, true));
+        (task.generations(), task.searches_gravity(), task.sequence_mean(), rods)
+    };
+    assert_eq!(of(Scene::Rope, &open), (25, false, SequenceMean::Arithmetic, false));
+    assert_eq!(of(Scene::Cable, &open), (60, true, SequenceMean::Geometric, true));
+    assert_eq!(of(Scene::Cable, &said), (7, false, SequenceMean::Arithmetic, true));
+    said.graph.twist = false;
+    assert!(!of(Scene::Cable, &said).3);
+}
