@@ -56,11 +56,11 @@ fn a_third_clamp_ends_a_rod_and_a_single_pin_does_not() {
 
 /// A trunk 0..8 with a branch 8, 9, 10 from node 4.
 #[test]
-fn a_branch_takes_part_if_it_is_clamped() {
+fn a_branch_holds_the_frame_or_takes_part_if_it_is_clamped() {
     let mut edges = line(8);
     edges.extend([[4, 8], [8, 9], [9, 10]]);
-    let trunk: Vec<u32> = (0..8).collect();
-    assert_eq!(find(&cable(11, &edges, &[0, 1, 6, 7])), [trunk]);
+    let free = find(&cable(11, &edges, &[0, 1, 6, 7]));
+    assert_eq!(free, [vec![0, 1, 2, 3, 4, 8], vec![7, 6, 5, 4, 8]]);
     let all = find(&cable(11, &edges, &[0, 1, 6, 7, 9, 10]));
     assert_eq!(
         all,
