@@ -64,9 +64,10 @@ pub struct Graph {
     pub triplets: Vec<[u32; 3]>,
     /// Nodes prescribed by control points.
     pub pins: Vec<Pin>,
-    /// Rods that twist: each a path of nodes, in order, of at least [`Graph::MIN_ROD_NODES`]. Its first two and its
-    /// last two nodes are pinned, so that both clamps give a position and a direction; what the clamps
-    /// do about that direction is carried along by parallel transport.
+    /// Rods that twist: each a path of nodes, in order, of at least [`Graph::MIN_ROD_NODES`]. Its first two nodes
+    /// are pinned: a clamp, which gives a position and a direction; what it
+    /// does about that direction is carried along by parallel transport. Its last two are either a clamp too, or a
+    /// junction and the first node of a branch there, its *arm*, whose direction holds the rod's frame.
     #[serde(default)]
     pub rods: Vec<Vec<u32>>,
 }
@@ -75,8 +76,13 @@ impl Graph {
     /// Marks a node that is no observed point of the capture.
     pub const NOT_OBSERVED: u32 = u32::MAX;
 
-    /// Fewest nodes of a rod: two in each of its clamps.
+    /// Fewest nodes of a rod: two at each of its ends.
     pub const MIN_ROD_NODES: usize = 4;
+
+    /// Whether a rod ends in the arm of a branch, and not in a clamp.
+    pub fn has_arm(&self, rod: &[u32]) -> bool {
+        rod.last().is_some_and(|&last| self.pins.iter().all(|p| p.node != last))
+    }
 
     /// Number of nodes N.
     pub fn node_count(&self) -> usize {
@@ -153,7 +159,7 @@ impl Graph {
     }
 }
 
-/// A rod is a path without loops between two clamps; `pinned` has an entry per node.
+/// A rod is a path without loops from a clamp to a clamp or an arm; `pinned` has an entry per node.
 fn check_rod(index: usize, rod: &[u32], pinned: &[bool]) -> Result<(), String> {
     let least = Graph::MIN_ROD_NODES;
     if rod.len() < least {
@@ -167,13 +173,18 @@ fn check_rod(index: usize, rod: &[u32], pinned: &[bool]) -> Result<(), String> {
     if let Some(twice) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
         return Err(format!("rod {index} passes node {} twice", twice[0]));
     }
-    let clamped = rod[..2].iter().chain(&rod[rod.len() - 2..]);
-    match clamped.copied().find(|&i| !pinned[i as usize]) {
-        Some(node) => Err(format!(
-            "rod {index} is not clamped at node {node}: its first two and last two nodes must be pinned"
-        )),
-        None => Ok(()),
+    if let Some(node) = rod[..2].iter().find(|&&i| !pinned[i as usize]) {
+        return Err(format!(
+            "rod {index} is not clamped at node {node}: its first two nodes must be pinned"
+        ));
     }
+    let [before, last] = [2, 1].map(|back| rod[rod.len() - back]);
+    if pinned[before as usize] != pinned[last as usize] {
+        return Err(format!(
+            "rod {index} ends in nodes {before} and {last}: both must be pinned (a clamp) or none (an arm)"
+        ));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

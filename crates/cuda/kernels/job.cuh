@@ -31,7 +31,7 @@ struct Pin {
 
 struct Triplet {
     u16 i, j, k;  // local indices
-    u16 owned;    // whether this block reports its gradient
+    u16 owned;    // whether this block reports its gradient; of a rod's inner node, whether `k` is an arm
 };
 
 // A graph as one shape of launch sees it.

@@ -359,7 +359,8 @@ DEVICE Inner inner_at(const Local& l, u32 now, u32 m, u32 t) {
     in.ends = l.job->topology.triplets[l.share.triplet + t];
     State i = l.state(now, m, in.ends.i), j = l.state(now, m, in.ends.j);
     State k = l.state(now, m, in.ends.k);
-    in.turn = turn_of(sub(j.x, i.x), sub(k.x, j.x));
+    float3 e = sub(j.x, i.x), g = sub(k.x, j.x);
+    in.turn = in.ends.owned ? arm_of(e, g) : turn_of(e, g);
     in.v_before = sub(i.v, j.v);
     in.v_after = sub(k.v, j.v);
     return in;

@@ -46,6 +46,7 @@ pub(crate) struct Pin {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Triplet {
     pub(crate) ends: [u16; 3],
+    /// Whether this block reports its gradient; of a rod's inner node, whether the last end is an arm.
     pub(crate) owned: u16,
 }
 

@@ -225,14 +225,16 @@ impl Layout {
         let mut at = before;
         self.rod_turns.push(at);
         for rod in &graph.rods {
-            for ends in rod.windows(3).map(|w| [w[0], w[1], w[2]]) {
+            let arm = graph.has_arm(rod).then(|| rod.len().saturating_sub(3));
+            for (place, ends) in rod.windows(3).map(|w| [w[0], w[1], w[2]]).enumerate() {
+                let is_arm = arm == Some(place);
                 let ends = ends.map(|e| local[e as usize]);
                 for (role, end) in [(0, ends[0]), (1, ends[2]), (2, ends[1])] {
                     arms[end as usize].push(at << 2 | role);
                 }
                 // It has no parameters of a triplet: any triplet's will do.
                 self.triplet_of.push(0);
-                self.triplets.push(Triplet { ends: ends.map(encode), owned: 0 });
+                self.triplets.push(Triplet { ends: ends.map(encode), owned: u16::from(is_arm) });
                 at += 1;
             }
             self.rod_turns.push(at);

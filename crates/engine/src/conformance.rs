@@ -139,6 +139,7 @@ suite! { ($)
         energy_of_a_twisted_rod,
         twist_damping_never_raises_energy,
         twist_turns_a_bow_out_of_its_plane,
+        a_branch_swings_about_its_rod,
         rods_without_stiffness_change_nothing;
     ground:
         bouncing_node_loses_restitution_squared,

@@ -100,7 +100,7 @@ impl Reduction {
         for (rod, (stiffness, damping)) in graph.rods.iter().zip(rods) {
             let points: Vec<_> =
                 rod.iter().map(|&e| graph.rest_endpoint(e).map(f64::from)).collect();
-            let parts = rod.iter().zip(turned_pattern(&points));
+            let parts = rod.iter().zip(turned_pattern(&points, graph.has_arm(rod)));
             let weight: f64 =
                 parts.map(|(&e, g)| of(e) * g.iter().map(|x| x * x).sum::<f64>()).sum();
             give_way(stiffness, dt * dt * weight, limit);

@@ -17,11 +17,15 @@ fn cable() -> Graph {
 }
 
 #[test]
-fn a_rod_is_a_path_between_two_clamps() {
+fn a_rod_is_a_path_from_a_clamp_to_a_clamp_or_an_arm() {
     assert_eq!(cable().check(), Ok(()));
+    assert!(!cable().has_arm(&cable().rods[0]));
+    let with_arm = Graph { rods: vec![vec![0, 1, 2, 3]], ..cable() };
+    assert_eq!(with_arm.check(), Ok(()));
+    assert!(with_arm.has_arm(&with_arm.rods[0]));
     for (rod, why) in [
         (vec![0, 1, 5], "at least 4"),
-        (vec![0, 1, 2, 3], "not clamped at node 2"),
+        (vec![0, 1, 2, 4], "ends in nodes 2 and 4"),
         (vec![0, 2, 4, 5], "not clamped at node 2"),
         (vec![0, 1, 2, 2, 4, 5], "passes node 2 twice"),
         (vec![0, 1, 9, 4, 5], "names node 9 of 6"),

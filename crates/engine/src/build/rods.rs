@@ -1,15 +1,23 @@
-//! Rods that twist: the ways through a cable from one clamp to another.
+//! Rods that twist: the ways through a cable from one clamp to another, or to the first branch.
 //!
 //! A *clamp* is an edge whose two nodes are both pinned: it gives the cable a direction there, and with it a frame. A
-//! free end has none and turns as it likes, so a branch that ends freely carries no torque; neither does a
-//! single pinned node. What lies between two clamps does, and junctions on the way change nothing: a
-//! junction turns until the torques of what meets there add up to zero. Without clamps on its branches, that is when
-//! the torque is the same before it and after it. With several, it is a star of torsion springs about
-//! one free angle, and eliminating that angle leaves one spring for every pair of clamps (as a star of resistors
-//! is a mesh of them): one rod for every pair, each with a stiffness of its own.
+//! free end has none and turns as it likes, and neither has a single pinned node: no torque gets there. What lies between
+//! two clamps carries one.
+//!
+//! Where a branch without clamps begins, it stands off to a side of the cable, and that side is where the cable's frame
+//! is: a junction is stiff. The cable cannot turn there without lifting the branch, so the first such junction
+//! ends a rod, with the branch's first node as its arm; of several, the one that stands most nearly square to
+//! the rod. Between two such junctions there is none: where it is not twisted no start of a rollout can tell, as
+//! it can of a clamp.
+//!
+//! Where all branches at a junction lead to clamps, it turns until the torques of what meets there add up to zero: a
+//! star of torsion springs about one free angle. Eliminating that angle leaves one spring for every pair of
+//! clamps (as a star of resistors is a mesh of them): one rod for every pair, each with a stiffness of its own.
 //!
 //! A third clamp on the way ends the rod, as it holds the frame. In a piece with a loop a torque has two
 //! ways around, which no set of rods describes: it gets none.
+
+use bendtwin_core::Point;
 
 use super::NodeSample;
 
@@ -20,7 +28,11 @@ const MAX_CLAMPS: usize = 16;
 pub(super) fn find(sample: &NodeSample) -> Vec<Vec<u32>> {
     let Some(edges) = &sample.edges else { return Vec::new() };
     let n = sample.node_count();
-    let mut cable = Cable { neighbours: vec![Vec::new(); n], is_pinned: vec![false; n] };
+    let mut cable = Cable {
+        points: sample.undeformed(),
+        neighbours: vec![Vec::new(); n],
+        is_pinned: vec![false; n],
+    };
     sample.pins.iter().for_each(|p| cable.is_pinned[p.node as usize] = true);
     for &[a, b] in edges.iter().filter(|[a, b]| a != b) {
         cable.neighbours[a as usize].push(b);
@@ -42,13 +54,15 @@ pub(super) fn find(sample: &NodeSample) -> Vec<Vec<u32>> {
 }
 
 /// A cable's nodes as a graph.
-struct Cable {
+struct Cable<'a> {
+    /// Undeformed, shape [N, 3].
+    points: &'a [Point],
     /// Sorted, shape [N].
     neighbours: Vec<Vec<u32>>,
     is_pinned: Vec<bool>,
 }
 
-impl Cable {
+impl Cable<'_> {
     fn near(&self, node: u32) -> &[u32] {
         &self.neighbours[node as usize]
     }
@@ -95,18 +109,61 @@ impl Cable {
                 self.walk(vec![outer, inner, first], &mut rods);
             }
         }
-        // Each was found from both of its ends.
-        rods.retain(|rod| rod.get(1) < rod.iter().rev().nth(1));
+        // Between clamps each was found from both of its ends.
+        let ends_in_arm = |rod: &[u32]| rod.last().is_some_and(|&last| !self.is_pinned(last));
+        rods.retain(|rod| ends_in_arm(rod) || rod.get(1) < rod.iter().rev().nth(1));
         rods.sort_unstable();
         rods
     }
 
-    /// Adds the ways on from a path to every clamp that it can reach; the piece is a tree.
+    /// The arm of a rod that comes to a node from the one before; none unless branches without clamps begin there.
+    fn arm(&self, before: u32, at: u32) -> Option<u32> {
+        let on = || self.near(at).iter().copied().filter(|&next| next != before);
+        if self.is_pinned(at) || on().count() < 2 {
+            return None;
+        }
+        let free = on().filter(|&next| !self.is_pinned(next) && !self.leads_to_clamp(at, next));
+        free.max_by(|&a, &b| {
+            self.sine_squared(before, at, a).total_cmp(&self.sine_squared(before, at, b))
+        })
+    }
+
+    /// Whether a clamp lies beyond an edge of a piece that is a tree.
+    fn leads_to_clamp(&self, from: u32, to: u32) -> bool {
+        let mut ways = vec![[from, to]];
+        while let Some([before, at]) = ways.pop() {
+            if self.clamp(at).is_some() {
+                return true;
+            }
+            ways.extend(
+                self.near(at).iter().filter(|&&next| next != before).map(|&next| [at, next]),
+            );
+        }
+        false
+    }
+
+    /// Of the angle between two edges in a row; 0 where one has no length.
+    fn sine_squared(&self, before: u32, at: u32, after: u32) -> f64 {
+        let offset = |from: u32, to: u32| -> [f64; 3] {
+            let (a, b) = (self.points[from as usize], self.points[to as usize]);
+            std::array::from_fn(|c| f64::from(b[c]) - f64::from(a[c]))
+        };
+        let (e, g) = (offset(before, at), offset(at, after));
+        let dot = |u: [f64; 3], w: [f64; 3]| u.iter().zip(w).map(|(u, w)| u * w).sum::<f64>();
+        let both = dot(e, e) * dot(g, g);
+        if both > 0.0 { 1.0 - dot(e, g).powi(2) / both } else { 0.0 }
+    }
+
+    /// Adds the ways on from a path to every clamp or arm that it can reach; the piece is a tree.
     fn walk(&self, path: Vec<u32>, rods: &mut Vec<Vec<u32>>) {
         let mut ways = vec![path];
         while let Some(path) = ways.pop() {
             let [.., before, at] = path[..] else { continue };
             let with = |next: u32| path.iter().copied().chain([next]).collect::<Vec<u32>>();
+            if let Some(arm) = self.arm(before, at) {
+                rods.push(with(arm));
+                continue;
+            }
             match self.clamp(at) {
                 Some(outer) if outer != before => rods.push(with(outer)),
                 _ => {

@@ -12,7 +12,7 @@ use super::{
     expect::{Outcome, close, ensure},
     random::{RandomOptions, random_model, random_motion, random_objective},
     scene::Scene,
-    twist::cable,
+    twist::{branched_cable, cable},
 };
 use crate::{
     Backend, Objective, PointLoss, Term, backend::GradientRequest, objective::WeightedTerm,
@@ -86,10 +86,11 @@ pub(super) fn gradients_of_a_straight_rod(backend: &dyn Backend) -> Outcome {
     matches_differences(backend, &scene, &Check { seed: 0, tolerance: 1e-2, must_matter })
 }
 
-/// Through a rod, whose twist remembers the whole rollout, with clamps that move and turn: to 1 %.
+/// Through a rod, whose twist remembers the whole rollout, with clamps that move and turn, and with a branch at
+/// its end: to 1 %.
 pub(super) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
-    for (seed, twist) in [(0, 3.0), (1, -2.0)] {
-        let mut scene = cable();
+    let cases = [(0, 3.0, cable()), (1, -2.0, cable()), (2, 0.7, branched_cable())];
+    for (seed, twist, mut scene) in cases {
         scene.params.twist_stiffness[0] = 0.3;
         scene.params.twist_damping[0] = 3e-2;
         scene.params.rest_twists_rad[0] = -0.4;
@@ -112,7 +113,7 @@ pub(super) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
             .collect();
         let targets = scene.graph.rest_positions.iter().map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]);
         let track = Term::Track {
-            nodes: (0..10).collect(),
+            nodes: (0..scene.graph.node_count() as u32).collect(),
             targets: targets.collect(),
             loss: PointLoss::SquaredDistance,
         };

@@ -1,9 +1,10 @@
-//! Rods that twist between two clamps, and the adjoint of their forces.
+//! Rods that twist between a clamp and another one, or a branch, and the adjoint of their forces.
 //!
 //! A rod has one twist, the same all along it: an isotropic rod's torsion evens out much faster than it moves
-//! (the quasi-static material frame of discrete elastic rods, Bergou et al. 2008, 2010). Only the clamps
-//! hold its frame, and they carry it by parallel transport; so what twists the rod is how the frame
-//! that is parallel along it turns, which its shape alone decides. With e and g the edges before and after a node j,
+//! (the quasi-static material frame of discrete elastic rods, Bergou et al. 2008, 2010). Only its ends
+//! hold its frame. Clamps carry it by parallel transport; so what twists a rod between two of them is how the frame
+//! that is parallel along it turns, which its shape alone decides. A branch is part of the junction where it begins, so
+//! its direction is the frame there ([`arm`]). With e and g the edges before and after a node j,
 //! their turn `kb = 2 e x g / (|e||g| + e.g)` and `a_j = kb / (2|e|)`, `c_j = -kb / (2|g|)`:
 //!
 //! ```text
@@ -15,10 +16,13 @@
 //! it. That is semi-implicit Euler for twist and velocities together; the other order would feed energy in.
 //!
 //! **Degenerate**: a node with an edge that has no length, or where the rod folds back on itself
-//! (1 + cosine below [`MIN_FOLD`]), neither turns the frame nor feels the torque in that substep.
+//! (1 + cosine below [`MIN_FOLD`]), or where a branch hardly leaves its line, neither turns the frame nor feels the torque in that substep.
+
+mod arm;
 
 use std::ops::Range;
 
+use self::arm::Arm;
 use super::{
     lanes::{Index, LANES, Node},
     machine::{Machine, Pack, Pack3, v3},
@@ -37,6 +41,8 @@ pub(crate) struct RodBlock {
     before: Index,
     at: Index,
     after: Index,
+    /// Whether the node after is that of a branch.
+    is_arm: bool,
 }
 
 /// A rod and its parameters.
@@ -67,20 +73,30 @@ pub(crate) struct Rods<T> {
 }
 
 impl<T: Real> Rods<T> {
-    /// Rods along these paths; `parameters` gives stiffness, damping and rest twist of each.
-    pub(crate) fn new(paths: &[Vec<u32>], parameters: impl Fn(usize) -> [T; 3]) -> Self {
+    /// Rods along these paths; `has_arm` tells whether the last node is that of a branch, `parameters` gives stiffness,
+    /// damping and rest twist of each.
+    pub(crate) fn new(
+        paths: &[Vec<u32>],
+        has_arm: impl Fn(&[u32]) -> bool,
+        parameters: impl Fn(usize) -> [T; 3],
+    ) -> Self {
         let (mut rods, mut blocks) = (Vec::with_capacity(paths.len()), Vec::new());
         for (r, path) in paths.iter().enumerate() {
             let first = blocks.len() as u32;
             let inner: Vec<&[u32]> = path.windows(3).collect();
-            blocks.extend(inner.chunks(LANES).map(|inner| {
-                let lane = |place: usize| {
-                    // Lanes that fill up: the last node, three times.
-                    let filler = inner.last().map_or(0, |w| w[1]);
-                    std::array::from_fn(|l| inner.get(l).map_or(filler, |w| w[place]))
-                };
-                RodBlock { before: lane(0), at: lane(1), after: lane(2) }
-            }));
+            let turns = inner.len().saturating_sub(usize::from(has_arm(path)));
+            let (turns, arm) = inner.split_at(turns);
+            let parts = turns.chunks(LANES).map(|part| (part, false));
+            blocks.extend(parts.chain(arm.chunks(LANES).map(|part| (part, true))).map(
+                |(inner, is_arm)| {
+                    let lane = |place: usize| {
+                        // Lanes that fill up: the last node, three times.
+                        let filler = inner.last().map_or(0, |w| w[1]);
+                        std::array::from_fn(|l| inner.get(l).map_or(filler, |w| w[place]))
+                    };
+                    RodBlock { before: lane(0), at: lane(1), after: lane(2), is_arm }
+                },
+            ));
             let [stiffness, damping, rest_twist] = parameters(r);
             let end = blocks.len() as u32;
             rods.push(Rod { first, end, stiffness, damping, rest_twist });
@@ -147,12 +163,6 @@ impl<P: Pack> Turn<P> {
         }
     }
 
-    /// grad . y
-    #[inline(always)]
-    fn along(&self, y: &Triple<P>) -> P {
-        v3::dot(self.a, y.before) + v3::dot(self.c, y.after)
-    }
-
     /// Adjoint of (a, c): what it makes of the positions of the nodes before and after.
     #[inline(always)]
     fn back(&self, bar: &Triple<P>) -> Triple<P> {
@@ -182,13 +192,58 @@ impl<P: Pack> Turn<P> {
     }
 }
 
+/// What happens to the frame at a block's inner nodes.
+#[derive(Clone, Copy)]
+enum Joint<P: Pack> {
+    /// It is carried on by parallel transport.
+    Turn(Turn<P>),
+    /// A branch holds it.
+    Arm(Arm<P>),
+}
+
+impl<P: Pack> Joint<P> {
+    #[inline(always)]
+    fn new<T: Real, M: Machine<T, Pack = P>>(m: M, is_arm: bool, x: &Triple<P>) -> Self {
+        if is_arm { Self::Arm(Arm::new(m, x)) } else { Self::Turn(Turn::new(m, x)) }
+    }
+
+    /// Derivative of the twist by the nodes before and after.
+    #[inline(always)]
+    fn gradient(&self) -> Triple<P> {
+        match self {
+            Self::Turn(turn) => Triple { before: turn.a, after: turn.c },
+            Self::Arm(arm) => Triple { before: arm.a, after: arm.c },
+        }
+    }
+
+    /// grad . y
+    #[inline(always)]
+    fn along(&self, y: &Triple<P>) -> P {
+        let g = self.gradient();
+        v3::dot(g.before, y.before) + v3::dot(g.after, y.after)
+    }
+
+    /// Adjoint of the gradient: what it makes of the positions of the nodes before and after.
+    #[inline(always)]
+    fn back(&self, bar: &Triple<P>) -> Triple<P> {
+        match self {
+            Self::Turn(turn) => turn.back(bar),
+            Self::Arm(arm) => arm.back(bar),
+        }
+    }
+}
+
 /// Turn that a rod counts as having at least at every node where its stiffness is estimated [rad].
 const TURN_RAD: f64 = std::f64::consts::FRAC_PI_3;
 
+/// Sine of the angle between a rod's last edge and its branch that counts where its stiffness is estimated, at most.
+const ARM_SINE: f64 = 0.5;
+
 /// Gradient of the twist by each node of a rod at `points` [rad/m] where it is stiff: every bend at least [`TURN_RAD`],
 /// in pairs to either side, since bends two nodes apart pull at the node between them with opposite signs. All across
-/// the line from end to end. (A straight rod resists nothing until it is bent.)
-pub(crate) fn turned_pattern(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
+/// the line from end to end. (A straight rod resists nothing until it is bent.) A branch at its end counts as
+/// standing [`ARM_SINE`] away from the line, unless it is even nearer to it.
+pub(crate) fn turned_pattern(points: &[[f64; 3]], has_arm: bool) -> Vec<[f64; 3]> {
     let mut pattern = vec![[0.0; 3]; points.len()];
     let least = 2.0 * (0.5 * TURN_RAD).tan();
     let normal = across(points);
@@ -201,7 +256,13 @@ pub(crate) fn turned_pattern(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let cosine = ((chord * chord - e * e - g * g) / (2.0 * e * g)).clamp(-1.0, 1.0);
         let turn = 2.0 * ((1.0 - cosine) / (1.0 + cosine).max(MIN_FOLD)).sqrt();
         let side = if j % 4 < 2 { 1.0 } else { -1.0 };
-        let [a, c] = [e, g].map(|l| side * turn.max(least) / (2.0 * l));
+        let [a, c] = if has_arm && j + 3 == points.len() {
+            let sine =
+                (1.0 - cosine * cosine).clamp(arm::MIN_SINE_SQUARED, ARM_SINE * ARM_SINE).sqrt();
+            [side * (1.0 - sine * sine).sqrt() / (sine * e), side / (sine * g)]
+        } else {
+            [e, g].map(|l| side * turn.max(least) / (2.0 * l))
+        };
         for d in 0..3 {
             pattern[j][d] += a * normal[d];
             pattern[j + 1][d] -= (a - c) * normal[d];
@@ -245,6 +306,12 @@ impl<P: Pack> Triple<P> {
         Self { before: mix(self.before, other.before), after: mix(self.after, other.after) }
     }
 
+    /// s self
+    #[inline(always)]
+    fn scaled(&self, s: P) -> Self {
+        Self { before: v3::scale(self.before, s), after: v3::scale(self.after, s) }
+    }
+
     /// What the node between them has of something that they have opposite shares of.
     #[inline(always)]
     fn rest(&self) -> Pack3<P> {
@@ -252,17 +319,18 @@ impl<P: Pack> Triple<P> {
     }
 }
 
-/// The turns of a block and the velocities there.
+/// The joints of a block and the velocities there.
 #[inline(always)]
 fn reach<T: Real, M: Machine<T>>(
     m: M,
     b: &RodBlock,
     nodes: &[Node<T>],
-) -> (Turn<M::Pack>, Triple<M::Pack>) {
+) -> (Joint<M::Pack>, Triple<M::Pack>) {
     let (x_before, v_before) = m.gather(nodes, &b.before);
     let (x, v) = m.gather(nodes, &b.at);
     let (x_after, v_after) = m.gather(nodes, &b.after);
-    (Turn::new(m, &Triple::of(x_before, x, x_after)), Triple::of(v_before, v, v_after))
+    let joint = Joint::new(m, b.is_arm, &Triple::of(x_before, x, x_after));
+    (joint, Triple::of(v_before, v, v_after))
 }
 
 /// The sum of a pack's lanes, always in the same order.
@@ -285,16 +353,15 @@ pub(crate) fn rod_forces<T: Real, M: Machine<T>>(
         let blocks = &rods.blocks[rod.blocks()];
         let mut sum = m.splat(T::ZERO);
         for b in blocks {
-            let (turn, v) = reach(m, b, nodes);
-            sum = sum + turn.along(&v);
+            let (joint, v) = reach(m, b, nodes);
+            sum = sum + joint.along(&v);
         }
         let rate = total(m, sum);
         *twist += rate * dt;
         let torque = rod.stiffness * (*twist - rod.rest_twist) + rod.damping * rate;
         let push = m.splat(-torque);
         for b in blocks {
-            let (turn, _) = reach(m, b, nodes);
-            let force = Triple { before: v3::scale(turn.a, push), after: v3::scale(turn.c, push) };
+            let force = reach(m, b, nodes).0.gradient().scaled(push);
             m.scatter_add(forces, &b.before, force.before);
             m.scatter_add(forces, &b.at, force.rest());
             m.scatter_add(forces, &b.after, force.after);
@@ -331,8 +398,8 @@ pub(crate) fn rod_adjoint<T: Real, M: Machine<T>>(
         };
         let mut sums = [m.splat(T::ZERO); 2];
         for b in blocks {
-            let (turn, v) = reach(m, b, nodes);
-            sums = [sums[0] + turn.along(&v), sums[1] + turn.along(&pull_of(b))];
+            let (joint, v) = reach(m, b, nodes);
+            sums = [sums[0] + joint.along(&v), sums[1] + joint.along(&pull_of(b))];
         }
         let [rate, pull] = sums.map(|sum| total(m, sum));
         let deviation = before + rate * dt - rod.rest_twist;
@@ -344,10 +411,9 @@ pub(crate) fn rod_adjoint<T: Real, M: Machine<T>>(
         let rate_bar = dt * *twist_bar - rod.damping * pull;
         let (rate_bar, push) = (m.splat(rate_bar), m.splat(-torque));
         for b in blocks {
-            let (turn, v) = reach(m, b, nodes);
-            let x = turn.back(&v.mix(rate_bar, push, &pull_of(b)));
-            let v =
-                Triple { before: v3::scale(turn.a, rate_bar), after: v3::scale(turn.c, rate_bar) };
+            let (joint, v) = reach(m, b, nodes);
+            let x = joint.back(&v.mix(rate_bar, push, &pull_of(b)));
+            let v = joint.gradient().scaled(rate_bar);
             m.scatter_add_nodes(adjoint, &b.before, x.before, v.before);
             m.scatter_add_nodes(adjoint, &b.at, x.rest(), v.rest());
             m.scatter_add_nodes(adjoint, &b.after, x.after, v.after);

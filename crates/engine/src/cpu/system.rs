@@ -200,5 +200,8 @@ fn triplets<T: Real>(graph: &Graph, order: &Strips, p: &Parameters<T>) -> Triple
 }
 
 fn rods<T: Real>(graph: &Graph, p: &Parameters<T>) -> Rods<T> {
-    Rods::new(&graph.rods, |r| [p.twist_stiffness[r], p.twist_damping[r], p.rest_twists_rad[r]])
+    let has_arm = |rod: &[u32]| graph.has_arm(rod);
+    Rods::new(&graph.rods, has_arm, |r| {
+        [p.twist_stiffness[r], p.twist_damping[r], p.rest_twists_rad[r]]
+    })
 }

@@ -10,8 +10,8 @@ type V = Quad<f64>;
 /// A rod of eleven nodes, which fills a block and begins another.
 const NODES: usize = 11;
 
-fn rod(parameters: [f64; 3]) -> Rods<f64> {
-    Rods::new(&[(0..NODES as u32).collect()], |_| parameters)
+fn rod(parameters: [f64; 3], has_arm: bool) -> Rods<f64> {
+    Rods::new(&[(0..NODES as u32).collect()], |_| has_arm, |_| parameters)
 }
 
 /// A bent and twisting curve with edges of different lengths, moving.
@@ -39,8 +39,8 @@ fn step(rods: &Rods<f64>, dt: f64, nodes: &[Node<f64>], twist: f64) -> (Vec<V>, 
 }
 
 /// Rate at which a rod's twist changes.
-fn rate(nodes: &[Node<f64>]) -> f64 {
-    step(&rod([0.0; 3]), 1.0, nodes, 0.0).1
+fn rate(nodes: &[Node<f64>], has_arm: bool) -> f64 {
+    step(&rod([0.0; 3], has_arm), 1.0, nodes, 0.0).1
 }
 
 fn cross(a: V, b: V) -> V {
@@ -88,14 +88,47 @@ fn twist_is_the_angle_between_the_ways_of_parallel_transport() {
         dot(cross(held, natural), then[NODES - 2]).atan2(dot(held, natural))
     };
     let expected = (angle(h) - angle(-h)) / (2.0 * h);
-    let got = rate(&start);
+    let got = rate(&start, false);
     assert!(expected.abs() > 0.1 && (got - expected).abs() < 1e-8, "{got} {expected}");
+}
+
+/// With an arm it is how fast the first clamp's frame, carried in time and then along the rod up to the junction, turns
+/// against the arm about the edge between them.
+#[test]
+fn an_arm_holds_the_frame_where_it_begins() {
+    let (start, h) = (nodes(), 1e-5);
+    let first = directions(&start)[0];
+    let any = cross(first, [0.0, 0.0, 1.0, 0.0]);
+    let frame = scale(any, dot(any, any).sqrt().recip());
+    let angle = |by: f64| {
+        let moved: Vec<Node<f64>> =
+            start.iter().map(|n| Node { x: add_scaled(n.x, by, n.v), v: n.v }).collect();
+        let then = directions(&moved);
+        let (along, arm) = then.split_at(NODES - 2);
+        let mut natural = transport(frame, first, along[0]);
+        for pair in along.windows(2) {
+            natural = transport(natural, pair[0], pair[1]);
+        }
+        let axis = along[NODES - 3];
+        let held = add_scaled(arm[0], -dot(arm[0], axis), axis);
+        dot(cross(held, natural), axis).atan2(dot(held, natural))
+    };
+    let expected = (angle(h) - angle(-h)) / (2.0 * h);
+    let got = rate(&start, true);
+    assert!(expected.abs() > 0.1 && (got - expected).abs() < 1e-7, "{got} {expected}");
 }
 
 #[test]
 fn forces_push_against_the_twist_and_damping_takes_power() {
+    for has_arm in [false, true] {
+        forces_push_against_the_twist(has_arm);
+    }
+}
+
+fn forces_push_against_the_twist(has_arm: bool) {
     let nodes = nodes();
-    let rate = rate(&nodes);
+    let rate = rate(&nodes, has_arm);
+    let rod = |parameters| rod(parameters, has_arm);
     let power = |rods: &Rods<f64>, twist: f64| -> f64 {
         let (forces, _) = step(rods, 0.0, &nodes, twist);
         forces.iter().zip(&nodes).map(|(f, n)| dot(*f, n.v)).sum()
@@ -110,6 +143,13 @@ fn forces_push_against_the_twist_and_damping_takes_power() {
 
 #[test]
 fn the_adjoint_is_the_derivative() {
+    for has_arm in [false, true] {
+        adjoint_is_derivative(has_arm);
+    }
+}
+
+fn adjoint_is_derivative(has_arm: bool) {
+    let rod = |parameters| rod(parameters, has_arm);
     let (nodes, lambda, dt, twist, weight) = (nodes(), lambda(), 0.13, 0.4, 0.6);
     let parameters = [0.7, 0.1, -0.5];
     let value = |parameters: [f64; 3], nodes: &[Node<f64>], twist: f64| -> f64 {
@@ -150,7 +190,7 @@ fn the_adjoint_is_the_derivative() {
     let got = [g.stiffness, g.damping, g.rest_twist, twist_bar[0]];
     for (i, got) in got.into_iter().enumerate() {
         let expected = by(std::array::from_fn(|k| f64::from(u8::from(k == i))));
-        assert!((got - expected).abs() < 1e-8, "variable {i}: {got} {expected}");
+        assert!((got - expected).abs() < 1e-8, "arm {has_arm}, variable {i}: {got} {expected}");
     }
 }
 
@@ -158,9 +198,10 @@ fn the_adjoint_is_the_derivative() {
 #[test]
 fn degenerate_rods_do_nothing() {
     let still = |x: f64| Node { x: [x, 0.0, 0.0, 0.0], v: [0.1, 0.2, 0.3, 0.0] };
-    for line in [[0.0, 1.0, 1.0, 2.0], [0.0, 1.0, 0.0, 1.0], [0.0; 4], [0.0, 1.0, 2.0, 3.0]] {
+    let lines = [[0.0, 1.0, 1.0, 2.0], [0.0, 1.0, 0.0, 1.0], [0.0; 4], [0.0, 1.0, 2.0, 3.0]];
+    for (line, has_arm) in lines.into_iter().flat_map(|line| [(line, false), (line, true)]) {
         let nodes: Vec<Node<f64>> = line.into_iter().map(still).collect();
-        let rods = Rods::new(&[vec![0, 1, 2, 3]], |_| [1.0, 1.0, 3.0]);
+        let rods = Rods::new(&[vec![0, 1, 2, 3]], |_| has_arm, |_| [1.0, 1.0, 3.0]);
         let (forces, twist) = step(&rods, 0.1, &nodes, 0.5);
         assert_eq!(forces.iter().flatten().fold(0.0_f64, |m, f| m.max(f.abs())), 0.0, "{line:?}");
         assert_eq!(twist, 0.5);
