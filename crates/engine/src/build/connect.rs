@@ -78,7 +78,7 @@ pub fn connect_with_notes(sample: &NodeSample, connectivity: &Connectivity) -> (
     let mut graph = Graph {
         rest_positions: sample.positions.clone(),
         kinds: sample.kinds.clone(),
-        masses: vec![1.0; sample.node_count()],
+        masses: masses(sample),
         object_ids: sample.object_ids.clone(),
         observed_points: sample.observed_points.clone(),
         control_rest: sample.control_rest.clone(),
@@ -97,6 +97,27 @@ pub fn connect_with_notes(sample: &NodeSample, connectivity: &Connectivity) -> (
         graph.springs.extend(held);
     }
     (graph, notes)
+}
+
+/// Masses of the nodes. Of a cable each stands for half of the edges that end in it, and those that are free weigh one on
+/// average; anything else is sampled evenly.
+fn masses(sample: &NodeSample) -> Vec<f32> {
+    let n = sample.node_count();
+    let Some(edges) = &sample.edges else { return vec![1.0; n] };
+    let points = sample.undeformed();
+    let mut lengths = vec![0.0; n];
+    for ends in edges.iter().map(|edge| edge.map(|e| e as usize)) {
+        let [a, b] = ends.map(|e| points[e]);
+        let square: f64 = a.iter().zip(b).map(|(x, y)| f64::from(x - y).powi(2)).sum();
+        ends.iter().for_each(|&e| lengths[e] += 0.5 * square.sqrt());
+    }
+    let mut is_free = vec![true; n];
+    sample.pins.iter().for_each(|p| is_free[p.node as usize] = false);
+    let free = || lengths.iter().zip(&is_free).filter(|(_, free)| **free).map(|(length, _)| length);
+    let mean = free().sum::<f64>() / free().count() as f64;
+    // A node without edges still has a mass.
+    let mass = |&l: &f64| if l > 0.0 && mean > 0.0 { (l / mean) as f32 } else { 1.0 };
+    lengths.iter().map(mass).collect()
 }
 
 fn tidy(springs: &mut Vec<[u32; 2]>) {

@@ -336,3 +336,56 @@ fn wrong_captures_are_refused() {
         assert_eq!(error.reason(), reason, "case {i}: {error}");
     }
 }
+
+/// A cable of nodes 10 cm apart along x, with branches: (first point of the trunk, points above it).
+fn branched(trunk: usize, branches: &[(usize, usize)], pins: &[u32]) -> NodeSample {
+    let mut positions: Vec<Point> = (0..trunk).map(|i| [0.1 * i as f32, 0.0, 0.0]).collect();
+    let mut edges: Vec<[u32; 2]> = (1..trunk as u32).map(|i| [i - 1, i]).collect();
+    for &(from, count) in branches {
+        for k in 0..count {
+            let last = if k == 0 { from } else { positions.len() - 1 };
+            edges.push([last as u32, positions.len() as u32]);
+            positions.push([0.1 * from as f32, 0.0, 0.1 * (k + 1) as f32]);
+        }
+    }
+    let n = positions.len();
+    NodeSample {
+        kinds: vec![NodeKind::Observed; n],
+        observed_points: (0..n as u32).collect(),
+        object_ids: vec![0; n],
+        control_rest: vec![[0.0; 3]],
+        pins: pins.iter().map(|&node| Pin { node, control: 0, offset_m: [0.0; 3] }).collect(),
+        edges: Some(edges),
+        rest_shape: None,
+        spacing_scale: 1.0,
+        left_out: LeftOut::default(),
+        positions,
+    }
+}
+
+#[test]
+fn rods_end_where_the_first_branch_holds_the_frame() {
+    // As DEFT's first cable: clamps at both ends, branches at 4 and 8.
+    let cable = branched(13, &[(4, 4), (8, 3)], &[0, 1, 11, 12]);
+    assert_eq!(rods::find(&cable), vec![vec![0, 1, 2, 3, 4, 13], vec![12, 11, 10, 9, 8, 17]]);
+    // A branch with a clamp at its end holds nothing by itself: three rods between three clamps.
+    let clamped = branched(7, &[(3, 3)], &[0, 1, 5, 6, 8, 9]);
+    assert_eq!(rods::find(&clamped).len(), 3);
+    // One clamp, and a fork: the arm is the branch that stands off the more.
+    let fork = branched(6, &[(3, 2)], &[0, 1]);
+    assert_eq!(rods::find(&fork), vec![vec![0, 1, 2, 3, 6]]);
+    let chain = branched(6, &[], &[0, 1, 4, 5]);
+    assert_eq!(rods::find(&chain), vec![vec![0, 1, 2, 3, 4, 5]]);
+}
+
+#[test]
+fn nodes_of_a_cable_weigh_what_they_stand_for() {
+    let mut cable = branched(4, &[(1, 1)], &[]);
+    cable.positions[3][0] += 0.1;
+    let graph = connect(&cable, &Connectivity::from_settings(&GraphSettings::default(), true));
+    let total: f32 = graph.masses.iter().sum();
+    assert!((total - 5.0).abs() < 1e-5, "one a node on average");
+    for (mass, halves) in graph.masses.iter().zip([1.0, 3.0, 3.0, 2.0, 1.0]) {
+        assert!((mass - halves / 2.0).abs() < 1e-5, "{:?}", graph.masses);
+    }
+}
