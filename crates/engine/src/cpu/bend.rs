@@ -314,7 +314,8 @@ pub(crate) fn bend_adjoint<T: Real, M: Machine<T>>(
             let rho = rho.only_if(t.regular);
             grad.stiffness = m.store(rho.neg_mul_add(t.deviation, m.load(&grad.stiffness) + s_k));
             grad.damping = m.store(rho.neg_mul_add(rate, m.load(&grad.damping)));
-            let by_rest = rest_slope(m, &t, stiffness, damping * rate + kappa, m.load(&b.rest_bend));
+            let by_rest =
+                rest_slope(m, &t, stiffness, damping * rate + kappa, m.load(&b.rest_bend));
             grad.rest = m.store(rho.mul_add(by_rest, m.load(&grad.rest)));
             x_sum = v3::sub(x_sum, v3::add(x_bar.0, x_bar.1));
             v_sum = v3::sub(v_sum, v3::add(v_u, v_w));
