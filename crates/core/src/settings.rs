@@ -161,6 +161,9 @@ pub struct RefineSettings {
     pub beta1: f64,
     /// Decay of the second moment.
     pub beta2: f64,
+    /// How strongly parameters are drawn back to what the search found, which is one material for the whole object; 0 is
+    /// not at all.
+    pub prior: f64,
     /// When steps are taken, and how far gradients reach back in time for them.
     pub window: GradientWindow,
     /// Frames that gradients reach back at most within a window (0: as far as the window goes); a fit that makes
@@ -239,6 +242,7 @@ impl Default for RefineSettings {
             learning_rate: 2e-2,
             beta1: 0.9,
             beta2: 0.99,
+            prior: 0.2,
             window: GradientWindow::Pass,
             reach: 0,
             batch: 8,
@@ -319,6 +323,7 @@ impl FitSettings {
         within("refine.learning_rate", r.learning_rate, 1e-9, 1.0);
         within("refine.beta1", r.beta1, 0.0, 0.999_999);
         within("refine.beta2", r.beta2, 0.0, 0.999_999_9);
+        within("refine.prior", r.prior, 0.0, 1e3);
         within("refine.reach", f64::from(r.reach), 0.0, 1_000_000.0);
         if r.window == GradientWindow::Frames(0) {
             faults.push("refine.window.frames is 0: a window has at least one frame".to_owned());

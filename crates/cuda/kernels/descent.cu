@@ -45,10 +45,10 @@ extern "C" __global__ void weigh_gradients(
     if (!isfinite(sum)) *finite = 0;
 }
 
-// One step of Adam down that sum; parameters follow.
+// One step of Adam down that sum, and back to the start by a share of the way; parameters follow.
 extern "C" __global__ void step_adam(
     double* theta, double* first, double* second, const double* sums, const double* rates,
-    const double2* bounds, double rate, double beta1, double beta2, double unbias1, double unbias2,
+    const double2* bounds, const double* start, double back, double rate, double beta1, double beta2, double unbias1, double unbias2,
     double epsilon, float* params, const u32* indices, u32 count, u32 angles, u32 angles_end
 ) {
     u32 i = blockIdx.x * THREADS + threadIdx.x;
@@ -57,7 +57,8 @@ extern "C" __global__ void step_adam(
     double m = first[i] = beta1 * first[i] + (1.0 - beta1) * g;
     double v = second[i] = beta2 * second[i] + (1.0 - beta2) * g * g;
     double step = rates[i] * rate * (m / unbias1) / (sqrt(v / unbias2) + epsilon);
-    double x = fmin(fmax(theta[i] - step, bounds[i].x), bounds[i].y);
+    double x = theta[i] - step - back * (theta[i] - start[i]);
+    x = fmin(fmax(x, bounds[i].x), bounds[i].y);
     theta[i] = x;
     u32 index = indices[i], at = index & ~LOGARITHM;
     float value = (float)(index & LOGARITHM ? exp(x) : x);

@@ -43,6 +43,7 @@ struct Walk {
     indices: Buffer<u32>,
     rates: Buffer<f64>,
     bounds: Buffer<[f64; 2]>,
+    start: Buffer<f64>,
     theta: Buffer<f64>,
     first: Buffer<f64>,
     second: Buffer<f64>,
@@ -210,6 +211,7 @@ impl Walk {
             indices: Buffer::of(stream, &indices(&chart, &model))?,
             rates: Buffer::of(stream, &rates)?,
             bounds: Buffer::of(stream, chart.bounds())?,
+            start: Buffer::of(stream, &chart.start())?,
             theta: Buffer::of(stream, &position.theta)?,
             first: Buffer::of(stream, &position.adam.first)?,
             second: Buffer::of(stream, &position.adam.second)?,
@@ -304,6 +306,8 @@ impl Walk {
             .with(sums.address())
             .with(self.rates.address())
             .with(self.bounds.address())
+            .with(self.start.address())
+            .with((decay.home * rate).clamp(0.0, 1.0))
             .with(rate)
             .with(decay.beta1)
             .with(decay.beta2)

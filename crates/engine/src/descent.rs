@@ -11,7 +11,7 @@ use bendtwin_core::Timing;
 use serde::{Deserialize, Serialize};
 
 pub use self::{
-    adam::{Adam, Decay, EPSILON},
+    adam::{Adam, Decay, EPSILON, Ground},
     chart::{Chart, Scale, Section},
     host::HostDescent,
     parameter::Parameter,

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use bendtwin_core::{Params, params::MAX_SPRING_STIFFNESS};
+use bendtwin_core::{Params, params::MAX_SPRING_STIFFNESS, settings::Substeps};
 use bendtwin_engine::descent::{Chart, Parameter, Scale};
 
 use crate::task::Task;
@@ -41,8 +41,9 @@ pub(crate) fn chart(task: &Task<'_>, base: Params) -> Chart {
     if task.has_contact() {
         parameters.extend([Parameter::ObjectRestitution, Parameter::ObjectFriction]);
     }
+    let per_second = f64::from(max_substeps(task)) * task.capture.fps;
     parameters.into_iter().fold(Chart::new(base), |chart, parameter| {
-        let bounds = |start| bounds(parameter, start, task.spacing_m);
+        let bounds = |start| bounds(parameter, start, task.spacing_m, per_second);
         chart.with(parameter, scale(parameter), rate(parameter), bounds)
     })
 }
@@ -76,16 +77,30 @@ fn rate(parameter: Parameter) -> f64 {
     }
 }
 
-/// Where a coordinate that starts at `start` may go.
-fn bounds(parameter: Parameter, start: f64, spacing_m: f64) -> [f64; 2] {
+/// The most substeps that a frame may take.
+fn max_substeps(task: &Task<'_>) -> u32 {
+    match task.settings.substeps {
+        Substeps::Auto { max, .. } => max,
+        Substeps::Fixed(n) => n,
+    }
+}
+
+/// Where a coordinate that starts at `start` may go, when a second is divided into so many substeps.
+fn bounds(parameter: Parameter, start: f64, spacing_m: f64, per_second: f64) -> [f64; 2] {
     let square = spacing_m * spacing_m;
     let logs = |low: f64, high: f64| [low.ln(), high.ln()];
     match parameter {
         Parameter::SpringStiffness => logs(1.0, f64::from(MAX_SPRING_STIFFNESS)),
         Parameter::SpringDashpot => logs(1e-3, 1e3),
         Parameter::RestLength => [start - REST_LENGTH_SPAN, start + REST_LENGTH_SPAN],
-        Parameter::BendStiffness => logs(1e-3 * square, 1e6 * square),
-        Parameter::BendDamping => logs(1e-4 * square, 1e4 * square),
+        // As for damping: stable up to a frequency of two per substep.
+        Parameter::BendStiffness => {
+            let stiffest = (per_second * per_second / 36.0).min(1e6);
+            logs(1e-3 * square, stiffest * square)
+        }
+        // Explicit damping is stable up to a rate of two per substep; a node takes part in a dozen triplets, which
+        // act on it by up to six times their damping over a square arm.
+        Parameter::BendDamping => logs(1e-4 * square, per_second / 36.0 * square),
         Parameter::RestAngle => {
             [(start - REST_ANGLE_SPAN).max(0.0), (start + REST_ANGLE_SPAN).min(PI)]
         }

@@ -43,7 +43,7 @@ impl<'a> Refinement<'a> {
     ) -> Result<Self, Error> {
         let (walks, starts): (Vec<_>, Vec<_>) = walks.into_iter().unzip();
         let refine = &task.settings.refine;
-        let decay = Decay { beta1: refine.beta1, beta2: refine.beta2 };
+        let decay = Decay { beta1: refine.beta1, beta2: refine.beta2, home: refine.prior };
         let descent = backend.descent(starts, decay)?;
         Ok(Self { walks, descent, windows: Windows::default(), task, backend, cancel })
     }

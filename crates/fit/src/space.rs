@@ -148,8 +148,11 @@ impl Space {
             // A triplet with arms of length l and stiffness k l² resists a sideways
             // displacement as a spring of stiffness k [N/m] would.
             let square = task.spacing_m * task.spacing_m;
-            axes.push(Axis::log(BendStiffness, 0.1 * square, 1e5 * square, 100.0 * square));
-            axes.push(Axis::log(BendDamping, 1e-2 * square, 1e3 * square, square));
+            // A cable is its bending; a body is held by its springs, and the search begins near them alone.
+            let share = if task.sample.edges.is_some() { 1.0 } else { 0.01 };
+            let (stiffness, damping) = (100.0 * share * square, share * square);
+            axes.push(Axis::log(BendStiffness, 0.1 * square, 1e5 * square, stiffness));
+            axes.push(Axis::log(BendDamping, 1e-2 * square, 1e3 * square, damping));
             if task.sample.edges.is_some() && task.sample.rest_shape.is_some() {
                 // An angle does not know its direction: a cable that twists bends back
                 // towards its rest angle on the wrong side. Often a part of it fits best.

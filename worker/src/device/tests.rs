@@ -203,7 +203,7 @@ fn a_descent_measures_in_slices_and_keeps_the_order_of_its_gradients() {
     let start = Start { loaded: instances[0].model.clone(), chart, position };
     let probe = |instance: &Instance| Probe { walk: 0, instance: instance.clone() };
     let probes: Vec<Probe> = instances.iter().map(probe).collect();
-    let decay = Decay { beta1: 0.9, beta2: 0.99 };
+    let decay = Decay { beta1: 0.9, beta2: 0.99, home: 0.7 };
     // A gradient in the wrong place would change the moments.
     let weights: Vec<f64> = frames.iter().enumerate().map(|(i, f)| i as f64 / *f as f64).collect();
     let walk = |backend: &dyn Backend| {
@@ -228,7 +228,7 @@ fn a_descent_is_dropped_on_the_device_thread() {
     let loaded = instances(&lane, [1])[0].model.clone();
     let chart = Chart::new(Params::default());
     let start = Start { loaded, chart, position: Position::default() };
-    let descent = lane.descent(vec![start], Decay { beta1: 0.9, beta2: 0.99 }).unwrap();
+    let descent = lane.descent(vec![start], Decay { beta1: 0.9, beta2: 0.99, home: 0.7 }).unwrap();
     drop(descent);
     // Jobs of one priority run in order, so by now it is gone, and the device still works.
     assert_eq!(lane.losses(&instances(&lane, [5]), &CancelToken::default()).unwrap()[0].total, 5.0);

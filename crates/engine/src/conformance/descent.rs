@@ -282,7 +282,7 @@ pub(super) fn overflowing_gradients_say_so(backend: &dyn Backend) -> Outcome {
         let chart = chart.with(Parameter::SpringStiffness, Scale::Logarithmic, 1.0, |x| [x, x]);
         let position = Position::at_rest(chart.start());
         let probe = Probe { walk: 0, instance: scene.instance(loaded.clone()) };
-        let decay = crate::descent::Decay { beta1: 0.9, beta2: 0.99 };
+        let decay = crate::descent::Decay { beta1: 0.9, beta2: 0.99, home: 0.7 };
         let mut descent = backend
             .descent(vec![Start { loaded, chart, position }], decay)
             .map_err(|e| format!("descent: {e}"))?;

@@ -5,13 +5,17 @@ use serde::{Deserialize, Serialize};
 /// Keeps the step finite where a gradient is zero.
 pub const EPSILON: f64 = 1e-12;
 
-/// Decay of the moments.
+/// Decay of the moments, and of the way from the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay {
     /// Of the first moment, 0..1.
     pub beta1: f64,
     /// Of the second moment, 0..1.
     pub beta2: f64,
+    /// Share of its way from the start that a coordinate takes back in a step, per unit of learning rate (Loshchilov and
+    /// Hutter, arXiv 1711.05101, around the start instead of zero); 0 for none. Gradients whose mean is a share s
+    /// of their size hold a coordinate `s / home` times its relative rate away.
+    pub home: f64,
 }
 
 /// The moments. They want the range of f64: squares of small gradients are nothing in f32, and
@@ -26,6 +30,17 @@ pub struct Adam {
     pub second: Vec<f64>,
 }
 
+/// Where the steps are taken; all of one length.
+#[derive(Clone, Copy, Debug)]
+pub struct Ground<'a> {
+    /// Each coordinate's step relative to the learning rate.
+    pub rates: &'a [f64],
+    /// Least and greatest of each coordinate.
+    pub bounds: &'a [[f64; 2]],
+    /// Where the walk began.
+    pub start: &'a [f64],
+}
+
 impl Adam {
     /// No moments yet for so many coordinates.
     pub fn new(coordinates: usize) -> Self {
@@ -38,27 +53,29 @@ impl Adam {
         [1.0 - decay.beta1.powi(t), 1.0 - decay.beta2.powi(t)]
     }
 
-    /// Moves `theta` down the gradient: coordinate `i` by at most about `rates[i]`, within `bounds[i]`.
-    /// Gradients must be finite. All slices have the length of [`Adam::new`].
+    /// Moves `theta` down the gradient: coordinate `i` by at most about `rate` times `rates[i]`, within `bounds[i]`, and
+    /// towards `start`. Gradients must be finite. All slices have the length of [`Adam::new`].
     pub fn step(
         &mut self,
         theta: &mut [f64],
         gradient: &[f64],
-        rates: &[f64],
-        bounds: &[[f64; 2]],
+        rate: f64,
+        ground: Ground<'_>,
         decay: Decay,
     ) {
         self.steps += 1;
         let [unbias_first, unbias_second] = Self::unbias(self.steps, decay);
         let moments = self.first.iter_mut().zip(&mut self.second);
-        let constants = gradient.iter().zip(rates).zip(bounds);
-        for ((x, (m, v)), ((&g, &rate), &[low, high])) in
+        let Ground { rates, bounds, start } = ground;
+        let constants = gradient.iter().zip(rates).zip(bounds.iter().zip(start));
+        let back = (decay.home * rate).clamp(0.0, 1.0);
+        for ((x, (m, v)), ((&g, &relative), (&[low, high], &start))) in
             theta.iter_mut().zip(moments).zip(constants)
         {
             *m = decay.beta1 * *m + (1.0 - decay.beta1) * g;
             *v = decay.beta2 * *v + (1.0 - decay.beta2) * g * g;
-            let step = rate * (*m / unbias_first) / ((*v / unbias_second).sqrt() + EPSILON);
-            *x = (*x - step).clamp(low, high);
+            let step = (*m / unbias_first) / ((*v / unbias_second).sqrt() + EPSILON);
+            *x = (*x - rate * relative * step - back * (*x - start)).clamp(low, high);
         }
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bendtwin_core::Timing;
 
-use super::{Chart, Decay, Descent, Position, Probe, Slope, Start};
+use super::{Chart, Decay, Descent, Ground, Position, Probe, Slope, Start};
 use crate::{
     Model,
     backend::{Backend, CancelToken, Error, GradientRequest, Instance, Loaded},
@@ -104,9 +104,10 @@ impl Descent for HostDescent {
         if !rate.is_finite() || sum.iter().any(|g| !g.is_finite()) {
             return Err(Error::InvalidInput("rate and weighted gradient must be finite".into()));
         }
-        let rates: Vec<f64> = walk.rates.iter().map(|r| r * rate).collect();
+        let start = walk.chart.start();
+        let ground = Ground { rates: &walk.rates, bounds: walk.chart.bounds(), start: &start };
         let mut next = walk.position.clone();
-        next.adam.step(&mut next.theta, &sum, &rates, walk.chart.bounds(), decay);
+        next.adam.step(&mut next.theta, &sum, rate, ground, decay);
         walk.loaded = backend.with_params(&walk.loaded, walk.chart.params(&next.theta))?;
         walk.position = next;
         walk.waiting.clear();

@@ -1,6 +1,6 @@
 use bendtwin_capture::{MakeOptions, Scene, make};
 use bendtwin_core::FitSettings;
-use bendtwin_engine::descent::{Adam, Decay};
+use bendtwin_engine::descent::{Adam, Decay, Ground};
 
 use super::*;
 
@@ -43,11 +43,12 @@ fn steps_end_at_the_bounds() {
         let chart = chart(task, base());
         let mut theta = chart.start();
         let mut adam = Adam::new(chart.len());
-        let decay = Decay { beta1: 0.0, beta2: 0.0 };
+        let decay = Decay { beta1: 0.0, beta2: 0.0, home: 0.0 };
         let uphill = vec![-1.0; theta.len()];
-        let rates: Vec<f64> = chart.rates().collect();
+        let (rates, start): (Vec<f64>, _) = (chart.rates().collect(), chart.start());
         for _ in 0..100 {
-            adam.step(&mut theta, &uphill, &rates, chart.bounds(), decay);
+            let ground = Ground { rates: &rates, bounds: chart.bounds(), start: &start };
+            adam.step(&mut theta, &uphill, 1.0, ground, decay);
         }
         let p = chart.params(&theta);
         assert!(p.spring_stiffness.iter().all(|&k| (k - MAX_SPRING_STIFFNESS).abs() < 1.0));

@@ -9,7 +9,7 @@ use crate::{
         random::{RandomOptions, random_model, random_motion, random_objective},
         scene::Scene,
     },
-    descent::{Chart, Decay, Descent, Parameter, Position, Probe, Scale, Start},
+    descent::{Chart, Decay, Descent, Ground, Parameter, Position, Probe, Scale, Start},
 };
 
 pub(super) const REQUEST: GradientRequest =
@@ -49,7 +49,7 @@ impl Walkers {
             Ok(Start { loaded, chart, position })
         };
         let starts = scenes.iter().map(start).collect::<Result<_, String>>()?;
-        Ok(Self { starts, decay: Decay { beta1: 0.9, beta2: 0.99 }, scenes })
+        Ok(Self { starts, decay: Decay { beta1: 0.9, beta2: 0.99, home: 0.7 }, scenes })
     }
 
     pub(super) fn descent(&self, backend: &dyn Backend) -> Result<Box<dyn Descent>, String> {
@@ -119,9 +119,10 @@ pub(super) fn by_hand(
                 let own = chart.gradient(&loaded.model().params, &g.params);
                 sum.iter_mut().zip(own).for_each(|(s, g)| *s += weight * g);
             }
-            let rates: Vec<f64> = chart.rates().map(|r| r * rate).collect();
+            let (rates, start): (Vec<f64>, _) = (chart.rates().collect(), chart.start());
+            let ground = Ground { rates: &rates, bounds: chart.bounds(), start: &start };
             let Position { theta, adam } = &mut position;
-            adam.step(theta, &sum, &rates, chart.bounds(), walkers.decay);
+            adam.step(theta, &sum, *rate, ground, walkers.decay);
             let moved = backend.with_params(&loaded, chart.params(theta));
             loaded = moved.map_err(|e| format!("with_params: {e}"))?;
         }
