@@ -239,7 +239,7 @@ impl Default for RefineSettings {
     fn default() -> Self {
         Self {
             passes: 40,
-            learning_rate: 2e-2,
+            learning_rate: 5e-2,
             beta1: 0.9,
             beta2: 0.99,
             prior: 0.2,
@@ -276,6 +276,7 @@ impl FitSettings {
                 passes: 200,
                 learning_rate: 1e-3,
                 window: GradientWindow::Frame,
+                prior: 0.0,
                 rest_shape: false,
                 ..RefineSettings::default()
             },
