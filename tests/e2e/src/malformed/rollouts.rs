@@ -138,7 +138,8 @@ fn poses(controls: usize) -> Vec<(&'static str, GripperPoses)> {
 fn states(nodes: usize) -> Vec<(&'static str, State)> {
     let points =
         |count: usize, value: f32| Some(Tensor::pack(&[count, 3], &vec![value; count * 3]));
-    let given = |positions, velocities| State::Given(GivenState { positions, velocities, twists: None });
+    let given =
+        |positions, velocities| State::Given(GivenState { positions, velocities, twists: None });
     let frame = |capture: &str, sequence, frame| {
         State::CaptureFrame(CaptureFrame { capture: capture.to_owned(), sequence, frame })
     };
