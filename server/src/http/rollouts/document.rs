@@ -95,8 +95,20 @@ enum Initial {
         sequence: u32,
         frame: u32,
     },
-    /// Given positions and velocities, [N, 3] or [B, N, 3], and twists of rods, [rods] or [B, rods].
-    Given { positions: JsonTensor, velocities: Option<JsonTensor>, twists: Option<JsonTensor> },
+    /// A state: `{"given": {"positions": ...}}`.
+    Given(Box<GivenDocument>),
+}
+
+/// Positions, and velocities and twists unless they are zero.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct GivenDocument {
+    /// [N, 3] or [B, N, 3], metres.
+    positions: JsonTensor,
+    /// Likewise, m/s.
+    velocities: Option<JsonTensor>,
+    /// Of rods, [rods] or [B, rods], rad.
+    twists: Option<JsonTensor>,
 }
 
 /// A weighted term of the cost; exactly one of target_cloud, keypoints, smoothness.
@@ -214,7 +226,8 @@ impl Initial {
                 let state = initial_state::CaptureFrame { capture, sequence, frame };
                 initial_state::State::CaptureFrame(state)
             }
-            Self::Given { positions, velocities, twists } => {
+            Self::Given(given) => {
+                let GivenDocument { positions, velocities, twists } = *given;
                 let floats = |t: JsonTensor, name| t.read(name, Dtype::Float32);
                 initial_state::State::Given(initial_state::GivenState {
                     positions: Some(floats(positions, "initial.given.positions")?),
