@@ -323,29 +323,14 @@ fn side_by_side<T: Sync, U: Send>(
 /// Puts initial states, which instances may share, to where each instance's first frame is.
 fn start(this: &Simulation<'_>) -> Result<(), Error> {
     let stream = &this.queue.stream;
-    // Where a state is, and where its twists are.
-    let mut places: HashMap<*const State, (usize, usize)> = HashMap::new();
-    let mut planes: Vec<f32> = Vec::new();
-    for instance in this.instances {
-        places.entry(Arc::as_ptr(&instance.initial)).or_insert_with(|| {
-            let at = planes.len();
-            let State { positions, velocities, twists } = &*instance.initial;
-            for points in [positions, velocities] {
-                (0..3).for_each(|k| planes.extend(points.iter().map(|p| p[k])));
-            }
-            let twists_at = planes.len();
-            let rods = instance.model.model().graph.rods.len();
-            planes.extend((0..rods).map(|r| twists.get(r).copied().unwrap_or(0.0)));
-            (at, twists_at)
-        });
-    }
+    let each = this.instances.iter().map(|i| (&*i.initial, i.model.model().graph.rods.len()));
+    let (planes, places) = initial_planes(each);
     let initial = Buffer::of(stream, &planes)?;
     let mut starts = Vec::with_capacity(this.instances.len());
-    for (i, instance) in this.instances.iter().enumerate() {
+    for ((i, instance), &(at, twists_at)) in this.instances.iter().enumerate().zip(&places) {
         let model = instance.model.model();
         let moves = model.control_velocity == ControlVelocity::True && instance.frames > 0;
         let (pin_of, pins) = resident(&instance.model)?.graph.pins();
-        let (at, twists_at) = places[&Arc::as_ptr(&instance.initial)];
         starts.push(Start {
             initial: initial.at(at),
             initial_twists: initial.at(twists_at),
@@ -372,6 +357,29 @@ fn start(this: &Simulation<'_>) -> Result<(), Error> {
         unsafe { this.queue.launch(Source::Start, "start", grid, &arguments)? };
     }
     Ok(())
+}
+
+/// States as planes, each state followed by its twists, and where both of each instance's begin. Instances may share a
+/// state though their models have different numbers of rods: it is there once for each number.
+fn initial_planes<'a>(
+    initial: impl Iterator<Item = (&'a State, usize)>,
+) -> (Vec<f32>, Vec<(usize, usize)>) {
+    let mut known: HashMap<(*const State, usize), (usize, usize)> = HashMap::new();
+    let mut planes: Vec<f32> = Vec::new();
+    let mut place = |(state, rods): (&'a State, usize)| {
+        *known.entry((std::ptr::from_ref(state), rods)).or_insert_with(|| {
+            let at = planes.len();
+            let State { positions, velocities, twists } = state;
+            for points in [positions, velocities] {
+                (0..3).for_each(|k| planes.extend(points.iter().map(|p| p[k])));
+            }
+            let twists_at = planes.len();
+            planes.extend((0..rods).map(|r| twists.get(r).copied().unwrap_or(0.0)));
+            (at, twists_at)
+        })
+    };
+    let places = initial.map(&mut place).collect();
+    (planes, places)
 }
 
 /// Nodes that contact's arrays need for a model.
@@ -408,3 +416,6 @@ impl Contact {
         job.max_partners = MAX_PARTNERS as u32;
     }
 }
+
+#[cfg(test)]
+mod tests;
