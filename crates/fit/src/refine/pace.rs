@@ -50,8 +50,8 @@ impl Pace {
         self.rate >= SMALLEST_RATE
     }
 
-    /// Share of the learning rate in this pass after so many steps of Adam: it falls linearly, so that the walk comes
-    /// to rest.
+    /// Share of the learning rate in this pass, all of it, where so many steps of Adam were done before: it falls linearly,
+    /// so that the walk comes to rest.
     pub(crate) fn rate(&self, pass: u32, passes: u32, steps: u64) -> f64 {
         let done = f64::from(pass) / f64::from(passes.max(1));
         let warm = (steps + 1).min(WARM_UP) as f64 / WARM_UP as f64;
