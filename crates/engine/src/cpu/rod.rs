@@ -118,6 +118,28 @@ impl<T: Real> RodGradient<T> {
         Self { stiffness: T::ZERO, damping: T::ZERO, rest_twist: T::ZERO };
 }
 
+/// The edges at a block's inner nodes.
+struct Edges<P: Pack> {
+    /// Before and after.
+    e: Pack3<P>,
+    g: Pack3<P>,
+    /// Their lengths, at least [`MIN_EDGE_M`].
+    lengths: [P; 2],
+    /// Both have a direction.
+    is_armed: P::Mask,
+}
+
+impl<P: Pack> Edges<P> {
+    #[inline(always)]
+    fn new<T: Real, M: Machine<T, Pack = P>>(m: M, x: &Triple<P>) -> Self {
+        let (e, g) = (v3::neg(x.before), x.after);
+        let least = m.splat(T::from_f64(MIN_EDGE_M));
+        let lengths = [v3::dot(e, e).sqrt(), v3::dot(g, g).sqrt()];
+        let is_armed = lengths[0].above(least) & lengths[1].above(least);
+        Self { e, g, lengths: lengths.map(|l| l.at_least(least)), is_armed }
+    }
+}
+
 /// The turn at a block's inner nodes.
 #[derive(Clone, Copy)]
 struct Turn<P: Pack> {
@@ -138,11 +160,7 @@ struct Turn<P: Pack> {
 impl<P: Pack> Turn<P> {
     #[inline(always)]
     fn new<T: Real, M: Machine<T, Pack = P>>(m: M, x: &Triple<P>) -> Self {
-        let (e, g) = (v3::neg(x.before), x.after);
-        let least = m.splat(T::from_f64(MIN_EDGE_M));
-        let (e_length, g_length) = (v3::dot(e, e).sqrt(), v3::dot(g, g).sqrt());
-        let is_armed = e_length.above(least) & g_length.above(least);
-        let (e_length, g_length) = (e_length.at_least(least), g_length.at_least(least));
+        let Edges { e, g, lengths: [e_length, g_length], is_armed } = Edges::new(m, x);
         let both = e_length * g_length;
         let fold = both + v3::dot(e, g);
         let least_fold = both * m.splat(T::from_f64(MIN_FOLD));

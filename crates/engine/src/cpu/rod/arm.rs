@@ -1,6 +1,6 @@
 //! Where a rod ends in a branch: its direction holds the frame there, as a clamp would.
 
-use super::{MIN_EDGE_M, Triple};
+use super::{Edges, Triple};
 use crate::cpu::{
     machine::{Machine, Pack, Pack3, v3},
     real::Real,
@@ -32,11 +32,7 @@ pub(super) struct Arm<P: Pack> {
 impl<P: Pack> Arm<P> {
     #[inline(always)]
     pub(super) fn new<T: Real, M: Machine<T, Pack = P>>(m: M, x: &Triple<P>) -> Self {
-        let (e, g) = (v3::neg(x.before), x.after);
-        let least = m.splat(T::from_f64(MIN_EDGE_M));
-        let (e_length, g_length) = (v3::dot(e, e).sqrt(), v3::dot(g, g).sqrt());
-        let is_armed = e_length.above(least) & g_length.above(least);
-        let (e_length, g_length) = (e_length.at_least(least), g_length.at_least(least));
+        let Edges { e, g, lengths: [e_length, g_length], is_armed } = Edges::new(m, x);
         let both = e_length * g_length;
         let n = v3::cross(e, g);
         let square = v3::dot(n, n);
