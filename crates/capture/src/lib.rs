@@ -9,6 +9,7 @@ pub mod bundle;
 pub mod check;
 pub mod make;
 pub mod mocap;
+pub mod raw;
 pub mod read;
 
 mod array;

@@ -1,0 +1,118 @@
+//! A raw recording: what cameras saw, before anything is lifted to points in space.
+//!
+//! Readers give a [`Recording`] whatever the format was: metres, seconds, a world with z up, OpenCV cameras, depth
+//! on the grid of its colour image. Frames are decoded when they are asked for, so that memory stays flat; every camera has a
+//! reader of its own, so that cameras can be read side by side.
+
+mod camera;
+mod image;
+
+use std::sync::Arc;
+
+use bendtwin_core::{Environment, Point};
+
+pub use self::{
+    camera::{Camera, Distortion, Intrinsics, Pose},
+    image::{ColorImage, DepthImage, Image, Mask},
+};
+use crate::Error;
+
+/// What cameras recorded of one manipulation.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// A person's name for it.
+    pub name: String,
+    /// Frames per second.
+    pub fps: f64,
+    /// Number of frames T, the same for every camera; what a camera lacks is `None` when it is read.
+    pub frame_count: usize,
+    /// Frames `0..train_frame_count` are for fitting.
+    pub train_frame_count: usize,
+    /// Gravity and ground in the world.
+    pub environment: Environment,
+    /// Rotation from the source's frame to the world, row-major.
+    pub source_to_world: [[f32; 3]; 3],
+    /// The cameras; at least one.
+    pub cameras: Vec<Camera>,
+    /// The object's shape, if somebody modelled or completed it.
+    pub mesh: Option<MeshFile>,
+    /// Clean tracks for metrics only [m], shape [T, K, 3]; NaN where unknown; empty if none.
+    pub truth_tracks: Vec<Point>,
+    /// Where the frames are.
+    pub source: Arc<dyn Source>,
+}
+
+/// A mesh as it lies in a recording, not parsed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
+    /// File name; its extension tells the format: `glb`, `obj` or `ply`.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+    /// From the mesh's own axes and units to the world at the first frame. `None`: it has to be aligned.
+    pub to_world: Option<Alignment>,
+}
+
+/// Rotation, uniform scale and translation: `x` becomes `rotation · x · scale + translation`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alignment {
+    /// Rotation, row-major.
+    pub rotation: [[f32; 3]; 3],
+    /// Metres per unit of the mesh.
+    pub scale: f32,
+    /// Translation [m].
+    pub translation: Point,
+}
+
+/// Which part of an image a mask shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Region {
+    /// The soft object.
+    Object,
+    /// The hands or grippers that move it, all together.
+    Manipulator,
+}
+
+/// 2D tracks of one camera.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tracks {
+    /// Number of tracks N.
+    pub count: usize,
+    /// Pixels as x (column), y (row); the centre of the first pixel is (0, 0). Shape [T, N, 2].
+    pub points: Vec<[f32; 2]>,
+    /// Whether the tracker saw the point, shape [T, N].
+    pub visible: Vec<bool>,
+}
+
+/// Where a recording's frames come from.
+pub trait Source: Send + Sync + std::fmt::Debug {
+    /// A reader of the frames of `camera`, an index into [`Recording::cameras`].
+    ///
+    /// # Errors
+    /// If its files cannot be opened.
+    fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error>;
+}
+
+/// Reads the frames of one camera. All images have the size that the camera says; readers refuse others.
+pub trait Frames: Send {
+    /// Colour, or `None` if this frame was not recorded.
+    ///
+    /// # Errors
+    /// If it is there but damaged.
+    fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error>;
+    /// Depth along the optical axis [m], 0 where nothing was measured; `None` if this frame was not recorded.
+    ///
+    /// # Errors
+    /// If it is there but damaged.
+    fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error>;
+    /// A mask, or `None` if there is none for this frame.
+    ///
+    /// # Errors
+    /// If it is there but damaged.
+    fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error>;
+    /// 2D tracks, or `None` if no tracker ran.
+    ///
+    /// # Errors
+    /// If they are there but damaged.
+    fn tracks(&mut self) -> Result<Option<Tracks>, Error>;
+}

@@ -1,0 +1,161 @@
+//! A calibrated camera: OpenCV's axes (x right, y down, z into the scene) and pixel convention (the centre of the first
+//! pixel is (0, 0)).
+
+use bendtwin_core::Point;
+
+/// One calibrated camera with colour and aligned depth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// A person's name for it: a serial number, say.
+    pub name: String,
+    /// Columns of its images.
+    pub width: usize,
+    /// Rows of its images.
+    pub height: usize,
+    /// The pinhole.
+    pub intrinsics: Intrinsics,
+    /// What the lens does to it.
+    pub distortion: Distortion,
+    /// From the camera to the world: one for a camera that stands, or one for each frame.
+    pub poses: Vec<Pose>,
+    /// When each frame was taken, seconds on a clock that all cameras share, NaN for frames that are missing, shape [T];
+    /// empty if the recording has no times.
+    pub times_s: Vec<f64>,
+}
+
+/// A pinhole in pixels: `u = fx x/z + cx`, `v = fy y/z + cy`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intrinsics {
+    /// Focal length in columns.
+    pub fx: f64,
+    /// Focal length in rows.
+    pub fy: f64,
+    /// Column of the principal point.
+    pub cx: f64,
+    /// Row of the principal point.
+    pub cy: f64,
+}
+
+/// Lens distortion, with OpenCV's coefficients.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Distortion {
+    /// None.
+    #[default]
+    None,
+    /// Radial and tangential, rational: k1, k2, p1, p2, k3, k4, k5, k6.
+    BrownConrady([f64; 8]),
+    /// Fisheye: k1, k2, k3, k4.
+    KannalaBrandt([f64; 4]),
+}
+
+/// A camera's place in the world: `x_world = rotation · x_camera + translation`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Rotation, row-major.
+    pub rotation: [[f64; 3]; 3],
+    /// Translation [m].
+    pub translation: [f64; 3],
+}
+
+impl Camera {
+    /// The pixel at which a point of the world appears, as column and row, and its depth along the optical axis [m].
+    /// `None` behind the camera. It may lie outside the image.
+    pub fn project(&self, point: Point, frame: usize) -> Option<([f64; 2], f64)> {
+        let [x, y, z] = self.pose(frame).from_world(point);
+        if z <= 1e-6 {
+            return None;
+        }
+        let [u, v] = self.distortion.distort([x / z, y / z]);
+        let i = &self.intrinsics;
+        Some(([i.fx * u + i.cx, i.fy * v + i.cy], z))
+    }
+
+    /// The point of the world [m] that appears at a pixel (column, row) at a depth along the optical axis [m].
+    pub fn unproject(&self, pixel: [f64; 2], depth_m: f64, frame: usize) -> Point {
+        let i = &self.intrinsics;
+        let [x, y] =
+            self.distortion.undistort([(pixel[0] - i.cx) / i.fx, (pixel[1] - i.cy) / i.fy]);
+        self.pose(frame).to_world([x * depth_m, y * depth_m, depth_m])
+    }
+
+    /// Where it stands in a frame.
+    pub fn pose(&self, frame: usize) -> &Pose {
+        // A reader gives at least one.
+        self.poses.get(frame).unwrap_or(&self.poses[0])
+    }
+}
+
+impl Distortion {
+    /// Where a ray through (x, y) at depth 1 appears on the normalised image plane.
+    pub fn distort(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::None => [x, y],
+            Self::BrownConrady([k1, k2, p1, p2, k3, k4, k5, k6]) => {
+                let r2 = x * x + y * y;
+                let radial = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)))
+                    / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)));
+                [
+                    x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+                    y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+                ]
+            }
+            Self::KannalaBrandt([k1, k2, k3, k4]) => {
+                let r = x.hypot(y);
+                if r < 1e-9 {
+                    return [x, y];
+                }
+                let angle = r.atan();
+                let a2 = angle * angle;
+                let bent = angle * (1.0 + a2 * (k1 + a2 * (k2 + a2 * (k3 + a2 * k4))));
+                [x * bent / r, y * bent / r]
+            }
+        }
+    }
+
+    /// The inverse of [`Distortion::distort`], to 1e-9 within the image of any usable lens.
+    pub fn undistort(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        if *self == Self::None {
+            return [u, v];
+        }
+        // Newton's method with a numerical Jacobian: fixed-point iteration does not converge at the rim of wide lenses.
+        let mut at = [u, v];
+        for _ in 0..20 {
+            let here = self.distort(at);
+            let fault = [u - here[0], v - here[1]];
+            if fault[0].hypot(fault[1]) < 1e-12 {
+                break;
+            }
+            const STEP: f64 = 1e-6;
+            let right = self.distort([at[0] + STEP, at[1]]);
+            let down = self.distort([at[0], at[1] + STEP]);
+            let j = [
+                [(right[0] - here[0]) / STEP, (down[0] - here[0]) / STEP],
+                [(right[1] - here[1]) / STEP, (down[1] - here[1]) / STEP],
+            ];
+            let determinant = j[0][0] * j[1][1] - j[0][1] * j[1][0];
+            if determinant.abs() < 1e-12 {
+                break;
+            }
+            at[0] += (j[1][1] * fault[0] - j[0][1] * fault[1]) / determinant;
+            at[1] += (j[0][0] * fault[1] - j[1][0] * fault[0]) / determinant;
+        }
+        at
+    }
+}
+
+impl Pose {
+    /// From the camera's axes to the world's.
+    pub fn to_world(&self, p: [f64; 3]) -> Point {
+        let r = &self.rotation;
+        std::array::from_fn(|i| {
+            (r[i][0] * p[0] + r[i][1] * p[1] + r[i][2] * p[2] + self.translation[i]) as f32
+        })
+    }
+
+    /// From the world's axes to the camera's.
+    pub fn from_world(&self, p: Point) -> [f64; 3] {
+        let r = &self.rotation;
+        let d: [f64; 3] = std::array::from_fn(|i| f64::from(p[i]) - self.translation[i]);
+        std::array::from_fn(|j| r[0][j] * d[0] + r[1][j] * d[1] + r[2][j] * d[2])
+    }
+}
