@@ -22,6 +22,12 @@ pub enum Error {
     Picture(String),
 }
 
+impl From<bendtwin_picture::Error> for Error {
+    fn from(error: bendtwin_picture::Error) -> Self {
+        Self::Picture(error.to_string())
+    }
+}
+
 impl Problem for Error {
     fn category(&self) -> Category {
         match self {

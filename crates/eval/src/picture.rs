@@ -1,16 +1,11 @@
 //! A picture of how well a twin predicts: its nodes and springs over the observed points at several frames, one row
 //! per model, and the error of every frame below.
 
-mod canvas;
 mod chart;
-mod view;
 
 use bendtwin_core::{Capture, Point, Twin, quality::Predictor};
+use bendtwin_picture::{Align, Canvas, Color, Rect, View};
 
-use self::{
-    canvas::{Align, Canvas, Color, Rect},
-    view::View,
-};
 use crate::{Error, Trajectory, baselines::standing_still, metrics::Yardstick, predictor_name};
 
 const MARGIN: f32 = 24.0;
@@ -117,7 +112,7 @@ impl Picture<'_> {
             height: CHART_HEIGHT,
         };
         self.draw_chart(&mut canvas, chart, models);
-        canvas.to_png()
+        Ok(canvas.to_png()?)
     }
 
     fn draw_header(&self, canvas: &mut Canvas, width: f32) {

@@ -1,9 +1,8 @@
 //! The error of every frame, as lines over time, with the future set apart.
 
-use super::{
-    FAINT, FUTURE, FUTURE_EDGE, INK, PANEL,
-    canvas::{Align, Canvas, Color, Rect},
-};
+use bendtwin_picture::{Align, Canvas, Color, Rect};
+
+use super::{FAINT, FUTURE, FUTURE_EDGE, INK, PANEL};
 
 const LEFT: f32 = 56.0;
 const BOTTOM: f32 = 26.0;

@@ -3,7 +3,7 @@
 
 use bendtwin_core::Point;
 
-use super::canvas::Rect;
+use crate::Rect;
 
 /// How far above the horizon the viewer stands [rad].
 const ELEVATION: f32 = 0.3;
@@ -14,7 +14,7 @@ type Vector = [f32; 3];
 
 /// Where points of space come to lie on a panel.
 #[derive(Clone, Debug)]
-pub(super) struct View {
+pub struct View {
     right: Vector,
     up: Vector,
     /// Middle of the points on the view plane, and their half extents [m].
@@ -24,7 +24,7 @@ pub(super) struct View {
 
 impl View {
     /// A view of all the points; `None` if there are none.
-    pub(super) fn of(points: Vec<Point>, gravity: Point) -> Option<Self> {
+    pub fn of(points: Vec<Point>, gravity: Point) -> Option<Self> {
         let count = points.len() as f32;
         let first = *points.first()?;
         let sum = points.iter().fold([0.0; 3], |s: Vector, p| std::array::from_fn(|a| s[a] + p[a]));
@@ -69,12 +69,12 @@ impl View {
     }
 
     /// Height over width.
-    pub(super) fn aspect(&self) -> f32 {
+    pub fn aspect(&self) -> f32 {
         self.half[1] / self.half[0]
     }
 
     /// The place of a point on a panel [px].
-    pub(super) fn place(&self, p: Point, panel: Rect) -> [f32; 2] {
+    pub fn place(&self, p: Point, panel: Rect) -> [f32; 2] {
         let scale = (0.5 * panel.width / self.half[0]).min(0.5 * panel.height / self.half[1]);
         let (x, y) = (dot(p, self.right) - self.centre[0], dot(p, self.up) - self.centre[1]);
         [panel.x + 0.5 * panel.width + scale * x, panel.y + 0.5 * panel.height - scale * y]

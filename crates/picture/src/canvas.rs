@@ -6,29 +6,48 @@ use tiny_skia::{
     FillRule, LineCap, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, Stroke, Transform,
 };
 
-use crate::Error;
+use crate::{Error, Photograph};
 
 /// Red, green, blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Color(pub(super) u8, pub(super) u8, pub(super) u8);
+pub struct Color(
+    /// Red.
+    pub u8,
+    /// Green.
+    pub u8,
+    /// Blue.
+    pub u8,
+);
 
 /// A rectangle [px]; y points down.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rect {
-    pub(super) x: f32,
-    pub(super) y: f32,
-    pub(super) width: f32,
-    pub(super) height: f32,
+pub struct Rect {
+    /// Left edge.
+    pub x: f32,
+    /// Upper edge.
+    pub y: f32,
+    /// Extent to the right.
+    pub width: f32,
+    /// Extent downwards.
+    pub height: f32,
 }
 
 /// Which end of a text lies at its x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Align {
+pub enum Align {
+    /// Its left end.
     Left,
+    /// Its right end.
     Right,
 }
 
-pub(super) struct Canvas {
+/// Where drawing is kept to.
+#[derive(Clone, Debug)]
+pub struct Clip(Mask);
+
+/// What is drawn on.
+#[derive(Clone, Debug)]
+pub struct Canvas {
     pixels: Pixmap,
 }
 
@@ -36,69 +55,79 @@ const TEXT: RasterHeight = RasterHeight::Size16;
 const TITLE: RasterHeight = RasterHeight::Size20;
 
 impl Canvas {
-    pub(super) fn new(width: f32, height: f32, background: Color) -> Result<Self, Error> {
+    /// An empty canvas of one colour.
+    ///
+    /// # Errors
+    /// If it is empty or too large.
+    pub fn new(width: f32, height: f32, background: Color) -> Result<Self, Error> {
         let mut pixels = Pixmap::new(width.ceil() as u32, height.ceil() as u32)
-            .ok_or_else(|| Error::Picture(format!("{width} x {height} pixels are too many")))?;
+            .ok_or(Error::Size { width, height })?;
         let Color(r, g, b) = background;
         pixels.fill(tiny_skia::Color::from_rgba8(r, g, b, 255));
         Ok(Self { pixels })
     }
 
-    /// A mask that keeps drawing inside a rectangle.
-    pub(super) fn clip(&self, area: Rect) -> Option<Mask> {
+    /// Keeps drawing inside a rectangle; `None` if that is empty.
+    pub fn clip(&self, area: Rect) -> Option<Clip> {
         let mut mask = Mask::new(self.pixels.width(), self.pixels.height())?;
         mask.fill_path(&outline(area)?, FillRule::Winding, true, Transform::identity());
-        Some(mask)
+        Some(Clip(mask))
     }
 
-    pub(super) fn fill(&mut self, area: Rect, color: Color) {
+    /// A filled rectangle.
+    pub fn fill(&mut self, area: Rect, color: Color) {
         if let Some(path) = outline(area) {
             self.fill_path(&path, color, 1.0, None);
         }
     }
 
-    pub(super) fn frame(&mut self, area: Rect, color: Color) {
+    /// The outline of a rectangle.
+    pub fn frame(&mut self, area: Rect, color: Color) {
         if let Some(path) = outline(area) {
             self.stroke_path(&path, 1.5, color, 1.0, None);
         }
     }
 
-    pub(super) fn disc(&mut self, at: [f32; 2], radius: f32, color: Color, alpha: f32) {
+    /// A filled circle.
+    pub fn disc(&mut self, at: [f32; 2], radius: f32, color: Color, alpha: f32) {
         self.disc_clipped(at, radius, color, alpha, None);
     }
 
-    pub(super) fn disc_clipped(
+    /// A filled circle, kept to a clip.
+    pub fn disc_clipped(
         &mut self,
         at: [f32; 2],
         radius: f32,
         color: Color,
         alpha: f32,
-        clip: Option<&Mask>,
+        clip: Option<&Clip>,
     ) {
         if let Some(path) = PathBuilder::from_circle(at[0], at[1], radius) {
             self.fill_path(&path, color, alpha, clip);
         }
     }
 
-    pub(super) fn line(
+    /// A straight line.
+    pub fn line(
         &mut self,
         from: [f32; 2],
         to: [f32; 2],
         width: f32,
         color: Color,
         alpha: f32,
-        clip: Option<&Mask>,
+        clip: Option<&Clip>,
     ) {
         self.polyline(&[from, to], width, color, alpha, clip);
     }
 
-    pub(super) fn polyline(
+    /// A line through points.
+    pub fn polyline(
         &mut self,
         points: &[[f32; 2]],
         width: f32,
         color: Color,
         alpha: f32,
-        clip: Option<&Mask>,
+        clip: Option<&Clip>,
     ) {
         let mut builder = PathBuilder::new();
         for (i, p) in points.iter().enumerate() {
@@ -109,19 +138,43 @@ impl Canvas {
         }
     }
 
+    /// A photograph, scaled to fill a rectangle: smaller by means, larger as blocks.
+    pub fn photograph(&mut self, area: Rect, photograph: &Photograph) {
+        let (columns, rows) = (self.pixels.width() as usize, self.pixels.height() as usize);
+        let scale = [
+            photograph.width() as f32 / area.width.max(1e-3),
+            photograph.height() as f32 / area.height.max(1e-3),
+        ];
+        let within = |from: f32, extent: f32, end: usize| {
+            (from.max(0.0) as usize).min(end)..((from + extent).max(0.0) as usize).min(end)
+        };
+        let xs = within(area.x, area.width, columns);
+        for y in within(area.y, area.height, rows) {
+            for x in xs.clone() {
+                let from = [(x as f32 - area.x) * scale[0], (y as f32 - area.y) * scale[1]];
+                let to = [from[0] + scale[0], from[1] + scale[1]];
+                let [r, g, b] = photograph.mean(from, to);
+                let at = 4 * (y * columns + x);
+                if let Some(pixel) = self.pixels.data_mut().get_mut(at..at + 4) {
+                    pixel.copy_from_slice(&[r, g, b, 255]);
+                }
+            }
+        }
+    }
+
     /// Width of a text [px].
-    pub(super) fn text_width(text: &str) -> f32 {
+    pub fn text_width(text: &str) -> f32 {
         (text.chars().count() * get_raster_width(FontWeight::Regular, TEXT)) as f32
     }
 
     /// A line of text whose upper left (or right) corner lies at (x, y). Letters outside ASCII become `?`.
-    pub(super) fn text(&mut self, x: f32, y: f32, color: Color, text: &str, align: Align) {
+    pub fn text(&mut self, x: f32, y: f32, color: Color, text: &str, align: Align) {
         let x = if align == Align::Right { x - Self::text_width(text) } else { x };
         self.letters(x, y, color, text, FontWeight::Regular, TEXT);
     }
 
     /// A title.
-    pub(super) fn bold(&mut self, x: f32, y: f32, color: Color, text: &str) {
+    pub fn bold(&mut self, x: f32, y: f32, color: Color, text: &str) {
         self.letters(x, y, color, text, FontWeight::Bold, TITLE);
     }
 
@@ -161,9 +214,9 @@ impl Canvas {
         }
     }
 
-    fn fill_path(&mut self, path: &Path, color: Color, alpha: f32, clip: Option<&Mask>) {
+    fn fill_path(&mut self, path: &Path, color: Color, alpha: f32, clip: Option<&Clip>) {
         let (paint, still) = (paint(color, alpha), Transform::identity());
-        self.pixels.fill_path(path, &paint, FillRule::Winding, still, clip);
+        self.pixels.fill_path(path, &paint, FillRule::Winding, still, clip.map(|c| &c.0));
     }
 
     fn stroke_path(
@@ -172,7 +225,7 @@ impl Canvas {
         width: f32,
         color: Color,
         alpha: f32,
-        clip: Option<&Mask>,
+        clip: Option<&Clip>,
     ) {
         let stroke = Stroke {
             width,
@@ -180,12 +233,16 @@ impl Canvas {
             line_join: LineJoin::Round,
             ..Stroke::default()
         };
-        self.pixels.stroke_path(path, &paint(color, alpha), &stroke, Transform::identity(), clip);
+        let (paint, still) = (paint(color, alpha), Transform::identity());
+        self.pixels.stroke_path(path, &paint, &stroke, still, clip.map(|c| &c.0));
     }
 
     /// The file's bytes. The background is opaque, so there is no alpha to keep.
-    pub(super) fn to_png(&self) -> Result<Vec<u8>, Error> {
-        let failed = |e: png::EncodingError| Error::Picture(e.to_string());
+    ///
+    /// # Errors
+    /// If the encoder fails.
+    pub fn to_png(&self) -> Result<Vec<u8>, Error> {
+        let failed = |e: png::EncodingError| Error::Encoding(e.to_string());
         let opaque: Vec<u8> =
             self.pixels.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
         let mut bytes = Vec::new();

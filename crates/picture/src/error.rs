@@ -1,0 +1,29 @@
+//! Why a picture cannot be drawn.
+
+use bendtwin_core::{Category, Problem};
+
+/// Why a picture cannot be drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// No memory can hold it, or it is empty.
+    #[error("a picture of {width} x {height} pixels cannot be drawn")]
+    Size {
+        /// Columns.
+        width: f32,
+        /// Rows.
+        height: f32,
+    },
+    /// The encoder failed.
+    #[error("the PNG encoder failed: {0}")]
+    Encoding(String),
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        Category::Internal
+    }
+
+    fn reason(&self) -> &'static str {
+        "PICTURE_FAILED"
+    }
+}
