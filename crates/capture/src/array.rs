@@ -171,6 +171,29 @@ impl<'a> Array<'a> {
         }
     }
 
+    /// Floats in double precision.
+    pub(crate) fn doubles(&self, budget: &mut Budget) -> Result<Vec<f64>, Error> {
+        match self.dtype {
+            Dtype::F32 => self.decode(budget, |b| f64::from(f32::from_bits(bits(b) as u32))),
+            Dtype::F64 => self.decode(budget, |b| f64::from_bits(bits(b))),
+            _ => Err(self.wrong_dtype("float32 or float64")),
+        }
+    }
+
+    /// Numbers of any unsigned or floating type, times a factor.
+    pub(crate) fn scaled(&self, factor: f64, budget: &mut Budget) -> Result<Vec<f32>, Error> {
+        match self.dtype {
+            Dtype::U8 | Dtype::U16 | Dtype::U32 => {
+                self.decode(budget, |b| (bits(b) as f64 * factor) as f32)
+            }
+            Dtype::F32 => {
+                self.decode(budget, |b| (f64::from(f32::from_bits(bits(b) as u32)) * factor) as f32)
+            }
+            Dtype::F64 => self.decode(budget, |b| (f64::from_bits(bits(b)) * factor) as f32),
+            _ => Err(self.wrong_dtype("uint16, uint32, float32 or float64")),
+        }
+    }
+
     /// Points: floats whose last dimension is 3.
     pub(crate) fn points(&self, budget: &mut Budget) -> Result<Vec<Point>, Error> {
         if self.shape.last() != Some(&3) {

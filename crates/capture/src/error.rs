@@ -19,15 +19,12 @@ pub enum Error {
     },
     /// Neither a bundle, nor a PhysTwin case, nor motion capture.
     #[error(
-        "`{0}` is no capture: it has neither `capture.json` (a BendTwin bundle) nor `final_data.pkl` \
-         (a PhysTwin case), nor is it an .npz with its .json beside it (motion capture)"
+        "`{0}` is no capture: it has neither `capture.json` (a BendTwin bundle) nor `final_data.pkl` or `metadata.json` \
+         with colour and depth (a PhysTwin case), nor is it an .npz with its .json beside it (motion capture)"
     )]
     UnknownKind(String),
     /// A recorded but unprocessed case.
-    #[error(
-        "`{0}` is a raw recording without `final_data.pkl`: run PhysTwin's data processing first, \
-         or send tracked points as a BendTwin bundle"
-    )]
+    #[error("`{0}` is a raw recording: colour and depth, not yet points. Ingest it first")]
     RawOnly(String),
     /// More than one capture in one archive or folder.
     #[error("there are several captures ({0}): send one capture at a time")]
@@ -191,6 +188,36 @@ pub enum Error {
     /// Arrays that disagree in length.
     #[error("{0}")]
     Lengths(String),
+    /// A camera whose calibration is impossible.
+    #[error("camera `{camera}`: {fault}: calibrate it anew or correct the file")]
+    Camera {
+        /// The camera's name.
+        camera: String,
+        /// What is wrong.
+        fault: String,
+    },
+    /// Extrinsics that no camera can have.
+    #[error(
+        "camera `{0}` is mirrored (the determinant of its extrinsics is -1): an axis was flipped when they were written; \
+         write a rotation from the camera (x right, y down, z forward) to the world"
+    )]
+    MirroredPose(String),
+    /// An image of another size.
+    #[error(
+        "`{at}` is {} x {} pixels, its camera {} x {}: write all images of a camera in its size, with depth aligned to colour",
+        found[0], found[1], needed[0], needed[1]
+    )]
+    ImageSize {
+        /// The file.
+        at: String,
+        /// Its columns and rows.
+        found: [usize; 2],
+        /// The camera's columns and rows.
+        needed: [usize; 2],
+    },
+    /// A camera that a recording does not have.
+    #[error("the recording has no camera number {0}")]
+    NoCamera(usize),
     /// An edge that names a point that is not there.
     #[error(
         "edge {index} joins points {a} and {b}, but there are {points} points (0 to {points} exclusive, two different ones)"
@@ -286,6 +313,10 @@ impl Problem for Error {
             Self::Dtype { .. } => "WRONG_DTYPE",
             Self::Shape { .. } => "WRONG_SHAPE",
             Self::Lengths(_) => "LENGTH_MISMATCH",
+            Self::Camera { .. } => "INVALID_CAMERA",
+            Self::MirroredPose(_) => "MIRRORED_EXTRINSICS",
+            Self::ImageSize { .. } => "WRONG_IMAGE_SIZE",
+            Self::NoCamera(_) => "NO_SUCH_CAMERA",
             Self::EdgeRange { .. } => "EDGE_OUT_OF_RANGE",
             Self::PinRange { .. } => "PIN_OUT_OF_RANGE",
             Self::SplitRange { .. } => "SPLIT_OUT_OF_RANGE",

@@ -1,52 +1,35 @@
 //! The files of a capture, from a folder or a ZIP archive, read into memory one
 //! by one under the caps of [`Limits`]. Nothing is ever extracted to disk.
 
+mod storage;
+
 use std::{
-    cell::Cell,
     collections::BTreeMap,
     fs::File,
-    io::{BufReader, Cursor, Read, Seek, SeekFrom},
+    io::{BufReader, Cursor, Read},
     path::{Path, PathBuf},
-    rc::Rc,
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
 };
 
 use zip::ZipArchive;
 
+pub(crate) use self::storage::SharedFile;
+use self::storage::{Metered, Storage};
 use crate::{Error, Limits, limits::Budget};
 
-trait ReadSeek: Read + Seek {}
-impl<T: Read + Seek> ReadSeek for T {}
-
+#[derive(Clone)]
 enum Source<'a> {
     Folder(PathBuf),
-    Zip(Box<ZipArchive<Box<dyn ReadSeek + 'a>>>),
+    Zip(Box<ZipArchive<Metered<Storage<'a>>>>),
 }
 
 /// Bytes that looking for an archive's directory may read, and those of an
 /// entry apart from its name.
 const DIRECTORY_SEARCH: u64 = 256 << 10;
 const DIRECTORY_ENTRY: usize = 256;
-
-/// A reader that stops at a number of bytes.
-struct Metered<R> {
-    inner: R,
-    left: Rc<Cell<u64>>,
-}
-
-impl<R: Read> Read for Metered<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let n = self.inner.read(buffer)?;
-        let left = self.left.get().checked_sub(n as u64);
-        self.left.set(left.ok_or_else(|| std::io::Error::other("its directory is too long"))?);
-        Ok(n)
-    }
-}
-
-impl<R: Seek> Seek for Metered<R> {
-    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
-        self.inner.seek(to)
-    }
-}
 
 /// Whether an entry's name stays inside the archive on every system.
 fn is_plain(name: &str) -> bool {
@@ -58,11 +41,11 @@ fn is_plain(name: &str) -> bool {
 pub(crate) struct Files<'a> {
     /// The folder's or archive's own name, without extension.
     pub(crate) name: String,
-    pub(crate) limits: &'a Limits,
+    pub(crate) limits: Limits,
     pub(crate) budget: Budget,
     source: Source<'a>,
     /// Entry index of each name; empty for a folder.
-    entries: BTreeMap<String, usize>,
+    entries: Arc<BTreeMap<String, usize>>,
     /// Put before every name: the folder inside the archive that holds the capture.
     prefix: String,
 }
@@ -75,7 +58,7 @@ const MAX_NESTING: usize = 2;
 
 impl<'a> Files<'a> {
     /// Opens a folder or an archive.
-    pub(crate) fn open(path: &Path, limits: &'a Limits) -> Result<Self, Error> {
+    pub(crate) fn open(path: &Path, limits: &Limits) -> Result<Self, Error> {
         let at = path.display().to_string();
         let io = |source: std::io::Error| match source.kind() {
             std::io::ErrorKind::NotFound => Error::NotFound(at.clone()),
@@ -89,31 +72,35 @@ impl<'a> Files<'a> {
             let name = full.file_name().unwrap_or_default().to_string_lossy();
             return Ok(Self {
                 name: name.into_owned(),
-                limits,
+                limits: limits.clone(),
                 budget: Budget::new(limits),
                 source: Source::Folder(path.to_owned()),
-                entries: BTreeMap::new(),
+                entries: Arc::default(),
                 prefix: String::new(),
             });
         }
-        let file = BufReader::new(File::open(path).map_err(io)?);
-        Self::zip(&stem, Box::new(file), limits)
+        let file = BufReader::new(SharedFile::open(path).map_err(io)?);
+        Self::zip(&stem, Storage::File(file), limits)
     }
 
     /// Opens an archive in memory.
-    pub(crate) fn from_bytes(
-        name: &str,
-        bytes: &'a [u8],
-        limits: &'a Limits,
-    ) -> Result<Self, Error> {
-        Self::zip(name, Box::new(Cursor::new(bytes)), limits)
+    pub(crate) fn from_bytes(name: &str, bytes: &'a [u8], limits: &Limits) -> Result<Self, Error> {
+        Self::zip(name, Storage::Memory(Cursor::new(bytes)), limits)
     }
 
-    fn zip(
-        name: &str,
-        mut reader: Box<dyn ReadSeek + 'a>,
-        limits: &'a Limits,
-    ) -> Result<Self, Error> {
+    /// Another reader of the same files, with a budget of its own.
+    pub(crate) fn fork(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            limits: self.limits.clone(),
+            budget: Budget::new(&self.limits),
+            source: self.source.clone(),
+            entries: self.entries.clone(),
+            prefix: self.prefix.clone(),
+        }
+    }
+
+    fn zip(name: &str, mut reader: Storage<'a>, limits: &Limits) -> Result<Self, Error> {
         let mut magic = [0; 2];
         let is_zip = reader.read_exact(&mut magic).is_ok() && &magic == b"PK";
         if !is_zip {
@@ -122,11 +109,12 @@ impl<'a> Files<'a> {
         let mut budget = Budget::new(limits);
         // The directory is read whole before its entries can be counted.
         let longest = (DIRECTORY_ENTRY + limits.name_bytes) as u64;
-        let left = Rc::new(Cell::new(DIRECTORY_SEARCH + limits.archive_entries as u64 * longest));
-        let metered: Box<dyn ReadSeek + 'a> =
-            Box::new(Metered { inner: reader, left: left.clone() });
+        let left = DIRECTORY_SEARCH
+            .saturating_add((limits.archive_entries as u64).saturating_mul(longest));
+        let left = Arc::new(AtomicU64::new(left));
+        let metered = Metered { inner: reader, left: left.clone() };
         let archive = ZipArchive::new(metered).map_err(|e| Error::ArchiveDamaged(e.to_string()))?;
-        left.set(u64::MAX);
+        left.store(u64::MAX, Ordering::Relaxed);
         let directory = archive.metadata();
         let entries = directory.len();
         if entries > limits.archive_entries {
@@ -155,10 +143,10 @@ impl<'a> Files<'a> {
         budget.take(entries as u64 * 256, "the archive's directory")?;
         Ok(Self {
             name: name.to_owned(),
-            limits,
+            limits: limits.clone(),
             budget,
             source: Source::Zip(Box::new(archive)),
-            entries: names,
+            entries: Arc::new(names),
             prefix: String::new(),
         })
     }
@@ -272,6 +260,12 @@ impl<'a> Files<'a> {
 
     /// Reads a file that may be missing.
     pub(crate) fn find(&mut self, name: &str) -> Result<Option<Vec<u8>>, Error> {
+        self.find_within(name, self.limits.file_bytes)
+    }
+
+    /// Reads a file that may be missing and may not be longer than `cap` bytes.
+    pub(crate) fn find_within(&mut self, name: &str, cap: u64) -> Result<Option<Vec<u8>>, Error> {
+        let cap = cap.min(self.limits.file_bytes);
         let full = format!("{}{name}", self.prefix);
         match &mut self.source {
             Source::Folder(root) => {
@@ -282,7 +276,7 @@ impl<'a> Files<'a> {
                 }
                 let io = |source| Error::Io { at: full.clone(), source };
                 let file = File::open(&path).map_err(io)?;
-                read_capped(name, file, metadata.len(), self.limits, &mut self.budget).map(Some)
+                read_capped(name, file, metadata.len(), cap, &mut self.budget).map(Some)
             }
             Source::Zip(archive) => {
                 let Some(&index) = self.entries.get(&full) else { return Ok(None) };
@@ -303,7 +297,7 @@ impl<'a> Files<'a> {
                     let limit = self.limits.compression_ratio;
                     return Err(Error::ArchiveRatio { at: full, ratio, limit });
                 }
-                read_capped(name, entry, size, self.limits, &mut self.budget).map(Some)
+                read_capped(name, entry, size, cap, &mut self.budget).map(Some)
             }
         }
     }
@@ -322,11 +316,10 @@ fn read_capped(
     name: &str,
     reader: impl Read,
     size: u64,
-    limits: &Limits,
+    limit: u64,
     budget: &mut Budget,
 ) -> Result<Vec<u8>, Error> {
-    if size > limits.file_bytes {
-        let limit = limits.file_bytes;
+    if size > limit {
         return Err(Error::TooLarge { what: format!("`{name}`"), bytes: size, limit });
     }
     budget.take(size, &format!("`{name}`"))?;

@@ -43,6 +43,11 @@ impl Frame {
         }
     }
 
+    /// Metres per unit in double precision: 0.001, not the f32 next to it.
+    pub(crate) fn metres_per_unit(&self) -> f64 {
+        (f64::from(self.metres) * 1e6).round() / 1e6
+    }
+
     /// Turns a direction.
     pub(crate) fn turn(&self, v: Point) -> Point {
         self.rotation.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])

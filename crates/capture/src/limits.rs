@@ -31,6 +31,12 @@ pub struct Limits {
     pub controls: usize,
     /// Sequences of a capture.
     pub sequences: usize,
+    /// Cameras of a raw recording.
+    pub cameras: usize,
+    /// Frames of a raw recording.
+    pub recording_frames: usize,
+    /// Pixels of one image of a raw recording.
+    pub image_pixels: usize,
 }
 
 impl Default for Limits {
@@ -48,6 +54,9 @@ impl Default for Limits {
             points: 1_000_000,
             controls: 10_000,
             sequences: 10_000,
+            cameras: 64,
+            recording_frames: 100_000,
+            image_pixels: 1 << 25,
         }
     }
 }

@@ -34,7 +34,7 @@ struct Split {
 pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
     let metadata: Metadata = json(&files.read_document("metadata.json")?, "metadata.json")?;
     let bytes = files.read(MARKER)?;
-    let data = pickle::read(MARKER, &bytes, files.limits, &mut files.budget)?;
+    let data = pickle::read(MARKER, &bytes, &files.limits, &mut files.budget)?;
     let missing =
         |array: &str| Error::MissingArray { at: MARKER.to_owned(), array: array.to_owned() };
 
@@ -142,7 +142,7 @@ fn turn(capture: &mut Capture) {
     }
 }
 
-fn truth(
+pub(crate) fn truth(
     files: &mut Files<'_>,
     frame_count: usize,
     notes: &mut Vec<Note>,
@@ -157,7 +157,7 @@ fn truth(
         ));
         return Ok(Vec::new());
     };
-    let array = pickle::read(NAME, &bytes, files.limits, &mut files.budget)?.array()?;
+    let array = pickle::read(NAME, &bytes, &files.limits, &mut files.budget)?.array()?;
     match array.shape.as_slice() {
         &[frames, count, 3] if frames == frame_count => {
             at_most("ground-truth tracks", count, files.limits.points)?;
@@ -167,7 +167,11 @@ fn truth(
     }
 }
 
-fn split(files: &mut Files<'_>, frame_count: usize, notes: &mut Vec<Note>) -> Result<usize, Error> {
+pub(crate) fn split(
+    files: &mut Files<'_>,
+    frame_count: usize,
+    notes: &mut Vec<Note>,
+) -> Result<usize, Error> {
     const NAME: &str = "split.json";
     let Some(bytes) = files.find_document(NAME)? else {
         let train = (frame_count as f64 * TRAIN_SHARE).round() as usize;

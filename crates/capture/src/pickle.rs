@@ -70,6 +70,18 @@ impl<'a> Pickle<'a> {
         }
     }
 
+    /// The arrays of a list or tuple; one array by itself counts as one.
+    pub(crate) fn arrays(&self) -> Result<Vec<Array<'a>>, Error> {
+        let (Value::List(ids) | Value::Tuple(ids)) = self.value(self.root) else {
+            return self.array().map(|array| vec![array]);
+        };
+        let of = |(index, id): (usize, &Id)| match self.value(*id) {
+            Value::Array(array) => Ok(array.clone().named(&format!("{}: {index}", self.at))),
+            other => Err(self.not_as_needed(&format!(": {index}"), other, "a numpy array")),
+        };
+        ids.iter().enumerate().map(of).collect()
+    }
+
     /// The array under a key of the root dictionary, `None` where there is no such
     /// key or it holds Python's None.
     pub(crate) fn entry(&self, key: &str) -> Result<Option<Array<'a>>, Error> {

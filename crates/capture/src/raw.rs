@@ -5,9 +5,16 @@
 //! reader of its own, so that cameras can be read side by side.
 
 mod camera;
+mod decode;
 mod image;
+mod phystwin;
+mod stored;
+#[cfg(test)]
+mod testing;
+mod tracks;
+mod validity;
 
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 use bendtwin_core::{Environment, Point};
 
@@ -15,7 +22,30 @@ pub use self::{
     camera::{Camera, Distortion, Intrinsics, Pose},
     image::{ColorImage, DepthImage, Image, Mask},
 };
-use crate::Error;
+use crate::{Error, Limits, files::Files, read};
+
+/// Opens the raw recording at a path, a folder or a ZIP archive, without reading its frames. Where processed data lies
+/// beside it, that is passed over.
+///
+/// # Errors
+/// If there is none, its description is damaged or impossible, or it exceeds the limits.
+pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
+    let files = Files::open(read::root(path), limits)?;
+    let name = files.name.clone();
+    find(files)?.ok_or(Error::UnknownKind(name))
+}
+
+/// The recording among these files, if there is one.
+pub(crate) fn find(mut files: Files<'static>) -> Result<Option<Recording>, Error> {
+    let limits = files.limits.clone();
+    let mut recording = if files.enter(phystwin::MARKER)? && files.has_under("color") {
+        phystwin::read(files)?
+    } else {
+        return Ok(None);
+    };
+    validity::settle(&mut recording, &limits)?;
+    Ok(Some(recording))
+}
 
 /// What cameras recorded of one manipulation.
 #[derive(Clone, Debug)]

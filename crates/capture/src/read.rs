@@ -6,9 +6,10 @@ use bendtwin_core::Capture;
 
 use crate::{
     Error, Limits, bundle,
-    check::{CheckReport, Note, check},
+    check::{CheckReport, Finding, Note, check},
     files::Files,
     mocap, phystwin,
+    raw::{self, Recording},
     structure::validate,
 };
 
@@ -45,15 +46,42 @@ pub fn read_checked(path: &Path, limits: &Limits) -> Result<(Capture, CheckRepor
     Ok((capture, report))
 }
 
-pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Vec<Note>), Error> {
-    let mut notes = Vec::new();
-    // A person may point at the document inside the bundle.
-    let path = match (path.file_name(), path.parent()) {
+/// What lies at a path: points, or what cameras recorded.
+#[derive(Debug)]
+pub enum Opened {
+    /// Points that were tracked already, and what the reader noticed without failing.
+    Observed(Capture, Vec<Finding>),
+    /// Colour and depth, to be lifted to points.
+    Raw(Recording),
+}
+
+/// Opens whatever lies at a path: as [`read`] and, where there is nothing processed, as [`raw::open`].
+///
+/// # Errors
+/// If there is no capture, it is damaged, or it exceeds the limits.
+pub fn open(path: &Path, limits: &Limits) -> Result<Opened, Error> {
+    match read_noting(path, limits) {
+        Ok((capture, notes)) => {
+            Ok(Opened::Observed(capture, notes.into_iter().map(|n| n.0).collect()))
+        }
+        Err(Error::RawOnly(_)) => raw::open(path, limits).map(Opened::Raw),
+        Err(error) => Err(error),
+    }
+}
+
+/// The folder or file to open: a person may point at the document inside the bundle.
+pub(crate) fn root(path: &Path) -> &Path {
+    match (path.file_name(), path.parent()) {
         (Some(name), Some(parent)) if name == bundle::MARKER && path.is_file() => {
             if parent.as_os_str().is_empty() { Path::new(".") } else { parent }
         }
         _ => path,
-    };
+    }
+}
+
+pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Vec<Note>), Error> {
+    let mut notes = Vec::new();
+    let path = root(path);
     let capture = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz")) {
         mocap::read_npz(path, &path.with_extension("json"), limits)?
     } else {

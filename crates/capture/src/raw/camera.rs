@@ -3,6 +3,8 @@
 
 use bendtwin_core::Point;
 
+use crate::{Error, frame::Frame};
+
 /// One calibrated camera with colour and aligned depth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
@@ -144,6 +146,37 @@ impl Distortion {
 }
 
 impl Pose {
+    /// From a row-major 4 x 4 matrix whose last row is 0, 0, 0, 1.
+    pub(super) fn from_matrix(camera: &str, m: &[[f64; 4]; 4]) -> Result<Self, Error> {
+        if m[3] != [0.0, 0.0, 0.0, 1.0] {
+            return Err(Error::Camera {
+                camera: camera.to_owned(),
+                fault: format!(
+                    "the last row of its pose is {:?} and not [0, 0, 0, 1]: write camera-to-world, row-major",
+                    m[3]
+                ),
+            });
+        }
+        Ok(Self {
+            rotation: std::array::from_fn(|i| [m[i][0], m[i][1], m[i][2]]),
+            translation: std::array::from_fn(|i| m[i][3]),
+        })
+    }
+
+    /// The same place after the world's axes and units have changed.
+    pub(super) fn turned(&self, frame: &Frame) -> Self {
+        let turn = frame.rotation.map(|row| row.map(f64::from));
+        let times = |column: [f64; 3]| {
+            turn.map(|row| row[0] * column[0] + row[1] * column[1] + row[2] * column[2])
+        };
+        let columns: [[f64; 3]; 3] =
+            std::array::from_fn(|j| times(self.rotation.map(|row| row[j])));
+        Self {
+            rotation: std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i])),
+            translation: times(self.translation).map(|x| x * frame.metres_per_unit()),
+        }
+    }
+
     /// From the camera's axes to the world's.
     pub fn to_world(&self, p: [f64; 3]) -> Point {
         let r = &self.rotation;

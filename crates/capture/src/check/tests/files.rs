@@ -145,7 +145,7 @@ const BROKEN_CASES: &[(&str, &str, Break)] = &[
     ("WRONG_DTYPE", "a dict", |f| {
         f.insert("gt_track_3d.pkl".into(), b"\x80\x02}.".to_vec());
     }),
-    ("RAW_CAPTURE", "data processing", |f| {
+    ("RAW_CAPTURE", "Ingest", |f| {
         f.remove("final_data.pkl");
         f.insert("color/0/0.png".into(), Vec::new());
     }),

@@ -1,0 +1,122 @@
+//! The bytes behind an archive: a file that several readers share, or memory.
+
+use std::{
+    fs::File,
+    io::{BufReader, Cursor, Error, Read, Result, Seek, SeekFrom},
+    path::Path,
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+};
+
+/// A file with a position of its own: clones read side by side without disturbing each other.
+#[derive(Clone, Debug)]
+pub(crate) struct SharedFile {
+    file: Arc<File>,
+    length: u64,
+    position: u64,
+}
+
+impl SharedFile {
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        let file = File::open(path)?;
+        let length = file.metadata()?.len();
+        Ok(Self { file: Arc::new(file), length, position: 0 })
+    }
+
+    /// Bytes that it had when it was opened.
+    pub(crate) fn len(&self) -> u64 {
+        self.length
+    }
+}
+
+#[cfg(unix)]
+fn read_at(file: &File, buffer: &mut [u8], position: u64) -> Result<usize> {
+    std::os::unix::fs::FileExt::read_at(file, buffer, position)
+}
+
+#[cfg(windows)]
+fn read_at(file: &File, buffer: &mut [u8], position: u64) -> Result<usize> {
+    std::os::windows::fs::FileExt::seek_read(file, buffer, position)
+}
+
+impl Read for SharedFile {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        let n = read_at(&self.file, buffer, self.position)?;
+        self.position += n as u64;
+        Ok(n)
+    }
+}
+
+impl Seek for SharedFile {
+    fn seek(&mut self, to: SeekFrom) -> Result<u64> {
+        let target = match to {
+            SeekFrom::Start(at) => Some(at),
+            SeekFrom::End(by) => self.length.checked_add_signed(by),
+            SeekFrom::Current(by) => self.position.checked_add_signed(by),
+        };
+        self.position = target.ok_or_else(|| Error::other("it points before its beginning"))?;
+        Ok(self.position)
+    }
+}
+
+/// What an archive is read from.
+#[derive(Debug)]
+pub(super) enum Storage<'a> {
+    File(BufReader<SharedFile>),
+    Memory(Cursor<&'a [u8]>),
+}
+
+impl Clone for Storage<'_> {
+    fn clone(&self) -> Self {
+        match self {
+            Self::File(reader) => Self::File(BufReader::new(reader.get_ref().clone())),
+            Self::Memory(reader) => Self::Memory(reader.clone()),
+        }
+    }
+}
+
+impl Read for Storage<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        match self {
+            Self::File(reader) => reader.read(buffer),
+            Self::Memory(reader) => reader.read(buffer),
+        }
+    }
+}
+
+impl Seek for Storage<'_> {
+    fn seek(&mut self, to: SeekFrom) -> Result<u64> {
+        match self {
+            Self::File(reader) => reader.seek(to),
+            Self::Memory(reader) => reader.seek(to),
+        }
+    }
+}
+
+/// A reader that stops at a number of bytes.
+#[derive(Clone, Debug)]
+pub(super) struct Metered<R> {
+    pub(super) inner: R,
+    pub(super) left: Arc<AtomicU64>,
+}
+
+impl<R: Read> Read for Metered<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        let n = self.inner.read(buffer)?;
+        let left = self.left.load(Ordering::Relaxed);
+        if left != u64::MAX {
+            let left = left.checked_sub(n as u64);
+            let left = left.ok_or_else(|| Error::other("its directory is too long"))?;
+            self.left.store(left, Ordering::Relaxed);
+        }
+        Ok(n)
+    }
+}
+
+impl<R: Seek> Seek for Metered<R> {
+    fn seek(&mut self, to: SeekFrom) -> Result<u64> {
+        self.inner.seek(to)
+    }
+}

@@ -1,0 +1,68 @@
+//! Images of files into images in memory. Sizes are compared with the camera's before a pixel is decoded.
+
+mod depth;
+mod jpeg;
+mod png;
+
+pub(super) use self::depth::decode as depth;
+use super::{ColorImage, Image, Mask};
+use crate::Error;
+
+/// Columns and rows.
+pub(super) type Size = [usize; 2];
+
+/// Samples of an image of any number of channels.
+pub(super) struct Samples {
+    pub(super) size: Size,
+    /// 1 gray, 2 gray and alpha, 3 colour, 4 colour and alpha.
+    pub(super) channels: usize,
+    /// Two bytes a sample, the higher one first, instead of one.
+    pub(super) deep: bool,
+    pub(super) data: Vec<u8>,
+}
+
+/// Colour from a PNG or JPEG file, whatever its name says.
+pub(super) fn color(at: &str, bytes: &[u8], size: Size) -> Result<ColorImage, Error> {
+    let samples = samples(at, bytes, size)?;
+    let pixels = match samples.channels {
+        3 => samples.data.as_chunks().0.to_vec(),
+        4 => samples.data.as_chunks().0.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
+        n => samples.data.chunks_exact(n.max(1)).map(|p| [p[0]; 3]).collect(),
+    };
+    Ok(Image { width: size[0], height: size[1], pixels })
+}
+
+/// A mask from a PNG file: true where any channel but alpha is not zero.
+pub(super) fn mask(at: &str, bytes: &[u8], size: Size) -> Result<Mask, Error> {
+    let samples = samples(at, bytes, size)?;
+    let channels = samples.channels.max(1);
+    let shown = if channels > 2 { 3 } else { 1 };
+    let pixels = samples.data.chunks_exact(channels).map(|p| p.iter().take(shown).any(|x| *x != 0));
+    Ok(Image { width: size[0], height: size[1], pixels: pixels.collect() })
+}
+
+/// One byte a sample.
+fn samples(at: &str, bytes: &[u8], size: Size) -> Result<Samples, Error> {
+    let check = |found: Size| same_size(at, found, size);
+    if bytes.starts_with(png::MAGIC) {
+        png::decode(at, bytes, false, check)
+    } else if bytes.starts_with(jpeg::MAGIC) {
+        jpeg::decode(at, bytes, check)
+    } else {
+        Err(damaged(at, "it is neither a PNG nor a JPEG image"))
+    }
+}
+
+fn same_size(at: &str, found: Size, needed: Size) -> Result<(), Error> {
+    if found == needed {
+        return Ok(());
+    }
+    Err(Error::ImageSize { at: at.to_owned(), found, needed })
+}
+
+fn damaged(at: &str, fault: impl Into<String>) -> Error {
+    Error::Damaged { at: at.to_owned(), fault: fault.into() }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,87 @@
+//! Depth from 16-bit PNG files and .npy arrays, onto the grid of the colour image.
+
+use super::{Size, damaged, png};
+use crate::{
+    Error,
+    array::Array,
+    limits::Budget,
+    npy,
+    raw::{DepthImage, Image},
+};
+
+/// Depth [m] from a file whose numbers are `unit_m` metres each.
+pub(in crate::raw) fn decode(
+    at: &str,
+    bytes: &[u8],
+    unit_m: f64,
+    size: Size,
+    budget: &mut Budget,
+) -> Result<DepthImage, Error> {
+    let (found, meters) = if bytes.starts_with(png::MAGIC) {
+        let samples = png::decode(at, bytes, true, |found| alike(at, found, size))?;
+        if samples.channels != 1 || !samples.deep {
+            return Err(Error::Dtype {
+                at: at.to_owned(),
+                found: format!(
+                    "{} channels of {} bits",
+                    samples.channels,
+                    if samples.deep { 16 } else { 8 }
+                ),
+                needed: "one channel of 16 bits: depth is no picture of colours",
+            });
+        }
+        let meters = samples.data.as_chunks().0.iter();
+        let meters = meters.map(|b| measured(f64::from(u16::from_be_bytes(*b)) * unit_m));
+        (samples.size, meters.collect())
+    } else {
+        let array: Array<'_> = npy::read(at, bytes)?;
+        let &[height, width] = array.shape.as_slice() else {
+            return Err(array.wrong_shape("[height, width]"));
+        };
+        alike(at, [width, height], size)?;
+        let mut meters = array.scaled(unit_m, budget)?;
+        for x in &mut meters {
+            *x = measured(f64::from(*x));
+        }
+        ([width, height], meters)
+    };
+    let [width, height] = found;
+    if meters.len() != width * height {
+        return Err(damaged(at, "it holds another number of pixels than its header says"));
+    }
+    Ok(onto_grid(Image { width, height, pixels: meters }, size))
+}
+
+/// 0 for what is no distance.
+fn measured(m: f64) -> f32 {
+    if m.is_finite() && m > 0.0 { m as f32 } else { 0.0 }
+}
+
+/// Whether one image shows the same section as another: only its resolution may be lower or higher, by at most 8.
+fn alike(at: &str, found: Size, needed: Size) -> Result<(), Error> {
+    let [w, h] = found.map(|n| n as f64);
+    let [width, height] = needed.map(|n| n as f64);
+    // Within half a pixel of the coarser image in each direction.
+    let same_section = (w * height - h * width).abs() <= 0.5 * width.max(w).max(height).max(h);
+    let near = (width / 8.0..=width * 8.0).contains(&w);
+    if same_section && near {
+        return Ok(());
+    }
+    Err(Error::ImageSize { at: at.to_owned(), found, needed })
+}
+
+/// The image on another grid by its nearest neighbours. Depth is not interpolated: between an edge and what lies behind it
+/// there is nothing.
+pub(in crate::raw) fn onto_grid(image: DepthImage, [width, height]: Size) -> DepthImage {
+    if [image.width, image.height] == [width, height] {
+        return image;
+    }
+    let column = |c: usize| ((2 * c + 1) * image.width / (2 * width)).min(image.width - 1);
+    let columns: Vec<usize> = (0..width).map(column).collect();
+    let mut pixels = Vec::with_capacity(width * height);
+    for r in 0..height {
+        let row = image.row(((2 * r + 1) * image.height / (2 * height)).min(image.height - 1));
+        pixels.extend(columns.iter().map(|c| row[*c]));
+    }
+    Image { width, height, pixels }
+}

@@ -1,0 +1,54 @@
+//! PNG.
+
+use std::io::Cursor;
+
+use png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Transformations};
+
+use super::{Samples, Size, damaged};
+use crate::Error;
+
+pub(super) const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// Memory that the decoder may take beside the pixels: rows, palettes, text.
+const OVERHEAD: usize = 1 << 20;
+
+/// Decodes what `check` accepts by its size. `deep` keeps samples of 16 bits, otherwise all become 8 bits.
+pub(in crate::raw) fn decode(
+    at: &str,
+    bytes: &[u8],
+    deep: bool,
+    check: impl FnOnce(Size) -> Result<(), Error>,
+) -> Result<Samples, Error> {
+    let fail = |e: DecodingError| damaged(at, e.to_string());
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: OVERHEAD });
+    decoder.set_transformations(if deep {
+        Transformations::EXPAND
+    } else {
+        Transformations::EXPAND | Transformations::STRIP_16
+    });
+    let header = decoder.read_header_info().map_err(fail)?;
+    let size = [header.width as usize, header.height as usize];
+    check(size)?;
+    // Up to eight bytes a pixel, which `check` has found to be few enough; and a row or two more.
+    let row = size[0].saturating_mul(32);
+    decoder.set_limits(Limits {
+        bytes: size[0].saturating_mul(size[1]).saturating_mul(8).saturating_add(row + OVERHEAD),
+    });
+    let mut reader = decoder.read_info().map_err(fail)?;
+    let needed = reader.output_buffer_size().ok_or_else(|| damaged(at, "it is too large"))?;
+    let mut data = vec![0; needed];
+    let frame = reader.next_frame(&mut data).map_err(fail)?;
+    data.truncate(frame.buffer_size());
+    let channels = match frame.color_type {
+        ColorType::Grayscale | ColorType::Indexed => 1,
+        ColorType::GrayscaleAlpha => 2,
+        ColorType::Rgb => 3,
+        ColorType::Rgba => 4,
+    };
+    let samples = Samples { size, channels, deep: frame.bit_depth == BitDepth::Sixteen, data };
+    let width = if samples.deep { 2 } else { 1 };
+    if samples.data.len() != size[0] * size[1] * channels * width {
+        return Err(damaged(at, "it holds another number of pixels than its header says"));
+    }
+    Ok(samples)
+}

@@ -1,0 +1,194 @@
+//! Frames that lie in files of their own, in a folder or a ZIP archive: what PhysTwin, the raw bundle and nerfstudio have
+//! in common.
+
+use std::{borrow::Cow, fmt};
+
+use super::{
+    ColorImage, DepthImage, Frames, Mask, Region, Source, Tracks,
+    decode::{self, Size},
+    tracks::{self, Order},
+};
+use crate::{Error, files::Files, limits::Budget, npy};
+
+/// Bytes of an image file beside those of its pixels.
+const OVERHEAD: u64 = 4 << 20;
+
+/// The names of one kind of image, frame by frame.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Names {
+    /// `before` + the frame's number with at least `digits` digits + `after`.
+    Numbered { before: String, digits: usize, after: String },
+    /// A name for each frame that was recorded.
+    Listed(Vec<Option<String>>),
+}
+
+impl Names {
+    /// Numbers without leading zeros.
+    pub(super) fn numbered(before: String, after: &str) -> Self {
+        Self::Numbered { before, digits: 1, after: after.to_owned() }
+    }
+
+    pub(super) fn at(&self, frame: usize) -> Option<Cow<'_, str>> {
+        match self {
+            Self::Numbered { before, digits, after } => {
+                Some(format!("{before}{frame:0digits$}{after}").into())
+            }
+            Self::Listed(names) => names.get(frame)?.as_deref().map(Cow::Borrowed),
+        }
+    }
+}
+
+/// Where one camera's depth is.
+#[derive(Clone, Debug)]
+pub(super) struct DepthNames {
+    pub(super) names: Names,
+    /// Metres per stored number.
+    pub(super) unit_m: f64,
+}
+
+/// Where one camera's tracks are.
+#[derive(Clone, Debug)]
+pub(super) enum TrackFiles {
+    /// CoTracker's .npz: `tracks` [T, N, 2] as row, column and `visibility` [T, N].
+    Npz(String),
+    /// Positions [T, N, 2] as column, row; visibilities [T, N].
+    Npy { points: String, visible: Option<String> },
+}
+
+/// Where one camera's frames are.
+#[derive(Clone, Debug)]
+pub(super) struct CameraFiles {
+    pub(super) size: Size,
+    pub(super) color: Names,
+    pub(super) depth: Option<DepthNames>,
+    /// The object's masks; the region is what any of them shows.
+    pub(super) object: Vec<Names>,
+    /// The manipulators' masks, likewise.
+    pub(super) manipulator: Vec<Names>,
+    pub(super) tracks: Option<TrackFiles>,
+}
+
+/// A [`Source`] over files.
+pub(super) struct StoredFrames {
+    pub(super) files: Files<'static>,
+    pub(super) frame_count: usize,
+    pub(super) cameras: Vec<CameraFiles>,
+}
+
+impl fmt::Debug for StoredFrames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StoredFrames").field("cameras", &self.cameras).finish_non_exhaustive()
+    }
+}
+
+impl Source for StoredFrames {
+    fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
+        let camera = self.cameras.get(camera).ok_or_else(|| Error::NoCamera(camera))?;
+        Ok(Box::new(Reader { files: self.files.fork(), camera, frame_count: self.frame_count }))
+    }
+}
+
+/// Reads one camera.
+struct Reader<'a> {
+    files: Files<'static>,
+    camera: &'a CameraFiles,
+    frame_count: usize,
+}
+
+impl Reader<'_> {
+    /// The file of a frame. What an earlier one was charged is given back: it is no longer held here.
+    fn file<'n>(
+        &mut self,
+        names: &'n Names,
+        frame: usize,
+    ) -> Result<Option<(Cow<'n, str>, Vec<u8>)>, Error> {
+        if frame >= self.frame_count {
+            return Ok(None);
+        }
+        let Some(name) = names.at(frame) else { return Ok(None) };
+        self.files.budget = Budget::new(&self.files.limits);
+        let [width, height] = self.camera.size;
+        let cap = OVERHEAD + (width as u64 * height as u64).saturating_mul(16);
+        Ok(self.files.find_within(&name, cap)?.map(|bytes| (name, bytes)))
+    }
+}
+
+impl Frames for Reader<'_> {
+    fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
+        let camera = self.camera;
+        let Some((at, bytes)) = self.file(&camera.color, frame)? else { return Ok(None) };
+        decode::color(&at, &bytes, camera.size).map(Some)
+    }
+
+    fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
+        let camera = self.camera;
+        let Some(depth) = &camera.depth else { return Ok(None) };
+        let Some((at, bytes)) = self.file(&depth.names, frame)? else { return Ok(None) };
+        decode::depth(&at, &bytes, depth.unit_m, camera.size, &mut self.files.budget).map(Some)
+    }
+
+    fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
+        let camera = self.camera;
+        let parts = match region {
+            Region::Object => &camera.object,
+            Region::Manipulator => &camera.manipulator,
+        };
+        let mut whole: Option<Mask> = None;
+        for names in parts {
+            let Some((at, bytes)) = self.file(names, frame)? else { continue };
+            let part = decode::mask(&at, &bytes, camera.size)?;
+            match &mut whole {
+                None => whole = Some(part),
+                Some(whole) => {
+                    whole.pixels.iter_mut().zip(&part.pixels).for_each(|(a, b)| *a |= *b);
+                }
+            }
+        }
+        Ok(whole)
+    }
+
+    fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
+        let files = &mut self.files;
+        files.budget = Budget::new(&files.limits);
+        let limit = files.limits.points;
+        match &self.camera.tracks {
+            None => Ok(None),
+            Some(TrackFiles::Npz(name)) => {
+                let Some(bytes) = files.find(name)? else { return Ok(None) };
+                let mut inner = Files::from_bytes(name, &bytes, &files.limits)?;
+                let missing =
+                    |array: &str| Error::MissingArray { at: name.clone(), array: array.to_owned() };
+                let point_bytes = inner.find("tracks.npy")?.ok_or_else(|| missing("tracks"))?;
+                let points = npy::read(&format!("{name}: tracks"), &point_bytes)?;
+                let seen_bytes =
+                    inner.find("visibility.npy")?.ok_or_else(|| missing("visibility"))?;
+                let seen = npy::read(&format!("{name}: visibility"), &seen_bytes)?;
+                let budget = &mut files.budget;
+                tracks::join(
+                    &points,
+                    Some(&seen),
+                    Order::RowColumn,
+                    self.frame_count,
+                    limit,
+                    budget,
+                )
+                .map(Some)
+            }
+            Some(TrackFiles::Npy { points, visible }) => {
+                let Some(bytes) = files.find(points)? else { return Ok(None) };
+                let seen = match visible {
+                    Some(name) => Some((name, files.read(name)?)),
+                    None => None,
+                };
+                let seen = match &seen {
+                    Some((name, bytes)) => Some(npy::read(name, bytes)?),
+                    None => None,
+                };
+                let points = npy::read(points, &bytes)?;
+                let budget = &mut files.budget;
+                tracks::join(&points, seen.as_ref(), Order::Xy, self.frame_count, limit, budget)
+                    .map(Some)
+            }
+        }
+    }
+}
