@@ -1,0 +1,93 @@
+//! The convex hull of a few points, from outside: the extents along fixed directions, after the points were stretched to be
+//! equally wide along their principal axes. Needs no care with points in one plane, and thin parts get thin hulls.
+
+use nalgebra::Matrix3;
+
+use crate::Vec3;
+
+/// Half-spaces of a hull: it is then at most 2 % wider than the true one.
+const DIRECTIONS: usize = 160;
+/// Steps across a hull at which it is asked for its volume.
+const STEPS: usize = 14;
+/// Fewer points enclose nothing.
+const MIN_POINTS: usize = 8;
+
+pub(super) struct Hull {
+    middle: Vec3,
+    /// Principal axes, and extents along them, longest first [m].
+    pub(super) axes: [Vec3; 3],
+    pub(super) extents: [f64; 3],
+    /// The farthest point along each direction, stretched.
+    reach: Vec<f64>,
+    /// In m³.
+    pub(super) volume: f64,
+}
+
+impl Hull {
+    /// `None` if the points lie in a plane or are too few.
+    pub(super) fn of(points: &[Vec3], directions: &[Vec3]) -> Option<Self> {
+        if points.len() < MIN_POINTS {
+            return None;
+        }
+        let mean = points.iter().sum::<Vec3>() / points.len() as f64;
+        let spread: Matrix3<f64> = points.iter().map(|p| (p - mean) * (p - mean).transpose()).sum();
+        let eigen = spread.symmetric_eigen();
+        let mut sides: Vec<(f64, f64, Vec3)> = eigen
+            .eigenvectors
+            .column_iter()
+            .map(|axis| {
+                let along = || points.iter().map(|p| axis.dot(p));
+                let low = along().fold(f64::INFINITY, f64::min);
+                let high = along().fold(f64::NEG_INFINITY, f64::max);
+                (high - low, (high + low) / 2.0, axis.into_owned())
+            })
+            .collect();
+        sides.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let extents: [f64; 3] = std::array::from_fn(|i| sides[i].0);
+        if extents[2].is_nan() || extents[2] <= 1e-6 * extents[0] {
+            return None;
+        }
+        let axes = std::array::from_fn(|i| sides[i].2);
+        let middle = sides.iter().map(|(_, centre, axis)| axis * *centre).sum();
+        let mut hull = Self { middle, axes, extents, reach: Vec::new(), volume: 0.0 };
+        let stretched: Vec<Vec3> = points.iter().map(|p| hull.stretch(*p)).collect();
+        let farthest =
+            |d: &Vec3| stretched.iter().map(|p| d.dot(p)).fold(f64::NEG_INFINITY, f64::max);
+        hull.reach = directions.iter().map(farthest).collect();
+
+        let at = |i: usize| (2 * i + 1) as f64 / STEPS as f64 - 1.0;
+        let cells = (0..STEPS.pow(3))
+            .map(|i| Vec3::new(at(i / STEPS / STEPS), at(i / STEPS % STEPS), at(i % STEPS)));
+        let full = cells.filter(|p| hull.holds_stretched(*p, directions)).count();
+        let share = full as f64 / STEPS.pow(3) as f64;
+        hull.volume = share * extents.iter().product::<f64>();
+        Some(hull)
+    }
+
+    pub(super) fn holds(&self, p: Vec3, directions: &[Vec3]) -> bool {
+        let p = self.stretch(p);
+        p.amax() <= 1.0 && self.holds_stretched(p, directions)
+    }
+
+    fn holds_stretched(&self, p: Vec3, directions: &[Vec3]) -> bool {
+        directions.iter().zip(&self.reach).all(|(d, reach)| d.dot(&p) <= *reach)
+    }
+
+    /// Within -1..1 along each axis.
+    fn stretch(&self, p: Vec3) -> Vec3 {
+        let d = p - self.middle;
+        Vec3::from_fn(|i, _| 2.0 * self.axes[i].dot(&d) / self.extents[i])
+    }
+}
+
+/// Unit vectors spread evenly over the sphere.
+pub(super) fn directions() -> Vec<Vec3> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let on_sphere = |i: usize| {
+        let z = 1.0 - (2.0 * i as f64 + 1.0) / DIRECTIONS as f64;
+        let (s, c) = (golden * i as f64).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        Vec3::new(r * c, r * s, z)
+    };
+    (0..DIRECTIONS).map(on_sphere).collect()
+}

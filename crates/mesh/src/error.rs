@@ -1,0 +1,164 @@
+//! Why a mesh cannot be read or used, in words that tell its owner what to do.
+
+use bendtwin_core::{Category, Problem};
+
+/// Why a mesh cannot be read, sampled or aligned.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// An extension that is not read.
+    #[error("`{0}` is no mesh that can be read: export it as .glb, .obj or .ply")]
+    Format(String),
+    /// A file that is cut off, corrupted or against its format.
+    #[error("the mesh `{at}` is damaged: {fault}; export it again")]
+    Damaged {
+        /// The file.
+        at: String,
+        /// What is wrong.
+        fault: String,
+    },
+    /// A header that claims more than there is.
+    #[error(
+        "the mesh `{at}` claims {claimed} bytes of data but holds {present}: it is cut off or its header is wrong"
+    )]
+    Absurd {
+        /// The file.
+        at: String,
+        /// Bytes that its header claims, saturated.
+        claimed: u64,
+        /// Bytes that are there.
+        present: u64,
+    },
+    /// Beyond [`crate::Limits`].
+    #[error("the mesh has {count} {what}, the limit is {limit}: decimate it first")]
+    TooMany {
+        /// What is too many.
+        what: &'static str,
+        /// How many.
+        count: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// A file beyond [`crate::Limits::file_bytes`].
+    #[error("the mesh `{at}` has {bytes} bytes, the limit is {limit}: decimate it first")]
+    TooLarge {
+        /// The file.
+        at: String,
+        /// Its size.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// Draco, meshopt and the like.
+    #[error(
+        "the mesh `{at}` is compressed with {extension}: export it without compression \
+         (`gltf-transform copy in.glb out.glb` decodes it)"
+    )]
+    Compressed {
+        /// The file.
+        at: String,
+        /// The extension.
+        extension: String,
+    },
+    /// Data in another file.
+    #[error("the mesh `{at}` keeps its data in other files: export it as one binary .glb")]
+    External {
+        /// The file.
+        at: String,
+    },
+    /// Something that its format allows and nobody needs here.
+    #[error("the mesh `{at}` uses {what}, which is not read: export plain triangles")]
+    Unsupported {
+        /// The file.
+        at: String,
+        /// What it uses.
+        what: String,
+    },
+    /// Nothing to sample.
+    #[error("the mesh `{0}` has no triangles: export the surface, not points or lines")]
+    Empty(String),
+    /// NaN or infinity.
+    #[error(
+        "the mesh `{at}` has a coordinate of vertex {vertex} that is not a finite number: export it again"
+    )]
+    NotFinite {
+        /// The file.
+        at: String,
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A triangle without its corner.
+    #[error(
+        "the mesh `{at}` has a face that names vertex {vertex}, but there are {vertices}: export it again"
+    )]
+    IndexRange {
+        /// The file.
+        at: String,
+        /// The vertex named.
+        vertex: i64,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// A spacing that is not a length, or one so fine that memory would not hold the samples.
+    #[error(
+        "a spacing of {spacing_m} m gives about {samples} samples, the limit is {limit}: use a wider one"
+    )]
+    Spacing {
+        /// The spacing asked for [m].
+        spacing_m: f32,
+        /// How many samples that means, saturated.
+        samples: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// Too little to align to.
+    #[error(
+        "a mesh is aligned to at least {needed} observed points, there are {found}: look at the object's masks and depth"
+    )]
+    TooFewPoints {
+        /// Points needed.
+        needed: usize,
+        /// Finite points found.
+        found: usize,
+    },
+    /// No pose of the mesh explains what was observed.
+    #[error(
+        "the mesh fits only {share:.0} % of the observed points within {within_mm:.1} mm in its best pose: it shows \
+         another object or another shape of it; align it by hand, or leave it out",
+        share = inlier_share * 100.0, within_mm = within_m * 1e3
+    )]
+    NotAligned {
+        /// Observed points that lie on the mesh, 0 to 1.
+        inlier_share: f64,
+        /// What counts as on the mesh [m].
+        within_m: f64,
+    },
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::TooMany { .. } | Self::TooLarge { .. } => Category::ResourceExhausted,
+            Self::TooFewPoints { .. } | Self::NotAligned { .. } => Category::FailedPrecondition,
+            _ => Category::InvalidArgument,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Format(_) => "UNKNOWN_MESH_FORMAT",
+            Self::Damaged { .. } => "MESH_DAMAGED",
+            Self::Absurd { .. } => "MESH_CLAIMS_TOO_MUCH",
+            Self::TooMany { .. } => "MESH_TOO_MANY",
+            Self::TooLarge { .. } => "MESH_TOO_LARGE",
+            Self::Compressed { .. } => "MESH_COMPRESSED",
+            Self::External { .. } => "MESH_EXTERNAL_DATA",
+            Self::Unsupported { .. } => "MESH_UNSUPPORTED",
+            Self::Empty(_) => "MESH_EMPTY",
+            Self::NotFinite { .. } => "MESH_NOT_FINITE",
+            Self::IndexRange { .. } => "MESH_INDEX_OUT_OF_RANGE",
+            Self::Spacing { .. } => "MESH_SPACING_TOO_FINE",
+            Self::TooFewPoints { .. } => "MESH_TOO_FEW_POINTS",
+            Self::NotAligned { .. } => "MESH_NOT_ALIGNED",
+        }
+    }
+}

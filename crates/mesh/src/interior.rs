@@ -1,0 +1,68 @@
+//! Points on a grid inside a mesh.
+
+use bendtwin_core::Point;
+use rayon::prelude::*;
+
+use crate::{Error, Mesh, Solid};
+
+pub(crate) const MAX_CELLS: f64 = 20_000_000.0;
+
+impl Mesh {
+    /// Points of a cubic grid inside the mesh, at least half a spacing from its surface, so that they do not double
+    /// points on it. Open and self-intersecting meshes are filled where their winding number says so.
+    ///
+    /// # Errors
+    /// If the spacing is no length, or so fine that memory would not hold the grid.
+    pub fn sample_interior(&self, spacing_m: f32) -> Result<Vec<Point>, Error> {
+        let Some(grid) = self.bounds().map(|bounds| Grid::over(bounds, spacing_m)).transpose()?
+        else {
+            return Ok(Vec::new());
+        };
+        let solid = Solid::new(self);
+        Ok(grid.select(|p| {
+            let off_surface = |c: crate::Closest| c.distance >= f64::from(spacing_m) / 2.0;
+            solid.contains(p) && solid.surface().closest(p).is_some_and(off_surface)
+        }))
+    }
+}
+
+/// A cubic grid over a box, centred in it.
+pub(crate) struct Grid {
+    low: Point,
+    spacing: f32,
+    counts: [usize; 3],
+}
+
+impl Grid {
+    pub(crate) fn over([low, high]: [Point; 2], spacing_m: f32) -> Result<Self, Error> {
+        let sizes: [f64; 3] = std::array::from_fn(|a| f64::from(high[a]) - f64::from(low[a]));
+        let counts = sizes.map(|s| (s / f64::from(spacing_m)).floor() + 1.0);
+        let cells: f64 = counts.iter().product();
+        if !(spacing_m > 0.0 && cells <= MAX_CELLS) {
+            let samples = cells.max(0.0) as u64;
+            return Err(Error::Spacing { spacing_m, samples, limit: MAX_CELLS as u64 });
+        }
+        let rest = |a: usize| (sizes[a] - (counts[a] - 1.0) * f64::from(spacing_m)) / 2.0;
+        Ok(Self {
+            low: std::array::from_fn(|a| (f64::from(low[a]) + rest(a)) as f32),
+            spacing: spacing_m,
+            counts: counts.map(|c| c as usize),
+        })
+    }
+
+    /// The grid's points that are wanted, in order of x, y, z.
+    pub(crate) fn select(&self, wanted: impl Fn(Point) -> bool + Sync) -> Vec<Point> {
+        let [nx, ny, nz] = self.counts;
+        let columns = (0..nx * ny).into_par_iter().map(|xy| {
+            let at = |z: usize| {
+                let cell = [xy / ny, xy % ny, z];
+                std::array::from_fn(|a| self.low[a] + self.spacing * cell[a] as f32)
+            };
+            (0..nz).map(at).filter(|p| wanted(*p)).collect::<Vec<Point>>()
+        });
+        columns.collect::<Vec<_>>().concat()
+    }
+}
+
+#[cfg(test)]
+mod tests;
