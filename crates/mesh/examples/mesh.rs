@@ -83,7 +83,3 @@ fn similarity(turn: usize) -> Similarity {
         translation: [0.3, -0.1, 0.7],
     }
 }
-
-fn distance(a: Point, b: Point) -> f64 {
-    (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
-}
