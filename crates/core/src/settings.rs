@@ -1,6 +1,7 @@
 //! What a user may choose about a fit. Every field has a default, unknown
 //! fields are refused, and [`FitSettings::validate`] reports all faults at once.
 
+pub mod ingest;
 pub mod layers;
 
 use serde::{Deserialize, Serialize};

@@ -1,0 +1,261 @@
+//! What a user may choose about how a raw recording is lifted to tracked points. Every field has a default, unknown
+//! fields are refused, and [`IngestSettings::validate`] reports all faults at once.
+
+use serde::{Deserialize, Serialize};
+
+/// Settings of the ingest of a raw recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct IngestSettings {
+    /// How masks are cleaned.
+    pub masks: MaskSettings,
+    /// How pixels become points.
+    pub lift: LiftSettings,
+    /// Which tracks are believed.
+    pub motion: MotionSettings,
+    /// Least distance between two points of the capture at the first frame [m]: where several cameras track one
+    /// spot, the track that is seen longest stays.
+    pub spacing_m: f64,
+    /// How control points are made.
+    pub controls: ControlSettings,
+    /// How what no camera saw is filled in.
+    pub completion: CompletionSettings,
+    /// Where points inside the object come from.
+    pub interior: Interior,
+}
+
+/// Cleaning of a camera's masks, frame by frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MaskSettings {
+    /// Depth nearer than this counts as not measured [m].
+    pub nearest_m: f64,
+    /// Depth farther than this counts as not measured [m].
+    pub farthest_m: f64,
+    /// Neighbouring pixels whose depths differ by more than this lie on different surfaces [m]...
+    pub edge_m: f64,
+    /// ...plus so many times the width of a pixel at that depth, which lets steep surfaces pass.
+    pub edge_slope: f64,
+    /// Pixels of the mask on the same surface that a pixel needs among the 24 around it; those with fewer are flying
+    /// pixels or outliers.
+    pub min_neighbours: u32,
+    /// Connected parts smaller than this fraction of the largest one are dropped.
+    pub min_component: f64,
+    /// Within this distance an object's pixel needs as many neighbours of the object as of the hand, and the other way
+    /// round [m]; 0 leaves out the test.
+    pub contact_m: f64,
+}
+
+/// Lifting of 2D tracks through depth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LiftSettings {
+    /// Pixels to each side through which a plane is fitted.
+    pub window: u32,
+    /// Fewest pixels for that; with fewer the point counts as not seen.
+    pub min_support: u32,
+}
+
+/// Comparing each track with its neighbours, most of which move as the object does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MotionSettings {
+    /// Neighbours lie within this distance at the first frame [m].
+    pub radius_m: f64,
+    /// So many of them at most, the nearest.
+    pub neighbours: u32,
+    /// With fewer that are seen a motion counts as not valid, since nobody confirms it.
+    pub min_neighbours: u32,
+    /// How far a motion from frame to frame may be from what the neighbours say, and still be valid [m].
+    pub tolerance_m: f64,
+    /// How far a point may be from where the neighbours say since the first frame, and still count as the same
+    /// spot [m]; it is not seen in frames in which it is farther.
+    pub drift_m: f64,
+}
+
+/// Control points from the tracks on hands or grippers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ControlSettings {
+    /// Control points of all hands together.
+    pub count: u32,
+    /// Most hands.
+    pub max_hands: u32,
+    /// Tracks on one hand are not farther than this from the next one at the first frame [m].
+    pub hand_gap_m: f64,
+    /// Gaps up to so many frames are filled; a hand that is hidden longer is an error.
+    pub max_gap_frames: u32,
+    /// A hand whose tracks stay within this distance of a rigid motion is smoothed as a rigid body [m]; one that
+    /// opens or closes is not.
+    pub rigid_m: f64,
+}
+
+/// Completion from a mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CompletionSettings {
+    /// Whether a mesh that lies in the recording is used.
+    pub mesh: bool,
+    /// Whether a mesh without alignment is aligned here; otherwise it is an error.
+    pub align: bool,
+    /// Least distance of completed points from observed ones and from each other [m].
+    pub spacing_m: f64,
+    /// A mesh that is farther than this from the observed surface, in the median, does not fit and is not used [m].
+    pub max_error_m: f64,
+    /// Most points on the completed surface, and most inside.
+    pub max_points: u32,
+}
+
+/// Where points inside the object come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Interior {
+    /// From the mesh, if there is one; otherwise there are none.
+    #[default]
+    Mesh,
+    /// From the mesh, or else from the convex parts of the observed surface, which is a guess.
+    Convex,
+    /// There are none.
+    None,
+}
+
+impl Default for IngestSettings {
+    fn default() -> Self {
+        Self {
+            masks: MaskSettings::default(),
+            lift: LiftSettings::default(),
+            motion: MotionSettings::default(),
+            spacing_m: 0.003,
+            controls: ControlSettings::default(),
+            completion: CompletionSettings::default(),
+            interior: Interior::Mesh,
+        }
+    }
+}
+
+impl Default for MaskSettings {
+    fn default() -> Self {
+        Self {
+            nearest_m: 0.05,
+            farthest_m: 10.0,
+            edge_m: 0.01,
+            edge_slope: 3.0,
+            min_neighbours: 7,
+            min_component: 0.02,
+            contact_m: 0.008,
+        }
+    }
+}
+
+impl Default for LiftSettings {
+    fn default() -> Self {
+        Self { window: 2, min_support: 6 }
+    }
+}
+
+impl Default for MotionSettings {
+    fn default() -> Self {
+        Self {
+            radius_m: 0.03,
+            neighbours: 16,
+            min_neighbours: 4,
+            tolerance_m: 0.004,
+            drift_m: 0.01,
+        }
+    }
+}
+
+impl Default for ControlSettings {
+    fn default() -> Self {
+        Self { count: 30, max_hands: 2, hand_gap_m: 0.05, max_gap_frames: 5, rigid_m: 0.006 }
+    }
+}
+
+impl Default for CompletionSettings {
+    fn default() -> Self {
+        Self { mesh: true, align: true, spacing_m: 0.005, max_error_m: 0.015, max_points: 20_000 }
+    }
+}
+
+impl IngestSettings {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// All faults found, one sentence each.
+    pub fn validate(&self) -> Result<(), Vec<String>> {
+        let mut faults = Vec::new();
+        let mut within = |name: &str, value: f64, low: f64, high: f64| {
+            if !(value >= low && value <= high) {
+                faults.push(format!("{name} is {value}: it must lie in {low}..={high}"));
+            }
+        };
+        let m = &self.masks;
+        within("masks.nearest_m", m.nearest_m, 0.0, 100.0);
+        within("masks.farthest_m", m.farthest_m, 0.01, 1000.0);
+        within("masks.edge_m", m.edge_m, 1e-5, 10.0);
+        within("masks.edge_slope", m.edge_slope, 0.0, 100.0);
+        within("masks.min_neighbours", f64::from(m.min_neighbours), 0.0, 24.0);
+        within("masks.min_component", m.min_component, 0.0, 1.0);
+        within("masks.contact_m", m.contact_m, 0.0, 1.0);
+        within("lift.window", f64::from(self.lift.window), 1.0, 8.0);
+        within("lift.min_support", f64::from(self.lift.min_support), 1.0, 289.0);
+        let v = &self.motion;
+        within("motion.radius_m", v.radius_m, 1e-4, 10.0);
+        within("motion.neighbours", f64::from(v.neighbours), 3.0, 128.0);
+        within("motion.min_neighbours", f64::from(v.min_neighbours), 3.0, 128.0);
+        within("motion.tolerance_m", v.tolerance_m, 1e-5, 10.0);
+        within("motion.drift_m", v.drift_m, 1e-5, 10.0);
+        within("spacing_m", self.spacing_m, 0.0, 1.0);
+        let c = &self.controls;
+        within("controls.count", f64::from(c.count), 1.0, 10_000.0);
+        within("controls.max_hands", f64::from(c.max_hands), 1.0, 8.0);
+        within("controls.hand_gap_m", c.hand_gap_m, 1e-4, 10.0);
+        within("controls.max_gap_frames", f64::from(c.max_gap_frames), 0.0, 1_000_000.0);
+        within("controls.rigid_m", c.rigid_m, 0.0, 1.0);
+        let f = &self.completion;
+        within("completion.spacing_m", f.spacing_m, 1e-4, 1.0);
+        within("completion.max_error_m", f.max_error_m, 1e-5, 10.0);
+        within("completion.max_points", f64::from(f.max_points), 0.0, 1_000_000.0);
+        if m.nearest_m >= m.farthest_m {
+            faults.push("masks.nearest_m must be less than masks.farthest_m".to_owned());
+        }
+        if v.min_neighbours > v.neighbours {
+            faults.push("motion.min_neighbours must not exceed motion.neighbours".to_owned());
+        }
+        let side = 2 * self.lift.window.min(8) + 1;
+        if self.lift.min_support > side * side {
+            faults.push(format!(
+                "lift.min_support is {}: a window of {} pixels to each side has {}",
+                self.lift.min_support,
+                self.lift.window,
+                side * side
+            ));
+        }
+        if faults.is_empty() { Ok(()) } else { Err(faults) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_valid_and_an_empty_object_is_complete() {
+        IngestSettings::default().validate().unwrap();
+        let read: IngestSettings = serde_json::from_str("{}").unwrap();
+        assert_eq!(read, IngestSettings::default());
+        assert!(serde_json::from_str::<IngestSettings>(r#"{"spacing": 1}"#).is_err());
+    }
+
+    #[test]
+    fn all_faults_are_told_at_once() {
+        let settings = IngestSettings {
+            spacing_m: f64::NAN,
+            lift: LiftSettings { window: 1, min_support: 10 },
+            motion: MotionSettings { min_neighbours: 20, ..MotionSettings::default() },
+            ..IngestSettings::default()
+        };
+        let faults = settings.validate().unwrap_err();
+        assert_eq!(faults.len(), 3, "{faults:?}");
+    }
+}

@@ -1,0 +1,166 @@
+//! What an ingest saw and decided, in numbers: material for the capture's report.
+
+use bendtwin_capture::Finding;
+use serde::{Deserialize, Serialize};
+
+/// How an observation came about.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Per camera, in the recording's order.
+    pub cameras: Vec<CameraEvidence>,
+    /// The object's tracks.
+    pub tracks: TrackEvidence,
+    /// Hands or grippers, as the controls are grouped.
+    pub hands: Vec<HandEvidence>,
+    /// The completed shape, if there is one.
+    pub shape: Option<ShapeEvidence>,
+    /// What a person should know.
+    pub findings: Vec<Finding>,
+}
+
+/// One camera.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CameraEvidence {
+    /// Its name.
+    pub name: String,
+    /// Its 2D tracks.
+    pub tracks: usize,
+    /// How good the built-in tracker finds its tracks, 0..=1; `None` where the recording brought tracks.
+    pub tracker_quality: Option<f64>,
+    /// Frames without a depth image.
+    pub missing_frames: usize,
+    /// Object's mask, pixels of all frames.
+    pub object: MaskCounts,
+    /// Manipulator's mask, pixels of all frames.
+    pub manipulator: MaskCounts,
+    /// Its tracks, times all frames.
+    pub lifts: LiftCounts,
+}
+
+/// Where the pixels of a mask went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MaskCounts {
+    /// Frames with a mask.
+    pub frames: u64,
+    /// Frames whose mask is there and empty.
+    pub empty_frames: u64,
+    /// Pixels of the mask.
+    pub pixels: u64,
+    /// Without depth, or with one out of range.
+    pub no_depth: u64,
+    /// With too few neighbours on the same surface: flying pixels at edges, outliers.
+    pub flying: u64,
+    /// In small separate parts.
+    pub specks: u64,
+    /// Nearer to what the other mask shows.
+    pub contact: u64,
+    /// Left over.
+    pub kept: u64,
+}
+
+/// What happened to 2D tracks, times frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LiftCounts {
+    /// Lifted onto the object.
+    pub object: u64,
+    /// Lifted onto a manipulator.
+    pub manipulator: u64,
+    /// The frame was not recorded.
+    pub no_frame: u64,
+    /// The tracker did not see it.
+    pub hidden: u64,
+    /// Outside the image.
+    pub outside: u64,
+    /// On neither cleaned mask: background, an edge, or no depth.
+    pub off_mask: u64,
+    /// Too few pixels of one surface around it.
+    pub unsupported: u64,
+}
+
+/// The object's tracks.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrackEvidence {
+    /// Tracks of all cameras that lie on the object in the first frame.
+    pub on_object: usize,
+    /// Of those, dropped because a longer one was as near as the spacing.
+    pub thinned: usize,
+    /// Of those, dropped because they were at odds with their neighbours most of the time.
+    pub unreliable: usize,
+    /// The capture's points.
+    pub kept: usize,
+    /// Share of the kept points that is seen, shape [T].
+    pub seen: Vec<f32>,
+    /// Share of the kept points whose motion is valid, shape [T].
+    pub motion_valid: Vec<f32>,
+    /// Share of sightings given up because the point had drifted from its spot.
+    pub drifted: f64,
+    /// Share of motions between two sightings that the neighbours do not confirm.
+    pub unconfirmed: f64,
+    /// Median distance between where points were seen and where their neighbours said, frame to frame [m]: the noise.
+    pub motion_residual_m: f64,
+}
+
+/// One hand or gripper.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HandEvidence {
+    /// Tracks on it in the first frame.
+    pub tracks: usize,
+    /// Of those, seen in every frame, with short gaps filled.
+    pub surviving: usize,
+    /// Its control points.
+    pub controls: usize,
+    /// Median distance of tracks from a rigid motion [m].
+    pub residual_m: f64,
+    /// 95th percentile of that [m].
+    pub residual_p95_m: f64,
+    /// Whether its control points were made to move as a rigid body.
+    pub rigid: bool,
+    /// Frames in which its pose was filled in from the frames around.
+    pub filled_frames: usize,
+}
+
+/// The completed shape.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ShapeEvidence {
+    /// Where it comes from: the mesh's file name, or `convex`.
+    pub source: String,
+    /// Whether it was aligned here.
+    pub aligned: bool,
+    /// Metres per unit of the mesh.
+    pub scale: f64,
+    /// Median distance of the observed surface from it [m].
+    pub error_m: f64,
+    /// 90th percentile of that [m].
+    pub error_p90_m: f64,
+    /// Points on its surface that were sampled.
+    pub sampled_surface: usize,
+    /// Points on its surface that became part of the capture: those that no camera saw.
+    pub surface: usize,
+    /// Points inside that became part of the capture.
+    pub interior: usize,
+}
+
+impl MaskCounts {
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.frames += other.frames;
+        self.empty_frames += other.empty_frames;
+        self.pixels += other.pixels;
+        self.no_depth += other.no_depth;
+        self.flying += other.flying;
+        self.specks += other.specks;
+        self.contact += other.contact;
+        self.kept += other.kept;
+    }
+}
+
+impl LiftCounts {
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.object += other.object;
+        self.manipulator += other.manipulator;
+        self.no_frame += other.no_frame;
+        self.hidden += other.hidden;
+        self.outside += other.outside;
+        self.off_mask += other.off_mask;
+        self.unsupported += other.unsupported;
+    }
+}

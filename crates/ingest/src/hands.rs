@@ -1,0 +1,107 @@
+//! From tracks on hands or grippers to control points: tracks are grouped into hands, each hand's motion is fitted as that of
+//! a rigid body, and its control points ride on that motion.
+
+mod body;
+mod cluster;
+
+use bendtwin_capture::{Finding, Severity};
+use bendtwin_core::{Point, settings::ingest::ControlSettings};
+
+use self::{body::Body, cluster::clusters};
+use crate::{Error, evidence::HandEvidence, thin::farthest_first, tracks::Tracks};
+
+/// Tracks that a hand needs: three span a pose, and one more tells whether they agree.
+pub(crate) const LEAST_TRACKS: usize = 4;
+/// Tracks of hands that are looked at, the longest ones; more do not make a pose better.
+const MOST_TRACKS: usize = 600;
+
+/// Control points of all hands.
+pub(crate) struct Controls {
+    /// Positions [m], shape [T, C, 3], those of one hand beside each other.
+    pub(crate) points: Vec<Point>,
+    pub(crate) hands: Vec<HandEvidence>,
+    pub(crate) findings: Vec<Finding>,
+}
+
+/// Control points from the tracks on all hands.
+pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Controls, Error> {
+    let survival = tracks.survival();
+    let mut longest: Vec<usize> = (0..tracks.count).collect();
+    longest.sort_by_key(|i| (std::cmp::Reverse(survival[*i]), *i));
+    longest.truncate(MOST_TRACKS);
+    longest.sort_unstable();
+    let tracks = &tracks.select(&longest);
+
+    let mut groups = clusters(tracks, settings);
+    let largest = groups.first().map_or(0, Vec::len);
+    groups.retain(|g| g.len() >= LEAST_TRACKS && 10 * g.len() >= largest);
+    let mut findings = Vec::new();
+    if groups.len() > settings.max_hands as usize {
+        findings.push(warning(
+            "TOO_MANY_HANDS",
+            format!(
+                "the tracks on hands fall into {} groups, the {} largest are used: check the hand's masks, or set \
+                 controls.max_hands",
+                groups.len(),
+                settings.max_hands
+            ),
+        ));
+        groups.truncate(settings.max_hands as usize);
+    }
+    if groups.is_empty() {
+        return Err(Error::NoHandTracks { tracks: largest, needed: LEAST_TRACKS });
+    }
+    let mut columns = Vec::new();
+    let mut hands = Vec::new();
+    for (hand, group) in groups.iter().enumerate() {
+        // The first hands get what cannot be dealt out evenly.
+        let all = settings.count as usize;
+        let wanted = all / groups.len() + usize::from(hand < all % groups.len());
+        let tracks = tracks.select(group);
+        let body = Body::fit(&tracks, hand, settings)?;
+        let mut chosen = body.surviving();
+        let surviving = chosen.len();
+        if surviving < LEAST_TRACKS.min(wanted) {
+            findings.push(warning(
+                "HAND_BARELY_TRACKED",
+                format!(
+                    "only {surviving} tracks on hand {hand} are seen in every frame: its control points follow the \
+                     motion of all {} tracks on it",
+                    group.len()
+                ),
+            ));
+            chosen = body.steady();
+        }
+        let starts: Vec<Point> = chosen.iter().map(|i| body.start(*i)).collect();
+        let picked: Vec<usize> =
+            farthest_first(&starts, wanted).into_iter().map(|i| chosen[i]).collect();
+        if !body.is_rigid() {
+            findings.push(Finding {
+                severity: Severity::Info,
+                code: "HAND_NOT_RIGID".to_owned(),
+                message: format!(
+                    "tracks on hand {hand} are {:.1} mm from a rigid motion in the median (limit {:.1}): it opens or \
+                     closes, and its control points move each on its own",
+                    1e3 * body.residual_m(),
+                    1e3 * settings.rigid_m
+                ),
+            });
+        }
+        hands.push(HandEvidence {
+            tracks: group.len(),
+            surviving,
+            controls: picked.len(),
+            ..body.evidence()
+        });
+        columns.extend(picked.into_iter().map(|i| body.trajectory(i)));
+    }
+    let points = (0..tracks.frames).flat_map(|f| columns.iter().map(move |c| c[f])).collect();
+    Ok(Controls { points, hands, findings })
+}
+
+fn warning(code: &str, message: String) -> Finding {
+    Finding { severity: Severity::Warning, code: code.to_owned(), message }
+}
+
+#[cfg(test)]
+mod tests;
