@@ -1,0 +1,53 @@
+//! Why tracking fails.
+
+use bendtwin_core::{Category, Problem};
+
+/// Why a recording cannot be tracked.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Settings out of range.
+    #[error("the tracker's settings are wrong: {}", .0.join("; "))]
+    Settings(Vec<String>),
+    /// The recording is inconsistent.
+    #[error(transparent)]
+    Recording(#[from] bendtwin_capture::Error),
+    /// An image has another size than its camera says.
+    #[error(
+        "{what} of camera `{camera}`, frame {frame}, has {found:?} pixels where its calibration says {expected:?}: \
+         export colour, depth and masks on one grid"
+    )]
+    ImageSize {
+        /// Name of the camera.
+        camera: String,
+        /// Number of the frame.
+        frame: usize,
+        /// Which image.
+        what: &'static str,
+        /// Columns and rows found.
+        found: (usize, usize),
+        /// Columns and rows of the camera.
+        expected: (usize, usize),
+    },
+    /// Stopped on request.
+    #[error("tracking was cancelled")]
+    Cancelled,
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::Settings(_) | Self::ImageSize { .. } => Category::InvalidArgument,
+            Self::Recording(e) => e.category(),
+            Self::Cancelled => Category::Cancelled,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Settings(_) => "FLOW_SETTINGS_INVALID",
+            Self::ImageSize { .. } => "IMAGE_SIZE_MISMATCH",
+            Self::Recording(e) => e.reason(),
+            Self::Cancelled => "CANCELLED",
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! One frame: where every track went.
+
+use bendtwin_capture::raw::Region;
+use bendtwin_core::Point;
+use nalgebra::Matrix3;
+use rayon::prelude::*;
+
+use crate::{
+    FlowSettings,
+    appearance::{Appearance, Glimpse},
+    follow::{Hit, follow},
+    motion::{Motion, distance},
+    multiview::contradicts,
+    track::Track,
+};
+
+/// What became of a track in a frame.
+#[derive(Clone, Debug)]
+pub(crate) enum Found {
+    /// Its camera has no such frame.
+    Unknown,
+    /// It was not found, or not believed.
+    Hidden {
+        /// Where it should appear, as far as its neighbours know.
+        at: Option<[f64; 2]>,
+    },
+    /// It was found.
+    Seen(Box<Sighting>),
+}
+
+/// Where a track was found.
+#[derive(Clone, Debug)]
+pub(crate) struct Sighting {
+    pub(crate) at: [f64; 2],
+    pub(crate) point: Point,
+    /// How its surroundings have turned since seeding.
+    pub(crate) rotation: Matrix3<f64>,
+    /// What it looks like now, if it can no longer be recognised by what is known.
+    pub(crate) renewed: Option<Appearance>,
+    /// How far it missed its start, tracked there and back [px], if it was followed from the frame before.
+    pub(crate) forward_backward_px: Option<f64>,
+    /// Distance to where its neighbours put it [m], if they do.
+    pub(crate) deviation_m: Option<f64>,
+}
+
+/// How far inside its region a point must lie to be believed [px].
+const RIM: u8 = 2;
+
+impl Track {
+    /// Takes over what was found.
+    pub(crate) fn see(&mut self, sighting: Sighting) {
+        self.velocity = if self.seen {
+            [0, 1, 2].map(|i| f64::from(sighting.point[i] - self.point[i]))
+        } else {
+            [0.0; 3]
+        };
+        self.seen = true;
+        self.at = sighting.at;
+        self.point = sighting.point;
+        self.rotation = sighting.rotation;
+        if sighting.renewed.is_some() {
+            self.recent = sighting.renewed;
+        }
+    }
+}
+
+/// Follows all tracks from their cameras' last views into the views of a new frame.
+pub(crate) fn follow_all(
+    tracks: &[Track],
+    before: &[Option<Glimpse<'_>>],
+    now: &[Option<Glimpse<'_>>],
+    settings: &FlowSettings,
+) -> Vec<Found> {
+    let step = Step { tracks, before, now, settings, jump: settings.depth_jump_m as f32 };
+    let hits: Vec<Option<(Hit, Point)>> = tracks.par_iter().map(|t| step.flow(t)).collect();
+    let places: Vec<Option<Point>> = hits.iter().map(|h| h.map(|(_, point)| point)).collect();
+    let refined: Vec<Option<Sighting>> =
+        tracks.par_iter().zip(&hits).map(|(t, hit)| step.refine(t, *hit, &places)).collect();
+    let places: Vec<Option<Point>> = refined.iter().map(|s| s.as_ref().map(|s| s.point)).collect();
+    tracks.par_iter().zip(refined).map(|(t, s)| step.judge(t, s, &places)).collect()
+}
+
+struct Step<'a> {
+    tracks: &'a [Track],
+    before: &'a [Option<Glimpse<'a>>],
+    now: &'a [Option<Glimpse<'a>>],
+    settings: &'a FlowSettings,
+    jump: f32,
+}
+
+impl Step<'_> {
+    /// Where a track's pixels moved since the last frame.
+    fn flow(&self, track: &Track) -> Option<(Hit, Point)> {
+        if !track.seen {
+            return None;
+        }
+        let (before, now) = (self.before[track.camera]?, self.now[track.camera]?);
+        let velocity = self.velocity(track);
+        let ahead = [0, 1, 2].map(|i| track.point[i] + velocity[i] as f32);
+        let (ahead, _) = now.camera.project(ahead, now.frame)?;
+        let hit = follow(
+            before.view.layer(track.region)?,
+            now.view.layer(track.region)?,
+            track.at,
+            &[ahead, track.at],
+            self.settings,
+        )?;
+        let point = now.lift(hit.at, track.region, self.jump)?;
+        Some((hit, point))
+    }
+
+    /// Median of a track's and its neighbours' velocities, coordinate by coordinate.
+    fn velocity(&self, track: &Track) -> [f64; 3] {
+        let mut known: Vec<[f64; 3]> = track
+            .neighbours
+            .iter()
+            .map(|&j| &self.tracks[j as usize])
+            .chain([track])
+            .filter(|t| t.seen)
+            .map(|t| t.velocity)
+            .collect();
+        let middle = known.len() / 2;
+        [0, 1, 2].map(|i| {
+            known.sort_by(|a, b| a[i].total_cmp(&b[i]));
+            known.get(middle).map_or(0.0, |v| v[i])
+        })
+    }
+
+    /// Matches a track's appearance where flow and neighbours say that it is, or should reappear.
+    fn refine(
+        &self,
+        track: &Track,
+        hit: Option<(Hit, Point)>,
+        places: &[Option<Point>],
+    ) -> Option<Sighting> {
+        let now = self.now[track.camera]?;
+        let motion = track.motion(self.tracks, places, self.settings);
+        let expected = motion.as_ref().map(|m| m.apply(track.home));
+        let rotation = motion.as_ref().map_or(track.rotation, |m| m.rotation);
+        if expected.is_none() && self.tracks.len() > 1 {
+            // Nobody else is seen, or they contradict each other: it would be a guess.
+            return None;
+        }
+        let near = |point: Point| {
+            expected.is_none_or(|e| distance(point, e) < 1.5 * self.settings.max_deviation_m)
+        };
+        let hit = hit.filter(|(_, point)| near(*point));
+        let (start, point) = match (hit, expected) {
+            (Some((hit, point)), _) => (hit.at, point),
+            (None, Some(expected)) => (self.reappearing(track, expected)?, expected),
+            (None, None) => return None,
+        };
+        let good = |appearance: &Appearance| {
+            appearance
+                .find(now, track.region, start, point, &rotation)
+                .filter(|a| f64::from(a.correlation) >= self.settings.min_correlation)
+        };
+        let known = good(&track.first).or_else(|| track.recent.as_ref().and_then(&good));
+        let (at, renewed) = match (known, hit) {
+            (Some(found), _) => (found.at, None),
+            // Followed as its neighbours were, but too changed to be recognised: from now on by what it looks like now.
+            (None, Some((hit, _))) if expected.is_some() => {
+                let window = self.settings.window_px;
+                let renewed =
+                    Appearance::new(now, hit.at, track.region, rotation, window, self.jump)?;
+                (hit.at, Some(renewed))
+            }
+            (None, _) => return None,
+        };
+        let point = now.lift(at, track.region, self.jump)?;
+        near(point).then_some(Sighting {
+            at,
+            point,
+            rotation,
+            renewed,
+            forward_backward_px: hit.map(|(hit, _)| hit.forward_backward_px),
+            deviation_m: None,
+        })
+    }
+
+    /// Where a point that was hidden should be seen again; `None` if it is still behind something.
+    fn reappearing(&self, track: &Track, expected: Point) -> Option<[f64; 2]> {
+        let now = self.now[track.camera]?;
+        let (at, depth) = now.camera.project(expected, now.frame)?;
+        let seen = now.view.depth(at, track.region, self.jump)?;
+        ((f64::from(seen) - depth).abs() < 1.5 * self.settings.max_deviation_m).then_some(at)
+    }
+
+    /// Whether to believe a sighting, now that all are known.
+    fn judge(&self, track: &Track, sighting: Option<Sighting>, places: &[Option<Point>]) -> Found {
+        let Some(now) = self.now[track.camera] else { return Found::Unknown };
+        let motion = track.motion(self.tracks, places, self.settings);
+        let expected = motion.as_ref().map(|m| m.apply(track.home));
+        let believed = sighting.and_then(|s| self.believed(track, s, motion.as_ref()));
+        match believed {
+            Some(sighting) => Found::Seen(Box::new(sighting)),
+            None => {
+                let at = expected.and_then(|e| now.camera.project(e, now.frame));
+                Found::Hidden { at: at.map(|(at, _)| at) }
+            }
+        }
+    }
+
+    fn believed(
+        &self,
+        track: &Track,
+        sighting: Sighting,
+        motion: Option<&Motion>,
+    ) -> Option<Sighting> {
+        let now = self.now[track.camera]?;
+        let deviation = motion.map(|m| distance(m.apply(track.home), sighting.point));
+        let inside = now.view.inset(sighting.at, track.region) >= RIM
+            && now.view.is_smooth(sighting.at, track.region, self.jump);
+        let agrees = deviation.is_none_or(|d| d < self.settings.max_deviation_m);
+        let seen_through = self.settings.multi_view
+            && track.region == Region::Object
+            && (self.now.iter().enumerate())
+                .filter(|(camera, _)| *camera != track.camera)
+                .filter_map(|(_, other)| *other)
+                .any(|other| {
+                    contradicts(other, sighting.point, self.settings.multi_view_tolerance_m)
+                });
+        (inside && agrees && !seen_through)
+            .then_some(Sighting { deviation_m: deviation, ..sighting })
+    }
+}

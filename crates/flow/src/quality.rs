@@ -1,0 +1,86 @@
+//! How good tracks are, from the tracker's own evidence.
+
+use serde::{Deserialize, Serialize};
+
+/// What the tracker says of its tracks in one camera.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrackerQuality {
+    /// Points seeded on the object.
+    pub object_points: usize,
+    /// Points seeded on the manipulator.
+    pub manipulator_points: usize,
+    /// Points of the object that are tracked in each frame, shape [T].
+    pub object_survivors: Vec<usize>,
+    /// Points of the manipulator that are tracked in each frame, shape [T].
+    pub manipulator_survivors: Vec<usize>,
+    /// Median over all tracked points and frames: how far a point tracked to the next frame and back misses its start [px].
+    pub forward_backward_px: Option<f64>,
+    /// Median over all tracked points and frames: how far a point lies from where the rigid motion of its neighbours puts it [m].
+    pub deviation_m: Option<f64>,
+    /// Median over all places of the object where seeds could lie: root mean square of the gradient in the direction in which
+    /// it is weakest [grey levels of 255 per px].
+    pub object_texture: Option<f64>,
+    /// The same for the manipulator.
+    pub manipulator_texture: Option<f64>,
+    /// What is to be thought of the object's texture.
+    pub verdict: Texture,
+    /// The verdict and what to do, in words.
+    pub summary: String,
+}
+
+/// What is to be thought of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Texture {
+    /// Points are located well within a pixel.
+    Good,
+    /// Enough to follow, not to rely on.
+    Fair,
+    /// Most of the surface cannot be followed.
+    Poor,
+    /// Nothing could be seeded.
+    None,
+}
+
+/// Texture from which most points are located to a tenth of a pixel in images with the usual noise of two grey levels.
+const GOOD: f64 = 6.0;
+
+impl Texture {
+    /// Of a surface with a median texture, of whose seeds a share is tracked on average over the frames.
+    pub(crate) fn judge(texture: Option<f64>, seeded: usize, kept: f64, min_texture: f64) -> Self {
+        match texture {
+            _ if seeded == 0 => Self::None,
+            None => Self::None,
+            Some(texture) if texture < min_texture => Self::Poor,
+            Some(_) if kept < 0.1 => Self::Poor,
+            Some(texture) if texture < GOOD || kept < 0.25 => Self::Fair,
+            Some(_) => Self::Good,
+        }
+    }
+
+    /// The verdict in words.
+    pub(crate) fn words(self, camera: &str) -> String {
+        let advice = match self {
+            Self::Good => "good texture: tracks can be relied on",
+            Self::Fair => {
+                "fair texture: tracks are usable, a learned tracker may keep more of them"
+            }
+            Self::Poor => {
+                "poor texture: few points can be followed; use a learned tracker, more light, or put a pattern on the object"
+            }
+            Self::None => {
+                "no texture to follow: give 2D tracks of another tracker, or put a pattern on the object"
+            }
+        };
+        format!("camera `{camera}`: {advice}")
+    }
+}
+
+/// Median; reorders.
+pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}

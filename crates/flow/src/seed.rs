@@ -1,0 +1,90 @@
+//! Where points are seeded: well inside a region, on one surface, where texture has two directions, spread evenly.
+
+use bendtwin_capture::raw::Region;
+use rayon::prelude::*;
+
+use crate::{FlowSettings, patch::Patch, view::View};
+
+/// A place worth following.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Seed {
+    /// Column and row.
+    pub(crate) at: [f64; 2],
+    /// Root mean square of the gradient in its weakest direction [grey levels of 255 per px].
+    pub(crate) texture: f32,
+}
+
+/// How far from its region's rim a seed must lie [px].
+pub(crate) const RIM: u8 = 3;
+
+/// What was found in one region of one view.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Seeds {
+    /// Best texture first.
+    pub(crate) seeds: Vec<Seed>,
+    /// Texture of every place that was tried, good or not, ascending [grey levels of 255 per px].
+    pub(crate) textures: Vec<f32>,
+}
+
+/// Seeds in `region`: best first, none nearer to a better one than the minimum distance, which grows until
+/// there are no more than allowed.
+pub(crate) fn seeds(view: &View, region: Region, settings: &FlowSettings) -> Seeds {
+    let Some(level) = view.layer(region).and_then(|layer| layer.levels.first()) else {
+        return Seeds::default();
+    };
+    let most = match region {
+        Region::Object => settings.max_object_points,
+        Region::Manipulator => settings.max_manipulator_points,
+    };
+    let [width, height] = view.size();
+    let jump = settings.depth_jump_m as f32;
+    let places: Vec<[f64; 2]> = (0..height)
+        .flat_map(|row| (0..width).map(move |column| [column as f64, row as f64]))
+        .filter(|&at| view.inset(at, region) >= RIM && view.is_smooth(at, region, jump))
+        .collect();
+    // As many as there is room for on a hexagonal grid of that distance.
+    let spacing = settings.min_distance_px.max((places.len() as f64 / most.max(1) as f64).sqrt());
+    // Texture is a mean over a window: it need not be known at every pixel of large images.
+    let stride = (spacing / 3.0).floor().max(1.0);
+    let on_grid = |at: &&[f64; 2]| at[0] % stride == 0.0 && at[1] % stride == 0.0;
+    let tried: Vec<_> = places.iter().filter(on_grid).collect();
+    let mut found: Vec<Seed> = tried
+        .par_iter()
+        .map(|&&at| {
+            let patch = Patch::cut(level, at, settings.window_px);
+            Seed { at, texture: 255.0 * patch.texture() }
+        })
+        .collect();
+    let mut textures: Vec<_> = found.iter().map(|seed| seed.texture).collect();
+    textures.sort_by(f32::total_cmp);
+    found.retain(|seed| f64::from(seed.texture) >= settings.min_texture);
+    // Stable: equal ones stay in reading order.
+    found.sort_by(|a, b| b.texture.total_cmp(&a.texture));
+    Seeds { seeds: spread(&found, [width, height], spacing, most), textures }
+}
+
+/// The first of each neighbourhood.
+fn spread(found: &[Seed], [width, height]: [usize; 2], spacing: f64, most: usize) -> Vec<Seed> {
+    let cells = [(width as f64 / spacing) as usize + 1, (height as f64 / spacing) as usize + 1];
+    let mut grid: Vec<Vec<[f64; 2]>> = vec![Vec::new(); cells[0] * cells[1]];
+    let mut kept = Vec::new();
+    for seed in found {
+        if kept.len() == most {
+            break;
+        }
+        let [column, row] = [(seed.at[0] / spacing) as usize, (seed.at[1] / spacing) as usize];
+        let rows = row.saturating_sub(1)..(row + 2).min(cells[1]);
+        let near = rows
+            .flat_map(|r| {
+                (column.saturating_sub(1)..(column + 2).min(cells[0]))
+                    .map(move |c| r * cells[0] + c)
+            })
+            .flat_map(|cell| &grid[cell])
+            .any(|o| (o[0] - seed.at[0]).hypot(o[1] - seed.at[1]) < spacing);
+        if !near {
+            grid[row * cells[0] + column].push(seed.at);
+            kept.push(*seed);
+        }
+    }
+    kept
+}

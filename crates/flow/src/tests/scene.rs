@@ -1,0 +1,187 @@
+//! A textured square that moves in front of cameras, drawn by casting a ray through every pixel, so that it is known exactly
+//! where each of its points appears.
+
+use std::sync::Arc;
+
+use bendtwin_capture::{
+    Error,
+    raw::{
+        Camera, ColorImage, DepthImage, Distortion, Frames, Image, Intrinsics, Mask, Pose,
+        Recording, Region, Source, Tracks,
+    },
+};
+use bendtwin_core::{Environment, Point};
+use nalgebra::{Rotation3, Vector3};
+
+pub(crate) const WIDTH: usize = 120;
+pub(crate) const HEIGHT: usize = 100;
+const FOCAL: f64 = 150.0;
+/// Half the square's side [m].
+const HALF: f64 = 0.09;
+
+/// What happens.
+#[derive(Clone, Debug)]
+pub(crate) struct Scene {
+    pub(crate) frames: usize,
+    /// Translation of the square per frame [m]; it starts half a metre in front of the first camera.
+    pub(crate) velocity: [f64; 3],
+    /// Rotation of the square per frame, axis times angle.
+    pub(crate) spin: [f64; 3],
+    /// Contrast of the texture, 0 to 1.
+    pub(crate) contrast: f64,
+    /// Gain and offset of brightness in the last frame; it changes evenly.
+    pub(crate) light: [f64; 2],
+    /// Columns that a hand in front covers in each frame.
+    pub(crate) hand: fn(usize) -> std::ops::Range<usize>,
+    /// Frames that are missing.
+    pub(crate) missing: Vec<usize>,
+    /// Where further cameras stand, beside the first one [m].
+    pub(crate) others: Vec<[f64; 3]>,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            frames: 8,
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+            contrast: 1.0,
+            light: [1.0, 0.0],
+            hand: |_| 0..0,
+            missing: Vec::new(),
+            others: Vec::new(),
+        }
+    }
+}
+
+impl Scene {
+    pub(crate) fn recording(&self) -> Recording {
+        let places = [[0.0; 3]].into_iter().chain(self.others.iter().copied());
+        let cameras = places.enumerate().map(|(i, at)| camera(i, at)).collect();
+        Recording {
+            name: "square".to_owned(),
+            fps: 30.0,
+            frame_count: self.frames,
+            train_frame_count: self.frames,
+            environment: Environment::Z_UP,
+            source_to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            cameras,
+            mesh: None,
+            truth_tracks: Vec::new(),
+            source: Arc::new(self.clone()),
+        }
+    }
+
+    /// Where what a camera sees at a pixel of the first frame appears later.
+    pub(crate) fn moved(&self, camera: &Camera, at: [f64; 2], frame: usize) -> [f64; 2] {
+        let (on_square, _) = self.hit(camera, at, 0).unwrap();
+        let (rotation, center) = self.place(frame);
+        let p = rotation * Vector3::new(on_square[0], on_square[1], 0.0) + center;
+        camera.project([p.x as f32, p.y as f32, p.z as f32], 0).unwrap().0
+    }
+
+    fn place(&self, frame: usize) -> (Rotation3<f64>, Vector3<f64>) {
+        let t = frame as f64;
+        let rotation = Rotation3::new(Vector3::from(self.spin) * t);
+        (rotation, Vector3::new(0.0, 0.0, 0.5) + Vector3::from(self.velocity) * t)
+    }
+
+    /// Coordinates on the square of what a pixel shows, and its depth.
+    fn hit(&self, camera: &Camera, at: [f64; 2], frame: usize) -> Option<([f64; 2], f64)> {
+        let (rotation, center) = self.place(frame);
+        let vector = |p: Point| Vector3::from(p.map(f64::from));
+        let origin = Vector3::from(camera.poses[0].translation);
+        let ray = vector(camera.unproject(at, 1.0, 0)) - origin;
+        let normal = rotation * Vector3::z();
+        let depth = normal.dot(&(center - origin)) / normal.dot(&ray);
+        let on = rotation.inverse() * (origin + ray * depth - center);
+        (depth > 0.0 && on.x.abs() < HALF && on.y.abs() < HALF).then_some(([on.x, on.y], depth))
+    }
+
+    fn color_at(&self, [x, y]: [f64; 2], frame: usize) -> [u8; 3] {
+        let share = frame as f64 / (self.frames.max(2) - 1) as f64;
+        let gain = 1.0 + (self.light[0] - 1.0) * share;
+        [0.0, 1.0, 2.0].map(|c| {
+            // Waves of 24, 21 and 13 pixels at half a metre.
+            let wave = (75.0 * x + 20.0 * y + 2.1 * c).sin()
+                + (80.0 * y - 40.0 * x + 1.7 * c).sin()
+                + (110.0 * x + 90.0 * y + 3.0 * c).sin();
+            let v = gain * (0.5 + 0.14 * self.contrast * wave) + self.light[1] * share;
+            (255.0 * v).round().clamp(0.0, 255.0) as u8
+        })
+    }
+}
+
+impl Source for Scene {
+    fn frames(&self, camera_idx: usize) -> Result<Box<dyn Frames + '_>, Error> {
+        let camera = self.recording().cameras[camera_idx].clone();
+        Ok(Box::new(Reader { scene: self, camera }))
+    }
+}
+
+struct Reader<'a> {
+    scene: &'a Scene,
+    camera: Camera,
+}
+
+impl Reader<'_> {
+    fn draw<P: Copy>(
+        &self,
+        frame: usize,
+        background: P,
+        hand: P,
+        square: impl Fn([f64; 2], f64) -> P,
+    ) -> Option<Image<P>> {
+        if self.scene.missing.contains(&frame) {
+            return None;
+        }
+        let mut image = Image::filled(WIDTH, HEIGHT, background);
+        let covered = (self.scene.hand)(frame);
+        for (i, pixel) in image.pixels.iter_mut().enumerate() {
+            let at = [i % WIDTH, i / WIDTH];
+            if covered.contains(&at[0]) {
+                *pixel = hand;
+            } else if let Some((on, z)) = self.scene.hit(&self.camera, at.map(|v| v as f64), frame)
+            {
+                *pixel = square(on, z);
+            }
+        }
+        Some(image)
+    }
+}
+
+impl Frames for Reader<'_> {
+    fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
+        Ok(self.draw(frame, [250; 3], [200, 150, 120], |on, _| self.scene.color_at(on, frame)))
+    }
+    fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
+        Ok(self.draw(frame, 0.0, 0.3, |_, depth| depth as f32))
+    }
+    fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
+        let object = region == Region::Object;
+        Ok(self.draw(frame, false, !object, |_, _| object))
+    }
+    fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
+        Ok(None)
+    }
+}
+
+fn camera(number: usize, translation: [f64; 3]) -> Camera {
+    Camera {
+        name: format!("camera {number}"),
+        width: WIDTH,
+        height: HEIGHT,
+        intrinsics: Intrinsics {
+            fx: FOCAL,
+            fy: FOCAL,
+            cx: (WIDTH / 2) as f64,
+            cy: (HEIGHT / 2) as f64,
+        },
+        distortion: Distortion::None,
+        poses: vec![Pose {
+            rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            translation,
+        }],
+        times_s: Vec::new(),
+    }
+}
