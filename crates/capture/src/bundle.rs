@@ -5,7 +5,7 @@ mod manifest;
 mod reader;
 mod writer;
 
-pub(crate) use manifest::MARKER;
+pub(crate) use manifest::{Ground, MARKER, Manifest};
 pub(crate) use reader::{index_in, read};
 pub use writer::{write_bundle, write_bundle_file};
 

@@ -32,7 +32,7 @@ const DIRECTORY_SEARCH: u64 = 256 << 10;
 const DIRECTORY_ENTRY: usize = 256;
 
 /// Whether an entry's name stays inside the archive on every system.
-fn is_plain(name: &str) -> bool {
+pub(crate) fn is_plain(name: &str) -> bool {
     let drive = name.as_bytes().get(1) == Some(&b':');
     !drive && !name.starts_with(['/', '\\']) && name.split(['/', '\\']).all(|part| part != "..")
 }

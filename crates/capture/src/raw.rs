@@ -4,9 +4,12 @@
 //! on the grid of its colour image. Frames are decoded when they are asked for, so that memory stays flat; every camera has a
 //! reader of its own, so that cameras can be read side by side.
 
+mod bundle;
 mod camera;
+mod clock;
 mod decode;
 mod image;
+mod nerfstudio;
 mod phystwin;
 mod stored;
 #[cfg(test)]
@@ -18,7 +21,9 @@ use std::{path::Path, sync::Arc};
 
 use bendtwin_core::{Environment, Point};
 
+pub(crate) use self::bundle::Section;
 pub use self::{
+    bundle::{BundleOptions, write_bundle, write_bundle_to},
     camera::{Camera, Distortion, Intrinsics, Pose},
     image::{ColorImage, DepthImage, Image, Mask},
 };
@@ -38,13 +43,23 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
 /// The recording among these files, if there is one.
 pub(crate) fn find(mut files: Files<'static>) -> Result<Option<Recording>, Error> {
     let limits = files.limits.clone();
-    let mut recording = if files.enter(phystwin::MARKER)? && files.has_under("color") {
+    let mut recording = if files.enter(crate::bundle::MARKER)? {
+        bundle::read(files)?
+    } else if files.enter(nerfstudio::MARKER)? {
+        nerfstudio::read(files)?
+    } else if files.enter(phystwin::MARKER)? && files.has_under("color") {
         phystwin::read(files)?
     } else {
         return Ok(None);
     };
     validity::settle(&mut recording, &limits)?;
     Ok(Some(recording))
+}
+
+/// Whether files that hold no points are a recording.
+pub(crate) fn is_here(files: &mut Files<'_>) -> Result<bool, Error> {
+    Ok(files.enter(nerfstudio::MARKER)?
+        || (files.enter(phystwin::MARKER)? && files.has_under("color")))
 }
 
 /// What cameras recorded of one manipulation.

@@ -95,7 +95,7 @@ fn read_files(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, E
         bundle::read(files, notes)?
     } else if files.enter(phystwin::MARKER)? {
         phystwin::read(files, notes)?
-    } else if files.enter("metadata.json")? && files.has_under("color") {
+    } else if raw::is_here(files)? {
         return Err(Error::RawOnly(files.name.clone()));
     } else {
         return Err(Error::UnknownKind(files.name.clone()));

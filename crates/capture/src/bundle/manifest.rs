@@ -8,6 +8,7 @@ use crate::{
     Error,
     frame::{self, Frame},
     phystwin::json,
+    raw::Section,
 };
 
 pub(crate) const MARKER: &str = "capture.json";
@@ -17,42 +18,47 @@ pub(super) const FORMAT: &str = "bendtwin-capture";
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Manifest {
-    pub(super) format: String,
-    pub(super) version: u64,
+pub(crate) struct Manifest {
+    pub(crate) format: String,
+    pub(crate) version: u64,
     #[serde(default)]
-    pub(super) name: String,
-    pub(super) units: String,
-    pub(super) up_axis: String,
-    pub(super) handedness: String,
-    pub(super) fps: f64,
+    pub(crate) name: String,
+    pub(crate) units: String,
+    pub(crate) up_axis: String,
+    pub(crate) handedness: String,
+    pub(crate) fps: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) gravity_m_s2: Option<Point>,
+    pub(crate) gravity_m_s2: Option<Point>,
     /// Declared even where there is none: `null` says so.
     #[serde(deserialize_with = "Option::deserialize")]
-    pub(super) ground: Option<Ground>,
+    pub(crate) ground: Option<Ground>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) source_to_world: Option<[[f32; 3]; 3]>,
-    pub(super) sequences: Vec<SequenceEntry>,
+    pub(crate) source_to_world: Option<[[f32; 3]; 3]>,
+    /// Points that were tracked already; none where the bundle is raw.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) sequences: Vec<SequenceEntry>,
+    /// What cameras recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) raw: Option<Section>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Ground {
-    pub(super) normal: Point,
-    pub(super) offset: f32,
+pub(crate) struct Ground {
+    pub(crate) normal: Point,
+    pub(crate) offset: f32,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SequenceEntry {
+pub(crate) struct SequenceEntry {
     #[serde(default)]
-    pub(super) name: String,
+    pub(crate) name: String,
     #[serde(default)]
-    pub(super) folder: String,
-    pub(super) train_frame_count: i64,
+    pub(crate) folder: String,
+    pub(crate) train_frame_count: i64,
     #[serde(default = "one")]
-    pub(super) start_frames: usize,
+    pub(crate) start_frames: usize,
 }
 
 fn one() -> usize {
@@ -62,7 +68,7 @@ fn one() -> usize {
 impl Manifest {
     /// Parses the document; the version is looked at first, so that a newer
     /// bundle is told apart from a wrong one.
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Error> {
+    pub(crate) fn parse(bytes: &[u8]) -> Result<Self, Error> {
         let wrong =
             |fault: &str| Error::Document { at: MARKER.to_owned(), fault: fault.to_owned() };
         let document: serde_json::Value = json(bytes, MARKER)?;
@@ -88,12 +94,39 @@ impl Manifest {
                 )));
             }
         }
+        if document.get("sequences").is_none() && document.get("raw").is_none() {
+            return Err(wrong("it has neither `sequences` (tracked points) nor `raw` (cameras)"));
+        }
         serde_json::from_value(document)
             .map_err(|e| Error::Document { at: MARKER.to_owned(), fault: e.to_string() })
     }
 
+    /// What a writer of this build says about axes and units: metres, z up. Nothing recorded yet.
+    pub(crate) fn in_world(
+        name: &str,
+        fps: f64,
+        gravity_m_s2: Point,
+        ground: Option<Ground>,
+        source_to_world: [[f32; 3]; 3],
+    ) -> Self {
+        Self {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            name: name.to_owned(),
+            units: "m".to_owned(),
+            up_axis: "+z".to_owned(),
+            handedness: "right".to_owned(),
+            fps,
+            gravity_m_s2: Some(gravity_m_s2),
+            ground,
+            source_to_world: Some(source_to_world),
+            sequences: Vec::new(),
+            raw: None,
+        }
+    }
+
     /// Rotation and scale to the world.
-    pub(super) fn frame(&self) -> Result<Frame, Error> {
+    pub(crate) fn frame(&self) -> Result<Frame, Error> {
         match self.handedness.as_str() {
             "right" => {}
             "left" => {
@@ -119,7 +152,7 @@ impl Manifest {
     }
 
     /// Rotation from the source's frame, this bundle's own turn included.
-    pub(super) fn source_to_world(&self, frame: &Frame) -> Result<[[f32; 3]; 3], Error> {
+    pub(crate) fn source_to_world(&self, frame: &Frame) -> Result<[[f32; 3]; 3], Error> {
         let Some(before) = self.source_to_world else { return Ok(frame.rotation) };
         if !frame::is_rotation(&before) {
             let mirrored = if frame::determinant(&before) < 0.0 {
@@ -135,7 +168,7 @@ impl Manifest {
     }
 
     /// Gravity and ground in the world.
-    pub(super) fn environment(&self, frame: &Frame) -> Result<Environment, Error> {
+    pub(crate) fn environment(&self, frame: &Frame) -> Result<Environment, Error> {
         let gravity =
             self.gravity_m_s2.map_or([0.0, 0.0, -STANDARD_GRAVITY], |gravity| frame.turn(gravity));
         let ground = match &self.ground {

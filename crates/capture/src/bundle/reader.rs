@@ -14,6 +14,9 @@ use crate::{Error, check::Note, files::Files, frame::Frame, npy};
 /// Reads the bundle at the root of `files`.
 pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Capture, Error> {
     let manifest = Manifest::parse(&files.read_document(MARKER)?)?;
+    if manifest.sequences.is_empty() && manifest.raw.is_some() {
+        return Err(Error::RawOnly(files.name.clone()));
+    }
     files.check_sequences(manifest.sequences.len())?;
     let frame = manifest.frame()?;
     let environment = manifest.environment(&frame)?;

@@ -10,8 +10,8 @@ use bendtwin_core::{Capture, Point, Sequence};
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
 use super::{
-    VERSION, arrays,
-    manifest::{FORMAT, Ground, MARKER, Manifest, SequenceEntry},
+    arrays,
+    manifest::{Ground, MARKER, Manifest, SequenceEntry},
     reader::seen_twice,
 };
 use crate::{Error, npy, structure::validate};
@@ -108,17 +108,14 @@ fn manifest(capture: &Capture) -> Manifest {
         start_frames: sequence.start_frames,
     };
     Manifest {
-        format: FORMAT.to_owned(),
-        version: VERSION,
-        name: capture.name.clone(),
-        units: "m".to_owned(),
-        up_axis: "+z".to_owned(),
-        handedness: "right".to_owned(),
-        fps: capture.fps,
-        gravity_m_s2: Some(environment.gravity),
-        ground: environment.ground.map(|g| Ground { normal: g.normal, offset: g.offset_m }),
-        source_to_world: Some(capture.source_to_world),
         sequences: capture.sequences.iter().enumerate().map(entry).collect(),
+        ..Manifest::in_world(
+            &capture.name,
+            capture.fps,
+            environment.gravity,
+            environment.ground.map(|g| Ground { normal: g.normal, offset: g.offset_m }),
+            capture.source_to_world,
+        )
     }
 }
 

@@ -88,6 +88,16 @@ impl Camera {
 }
 
 impl Distortion {
+    /// From 4, 5 or 8 coefficients in OpenCV's order; none where all are zero. `None` for another number of them.
+    pub(super) fn brown_conrady(coefficients: &[f64]) -> Option<Self> {
+        if !matches!(coefficients.len(), 0 | 4 | 5 | 8) {
+            return None;
+        }
+        let mut all = [0.0; 8];
+        all.iter_mut().zip(coefficients).for_each(|(k, c)| *k = *c);
+        Some(if all == [0.0; 8] { Self::None } else { Self::BrownConrady(all) })
+    }
+
     /// Where a ray through (x, y) at depth 1 appears on the normalised image plane.
     pub fn distort(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         match self {
@@ -192,3 +202,6 @@ impl Pose {
         std::array::from_fn(|j| r[0][j] * d[0] + r[1][j] * d[1] + r[2][j] * d[2])
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use super::{
     Alignment, Camera, Distortion, Intrinsics, MeshFile, Pose, Recording,
-    stored::{CameraFiles, DepthNames, Names, StoredFrames, TrackFiles},
+    stored::{CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, Names, StoredFrames, TrackFiles},
     validity,
 };
 use crate::{
@@ -24,12 +24,6 @@ const CALIBRATION: &str = "calibrate.pkl";
 
 /// PhysTwin stores millimetres.
 const DEPTH_UNIT_M: f64 = 0.001;
-
-/// Parts that a mask may be made of.
-const MAX_PARTS: usize = 64;
-
-/// A mesh larger than this was not made for a soft body.
-const MAX_MESH: u64 = 256 << 20;
 
 /// Names of masks that show what moves the object.
 const MANIPULATORS: [&str; 8] =

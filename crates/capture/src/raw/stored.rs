@@ -13,6 +13,12 @@ use crate::{Error, files::Files, limits::Budget, npy};
 /// Bytes of an image file beside those of its pixels.
 const OVERHEAD: u64 = 4 << 20;
 
+/// Parts that the mask of one region may be made of.
+pub(super) const MAX_PARTS: usize = 64;
+
+/// A mesh larger than this was not made for a soft body.
+pub(super) const MAX_MESH: u64 = 256 << 20;
+
 /// The names of one kind of image, frame by frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Names {

@@ -1,0 +1,207 @@
+//! Reads a raw bundle.
+
+use std::sync::Arc;
+
+use super::section::{AlignmentEntry, CameraEntry, MeshEntry, Section};
+use crate::{
+    Error,
+    bundle::{MARKER, Manifest},
+    files::{Files, at_most, is_plain},
+    frame::{self, Frame},
+    npy,
+    raw::{
+        Alignment, Camera, MeshFile, Pose, Recording,
+        stored::{CameraFiles, DepthNames, MAX_MESH, MAX_PARTS, Names, StoredFrames, TrackFiles},
+        validity,
+    },
+};
+
+/// Reads the bundle at the root of `files`, but none of its frames.
+pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
+    let manifest = Manifest::parse(&files.read_document(MARKER)?)?;
+    let frame = manifest.frame()?;
+    let environment = manifest.environment(&frame)?;
+    let source_to_world = manifest.source_to_world(&frame)?;
+    let name = if manifest.name.is_empty() { files.name.clone() } else { manifest.name };
+    let Some(section) = manifest.raw else {
+        return Err(wrong(
+            "it has no `raw` section: this bundle holds points and no images".into(),
+        ));
+    };
+    let Section { frame_count, train_frame_count, cameras: entries, mesh, truth_tracks } = section;
+    validity::count(entries.len(), frame_count, &files.limits)?;
+    let mut cameras = Vec::with_capacity(entries.len());
+    let mut stored = Vec::with_capacity(entries.len());
+    for (index, entry) in entries.iter().enumerate() {
+        cameras.push(camera(&mut files, entry, index, frame_count, &frame)?);
+        stored.push(camera_files(entry)?);
+    }
+    let mut truth = Vec::new();
+    if let Some(at) = truth_tracks {
+        let bytes = files.read(plain(&at)?)?;
+        let array = npy::read(&at, &bytes)?;
+        match array.shape.as_slice() {
+            &[frames, count, 3] if frames == frame_count => {
+                at_most("ground-truth tracks", count, files.limits.points)?;
+            }
+            _ => return Err(array.wrong_shape(&format!("[{frame_count}, K, 3]"))),
+        }
+        truth = array.points(&mut files.budget)?;
+        frame.apply(&mut truth);
+    }
+    let mesh = mesh.map(|entry| read_mesh(&mut files, &entry, &frame)).transpose()?;
+    Ok(Recording {
+        name,
+        fps: manifest.fps,
+        frame_count,
+        train_frame_count,
+        environment,
+        source_to_world,
+        cameras,
+        mesh,
+        truth_tracks: truth,
+        source: Arc::new(StoredFrames { files: files.fork(), frame_count, cameras: stored }),
+    })
+}
+
+fn camera(
+    files: &mut Files<'static>,
+    entry: &CameraEntry,
+    index: usize,
+    frame_count: usize,
+    frame: &Frame,
+) -> Result<Camera, Error> {
+    let name = if entry.name.is_empty() { index.to_string() } else { entry.name.clone() };
+    let [width, height] = entry.size;
+    let poses = match (&entry.pose, &entry.poses) {
+        (Some(pose), None) => vec![Pose::from(pose)],
+        (None, Some(at)) => {
+            let bytes = files.read(plain(at)?)?;
+            let array = npy::read(at, &bytes)?;
+            if array.shape != [frame_count, 4, 4] {
+                return Err(array.wrong_shape(&format!("[{frame_count}, 4, 4]")));
+            }
+            let flat = array.doubles(&mut files.budget)?;
+            let matrices = flat.as_chunks::<4>().0.as_chunks::<4>().0.iter();
+            matrices.map(|m| Pose::from_matrix(&name, m)).collect::<Result<_, _>>()?
+        }
+        _ => {
+            return Err(wrong(format!(
+                "camera `{name}` must have either `pose`, if it stands, or `poses`"
+            )));
+        }
+    };
+    let times_s = match &entry.times {
+        None => Vec::new(),
+        Some(at) => {
+            let bytes = files.read(plain(at)?)?;
+            let array = npy::read(at, &bytes)?;
+            if array.shape != [frame_count] {
+                return Err(array.wrong_shape(&format!("[{frame_count}]")));
+            }
+            array.doubles(&mut files.budget)?
+        }
+    };
+    let distortion = entry.distortion.read().ok_or_else(|| {
+        wrong(format!("camera `{name}`: brown_conrady has 4, 5 or 8 coefficients"))
+    })?;
+    Ok(Camera {
+        name,
+        width,
+        height,
+        intrinsics: (&entry.intrinsics).into(),
+        distortion,
+        poses: poses.iter().map(|pose| pose.turned(frame)).collect(),
+        times_s,
+    })
+}
+
+fn camera_files(entry: &CameraEntry) -> Result<CameraFiles, Error> {
+    at_most("masks of a camera", entry.masks.object.len(), MAX_PARTS)?;
+    at_most("masks of a camera", entry.masks.manipulator.len(), MAX_PARTS)?;
+    let unit_m = entry.depth.unit_m;
+    if !(unit_m.is_finite() && unit_m > 0.0) {
+        return Err(wrong(format!("depth's `unit_m` is {unit_m}: 0.001 for millimetres")));
+    }
+    let all = |patterns: &[String]| patterns.iter().map(|p| names(p)).collect::<Result<_, _>>();
+    let tracks = match &entry.tracks {
+        None => None,
+        Some(tracks) => Some(TrackFiles::Npy {
+            points: plain(&tracks.points)?.to_owned(),
+            visible: tracks.visible.as_deref().map(plain).transpose()?.map(str::to_owned),
+        }),
+    };
+    Ok(CameraFiles {
+        size: entry.size,
+        color: names(&entry.color)?,
+        depth: Some(DepthNames { names: names(&entry.depth.files)?, unit_m }),
+        object: all(&entry.masks.object)?,
+        manipulator: all(&entry.masks.manipulator)?,
+        tracks,
+    })
+}
+
+/// A pattern such as `left/color/{frame:06}.png`.
+fn names(pattern: &str) -> Result<Names, Error> {
+    plain(pattern)?;
+    let parts = pattern.split_once("{frame").and_then(|(before, rest)| {
+        let (format, after) = rest.split_once('}')?;
+        let digits = match format.strip_prefix(":0") {
+            Some(digits) => digits.parse().ok().filter(|n| (1..=9).contains(n))?,
+            None if format.is_empty() => 1,
+            None => return None,
+        };
+        let rest_is_plain = !before.contains(['{', '}']) && !after.contains(['{', '}']);
+        rest_is_plain.then(|| Names::Numbered {
+            before: before.into(),
+            digits,
+            after: after.into(),
+        })
+    });
+    parts.ok_or_else(|| {
+        wrong(format!("the pattern `{pattern}` must have {{frame}} or {{frame:06}} in it, once"))
+    })
+}
+
+fn read_mesh(
+    files: &mut Files<'static>,
+    entry: &MeshEntry,
+    frame: &Frame,
+) -> Result<MeshFile, Error> {
+    let at = plain(&entry.file)?;
+    let bytes =
+        files.find_within(at, MAX_MESH)?.ok_or_else(|| Error::MissingFile(at.to_owned()))?;
+    let to_world = entry.to_world.as_ref().map(|entry| alignment(entry, frame)).transpose()?;
+    let name = at.rsplit('/').next().unwrap_or(at).to_owned();
+    Ok(MeshFile { name, bytes, to_world })
+}
+
+fn alignment(entry: &AlignmentEntry, frame: &Frame) -> Result<Alignment, Error> {
+    let sound = frame::is_rotation(&entry.rotation)
+        && entry.scale.is_finite()
+        && entry.scale > 0.0
+        && entry.translation.iter().all(|x| x.is_finite());
+    if !sound {
+        return Err(wrong(
+            "the mesh's `to_world` must have a rotation (orthonormal rows, determinant 1), a scale above 0 and a \
+             finite translation"
+                .into(),
+        ));
+    }
+    Ok(Alignment {
+        rotation: frame::compose(&frame.rotation, &entry.rotation),
+        scale: entry.scale * frame.metres,
+        translation: frame.turn(entry.translation).map(|x| x * frame.metres),
+    })
+}
+
+fn plain(name: &str) -> Result<&str, Error> {
+    if name.is_empty() || !is_plain(name) {
+        return Err(wrong(format!("`{name}` is no plain path inside the bundle")));
+    }
+    Ok(name)
+}
+
+fn wrong(fault: String) -> Error {
+    Error::Document { at: MARKER.to_owned(), fault }
+}

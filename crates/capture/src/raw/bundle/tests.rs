@@ -1,0 +1,185 @@
+use std::io::Cursor;
+
+use serde_json::{Value, json};
+
+use super::*;
+use crate::{
+    Limits, Opened,
+    check::testing::{FileMap, pack, unpack},
+    open,
+    raw::{
+        self, Alignment, Distortion, Pose, Recording, Region,
+        testing::{FRAMES, archive, case, describe, folder, pixels, reason},
+    },
+};
+
+/// Nothing is as a default would have it.
+fn rich() -> (tempfile::TempDir, Recording) {
+    let mut files = case();
+    files.remove("color/0/2.png");
+    files.remove("depth/1/1.npy");
+    let folder = folder(&files);
+    let mut recording = raw::open(folder.path(), &Limits::default()).unwrap();
+    recording.environment.gravity = [0.0, -1.0, -9.7];
+    recording.truth_tracks = (0..FRAMES * 3).map(|i| [i as f32, 0.5, -1.0]).collect();
+    let camera = &mut recording.cameras[1];
+    camera.distortion = Distortion::KannalaBrandt([0.1, 0.2, 0.3, 0.4]);
+    camera.times_s = vec![0.0, f64::NAN, 0.066, 0.1];
+    let pose = camera.poses[0];
+    camera.poses =
+        (0..FRAMES).map(|i| Pose { translation: [0.1 * i as f64, 0.0, 1.0], ..pose }).collect();
+    recording.cameras[0].distortion =
+        Distortion::BrownConrady([0.1, 0.2, 0.01, 0.02, 0.3, 0.4, 0.5, 0.6]);
+    (folder, recording)
+}
+
+fn written(recording: &Recording) -> Vec<u8> {
+    let writer = Cursor::new(Vec::new());
+    write_bundle_to(recording, writer, &BundleOptions::default()).unwrap().into_inner()
+}
+
+fn expect_same(a: &Recording, b: &Recording) {
+    assert_eq!((&a.name, a.fps, a.frame_count), (&b.name, b.fps, b.frame_count));
+    assert_eq!(a.train_frame_count, b.train_frame_count);
+    assert_eq!(a.environment, b.environment);
+    assert_eq!(a.source_to_world, b.source_to_world);
+    assert_eq!(a.truth_tracks, b.truth_tracks);
+    let (mesh, other) = (a.mesh.as_ref().unwrap(), b.mesh.as_ref().unwrap());
+    assert_eq!((&mesh.bytes, mesh.to_world), (&other.bytes, other.to_world));
+    assert_eq!(a.cameras.len(), b.cameras.len());
+    for (index, (camera, other)) in a.cameras.iter().zip(&b.cameras).enumerate() {
+        // Times that are missing are not equal to themselves.
+        assert_eq!(format!("{camera:?}"), format!("{other:?}"));
+        let mut frames = a.source.frames(index).unwrap();
+        let mut others = b.source.frames(index).unwrap();
+        for frame in 0..a.frame_count {
+            assert_eq!(frames.color(frame).unwrap(), others.color(frame).unwrap());
+            assert_eq!(frames.depth(frame).unwrap(), others.depth(frame).unwrap());
+            for region in [Region::Object, Region::Manipulator] {
+                assert_eq!(
+                    frames.mask(frame, region).unwrap(),
+                    others.mask(frame, region).unwrap()
+                );
+            }
+        }
+        let (tracks, others) = (frames.tracks().unwrap(), others.tracks().unwrap());
+        assert_eq!(format!("{tracks:?}"), format!("{others:?}"));
+    }
+}
+
+#[test]
+fn recordings_survive_the_bundle_unchanged() {
+    let (_guard, recording) = rich();
+    let bytes = written(&recording);
+    assert_eq!(bytes, written(&recording));
+    let (_zip, path) = archive(&unpack(&bytes));
+    expect_same(&recording, &raw::open(&path, &Limits::default()).unwrap());
+    let folder = folder(&unpack(&bytes));
+    let Opened::Raw(back) = open(&folder.path().join("capture.json"), &Limits::default()).unwrap()
+    else {
+        panic!("it is raw");
+    };
+    expect_same(&recording, &back);
+    assert_eq!(reason(crate::read_bytes("b", &bytes, &Limits::default())), "RAW_CAPTURE");
+}
+
+/// The bundle with its document changed.
+fn with(change: impl FnOnce(&mut Value)) -> FileMap {
+    let (_guard, recording) = rich();
+    let mut files = unpack(&written(&recording));
+    let mut document: Value = serde_json::from_slice(&files["capture.json"]).unwrap();
+    change(&mut document);
+    files.insert("capture.json".into(), serde_json::to_vec(&document).unwrap());
+    files
+}
+
+#[test]
+fn other_axes_and_units_are_converted() {
+    let files = with(|document| {
+        document["units"] = json!("cm");
+        document["up_axis"] = json!("+y");
+        document["gravity_m_s2"] = Value::Null;
+        document["raw"]["cameras"][0]["pose"] = json!({
+            "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [10, 20, 30]
+        });
+        document["raw"]["mesh"]["to_world"] = json!({
+            "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "scale": 100, "translation": [0, 50, 0]
+        });
+    });
+    let recording = describe(&files).unwrap();
+    let pose = recording.cameras[0].poses[0];
+    let expected = [0.1, -0.3, 0.2];
+    assert!((0..3).all(|i| (pose.translation[i] - expected[i]).abs() < 1e-12), "{pose:?}");
+    // The camera's z, its view, was the bundle's z, which is the world's -y.
+    assert_eq!(pose.rotation.map(|row| row[2]), [0.0, -1.0, 0.0]);
+    let Alignment { scale, translation, .. } = recording.mesh.unwrap().to_world.unwrap();
+    assert!((scale - 1.0).abs() < 1e-6 && (translation[2] - 0.5).abs() < 1e-6);
+}
+
+#[test]
+fn depth_keeps_the_unit_it_is_written_in() {
+    let (_guard, recording) = rich();
+    let options = BundleOptions { depth_unit_m: 0.0001 };
+    let bytes = write_bundle_to(&recording, Cursor::new(Vec::new()), &options).unwrap();
+    let (_zip, path) = archive(&unpack(&bytes.into_inner()));
+    let back = raw::open(&path, &Limits::default()).unwrap();
+    let depth = |r: &Recording| r.source.frames(0).unwrap().depth(3).unwrap().unwrap();
+    let (a, b) = (depth(&recording), depth(&back));
+    assert!(pixels().all(|(c, r)| (a.get(c, r).unwrap() - b.get(c, r).unwrap()).abs() < 1e-6));
+}
+
+#[test]
+fn wrong_documents_are_refused() {
+    let camera = |document: &mut Value, key: &str, value: Value| {
+        document["raw"]["cameras"][0][key] = value;
+    };
+    let refused = |change: &dyn Fn(&mut Value)| reason(describe(&with(|d| change(d))));
+    assert_eq!(refused(&|_| ()), "no error");
+    let document = "INVALID_DOCUMENT";
+    assert_eq!(refused(&|d| camera(d, "colour", json!("x"))), document);
+    assert_eq!(refused(&|d| camera(d, "color", json!("a/../../{frame}.png"))), document);
+    assert_eq!(refused(&|d| camera(d, "color", json!("/a/{frame}.png"))), document);
+    assert_eq!(refused(&|d| camera(d, "color", json!("a/0.png"))), document);
+    assert_eq!(refused(&|d| camera(d, "color", json!("a/{frame:099}.png"))), document);
+    assert_eq!(refused(&|d| camera(d, "color", json!("{frame}/{frame}.png"))), document);
+    assert_eq!(refused(&|d| camera(d, "pose", Value::Null)), document);
+    assert_eq!(refused(&|d| camera(d, "poses", json!("p.npy"))), document);
+    assert_eq!(
+        refused(&|d| camera(d, "depth", json!({"files": "{frame}.png", "unit_m": 0}))),
+        document
+    );
+    let radial = json!({"model": "brown_conrady", "coefficients": [1, 2, 3]});
+    assert_eq!(refused(&|d| camera(d, "distortion", radial.clone())), document);
+    let unknown = json!({"model": "ftheta", "coefficients": [1]});
+    assert_eq!(refused(&|d| camera(d, "distortion", unknown.clone())), document);
+    let zero = json!({"fx": 0, "fy": 1, "cx": 0, "cy": 0});
+    assert_eq!(refused(&|d| camera(d, "intrinsics", zero.clone())), "INVALID_CAMERA");
+    let huge = json!([1_000_000, 1_000_000]);
+    assert_eq!(refused(&|d| camera(d, "size", huge.clone())), "CAPTURE_TOO_MANY");
+    assert_eq!(refused(&|d| camera(d, "times", json!("none.npy"))), "MISSING_FILE");
+    let mirror = json!({"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, -1]], "translation": [0, 0, 0]});
+    assert_eq!(refused(&|d| camera(d, "pose", mirror.clone())), "MIRRORED_EXTRINSICS");
+    assert_eq!(refused(&|d| d["raw"]["frame_count"] = json!(1_000_000_000)), "CAPTURE_TOO_MANY");
+    assert_eq!(refused(&|d| d["raw"]["frame_count"] = json!(5)), "WRONG_SHAPE");
+    assert_eq!(refused(&|d| d["raw"]["train_frame_count"] = json!(5)), "SPLIT_OUT_OF_RANGE");
+    assert_eq!(refused(&|d| d["raw"]["cameras"] = json!([])), "LENGTH_MISMATCH");
+    assert_eq!(refused(&|d| d["raw"] = Value::Null), document);
+    assert_eq!(refused(&|d| d["raw"]["mesh"]["file"] = json!("other.glb")), "MISSING_FILE");
+    assert_eq!(refused(&|d| d["raw"]["mesh"]["to_world"]["scale"] = json!(-1)), document);
+}
+
+#[test]
+fn a_cut_off_archive_is_refused() {
+    let (_guard, recording) = rich();
+    let bytes = written(&recording);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.zip");
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    assert_eq!(reason(raw::open(&path, &Limits::default())), "ARCHIVE_DAMAGED");
+    // A poses array that ends early.
+    let mut files = unpack(&bytes);
+    let poses = files["cameras/1/poses.npy"].clone();
+    files.insert("cameras/1/poses.npy".into(), poses[..poses.len() - 8].to_vec());
+    std::fs::write(&path, pack(&files)).unwrap();
+    assert_eq!(reason(raw::open(&path, &Limits::default())), "HEADER_CLAIMS_TOO_MUCH");
+}
