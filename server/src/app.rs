@@ -7,6 +7,7 @@ mod fits;
 mod jobs;
 mod twins;
 mod upload;
+mod uploads;
 mod watch;
 mod workers;
 
@@ -23,6 +24,7 @@ pub(crate) use error::{Error, Result};
 pub(crate) use jobs::Attempt;
 pub(crate) use twins::TwinUpload;
 pub(crate) use upload::Body;
+pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload};
 
 /// The application. Clones share it.
 #[derive(Clone, Debug)]

@@ -38,12 +38,23 @@ pub(crate) fn http_status(category: Category) -> StatusCode {
     }
 }
 
+/// What tus 1.0.0 has a status of its own for, by reason.
+fn tus_status(reason: &str) -> Option<StatusCode> {
+    match reason {
+        "UPLOAD_GONE" => Some(StatusCode::GONE),
+        "UPLOAD_LOCKED" | "UPLOAD_TAKEN_OVER" => Some(StatusCode::LOCKED),
+        "CONTENT_TOO_LARGE" => Some(StatusCode::PAYLOAD_TOO_LARGE),
+        "CHECKSUM_MISMATCH" => StatusCode::from_u16(460).ok(),
+        _ => None,
+    }
+}
+
 /// A refused request, ready for either transport.
 #[derive(Clone, Debug)]
 pub(crate) struct Refusal {
     fault: Fault,
     retry_after: Option<Duration>,
-    /// Only for what HTTP knows and gRPC does not: 405, 413, 415.
+    /// Only for what HTTP knows and gRPC does not: 405, 413, 415, and the statuses of tus.
     status: StatusCode,
 }
 
@@ -78,6 +89,11 @@ impl Refusal {
             message: message.to_owned(),
         };
         Self { fault, retry_after: None, status }
+    }
+
+    /// With the statuses of tus.
+    pub(crate) fn over_tus(self) -> Self {
+        Self { status: tus_status(&self.fault.reason).unwrap_or(self.status), ..self }
     }
 
     pub(crate) fn retry_after(self, delay: Option<Duration>) -> Self {

@@ -13,6 +13,7 @@ mod resource;
 mod rollouts;
 mod tensors;
 mod twins;
+pub(crate) mod uploads;
 mod workers;
 
 use axum::{
@@ -39,6 +40,7 @@ type Result<T, E = Refusal> = std::result::Result<T, E>;
     ),
     tags(
         (name = "captures", description = "Recordings of soft objects"),
+        (name = "uploads", description = "Resumable uploads of captures: tus 1.0.0"),
         (name = "fits", description = "Fit jobs: capture in, twin out"),
         (name = "twins", description = "Fitted twins"),
         (name = "rollouts", description = "Predictions"),
@@ -70,6 +72,7 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(captures::list, captures::create))
         .routes(routes!(captures::get, captures::delete))
         .routes(routes!(captures::content))
+        .merge(uploads::routes())
         .routes(routes!(fits::list, fits::create))
         .routes(routes!(fits::get, fits::delete))
         .routes(routes!(fits::cancel))

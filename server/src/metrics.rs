@@ -4,7 +4,7 @@
 use std::{fmt, sync::Arc, time::Duration};
 
 use ::metrics::{Key, Label, Level, Metadata, Recorder as _};
-use bendtwin_store::QueueDepth;
+use bendtwin_store::{QueueDepth, UploadUse};
 use metrics_exporter_prometheus::{
     BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
 };
@@ -23,6 +23,7 @@ pub(crate) struct Now {
     pub(crate) rollouts: usize,
     /// Of all workers' devices together: workers come and go under ever new names.
     pub(crate) memory: Memory,
+    pub(crate) uploads: UploadUse,
 }
 
 /// The metrics. Clones share them.
@@ -68,6 +69,12 @@ impl Metrics {
         self.count("bendtwin_fit_attempts_total", vec![Label::new("state", state)]);
     }
 
+    /// Bytes of resumable uploads that were made to last.
+    pub(crate) fn upload_bytes(&self, bytes: u64) {
+        let key = Key::from_name("bendtwin_upload_bytes_total");
+        self.recorder.register_counter(&key, &METADATA).increment(bytes);
+    }
+
     /// A rollout ended.
     pub(crate) fn rollout(&self, outcome: &'static str, queued: Duration, took: Duration) {
         self.count("bendtwin_rollouts_total", vec![Label::new("outcome", outcome)]);
@@ -87,6 +94,8 @@ impl Metrics {
         self.gauge("bendtwin_oldest_queued_fit_seconds", Vec::new(), oldest);
         self.gauge("bendtwin_workers", Vec::new(), now.workers as f64);
         self.gauge("bendtwin_rollouts_in_flight", Vec::new(), now.rollouts as f64);
+        self.gauge("bendtwin_uploads", Vec::new(), now.uploads.count as f64);
+        self.gauge("bendtwin_uploads_bytes", Vec::new(), now.uploads.bytes as f64);
         let memory = [("used", now.memory.used), ("total", now.memory.total)];
         for (state, bytes) in memory {
             let label = Label::new("state", state);

@@ -28,6 +28,8 @@ pub struct Options {
     pub lease_s: f64,
     /// How often workers give signs of life [s].
     pub beat_interval_s: f64,
+    /// How long an upload that can be resumed is kept without further bytes, and remembered after its end [s].
+    pub upload_expiry_s: f64,
     /// How long a shutdown waits for requests and workers to end [s].
     pub shutdown_grace_s: f64,
 }
@@ -75,8 +77,12 @@ pub struct Limits {
     pub rollouts_per_worker: usize,
     /// Rollouts waiting for one worker; more are refused with a retry delay.
     pub rollout_queue: usize,
-    /// Silence after which an upload is given up [s].
+    /// Silence after which the request of an upload is given up [s].
     pub upload_idle_s: f64,
+    /// Uploads under way that can be resumed.
+    pub uploads: u64,
+    /// Their sizes together [bytes].
+    pub uploads_bytes: u64,
 }
 
 impl Default for Options {
@@ -89,6 +95,7 @@ impl Default for Options {
             limits: Limits::default(),
             lease_s: 30.0,
             beat_interval_s: 5.0,
+            upload_expiry_s: 7.0 * 86_400.0,
             shutdown_grace_s: 10.0,
         }
     }
@@ -121,6 +128,8 @@ impl Default for Limits {
             rollouts_per_worker: 8,
             rollout_queue: 64,
             upload_idle_s: 60.0,
+            uploads: 1024,
+            uploads_bytes: 256 << 30,
         }
     }
 }
@@ -151,6 +160,7 @@ impl Options {
         };
         within("lease_s", self.lease_s, 0.1, 86_400.0);
         within("beat_interval_s", self.beat_interval_s, 0.01, 3_600.0);
+        within("upload_expiry_s", self.upload_expiry_s, 1.0, 365.0 * 86_400.0);
         within("shutdown_grace_s", self.shutdown_grace_s, 0.0, 3_600.0);
         let workers = &self.workers;
         within("workers.count", f64::from(workers.count), 0.0, 256.0);
@@ -168,6 +178,8 @@ impl Options {
         within("limits.rollouts_per_worker", limits.rollouts_per_worker as f64, 1.0, 65_536.0);
         within("limits.rollout_queue", limits.rollout_queue as f64, 0.0, 1e6);
         within("limits.upload_idle_s", limits.upload_idle_s, 0.1, 86_400.0);
+        within("limits.uploads", limits.uploads as f64, 1.0, 1e6);
+        within("limits.uploads_bytes", limits.uploads_bytes as f64, 1.0, large);
         if self.beat_interval_s > self.lease_s / 2.0 {
             faults.push(format!(
                 "beat_interval_s is {}: it must be at most half of lease_s ({})",
@@ -197,6 +209,10 @@ impl Options {
 
     pub(crate) fn beat_interval(&self) -> Duration {
         Duration::from_secs_f64(self.beat_interval_s)
+    }
+
+    pub(crate) fn upload_expiry(&self) -> Duration {
+        Duration::from_secs_f64(self.upload_expiry_s)
     }
 
     pub(crate) fn shutdown_grace(&self) -> Duration {

@@ -59,6 +59,8 @@ impl Problem for StartError {
     }
 }
 
+/// How often uploads are looked through for those that have expired or that a crash left whole.
+const UPLOADS_EVERY: Duration = Duration::from_secs(60);
 /// How often unused content is looked for; the store also does so when it opens.
 const COLLECT_EVERY: Duration = Duration::from_secs(3600);
 
@@ -79,6 +81,7 @@ pub struct Handle {
     cut: CancellationToken,
     listener: JoinHandle<()>,
     sweeper: JoinHandle<()>,
+    uploads: JoinHandle<()>,
     workers: supervise::Supervisor,
 }
 
@@ -109,9 +112,10 @@ impl Service {
         let serving = listen::serve(socket, outer, close.clone(), cut.clone());
         let listener = tokio::spawn(serving);
         let sweeper = tokio::spawn(sweep(app.clone()));
+        let uploads = tokio::spawn(sweep_uploads(app.clone()));
         let workers = supervise::start(&app, address)?;
         tracing::info!(%address, "listening");
-        Ok(Handle { address, grace, app, close, cut, listener, sweeper, workers })
+        Ok(Handle { address, grace, app, close, cut, listener, sweeper, uploads, workers })
     }
 }
 
@@ -137,6 +141,7 @@ impl Handle {
             let _ = listener.await;
         }
         self.sweeper.abort();
+        self.uploads.abort();
         self.app.store.close().await;
         tracing::info!("stopped");
     }
@@ -160,6 +165,19 @@ async fn sweep(app: App) {
             if let Err(error) = app.store.collect_garbage().await {
                 tracing::error!(%error, "cannot remove unused content; trying again");
             }
+        }
+    }
+}
+
+/// Finishes uploads that a crash left whole, at once and then now and again, and gives up those that have expired.
+async fn sweep_uploads(app: App) {
+    let every = UPLOADS_EVERY.min(app.options.upload_expiry());
+    let mut tick = tokio::time::interval(every);
+    tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+    loop {
+        tick.tick().await;
+        if let Err(error) = app.sweep_uploads().await {
+            tracing::error!(%error, "sweeping uploads failed; trying again");
         }
     }
 }

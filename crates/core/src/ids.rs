@@ -1,5 +1,5 @@
-//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`
-//! and `workers/{id}`; ids are UUIDv7, so they sort by creation time.
+//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`,
+//! `uploads/{id}` and `workers/{id}`; ids are UUIDv7, so they sort by creation time.
 
 use std::{fmt, str::FromStr};
 
@@ -99,4 +99,8 @@ id!(
 id!(
     /// A worker process, new at every start: a restarted worker is another one.
     WorkerId, "workers"
+);
+id!(
+    /// An upload that can be resumed.
+    UploadId, "uploads"
 );

@@ -2,9 +2,13 @@
 //! hashed; publishing renames it to the place that its digest names. Equal
 //! content therefore shares one object.
 
+mod partial;
 mod upload;
 
-use std::{path::Path as FsPath, sync::Arc};
+use std::{
+    path::{Path as FsPath, PathBuf},
+    sync::Arc,
+};
 
 use bytes::Bytes;
 use futures::{StreamExt, TryStreamExt, stream::BoxStream};
@@ -31,6 +35,7 @@ const CHUNK: usize = 1 << 20;
 #[derive(Clone, Debug)]
 pub struct Blobs {
     objects: Arc<dyn ObjectStore>,
+    root: Arc<PathBuf>,
     /// Shared by those who publish and then refer, closed by those who delete.
     gate: Arc<RwLock<()>>,
     armed: Arc<Armed>,
@@ -59,7 +64,8 @@ impl Blobs {
         }
         tokio::fs::create_dir_all(root).await?;
         let objects = LocalFileSystem::new_with_prefix(root)?.with_fsync(true);
-        Ok(Self { objects: Arc::new(objects), gate: Arc::default(), armed })
+        let root = Arc::new(root.to_owned());
+        Ok(Self { objects: Arc::new(objects), root, gate: Arc::default(), armed })
     }
 
     /// Begins an upload of at most `limit` bytes.
@@ -101,7 +107,11 @@ impl Blobs {
         self.armed.pass(Failpoint::ContentStaged)?;
         let guard = self.gate.read().await;
         let to = published(&staged.digest().to_hex());
-        self.objects.rename_opts(staged.path(), &to, RenameOptions::new()).await?;
+        match staged.path() {
+            Some(path) => self.objects.rename_opts(path, &to, RenameOptions::new()).await?,
+            // Put in place before a crash.
+            None => drop(self.objects.head(&to).await?),
+        }
         staged.disarm();
         self.armed.pass(Failpoint::ContentPublished)?;
         Ok(guard)

@@ -7,7 +7,7 @@ use uuid::Uuid;
 
 use crate::{
     Content, Digest, Error, Page, PageRequest, Result, Staged, Store, clock::from_micros,
-    failpoint::Failpoint,
+    failpoint::Failpoint, uploads,
 };
 
 /// A stored capture.
@@ -77,6 +77,7 @@ impl Captures<'_> {
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
         let NewCapture { display_name, request_id, content } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
+        let upload = content.upload();
         let guard = self.store.blobs().publish(content).await?;
         let mut tx = self.store.inner.database.write().await?;
         if let Some(request_id) = &request_id {
@@ -86,10 +87,14 @@ impl Captures<'_> {
                 .await?;
             if let Some(row) = row {
                 let before = Capture::try_from(row)?;
-                drop((tx, guard));
                 if before.digest == digest && before.display_name == display_name {
+                    if let Some(upload) = upload {
+                        uploads::stored(&mut tx, upload, before.id).await?;
+                        tx.commit().await?;
+                    }
                     return Ok(before);
                 }
+                drop((tx, guard));
                 self.store.release(&digest.to_hex()).await?;
                 let (request_id, name) = (request_id.clone(), before.id.to_string());
                 return Err(Error::RequestIdTaken { request_id, name });
@@ -108,6 +113,9 @@ impl Captures<'_> {
         .bind(request_id)
         .fetch_one(&mut *tx)
         .await?;
+        if let Some(upload) = upload {
+            uploads::stored(&mut tx, upload, id).await?;
+        }
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);

@@ -32,6 +32,20 @@ pub enum Error {
     TooLarge { limit: u64 },
     #[error("the content's BLAKE3 digest is {actual}, not {given}: send it again")]
     DigestMismatch { given: Digest, actual: Digest },
+    #[error("{name} is gone: {why}")]
+    UploadGone { name: String, why: String },
+    #[error("{name} is being written to and does not come free: retry in a moment")]
+    UploadLocked { name: String },
+    #[error(
+        "the upload cannot be {given} bytes long: {}",
+        .known.map_or_else(|| format!("{offset} are here already"), |n| format!("its length is {n}"))
+    )]
+    UploadLength { given: u64, known: Option<u64>, offset: u64 },
+    #[error(
+        "there is no room for another upload beside those under way ({count} of them, {bytes} bytes): \
+         finish or delete one, or retry later"
+    )]
+    UploadsFull { count: u64, bytes: u64 },
     #[error("the server's disk is full: free space or delete captures and twins")]
     DiskFull,
     #[error("the data folder is in use by another server: stop it or choose another folder")]
@@ -55,16 +69,17 @@ pub enum Error {
 impl Problem for Error {
     fn category(&self) -> Category {
         match self {
-            Self::NotFound { .. } => Category::NotFound,
+            Self::NotFound { .. } | Self::UploadGone { .. } => Category::NotFound,
             Self::RequestIdTaken { .. } => Category::AlreadyExists,
-            Self::StaleLease { .. } => Category::Aborted,
+            Self::StaleLease { .. } | Self::UploadLocked { .. } => Category::Aborted,
             Self::CaptureInUse { .. } | Self::FitRunning { .. } | Self::DataDirInUse => {
                 Category::FailedPrecondition
             }
-            Self::InvalidPageToken | Self::TooLarge { .. } | Self::DigestMismatch { .. } => {
-                Category::InvalidArgument
-            }
-            Self::DiskFull => Category::ResourceExhausted,
+            Self::InvalidPageToken
+            | Self::TooLarge { .. }
+            | Self::DigestMismatch { .. }
+            | Self::UploadLength { .. } => Category::InvalidArgument,
+            Self::DiskFull | Self::UploadsFull { .. } => Category::ResourceExhausted,
             Self::ContentLost { .. } | Self::CorruptRow { .. } => Category::DataLoss,
             Self::Database(sqlx::Error::PoolTimedOut) => Category::Unavailable,
             Self::Database(_)
@@ -85,6 +100,10 @@ impl Problem for Error {
             Self::InvalidPageToken => "INVALID_PAGE_TOKEN",
             Self::TooLarge { .. } => "CONTENT_TOO_LARGE",
             Self::DigestMismatch { .. } => "DIGEST_MISMATCH",
+            Self::UploadGone { .. } => "UPLOAD_GONE",
+            Self::UploadLocked { .. } => "UPLOAD_LOCKED",
+            Self::UploadLength { .. } => "UPLOAD_LENGTH",
+            Self::UploadsFull { .. } => "UPLOADS_FULL",
             Self::DiskFull => "DISK_FULL",
             Self::DataDirInUse => "DATA_DIR_IN_USE",
             Self::ContentLost { .. } => "CONTENT_LOST",

@@ -47,7 +47,9 @@
 //! one writer, the lock on the folder) are in `database.rs`. PostgreSQL
 //! would add `for update skip locked` to the claim and an advisory lock in place
 //! of the gate. Blobs use only what every `ObjectStore` has, save the removal of
-//! half-written files at start, which S3 leaves to a lifecycle rule.
+//! half-written files at start, which S3 leaves to a lifecycle rule, and uploads
+//! that can be resumed ([`Uploads`]), which append to local files; there S3's own
+//! multipart uploads would take their place.
 
 mod blobs;
 mod captures;
@@ -59,6 +61,7 @@ mod fits;
 mod page;
 mod store;
 mod twins;
+mod uploads;
 mod workers;
 
 pub use blobs::{Blobs, Content, Staged, Upload};
@@ -71,6 +74,10 @@ pub use fits::{
 pub use page::{Page, PageRequest};
 pub use store::{Options, Store};
 pub use twins::{NewTwin, Twin, TwinFacts, Twins};
+pub use uploads::{
+    NewResumableUpload, ResumableUpload, UploadBounds, UploadState, UploadUse, UploadWriter,
+    Uploads,
+};
 pub use workers::{NewWorker, Worker, Workers};
 
 /// BLAKE3 digest of a blob.

@@ -8,10 +8,11 @@ use tokio::sync::{Notify, broadcast};
 use bendtwin_core::ids::FitId;
 
 use crate::{
-    Blobs, Captures, Clock, Fits, Result, SystemClock, Twins, Workers,
+    Blobs, Captures, Clock, Fits, Result, SystemClock, Twins, Uploads, Workers,
     clock::micros,
     database::Database,
     failpoint::{Armed, Failpoint},
+    uploads::Seats,
 };
 
 /// How to open a store.
@@ -46,6 +47,8 @@ pub(crate) struct Inner {
     /// Rung when a job enters the queue.
     pub(crate) queued: Notify,
     pub(crate) armed: Arc<Armed>,
+    /// Who writes to which resumable upload.
+    pub(crate) seats: Seats,
 }
 
 impl Store {
@@ -61,9 +64,11 @@ impl Store {
         let blobs = Blobs::open(&options.data_dir.join("blobs"), armed.clone()).await?;
         let (changes, _) = broadcast::channel(1024);
         let queued = Notify::new();
-        let inner = Inner { database, blobs, clock: options.clock, changes, queued, armed };
+        let (clock, seats) = (options.clock, Seats::default());
+        let inner = Inner { database, blobs, clock, changes, queued, armed, seats };
         let store = Self { inner: Arc::new(inner) };
         store.collect_garbage().await?;
+        store.uploads().collect_garbage().await?;
         Ok(store)
     }
 
@@ -80,6 +85,11 @@ impl Store {
     /// Twins.
     pub fn twins(&self) -> Twins<'_> {
         Twins { store: self }
+    }
+
+    /// Uploads that can be resumed.
+    pub fn uploads(&self) -> Uploads<'_> {
+        Uploads { store: self }
     }
 
     /// Worker processes.
@@ -148,7 +158,8 @@ impl Store {
         let referred = sqlx::query_scalar(
             "select exists (select 1 from captures where digest = $1)
                  or exists (select 1 from twins where digest = $1)
-                 or exists (select 1 from jobs where checkpoint = $1)",
+                 or exists (select 1 from jobs where checkpoint = $1)
+                 or exists (select 1 from uploads where digest = $1)",
         );
         Ok(referred.bind(digest).fetch_one(self.inner.database.read()).await?)
     }

@@ -1,7 +1,7 @@
 //! Captures: what was recorded. Their content is opaque here; workers read it.
 
 use bendtwin_core::ids::CaptureId;
-use bendtwin_store::{Capture, Content, NewCapture, Page, PageRequest};
+use bendtwin_store::{Capture, Content, NewCapture, Page, PageRequest, Staged};
 
 use super::{App, Body, Error, Result};
 
@@ -24,6 +24,16 @@ impl App {
         if content.size_bytes() == 0 {
             return Err(Error::invalid("content", "is empty: send the capture archive"));
         }
+        self.keep_capture(display_name, request_id, content).await
+    }
+
+    /// Makes a capture of content that is here: the end of every upload.
+    pub(super) async fn keep_capture(
+        &self,
+        display_name: String,
+        request_id: Option<String>,
+        content: Staged,
+    ) -> Result<Capture> {
         let new = NewCapture { display_name, request_id, content };
         let store = self.store.clone();
         let capture = super::to_the_end(async move { store.captures().create(new).await }).await?;

@@ -24,6 +24,16 @@ pub(crate) enum Error {
     UploadBroken(String),
     #[error("the upload was silent for {} s: send it again", .0.as_secs())]
     UploadIdle(Duration),
+    #[error(
+        "the upload goes on at byte {offset}, not at {given}: ask for its offset and send from there"
+    )]
+    UploadOffset { given: u64, offset: u64 },
+    #[error("the upload would be longer than {limit} bytes, which is its length or the limit")]
+    UploadTooLong { limit: u64 },
+    #[error("another request has taken the upload over: ask for its offset")]
+    UploadTakenOver,
+    #[error("the checksum is not that of the bytes that came: send them again")]
+    ChecksumMismatch,
     #[error("the worker token is missing or unknown")]
     BadToken,
     #[error("{0} is not registered: register it first")]
@@ -54,7 +64,10 @@ impl Error {
     pub(crate) fn retry_after(&self) -> Option<Duration> {
         match self {
             Self::Busy { .. } | Self::WorkerLost => Some(Duration::from_millis(250)),
-            Self::NoWorker | Self::Stopping => Some(Duration::from_secs(1)),
+            Self::Store(bendtwin_store::Error::UploadLocked { .. })
+            | Self::UploadTakenOver
+            | Self::NoWorker
+            | Self::Stopping => Some(Duration::from_secs(1)),
             Self::Worker(fault) if fault.category == Category::ResourceExhausted => {
                 Some(Duration::from_millis(250))
             }
@@ -73,7 +86,10 @@ impl Problem for Error {
             | Self::Invalid { .. }
             | Self::Settings(_)
             | Self::UploadBroken(_)
-            | Self::UploadIdle(_) => Category::InvalidArgument,
+            | Self::UploadIdle(_)
+            | Self::UploadTooLong { .. }
+            | Self::ChecksumMismatch => Category::InvalidArgument,
+            Self::UploadOffset { .. } | Self::UploadTakenOver => Category::Aborted,
             Self::BadToken => Category::Unauthenticated,
             Self::WorkerUnknown(_) => Category::NotFound,
             Self::NoWorker | Self::WorkerLost | Self::Stopping => Category::Unavailable,
@@ -92,6 +108,10 @@ impl Problem for Error {
             Self::Settings(_) => "INVALID_SETTINGS",
             Self::UploadBroken(_) => "UPLOAD_BROKEN",
             Self::UploadIdle(_) => "UPLOAD_IDLE",
+            Self::UploadOffset { .. } => "UPLOAD_OFFSET",
+            Self::UploadTooLong { .. } => "CONTENT_TOO_LARGE",
+            Self::UploadTakenOver => "UPLOAD_TAKEN_OVER",
+            Self::ChecksumMismatch => "CHECKSUM_MISMATCH",
             Self::BadToken => "BAD_WORKER_TOKEN",
             Self::WorkerUnknown(_) => "WORKER_UNKNOWN",
             Self::NoWorker => "NO_WORKER",

@@ -46,8 +46,9 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
         (status = "default", body = ProblemDocument)))]
 pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
     let depth = app.store.fits().depth().await?;
+    let uploads = app.store.uploads().in_use().await?;
     let (workers, rollouts) = app.dispatch.counts();
-    let now = Now { workers, rollouts, memory: app.dispatch.memory() };
+    let now = Now { workers, rollouts, memory: app.dispatch.memory(), uploads };
     let text = app.metrics.render(&depth, &now);
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response())
 }

@@ -14,7 +14,7 @@ use futures::FutureExt;
 use tower::ServiceExt;
 use tracing::Instrument;
 
-use super::origin;
+use super::{origin, uploads};
 use crate::{context::Context, error::Refusal, metrics::Metrics};
 
 /// Both transports behind one service.
@@ -48,6 +48,7 @@ impl Outer {
             if origin::is_foreign(request.headers()) || loopback && origin::is_rebound(&request) {
                 return Ok(origin::refusal().into_response());
             }
+            let request = uploads::with_its_method(request);
             let caught = AssertUnwindSafe(router.oneshot(request)).catch_unwind().await;
             caught.unwrap_or_else(|_| Ok(panicked(is_grpc)))
         });

@@ -4,7 +4,9 @@
 use bytes::{Bytes, BytesMut};
 use object_store::{MultipartUpload, path::Path};
 
-use super::Blobs;
+use bendtwin_core::ids::UploadId;
+
+use super::{Blobs, partial};
 use crate::{Digest, Error, Result};
 
 /// Part size of multipart uploads; S3 asks for 5 MiB at least.
@@ -66,7 +68,7 @@ impl Upload {
         let whole = tokio::spawn(async move {
             sink.put_part(part.freeze().into()).await?;
             sink.complete().await?;
-            Ok(Staged { blobs, path: Some(path), digest, size_bytes })
+            Ok(Staged { blobs, path: Some(path), digest, size_bytes, upload: None })
         });
         whole.await.map_err(object_store::Error::from)?
     }
@@ -80,9 +82,23 @@ pub struct Staged {
     path: Option<Path>,
     digest: Digest,
     size_bytes: u64,
+    /// The resumable upload that it is the content of: its file stays until the upload has ended.
+    upload: Option<UploadId>,
 }
 
 impl Staged {
+    /// The content of a resumable upload, in its own file unless that is in its final place already.
+    pub(crate) fn from_partial(
+        blobs: Blobs,
+        id: UploadId,
+        in_file: bool,
+        digest: Digest,
+        size_bytes: u64,
+    ) -> Self {
+        let path = in_file.then(|| partial::object(id));
+        Self { blobs, path, digest, size_bytes, upload: Some(id) }
+    }
+
     /// BLAKE3 of the content.
     pub fn digest(&self) -> Digest {
         self.digest
@@ -93,9 +109,13 @@ impl Staged {
         self.size_bytes
     }
 
-    pub(super) fn path(&self) -> &Path {
-        static NONE: std::sync::LazyLock<Path> = std::sync::LazyLock::new(Path::default);
-        self.path.as_ref().unwrap_or(&NONE)
+    /// The resumable upload that it came by.
+    pub(crate) fn upload(&self) -> Option<UploadId> {
+        self.upload
+    }
+
+    pub(super) fn path(&self) -> Option<&Path> {
+        self.path.as_ref()
     }
 
     pub(super) fn disarm(mut self) {
@@ -105,6 +125,9 @@ impl Staged {
 
 impl Drop for Staged {
     fn drop(&mut self) {
+        if self.upload.is_some() {
+            return;
+        }
         // Without a runtime the next start removes it.
         if let (Some(path), Ok(runtime)) = (self.path.take(), tokio::runtime::Handle::try_current())
         {

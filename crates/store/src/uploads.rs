@@ -1,0 +1,177 @@
+//! Uploads that survive broken connections, and deaths of client and server.
+//!
+//! An upload is a row and a file under `blobs/partial/`. Bytes are appended to
+//! the file and synced, then the row's offset moves: what is acknowledged is
+//! what the row says, and anything the file has beyond it is cut off by the
+//! next writer. There is one writer at a time ([`UploadWriter`]).
+//!
+//! Whole content becomes a blob without being copied:
+//!
+//! 1. the file is hashed, and the row refers to the digest, which keeps its blob;
+//! 2. the file is renamed to the place that the digest names;
+//! 3. one transaction inserts the capture and ends the upload.
+//!
+//! A crash after any step is made good by doing the rest again.
+
+mod create;
+mod row;
+mod seat;
+mod writer;
+
+use std::time::Duration;
+
+use bendtwin_core::ids::{CaptureId, UploadId};
+use sqlx::{Sqlite, Transaction};
+use uuid::Uuid;
+
+use crate::{Error, Result, Store, clock::micros_after};
+use row::Row;
+
+pub use create::{NewResumableUpload, UploadBounds};
+pub use row::{ResumableUpload, UploadState};
+pub(crate) use seat::Seats;
+pub use writer::UploadWriter;
+
+/// The resumable uploads of a store.
+#[derive(Clone, Copy, Debug)]
+pub struct Uploads<'a> {
+    pub(crate) store: &'a Store,
+}
+
+/// What uploads under way hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UploadUse {
+    /// Uploads that are neither stored nor gone.
+    pub count: u64,
+    /// Bytes that they have declared, or sent where they have not [bytes].
+    pub bytes: u64,
+}
+
+impl Uploads<'_> {
+    /// One upload as it stands.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`].
+    pub async fn get(&self, id: UploadId) -> Result<ResumableUpload> {
+        let row: Option<Row> = sqlx::query_as("select * from uploads where id = $1")
+            .bind(id.uuid().to_string())
+            .fetch_optional(self.store.inner.database.read())
+            .await?;
+        row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
+    }
+
+    /// Takes an upload over, to write to it or to end it. Whoever has it now is asked to save what has
+    /// arrived and to make room.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`], [`Error::UploadGone`]; [`Error::UploadLocked`] if it is not free in time.
+    pub async fn claim(&self, id: UploadId, patience: Duration) -> Result<UploadWriter> {
+        // Names that do not exist are not worth a seat.
+        self.get(id).await?;
+        let held = self.store.inner.seats.take(id, patience).await;
+        let held = held.ok_or_else(|| Error::UploadLocked { name: id.to_string() })?;
+        // Read again: it is ours only now.
+        let upload = self.get(id).await?;
+        if let UploadState::Gone(why) = upload.state {
+            return Err(Error::UploadGone { name: id.to_string(), why });
+        }
+        Ok(UploadWriter::new(self.store.clone(), held, upload))
+    }
+
+    /// Uploads whose bytes are all here and whose capture is not: what a crash interrupted.
+    ///
+    /// # Errors
+    /// If the database fails.
+    pub async fn whole(&self) -> Result<Vec<UploadId>> {
+        self.ids("select id from uploads where state = 'receiving' and offset_bytes = length_bytes")
+            .await
+    }
+
+    /// What uploads under way hold together.
+    ///
+    /// # Errors
+    /// If the database fails.
+    pub async fn in_use(&self) -> Result<UploadUse> {
+        let (count, bytes): (i64, i64) =
+            sqlx::query_as(IN_USE).bind("").fetch_one(self.store.inner.database.read()).await?;
+        Ok(UploadUse { count: count.max(0) as u64, bytes: bytes.max(0) as u64 })
+    }
+
+    /// Gives up uploads that have expired, unless somebody writes to them just now, and forgets those that ended
+    /// long ago. Those that expire now are remembered for `keep`. Returns how many were given up.
+    ///
+    /// # Errors
+    /// Database and file errors.
+    pub async fn sweep(&self, keep: Duration) -> Result<usize> {
+        let now = self.store.now_micros();
+        let mut tx = self.store.inner.database.write().await?;
+        sqlx::query("delete from uploads where state <> 'receiving' and expires_at < $1")
+            .bind(now)
+            .execute(&mut *tx)
+            .await?;
+        tx.commit().await?;
+        let query =
+            format!("select id from uploads where state = 'receiving' and expires_at < {now}");
+        let mut given_up = 0;
+        for id in self.ids(sqlx::AssertSqlSafe(query)).await? {
+            let Some(held) = self.store.inner.seats.take_idle(id) else { continue };
+            let upload = self.get(id).await?;
+            // It may have moved on since the list was made.
+            if upload.state == UploadState::Receiving && upload.expires < self.store.now() {
+                let writer = UploadWriter::new(self.store.clone(), held, upload);
+                writer.end("it expired before it was whole: begin a new one", keep).await?;
+                given_up += 1;
+            }
+        }
+        Ok(given_up)
+    }
+
+    /// Removes files of no upload under way: what crashes left.
+    pub(crate) async fn collect_garbage(&self) -> Result<()> {
+        for id in self.store.blobs().partials().await? {
+            let live = match self.get(id).await {
+                Ok(upload) => upload.state == UploadState::Receiving,
+                Err(Error::NotFound { .. }) => false,
+                Err(error) => return Err(error),
+            };
+            if !live {
+                self.store.blobs().remove_partial(id).await?;
+            }
+        }
+        Ok(())
+    }
+
+    async fn ids<'q>(&self, query: impl sqlx::SqlSafeStr) -> Result<Vec<UploadId>> {
+        let ids: Vec<String> =
+            sqlx::query_scalar(query).fetch_all(self.store.inner.database.read()).await?;
+        Ok(ids.iter().filter_map(|id| Some(Uuid::try_parse(id).ok()?.into())).collect())
+    }
+}
+
+/// Count and bytes of uploads under way other than $1.
+const IN_USE: &str = "select count(*), cast(coalesce(sum(case when length_bytes is null
+        then offset_bytes else length_bytes end), 0) as bigint)
+     from uploads where state = 'receiving' and id <> $1";
+
+/// Ends an upload within the transaction that makes its capture.
+pub(crate) async fn stored(
+    tx: &mut Transaction<'static, Sqlite>,
+    id: UploadId,
+    capture: CaptureId,
+) -> Result<()> {
+    sqlx::query("update uploads set state = 'stored', capture = $2, digest = null where id = $1")
+        .bind(id.uuid().to_string())
+        .bind(capture.uuid().to_string())
+        .execute(&mut **tx)
+        .await?;
+    Ok(())
+}
+
+impl Store {
+    fn expiry_micros(&self, keep: Duration) -> i64 {
+        micros_after(self.now(), keep)
+    }
+}
+
+#[cfg(test)]
+mod tests;

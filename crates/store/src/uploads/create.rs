@@ -1,0 +1,169 @@
+//! Beginning an upload, or finding the one that was begun under the same request id.
+
+use std::time::Duration;
+
+use bendtwin_core::ids::UploadId;
+use sqlx::{Sqlite, Transaction};
+
+use super::{IN_USE, ResumableUpload, UploadState, Uploads, row::Row};
+use crate::{Digest, Error, Result};
+
+/// An upload to be begun.
+#[derive(Clone, Debug)]
+pub struct NewResumableUpload {
+    /// A person's name for the capture.
+    pub display_name: String,
+    /// Makes creation of the upload and of its capture idempotent, if given.
+    pub request_id: Option<String>,
+    /// BLAKE3 of the whole, checked at the end, if given.
+    pub expected_digest: Option<Digest>,
+    /// What the client wrote about it, verbatim.
+    pub metadata: String,
+    /// Size of the whole, if known.
+    pub length_bytes: Option<u64>,
+    /// How long it is kept without further bytes.
+    pub keep: Duration,
+}
+
+/// How much all uploads under way may hold together.
+#[derive(Clone, Copy, Debug)]
+pub struct UploadBounds {
+    /// How many there may be.
+    pub count: u64,
+    /// Their sizes together [bytes].
+    pub bytes: u64,
+}
+
+impl UploadBounds {
+    /// Room for one upload of at least `length_bytes` beside all others [bytes].
+    pub(super) async fn room(
+        &self,
+        tx: &mut Transaction<'static, Sqlite>,
+        except: Option<UploadId>,
+        length_bytes: u64,
+    ) -> Result<u64> {
+        let except = except.map(|id| id.uuid().to_string()).unwrap_or_default();
+        let (count, bytes): (i64, i64) =
+            sqlx::query_as(IN_USE).bind(except).fetch_one(&mut **tx).await?;
+        let (count, bytes) = (count.max(0) as u64, bytes.max(0) as u64);
+        let room = self.bytes.saturating_sub(bytes);
+        if count >= self.count || length_bytes > room {
+            return Err(Error::UploadsFull { count, bytes });
+        }
+        Ok(room)
+    }
+}
+
+impl Uploads<'_> {
+    /// Begins an upload. The same request id with the same length and metadata gives the upload that was begun
+    /// before, however far it is. Where a capture of the declared digest was made under that request id
+    /// already, the upload is whole at once.
+    ///
+    /// # Errors
+    /// [`Error::RequestIdTaken`]; [`Error::UploadsFull`] beyond `bounds`.
+    pub async fn create(
+        &self,
+        new: NewResumableUpload,
+        bounds: UploadBounds,
+    ) -> Result<ResumableUpload> {
+        let mut tx = self.store.inner.database.write().await?;
+        let mut capture = None;
+        if let Some(request_id) = &new.request_id {
+            if let Some(before) = begun_before(&mut tx, &new, request_id).await? {
+                tx.commit().await?;
+                return Ok(before);
+            }
+            capture = made_before(&mut tx, &new, request_id).await?;
+        }
+        let length = match &capture {
+            Some((_, size)) => Some(*size),
+            None => {
+                bounds.room(&mut tx, None, new.length_bytes.unwrap_or(0)).await?;
+                new.length_bytes.map(|n| i64::try_from(n).unwrap_or(i64::MAX))
+            }
+        };
+        let row: Row = sqlx::query_as(
+            "insert into uploads (id, state, display_name, request_id, expected_digest, metadata,
+                length_bytes, offset_bytes, capture, created_at, expires_at)
+             values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11) returning *",
+        )
+        .bind(UploadId::generate().uuid().to_string())
+        .bind(if capture.is_some() { "stored" } else { "receiving" })
+        .bind(new.display_name)
+        .bind(new.request_id)
+        .bind(new.expected_digest.map(|d| d.to_hex().to_string()))
+        .bind(new.metadata)
+        .bind(length)
+        .bind(capture.as_ref().map_or(0, |(_, size)| *size))
+        .bind(capture.map(|(id, _)| id))
+        .bind(self.store.now_micros())
+        .bind(self.store.expiry_micros(new.keep))
+        .fetch_one(&mut *tx)
+        .await?;
+        tx.commit().await?;
+        row.try_into()
+    }
+}
+
+/// The upload that was begun under the same request id, unless its capture has been deleted since.
+async fn begun_before(
+    tx: &mut Transaction<'static, Sqlite>,
+    new: &NewResumableUpload,
+    request_id: &str,
+) -> Result<Option<ResumableUpload>> {
+    let row: Option<Row> = sqlx::query_as("select * from uploads where request_id = $1")
+        .bind(request_id)
+        .fetch_optional(&mut **tx)
+        .await?;
+    let Some(row) = row else { return Ok(None) };
+    let before = ResumableUpload::try_from(row)?;
+    if let UploadState::Stored(capture) = before.state {
+        let there: bool =
+            sqlx::query_scalar("select exists (select 1 from captures where id = $1)")
+                .bind(capture.uuid().to_string())
+                .fetch_one(&mut **tx)
+                .await?;
+        if !there {
+            sqlx::query("update uploads set request_id = null where id = $1")
+                .bind(before.id.uuid().to_string())
+                .execute(&mut **tx)
+                .await?;
+            return Ok(None);
+        }
+    }
+    let same_length = new.length_bytes.is_none() || new.length_bytes == before.length_bytes;
+    let same = same_length
+        && before.metadata == new.metadata
+        && before.display_name == new.display_name
+        && before.expected_digest == new.expected_digest;
+    if same {
+        return Ok(Some(before));
+    }
+    let (request_id, name) = (request_id.to_owned(), before.id.to_string());
+    Err(Error::RequestIdTaken { request_id, name })
+}
+
+/// Id and size of the capture that was made under the same request id, if it is known to be the same.
+async fn made_before(
+    tx: &mut Transaction<'static, Sqlite>,
+    new: &NewResumableUpload,
+    request_id: &str,
+) -> Result<Option<(String, i64)>> {
+    let row: Option<(String, String, i64, String)> = sqlx::query_as(
+        "select id, display_name, size_bytes, digest from captures where request_id = $1",
+    )
+    .bind(request_id)
+    .fetch_optional(&mut **tx)
+    .await?;
+    let Some((id, display_name, size, digest)) = row else { return Ok(None) };
+    let given = new.expected_digest.map(|d| d.to_hex().to_string());
+    let differs = display_name != new.display_name
+        || given.as_ref().is_some_and(|given| *given != digest)
+        || new.length_bytes.is_some_and(|n| i64::try_from(n).ok() != Some(size));
+    if differs {
+        let (request_id, name) = (request_id.to_owned(), format!("captures/{id}"));
+        return Err(Error::RequestIdTaken { request_id, name });
+    }
+    // Without a digest only the content itself can tell.
+    Ok(given.map(|_| (id, size)))
+}

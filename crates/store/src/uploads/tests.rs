@@ -1,0 +1,217 @@
+use std::time::Duration;
+
+use bendtwin_core::ids::UploadId;
+use bytes::Bytes;
+use futures::TryStreamExt;
+
+use super::*;
+use crate::{Capture, NewCapture, failpoint::Failpoint, store::tests::Bench};
+
+const KEEP: Duration = Duration::from_secs(100);
+const PATIENCE: Duration = Duration::from_secs(5);
+const BOUNDS: UploadBounds = UploadBounds { count: 3, bytes: 1 << 30 };
+
+fn new(content: &str) -> NewResumableUpload {
+    NewResumableUpload {
+        display_name: "rope".into(),
+        request_id: Some("key".into()),
+        expected_digest: Some(blake3::hash(content.as_bytes())),
+        metadata: "filename cm9wZQ==".into(),
+        length_bytes: Some(content.len() as u64),
+        keep: KEEP,
+    }
+}
+
+async fn begin(bench: &Bench, content: &str) -> UploadId {
+    bench.store.uploads().create(new(content), BOUNDS).await.unwrap().id
+}
+
+async fn claim(bench: &Bench, id: UploadId) -> UploadWriter {
+    bench.store.uploads().claim(id, PATIENCE).await.unwrap()
+}
+
+async fn append(bench: &Bench, id: UploadId, bytes: &'static str) -> u64 {
+    let mut writer = claim(bench, id).await;
+    writer.write(&Bytes::from_static(bytes.as_bytes())).await.unwrap();
+    writer.commit(KEEP).await.unwrap();
+    writer.upload().offset_bytes
+}
+
+async fn finish(bench: &Bench, id: UploadId) -> Result<Capture> {
+    let mut writer = claim(bench, id).await;
+    let content = writer.stage().await?;
+    let request_id = writer.upload().request_id.clone();
+    let new = NewCapture { display_name: "rope".into(), request_id, content };
+    bench.store.captures().create(new).await
+}
+
+async fn content(bench: &Bench, capture: &Capture) -> Vec<u8> {
+    let (_, content) = bench.store.captures().content(capture.id).await.unwrap();
+    content.chunks.try_collect::<Vec<_>>().await.unwrap().concat()
+}
+
+#[tokio::test]
+async fn what_is_committed_survives_and_what_is_not_is_cut_off() {
+    let bench = Bench::new().await;
+    let id = begin(&bench, "some content").await;
+    assert_eq!(append(&bench, id, "some ").await, 5);
+    let mut writer = claim(&bench, id).await;
+    let long = Bytes::from(vec![b'x'; 3 << 20]);
+    writer.write(&long).await.unwrap();
+    drop(writer);
+    let bench = bench.reopen().await;
+    assert_eq!(bench.store.uploads().get(id).await.unwrap().offset_bytes, 5);
+    let mut writer = claim(&bench, id).await;
+    writer.write(&long).await.unwrap();
+    writer.discard().await.unwrap();
+    drop(writer);
+    assert_eq!(append(&bench, id, "content").await, 12);
+    let capture = finish(&bench, id).await.unwrap();
+    assert_eq!(content(&bench, &capture).await, b"some content");
+    assert_eq!(bench.store.uploads().get(id).await.unwrap().state, UploadState::Stored(capture.id));
+    assert!(bench.store.blobs().partials().await.unwrap().is_empty(), "renamed, not copied");
+}
+
+/// A crash at any point between the last byte and the capture: the rest is done again, once.
+#[tokio::test]
+async fn whole_content_becomes_one_capture_whatever_crashes() {
+    for point in Failpoint::ALL {
+        let bench = Bench::new().await;
+        let id = begin(&bench, "whole").await;
+        append(&bench, id, "whole").await;
+        bench.store.inner.armed.arm(point);
+        let first = finish(&bench, id).await;
+        let bench = bench.reopen().await;
+        let unfinished = bench.store.uploads().whole().await.unwrap();
+        let capture = match bench.store.uploads().get(id).await.unwrap().state {
+            UploadState::Stored(capture) => bench.store.captures().get(capture).await.unwrap(),
+            UploadState::Receiving => {
+                assert_eq!(unfinished, [id], "{point:?}");
+                assert!(first.is_err());
+                finish(&bench, id).await.unwrap()
+            }
+            UploadState::Gone(why) => panic!("{point:?}: {why}"),
+        };
+        assert_eq!(content(&bench, &capture).await, b"whole", "{point:?}");
+        let captures = bench.store.captures().list(&Default::default()).await.unwrap().items;
+        assert_eq!(captures.len(), 1, "{point:?}");
+        bench.store.captures().delete(capture.id).await.unwrap();
+        assert_eq!(bench.reopen().await.blob_count().await, 0, "{point:?}");
+    }
+}
+
+#[tokio::test]
+async fn the_holder_is_asked_to_make_room() {
+    let bench = Bench::new().await;
+    let id = begin(&bench, "some content").await;
+    let mut first = claim(&bench, id).await;
+    first.write(&Bytes::from_static(b"some ")).await.unwrap();
+    let stubborn = bench.store.uploads().claim(id, Duration::from_millis(20)).await;
+    assert!(matches!(stubborn, Err(Error::UploadLocked { .. })));
+    let yields = async {
+        first.wanted().await;
+        first.commit(KEEP).await.unwrap();
+        drop(first);
+    };
+    let uploads = bench.store.uploads();
+    let (second, ()) = tokio::join!(uploads.claim(id, PATIENCE), yields);
+    let second = second.unwrap();
+    assert_eq!(second.upload().offset_bytes, 5);
+    // Nobody waits any more.
+    let undisturbed = tokio::time::timeout(Duration::from_millis(20), second.wanted()).await;
+    assert!(undisturbed.is_err());
+}
+
+#[tokio::test]
+async fn a_request_id_finds_the_upload_that_was_begun() {
+    let bench = Bench::new().await;
+    let id = begin(&bench, "whole").await;
+    append(&bench, id, "who").await;
+    let again = bench.store.uploads().create(new("whole"), BOUNDS).await.unwrap();
+    assert_eq!((again.id, again.offset_bytes), (id, 3));
+    let other = bench.store.uploads().create(new("other"), BOUNDS).await;
+    assert!(matches!(other, Err(Error::RequestIdTaken { .. })));
+    append(&bench, id, "le").await;
+    let capture = finish(&bench, id).await.unwrap();
+    assert_eq!(begin(&bench, "whole").await, id);
+    // Once the upload is forgotten, its capture still answers for it.
+    bench.clock.advance(2 * KEEP);
+    bench.store.uploads().sweep(KEEP).await.unwrap();
+    let found = bench.store.uploads().create(new("whole"), BOUNDS).await.unwrap();
+    assert_eq!((found.state.clone(), found.is_whole()), (UploadState::Stored(capture.id), true));
+    // Once the capture is deleted, all begins anew.
+    bench.store.captures().delete(capture.id).await.unwrap();
+    let anew = bench.store.uploads().create(new("whole"), BOUNDS).await.unwrap();
+    assert_eq!((anew.state, anew.offset_bytes), (UploadState::Receiving, 0));
+}
+
+#[tokio::test]
+async fn the_wrong_content_is_refused_and_frees_its_place() {
+    let bench = Bench::new().await;
+    let id = begin(&bench, "right").await;
+    append(&bench, id, "wrong").await;
+    assert!(matches!(finish(&bench, id).await, Err(Error::DigestMismatch { .. })));
+    claim(&bench, id).await.end("it was refused", KEEP).await.unwrap();
+    let gone = bench.store.uploads().claim(id, PATIENCE).await;
+    assert!(matches!(gone, Err(Error::UploadGone { .. })));
+    assert!(bench.store.blobs().partials().await.unwrap().is_empty());
+    begin(&bench, "right").await;
+}
+
+#[tokio::test]
+async fn silent_uploads_expire_and_are_forgotten_later() {
+    let bench = Bench::new().await;
+    let (held, idle) = (begin(&bench, "held").await, {
+        let new = NewResumableUpload { request_id: None, ..new("idle") };
+        bench.store.uploads().create(new, BOUNDS).await.unwrap().id
+    });
+    append(&bench, idle, "id").await;
+    let holder = claim(&bench, held).await;
+    bench.clock.advance(2 * KEEP);
+    assert_eq!(bench.store.uploads().sweep(KEEP).await.unwrap(), 1);
+    let gone = bench.store.uploads().claim(idle, PATIENCE).await;
+    assert!(matches!(gone, Err(Error::UploadGone { .. })));
+    assert!(bench.store.blobs().partials().await.unwrap().is_empty());
+    drop(holder);
+    bench.clock.advance(2 * KEEP);
+    bench.store.uploads().sweep(KEEP).await.unwrap();
+    let forgotten = bench.store.uploads().get(idle).await;
+    assert!(matches!(forgotten, Err(Error::NotFound { .. })));
+}
+
+#[tokio::test]
+async fn uploads_under_way_are_bounded_together() {
+    let bench = Bench::new().await;
+    let uploads = bench.store.uploads();
+    let bounds = UploadBounds { count: 2, bytes: 10 };
+    let sized = |length_bytes| NewResumableUpload { request_id: None, length_bytes, ..new("") };
+    uploads.create(sized(Some(6)), bounds).await.unwrap();
+    let refused = uploads.create(sized(Some(5)), bounds).await;
+    assert!(matches!(refused, Err(Error::UploadsFull { count: 1, bytes: 6 })));
+    let open = uploads.create(sized(None), bounds).await.unwrap();
+    let refused = uploads.create(sized(Some(1)), bounds).await;
+    assert!(matches!(refused, Err(Error::UploadsFull { count: 2, .. })));
+    let mut writer = claim(&bench, open.id).await;
+    assert_eq!(writer.room(100, bounds).await.unwrap(), 4);
+    assert!(matches!(writer.set_length(5, bounds).await, Err(Error::UploadsFull { .. })));
+    writer.set_length(4, bounds).await.unwrap();
+    writer.set_length(4, bounds).await.unwrap();
+    assert!(matches!(writer.set_length(3, bounds).await, Err(Error::UploadLength { .. })));
+    assert_eq!(uploads.in_use().await.unwrap(), UploadUse { count: 2, bytes: 10 });
+}
+
+#[tokio::test]
+async fn a_file_that_is_too_short_is_lost_content() {
+    let bench = Bench::new().await;
+    let id = begin(&bench, "some content").await;
+    append(&bench, id, "some ").await;
+    std::fs::write(bench.store.blobs().partial(id), "so").unwrap();
+    let mut writer = claim(&bench, id).await;
+    writer.write(&Bytes::from_static(b"content")).await.unwrap();
+    assert!(matches!(writer.commit(KEEP).await, Err(Error::ContentLost { .. })));
+    drop(writer);
+    bench.store.blobs().remove_partial(id).await.unwrap();
+    let mut writer = claim(&bench, id).await;
+    writer.write(&Bytes::from_static(b"content")).await.unwrap();
+    assert!(matches!(writer.commit(KEEP).await, Err(Error::ContentLost { .. })));
+}

@@ -1,0 +1,268 @@
+//! Uploads that can be resumed, free of the protocol that carries them: begun,
+//! continued at an offset, asked about, terminated. The last byte makes the
+//! capture, by the same rules as an upload in one piece.
+
+mod checksum;
+mod metadata;
+
+use std::time::Duration;
+
+use bendtwin_core::{Category, Problem as _};
+use bendtwin_store::{
+    NewResumableUpload, ResumableUpload, UploadBounds, UploadState, UploadWriter,
+};
+use futures::StreamExt as _;
+use tracing::Instrument as _;
+
+use super::{App, Body, Error, Result};
+
+pub(crate) use checksum::{ALGORITHMS, Checksum};
+use metadata::Metadata;
+
+/// How long a request waits for the one before it to make room.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// Bytes after which what has arrived is made to last.
+const COMMIT_EVERY: u64 = 32 << 20;
+
+/// An upload to be begun, as asked for.
+pub(crate) struct NewUpload {
+    /// None if the client does not know it yet.
+    pub(crate) length_bytes: Option<u64>,
+    /// As the client wrote it: `key base64, ...`.
+    pub(crate) metadata: String,
+    /// The idempotency key, if it stands elsewhere than in the metadata.
+    pub(crate) request_id: String,
+}
+
+/// Bytes to be appended.
+pub(crate) struct Append {
+    /// Where they begin.
+    pub(crate) offset: u64,
+    /// How many, where that is known beforehand.
+    pub(crate) size_bytes: Option<u64>,
+    /// How long the whole is, where the client had not known it.
+    pub(crate) length_bytes: Option<u64>,
+    pub(crate) checksum: Option<Checksum>,
+    pub(crate) body: Body,
+}
+
+impl App {
+    /// Begins an upload, or finds the one that was begun under the same request id.
+    pub(crate) async fn create_upload(&self, new: NewUpload) -> Result<ResumableUpload> {
+        let metadata = Metadata::parse(&new.metadata)?;
+        let request_id = super::request_id(metadata.one_request_id(new.request_id)?)?;
+        self.check_length(new.length_bytes)?;
+        let new = NewResumableUpload {
+            display_name: super::display_name(metadata.capture_name())?,
+            request_id,
+            expected_digest: super::digest(&metadata.digest)?,
+            metadata: new.metadata,
+            length_bytes: new.length_bytes,
+            keep: self.options.upload_expiry(),
+        };
+        Ok(self.store.uploads().create(new, self.upload_bounds()).await?)
+    }
+
+    /// An upload as it stands; whoever sends to it is not disturbed.
+    pub(crate) async fn upload(&self, name: &str) -> Result<ResumableUpload> {
+        Ok(self.store.uploads().get(super::name(name)?).await?)
+    }
+
+    /// Where to go on: whoever sends to the upload is asked to stop, for their connection may be dead.
+    /// Makes the capture if only that is missing.
+    pub(crate) async fn resume_upload(&self, name: &str) -> Result<ResumableUpload> {
+        let (app, id) = (self.clone(), super::name(name)?);
+        in_a_task(async move {
+            let writer = app.store.uploads().claim(id, PATIENCE).await?;
+            app.finish_if_whole(writer).await
+        })
+        .await
+    }
+
+    /// Appends bytes. What has arrived of them lasts even if the rest does not come, unless they have a checksum.
+    pub(crate) async fn append_upload(
+        &self,
+        name: &str,
+        append: Append,
+    ) -> Result<ResumableUpload> {
+        let (app, id) = (self.clone(), super::name(name)?);
+        in_a_task(async move {
+            let mut writer = app.store.uploads().claim(id, PATIENCE).await?;
+            app.append(&mut writer, append).await?;
+            app.finish_if_whole(writer).await
+        })
+        .await
+    }
+
+    /// Ends an upload and frees what it held; a capture that it made stays.
+    pub(crate) async fn terminate_upload(&self, name: &str) -> Result<()> {
+        let (app, id) = (self.clone(), super::name(name)?);
+        in_a_task(async move {
+            let writer = app.store.uploads().claim(id, PATIENCE).await?;
+            writer.end("it was terminated: begin a new one", app.options.upload_expiry()).await?;
+            tracing::info!(upload = %id, "upload terminated");
+            Ok(())
+        })
+        .await
+    }
+
+    /// Gives up what has expired and finishes what a crash left whole.
+    pub(crate) async fn sweep_uploads(&self) -> Result<()> {
+        for id in self.store.uploads().whole().await? {
+            // Whoever sent the last byte may be at it.
+            match self.store.uploads().claim(id, Duration::ZERO).await {
+                Ok(writer) => drop(self.finish_if_whole(writer).await),
+                Err(error) => tracing::debug!(upload = %id, %error, "not finished now"),
+            }
+        }
+        let given_up = self.store.uploads().sweep(self.options.upload_expiry()).await?;
+        if given_up > 0 {
+            tracing::info!(given_up, "uploads expired");
+        }
+        Ok(())
+    }
+
+    async fn append(&self, writer: &mut UploadWriter, append: Append) -> Result<()> {
+        let offset = writer.upload().offset_bytes;
+        if append.offset != offset {
+            return Err(Error::UploadOffset { given: append.offset, offset });
+        }
+        if let Some(length) = append.length_bytes {
+            self.check_length(Some(length))?;
+            writer.set_length(length, self.upload_bounds()).await?;
+        }
+        let room = writer.room(self.options.limits.capture_bytes, self.upload_bounds()).await?;
+        if append.size_bytes.is_some_and(|n| n > room) {
+            return Err(Error::UploadTooLong { limit: offset + room });
+        }
+        let keep = self.options.upload_expiry();
+        let received = self.receive_into(writer, append, room).await;
+        let arrived = writer.pending();
+        // A checksum vouches for all or nothing, and after an error of the disk nothing is sure.
+        let saved = match &received {
+            Ok(()) | Err(Interrupted { keep_it: true, .. }) => writer.commit(keep).await,
+            Err(_) => writer.discard().await,
+        };
+        if let Err(error) = saved {
+            writer.discard().await?;
+            return Err(error.into());
+        }
+        self.metrics.upload_bytes(if received.as_ref().is_err_and(|i| !i.keep_it) { 0 } else { arrived });
+        received.map_err(|interrupted| interrupted.error)
+    }
+
+    /// Writes a body to its end, or until something comes in between.
+    async fn receive_into(
+        &self,
+        writer: &mut UploadWriter,
+        append: Append,
+        room: u64,
+    ) -> Result<(), Interrupted> {
+        let (mut body, mut checksum) = (append.body, append.checksum);
+        let idle = self.options.limits.upload_idle();
+        let keep = self.options.upload_expiry();
+        let broken = |error: Error, checksum: &Option<Checksum>| Interrupted {
+            error,
+            keep_it: checksum.is_none(),
+        };
+        let lost = |error: bendtwin_store::Error| Interrupted { error: error.into(), keep_it: false };
+        let wanted = writer.wanted();
+        tokio::pin!(wanted);
+        let mut left = room;
+        loop {
+            let next = tokio::select! {
+                // Another request first: it would else wait behind a fast sender.
+                biased;
+                () = &mut wanted => return Err(broken(Error::UploadTakenOver, &checksum)),
+                () = self.stopping.cancelled() => return Err(broken(Error::Stopping, &checksum)),
+                next = tokio::time::timeout(idle, body.next()) => next,
+            };
+            let chunk = match next {
+                Err(_) => return Err(broken(Error::UploadIdle(idle), &checksum)),
+                Ok(None) => break,
+                Ok(Some(Err(error))) => return Err(broken(error, &checksum)),
+                Ok(Some(Ok(chunk))) => chunk,
+            };
+            let Some(rest) = left.checked_sub(chunk.len() as u64) else {
+                let limit = append.offset + room;
+                return Err(broken(Error::UploadTooLong { limit }, &checksum));
+            };
+            left = rest;
+            if let Some(checksum) = &mut checksum {
+                checksum.update(&chunk);
+            }
+            writer.write(&chunk).await.map_err(lost)?;
+            if checksum.is_none() && writer.pending() >= COMMIT_EVERY {
+                let pending = writer.pending();
+                writer.commit(keep).await.map_err(lost)?;
+                self.metrics.upload_bytes(pending);
+            }
+        }
+        match checksum.map(Checksum::verify).transpose() {
+            Ok(_) => Ok(()),
+            Err(error) => Err(Interrupted { error, keep_it: false }),
+        }
+    }
+
+    /// Makes the capture of an upload whose bytes are all here, and returns the upload as it stands then.
+    async fn finish_if_whole(&self, mut writer: UploadWriter) -> Result<ResumableUpload> {
+        let upload = writer.upload().clone();
+        if upload.state != UploadState::Receiving || !upload.is_whole() {
+            return Ok(upload);
+        }
+        match self.finish(&mut writer, &upload).await {
+            Ok(()) => Ok(self.store.uploads().get(upload.id).await?),
+            // Trying again will not help: the client is to learn it once more if it missed it now.
+            Err(error)
+                if matches!(
+                    error.category(),
+                    Category::InvalidArgument | Category::AlreadyExists
+                ) =>
+            {
+                let why = format!("it was refused: {error}");
+                writer.end(&why, self.options.upload_expiry()).await?;
+                Err(error)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    async fn finish(&self, writer: &mut UploadWriter, upload: &ResumableUpload) -> Result<()> {
+        let content = writer.stage().await?;
+        let capture =
+            self.keep_capture(upload.display_name.clone(), upload.request_id.clone(), content);
+        capture.await?;
+        Ok(())
+    }
+
+    fn check_length(&self, length_bytes: Option<u64>) -> Result<()> {
+        let limit = self.options.limits.capture_bytes;
+        match length_bytes {
+            Some(0) => Err(Error::invalid("upload-length", "is 0: send a capture archive")),
+            Some(length) if length > limit => Err(Error::UploadTooLong { limit }),
+            _ => Ok(()),
+        }
+    }
+
+    fn upload_bounds(&self) -> UploadBounds {
+        let limits = &self.options.limits;
+        UploadBounds { count: limits.uploads, bytes: limits.uploads_bytes }
+    }
+}
+
+/// Why a body was not read to its end.
+struct Interrupted {
+    error: Error,
+    /// Whether what arrived is sound.
+    keep_it: bool,
+}
+
+/// Runs the work to its end even if the client goes away: what has arrived by then is to last.
+async fn in_a_task<T: Send + 'static>(
+    work: impl Future<Output = Result<T>> + Send + 'static,
+) -> Result<T> {
+    match tokio::spawn(work.in_current_span()).await {
+        Ok(done) => done,
+        Err(panic) => Err(Error::Internal(format!("a resumable upload: {panic}"))),
+    }
+}

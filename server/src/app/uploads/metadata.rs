@@ -1,0 +1,102 @@
+//! What a client says about an upload: comma-separated `key base64` pairs, of
+//! which those below mean something here. The others are kept for the client.
+
+use base64::{Engine as _, prelude::BASE64_STANDARD};
+
+use super::super::{Error, Result};
+
+/// Longest metadata that is kept [bytes].
+const LONGEST: usize = 4096;
+
+/// The pairs that mean something here; empty where they were not given.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(super) struct Metadata {
+    pub(super) filename: String,
+    pub(super) display_name: String,
+    pub(super) request_id: String,
+    /// BLAKE3 of the whole, hex.
+    pub(super) digest: String,
+}
+
+impl Metadata {
+    pub(super) fn parse(text: &str) -> Result<Self> {
+        let invalid = |fault: &str| Error::invalid("upload-metadata", fault);
+        if text.len() > LONGEST {
+            return Err(invalid(&format!("is longer than {LONGEST} bytes")));
+        }
+        let (mut metadata, mut seen) = (Self::default(), Vec::new());
+        for pair in text.split(',').map(str::trim).filter(|_| !text.trim().is_empty()) {
+            let (key, value) = pair.split_once(' ').unwrap_or((pair, ""));
+            if key.is_empty() {
+                return Err(invalid("has an empty key"));
+            }
+            if seen.contains(&key) {
+                return Err(invalid(&format!("has the key `{key}` twice")));
+            }
+            seen.push(key);
+            let value = BASE64_STANDARD
+                .decode(value.trim())
+                .map_err(|_| invalid(&format!("has a value of `{key}` that is not Base64")))?;
+            let place = match key {
+                "filename" => &mut metadata.filename,
+                "display_name" => &mut metadata.display_name,
+                "request_id" => &mut metadata.request_id,
+                "digest" => &mut metadata.digest,
+                _ => continue,
+            };
+            *place = String::from_utf8(value)
+                .map_err(|_| invalid(&format!("has a value of `{key}` that is not UTF-8")))?;
+        }
+        Ok(metadata)
+    }
+
+    /// What to call the capture: its display name, else its file's without the ending.
+    pub(super) fn capture_name(&self) -> String {
+        if !self.display_name.is_empty() {
+            return self.display_name.clone();
+        }
+        let name = self.filename.rsplit(['/', '\\']).next().unwrap_or_default();
+        name.strip_suffix(".zip").unwrap_or(name).to_owned()
+    }
+
+    /// The request id, given here or as a header; if both, the same.
+    pub(super) fn one_request_id(&self, header: String) -> Result<String> {
+        match (header.is_empty(), self.request_id.is_empty()) {
+            (true, _) => Ok(self.request_id.clone()),
+            (false, true) => Ok(header),
+            (false, false) if header == self.request_id => Ok(header),
+            _ => Err(Error::invalid("request_id", "differs from the idempotency key")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_are_read_and_others_are_left_alone() {
+        let text = "filename cm9wZS56aXA=,is_confidential,display_name w4Q=, other AAEC";
+        let metadata = Metadata::parse(text).unwrap();
+        assert_eq!((metadata.filename.as_str(), metadata.capture_name().as_str()), ("rope.zip", "Ä"));
+        assert_eq!(Metadata::parse("").unwrap(), Metadata::default());
+        let named = Metadata::parse("filename Yy9yb3BlLnppcA==").unwrap();
+        assert_eq!(named.capture_name(), "rope");
+    }
+
+    #[test]
+    fn what_the_protocol_forbids_is_refused() {
+        for text in ["a YQ==,a YQ==", "a YQ==,", "a ?", "digest //79", " , ", &"x".repeat(5000)] {
+            assert!(Metadata::parse(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn there_is_one_request_id() {
+        let metadata = Metadata { request_id: "a".into(), ..Metadata::default() };
+        assert_eq!(metadata.one_request_id(String::new()).unwrap(), "a");
+        assert_eq!(metadata.one_request_id("a".into()).unwrap(), "a");
+        assert!(metadata.one_request_id("b".into()).is_err());
+        assert_eq!(Metadata::default().one_request_id("b".into()).unwrap(), "b");
+    }
+}

@@ -1,0 +1,248 @@
+//! `/v1/uploads`: resumable uploads of captures by the tus protocol, 1.0.0
+//! (<https://tus.io/protocols/resumable-upload>), with its extensions creation,
+//! creation-with-upload, creation-defer-length, checksum, expiration and
+//! termination. `protocol.rs` has the headers.
+
+mod protocol;
+
+use axum::{
+    Json,
+    extract::{Request, State},
+    http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use bendtwin_store::{ResumableUpload, UploadState};
+use serde::Serialize;
+use utoipa::ToSchema;
+use utoipa_axum::{router::OpenApiRouter, routes};
+
+use super::{
+    Result,
+    extract::{self, Id},
+};
+use crate::{
+    app::{self, ALGORITHMS, App, Append, NewUpload},
+    error::{ProblemDocument, Refusal},
+};
+
+pub(crate) use protocol::with_its_method;
+use protocol::{
+    BENDTWIN_CAPTURE, EXTENSIONS, TUS_CHECKSUM_ALGORITHM, TUS_EXTENSION, TUS_MAX_SIZE,
+    TUS_VERSION, UPLOAD_DEFER_LENGTH, UPLOAD_EXPIRES, UPLOAD_LENGTH, UPLOAD_METADATA,
+    UPLOAD_OFFSET, VERSION,
+};
+
+/// An upload that can be resumed.
+#[derive(Serialize, ToSchema)]
+struct Upload {
+    /// `uploads/{uuid}`
+    name: String,
+    /// RECEIVING, STORED or GONE.
+    state: &'static str,
+    display_name: String,
+    /// Bytes that are here for good.
+    offset_bytes: u64,
+    /// Size of the whole; null while the client does not know it.
+    length_bytes: Option<u64>,
+    /// `captures/{uuid}` once it is stored.
+    capture: Option<String>,
+    /// Why it is gone.
+    why: Option<String>,
+    /// RFC 3339.
+    create_time: String,
+    /// When it is given up unless more arrives, or forgotten if it has ended.
+    expire_time: String,
+}
+
+impl From<ResumableUpload> for Upload {
+    fn from(upload: ResumableUpload) -> Self {
+        let (state, capture, why) = match upload.state {
+            UploadState::Receiving => ("RECEIVING", None, None),
+            UploadState::Stored(capture) => ("STORED", Some(capture.to_string()), None),
+            UploadState::Gone(why) => ("GONE", None, Some(why)),
+        };
+        Self {
+            name: upload.id.to_string(),
+            state,
+            display_name: upload.display_name,
+            offset_bytes: upload.offset_bytes,
+            length_bytes: upload.length_bytes,
+            capture,
+            why,
+            create_time: upload.created.to_string(),
+            expire_time: upload.expires.to_string(),
+        }
+    }
+}
+
+/// The routes, behind what the protocol asks of every request and answer.
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(options, create))
+        .routes(routes!(head, append, terminate, get))
+        .route_layer(axum::middleware::from_fn(protocol::versioned))
+}
+
+/// What of tus is understood
+#[utoipa::path(options, path = "/v1/uploads", tag = "uploads",
+    responses((status = 204, headers(
+        ("Tus-Version" = String), ("Tus-Extension" = String), ("Tus-Max-Size" = u64),
+        ("Tus-Checksum-Algorithm" = String)))))]
+async fn options(State(app): State<App>) -> Response {
+    let headers = [
+        (TUS_VERSION, VERSION.to_owned()),
+        (TUS_EXTENSION, EXTENSIONS.join(",")),
+        (TUS_MAX_SIZE, app.options.limits.capture_bytes.to_string()),
+        (TUS_CHECKSUM_ALGORITHM, ALGORITHMS.join(",")),
+    ];
+    (StatusCode::NO_CONTENT, headers).into_response()
+}
+
+/// Begin a resumable upload
+///
+/// `Upload-Metadata` may give `filename`, `display_name`, `request_id` (or as `Idempotency-Key`) and `digest` (BLAKE3,
+/// hex). The same request id with the same metadata answers with the upload that was begun before,
+/// however far it is. A body is the first part of the content.
+#[utoipa::path(post, path = "/v1/uploads", tag = "uploads",
+    params(
+        ("Tus-Resumable" = String, Header, description = "1.0.0"),
+        ("Upload-Length" = Option<u64>, Header, description = "Size of the whole [bytes]"),
+        ("Upload-Defer-Length" = Option<u8>, Header, description = "1 if the size is not known yet"),
+        ("Upload-Metadata" = Option<String>, Header, description = "Pairs `key base64`, separated by commas"),
+        ("Idempotency-Key" = Option<String>, Header, description = "Makes the upload idempotent"),
+        ("Upload-Checksum" = Option<String>, Header, description = "`algorithm base64` of the body")),
+    request_body(content = Vec<u8>, content_type = "application/offset+octet-stream"),
+    responses((status = 201, headers(("Location" = String), ("Upload-Offset" = u64), ("Upload-Expires" = String))),
+        (status = "default", body = ProblemDocument)))]
+async fn create(State(app): State<App>, request: Request) -> Result<Response> {
+    let headers = request.headers();
+    let new = NewUpload {
+        length_bytes: protocol::declared_length(headers)?,
+        metadata: protocol::text(headers, &UPLOAD_METADATA)?.unwrap_or_default().to_owned(),
+        request_id: extract::idempotency_key(headers)?,
+    };
+    // With a body, the rules of PATCH hold; a wrong type is refused before anything is made.
+    let body = match protocol::body_size(headers)? {
+        Some(0) => None,
+        None if !headers.contains_key(header::TRANSFER_ENCODING)
+            && !headers.contains_key(header::CONTENT_TYPE) =>
+        {
+            None
+        }
+        size_bytes => {
+            protocol::expect_offset_type(headers)?;
+            Some((size_bytes, protocol::checksum(headers)?))
+        }
+    };
+    let mut upload = app.create_upload(new).await.map_err(refused)?;
+    if let Some((size_bytes, checksum)) = body
+        && upload.offset_bytes == 0
+    {
+        let body = extract::upload_body(request);
+        let append = Append { offset: 0, size_bytes, length_bytes: None, checksum, body };
+        upload = app.append_upload(&upload.id.to_string(), append).await.map_err(refused)?;
+    }
+    let location = [(header::LOCATION, format!("/v1/{}", upload.id))];
+    Ok((StatusCode::CREATED, location, state_of(&upload)).into_response())
+}
+
+/// Where to go on
+///
+/// A request that still sends to the upload is ended: its connection may be dead. Makes the capture if only that is
+/// missing. To look without disturbing, GET.
+#[utoipa::path(head, path = "/v1/uploads/{id}", tag = "uploads",
+    params(("id" = String, Path), ("Tus-Resumable" = String, Header, description = "1.0.0")),
+    responses((status = 200, headers(
+            ("Upload-Offset" = u64), ("Upload-Length" = u64), ("Upload-Defer-Length" = u8),
+            ("Upload-Metadata" = String), ("Upload-Expires" = String), ("Bendtwin-Capture" = String))),
+        (status = "default", body = ProblemDocument)))]
+async fn head(State(app): State<App>, Id(id): Id) -> Result<Response> {
+    let upload = app.resume_upload(&id).await.map_err(refused)?;
+    let mut response = state_of(&upload);
+    match upload.length_bytes {
+        Some(length) => response.insert(UPLOAD_LENGTH, length.into()),
+        None => response.insert(UPLOAD_DEFER_LENGTH, HeaderValue::from_static("1")),
+    };
+    if !upload.metadata.is_empty()
+        && let Ok(metadata) = HeaderValue::from_str(&upload.metadata)
+    {
+        response.insert(UPLOAD_METADATA, metadata);
+    }
+    response.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    Ok((StatusCode::OK, response).into_response())
+}
+
+/// Append to an upload
+///
+/// What was acknowledged lasts. With the last byte the capture is made; the answer names it.
+#[utoipa::path(patch, path = "/v1/uploads/{id}", tag = "uploads",
+    params(
+        ("id" = String, Path),
+        ("Tus-Resumable" = String, Header, description = "1.0.0"),
+        ("Upload-Offset" = u64, Header, description = "Where the body begins; must be the upload's offset"),
+        ("Upload-Length" = Option<u64>, Header, description = "Size of the whole, if it was deferred [bytes]"),
+        ("Upload-Checksum" = Option<String>, Header,
+            description = "`algorithm base64` of the body: sha1, sha256 or blake3")),
+    request_body(content = Vec<u8>, content_type = "application/offset+octet-stream"),
+    responses((status = 204, headers(
+            ("Upload-Offset" = u64), ("Upload-Expires" = String), ("Bendtwin-Capture" = String),
+            ("Content-Location" = String))),
+        (status = "default", body = ProblemDocument)))]
+async fn append(State(app): State<App>, Id(id): Id, request: Request) -> Result<Response> {
+    let headers = request.headers();
+    protocol::expect_offset_type(headers)?;
+    let append = Append {
+        offset: protocol::offset(headers)?,
+        size_bytes: protocol::body_size(headers)?,
+        length_bytes: protocol::number(headers, &UPLOAD_LENGTH)?,
+        checksum: protocol::checksum(headers)?,
+        body: extract::upload_body(request),
+    };
+    let upload = app.append_upload(&id, append).await.map_err(refused)?;
+    Ok((StatusCode::NO_CONTENT, state_of(&upload)).into_response())
+}
+
+/// Terminate an upload
+///
+/// Frees what it held. A capture that was made of it stays.
+#[utoipa::path(delete, path = "/v1/uploads/{id}", tag = "uploads",
+    params(("id" = String, Path), ("Tus-Resumable" = String, Header, description = "1.0.0")),
+    responses((status = 204), (status = "default", body = ProblemDocument)))]
+async fn terminate(State(app): State<App>, Id(id): Id) -> Result<StatusCode> {
+    app.terminate_upload(&id).await.map_err(refused)?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// One upload
+///
+/// For people and programs that look on: no part of tus, and whoever sends is not disturbed.
+#[utoipa::path(get, path = "/v1/uploads/{id}", tag = "uploads",
+    params(("id" = String, Path)),
+    responses((status = 200, body = Upload), (status = "default", body = ProblemDocument)))]
+async fn get(State(app): State<App>, Id(id): Id) -> Result<Response> {
+    let upload = app.upload(&id).await.map_err(refused)?;
+    Ok(([(header::CACHE_CONTROL, "no-store")], Json(Upload::from(upload))).into_response())
+}
+
+/// The headers that tell of an upload in every answer about it.
+fn state_of(upload: &ResumableUpload) -> HeaderMap {
+    let mut headers = HeaderMap::new();
+    headers.insert(UPLOAD_OFFSET, upload.offset_bytes.into());
+    let mut set = |name: HeaderName, value: String| {
+        if let Ok(value) = HeaderValue::from_str(&value) {
+            headers.insert(name, value);
+        }
+    };
+    match upload.state {
+        UploadState::Stored(capture) => {
+            set(BENDTWIN_CAPTURE, capture.to_string());
+            set(header::CONTENT_LOCATION, format!("/v1/{capture}"));
+        }
+        _ => set(UPLOAD_EXPIRES, protocol::date(upload.expires)),
+    }
+    headers
+}
+
+fn refused(error: app::Error) -> Refusal {
+    Refusal::from(error).over_tus()
+}
