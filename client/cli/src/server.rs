@@ -36,6 +36,9 @@ pub(crate) struct Server {
     /// The token of workers that others start; at least 16 characters
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     worker_token: Option<String>,
+    /// How long an upload that broke off can be resumed, after its last byte [s] [default: 604800]
+    #[arg(long, env = "BENDTWIN_UPLOAD_EXPIRY", value_name = "SECONDS")]
+    upload_expiry: Option<f64>,
     /// Write the port to this file once the server answers
     #[arg(long, value_name = "FILE")]
     port_file: Option<PathBuf>,

@@ -147,7 +147,11 @@ impl App {
             writer.discard().await?;
             return Err(error.into());
         }
-        self.metrics.upload_bytes(if received.as_ref().is_err_and(|i| !i.keep_it) { 0 } else { arrived });
+        self.metrics.upload_bytes(if received.as_ref().is_err_and(|i| !i.keep_it) {
+            0
+        } else {
+            arrived
+        });
         received.map_err(|interrupted| interrupted.error)
     }
 
@@ -165,7 +169,8 @@ impl App {
             error,
             keep_it: checksum.is_none(),
         };
-        let lost = |error: bendtwin_store::Error| Interrupted { error: error.into(), keep_it: false };
+        let lost =
+            |error: bendtwin_store::Error| Interrupted { error: error.into(), keep_it: false };
         let wanted = writer.wanted();
         tokio::pin!(wanted);
         let mut left = room;
@@ -184,8 +189,9 @@ impl App {
                 Ok(Some(Ok(chunk))) => chunk,
             };
             let Some(rest) = left.checked_sub(chunk.len() as u64) else {
-                let limit = append.offset + room;
-                return Err(broken(Error::UploadTooLong { limit }, &checksum));
+                // A sender that counts wrongly is not to be trusted with the bytes before either.
+                let error = Error::UploadTooLong { limit: append.offset + room };
+                return Err(Interrupted { error, keep_it: false });
             };
             left = rest;
             if let Some(checksum) = &mut checksum {

@@ -35,7 +35,14 @@ impl Server {
     }
 
     pub(crate) async fn start_with(change: impl FnOnce(&mut Options)) -> Self {
-        let dir = tempfile::tempdir().unwrap();
+        Self::start_in(tempfile::tempdir().unwrap(), change).await
+    }
+
+    /// In a folder that an earlier server may have left.
+    pub(crate) async fn start_in(
+        dir: tempfile::TempDir,
+        change: impl FnOnce(&mut Options),
+    ) -> Self {
         let mut options = options(&dir);
         change(&mut options);
         let handle = Service::start(options).await.unwrap();

@@ -9,6 +9,7 @@ mod leases;
 mod malformed;
 mod operations;
 mod rollouts;
+mod tus;
 mod twins;
 mod worker;
 mod workers;

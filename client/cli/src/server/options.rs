@@ -39,6 +39,9 @@ impl Server {
         if let Some(token) = &self.worker_token {
             options.worker_token = Some(token.clone());
         }
+        if let Some(expiry) = self.upload_expiry {
+            options.upload_expiry_s = expiry;
+        }
         let args = &mut options.workers.args;
         if args.first().is_some_and(|a| a == "worker") && !args.iter().any(|a| a == END_WITH_SERVER)
         {
@@ -66,6 +69,7 @@ mod tests {
             backend: None,
             devices: None,
             worker_token: None,
+            upload_expiry: None,
             port_file: None,
             exit_with_parent: false,
         }

@@ -78,7 +78,10 @@ mod tests {
     fn pairs_are_read_and_others_are_left_alone() {
         let text = "filename cm9wZS56aXA=,is_confidential,display_name w4Q=, other AAEC";
         let metadata = Metadata::parse(text).unwrap();
-        assert_eq!((metadata.filename.as_str(), metadata.capture_name().as_str()), ("rope.zip", "Ä"));
+        assert_eq!(
+            (metadata.filename.as_str(), metadata.capture_name().as_str()),
+            ("rope.zip", "Ä")
+        );
         assert_eq!(Metadata::parse("").unwrap(), Metadata::default());
         let named = Metadata::parse("filename Yy9yb3BlLnppcA==").unwrap();
         assert_eq!(named.capture_name(), "rope");

@@ -46,11 +46,10 @@ pub(super) const BENDTWIN_CAPTURE: HeaderName = HeaderName::from_static("bendtwi
 const METHOD_OVERRIDE: HeaderName = HeaderName::from_static("x-http-method-override");
 
 /// A request with the method that it means: clients that cannot send PATCH or DELETE name it in a header.
-pub(crate) fn with_its_method<B>(
-    mut request: axum::http::Request<B>,
-) -> axum::http::Request<B> {
+pub(crate) fn with_its_method<B>(mut request: axum::http::Request<B>) -> axum::http::Request<B> {
     let path = request.uri().path();
-    let is_ours = path.strip_prefix(PATH).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
+    let is_ours =
+        path.strip_prefix(PATH).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
     if is_ours
         && let Some(name) = request.headers_mut().remove(METHOD_OVERRIDE)
         && let Ok(method) = Method::from_bytes(name.as_bytes())
@@ -83,7 +82,11 @@ pub(super) async fn versioned(request: Request, next: Next) -> Response {
 pub(super) fn text<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Result<Option<&'a str>> {
     let mut values = headers.get_all(name).iter();
     let (Some(value), None) = (values.next(), values.next()) else {
-        return if headers.contains_key(name) { Err(invalid(name, "is given twice")) } else { Ok(None) };
+        return if headers.contains_key(name) {
+            Err(invalid(name, "is given twice"))
+        } else {
+            Ok(None)
+        };
     };
     value.to_str().map(Some).map_err(|_| invalid(name, "is not printable ASCII"))
 }
@@ -145,5 +148,6 @@ pub(super) fn date(time: Timestamp) -> String {
 }
 
 fn invalid(name: &HeaderName, fault: &str) -> Refusal {
-    Error::Invalid { field: "headers", fault: format!("are not those of tus: {name} {fault}") }.into()
+    Error::Invalid { field: "headers", fault: format!("are not those of tus: {name} {fault}") }
+        .into()
 }
