@@ -1,5 +1,6 @@
 //! `bendtwin capture`: make, check, upload, list.
 
+mod archive;
 mod check;
 pub(crate) mod make;
 pub(crate) mod push;

@@ -94,14 +94,14 @@ fn details(progress: &FitProgress) -> String {
     parts.join("  ")
 }
 
-/// Bytes of an upload.
-pub(crate) fn upload_bar(bytes: u64, quiet: bool) -> ProgressBar {
+/// Bytes of an upload, or of another thing that is done to files.
+pub(crate) fn byte_bar(what: &'static str, bytes: u64, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::new(bytes);
+    let bar = ProgressBar::new(bytes).with_prefix(what);
     let style = ProgressStyle::with_template(
-        "  uploading        [{bar:30}] {bytes}/{total_bytes}  {bytes_per_sec}",
+        "  {prefix:<16} [{bar:30}] {bytes}/{total_bytes}  {bytes_per_sec}",
     );
     match style {
         Ok(style) => bar.with_style(style.progress_chars("=> ")),

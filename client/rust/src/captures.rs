@@ -18,6 +18,7 @@ use crate::{
     Capture, Error,
     page::{self, Page, PageRequest},
     problem,
+    uploads::Sender,
 };
 
 /// How often an upload is tried.
@@ -79,6 +80,36 @@ impl Captures {
                     tokio::time::sleep(PAUSE).await;
                 }
                 Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// Uploads a capture archive (ZIP) over tus 1.0.0: a connection or a server that breaks down costs at most the
+    /// last 16 MiB, and after two minutes without progress, or after the end of this process, the same call
+    /// goes on where it stopped. `sent` is told how many bytes the server has, which may fall back a little.
+    ///
+    /// The same content under the same name is one capture, however often it is uploaded, and is not sent again.
+    ///
+    /// # Errors
+    /// As [`Captures::upload`].
+    pub async fn upload_resumable(
+        &self,
+        file: &Path,
+        display_name: &str,
+        sent: impl Fn(u64) + Clone + Send + Sync + 'static,
+    ) -> Result<Capture, Error> {
+        let digest = digest_of(file).await?;
+        let sender = Sender::new(&self.http, &self.url, file, &digest, display_name).await?;
+        let name = sender.send(&sent).await?;
+        let mut attempt = 1;
+        loop {
+            match self.get(name).await {
+                // The server may have been restarted since; the connection notices by failing.
+                Err(error) if error.is_transient() && attempt < ATTEMPTS => {
+                    attempt += 1;
+                    tokio::time::sleep(PAUSE).await;
+                }
+                got => return got,
             }
         }
     }

@@ -72,6 +72,14 @@ impl Error {
         Self::new(Category::Unavailable, "SERVER_UNREACHABLE", message)
     }
 
+    /// Every byte is at the server, which does not make a capture of them.
+    pub(crate) fn stuck(url: &str) -> Self {
+        let message = format!(
+            "the server at {url} takes no more bytes of the upload and makes no capture of it: try again later"
+        );
+        Self::new(Category::Unavailable, "UPLOAD_STUCK", message)
+    }
+
     /// A file of the caller's that cannot be read or written.
     pub(crate) fn file(path: &std::path::Path, error: &std::io::Error) -> Self {
         let category = match error.kind() {

@@ -28,7 +28,8 @@
 //! # }
 //! ```
 //!
-//! Captures travel over HTTP, streamed from disk; everything else is gRPC over
+//! Captures travel over HTTP, streamed from disk, large ones resumably
+//! ([`Captures::upload_resumable`]); everything else is gRPC over
 //! one connection. Every [`Error`] carries the server's category, reason,
 //! message and request id.
 
@@ -41,6 +42,7 @@ mod problem;
 mod resources;
 mod rollouts;
 mod twins;
+mod uploads;
 mod workers;
 
 pub use bendtwin_core::{

@@ -33,10 +33,13 @@ fn of(status: reqwest::StatusCode, body: &[u8]) -> Error {
             Error::new(category, &document.reason, document.detail)
                 .with_request_id(Some(document.request_id))
         }
-        // A proxy's page, say.
+        // A proxy's page, say, or an answer to HEAD, which has no body.
         Err(_) => {
             let category = match status.as_u16() {
                 502..=504 => Category::Unavailable,
+                404 | 410 => Category::NotFound,
+                409 | 423 => Category::Aborted,
+                429 => Category::ResourceExhausted,
                 400..=499 => Category::InvalidArgument,
                 _ => Category::Internal,
             };

@@ -141,7 +141,7 @@ impl Uploads<'_> {
         Ok(())
     }
 
-    async fn ids<'q>(&self, query: impl sqlx::SqlSafeStr) -> Result<Vec<UploadId>> {
+    async fn ids(&self, query: impl sqlx::SqlSafeStr) -> Result<Vec<UploadId>> {
         let ids: Vec<String> =
             sqlx::query_scalar(query).fetch_all(self.store.inner.database.read()).await?;
         Ok(ids.iter().filter_map(|id| Some(Uuid::try_parse(id).ok()?.into())).collect())

@@ -196,7 +196,7 @@ async fn requests_that_break_the_protocol_are_refused_with_its_statuses() {
 async fn a_body_longer_than_the_upload_is_refused_without_a_declared_size_too() {
     let server = Server::start().await;
     let path = server.begin(10, "").await;
-    let parts = ["abcde", "fghij", "k"].map(|p| Ok::<_, std::io::Error>(p));
+    let parts = ["abcde", "fghij", "k"].map(Ok::<_, std::io::Error>);
     let body = reqwest::Body::wrap_stream(futures::stream::iter(parts));
     let request = server.tus("PATCH", &path).header("content-type", TYPE);
     let request = request.header("upload-offset", 0).body(body);

@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
-use bendtwin_capture::{CheckReport, Limits, Severity, check_path};
+use bendtwin_capture::{CheckReport, Finding, Limits, Opened, Severity, check_path};
 
 use crate::{args::Global, failure, output};
+
+/// The code of what is raw and not processed.
+const RAW_CAPTURE: &str = "RAW_CAPTURE";
 
 pub(super) async fn run(path: &Path, global: &Global) -> anyhow::Result<()> {
     let report = check_locally(path).await?;
@@ -15,7 +18,22 @@ pub(super) async fn run(path: &Path, global: &Global) -> anyhow::Result<()> {
 /// Checks a capture on this machine.
 pub(super) async fn check_locally(path: &Path) -> anyhow::Result<CheckReport> {
     let path = path.to_owned();
-    Ok(tokio::task::spawn_blocking(move || check_path(&path, &Limits::default())).await?)
+    let checked = tokio::task::spawn_blocking(move || {
+        let mut report = check_path(&path, &Limits::default());
+        // A raw recording has no points to check yet: it is to open, and the server makes points of it.
+        if report.findings.iter().any(|f| f.code == RAW_CAPTURE)
+            && let Ok(Opened::Raw(recording)) = bendtwin_capture::open(&path, &Limits::default())
+        {
+            let (cameras, frames) = (recording.cameras.len(), recording.frame_count);
+            report.findings = vec![Finding {
+                severity: Severity::Info,
+                code: RAW_CAPTURE.to_owned(),
+                message: format!("a raw recording of {cameras} cameras over {frames} frames"),
+            }];
+        }
+        report
+    });
+    Ok(checked.await?)
 }
 
 /// The findings, a line each.

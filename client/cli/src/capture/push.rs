@@ -1,13 +1,20 @@
-//! `bendtwin capture push`: checks here, packs what is no archive yet, uploads.
+//! `bendtwin capture push`: checks here, packs what is no archive yet, uploads
+//! resumably: the same command again goes on after whatever came in between.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::BufWriter,
+    path::{Path, PathBuf},
+};
 
 use bendtwin_capture::{Limits, Severity};
 use bendtwin_client::Client;
 use clap::Args;
 use tempfile::NamedTempFile;
 
-use super::check::{check_locally, text};
+use super::{
+    archive::Listing,
+    check::{check_locally, text},
+};
 use crate::{args::Global, failure, output, progress};
 
 #[derive(Debug, Args)]
@@ -48,32 +55,56 @@ pub(crate) async fn upload(
     name: &str,
     quiet: bool,
 ) -> anyhow::Result<bendtwin_client::Capture> {
-    let packed = pack(path).await?;
+    let packed = pack(path, quiet).await?;
     let archive = packed.as_ref().map_or(path, NamedTempFile::path);
     let size = std::fs::metadata(archive).map_or(0, |m| m.len());
-    let bar = progress::upload_bar(size, quiet);
+    let bar = progress::byte_bar("uploading", size, quiet);
     let sent = bar.clone();
-    let uploaded =
-        client.captures().upload_with(archive, name, move |bytes| sent.set_position(bytes)).await;
+    let uploaded = client
+        .captures()
+        .upload_resumable(archive, name, move |bytes| sent.set_position(bytes))
+        .await;
     bar.finish_and_clear();
     Ok(uploaded?)
 }
 
-/// A folder or an .npz as a bundle in a temporary file; nothing for what is an archive already.
-async fn pack(path: &Path) -> anyhow::Result<Option<NamedTempFile>> {
+/// A folder as an archive, or motion capture as a bundle, in a temporary file; nothing for what is an archive already.
+async fn pack(path: &Path, quiet: bool) -> anyhow::Result<Option<NamedTempFile>> {
     let is_npz = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
     let is_document = path.file_name().is_some_and(|n| n == "capture.json");
-    if !path.is_dir() && !is_npz && !is_document {
-        return Ok(None);
-    }
+    // A person may point at the document inside the folder.
+    let folder = if is_document { path.parent().unwrap_or(path) } else { path };
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.to_owned();
     let path = path.to_owned();
     let packed = tokio::task::spawn_blocking(move || {
+        if folder.is_dir() {
+            return archive(&folder, quiet).map(Some);
+        }
+        if !is_npz {
+            return Ok(None);
+        }
         let capture = bendtwin_capture::read(&path, &Limits::default()).map_err(failure::failed)?;
-        let file = tempfile::Builder::new().prefix("bendtwin-").suffix(".zip").tempfile()?;
+        let file = temporary()?;
         bendtwin_capture::write_bundle_file(&capture, file.path()).map_err(failure::failed)?;
-        Ok::<_, anyhow::Error>(file)
+        Ok::<_, anyhow::Error>(Some(file))
     });
-    packed.await?.map(Some)
+    packed.await?
+}
+
+fn archive(folder: &Path, quiet: bool) -> anyhow::Result<NamedTempFile> {
+    let listing = Listing::of(folder)?;
+    if listing.skipped > 0 {
+        eprintln!("warning: {} links and special files are left out", listing.skipped);
+    }
+    let bar = progress::byte_bar("packing", listing.bytes(), quiet);
+    let mut file = temporary()?;
+    let packed = listing.pack(BufWriter::new(file.as_file_mut()), |bytes| bar.set_position(bytes));
+    bar.finish_and_clear();
+    packed.map(|()| file)
+}
+
+fn temporary() -> std::io::Result<NamedTempFile> {
+    tempfile::Builder::new().prefix("bendtwin-").suffix(".zip").tempfile()
 }
 
 fn display_name(path: &Path) -> String {

@@ -9,11 +9,20 @@ from contextlib import contextmanager
 from pathlib import Path
 
 _CHUNK_BYTES = 256 * 1024
+#: Contents that are compressed already: deflating them again costs time and saves nothing.
+_COMPRESSED = frozenset(
+    [".png", ".jpg", ".jpeg", ".webp", ".exr"]
+    + [".npz", ".zip", ".gz", ".zst", ".mcap", ".mp4", ".mkv", ".avi", ".glb", ".pth"]
+)
 
 
 @contextmanager
 def archive_of(path: Path) -> Iterator[Path]:
-    """The capture as one ZIP file: `path` itself, or a temporary archive of the folder."""
+    """The capture as one ZIP file: `path` itself, or a temporary archive of the folder.
+
+    Of a folder, all regular files but hidden ones are packed, the same way every time: so the same
+    files have the same digest, by which an upload that broke off is found again.
+    """
     if not path.is_dir():
         path.stat()  # Missing files fail here, not in the middle of a call.
         yield path
@@ -21,14 +30,21 @@ def archive_of(path: Path) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="bendtwin-") as folder:
         archive = Path(folder) / f"{path.name}.zip"
         with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as zipped:
-            for file in sorted(p for p in path.rglob("*") if p.is_file()):
-                # A fixed time, so that the same folder gives the same bytes and the same digest.
+            for file in sorted(p for p in path.rglob("*") if _is_packed(p, path)):
+                # A fixed time, for the time of a file says nothing about its content.
                 entry = zipfile.ZipInfo(file.relative_to(path).as_posix())
-                entry.compress_type = zipfile.ZIP_DEFLATED
+                stored = file.suffix.lower() in _COMPRESSED
+                entry.compress_type = zipfile.ZIP_STORED if stored else zipfile.ZIP_DEFLATED
+                entry.file_size = file.stat().st_size  # Decides on the long form of its header.
                 with file.open("rb") as source, zipped.open(entry, "w") as target:
                     while chunk := source.read(_CHUNK_BYTES):
                         target.write(chunk)
         yield archive
+
+
+def _is_packed(file: Path, root: Path) -> bool:
+    hidden = any(part.startswith(".") for part in file.relative_to(root).parts)
+    return file.is_file() and not file.is_symlink() and not hidden
 
 
 def chunks_of(path: Path) -> Iterator[bytes]:

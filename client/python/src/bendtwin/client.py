@@ -16,6 +16,7 @@ from bendtwin.archive import archive_of, chunks_of
 from bendtwin.errors import BendTwinError, Category, FitFailed, translated
 from bendtwin.resources import Capture, Fit, FitState, TwinInfo, Worker
 from bendtwin.twin import Twin
+from bendtwin.uploads import Sender
 from bendtwin.v1 import (
     capture_pb2,
     capture_pb2_grpc,
@@ -43,6 +44,7 @@ class Client:
 
     def __init__(self, address: str = "127.0.0.1:7070") -> None:
         target = address.removeprefix("http://").rstrip("/")
+        self._address = target
         self._channel = grpc.insecure_channel(target, options=_CHANNEL_OPTIONS)
         self._captures = capture_pb2_grpc.CaptureServiceStub(self._channel)
         self._fits = fit_pb2_grpc.FitServiceStub(self._channel)
@@ -87,6 +89,28 @@ class Client:
         with archive_of(path) as archive, translated():
             reply = self._captures.CreateCapture(messages(archive))
         return Capture.from_proto(reply.capture)
+
+    def push_capture(
+        self,
+        path: str | PathLike[str],
+        *,
+        display_name: str | None = None,
+        request_id: str | None = None,
+        on_progress: Callable[[int, int], None] | None = None,
+    ) -> Capture:
+        """Uploads a capture resumably (tus 1.0.0): a ZIP archive, or a folder that is packed first.
+
+        Goes on over broken connections and restarts of the server, and, called again, over
+        restarts of its own process. The same content under the same name is one capture and is not
+        sent twice. `on_progress` is told the bytes that the server has, and how many there are.
+        """
+        path = Path(path)
+        if display_name is None:
+            display_name = path.resolve().name if path.is_dir() else path.stem
+        with archive_of(path) as archive:
+            sender = Sender(self._address, archive, display_name, request_id)
+            name = sender.send(on_progress)
+        return self.capture(name)
 
     def capture(self, name: str) -> Capture:
         """One capture."""

@@ -1,0 +1,293 @@
+//! Uploads over tus 1.0.0 that survive broken connections, restarts of the server
+//! and restarts of their own process.
+//!
+//! There is no file of state: the upload is found again by its request id, which
+//! is made of the content's digest and of what is said about it. So the same
+//! file under the same name goes on where it stopped, from whatever process or
+//! folder, and a file that is on the server already is not sent again.
+
+use std::{
+    io::SeekFrom,
+    path::Path,
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
+
+use base64::{Engine as _, prelude::BASE64_STANDARD};
+use bendtwin_core::{Category, ids::CaptureId};
+use bytes::Bytes;
+use reqwest::{Method, RequestBuilder, Response, header::HeaderMap};
+use tokio::{
+    fs::File,
+    io::{AsyncReadExt as _, AsyncSeekExt as _},
+    time::Instant,
+};
+
+use crate::{Error, problem};
+
+/// Bytes of one request: what a damaged checksum or a dead server costs at most.
+const PART: u64 = 16 << 20;
+/// Bytes between two reports of progress.
+const SLICE: usize = 256 << 10;
+/// Wait before trying again; it doubles up to the longest.
+const FIRST_PAUSE: Duration = Duration::from_millis(200);
+const LONGEST_PAUSE: Duration = Duration::from_secs(10);
+/// How long nothing may get through before the upload is given up. It can be taken up again later.
+const PATIENCE: Duration = Duration::from_secs(120);
+/// Silence after which a request is given up; the server's hashing of gigabytes at the end takes its time.
+const ANSWER: Duration = Duration::from_secs(300);
+
+/// One file on its way to the server.
+pub(crate) struct Sender<'a> {
+    http: &'a reqwest::Client,
+    /// Of the server, without a slash at the end.
+    server: &'a str,
+    path: &'a Path,
+    length: u64,
+    metadata: String,
+}
+
+/// An upload as an answer tells of it.
+struct Told {
+    offset: u64,
+    capture: Option<CaptureId>,
+}
+
+impl<'a> Sender<'a> {
+    /// For a file of that digest [BLAKE3, hex].
+    pub(crate) async fn new(
+        http: &'a reqwest::Client,
+        server: &'a str,
+        path: &'a Path,
+        digest: &str,
+        display_name: &str,
+    ) -> Result<Self, Error> {
+        let length = tokio::fs::metadata(path).await.map_err(|e| Error::file(path, &e))?.len();
+        let mut key = blake3::Hasher::new();
+        key.update(digest.as_bytes()).update(display_name.as_bytes());
+        let request_id = format!("tus-{}", &key.finalize().to_hex()[..32]);
+        let pairs =
+            [("display_name", display_name), ("request_id", &request_id), ("digest", digest)];
+        let pairs = pairs.map(|(key, value)| format!("{key} {}", BASE64_STANDARD.encode(value)));
+        Ok(Self { http, server, path, length, metadata: pairs.join(",") })
+    }
+
+    /// Sends what is missing and returns the capture that it became. `sent` is told how much is there.
+    pub(crate) async fn send(
+        &self,
+        sent: &(impl Fn(u64) + Clone + Send + Sync + 'static),
+    ) -> Result<CaptureId, Error> {
+        let mut patience = Patience::new();
+        // None while it is to be begun, or found.
+        let mut url: Option<String> = None;
+        let mut offset = None;
+        loop {
+            let step = match (&url, offset) {
+                (None, _) => match self.begin().await {
+                    Ok((location, told)) => {
+                        url = Some(location);
+                        Ok(told)
+                    }
+                    Err(error) => Err(error),
+                },
+                (Some(url), None) => self.ask(url).await,
+                (Some(url), Some(offset)) => self.send_part(url, offset, sent.clone()).await,
+            };
+            match step {
+                Ok(Told { capture: Some(capture), .. }) => {
+                    sent(self.length);
+                    return Ok(capture);
+                }
+                Ok(told) => {
+                    // Whole and no capture: ask again, the server is about to make it.
+                    let stuck = told.offset >= self.length || offset == Some(told.offset);
+                    offset = Some(told.offset).filter(|_| told.offset < self.length);
+                    sent(told.offset);
+                    if stuck {
+                        patience.wait(&Error::stuck(self.server)).await?;
+                    } else {
+                        patience.renew();
+                    }
+                }
+                Err(error) if is_gone(&error) && url.is_some() => {
+                    // It expired, or was terminated: begin anew.
+                    patience.wait(&error).await?;
+                    (url, offset) = (None, None);
+                }
+                Err(error) if is_worth_another_try(&error) => {
+                    patience.wait(&error).await?;
+                    offset = None;
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    async fn begin(&self) -> Result<(String, Told), Error> {
+        let request = self
+            .request(Method::POST, &format!("{}/v1/uploads", self.server))
+            .header("upload-length", self.length)
+            .header("upload-metadata", &self.metadata);
+        let response = self.answer(request).await?;
+        let location = text(response.headers(), "location")?.to_owned();
+        let url = reqwest::Url::parse(self.server).and_then(|base| base.join(&location));
+        let url = url.map_err(Error::malformed)?.to_string();
+        // The answer to a creation need not tell the offset.
+        let told = match response.headers().contains_key("upload-offset") {
+            true => told(&response)?,
+            false => self.ask(&url).await?,
+        };
+        Ok((url, told))
+    }
+
+    async fn ask(&self, url: &str) -> Result<Told, Error> {
+        told(&self.answer(self.request(Method::HEAD, url)).await?)
+    }
+
+    async fn send_part(
+        &self,
+        url: &str,
+        offset: u64,
+        sent: impl Fn(u64) + Send + Sync + 'static,
+    ) -> Result<Told, Error> {
+        let part = self.read(offset).await?;
+        let checksum = BASE64_STANDARD.encode(blake3::hash(&part).as_bytes());
+        let size = part.len();
+        let pulse = Pulse::default();
+        let beat = pulse.clone();
+        let slices = (0..size.div_ceil(SLICE)).map(move |i| {
+            let end = ((i + 1) * SLICE).min(size);
+            beat.beat();
+            // Told when the connection asks for the next slice, so a little early.
+            sent(offset + (i * SLICE) as u64);
+            Ok::<Bytes, std::io::Error>(part.slice(i * SLICE..end))
+        });
+        let request = self
+            .request(Method::PATCH, url)
+            .header("content-type", "application/offset+octet-stream")
+            .header("content-length", size)
+            .header("upload-offset", offset)
+            .header("upload-checksum", format!("blake3 {checksum}"))
+            .body(reqwest::Body::wrap_stream(futures::stream::iter(slices)));
+        told(&self.answer_to(request, &pulse).await?)
+    }
+
+    async fn read(&self, offset: u64) -> Result<Bytes, Error> {
+        let unreadable = |e: std::io::Error| Error::file(self.path, &e);
+        let mut file = File::open(self.path).await.map_err(unreadable)?;
+        file.seek(SeekFrom::Start(offset)).await.map_err(unreadable)?;
+        let size = PART.min(self.length.saturating_sub(offset));
+        let mut part = Vec::with_capacity(size as usize);
+        file.take(size).read_to_end(&mut part).await.map_err(unreadable)?;
+        if part.len() as u64 != size {
+            let message = format!("{} has become shorter: push it again", self.path.display());
+            return Err(Error::invalid(message));
+        }
+        Ok(part.into())
+    }
+
+    fn request(&self, method: Method, url: &str) -> RequestBuilder {
+        self.http.request(method, url).header("tus-resumable", "1.0.0")
+    }
+
+    async fn answer(&self, request: RequestBuilder) -> Result<Response, Error> {
+        self.answer_to(request, &Pulse::default()).await
+    }
+
+    /// Waits for the answer for as long as the request makes progress. A deadline for the whole would fail those whose
+    /// connection is slow, and none at all those whose connection died without a word.
+    async fn answer_to(&self, request: RequestBuilder, pulse: &Pulse) -> Result<Response, Error> {
+        let response = tokio::select! {
+            response = request.send() => response.map_err(|e| Error::unreachable(self.server, e))?,
+            () = pulse.stops() => return Err(Error::unreachable(self.server, "it fell silent")),
+        };
+        problem::success(response).await
+    }
+}
+
+fn told(response: &Response) -> Result<Told, Error> {
+    let headers = response.headers();
+    let offset = text(headers, "upload-offset")?.parse().map_err(Error::malformed)?;
+    let capture = match headers.contains_key("bendtwin-capture") {
+        true => Some(text(headers, "bendtwin-capture")?.parse().map_err(Error::malformed)?),
+        false => None,
+    };
+    Ok(Told { offset, capture })
+}
+
+fn text<'h>(headers: &'h HeaderMap, name: &str) -> Result<&'h str, Error> {
+    let value = headers.get(name).and_then(|v| v.to_str().ok());
+    value.ok_or_else(|| Error::malformed(format!("there is no header {name}")))
+}
+
+/// An answer to HEAD has no body that would say the reason: its status decides.
+fn is_gone(error: &Error) -> bool {
+    error.category() == Category::NotFound
+}
+
+fn is_worth_another_try(error: &Error) -> bool {
+    let transient = matches!(
+        error.category(),
+        Category::Unavailable | Category::Aborted | Category::ResourceExhausted
+    );
+    transient || ["CHECKSUM_MISMATCH", "UPLOAD_IDLE", "UPLOAD_BROKEN"].contains(&error.reason())
+}
+
+/// When a request last made progress.
+#[derive(Clone)]
+struct Pulse(Arc<Mutex<Instant>>);
+
+impl Default for Pulse {
+    fn default() -> Self {
+        Self(Arc::new(Mutex::new(Instant::now())))
+    }
+}
+
+impl Pulse {
+    fn beat(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+    }
+
+    /// Returns when there has been no beat for too long.
+    async fn stops(&self) {
+        loop {
+            let last = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            if last.elapsed() >= ANSWER {
+                return;
+            }
+            tokio::time::sleep_until(last + ANSWER).await;
+        }
+    }
+}
+
+/// How long to go on without anything getting through.
+struct Patience {
+    ends: Instant,
+    pause: Duration,
+}
+
+impl Patience {
+    fn new() -> Self {
+        Self { ends: Instant::now() + PATIENCE, pause: FIRST_PAUSE }
+    }
+
+    /// Something got through.
+    fn renew(&mut self) {
+        *self = Self::new();
+    }
+
+    /// Waits before the next try, unless it is too late for one.
+    async fn wait(&mut self, error: &Error) -> Result<(), Error> {
+        if Instant::now() + self.pause >= self.ends {
+            return Err(error.clone());
+        }
+        // Clients that lost the same server should not all come back at once.
+        let jitter = f64::from(uuid::Uuid::new_v4().as_bytes()[0]) / 255.0;
+        tokio::time::sleep(self.pause.mul_f64(0.5 + 0.5 * jitter)).await;
+        self.pause = (2 * self.pause).min(LONGEST_PAUSE);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

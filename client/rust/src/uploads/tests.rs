@@ -1,0 +1,132 @@
+//! Against a server of a few lines that does what each test needs.
+
+use std::{
+    collections::VecDeque,
+    sync::{Arc, Mutex},
+};
+
+use tokio::{
+    io::{AsyncReadExt as _, AsyncWriteExt as _},
+    net::TcpListener,
+};
+
+use super::*;
+
+const NAME: &str = "captures/0190a000-0000-7000-8000-000000000001";
+
+/// One answer: to which method, at which offset of the client, what. An empty one closes the connection.
+type Scene = (&'static str, Option<u64>, String);
+
+fn answer(status: &str, headers: &str) -> String {
+    format!(
+        "HTTP/1.1 {status}\r\ntus-resumable: 1.0.0\r\nconnection: close\r\ncontent-length: 0\r\n{headers}\r\n"
+    )
+}
+
+/// Plays the scenes in turn, a connection each; returns the address.
+async fn play(scenes: Vec<Scene>) -> (String, Arc<Mutex<VecDeque<Scene>>>) {
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let url = format!("http://{}", listener.local_addr().unwrap());
+    let scenes = Arc::new(Mutex::new(VecDeque::from(scenes)));
+    let left = scenes.clone();
+    tokio::spawn(async move {
+        loop {
+            let (mut stream, _) = listener.accept().await.unwrap();
+            let Some((method, offset, answer)) = scenes.lock().unwrap().pop_front() else { return };
+            let mut request = Vec::new();
+            while !request.windows(4).any(|w| w == b"\r\n\r\n") {
+                assert!(stream.read_buf(&mut request).await.unwrap() > 0);
+            }
+            let text = String::from_utf8_lossy(&request).to_lowercase();
+            assert!(text.starts_with(&method.to_lowercase()), "{method}: {text}");
+            let field = |name: &str| {
+                let value = text.split(&format!("\r\n{name}: ")).nth(1)?.split("\r\n").next()?;
+                Some(value.to_owned())
+            };
+            assert_eq!(field("tus-resumable").unwrap(), "1.0.0");
+            assert_eq!(field("upload-offset").map(|o| o.parse().unwrap()), offset, "{text}");
+            let body: usize = field("content-length").map_or(0, |n| n.parse().unwrap());
+            let mut there = request.len() - text.find("\r\n\r\n").unwrap() - 4;
+            while there < body {
+                there += stream.read_buf(&mut request).await.unwrap();
+            }
+            stream.write_all(answer.as_bytes()).await.unwrap();
+            stream.shutdown().await.ok();
+        }
+    });
+    (url, left)
+}
+
+async fn push(scenes: Vec<Scene>) -> Result<CaptureId, Error> {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), b"0123456789").unwrap();
+    let (url, left) = play(scenes).await;
+    let http = reqwest::Client::new();
+    let sender = Sender::new(&http, &url, file.path(), "digest", "rope").await.unwrap();
+    let pushed = sender.send(&|_| ()).await;
+    assert!(left.lock().unwrap().is_empty(), "the client gave up early: {pushed:?}");
+    pushed
+}
+
+fn created() -> Scene {
+    ("POST", None, answer("201 Created", "location: /v1/uploads/a\r\nupload-offset: 0\r\n"))
+}
+
+fn done() -> String {
+    answer("204 No Content", &format!("upload-offset: 10\r\nbendtwin-capture: {NAME}\r\n"))
+}
+
+fn at(offset: u64) -> Scene {
+    ("HEAD", None, answer("200 OK", &format!("upload-offset: {offset}\r\n")))
+}
+
+#[tokio::test]
+async fn goes_on_where_the_server_is_after_every_kind_of_failure() {
+    let name = push(vec![
+        ("POST", None, String::new()),
+        created(),
+        ("PATCH", Some(0), String::new()),
+        ("HEAD", None, answer("503 Service Unavailable", "")),
+        at(4),
+        ("PATCH", Some(4), answer("409 Conflict", "")),
+        at(7),
+        ("PATCH", Some(7), answer("423 Locked", "")),
+        ("HEAD", None, answer("423 Locked", "")),
+        at(7),
+        ("PATCH", Some(7), answer("429 Too Many Requests", "")),
+        at(7),
+        ("PATCH", Some(7), done()),
+    ]);
+    assert_eq!(name.await.unwrap().to_string(), NAME);
+}
+
+#[tokio::test]
+async fn begins_anew_where_the_upload_is_gone() {
+    let name = push(vec![
+        created(),
+        ("PATCH", Some(0), String::new()),
+        ("HEAD", None, answer("410 Gone", "")),
+        created(),
+        ("PATCH", Some(0), done()),
+    ]);
+    assert_eq!(name.await.unwrap().to_string(), NAME);
+}
+
+#[tokio::test]
+async fn does_not_send_what_is_there() {
+    let known =
+        format!("location: /v1/uploads/a\r\nupload-offset: 10\r\nbendtwin-capture: {NAME}\r\n");
+    push(vec![("POST", None, answer("201 Created", &known))]).await.unwrap();
+    // Whole, and the capture is made when asked for.
+    let whole = "location: /v1/uploads/a\r\nupload-offset: 10\r\n";
+    let made = answer("200 OK", &format!("upload-offset: 10\r\nbendtwin-capture: {NAME}\r\n"));
+    push(vec![("POST", None, answer("201 Created", whole)), ("HEAD", None, made)]).await.unwrap();
+}
+
+#[tokio::test]
+async fn what_will_not_get_better_is_an_error_at_once() {
+    let refused = push(vec![created(), ("PATCH", Some(0), answer("400 Bad Request", ""))]).await;
+    assert_eq!(refused.unwrap_err().category(), Category::InvalidArgument);
+    let malformed = push(vec![("POST", None, answer("201 Created", ""))]).await;
+    assert_eq!(malformed.unwrap_err().reason(), "MALFORMED_REPLY");
+}
