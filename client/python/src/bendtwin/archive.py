@@ -10,10 +10,8 @@ from pathlib import Path
 
 _CHUNK_BYTES = 256 * 1024
 #: Contents that are compressed already: deflating them again costs time and saves nothing.
-_COMPRESSED = frozenset(
-    [".png", ".jpg", ".jpeg", ".webp", ".exr"]
-    + [".npz", ".zip", ".gz", ".zst", ".mcap", ".mp4", ".mkv", ".avi", ".glb", ".pth"]
-)
+_PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".exr", ".mp4", ".mkv", ".avi")
+_COMPRESSED = frozenset((*_PICTURES, ".npz", ".zip", ".gz", ".zst", ".mcap", ".glb", ".pth"))
 
 
 @contextmanager
