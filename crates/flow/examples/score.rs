@@ -19,6 +19,9 @@ use bendtwin_core::Point;
 use bendtwin_flow::{CameraTracks, FlowSettings, track};
 use nalgebra::{Matrix3, Vector3};
 
+/// Tracks of a camera, and what each lies on.
+type Followed = (Tracks, Vec<Region>);
+
 /// Frames that are shown.
 const EVERY: usize = 10;
 /// How near a clean track must be in the first frame [m].
@@ -53,36 +56,57 @@ fn main() -> Result<(), Box<dyn Error>> {
             1e3 * q.deviation_m.unwrap_or(0.0),
         );
     }
-    println!(
-        "frame  tracked (of those in frame 0, object)  near truth  error mm: median  p90  within 5 mm  plain median"
-    );
-    let lifted = lift(&recording, &found, Region::Object)?;
     let truth = Truth::new(&recording);
-    for frame in
-        (0..recording.frame_count).filter(|f| f % EVERY == 0 || f + 1 == recording.frame_count)
-    {
-        truth.print(&lifted, frame);
+    let tracks: Vec<_> = found.iter().map(|c| (c.tracks.clone(), c.regions.clone())).collect();
+    truth.print(
+        "built-in tracker, object",
+        &lift(&recording, &tracks, Region::Object)?,
+        &recording,
+    );
+    let supplied = supplied(&recording)?;
+    if !supplied.is_empty() {
+        let lifted = lift(&recording, &supplied, Region::Object)?;
+        truth.print("supplied tracks, object", &lifted, &recording);
+        let ours = lift(&recording, &tracks, Region::Manipulator)?;
+        let theirs = lift(&recording, &supplied, Region::Manipulator)?;
+        manipulator(&ours, &theirs, recording.frame_count);
     }
     beside(&recording, &found)
+}
+
+/// The tracks that came with the recording, each on what it lies on in the first frame.
+fn supplied(recording: &Recording) -> Result<Vec<Followed>, Box<dyn Error>> {
+    let mut all = Vec::new();
+    for c in 0..recording.cameras.len() {
+        let mut frames = recording.source.frames(c)?;
+        let Some(tracks) = frames.tracks()? else { continue };
+        let hand = frames.mask(0, Region::Manipulator)?;
+        let on_hand = |[x, y]: [f32; 2]| {
+            hand.as_ref().and_then(|m| m.get(x.round() as usize, y.round() as usize)) == Some(true)
+        };
+        let region = |&at| if on_hand(at) { Region::Manipulator } else { Region::Object };
+        let regions = tracks.points[..tracks.count].iter().map(region).collect();
+        all.push((tracks, regions));
+    }
+    Ok(all)
 }
 
 /// Tracks in space, shape [N][T]; `None` where unseen.
 fn lift(
     recording: &Recording,
-    found: &[CameraTracks],
+    found: &[Followed],
     region: Region,
 ) -> Result<Vec<Vec<Option<Point>>>, Box<dyn Error>> {
     let mut all = Vec::new();
-    for (c, (camera, found)) in recording.cameras.iter().zip(found).enumerate() {
+    for (c, (camera, (tracks, regions))) in recording.cameras.iter().zip(found).enumerate() {
         let mut frames = recording.source.frames(c)?;
-        let mine: Vec<usize> =
-            (0..found.tracks.count).filter(|&i| found.regions[i] == region).collect();
+        let mine: Vec<usize> = (0..tracks.count).filter(|&i| regions[i] == region).collect();
         let mut lifted = vec![Vec::new(); mine.len()];
         for frame in 0..recording.frame_count {
             let depth = frames.depth(frame)?;
             for (track, &i) in lifted.iter_mut().zip(&mine) {
-                let k = frame * found.tracks.count + i;
-                let at = found.tracks.visible[k].then_some(found.tracks.points[k]);
+                let k = frame * tracks.count + i;
+                let at = tracks.visible[k].then_some(tracks.points[k]);
                 track.push(at.zip(depth.as_ref()).and_then(|(at, d)| point(camera, d, at, frame)));
             }
         }
@@ -138,7 +162,19 @@ impl Truth {
         Self { clean, nearest }
     }
 
-    fn print(&self, lifted: &[Vec<Option<Point>>], frame: usize) {
+    fn print(&self, title: &str, lifted: &[Vec<Option<Point>>], recording: &Recording) {
+        println!("{title}");
+        println!(
+            "  frame  tracked since frame 0  near truth  error mm: median  90 %   under 5 mm  plain median"
+        );
+        for frame in 0..recording.frame_count {
+            if frame % EVERY == 0 || frame + 1 == recording.frame_count {
+                self.print_frame(lifted, frame);
+            }
+        }
+    }
+
+    fn print_frame(&self, lifted: &[Vec<Option<Point>>], frame: usize) {
         let both: Vec<_> = lifted
             .iter()
             .filter_map(|t| t[0].zip(t[frame]))
@@ -162,12 +198,12 @@ impl Truth {
         errors.sort_by(f64::total_cmp);
         plain.sort_by(f64::total_cmp);
         if errors.is_empty() {
-            println!("{frame:5}  {:7}  no clean track near", both.len());
+            println!("  {frame:5}  {:21}  no clean track near", both.len());
             return;
         }
         let within = errors.iter().filter(|&&e| e < 5.0).count() as f64 / errors.len() as f64;
         println!(
-            "{frame:5}  {:7}  {:7}  {:7.2}  {:7.2}  {:5.0} %  {:7.2}",
+            "  {frame:5}  {:21}  {:10}  {:16.2}  {:5.2}  {:8.0} %  {:12.2}",
             both.len(),
             errors.len(),
             errors[errors.len() / 2],
@@ -191,6 +227,36 @@ impl Truth {
         let mut sign = Matrix3::identity();
         sign[(2, 2)] = (u * v_t).determinant().signum();
         u * sign * v_t
+    }
+}
+
+/// How differently the manipulator's points moved since the first frame from the supplied ones nearest to them.
+fn manipulator(ours: &[Vec<Option<Point>>], theirs: &[Vec<Option<Point>>], frames: usize) {
+    println!("manipulator: tracked since frame 0, mm from supplied tracks: median  90 %");
+    let moved = |track: &Vec<Option<Point>>, frame: usize| {
+        let (first, now) = track[0].zip(track[frame])?;
+        Some((vector(first), vector(now) - vector(first)))
+    };
+    for frame in (0..frames).step_by(EVERY) {
+        let mut apart: Vec<f64> = ours
+            .iter()
+            .filter_map(|track| moved(track, frame))
+            .filter_map(|(first, motion)| {
+                let others = theirs.iter().filter_map(|other| moved(other, frame));
+                others
+                    .map(|(there, other)| ((there - first).norm(), (other - motion).norm() * 1e3))
+                    .filter(|(far, _)| *far < NEAR_M)
+                    .min_by(|a, b| a.0.total_cmp(&b.0))
+            })
+            .map(|(_, apart)| apart)
+            .collect();
+        apart.sort_by(f64::total_cmp);
+        let count = ours.iter().filter(|track| moved(track, frame).is_some()).count();
+        if let (Some(median), Some(ninth)) =
+            (apart.get(apart.len() / 2), apart.get(apart.len() * 9 / 10))
+        {
+            println!("  {frame:5}  {count:21}  {median:31.2}  {ninth:5.2}");
+        }
     }
 }
 

@@ -14,12 +14,15 @@
 
 mod align;
 mod appearance;
+mod body;
+mod carried;
 mod error;
 mod follow;
 mod frame;
 mod layer;
 mod motion;
 mod multiview;
+mod outcome;
 mod patch;
 mod quality;
 mod seed;
@@ -32,6 +35,7 @@ mod view;
 mod tests;
 
 pub use error::Error;
-pub use quality::{Texture, TrackerQuality};
+pub use outcome::CameraTracks;
+pub use quality::{Guide, Texture, TrackerQuality};
 pub use settings::FlowSettings;
-pub use tracker::{CameraTracks, track};
+pub use tracker::track;

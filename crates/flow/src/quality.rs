@@ -13,6 +13,8 @@ pub struct TrackerQuality {
     pub object_survivors: Vec<usize>,
     /// Points of the manipulator that are tracked in each frame, shape [T].
     pub manipulator_survivors: Vec<usize>,
+    /// By what the manipulator's points are followed; `None` if there are none.
+    pub manipulator_guide: Option<Guide>,
     /// Median over all tracked points and frames: how far a point tracked to the next frame and back misses its start [px].
     pub forward_backward_px: Option<f64>,
     /// Median over all tracked points and frames: how far a point lies from where the rigid motion of its neighbours puts it [m].
@@ -26,6 +28,17 @@ pub struct TrackerQuality {
     pub verdict: Texture,
     /// The verdict and what to do, in words.
     pub summary: String,
+}
+
+/// By what points are followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Guide {
+    /// Each by its own texture.
+    Texture,
+    /// All of a rigid part by the part's shape: a hand in a plain glove, a smooth gripper. How they turn about
+    /// an axis of symmetry remains unknown.
+    Shape,
 }
 
 /// What is to be thought of a texture.
@@ -74,6 +87,11 @@ impl Texture {
         };
         format!("camera `{camera}`: {advice}")
     }
+}
+
+/// Mean over frames of the share of points that survived.
+pub(crate) fn mean_share(survivors: &[usize], points: usize) -> f64 {
+    survivors.iter().sum::<usize>() as f64 / (survivors.len() * points).max(1) as f64
 }
 
 /// Median; reorders.

@@ -26,22 +26,21 @@ pub(crate) struct Seeds {
     pub(crate) textures: Vec<f32>,
 }
 
+impl Seeds {
+    /// Median over all places, good or not [grey levels of 255 per px].
+    pub(crate) fn median_texture(&self) -> Option<f64> {
+        self.textures.get(self.textures.len() / 2).copied().map(f64::from)
+    }
+}
+
 /// Seeds in `region`: best first, none nearer to a better one than the minimum distance, which grows until
 /// there are no more than allowed.
 pub(crate) fn seeds(view: &View, region: Region, settings: &FlowSettings) -> Seeds {
     let Some(level) = view.layer(region).and_then(|layer| layer.levels.first()) else {
         return Seeds::default();
     };
-    let most = match region {
-        Region::Object => settings.max_object_points,
-        Region::Manipulator => settings.max_manipulator_points,
-    };
-    let [width, height] = view.size();
-    let jump = settings.depth_jump_m as f32;
-    let places: Vec<[f64; 2]> = (0..height)
-        .flat_map(|row| (0..width).map(move |column| [column as f64, row as f64]))
-        .filter(|&at| view.inset(at, region) >= RIM && view.is_smooth(at, region, jump))
-        .collect();
+    let most = most(region, settings);
+    let places = places(view, region, settings);
     // As many as there is room for on a hexagonal grid of that distance.
     let spacing = settings.min_distance_px.max((places.len() as f64 / most.max(1) as f64).sqrt());
     // Texture is a mean over a window: it need not be known at every pixel of large images.
@@ -60,7 +59,31 @@ pub(crate) fn seeds(view: &View, region: Region, settings: &FlowSettings) -> See
     found.retain(|seed| f64::from(seed.texture) >= settings.min_texture);
     // Stable: equal ones stay in reading order.
     found.sort_by(|a, b| b.texture.total_cmp(&a.texture));
-    Seeds { seeds: spread(&found, [width, height], spacing, most), textures }
+    Seeds { seeds: spread(&found, view.size(), spacing, most), textures }
+}
+
+/// Places in `region` whether textured or not, evenly spread.
+pub(crate) fn evenly(view: &View, region: Region, settings: &FlowSettings) -> Vec<[f64; 2]> {
+    let places = places(view, region, settings);
+    let most = most(region, settings);
+    let spacing = settings.min_distance_px.max((places.len() as f64 / most.max(1) as f64).sqrt());
+    let all: Vec<_> = places.into_iter().map(|at| Seed { at, texture: 0.0 }).collect();
+    spread(&all, view.size(), spacing, most).into_iter().map(|seed| seed.at).collect()
+}
+
+fn most(region: Region, settings: &FlowSettings) -> usize {
+    match region {
+        Region::Object => settings.max_object_points,
+        Region::Manipulator => settings.max_manipulator_points,
+    }
+}
+
+/// Pixels well inside a region, on one surface.
+fn places(view: &View, region: Region, settings: &FlowSettings) -> Vec<[f64; 2]> {
+    let jump = settings.depth_jump_m as f32;
+    let mut places = view.places(region, RIM, usize::MAX);
+    places.retain(|&at| view.is_smooth(at, region, jump));
+    places
 }
 
 /// The first of each neighbourhood.

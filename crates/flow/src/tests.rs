@@ -1,11 +1,11 @@
 mod scene;
 
-use bendtwin_capture::raw::Recording;
+use bendtwin_capture::raw::{Recording, Region};
 use bendtwin_core::Problem;
 use bendtwin_engine::backend::CancelToken;
 
 use self::scene::Scene;
-use crate::{CameraTracks, Error, FlowSettings, Texture, track};
+use crate::{CameraTracks, Error, FlowSettings, Guide, Texture, track};
 
 fn settings() -> FlowSettings {
     FlowSettings { max_object_points: 60, ..FlowSettings::default() }
@@ -19,7 +19,7 @@ fn tracked(recording: &Recording) -> Vec<CameraTracks> {
 fn misses(scene: &Scene, found: &CameraTracks, frame: usize) -> Vec<f64> {
     let camera = &scene.recording().cameras[0];
     let n = found.tracks.count;
-    let mut misses: Vec<f64> = (0..n)
+    let mut misses: Vec<f64> = (0..found.quality.object_points)
         .filter(|i| found.tracks.visible[frame * n + i])
         .map(|i| {
             let at = found.tracks.points[frame * n + i].map(f64::from);
@@ -88,9 +88,11 @@ fn points_behind_a_hand_are_hidden_and_come_back() {
     let scene = Scene { velocity, hand, frames: 12, ..Scene::default() };
     let found = &tracked(&scene.recording())[0];
     let n = found.tracks.count;
+    // The object's come first.
+    let points = found.quality.object_points;
     let mut hidden = 0;
     for frame in 0..scene.frames {
-        for i in 0..n {
+        for i in 0..points {
             let column = found.tracks.points[frame * n + i][0].round() as usize;
             if found.tracks.visible[frame * n + i] {
                 assert!(
@@ -104,9 +106,39 @@ fn points_behind_a_hand_are_hidden_and_come_back() {
         let misses = misses(&scene, found, frame);
         assert!(misses.last().is_some_and(|&m| m < 0.3), "frame {frame}: {misses:?}");
     }
-    assert!(hidden > n / 2, "the hand passed in front of most points");
+    assert!(hidden > points / 2, "the hand passed in front of most points");
     let left = misses(&scene, found, scene.frames - 1).len();
-    assert!(left * 10 > n * 9, "{left} of {n} are seen when the hand has gone");
+    assert!(left * 10 > points * 9, "{left} of {points} are seen when the hand has gone");
+}
+
+#[test]
+fn a_plain_manipulator_is_followed_by_its_shape() {
+    let velocity = [0.003, 0.002, -0.002];
+    let scene = Scene { ball: Some([[-0.02, 0.0, 0.38], velocity]), ..Scene::default() };
+    let recording = scene.recording();
+    let found = &tracked(&recording)[0];
+    assert_eq!(found.quality.manipulator_guide, Some(Guide::Shape));
+    assert!(found.quality.manipulator_points > 20);
+    let n = found.tracks.count;
+    let camera = &recording.cameras[0];
+    let mut left = 0;
+    for i in (0..n).filter(|&i| found.regions[i] == Region::Manipulator) {
+        let k = (scene.frames - 1) * n + i;
+        if !found.tracks.visible[k] {
+            continue;
+        }
+        left += 1;
+        let [start, end] = [i, k].map(|k| found.tracks.points[k].map(f64::from));
+        let depth = scene.hit_ball(camera, start, 0).unwrap();
+        let mut there = camera.unproject(start, depth, 0);
+        for (c, v) in velocity.iter().enumerate() {
+            there[c] += (v * (scene.frames - 1) as f64) as f32;
+        }
+        let (there, _) = camera.project(there, 0).unwrap();
+        let miss = (there[0] - end[0]).hypot(there[1] - end[1]);
+        assert!(miss < 0.5, "track {i} misses by {miss:.2} px");
+    }
+    assert!(left > 20, "{left} are left");
 }
 
 #[test]

@@ -96,6 +96,19 @@ impl View {
         [self.labels.width, self.labels.height]
     }
 
+    /// Pixels at least `rim` inside of a region: about `count` of them on a square grid, or all if there are fewer.
+    pub(crate) fn places(&self, region: Region, rim: u8, count: usize) -> Vec<[f64; 2]> {
+        let inside = |i: &usize| self.labels.pixels[*i] == Some(region) && self.insets[*i] >= rim;
+        let all = (0..self.insets.len()).filter(inside).count();
+        let stride = ((all as f64 / count.max(1) as f64).sqrt().floor() as usize).max(1);
+        let width = self.labels.width;
+        (0..self.insets.len())
+            .filter(|i| (i % width).is_multiple_of(stride) && (i / width).is_multiple_of(stride))
+            .filter(inside)
+            .map(|i| [(i % width) as f64, (i / width) as f64])
+            .collect()
+    }
+
     /// Whether any pixel within `radius` of a place shows a region; beyond the image, nothing is shown.
     pub(crate) fn shows_near(&self, at: [f64; 2], radius: usize) -> bool {
         let Some([rows, columns]) = self.square(at, radius) else { return false };

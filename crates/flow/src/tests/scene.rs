@@ -33,6 +33,8 @@ pub(crate) struct Scene {
     pub(crate) light: [f64; 2],
     /// Columns that a hand in front covers in each frame.
     pub(crate) hand: fn(usize) -> std::ops::Range<usize>,
+    /// A plain ball in front, as a second manipulator: its centre in the first frame, and its motion per frame [m].
+    pub(crate) ball: Option<[[f64; 3]; 2]>,
     /// Frames that are missing.
     pub(crate) missing: Vec<usize>,
     /// Where further cameras stand, beside the first one [m].
@@ -48,6 +50,7 @@ impl Default for Scene {
             contrast: 1.0,
             light: [1.0, 0.0],
             hand: |_| 0..0,
+            ball: None,
             missing: Vec::new(),
             others: Vec::new(),
         }
@@ -98,6 +101,19 @@ impl Scene {
         (depth > 0.0 && on.x.abs() < HALF && on.y.abs() < HALF).then_some(([on.x, on.y], depth))
     }
 
+    /// Depth of the ball at a pixel.
+    pub(crate) fn hit_ball(&self, camera: &Camera, at: [f64; 2], frame: usize) -> Option<f64> {
+        const RADIUS: f64 = 0.03;
+        let [first, velocity] = self.ball?;
+        let center = Vector3::from(first) + Vector3::from(velocity) * frame as f64;
+        let origin = Vector3::from(camera.poses[0].translation);
+        let ray = Vector3::from(camera.unproject(at, 1.0, 0).map(f64::from)) - origin;
+        let toward = center - origin;
+        let (a, b) = (ray.norm_squared(), ray.dot(&toward));
+        let inside = b * b - a * (toward.norm_squared() - RADIUS * RADIUS);
+        (inside > 0.0).then(|| (b - inside.sqrt()) / a)
+    }
+
     fn color_at(&self, [x, y]: [f64; 2], frame: usize) -> [u8; 3] {
         let share = frame as f64 / (self.frames.max(2) - 1) as f64;
         let gain = 1.0 + (self.light[0] - 1.0) * share;
@@ -129,7 +145,7 @@ impl Reader<'_> {
         &self,
         frame: usize,
         background: P,
-        hand: P,
+        hand: impl Fn(f64) -> P,
         square: impl Fn([f64; 2], f64) -> P,
     ) -> Option<Image<P>> {
         if self.scene.missing.contains(&frame) {
@@ -140,7 +156,9 @@ impl Reader<'_> {
         for (i, pixel) in image.pixels.iter_mut().enumerate() {
             let at = [i % WIDTH, i / WIDTH];
             if covered.contains(&at[0]) {
-                *pixel = hand;
+                *pixel = hand(0.3);
+            } else if let Some(z) = self.scene.hit_ball(&self.camera, at.map(|v| v as f64), frame) {
+                *pixel = hand(z);
             } else if let Some((on, z)) = self.scene.hit(&self.camera, at.map(|v| v as f64), frame)
             {
                 *pixel = square(on, z);
@@ -152,14 +170,14 @@ impl Reader<'_> {
 
 impl Frames for Reader<'_> {
     fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
-        Ok(self.draw(frame, [250; 3], [200, 150, 120], |on, _| self.scene.color_at(on, frame)))
+        Ok(self.draw(frame, [250; 3], |_| [200, 150, 120], |on, _| self.scene.color_at(on, frame)))
     }
     fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
-        Ok(self.draw(frame, 0.0, 0.3, |_, depth| depth as f32))
+        Ok(self.draw(frame, 0.0, |depth| depth as f32, |_, depth| depth as f32))
     }
     fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
         let object = region == Region::Object;
-        Ok(self.draw(frame, false, !object, |_, _| object))
+        Ok(self.draw(frame, false, |_| !object, |_, _| object))
     }
     fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
         Ok(None)
