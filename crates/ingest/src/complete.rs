@@ -5,7 +5,7 @@ use bendtwin_core::{Point, settings::ingest::CompletionSettings};
 
 use crate::{grid::Grid, thin::spread};
 
-/// A shape in the world at the first frame [m], sampled at random and more densely than needed.
+/// A shape in the world at the first frame [m]: points on its surface, and on a grid inside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Shape {
     pub(crate) surface: Vec<Point>,
@@ -14,7 +14,8 @@ pub(crate) struct Shape {
 
 /// Points of the shape that keep their distance from observed ones and from each other.
 pub(crate) fn complete(observed: &[Point], shape: &Shape, settings: &CompletionSettings) -> Shape {
-    let spacing = settings.spacing_m;
+    // Neighbours on a grid are as far apart as the spacing but for rounding.
+    let spacing = 0.999 * settings.spacing_m;
     let mut grid = Grid::of(observed.iter().copied(), spacing);
     let mut fill = |points: &[Point]| -> Vec<Point> {
         let finite = points.iter().copied().enumerate();

@@ -7,7 +7,7 @@
 //! 3. `motion`: tracks that do not move as their neighbours do are not believed.
 //! 4. `thin`: of several tracks of one spot the one that is seen longest stays.
 //! 5. `hands`: tracks on hands become control points that move as rigid bodies.
-//! 6. `complete`: a mesh fills in what no camera saw.
+//! 6. `shape`, `complete`: a mesh fills in what no camera saw.
 //!
 //! The first two read frames, camera by camera in blocks, and are what a checkpoint keeps (`survey`); the rest takes seconds.
 //! Frames are read one at a time, so memory does not grow with their number or size. Results do not depend on the
@@ -26,6 +26,7 @@ mod motion;
 mod observer;
 mod rigid;
 mod score;
+mod shape;
 mod survey;
 mod thin;
 mod tracks;

@@ -4,7 +4,7 @@ use bendtwin_capture::{
     Finding, Severity,
     raw::{self, Recording},
 };
-use bendtwin_core::{Capture, Sequence, capture::Object, settings::ingest::IngestSettings};
+use bendtwin_core::{Capture, Point, Sequence, capture::Object, settings::ingest::IngestSettings};
 
 use super::Observation;
 use crate::{
@@ -15,6 +15,7 @@ use crate::{
     evidence::{CameraEvidence, TrackEvidence},
     hands::{self, LEAST_TRACKS},
     motion,
+    shape::shape,
     survey::{Sight, Unit},
     thin::one_per_spot,
     tracks::Tracks,
@@ -61,7 +62,16 @@ pub(super) fn assemble(
         });
     }
     check(cancel)?;
-    let shape = complete(kept.points_at(0), &Shape::default(), &settings.completion);
+    let observed = surface(units, done);
+    let shape = match shape(recording, &observed, settings, &mut evidence.findings)? {
+        None => Shape::default(),
+        Some((shape, mut told)) => {
+            let shape = complete(kept.points_at(0), &shape, &settings.completion);
+            (told.surface, told.interior) = (shape.surface.len(), shape.interior.len());
+            evidence.shape = Some(told);
+            shape
+        }
+    };
 
     kept.fill_unseen();
     let sequence = Sequence {
@@ -268,4 +278,10 @@ fn refuse_lost(
         });
     }
     Ok(())
+}
+
+/// The object's surface in the first frame, as all cameras see it [m].
+fn surface(units: &[Unit], done: &Checkpoint) -> Vec<Point> {
+    let first = units.iter().zip(&done.units).filter(|(u, _)| u.first == 0);
+    first.flat_map(|(_, s)| s.surface.iter().copied()).collect()
 }
