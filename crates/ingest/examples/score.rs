@@ -39,7 +39,8 @@ fn main() -> Result<(), Failure> {
     } else {
         let recording = raw::open(&request.path, &limits)?;
         let start = Instant::now();
-        let lifted = ingest(&recording, &request.settings, None, &mut Console, &CancelToken::default())?;
+        let lifted =
+            ingest(&recording, &request.settings, None, &mut Console, &CancelToken::default())?;
         eprintln!("\nlifted in {:.1} s", start.elapsed().as_secs_f64());
         println!("{}", serde_json::to_string_pretty(&lifted.evidence)?);
         lifted.capture

@@ -2,6 +2,7 @@
 
 use bendtwin_capture::raw::{self, Recording};
 use bendtwin_core::settings::ingest::IngestSettings;
+use bendtwin_flow::{CameraTracks, TrackerQuality};
 use serde::{Deserialize, Serialize};
 
 use crate::{BUILD, Error, survey::Surveyed};
@@ -15,8 +16,8 @@ const VERSION: u32 = 1;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
     identity: Identity,
-    /// What the built-in tracker found, by camera; `None` before or where it is not needed.
-    pub(crate) tracked: Vec<Option<Tracked>>,
+    /// What the built-in tracker found, by camera; empty before, or if it is not needed.
+    pub(crate) tracked: Vec<Tracked>,
     /// Units that are done, in the order of [`crate::survey::units`].
     pub(crate) units: Vec<Surveyed>,
 }
@@ -30,13 +31,12 @@ pub(crate) struct Identity {
 }
 
 /// Tracks of a camera that the built-in tracker made.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Tracked {
     count: usize,
     points: Vec<[f32; 2]>,
     visible: Vec<bool>,
-    /// How good they are, 0..=1.
-    pub(crate) quality: f64,
+    pub(crate) quality: TrackerQuality,
 }
 
 impl Identity {
@@ -85,8 +85,8 @@ impl Identity {
 }
 
 impl Checkpoint {
-    pub(crate) fn new(identity: Identity, cameras: usize) -> Self {
-        Self { identity, tracked: vec![None; cameras], units: Vec::new() }
+    pub(crate) fn new(identity: Identity) -> Self {
+        Self { identity, tracked: Vec::new(), units: Vec::new() }
     }
 
     pub(crate) fn to_bytes(&self) -> Result<Vec<u8>, Error> {
@@ -117,10 +117,27 @@ impl Checkpoint {
         if checkpoint.identity != *identity {
             return Err(Error::OtherCheckpoint);
         }
-        if checkpoint.tracked.len() != cameras || checkpoint.units.len() > units {
+        if ![0, cameras].contains(&checkpoint.tracked.len()) || checkpoint.units.len() > units {
             return Err(damaged("its parts do not fit together"));
         }
         Ok(checkpoint)
+    }
+}
+
+impl From<CameraTracks> for Tracked {
+    fn from(found: CameraTracks) -> Self {
+        let raw::Tracks { count, points, visible } = found.tracks;
+        Self { count, points, visible, quality: found.quality }
+    }
+}
+
+impl Tracked {
+    pub(crate) fn tracks(&self) -> raw::Tracks {
+        raw::Tracks {
+            count: self.count,
+            points: self.points.clone(),
+            visible: self.visible.clone(),
+        }
     }
 }
 

@@ -60,10 +60,10 @@ pub enum Error {
         /// In which frame.
         frame: usize,
     },
-    /// Masks show a hand, but no track stays on it.
+    /// Masks show a hand, but not where it starts.
     #[error(
-        "the masks show a hand or gripper, but only {tracks} tracks lie on it in the first frame and {needed} are needed: \
-         track points on the hand, too"
+        "the masks show a hand or gripper, but hardly in the first frame, where {tracks} tracks lie on it and {needed} are \
+         needed: let the recording begin when the hand is in view"
     )]
     NoHandTracks {
         /// Tracks on the hand.
@@ -94,14 +94,9 @@ pub enum Error {
         /// What is wrong.
         why: String,
     },
-    /// The tracker failed.
-    #[error("camera {camera} has no tracks and cannot be tracked here: {why}")]
-    Tracker {
-        /// Its name.
-        camera: String,
-        /// What is wrong.
-        why: String,
-    },
+    /// The built-in tracker failed.
+    #[error(transparent)]
+    Tracker(bendtwin_flow::Error),
     /// The checkpoint is damaged or of another version.
     #[error("the checkpoint cannot be read ({0}): start the ingest again without it")]
     Checkpoint(String),
@@ -123,10 +118,21 @@ pub(crate) fn check(cancel: &CancelToken) -> Result<(), Error> {
     if cancel.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
 }
 
+impl From<bendtwin_flow::Error> for Error {
+    fn from(error: bendtwin_flow::Error) -> Self {
+        match error {
+            bendtwin_flow::Error::Cancelled => Self::Cancelled,
+            bendtwin_flow::Error::Recording(error) => Self::Recording(error),
+            other => Self::Tracker(other),
+        }
+    }
+}
+
 impl Problem for Error {
     fn category(&self) -> Category {
         match self {
             Self::Recording(e) => e.category(),
+            Self::Tracker(e) => e.category(),
             Self::TooManyTracks { .. } => Category::ResourceExhausted,
             Self::Checkpoint(_) | Self::OtherCheckpoint => Category::FailedPrecondition,
             Self::Observer(_) => Category::Aborted,
@@ -147,7 +153,7 @@ impl Problem for Error {
             Self::NoHandTracks { .. } => "HAND_NOT_TRACKED",
             Self::HandLost { .. } => "HAND_LOST",
             Self::Mesh { .. } => "MESH_UNUSABLE",
-            Self::Tracker { .. } => "TRACKER_FAILED",
+            Self::Tracker(e) => e.reason(),
             Self::Checkpoint(_) => "CHECKPOINT_UNREADABLE",
             Self::OtherCheckpoint => "CHECKPOINT_OF_ANOTHER_INGEST",
             Self::Observer(_) => "CHECKPOINT_NOT_KEPT",

@@ -1,6 +1,7 @@
 //! What an ingest saw and decided, in numbers: material for the capture's report.
 
 use bendtwin_capture::Finding;
+use bendtwin_flow::TrackerQuality;
 use serde::{Deserialize, Serialize};
 
 /// How an observation came about.
@@ -25,8 +26,8 @@ pub struct CameraEvidence {
     pub name: String,
     /// Its 2D tracks.
     pub tracks: usize,
-    /// How good the built-in tracker finds its tracks, 0..=1; `None` where the recording brought tracks.
-    pub tracker_quality: Option<f64>,
+    /// What the built-in tracker says of its tracks; `None` where the recording brought tracks.
+    pub tracker: Option<TrackerQuality>,
     /// Frames without a depth image.
     pub missing_frames: usize,
     /// Object's mask, pixels of all frames.
@@ -115,6 +116,8 @@ pub struct HandEvidence {
     pub residual_p95_m: f64,
     /// Whether its control points were made to move as a rigid body.
     pub rigid: bool,
+    /// Whether its motion was taken from its shape, since there are no tracks on it; residuals are then distances from that.
+    pub by_shape: bool,
     /// Frames in which its pose was filled in from the frames around.
     pub filled_frames: usize,
 }

@@ -53,6 +53,12 @@ impl Grid {
         found.into_iter().map(|(_, i)| i).collect()
     }
 
+    /// The nearest of those; the first of equals.
+    pub(crate) fn closest(&self, at: Point, radius_m: f64) -> Option<usize> {
+        let near = self.within(at, radius_m).into_iter();
+        near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, i)| i)
+    }
+
     /// Whether there is any point within `radius_m`.
     pub(crate) fn any_within(&self, at: Point, radius_m: f64) -> bool {
         !self.within(at, radius_m).is_empty()

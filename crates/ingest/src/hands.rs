@@ -2,6 +2,7 @@
 //! a rigid body, and its control points ride on that motion.
 
 mod body;
+pub(crate) mod cloud;
 mod cluster;
 
 use bendtwin_capture::{Finding, Severity};

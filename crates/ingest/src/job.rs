@@ -2,22 +2,28 @@
 
 mod assemble;
 mod examine;
+mod gather;
+mod refuse;
 
 use bendtwin_capture::raw::{Recording, Tracks};
 use bendtwin_core::{Capture, settings::ingest::IngestSettings};
+use bendtwin_flow::FlowSettings;
 use rayon::prelude::*;
 
 use self::{
     assemble::assemble,
     examine::{examine, examine_tracks},
+    gather::Assembly,
 };
 use crate::{
     CancelToken, Error, Evidence, Observer, Progress, Step,
-    checkpoint::{Checkpoint, Identity},
+    checkpoint::{Checkpoint, Identity, Tracked},
     error::check,
     survey::{Unit, survey, units},
 };
 
+/// Share of an ingest that is over when the built-in tracker is done, if it has to run.
+const TRACKED: f64 = 0.7;
 /// Share of an ingest that is over when all frames are read.
 const LIFTED: f64 = 0.9;
 /// A checkpoint is written at most so many times: it holds all that was done, and grows.
@@ -53,13 +59,24 @@ pub fn ingest(
     let all = units(recording);
     let mut done = match checkpoint {
         Some(bytes) => Checkpoint::from_bytes(bytes, &identity, cameras, all.len())?,
-        None => Checkpoint::new(identity, cameras),
+        None => Checkpoint::new(identity),
     };
     let mut run = Run { recording, settings, observer, cancel };
+    let made_here: Vec<bool> = supplied.iter().map(Option::is_none).collect();
     let tracks = run.track(supplied, &mut done)?;
     run.survey(&tracks, &all, &mut done)?;
     run.tell(Step::Assemble, LIFTED);
-    let observation = assemble(recording, settings, &tracks, &all, &done, cancel)?;
+    let observation = assemble(
+        &Assembly {
+            recording,
+            settings,
+            tracks: &tracks,
+            made_here: &made_here,
+            units: &all,
+            done: &done,
+        },
+        cancel,
+    )?;
     run.tell(Step::Complete, 1.0);
     Ok(observation)
 }
@@ -95,9 +112,27 @@ impl Run<'_> {
     fn track(
         &mut self,
         supplied: Vec<Option<Tracks>>,
-        _done: &mut Checkpoint,
+        done: &mut Checkpoint,
     ) -> Result<Vec<Tracks>, Error> {
-        Ok(supplied.into_iter().map(Option::unwrap_or_default).collect())
+        if supplied.iter().any(Option::is_none) && done.tracked.is_empty() {
+            let observer = &mut *self.observer;
+            let mut tell = |frames: usize, all: usize| {
+                let fraction = TRACKED * frames as f64 / all.max(1) as f64;
+                observer.progress(Progress { step: Step::Track, fraction });
+            };
+            let settings = FlowSettings::default();
+            let found = bendtwin_flow::track(self.recording, &settings, &mut tell, self.cancel)?;
+            done.tracked = found.into_iter().map(Tracked::from).collect();
+            self.keep(done)?;
+        }
+        let made = |camera| done.tracked.get(camera).map(Tracked::tracks).unwrap_or_default();
+        let tracks: Vec<Option<Tracks>> = supplied
+            .into_iter()
+            .enumerate()
+            .map(|(camera, tracks)| tracks.or_else(|| Some(made(camera))))
+            .collect();
+        examine_tracks(self.recording, &tracks)?;
+        Ok(tracks.into_iter().map(Option::unwrap_or_default).collect())
     }
 
     /// Reads all frames, as many units at once as there are threads.
@@ -107,6 +142,7 @@ impl Run<'_> {
         all: &[Unit],
         done: &mut Checkpoint,
     ) -> Result<(), Error> {
+        let before = if done.tracked.is_empty() { 0.0 } else { TRACKED };
         let started_with = done.units.len();
         let at_once = rayon::current_num_threads().max(1);
         let mut kept = started_with;
@@ -118,7 +154,7 @@ impl Run<'_> {
                 .collect::<Result<_, _>>()?;
             done.units.extend(surveyed);
             let share = done.units.len() as f64 / all.len().max(1) as f64;
-            self.tell(Step::Lift, LIFTED * share);
+            self.tell(Step::Lift, before + (LIFTED - before) * share);
             if (done.units.len() - kept) * CHECKPOINTS >= all.len() {
                 self.keep(done)?;
                 kept = done.units.len();

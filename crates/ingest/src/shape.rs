@@ -25,9 +25,8 @@ pub(crate) fn shape(
     findings: &mut Vec<Finding>,
 ) -> Result<Option<(Shape, ShapeEvidence)>, Error> {
     if let Some(file) = recording.mesh.as_ref().filter(|_| settings.completion.mesh) {
-        let from_mesh = from_mesh(file, observed, settings, findings).map_err(|error| {
-            Error::Mesh { name: file.name.clone(), why: error.to_string() }
-        })?;
+        let from_mesh = from_mesh(file, observed, settings, findings)
+            .map_err(|error| Error::Mesh { name: file.name.clone(), why: error.to_string() })?;
         if from_mesh.is_some() {
             return Ok(from_mesh);
         }
@@ -100,11 +99,11 @@ fn from_mesh(
 fn misfit(mesh: &Mesh, observed: &[Point]) -> [f64; 2] {
     let bvh = Bvh::new(mesh);
     let some = observed.iter().step_by(observed.len().div_ceil(MEASURED).max(1));
-    let mut distances: Vec<f64> = some.filter_map(|p| bvh.closest(*p)).map(|c| c.distance).collect();
+    let mut distances: Vec<f64> =
+        some.filter_map(|p| bvh.closest(*p)).map(|c| c.distance).collect();
     distances.sort_by(f64::total_cmp);
-    [50, 90].map(|share| {
-        distances.get(distances.len() * share / 100).copied().unwrap_or(f64::INFINITY)
-    })
+    [50, 90]
+        .map(|share| distances.get(distances.len() * share / 100).copied().unwrap_or(f64::INFINITY))
 }
 
 fn similarity(given: &Alignment) -> Similarity {

@@ -16,6 +16,8 @@ use crate::{
 const BLOCK: usize = 16;
 /// Most points that a camera gives of the observed surface.
 const MAX_SURFACE: usize = 40_000;
+/// Most points that a camera gives of the manipulator in a frame.
+const MAX_HAND: usize = 400;
 
 /// A block of frames of one camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +48,8 @@ pub(crate) struct Surveyed {
     pub(crate) lifts: LiftCounts,
     /// The object's surface in the recording's first frame, if that is part of the unit [m].
     pub(crate) surface: Vec<Point>,
+    /// What is seen of the manipulator in each frame [m], shape [F].
+    pub(crate) hands: Vec<Vec<Point>>,
     /// Colours of the tracks there, 0..=1, shape [N] or empty.
     pub(crate) colors: Vec<Point>,
 }
@@ -104,6 +108,7 @@ impl FrameReader<'_> {
         let Some(depth) = frames.depth(self.frame)? else {
             self.result.missing_frames += 1;
             self.result.lifts.no_frame += count as u64;
+            self.result.hands.push(Vec::new());
             return Ok(());
         };
         self.check_size("depth", depth.width, depth.height, depth.pixels.len())?;
@@ -125,8 +130,10 @@ impl FrameReader<'_> {
             lift: &self.settings.lift,
         };
         self.lift(&scene, start);
+        let hand = self.surface(&scene, Label::Manipulator, MAX_HAND);
+        self.result.hands.push(hand);
         if self.frame == 0 {
-            self.surface(&scene);
+            self.result.surface = self.surface(&scene, Label::Object, MAX_SURFACE);
             if let Some(color) = frames.color(self.frame)? {
                 self.check_size("colour", color.width, color.height, color.pixels.len())?;
                 self.colors(&color);
@@ -173,19 +180,17 @@ impl FrameReader<'_> {
         }
     }
 
-    /// The object's pixels in space; every so manieth, if there are very many.
-    fn surface(&mut self, scene: &Scene<'_>) {
-        let labels = &scene.labels.pixels;
-        let inside = || labels.iter().enumerate().filter(|(_, l)| **l == Label::Object);
-        let stride = inside().count().div_ceil(MAX_SURFACE).max(1);
-        for (at, _) in inside().step_by(stride) {
-            let pixel = [(at % scene.labels.width) as f64, (at / scene.labels.width) as f64];
-            let depth = f64::from(scene.depth.pixels[at]);
-            let point = self.camera.unproject(pixel, depth, self.frame);
-            if point.iter().all(|x| x.is_finite()) {
-                self.result.surface.push(point);
-            }
-        }
+    /// A label's pixels in space; every so manieth, if there are very many.
+    fn surface(&self, scene: &Scene<'_>, label: Label, most: usize) -> Vec<Point> {
+        let inside = || scene.labels.pixels.iter().enumerate().filter(|(_, l)| **l == label);
+        let stride = inside().count().div_ceil(most).max(1);
+        let width = scene.labels.width;
+        let point = |at: usize| {
+            let pixel = [(at % width) as f64, (at / width) as f64];
+            self.camera.unproject(pixel, f64::from(scene.depth.pixels[at]), self.frame)
+        };
+        let points = inside().step_by(stride).map(|(at, _)| point(at));
+        points.filter(|p| p.iter().all(|x| x.is_finite())).collect()
     }
 
     fn colors(&mut self, image: &ColorImage) {

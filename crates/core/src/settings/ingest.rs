@@ -125,7 +125,7 @@ impl Default for IngestSettings {
             masks: MaskSettings::default(),
             lift: LiftSettings::default(),
             motion: MotionSettings::default(),
-            spacing_m: 0.003,
+            spacing_m: 0.002,
             controls: ControlSettings::default(),
             completion: CompletionSettings::default(),
             interior: Interior::Mesh,
@@ -173,7 +173,7 @@ impl Default for ControlSettings {
 
 impl Default for CompletionSettings {
     fn default() -> Self {
-        Self { mesh: true, align: true, spacing_m: 0.005, max_error_m: 0.015, max_points: 20_000 }
+        Self { mesh: true, align: true, spacing_m: 0.006, max_error_m: 0.015, max_points: 20_000 }
     }
 }
 

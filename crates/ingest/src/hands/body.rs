@@ -178,7 +178,7 @@ fn shape_of(tracks: &Tracks, poses: &[Option<Rigid>], before: &[Point]) -> Vec<P
 }
 
 /// Puts poses into short gaps: between the poses around, or the last one.
-fn fill(
+pub(super) fn fill(
     poses: Vec<Option<Rigid>>,
     shape: &[Point],
     hand: usize,

@@ -1,42 +1,34 @@
 //! From what all units saw to one capture.
 
-use bendtwin_capture::{
-    Finding, Severity,
-    raw::{self, Recording},
-};
-use bendtwin_core::{Capture, Point, Sequence, capture::Object, settings::ingest::IngestSettings};
+use bendtwin_capture::{Finding, Severity};
+use bendtwin_core::{Capture, Sequence, capture::Object, settings::ingest::IngestSettings};
+use bendtwin_engine::backend::CancelToken;
 
-use super::Observation;
+use super::{
+    Observation,
+    gather::Assembly,
+    refuse::{refuse_lost, refuse_nothing},
+};
 use crate::{
-    CancelToken, Error, Evidence,
-    checkpoint::Checkpoint,
+    Error, Evidence,
     complete::{Shape, complete},
     error::check,
-    evidence::{CameraEvidence, TrackEvidence},
+    evidence::TrackEvidence,
     hands::{self, LEAST_TRACKS},
     motion,
     shape::shape,
-    survey::{Sight, Unit},
+    survey::Sight,
     thin::one_per_spot,
     tracks::Tracks,
 };
 
-/// A frame with fewer points of the object is lost.
-const FEWEST_POINTS: usize = 3;
-
-pub(super) fn assemble(
-    recording: &Recording,
-    settings: &IngestSettings,
-    tracks: &[raw::Tracks],
-    units: &[Unit],
-    done: &Checkpoint,
-    cancel: &CancelToken,
-) -> Result<Observation, Error> {
-    let mut evidence =
-        Evidence { cameras: cameras(recording, tracks, units, done), ..Evidence::default() };
-    let mut object = gather(recording, tracks, units, done, Sight::Object);
-    let hand = gather(recording, tracks, units, done, Sight::Manipulator);
-    refuse_nothing(&evidence, tracks, &object)?;
+/// Makes the capture, and tells how it came about.
+pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Observation, Error> {
+    let Assembly { recording, settings, .. } = *from;
+    let mut evidence = Evidence { cameras: from.cameras(), ..Evidence::default() };
+    let mut object = from.gather(Sight::Object);
+    let hand = from.gather(Sight::Manipulator);
+    refuse_nothing(&evidence, from.tracks, &object)?;
     check(cancel)?;
 
     let (mut kept, valid) = believe(&mut object, settings, &mut evidence.tracks);
@@ -45,13 +37,15 @@ pub(super) fn assemble(
 
     let mut controls = Vec::new();
     let shown: u64 = evidence.cameras.iter().map(|c| c.manipulator.kept).sum();
-    if hand.count >= LEAST_TRACKS {
-        let made = hands::controls(&hand, &settings.controls)?;
+    if shown > 0 {
+        let made = if hand.count >= LEAST_TRACKS {
+            hands::controls(&hand, &settings.controls)?
+        } else {
+            hands::cloud::controls(&from.hands(), hand.count, &settings.controls)?
+        };
         controls = made.points;
         evidence.hands = made.hands;
         evidence.findings.extend(made.findings);
-    } else if shown > 0 {
-        return Err(Error::NoHandTracks { tracks: hand.count, needed: LEAST_TRACKS });
     } else {
         evidence.findings.push(Finding {
             severity: Severity::Warning,
@@ -62,7 +56,7 @@ pub(super) fn assemble(
         });
     }
     check(cancel)?;
-    let observed = surface(units, done);
+    let observed = from.surface();
     let shape = match shape(recording, &observed, settings, &mut evidence.findings)? {
         None => Shape::default(),
         Some((shape, mut told)) => {
@@ -102,49 +96,6 @@ pub(super) fn assemble(
     Ok(Observation { capture, evidence })
 }
 
-/// All cameras' tracks that show `what` in the first frame.
-fn gather(
-    recording: &Recording,
-    tracks: &[raw::Tracks],
-    units: &[Unit],
-    done: &Checkpoint,
-    what: Sight,
-) -> Tracks {
-    let mut columns: Vec<Vec<usize>> = vec![Vec::new(); tracks.len()];
-    let mut colors = Vec::new();
-    for (unit, surveyed) in units.iter().zip(&done.units).filter(|(u, _)| u.first == 0) {
-        let first = surveyed.sights.iter().take(tracks[unit.camera].count);
-        for (track, _) in first.enumerate().filter(|(_, s)| **s == what) {
-            columns[unit.camera].push(track);
-            colors.push(surveyed.colors.get(track).copied().unwrap_or([0.5; 3]));
-        }
-    }
-    let count = columns.iter().map(Vec::len).sum();
-    let frames = recording.frame_count;
-    let mut points = vec![[0.0; 3]; frames * count];
-    let mut seen = vec![false; frames * count];
-    let offsets = columns.iter().scan(0, |next, c| {
-        let offset = *next;
-        *next += c.len();
-        Some(offset)
-    });
-    let offsets: Vec<usize> = offsets.collect();
-    for (unit, surveyed) in units.iter().zip(&done.units) {
-        let width = tracks[unit.camera].count;
-        for frame in unit.first..unit.end {
-            for (i, track) in columns[unit.camera].iter().enumerate() {
-                let from = (frame - unit.first) * width + track;
-                let to = frame * count + offsets[unit.camera] + i;
-                if surveyed.sights.get(from) == Some(&what) {
-                    points[to] = surveyed.points[from];
-                    seen[to] = true;
-                }
-            }
-        }
-    }
-    Tracks { count, frames, points, seen, colors }
-}
-
 /// The tracks that are believed, one for each spot, and whether their motions are valid, shape [T, N].
 fn believe(
     object: &mut Tracks,
@@ -182,106 +133,4 @@ fn believe(
         motion_residual_m: verdict.residual_m,
     };
     (kept, valid)
-}
-
-fn cameras(
-    recording: &Recording,
-    tracks: &[raw::Tracks],
-    units: &[Unit],
-    done: &Checkpoint,
-) -> Vec<CameraEvidence> {
-    let start = recording.cameras.iter().zip(tracks).zip(&done.tracked);
-    let mut cameras: Vec<CameraEvidence> = start
-        .map(|((camera, tracks), tracked)| CameraEvidence {
-            name: camera.name.clone(),
-            tracks: tracks.count,
-            tracker_quality: tracked.as_ref().map(|t| t.quality),
-            ..CameraEvidence::default()
-        })
-        .collect();
-    for (unit, surveyed) in units.iter().zip(&done.units) {
-        let camera = &mut cameras[unit.camera];
-        camera.missing_frames += surveyed.missing_frames;
-        camera.object.add(&surveyed.object);
-        camera.manipulator.add(&surveyed.manipulator);
-        camera.lifts.add(&surveyed.lifts);
-    }
-    cameras
-}
-
-fn refuse_nothing(
-    evidence: &Evidence,
-    tracks: &[raw::Tracks],
-    object: &Tracks,
-) -> Result<(), Error> {
-    let detail = |c: &CameraEvidence| {
-        let o = &c.object;
-        format!(
-            "camera {}: {} of its frames recorded, {} masks of which {} are empty, {} pixels, {} of them without depth",
-            c.name,
-            if c.missing_frames == 0 {
-                "all".to_owned()
-            } else {
-                format!("all but {}", c.missing_frames)
-            },
-            o.frames,
-            o.empty_frames,
-            o.pixels,
-            o.no_depth
-        )
-    };
-    if evidence.cameras.iter().all(|c| c.object.kept == 0) {
-        let cameras: Vec<String> = evidence.cameras.iter().map(detail).collect();
-        return Err(Error::NoObject(cameras.join("; ")));
-    }
-    if object.count == 0 {
-        let lost = |c: &CameraEvidence| {
-            let l = &c.lifts;
-            format!(
-                "camera {}, all frames: {} on the object, {} on a hand, {} on neither, {} hidden, {} outside the image",
-                c.name,
-                l.object,
-                l.manipulator,
-                l.off_mask + l.unsupported,
-                l.hidden,
-                l.outside
-            )
-        };
-        let cameras: Vec<String> = evidence.cameras.iter().map(lost).collect();
-        return Err(Error::NoTracks {
-            tracks: tracks.iter().map(|t| t.count).sum(),
-            detail: cameras.join("; "),
-        });
-    }
-    Ok(())
-}
-
-/// Fails if the object is lost for good before the training frames end.
-fn refuse_lost(
-    recording: &Recording,
-    kept: &Tracks,
-    findings: &mut Vec<Finding>,
-) -> Result<(), Error> {
-    let seen = |f: usize| kept.seen_at(f).iter().filter(|s| **s).count();
-    let lost = (0..kept.frames).rev().take_while(|f| seen(*f) < FEWEST_POINTS).count();
-    let frame = kept.frames - lost;
-    if lost > 0 && frame < recording.train_frame_count {
-        return Err(Error::TracksLost { tracks: kept.count, seen: seen(frame), frame });
-    }
-    if lost > 0 {
-        findings.push(Finding {
-            severity: Severity::Warning,
-            code: "TRACKS_LOST".to_owned(),
-            message: format!(
-                "hardly any track on the object is seen from frame {frame} on: the future is judged by the frames before"
-            ),
-        });
-    }
-    Ok(())
-}
-
-/// The object's surface in the first frame, as all cameras see it [m].
-fn surface(units: &[Unit], done: &Checkpoint) -> Vec<Point> {
-    let first = units.iter().zip(&done.units).filter(|(u, _)| u.first == 0);
-    first.flat_map(|(_, s)| s.surface.iter().copied()).collect()
 }

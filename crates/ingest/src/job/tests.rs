@@ -165,7 +165,7 @@ fn what_cannot_be_lifted_is_said_in_words() {
         reason(Story { missing: vec![(0, 0), (1, 0)], ..Story::default() }),
         "OBJECT_NOT_TRACKED"
     );
-    assert_eq!(reason(Story { hand_hidden: 0..1, ..Story::default() }), "HAND_NOT_TRACKED");
+
     let long = Story { hand_hidden: 4..10, ..Story::default() };
     let error = run(long).unwrap_err();
     assert_eq!(error.reason(), "HAND_LOST");
@@ -215,4 +215,18 @@ fn recordings_that_contradict_themselves_are_refused() {
     refused(|r| r.cameras[1].poses[0].translation[0] = f64::INFINITY);
     refused(|r| _ = r.truth_tracks.pop());
     refused(|r| r.cameras[0].height += 1);
+}
+
+#[test]
+fn a_hand_without_tracks_is_followed_by_its_shape() {
+    let observation = run(Story { hand_hidden: 0..12, ..Story::default() }).unwrap();
+    let sequence = &observation.capture.sequences[0];
+    assert!(observation.evidence.hands[0].by_shape);
+    for frame in 0..sequence.frame_count {
+        let middle = point(place(frame, hand_middle()));
+        for p in sequence.controls_at(frame) {
+            let off = (distance(*p, middle) - crate::testing::HAND_M).abs();
+            assert!(off < 3e-3, "{off}");
+        }
+    }
 }

@@ -1,0 +1,83 @@
+//! What makes a capture impossible although every frame could be read.
+
+use bendtwin_capture::{
+    Finding, Severity,
+    raw::{self, Recording},
+};
+
+use crate::{Error, Evidence, evidence::CameraEvidence, tracks::Tracks};
+
+/// A frame with fewer points of the object is lost.
+const FEWEST_POINTS: usize = 3;
+
+/// Fails if there is no object, or nobody tracked it.
+pub(super) fn refuse_nothing(
+    evidence: &Evidence,
+    tracks: &[raw::Tracks],
+    object: &Tracks,
+) -> Result<(), Error> {
+    let detail = |c: &CameraEvidence| {
+        let o = &c.object;
+        format!(
+            "camera {}: {} of its frames recorded, {} masks of which {} are empty, {} pixels, {} of them without depth",
+            c.name,
+            if c.missing_frames == 0 {
+                "all".to_owned()
+            } else {
+                format!("all but {}", c.missing_frames)
+            },
+            o.frames,
+            o.empty_frames,
+            o.pixels,
+            o.no_depth
+        )
+    };
+    if evidence.cameras.iter().all(|c| c.object.kept == 0) {
+        let cameras: Vec<String> = evidence.cameras.iter().map(detail).collect();
+        return Err(Error::NoObject(cameras.join("; ")));
+    }
+    if object.count == 0 {
+        let lost = |c: &CameraEvidence| {
+            let l = &c.lifts;
+            format!(
+                "camera {}, all frames: {} on the object, {} on a hand, {} on neither, {} hidden, {} outside the image",
+                c.name,
+                l.object,
+                l.manipulator,
+                l.off_mask + l.unsupported,
+                l.hidden,
+                l.outside
+            )
+        };
+        let cameras: Vec<String> = evidence.cameras.iter().map(lost).collect();
+        return Err(Error::NoTracks {
+            tracks: tracks.iter().map(|t| t.count).sum(),
+            detail: cameras.join("; "),
+        });
+    }
+    Ok(())
+}
+
+/// Fails if the object is lost for good before the training frames end.
+pub(super) fn refuse_lost(
+    recording: &Recording,
+    kept: &Tracks,
+    findings: &mut Vec<Finding>,
+) -> Result<(), Error> {
+    let seen = |f: usize| kept.seen_at(f).iter().filter(|s| **s).count();
+    let lost = (0..kept.frames).rev().take_while(|f| seen(*f) < FEWEST_POINTS).count();
+    let frame = kept.frames - lost;
+    if lost > 0 && frame < recording.train_frame_count {
+        return Err(Error::TracksLost { tracks: kept.count, seen: seen(frame), frame });
+    }
+    if lost > 0 {
+        findings.push(Finding {
+            severity: Severity::Warning,
+            code: "TRACKS_LOST".to_owned(),
+            message: format!(
+                "hardly any track on the object is seen from frame {frame} on: the future is judged by the frames before"
+            ),
+        });
+    }
+    Ok(())
+}
