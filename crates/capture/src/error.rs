@@ -268,6 +268,9 @@ pub enum Error {
         /// The messages of all errors.
         message: String,
     },
+    /// A scene that cameras do not film.
+    #[error("the scene `{0}` is motion capture, not filmed: take rope or toy for a raw recording")]
+    NotFilmed(&'static str),
     /// The generator's simulation failed.
     #[error("the generator's simulation failed: {0}")]
     Simulation(String),
@@ -321,6 +324,7 @@ impl Problem for Error {
             Self::PinRange { .. } => "PIN_OUT_OF_RANGE",
             Self::SplitRange { .. } => "SPLIT_OUT_OF_RANGE",
             Self::Unusable { .. } => "UNUSABLE_CAPTURE",
+            Self::NotFilmed(_) => "SCENE_NOT_FILMED",
             Self::Simulation(_) => "SIMULATION_FAILED",
         }
     }

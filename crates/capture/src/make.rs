@@ -5,15 +5,20 @@
 mod body;
 mod cable;
 mod camera;
+mod film;
 mod hand;
 mod observe;
 mod pose;
+mod raster;
 mod scene;
 mod simulate;
+mod skin;
+mod texture;
 
 use bendtwin_core::Capture;
 use bendtwin_engine::Backend;
 
+pub use self::film::{FilmOptions, Shape, film, film_with};
 use crate::{Error, structure::validate};
 
 /// What is recorded.

@@ -8,6 +8,7 @@ mod bundle;
 mod camera;
 mod clock;
 mod decode;
+mod encode;
 mod image;
 mod nerfstudio;
 mod phystwin;
@@ -26,6 +27,7 @@ pub use self::{
     bundle::{BundleOptions, write_bundle, write_bundle_to},
     camera::{Camera, Distortion, Intrinsics, Pose},
     image::{ColorImage, DepthImage, Image, Mask},
+    phystwin::{export_case, write_case},
 };
 use crate::{Error, Limits, files::Files, read};
 

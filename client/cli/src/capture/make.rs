@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use bendtwin_capture::make::{MakeOptions, Scene, make};
+use bendtwin_capture::{
+    make::{FilmOptions, MakeOptions, Scene, film, make},
+    raw,
+};
 use clap::Args;
 use serde_json::json;
 
@@ -13,7 +16,7 @@ pub(crate) struct Make {
     /// What to simulate: rope, toy or cable
     #[arg(value_parser = scene)]
     scene: Scene,
-    /// The ZIP archive to write [default: {scene}.zip]
+    /// The ZIP archive to write [default: {scene}.zip, or {scene}_raw.zip]
     file: Option<PathBuf>,
     /// Seed of noise, occlusion and motion
     #[arg(long, default_value_t = 0)]
@@ -24,6 +27,10 @@ pub(crate) struct Make {
     /// A coarse variant of a few dozen points
     #[arg(long)]
     tiny: bool,
+    /// Film it: images, depth, masks and 2D tracks of three cameras (two small cameras if --tiny); a PhysTwin case, or a
+    /// BendTwin bundle if the name ends with .zip
+    #[arg(long)]
+    raw: bool,
 }
 
 fn scene(name: &str) -> Result<Scene, String> {
@@ -34,6 +41,9 @@ fn scene(name: &str) -> Result<Scene, String> {
 }
 
 pub(super) async fn run(args: Make, global: &Global) -> anyhow::Result<()> {
+    if args.raw {
+        return run_raw(args, global).await;
+    }
     let path = args.file.unwrap_or_else(|| format!("{}.zip", args.scene.name()).into());
     let options = MakeOptions { seed: args.seed, frames: args.frames, tiny: args.tiny };
     let capture = write(args.scene, options, &path).await?;
@@ -53,6 +63,33 @@ pub(super) async fn run(args: Make, global: &Global) -> anyhow::Result<()> {
              next: bendtwin capture push {}",
             path.display(),
             capture.object.point_count,
+            path.display()
+        )
+    })
+}
+
+/// Simulates and films a scene.
+async fn run_raw(args: Make, global: &Global) -> anyhow::Result<()> {
+    let path = args.file.unwrap_or_else(|| format!("{}_raw.zip", args.scene.name()).into());
+    let base = if args.tiny { FilmOptions::tiny(args.seed) } else { FilmOptions::full(args.seed) };
+    let options = FilmOptions { frames: args.frames, ..base };
+    let target = path.clone();
+    let made = tokio::task::spawn_blocking(move || {
+        let recording = film(args.scene, &options)?;
+        match target.extension() {
+            Some(extension) if extension.eq_ignore_ascii_case("zip") => {
+                raw::write_bundle(&recording, &target)?;
+            }
+            _ => raw::write_case(&recording, &target)?,
+        }
+        Ok::<_, bendtwin_capture::Error>(recording)
+    });
+    let recording = made.await?.map_err(failure::failed)?;
+    let (cameras, frames) = (recording.cameras.len(), recording.frame_count);
+    let summary = json!({"path": path, "cameras": cameras, "frames": frames});
+    output::print(global, &summary, || {
+        format!(
+            "{0}: {cameras} cameras, {frames} frames\nnext: bendtwin capture push {0}",
             path.display()
         )
     })

@@ -35,6 +35,16 @@ impl Camera {
         Self { position, right, down, forward }
     }
 
+    /// Its place in the world, as OpenCV has it: x right, y down, z into the scene.
+    pub(super) fn pose(&self) -> crate::raw::Pose {
+        let [right, down, forward] =
+            [self.right, self.down, self.forward].map(|v| v.map(f64::from));
+        crate::raw::Pose {
+            rotation: std::array::from_fn(|i| [right[i], down[i], forward[i]]),
+            translation: self.position.map(f64::from),
+        }
+    }
+
     fn project(&self, p: Point) -> ([i32; 2], f32) {
         let local = sub(p, self.position);
         let depth = dot(local, self.forward).max(1e-3);

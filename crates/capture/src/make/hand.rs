@@ -17,9 +17,9 @@ pub(super) struct Hand {
 }
 
 /// How thick hand and forearm are where they hide things [m].
-const THICKNESS_M: f32 = 0.026;
+pub(super) const THICKNESS_M: f32 = 0.026;
 /// How much of the forearm is in view [m].
-const FOREARM_M: f32 = 0.25;
+pub(super) const FOREARM_M: f32 = 0.25;
 
 impl Hand {
     /// Whether a point of the body is held.

@@ -17,8 +17,8 @@ use super::{
 };
 use crate::{Error, frame::IDENTITY};
 
-const FPS: f64 = 30.0;
-const TRAIN_SHARE: f64 = 0.7;
+pub(super) const FPS: f64 = 30.0;
+pub(super) const TRAIN_SHARE: f64 = 0.7;
 /// Depth noise along the line of sight, at the start and added over 100 frames [m].
 const DEPTH_NOISE_M: f32 = 0.000_8;
 const NOISE_GROWTH_M: f32 = 0.000_8;
@@ -47,24 +47,11 @@ pub(super) fn record(
 ) -> Result<Capture, Error> {
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let body = &setup.body;
-    let (n, frames) = (body.node_count(), setup.frames);
-    let poses: Vec<Pose> = (0..frames).map(|f| (setup.motion)(f as f32 / FPS as f32)).collect();
-    let held = body.within(|p| setup.hand.holds(p));
-    let path = poses.iter().flat_map(|pose| {
-        held.iter().map(|h| pose.carry(setup.hand.grasp, body.positions[*h as usize]))
-    });
-    let specimen = Specimen {
-        rest: &body.positions,
-        springs: &body.springs,
-        material: &setup.material,
-        held: &held,
-        fps: FPS,
-    };
-    let trajectory =
-        simulate(&specimen, vec![path.collect()], backend)?.into_iter().next().unwrap_or_default();
+    let n = body.node_count();
+    let Performance { poses, trajectory } = perform(setup, backend)?;
     let rows: Vec<&[Point]> = trajectory.chunks_exact(n.max(1)).collect();
 
-    let cameras = cameras();
+    let cameras = cameras(3);
     let surface = body.surface();
     let seen: Vec<Vec<bool>> = rows
         .iter()
@@ -114,14 +101,44 @@ pub(super) fn record(
     })
 }
 
-/// Three cameras around the table.
-fn cameras() -> Vec<Camera> {
+/// What hand and body did.
+pub(super) struct Performance {
+    /// The hand's pose in each frame.
+    pub(super) poses: Vec<Pose>,
+    /// Positions of the body's nodes [m], shape [T, N, 3].
+    pub(super) trajectory: Vec<Point>,
+}
+
+/// Moves the hand as the scene says, and the body as physics says.
+pub(super) fn perform(setup: &Setup, backend: &dyn Backend) -> Result<Performance, Error> {
+    let body = &setup.body;
+    let poses: Vec<Pose> =
+        (0..setup.frames).map(|f| (setup.motion)(f as f32 / FPS as f32)).collect();
+    let held = body.within(|p| setup.hand.holds(p));
+    let path = poses.iter().flat_map(|pose| {
+        held.iter().map(|h| pose.carry(setup.hand.grasp, body.positions[*h as usize]))
+    });
+    let specimen = Specimen {
+        rest: &body.positions,
+        springs: &body.springs,
+        material: &setup.material,
+        held: &held,
+        fps: FPS,
+    };
+    let trajectory =
+        simulate(&specimen, vec![path.collect()], backend)?.into_iter().next().unwrap_or_default();
+    Ok(Performance { poses, trajectory })
+}
+
+/// Cameras around the table.
+pub(super) fn cameras(count: usize) -> Vec<Camera> {
     let target = [0.15, 0.0, 0.2];
-    let place = |degrees: f32| {
+    let place = |index: usize| {
+        let degrees = 360.0 * index as f32 / count as f32 - 90.0;
         let (s, c) = degrees.to_radians().sin_cos();
         Camera::looking_at(add(target, [0.85 * c, 0.85 * s, 0.4]), target)
     };
-    [-90.0, 30.0, 150.0].map(place).to_vec()
+    (0..count).map(place).collect()
 }
 
 fn see(
@@ -248,7 +265,7 @@ fn truth(setup: &Setup, surface: &[u32], rows: &[&[Point]]) -> Vec<Point> {
 }
 
 /// `count` of the nodes, spread evenly.
-fn spread(positions: &[Point], nodes: &[u32], count: usize) -> Vec<u32> {
+pub(super) fn spread(positions: &[Point], nodes: &[u32], count: usize) -> Vec<u32> {
     let points: Vec<Point> = nodes.iter().map(|n| positions[*n as usize]).collect();
     let candidates: Vec<usize> = (0..points.len()).collect();
     let mut chosen = Vec::new();

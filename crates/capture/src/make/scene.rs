@@ -16,6 +16,8 @@ use super::{
 pub(super) struct Setup {
     pub(super) name: &'static str,
     pub(super) body: Body,
+    /// Zero on the body's surface, negative inside.
+    pub(super) distance: fn(Point) -> f32,
     pub(super) material: Material,
     pub(super) hand: Hand,
     /// The hand's pose at a time [s].
@@ -55,10 +57,12 @@ const ROPE_LENGTH_M: f32 = 0.4;
 pub(super) fn rope(options: &MakeOptions) -> Setup {
     let spacing = if options.tiny { 0.0083 } else { 0.005 };
     let radius = ROPE_RADIUS_M;
-    let body =
-        Body::fill([0.0, -radius, 0.0], [ROPE_LENGTH_M, radius, 2.0 * radius], spacing, |p| {
-            (p[1] * p[1] + (p[2] - radius).powi(2)).sqrt() - radius
-        });
+    let body = Body::fill(
+        [0.0, -radius, 0.0],
+        [ROPE_LENGTH_M, radius, 2.0 * radius],
+        spacing,
+        rope_distance,
+    );
     let material = foam(&body, 55.0, 1.5);
     let pick = |full, tiny| if options.tiny { tiny } else { full };
     Setup {
@@ -69,6 +73,7 @@ pub(super) fn rope(options: &MakeOptions) -> Setup {
             forearm: [-1.0, 0.0, 0.5],
         },
         body,
+        distance: rope_distance,
         material,
         motion: wave,
         frames: options.frames_or(80, 24),
@@ -78,6 +83,12 @@ pub(super) fn rope(options: &MakeOptions) -> Setup {
         truth: pick(40, 10),
         controls: pick(24, 8),
     }
+}
+
+/// A cylinder that lies along x, and its flat ends.
+fn rope_distance(p: Point) -> f32 {
+    let around = (p[1] * p[1] + (p[2] - ROPE_RADIUS_M).powi(2)).sqrt() - ROPE_RADIUS_M;
+    around.max(-p[0]).max(p[0] - ROPE_LENGTH_M)
 }
 
 /// Lifts, waves up and down and sideways, then shakes; it goes on in the frames
@@ -108,6 +119,7 @@ pub(super) fn toy(options: &MakeOptions) -> Setup {
             forearm: [0.7, 0.0, 1.0],
         },
         body,
+        distance: toy_distance,
         material,
         motion: shake,
         frames: options.frames_or(75, 20),

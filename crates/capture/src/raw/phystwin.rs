@@ -1,6 +1,8 @@
 //! A PhysTwin case as its cameras recorded it: colour, depth, masks, tracks and calibration beside each other. Its world has
 //! z pointing down and the ground at z = 0, as that of a processed case.
 
+mod writer;
+
 use std::sync::Arc;
 
 use bendtwin_core::Environment;
@@ -18,6 +20,8 @@ use crate::{
     phystwin::{json, split, truth},
     pickle,
 };
+
+pub use writer::{export_case, write_case};
 
 pub(super) const MARKER: &str = "metadata.json";
 const CALIBRATION: &str = "calibrate.pkl";

@@ -13,7 +13,7 @@ use crate::{
     Error,
     bundle::{Ground, MARKER, Manifest},
     npy,
-    raw::{ColorImage, DepthImage, Frames, Mask, Recording, Region, Tracks},
+    raw::{Frames, Recording, Region, Tracks, encode},
 };
 
 /// How a bundle is written.
@@ -114,10 +114,10 @@ fn write_camera<W: Write + Seek>(
     let mut masks = MasksEntry::default();
     for frame in 0..recording.frame_count {
         if let Some(color) = frames.color(frame)? {
-            zip.put(&image("color", frame), &color_png(&color)?, CompressionMethod::Stored)?;
+            zip.put(&image("color", frame), &encode::color(&color)?, CompressionMethod::Stored)?;
         }
         if let Some(depth) = frames.depth(frame)? {
-            let png = depth_png(&depth, options.depth_unit_m)?;
+            let png = encode::depth(&depth, options.depth_unit_m)?;
             zip.put(&image("depth", frame), &png, CompressionMethod::Stored)?;
         }
         for (kind, region, patterns) in [
@@ -125,7 +125,7 @@ fn write_camera<W: Write + Seek>(
             ("manipulator", Region::Manipulator, &mut masks.manipulator),
         ] {
             if let Some(mask) = frames.mask(frame, region)? {
-                zip.put(&image(kind, frame), &mask_png(&mask)?, CompressionMethod::Stored)?;
+                zip.put(&image(kind, frame), &encode::mask(&mask)?, CompressionMethod::Stored)?;
                 if patterns.is_empty() {
                     patterns.push(pattern(kind));
                 }
@@ -205,43 +205,6 @@ impl<W: Write + Seek> Archive<W> {
         self.0.start_file(name, options).map_err(|e| failed(name, e.into()))?;
         self.0.write_all(bytes).map_err(|e| failed(name, e))
     }
-}
-
-fn color_png(image: &ColorImage) -> Result<Vec<u8>, Error> {
-    encode([image.width, image.height], png::ColorType::Rgb, false, image.pixels.as_flattened())
-}
-
-fn mask_png(image: &Mask) -> Result<Vec<u8>, Error> {
-    let bytes: Vec<u8> = image.pixels.iter().map(|shown| if *shown { 255 } else { 0 }).collect();
-    encode([image.width, image.height], png::ColorType::Grayscale, false, &bytes)
-}
-
-fn depth_png(image: &DepthImage, unit_m: f64) -> Result<Vec<u8>, Error> {
-    let steps = image.pixels.iter().map(|m| {
-        let steps = (f64::from(*m) / unit_m).round();
-        if steps > 0.0 && steps <= f64::from(u16::MAX) { steps as u16 } else { 0 }
-    });
-    let bytes: Vec<u8> = steps.flat_map(u16::to_be_bytes).collect();
-    encode([image.width, image.height], png::ColorType::Grayscale, true, &bytes)
-}
-
-fn encode(
-    [width, height]: [usize; 2],
-    color: png::ColorType,
-    deep: bool,
-    bytes: &[u8],
-) -> Result<Vec<u8>, Error> {
-    let fail = |e: png::EncodingError| failed("an image", std::io::Error::other(e));
-    let side = |n: usize| u32::try_from(n).unwrap_or(0);
-    let mut out = Vec::new();
-    let mut encoder = png::Encoder::new(&mut out, side(width), side(height));
-    encoder.set_color(color);
-    encoder.set_depth(if deep { png::BitDepth::Sixteen } else { png::BitDepth::Eight });
-    encoder.set_compression(png::Compression::Fast);
-    let mut writer = encoder.write_header().map_err(fail)?;
-    writer.write_image_data(bytes).map_err(fail)?;
-    writer.finish().map_err(fail)?;
-    Ok(out)
 }
 
 fn points_npy(shape: &[usize], points: &[Point]) -> Vec<u8> {
