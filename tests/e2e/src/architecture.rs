@@ -44,6 +44,7 @@ const RULES: [Rule; 7] = [
             "bendtwin-fit",
             "bendtwin-eval",
             "bendtwin-capture",
+            "bendtwin-ingest",
             "bendtwin-bench",
         ],
         because: "physics knows no network and no database",

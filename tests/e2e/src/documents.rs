@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use bendtwin_core::{
     Contact, Environment, FitSettings, Graph, NodeKind, Params, Pin, Timing, Twin,
+    settings::ingest::IngestSettings,
 };
 use serde_json::Value;
 
@@ -18,10 +19,18 @@ fn document(name: &str) -> String {
 
 #[test]
 fn every_setting_is_documented_with_its_default() {
+    let text = document("settings.md");
+    let (fit, ingest) = text.split_once("\n# Settings of an ingest\n").unwrap();
+    agree(fit, serde_json::to_value(FitSettings::default()).unwrap());
+    agree(ingest, serde_json::to_value(IngestSettings::default()).unwrap());
+}
+
+/// Compares tables of fields and defaults with the defaults in the code.
+fn agree(text: &str, defaults: Value) {
     let mut in_code = BTreeMap::new();
-    flatten("", &serde_json::to_value(FitSettings::default()).unwrap(), &mut in_code);
+    flatten("", &defaults, &mut in_code);
     let mut documented = BTreeMap::new();
-    for line in document("settings.md").lines() {
+    for line in text.lines() {
         let cells: Vec<_> = line.split('|').map(|cell| cell.trim().trim_matches('`')).collect();
         if let ["", field, default, ..] = cells[..]
             && line.starts_with("| `")
