@@ -226,6 +226,11 @@ fn is_gone(error: &Error) -> bool {
 }
 
 fn is_worth_another_try(error: &Error) -> bool {
+    // Whoever hears this has a connection that lives: another process sends the same, and two would
+    // take it from each other for ever.
+    if error.reason() == "UPLOAD_TAKEN_OVER" {
+        return false;
+    }
     let transient = matches!(
         error.category(),
         Category::Unavailable | Category::Aborted | Category::ResourceExhausted

@@ -139,19 +139,19 @@ impl App {
         let received = self.receive_into(writer, append, room).await;
         let arrived = writer.pending();
         // A checksum vouches for all or nothing, and after an error of the disk nothing is sure.
-        let saved = match &received {
-            Ok(()) | Err(Interrupted { keep_it: true, .. }) => writer.commit(keep).await,
-            Err(_) => writer.discard().await,
+        let kept = match &received {
+            Ok(()) | Err(Interrupted { keep_it: true, .. }) => {
+                writer.commit(keep).await.map(|()| true)
+            }
+            Err(_) => Ok(false),
         };
-        if let Err(error) = saved {
-            writer.discard().await?;
-            return Err(error.into());
+        if !matches!(kept, Ok(true))
+            && let Err(error) = writer.discard().await
+        {
+            tracing::warn!(%error, "the next request has to cut off what this one left");
         }
-        self.metrics.upload_bytes(if received.as_ref().is_err_and(|i| !i.keep_it) {
-            0
-        } else {
-            arrived
-        });
+        let kept = kept?;
+        self.metrics.upload_bytes(if kept { arrived } else { 0 });
         received.map_err(|interrupted| interrupted.error)
     }
 

@@ -433,3 +433,20 @@ async fn uploads_under_way_are_bounded() {
     server.tus("DELETE", &path).send().await.unwrap();
     server.begin(41, "").await;
 }
+
+/// A file on which nothing has room stands in for a full disk.
+#[cfg(target_os = "linux")]
+#[tokio::test]
+async fn a_full_disk_is_told_and_costs_nothing_that_was_there() {
+    let server = Server::start().await;
+    let path = server.begin(10, "").await;
+    let folder = server.dir.path().join("data/blobs/partial");
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join(path.rsplit('/').next().unwrap());
+    std::os::unix::fs::symlink("/dev/full", &file).unwrap();
+    expect(refusal(server.patch(&path, 0, b"abc")).await, 429, "DISK_FULL");
+    std::fs::remove_file(&file).unwrap();
+    assert_eq!(server.offset(&path).await.unwrap(), "0");
+    let sent = server.patch(&path, 0, b"abcdefghij").send().await.unwrap();
+    assert!(header(&sent, "bendtwin-capture").is_some());
+}

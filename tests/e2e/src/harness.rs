@@ -8,6 +8,7 @@ pub(crate) mod process;
 pub(crate) mod raw;
 pub(crate) mod reference;
 pub(crate) mod server;
+pub(crate) mod wire;
 
 pub(crate) use api::Api;
 pub(crate) use pace::{until, within};

@@ -18,6 +18,8 @@ mod malformed;
 #[cfg(test)]
 mod over_http;
 #[cfg(test)]
+mod resumable;
+#[cfg(test)]
 mod rollouts;
 #[cfg(test)]
 mod suites;

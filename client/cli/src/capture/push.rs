@@ -2,6 +2,7 @@
 //! resumably: the same command again goes on after whatever came in between.
 
 use std::{
+    fs::File,
     io::BufWriter,
     path::{Path, PathBuf},
 };
@@ -15,7 +16,7 @@ use super::{
     archive::Listing,
     check::{check_locally, text},
 };
-use crate::{args::Global, failure, output, progress};
+use crate::{args::Global, failure, output, progress, signals};
 
 #[derive(Debug, Args)]
 pub(crate) struct Push {
@@ -42,7 +43,12 @@ pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
     }
     let client = global.connect().await?;
     let name = args.name.unwrap_or_else(|| display_name(&args.path));
-    let capture = upload(&client, &args.path, &name, global.json).await?;
+    let capture = tokio::select! {
+        capture = upload(&client, &args.path, &name, global.json) => capture?,
+        () = signals::shutdown().cancelled_owned() => {
+            anyhow::bail!("interrupted: push it again, and the upload goes on where it is now")
+        }
+    };
     output::print(global, &capture, || {
         format!("{}\nnext: bendtwin fit start {} --watch", capture.name, capture.name)
     })
@@ -75,36 +81,33 @@ async fn pack(path: &Path, quiet: bool) -> anyhow::Result<Option<NamedTempFile>>
     // A person may point at the document inside the folder.
     let folder = if is_document { path.parent().unwrap_or(path) } else { path };
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.to_owned();
-    let path = path.to_owned();
+    if !is_npz && !folder.is_dir() {
+        return Ok(None);
+    }
+    // Owned here and not by the thread that fills it: an interrupted push is to leave none behind.
+    let file = tempfile::Builder::new().prefix("bendtwin-").suffix(".zip").tempfile()?;
+    let (path, into) = (path.to_owned(), file.path().to_owned());
     let packed = tokio::task::spawn_blocking(move || {
         if folder.is_dir() {
-            return archive(&folder, quiet).map(Some);
-        }
-        if !is_npz {
-            return Ok(None);
+            return archive(&folder, &into, quiet);
         }
         let capture = bendtwin_capture::read(&path, &Limits::default()).map_err(failure::failed)?;
-        let file = temporary()?;
-        bendtwin_capture::write_bundle_file(&capture, file.path()).map_err(failure::failed)?;
-        Ok::<_, anyhow::Error>(Some(file))
+        bendtwin_capture::write_bundle_file(&capture, &into).map_err(failure::failed)
     });
-    packed.await?
+    packed.await??;
+    Ok(Some(file))
 }
 
-fn archive(folder: &Path, quiet: bool) -> anyhow::Result<NamedTempFile> {
+fn archive(folder: &Path, into: &Path, quiet: bool) -> anyhow::Result<()> {
     let listing = Listing::of(folder)?;
     if listing.skipped > 0 {
         eprintln!("warning: {} links and special files are left out", listing.skipped);
     }
     let bar = progress::byte_bar("packing", listing.bytes(), quiet);
-    let mut file = temporary()?;
-    let packed = listing.pack(BufWriter::new(file.as_file_mut()), |bytes| bar.set_position(bytes));
+    let into = BufWriter::new(File::create(into)?);
+    let packed = listing.pack(into, |bytes| bar.set_position(bytes));
     bar.finish_and_clear();
-    packed.map(|()| file)
-}
-
-fn temporary() -> std::io::Result<NamedTempFile> {
-    tempfile::Builder::new().prefix("bendtwin-").suffix(".zip").tempfile()
+    packed
 }
 
 fn display_name(path: &Path) -> String {

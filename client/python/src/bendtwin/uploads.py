@@ -106,7 +106,7 @@ class Sender:
             except BendTwinError as error:
                 if url is not None and error.category is Category.NOT_FOUND:
                     url = None  # It expired, or was terminated: begin anew.
-                elif not (error.category.is_transient or error.reason in _PASSING_REASONS):
+                elif not _is_worth_another_try(error):
                     raise
                 offset, failure = None, error
             if time.monotonic() + pause > ends:
@@ -152,6 +152,13 @@ class Sender:
         if response.status < 300:
             return {key.lower(): value for key, value in response.getheaders()}
         raise _refusal(response.status, text)
+
+
+def _is_worth_another_try(error: BendTwinError) -> bool:
+    # Whoever hears of a take-over has a connection that lives: another process sends the same, and
+    # two would take it from each other for ever.
+    passing = error.category.is_transient or error.reason in _PASSING_REASONS
+    return passing and error.reason != "UPLOAD_TAKEN_OVER"
 
 
 def _refusal(status: int, body: bytes) -> BendTwinError:

@@ -232,10 +232,13 @@ impl UploadWriter {
             Err(Error::Io(error)) if error.kind() == ErrorKind::NotFound => return Err(self.lost()),
             opened => opened?,
         };
-        if file.metadata().await?.len() < offset {
+        let length = file.metadata().await?.len();
+        if length < offset {
             return Err(self.lost());
         }
-        file.set_len(offset).await?;
+        if length > offset {
+            file.set_len(offset).await?;
+        }
         file.seek(SeekFrom::Start(offset)).await?;
         Ok(file)
     }

@@ -133,6 +133,11 @@ impl Server {
         self.child.try_wait().unwrap().is_none()
     }
 
+    /// Id of the server process.
+    pub(crate) fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Ids of the worker processes.
     pub(crate) fn worker_pids(&self) -> Vec<u32> {
         self.processes.workers()

@@ -1,0 +1,178 @@
+//! Captures of gigabytes over connections that break, between processes that die.
+
+use std::{io::Read as _, process::Child, time::Duration};
+
+use bytes::Bytes;
+use futures::StreamExt as _;
+use reqwest::{Body, Method, RequestBuilder, StatusCode};
+
+use crate::harness::{
+    Server, Setup,
+    command::{bendtwin, run_json, run_ok},
+    http::Http,
+    until,
+    wire::Wire,
+};
+
+const MIB: u64 = 1 << 20;
+/// What the Rust client sends in one request, as `client/rust/src/uploads.rs` has it.
+const PART: u64 = 16 * MIB;
+/// What the server makes last at once, as `server/src/app/uploads.rs` has it.
+const COMMIT: u64 = 32 * MIB;
+const DEADLINE: Duration = Duration::from_secs(60);
+
+fn no_workers() -> Setup {
+    Setup { own_workers: 0, ..Setup::default() }
+}
+
+/// Content that differs everywhere and need not be kept to be known.
+fn content(from: u64, to: u64) -> Vec<u8> {
+    let word = |i: u64| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11).to_le_bytes();
+    assert!(from.is_multiple_of(8) && to.is_multiple_of(8));
+    (from / 8..to / 8).flat_map(word).collect()
+}
+
+fn tus(http: &Http, method: &str, path: &str) -> RequestBuilder {
+    let method = Method::from_bytes(method.as_bytes()).unwrap();
+    http.request(method, path).header("tus-resumable", "1.0.0")
+}
+
+/// Bytes of uploads that this run of the server has made last.
+async fn received(http: &Http) -> u64 {
+    let metrics = http.get("/metrics").await.text().await.unwrap();
+    let mut lines = metrics.lines();
+    let line = lines.find_map(|line| line.strip_prefix("bendtwin_upload_bytes_total "));
+    line.map_or(0, |n| n.parse().unwrap())
+}
+
+async fn received_at_least(http: &Http, bytes: u64) {
+    until(&format!("{bytes} bytes at the server"), DEADLINE, async || {
+        (received(http).await >= bytes).then_some(())
+    })
+    .await;
+}
+
+/// The most memory that a process ever had [bytes].
+fn peak_memory(pid: u32) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+    line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() * 1024
+}
+
+/// Whether the capture has this content, read in pieces.
+async fn has_content(http: &Http, capture: &str, size: u64) -> bool {
+    let reply = http.get(&format!("/v1/{capture}/content")).await;
+    let (mut at, mut left, mut same) = (0, Vec::new(), true);
+    let mut chunks = reply.bytes_stream();
+    while let Some(chunk) = chunks.next().await {
+        left.extend_from_slice(&chunk.unwrap());
+        let whole = left.len() as u64 / 8 * 8;
+        let rest = left.split_off(whole as usize);
+        same &= left == content(at, at + whole);
+        (at, left) = (at + whole, rest);
+    }
+    same && at == size && left.is_empty()
+}
+
+/// Ends a process however it is left.
+struct Killed(Child);
+
+impl Drop for Killed {
+    fn drop(&mut self) {
+        self.0.kill().ok();
+        self.0.wait().ok();
+    }
+}
+
+#[tokio::test]
+async fn a_push_goes_on_over_deaths_of_server_and_client() {
+    let mut server = Server::start(no_workers()).await;
+    let size = 40 * MIB;
+    let file = server.path("rope.zip");
+    std::fs::write(&file, content(0, size)).unwrap();
+    let push = ["capture", "push", &file, "--no-check"];
+
+    // The first part arrives, the second gets stuck; then both sides die.
+    let wire = Wire::to(&server.url(), PART + 4 * MIB).await;
+    let mut command = bendtwin();
+    command.args(push).args(["--json", "--server", wire.url()]);
+    let client = Killed(command.spawn().unwrap());
+    received_at_least(&server.http(), PART).await;
+    server.kill();
+    drop(client);
+    server.start_again().await;
+
+    let url = server.url();
+    let at = ["--server", &url];
+    let pushed = run_json(&[&push[..], &at].concat());
+    let name = pushed["name"].as_str().unwrap();
+    let http = server.http();
+    assert_eq!(received(&http).await, size - PART, "it went on at the acknowledged offset");
+    assert!(has_content(&http, name, size).await);
+    // Pushed again it is the same capture, and nothing is sent.
+    assert_eq!(run_json(&[&push[..], &at].concat()), pushed);
+    assert_eq!(received(&http).await, size - PART);
+}
+
+#[tokio::test]
+async fn a_server_killed_in_mid_request_keeps_what_it_saved_and_its_memory_stays_flat() {
+    let mut server = Server::start(no_workers()).await;
+    let http = server.http();
+    let size = 160 * MIB;
+    let begun = tus(&http, "POST", "/v1/uploads").header("upload-length", size);
+    let begun = begun.send().await.unwrap();
+    assert_eq!(begun.status(), StatusCode::CREATED);
+    let path = begun.headers()["location"].to_str().unwrap().to_owned();
+    let patch = |http: &Http, offset: u64, body: Body| {
+        let request = tus(http, "PATCH", &path).header("upload-offset", offset);
+        request.header("content-type", "application/offset+octet-stream").body(body)
+    };
+    let pieces = |from: u64, to: u64| {
+        let starts = (from / MIB..to / MIB).map(|i| i * MIB);
+        futures::stream::iter(starts)
+            .map(|i| Ok::<_, std::io::Error>(Bytes::from(content(i, i + MIB))))
+    };
+
+    // More than two savings' worth, and then neither data nor an end.
+    let stuck = pieces(0, 2 * COMMIT + 8 * MIB).chain(futures::stream::pending());
+    let request = patch(&http, 0, Body::wrap_stream(stuck));
+    let sending = tokio::spawn(async move { request.send().await });
+    received_at_least(&http, 2 * COMMIT).await;
+    server.kill();
+    sending.await.unwrap().unwrap_err();
+    server.start_again().await;
+
+    let http = server.http();
+    let before = peak_memory(server.pid());
+    let head = tus(&http, "HEAD", &path).send().await.unwrap();
+    assert_eq!(head.headers()["upload-offset"], (2 * COMMIT).to_string());
+    let rest = patch(&http, 2 * COMMIT, Body::wrap_stream(pieces(2 * COMMIT, size)));
+    let whole = rest.send().await.unwrap();
+    assert_eq!(whole.status(), StatusCode::NO_CONTENT);
+    let capture = whole.headers()["bendtwin-capture"].to_str().unwrap();
+    let grown = peak_memory(server.pid()) - before;
+    assert!(grown < 32 * MIB, "the server took {grown} bytes more for {size}");
+    assert!(has_content(&http, capture, size).await);
+}
+
+#[tokio::test]
+async fn a_folder_is_pushed_as_it_is() {
+    let server = Server::start(no_workers()).await;
+    let (archive, folder) = (server.path("rope.zip"), server.path("rope"));
+    run_ok(&["capture", "make", "rope", &archive, "--tiny"]);
+    zip::ZipArchive::new(std::fs::File::open(&archive).unwrap()).unwrap().extract(&folder).unwrap();
+    std::fs::write(format!("{folder}/.hidden"), "x").unwrap();
+    std::fs::write(format!("{folder}/notes.txt"), "x").unwrap();
+
+    let pushed = run_json(&["capture", "push", &folder, "--server", &server.url()]);
+    assert_eq!(pushed["display_name"], "rope");
+    let content = server.http().get(&format!("/v1/{}/content", pushed["name"].as_str().unwrap()));
+    let got = server.path("got.zip");
+    std::fs::write(&got, content.await.bytes().await.unwrap()).unwrap();
+    run_ok(&["capture", "check", &got]);
+    let mut packed = zip::ZipArchive::new(std::fs::File::open(&got).unwrap()).unwrap();
+    let mut notes = String::new();
+    packed.by_name("rope/notes.txt").unwrap().read_to_string(&mut notes).unwrap();
+    assert_eq!(notes, "x");
+    assert!(packed.by_name("rope/.hidden").is_err());
+}
