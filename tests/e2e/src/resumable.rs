@@ -166,9 +166,10 @@ async fn a_folder_is_pushed_as_it_is() {
 
     let pushed = run_json(&["capture", "push", &folder, "--server", &server.url()]);
     assert_eq!(pushed["display_name"], "rope");
-    let content = server.http().get(&format!("/v1/{}/content", pushed["name"].as_str().unwrap()));
+    let content = format!("/v1/{}/content", pushed["name"].as_str().unwrap());
+    let content = server.http().get(&content).await.bytes().await.unwrap();
     let got = server.path("got.zip");
-    std::fs::write(&got, content.await.bytes().await.unwrap()).unwrap();
+    std::fs::write(&got, content).unwrap();
     run_ok(&["capture", "check", &got]);
     let mut packed = zip::ZipArchive::new(std::fs::File::open(&got).unwrap()).unwrap();
     let mut notes = String::new();
