@@ -5,8 +5,8 @@
 //! ```
 //!
 //! A track's error in a frame: the track is lifted through that frame's depth as it was measured. Of the clean tracks the one
-//! nearest to it in the first frame is taken, if it lies within a centimetre. The rigid motion of that
-//! clean track's seven nearest then tells where the tracked point should be: `clean(t) + rotation · (tracked(0) - clean(0))`.
+//! nearest to it in the first frame is taken, if it lies within 10 mm (in the last columns within 20 mm).
+//! The rigid motion of that clean track and its six nearest then tells where the tracked point should be: `clean(t) + rotation · (tracked(0) - clean(0))`.
 //! *Plain* errors leave the rotation out.
 
 use std::{error::Error, path::Path, time::Instant};
@@ -165,7 +165,7 @@ impl Truth {
     fn print(&self, title: &str, lifted: &[Vec<Option<Point>>], recording: &Recording) {
         println!("{title}");
         println!(
-            "  frame  tracked since frame 0  near truth  error mm: median  90 %   under 5 mm  plain median"
+            "  frame  tracked since frame 0  within 10 mm: median   90 %  under 5 mm  plain  within 20 mm: median"
         );
         for frame in 0..recording.frame_count {
             if frame % EVERY == 0 || frame + 1 == recording.frame_count {
@@ -180,37 +180,50 @@ impl Truth {
             .filter_map(|t| t[0].zip(t[frame]))
             .map(|(a, b)| (vector(a), vector(b)))
             .collect();
-        let mut errors = Vec::new();
-        let mut plain = Vec::new();
-        for (first, now) in &both {
-            let near = (0..self.clean.len())
-                .map(|k| ((self.clean[k][0] - first).norm(), k))
-                .min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((distance, k)) = near else { continue };
-            if distance > NEAR_M || self.clean[k][frame].iter().any(|v| v.is_nan()) {
-                continue;
-            }
-            let offset = first - self.clean[k][0];
-            let there = self.clean[k][frame];
-            errors.push((now - there - self.rotation(k, frame) * offset).norm() * 1e3);
-            plain.push((now - there - offset).norm() * 1e3);
-        }
-        errors.sort_by(f64::total_cmp);
-        plain.sort_by(f64::total_cmp);
+        let of = |limit: f64, turning: bool| -> Vec<f64> {
+            let error = |(first, now): &(_, _)| self.error_mm(first, now, frame, limit, turning);
+            let mut errors: Vec<f64> = both.iter().filter_map(error).collect();
+            errors.sort_by(f64::total_cmp);
+            errors
+        };
+        let (errors, wider, plain) = (of(NEAR_M, true), of(2.0 * NEAR_M, true), of(NEAR_M, false));
         if errors.is_empty() {
             println!("  {frame:5}  {:21}  no clean track near", both.len());
             return;
         }
+        let median = |sorted: &[f64]| sorted[sorted.len() / 2];
         let within = errors.iter().filter(|&&e| e < 5.0).count() as f64 / errors.len() as f64;
         println!(
-            "  {frame:5}  {:21}  {:10}  {:16.2}  {:5.2}  {:8.0} %  {:12.2}",
+            "  {frame:5}  {:21}  {:12}  {:6.2}  {:5.2}  {:8.0} %  {:5.2}  {:12}  {:6.2}",
             both.len(),
             errors.len(),
-            errors[errors.len() / 2],
+            median(&errors),
             errors[errors.len() * 9 / 10],
             100.0 * within,
-            plain[plain.len() / 2],
+            median(&plain),
+            wider.len(),
+            median(&wider),
         );
+    }
+
+    /// How far a point that was at `first` is from where the nearest clean track says that it should be; `None` if
+    /// that one is farther away than `limit`, or unknown.
+    fn error_mm(
+        &self,
+        first: &Vector3<f64>,
+        now: &Vector3<f64>,
+        frame: usize,
+        limit: f64,
+        turning: bool,
+    ) -> Option<f64> {
+        let (distance, k) = (0..self.clean.len())
+            .map(|k| ((self.clean[k][0] - first).norm(), k))
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let there = self.clean[k][frame];
+        let offset = first - self.clean[k][0];
+        let turn = if turning { self.rotation(k, frame) } else { Matrix3::identity() };
+        let error = (now - there - turn * offset).norm() * 1e3;
+        (distance < limit && error.is_finite()).then_some(error)
     }
 
     /// How the surroundings of a clean track have turned since the first frame.

@@ -10,7 +10,7 @@ use crate::{
     appearance::{Appearance, Glimpse},
     follow::{Hit, follow},
     motion::{Motion, distance},
-    multiview::contradicts,
+    multiview::{Witnesses, contradicts},
     track::Track,
 };
 
@@ -69,9 +69,11 @@ pub(crate) fn follow_all(
     tracks: &[Track],
     before: &[Option<Glimpse<'_>>],
     now: &[Option<Glimpse<'_>>],
+    witnesses: &Witnesses,
     settings: &FlowSettings,
 ) -> Vec<Found> {
-    let step = Step { tracks, before, now, settings, jump: settings.depth_jump_m as f32 };
+    let jump = settings.depth_jump_m as f32;
+    let step = Step { tracks, before, now, witnesses, settings, jump };
     let hits: Vec<Option<(Hit, Point)>> = tracks.par_iter().map(|t| step.flow(t)).collect();
     let places: Vec<Option<Point>> = hits.iter().map(|h| h.map(|(_, point)| point)).collect();
     let refined: Vec<Option<Sighting>> =
@@ -84,6 +86,7 @@ struct Step<'a> {
     tracks: &'a [Track],
     before: &'a [Option<Glimpse<'a>>],
     now: &'a [Option<Glimpse<'a>>],
+    witnesses: &'a Witnesses,
     settings: &'a FlowSettings,
     jump: f32,
 }
@@ -214,12 +217,9 @@ impl Step<'_> {
         let agrees = deviation.is_none_or(|d| d < self.settings.max_deviation_m);
         let seen_through = self.settings.multi_view
             && track.region == Region::Object
-            && (self.now.iter().enumerate())
-                .filter(|(camera, _)| *camera != track.camera)
-                .filter_map(|(_, other)| *other)
-                .any(|other| {
-                    contradicts(other, sighting.point, self.settings.multi_view_tolerance_m)
-                });
+            && self.witnesses.of(track.camera).filter_map(|other| self.now[other]).any(|other| {
+                contradicts(other, sighting.point, self.settings.multi_view_tolerance_m)
+            });
         (inside && agrees && !seen_through)
             .then_some(Sighting { deviation_m: deviation, ..sighting })
     }

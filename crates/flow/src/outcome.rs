@@ -27,6 +27,7 @@ pub(crate) struct Log {
     /// Median texture of the object and of the manipulator.
     pub(crate) textures: [Option<f64>; 2],
     pub(crate) guide: Option<Guide>,
+    pub(crate) contradicted_by: Vec<usize>,
     /// Of each frame since the tracks were seeded, of each track.
     points: Vec<[f32; 2]>,
     visible: Vec<bool>,
@@ -73,7 +74,8 @@ impl Log {
             object_texture: self.textures[0],
             manipulator_texture: self.textures[1],
             verdict,
-            summary: verdict.words(camera),
+            summary: verdict.words(camera, &self.contradicted_by),
+            contradicted_by: self.contradicted_by,
         };
         CameraTracks { tracks: Tracks { count, points, visible }, regions: self.regions, quality }
     }

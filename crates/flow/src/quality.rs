@@ -24,6 +24,9 @@ pub struct TrackerQuality {
     pub object_texture: Option<f64>,
     /// The same for the manipulator.
     pub manipulator_texture: Option<f64>,
+    /// Cameras in which background, or something farther away, is seen where more than three of ten of this camera's points are
+    /// in the first frame. They were not asked about its points any more.
+    pub contradicted_by: Vec<usize>,
     /// What is to be thought of the object's texture.
     pub verdict: Texture,
     /// The verdict and what to do, in words.
@@ -72,7 +75,7 @@ impl Texture {
     }
 
     /// The verdict in words.
-    pub(crate) fn words(self, camera: &str) -> String {
+    pub(crate) fn words(self, camera: &str, contradicted_by: &[usize]) -> String {
         let advice = match self {
             Self::Good => "good texture: tracks can be relied on",
             Self::Fair => {
@@ -85,7 +88,15 @@ impl Texture {
                 "no texture to follow: give 2D tracks of another tracker, or put a pattern on the object"
             }
         };
-        format!("camera `{camera}`: {advice}")
+        let mut words = format!("camera `{camera}`: {advice}");
+        if !contradicted_by.is_empty() {
+            let others: Vec<_> = contradicted_by.iter().map(usize::to_string).collect();
+            words += &format!(
+                "; it disagrees with camera {} about where the object is: check calibration and time stamps",
+                others.join(", ")
+            );
+        }
+        words
     }
 }
 

@@ -188,11 +188,18 @@ fn cameras_agree_with_each_other() {
     let scene = Scene { velocity, others, ..Scene::default() };
     let found = tracked(&scene.recording());
     assert!(found.iter().all(|c| c.quality.object_survivors[7] > 30));
-    // A second camera that is somewhere else than it says sees background where the points should be.
-    let mut wrong = scene.recording();
-    wrong.cameras[1].poses[0].translation[0] += 0.1;
-    let found = tracked(&wrong);
-    assert!(found[0].quality.object_survivors[7] < found[0].tracks.count);
+    assert!(found.iter().all(|c| c.quality.contradicted_by.is_empty()));
+}
+
+#[test]
+fn a_camera_that_stands_elsewhere_is_named_and_not_asked() {
+    let others = vec![[0.05, 0.0, 0.0]];
+    let mut recording = Scene { others, ..Scene::default() }.recording();
+    recording.cameras[1].poses[0].translation[1] += 0.08;
+    let quality = &tracked(&recording)[0].quality;
+    assert_eq!(quality.contradicted_by, [1]);
+    assert!(quality.summary.contains("disagrees with camera 1"), "{}", quality.summary);
+    assert!(quality.object_survivors[7] > 30);
 }
 
 #[test]

@@ -10,6 +10,7 @@ use crate::{
     appearance::{Appearance, Glimpse},
     carried::Carriers,
     frame::{Found, follow_all},
+    multiview::Witnesses,
     outcome::Log,
     seed::{Seed, seeds},
     track::{Track, join},
@@ -83,6 +84,7 @@ struct State<'a> {
     views: Vec<Option<(usize, View)>>,
     tracks: Vec<Track>,
     carriers: Carriers,
+    witnesses: Witnesses,
     logs: Vec<Log>,
 }
 
@@ -98,6 +100,7 @@ impl<'a> State<'a> {
             views: (0..cameras).map(|_| None).collect(),
             tracks: Vec::new(),
             carriers: Carriers::default(),
+            witnesses: Witnesses::new(cameras),
             logs: vec![Log::default(); cameras],
         }
     }
@@ -110,7 +113,7 @@ impl<'a> State<'a> {
             .zip(cameras)
             .map(|(view, camera)| view.as_ref().map(|view| Glimpse { view, camera, frame }))
             .collect();
-        let found = follow_all(&self.tracks, &before, &now, self.settings);
+        let found = follow_all(&self.tracks, &before, &now, &self.witnesses, self.settings);
         self.carriers.advance(&now, self.settings);
         for (track, found) in self.tracks.iter_mut().zip(found) {
             let log = &mut self.logs[track.camera];
@@ -137,7 +140,12 @@ impl<'a> State<'a> {
             .filter(|(camera, _)| self.views[*camera].is_none())
             .filter_map(|(camera, glimpse)| Some((camera, (*glimpse)?)))
             .collect();
+        let first = self.tracks.len();
         self.seed(&fresh);
+        for (camera, _) in fresh {
+            let tolerance_m = self.settings.multi_view_tolerance_m;
+            self.witnesses.examine(camera, &self.tracks[first..], &now, tolerance_m);
+        }
         for (kept, view) in self.views.iter_mut().zip(views) {
             if let Some(view) = view {
                 *kept = Some((frame, view));
@@ -206,7 +214,10 @@ impl<'a> State<'a> {
         }
     }
 
-    fn finish(self) -> Vec<CameraTracks> {
+    fn finish(mut self) -> Vec<CameraTracks> {
+        for (camera, log) in self.logs.iter_mut().enumerate() {
+            log.contradicted_by = self.witnesses.unfit_for(camera);
+        }
         let (frames, least) = (self.recording.frame_count, self.settings.min_texture);
         let cameras = &self.recording.cameras;
         let logs = self.logs.into_iter().zip(cameras);
