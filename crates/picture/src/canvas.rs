@@ -49,6 +49,7 @@ pub struct Clip(Mask);
 #[derive(Clone, Debug)]
 pub struct Canvas {
     pixels: Pixmap,
+    is_opaque: bool,
 }
 
 const TEXT: RasterHeight = RasterHeight::Size16;
@@ -64,7 +65,17 @@ impl Canvas {
             .ok_or(Error::Size { width, height })?;
         let Color(r, g, b) = background;
         pixels.fill(tiny_skia::Color::from_rgba8(r, g, b, 255));
-        Ok(Self { pixels })
+        Ok(Self { pixels, is_opaque: true })
+    }
+
+    /// An empty canvas through which the page is seen; letters are for opaque ones.
+    ///
+    /// # Errors
+    /// If it is empty or too large.
+    pub fn transparent(width: f32, height: f32) -> Result<Self, Error> {
+        let pixels = Pixmap::new(width.ceil() as u32, height.ceil() as u32)
+            .ok_or(Error::Size { width, height })?;
+        Ok(Self { pixels, is_opaque: false })
     }
 
     /// Keeps drawing inside a rectangle; `None` if that is empty.
@@ -237,20 +248,28 @@ impl Canvas {
         self.pixels.stroke_path(path, &paint, &stroke, still, clip.map(|c| &c.0));
     }
 
-    /// The file's bytes. The background is opaque, so there is no alpha to keep.
+    /// The file's bytes, with transparency only if the canvas has it.
     ///
     /// # Errors
     /// If the encoder fails.
     pub fn to_png(&self) -> Result<Vec<u8>, Error> {
         let failed = |e: png::EncodingError| Error::Encoding(e.to_string());
-        let opaque: Vec<u8> =
-            self.pixels.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+        let (color, data): (_, Vec<u8>) = if self.is_opaque {
+            let opaque = self.pixels.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]);
+            (png::ColorType::Rgb, opaque.collect())
+        } else {
+            let straight = self.pixels.pixels().iter().flat_map(|p| {
+                let p = p.demultiply();
+                [p.red(), p.green(), p.blue(), p.alpha()]
+            });
+            (png::ColorType::Rgba, straight.collect())
+        };
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.pixels.width(), self.pixels.height());
-        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_color(color);
         encoder.set_depth(png::BitDepth::Eight);
         let mut writer = encoder.write_header().map_err(failed)?;
-        writer.write_image_data(&opaque).map_err(failed)?;
+        writer.write_image_data(&data).map_err(failed)?;
         writer.finish().map_err(failed)?;
         Ok(bytes)
     }

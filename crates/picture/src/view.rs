@@ -25,6 +25,11 @@ pub struct View {
 impl View {
     /// A view of all the points; `None` if there are none.
     pub fn of(points: Vec<Point>, gravity: Point) -> Option<Self> {
+        Self::from_side(points, gravity, None)
+    }
+
+    /// The same from the side on which somebody stood, where there is an up.
+    pub fn from_side(points: Vec<Point>, gravity: Point, eye: Option<Point>) -> Option<Self> {
         let count = points.len() as f32;
         let first = *points.first()?;
         let sum = points.iter().fold([0.0; 3], |s: Vector, p| std::array::from_fn(|a| s[a] + p[a]));
@@ -38,7 +43,11 @@ impl View {
         }
         let (right, up) = match unit(gravity.map(|g| -g)) {
             Some(up) => {
-                let right = widest(&spread, &[up]);
+                let mut right = widest(&spread, &[up]);
+                let to_eye = eye.map(|e| std::array::from_fn(|a| e[a] - mean[a]));
+                if to_eye.is_some_and(|to_eye: Vector| dot(to_eye, cross(right, up)) < 0.0) {
+                    right = right.map(|x| -x);
+                }
                 // The viewer looks along `depth`; raising it tilts what is seen as up.
                 let depth = cross(up, right);
                 let tilted: Vector =
@@ -66,6 +75,11 @@ impl View {
             centre: [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])],
             half: [half(0), half(1)],
         })
+    }
+
+    /// How near a point is to the viewer; larger is nearer.
+    pub fn nearness(&self, p: Point) -> f32 {
+        dot(p, cross(self.right, self.up))
     }
 
     /// Height over width.

@@ -1,0 +1,306 @@
+//! Every code that a report of a recording can contain, in the order in which faults are worth repairing: a file that
+//! cannot be read comes before a calibration, a calibration before what is measured with it.
+
+/// A code and what it asks of the recording's owner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Code {
+    /// Stable UPPER_SNAKE_CASE word.
+    pub name: &'static str,
+    /// What is wrong, in a few words.
+    pub meaning: &'static str,
+    /// What to do.
+    pub advice: &'static str,
+}
+
+const fn code(name: &'static str, meaning: &'static str, advice: &'static str) -> Code {
+    Code { name, meaning, advice }
+}
+
+/// All codes of recordings. Observed captures have the codes of `bendtwin_capture::check`; damaged files have the
+/// reader's reason.
+pub const CODES: &[Code] = &[
+    code(
+        "RECORDING_TOO_LONG",
+        "more images than a report looks at",
+        "cut the recording into manipulations of a few hundred frames",
+    ),
+    code(
+        "NO_FRAMES",
+        "no camera has a frame",
+        "record again, or check the folders' names and numbering",
+    ),
+    code("ONE_FRAME", "there is one frame", "record at least two seconds of the manipulation"),
+    code(
+        "FPS_INVALID",
+        "the frame rate is no positive number",
+        "give the cameras' frames per second",
+    ),
+    code("FRAMES_DAMAGED", "files cannot be decoded", "copy or export these files again"),
+    code(
+        "CAMERA_EMPTY",
+        "a camera has no usable frame",
+        "add its colour and depth, or remove the camera from the recording",
+    ),
+    code(
+        "INTRINSICS_INVALID",
+        "a focal length or principal point is no usable number",
+        "calibrate the camera again, or read the intrinsics from its driver",
+    ),
+    code(
+        "INTRINSICS_IMPLAUSIBLE",
+        "intrinsics do not suit the image",
+        "give the intrinsics of this resolution: they scale with the image",
+    ),
+    code(
+        "EXTRINSICS_INVALID",
+        "a pose is not finite or its rotation is none",
+        "export the poses again as rigid camera-to-world transforms",
+    ),
+    code(
+        "EXTRINSICS_MIRRORED",
+        "a pose or the world is mirrored",
+        "write right-handed poses: do not negate an axis, turn the world instead",
+    ),
+    code(
+        "EXTRINSICS_INVERTED",
+        "poses are world-to-camera",
+        "invert the matrices: camera-to-world is needed",
+    ),
+    code(
+        "EXTRINSICS_AXES",
+        "poses are for OpenGL's camera axes",
+        "negate the second and third column of the rotations (y down, z into the scene)",
+    ),
+    code(
+        "CAMERAS_SWAPPED",
+        "calibrations or images of cameras are exchanged",
+        "exchange the calibrations of these cameras, or their folders",
+    ),
+    code(
+        "CAMERAS_COINCIDE",
+        "two cameras have one pose",
+        "calibrate each camera; a copied matrix is not its pose",
+    ),
+    code(
+        "EXTRINSICS_UNITS",
+        "translations of the poses are in other units than depth",
+        "give the translations in the declared units (metres in a PhysTwin case)",
+    ),
+    code(
+        "DEPTH_UNITS",
+        "depth of all cameras is in other units",
+        "declare the depth's units (millimetres in a PhysTwin case)",
+    ),
+    code(
+        "DEPTH_SCALE",
+        "depth of one camera is too large or too small",
+        "set this camera's depth scale as its driver gives it",
+    ),
+    code(
+        "SCALE_TOO_LARGE",
+        "the object is larger than anything that hands move",
+        "check the units of depth and poses: centimetres or millimetres for metres?",
+    ),
+    code(
+        "SCALE_TOO_SMALL",
+        "the object is smaller than a camera can resolve",
+        "check the units of depth and poses: metres taken for millimetres?",
+    ),
+    code(
+        "UP_AXIS_WRONG",
+        "the world is upside down",
+        "declare the axis that points up; in a PhysTwin case z points down",
+    ),
+    code(
+        "MASKS_MISSING",
+        "there are no masks of the object",
+        "segment the object in every camera (SAM 2, for example) and add the masks",
+    ),
+    code(
+        "OBJECT_NOT_SEEN",
+        "no mask of the object has a pixel with depth",
+        "check which label is the object's, and that the masks are not black",
+    ),
+    code(
+        "MASK_COVERS_IMAGE",
+        "a mask covers most of the image",
+        "invert the mask: it must show the object, not the background",
+    ),
+    code(
+        "MASKS_SWAPPED",
+        "masks of object and manipulator are exchanged",
+        "exchange the labels in the mask's description",
+    ),
+    code(
+        "MASKS_OVERLAP",
+        "pixels belong to both masks",
+        "give every pixel to one of them: the segmenter counted it twice",
+    ),
+    code(
+        "DEPTH_EMPTY",
+        "there is no depth on the object",
+        "record depth aligned to colour; nothing can be lifted without",
+    ),
+    code(
+        "DEPTH_SPARSE",
+        "much of the object has no depth",
+        "move the camera nearer, light the scene, or use a matte object",
+    ),
+    code(
+        "DEPTH_MISALIGNED",
+        "the mask shows much that lies far from the object",
+        "align depth to colour, and keep masks off the background",
+    ),
+    code(
+        "DEPTH_NOT_FINITE",
+        "depth is NaN, infinite or negative",
+        "write 0 where nothing was measured",
+    ),
+    code(
+        "DEPTH_FROZEN",
+        "depth stands still while colour moves",
+        "restart the depth stream and record again",
+    ),
+    code(
+        "CAMERAS_SKEWED",
+        "a camera shows things later than the others",
+        "synchronise the cameras by hardware, or shift its frames by the skew",
+    ),
+    code(
+        "CLOCKS_DRIFT",
+        "the skew between cameras changes",
+        "write a file for every frame, also for dropped ones, or trigger the cameras together",
+    ),
+    code(
+        "FRAMES_DROPPED",
+        "frames are missing",
+        "record to a faster disk or fewer pixels; fewer USB cameras on one controller",
+    ),
+    code(
+        "FRAMES_SKIPPED",
+        "motion jumps although no frame is missing",
+        "keep the numbers of dropped frames free instead of closing up",
+    ),
+    code(
+        "FRAMES_DUPLICATED",
+        "frames repeat the one before",
+        "record at the rate that the camera gives, or correct the frame rate",
+    ),
+    code(
+        "FRAMES_LATE",
+        "frames come later than the rate says",
+        "record to a faster disk, with a fixed exposure",
+    ),
+    code(
+        "FPS_MISMATCH",
+        "times and frame rate disagree",
+        "correct the frame rate: speeds and forces depend on it",
+    ),
+    code(
+        "FPS_IMPLAUSIBLE",
+        "the frame rate is unusual",
+        "give frames per second, not the time of a frame",
+    ),
+    code(
+        "CAMERA_OFF",
+        "a camera's calibration is off",
+        "calibrate this camera again, or leave it out",
+    ),
+    code(
+        "CAMERAS_DISAGREE",
+        "cameras see the object in different places",
+        "calibrate the cameras again",
+    ),
+    code(
+        "BELOW_GROUND",
+        "object points lie below the ground",
+        "correct the ground's height or the up axis",
+    ),
+    code(
+        "OBJECT_MASK_EMPTY",
+        "the object's mask is empty in some frames",
+        "segment these frames again; the object must not leave the view",
+    ),
+    code(
+        "MASK_JUMPS",
+        "the area of a mask jumps",
+        "look at these frames in the segmenter: it lost the object or took in something else",
+    ),
+    code("NOTHING_MOVES", "object and hand stand still", "record the manipulation, not the scene"),
+    code(
+        "OBJECT_STILL",
+        "the hand moves, the object does not",
+        "check that the object's mask shows what the hand moves",
+    ),
+    code(
+        "MANIPULATOR_NOT_SEEN",
+        "no hand or gripper is seen",
+        "mask the hand or gripper: nothing but gravity would move the twin",
+    ),
+    code(
+        "NO_CONTACT",
+        "the hand never touches the object",
+        "record a manipulation with contact, and mask the hand that touches",
+    ),
+    code(
+        "MOTION_TOO_FAST",
+        "the object moves too far between frames",
+        "move more slowly or record at a higher rate",
+    ),
+    code("FEW_FRAMES", "the recording is short", "record at least two seconds"),
+    code("SPLIT_EMPTY", "too few frames are for fitting", "move the split"),
+    code(
+        "TRACKS_TRANSPOSED",
+        "tracks are row, column instead of x, y (or the reverse)",
+        "exchange the two coordinates of the tracks",
+    ),
+    code(
+        "TRACKS_OFF_OBJECT",
+        "tracks lie outside the masks",
+        "run the tracker on these images, at their resolution",
+    ),
+    code(
+        "TRACKS_LOST",
+        "few tracks survive",
+        "track backwards too, add query frames, or keep hands out of the view",
+    ),
+    code(
+        "TRACKS_STILL",
+        "tracks stand still while the object moves",
+        "run the tracker again: its output is a copy of the first frame",
+    ),
+    code("TRACKS_NOT_FINITE", "visible tracks are NaN or infinite", "mark lost tracks invisible"),
+    code(
+        "TOO_MANY_CAMERAS",
+        "more cameras than are compared",
+        "leave out cameras that do not see the object",
+    ),
+    code(
+        "OBJECT_ABOVE_GROUND",
+        "the object never comes near the ground",
+        "check the ground's height, unless the object hangs freely",
+    ),
+    code(
+        "SINGLE_CAMERA",
+        "one camera sees one side",
+        "add a second camera opposite, or a mesh of the object",
+    ),
+    code(
+        "TRACKS_MISSING",
+        "there are no tracks",
+        "nothing: the built-in tracker follows the object; a point tracker's tracks are better on plain surfaces",
+    ),
+];
+
+/// Place in the order of repair; unknown codes (a reader's reasons) come first.
+pub(crate) fn rank(name: &str) -> usize {
+    CODES.iter().position(|c| c.name == name).map_or(0, |at| at + 1)
+}
+
+/// What to do about a code of this list.
+pub(crate) fn advice(name: &str) -> &'static str {
+    CODES.iter().find(|c| c.name == name).map_or("", |c| c.advice)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,191 @@
+//! What was measured of a recording, and what was found.
+
+use bendtwin_core::Point;
+use serde::{Deserialize, Serialize};
+
+use crate::{Finding, Verdict, gallery::Gallery};
+
+/// What was inspected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Images of cameras, not lifted yet.
+    Recording,
+    /// Points that somebody else lifted.
+    Observed,
+}
+
+/// Everything that was measured and found. Lists over frames have one entry per frame.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Inspection {
+    /// A person's name for the recording.
+    pub name: String,
+    /// What was inspected.
+    pub kind: Kind,
+    /// Frames per second, as declared; absent if it is no finite number.
+    pub fps: Option<f64>,
+    /// Number of frames T.
+    pub frame_count: usize,
+    /// Frames `0..train_frame_count` are for fitting.
+    pub train_frame_count: usize,
+    /// What to make of it.
+    pub verdict: Verdict,
+    /// What was found, the worst first and what has to be repaired first before what follows from it.
+    pub findings: Vec<Finding>,
+    /// The scene as a whole.
+    pub scene: Scene,
+    /// The cameras of a recording.
+    pub cameras: Vec<CameraReport>,
+    /// Pairs of cameras that saw something in common.
+    pub pairs: Vec<PairReport>,
+    /// The points of an observed capture.
+    pub observed: Option<ObservedReport>,
+    /// What pictures are drawn from; not part of the document.
+    #[serde(skip)]
+    pub(crate) gallery: Gallery,
+}
+
+/// Size, height, motion and contact; absent where they could not be measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// Largest extent of the object across a view [m].
+    pub object_size_m: Option<f64>,
+    /// Largest extent of the hand or gripper across a view [m].
+    pub manipulator_size_m: Option<f64>,
+    /// Height of the object's lowest points over the ground, at its lowest [m].
+    pub lowest_m: Option<f64>,
+    /// How far the middle of the object gets from where it starts [m].
+    pub travel_m: Option<f64>,
+    /// How far the middle of the hand or gripper gets from where it starts [m].
+    pub manipulator_travel_m: Option<f64>,
+    /// Fastest motion of the object's middle [m/s].
+    pub fastest_m_s: Option<f64>,
+    /// Smallest distance between hand and object in each frame [m]; null where one was not seen.
+    pub gap_m: Vec<Option<f64>>,
+}
+
+/// One camera.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CameraReport {
+    /// A person's name for it.
+    pub name: String,
+    /// Columns of its images.
+    pub width: usize,
+    /// Rows of its images.
+    pub height: usize,
+    /// Frames without colour or without depth.
+    pub missing_frames: Vec<usize>,
+    /// Frames with the same content as the one before, while something should have moved.
+    pub repeated_frames: Vec<usize>,
+    /// Frames that came late by their times.
+    pub late_frames: Vec<usize>,
+    /// Files that could not be decoded.
+    pub damaged_files: usize,
+    /// Frames whose object mask is empty or absent although there is a colour image.
+    pub empty_masks: Vec<usize>,
+    /// Frames in which the area of the object's mask jumps.
+    pub mask_jumps: Vec<usize>,
+    /// Pixels of the object's mask; null where there is no mask.
+    pub object_px: Vec<Option<usize>>,
+    /// Pixels of the hand's mask; null where there is no mask.
+    pub manipulator_px: Vec<Option<usize>>,
+    /// Share of the object's pixels that have depth, 0..=1; null where there is no object.
+    pub coverage: Vec<Option<f64>>,
+    /// Median of the coverage.
+    pub median_coverage: Option<f64>,
+    /// How much later this camera shows things than the middle of the cameras, by motion [ms].
+    pub skew_ms: Option<f64>,
+    /// The same by the frames' times [ms].
+    pub skew_by_times_ms: Option<f64>,
+    /// How much the skew grows from the first to the second half [ms].
+    pub drift_ms: Option<f64>,
+    /// Its 2D tracks.
+    pub tracks: Option<TrackReport>,
+    /// How it agrees with the others.
+    pub agreement: Option<Agreement>,
+}
+
+/// 2D tracks of one camera.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrackReport {
+    /// Number of tracks N.
+    pub count: usize,
+    /// Tracks that the tracker saw.
+    pub visible: Vec<usize>,
+    /// Tracks that could be lifted: visible, on a mask, with depth.
+    pub liftable: Vec<usize>,
+    /// Share of visible tracks that lie on a mask, 0..=1.
+    pub inside: Option<f64>,
+}
+
+/// How a camera agrees with the others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Agreement {
+    /// Median distance along the view between its surface and the others' [mm].
+    pub disagreement_mm: Option<f64>,
+    /// The same among the others, without this camera [mm].
+    pub others_mm: Option<f64>,
+    /// The rotation that would fit it to the others [degrees].
+    pub correction_deg: Option<f64>,
+    /// How far that correction would move what it sees of the object [mm].
+    pub correction_mm: Option<f64>,
+}
+
+/// Two cameras that saw something in common.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PairReport {
+    /// The first camera.
+    pub a: usize,
+    /// The second camera.
+    pub b: usize,
+    /// Spots that face both cameras and were measured by both.
+    pub compared: usize,
+    /// Median distance between the two surfaces along the view [mm].
+    pub disagreement_mm: Option<f64>,
+    /// Median signed distance [mm]: positive if the second camera measures less depth than the first predicts.
+    pub offset_mm: Option<f64>,
+    /// Share of one camera's points that contradict the other's masks or depth, 0..=1.
+    pub conflict: f64,
+    /// How badly they contradict each other in all, 0..=1.
+    pub misfit: Option<f64>,
+    /// How much later the first shows things than the second, by motion [ms].
+    pub skew_ms: Option<f64>,
+}
+
+/// The points of an observed capture, first sequence.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObservedReport {
+    /// Number of tracked points P.
+    pub point_count: usize,
+    /// Number of control points C.
+    pub control_count: usize,
+    /// Points that are visible.
+    pub visible: Vec<usize>,
+    /// Points whose motion since the frame before is trusted.
+    pub motion_valid: Vec<usize>,
+    /// Points of the completed surface.
+    pub completed_count: usize,
+    /// Points inside.
+    pub interior_count: usize,
+    /// Lower corner of the box around the points at the start [m].
+    pub low: Option<Point>,
+    /// Upper corner.
+    pub high: Option<Point>,
+}
+
+impl Inspection {
+    /// What to do first, if anything has to be done.
+    pub fn first_step(&self) -> Option<&Finding> {
+        self.findings.first().filter(|f| f.severity != bendtwin_capture::Severity::Info)
+    }
+
+    /// Whether a code was found.
+    pub fn has(&self, code: &str) -> bool {
+        self.findings.iter().any(|f| f.code == code)
+    }
+
+    /// The findings as a check of the capture gives them.
+    pub fn check_report(&self) -> bendtwin_capture::CheckReport {
+        bendtwin_capture::CheckReport { findings: self.findings.iter().map(Into::into).collect() }
+    }
+}

@@ -1,0 +1,227 @@
+//! What the measured numbers mean. Each part looks at one kind of fault; what follows from a fault that has been found is
+//! left out, so that a recording with one fault has one finding.
+
+mod agreement;
+mod calibration;
+mod depth;
+mod masks;
+mod motion;
+mod paths;
+mod scale;
+mod setting;
+mod skew;
+mod timing;
+mod tracks;
+
+use bendtwin_capture::raw::Recording;
+
+use self::paths::Paths;
+use crate::{
+    Finding,
+    inspection::{CameraReport, PairReport, Scene},
+    vector::Upright,
+    watch::Log,
+};
+
+/// What a recording is judged by.
+pub(crate) struct Case<'a> {
+    pub(crate) recording: &'a Recording,
+    pub(crate) logs: &'a [Log],
+    upright: Upright,
+    paths: Paths,
+}
+
+/// What a judgement adds to.
+#[derive(Debug, Default)]
+pub(crate) struct Record {
+    pub(crate) findings: Vec<Finding>,
+    pub(crate) scene: Scene,
+    pub(crate) cameras: Vec<CameraReport>,
+    pub(crate) pairs: Vec<PairReport>,
+}
+
+/// Judges what was seen of a recording.
+pub(crate) fn judge(recording: &Recording, logs: &[Log]) -> Record {
+    let upright = Upright::of(&recording.environment);
+    let case = Case { recording, logs, upright, paths: Paths::of(recording, logs) };
+    let cameras = recording.cameras.iter().map(|camera| CameraReport {
+        name: camera.name.clone(),
+        width: camera.width,
+        height: camera.height,
+        ..CameraReport::default()
+    });
+    let mut record = Record { cameras: cameras.collect(), ..Record::default() };
+    setting::judge(&case, &mut record);
+    calibration::judge(&case, &mut record);
+    timing::judge(&case, &mut record);
+    masks::judge(&case, &mut record);
+    depth::judge(&case, &mut record);
+    scale::judge(&case, &mut record);
+    motion::judge(&case, &mut record);
+    skew::judge(&case, &mut record);
+    agreement::judge(&case, &mut record);
+    tracks::judge(&case, &mut record);
+    leave_out_consequences(&mut record.findings);
+    crate::finding::sort(&mut record.findings);
+    record
+}
+
+/// Judges what can be judged of a recording that nobody looked at.
+pub(crate) fn judge_unseen(recording: &Recording) -> Vec<Finding> {
+    let case = Case {
+        recording,
+        logs: &[],
+        upright: Upright::of(&recording.environment),
+        paths: Paths::default(),
+    };
+    let mut record = Record::default();
+    setting::judge(&case, &mut record);
+    calibration::judge(&case, &mut record);
+    record.findings
+}
+
+/// Faults, and what else looks wrong because of them.
+const CONSEQUENCES: &[(&[&str], &[&str])] = &[
+    (
+        &[
+            "INTRINSICS_INVALID",
+            "EXTRINSICS_INVALID",
+            "EXTRINSICS_MIRRORED",
+            "EXTRINSICS_INVERTED",
+            "EXTRINSICS_AXES",
+            "EXTRINSICS_UNITS",
+            "CAMERAS_SWAPPED",
+            "DEPTH_UNITS",
+        ],
+        &[
+            "SCALE_TOO_LARGE",
+            "SCALE_TOO_SMALL",
+            "UP_AXIS_WRONG",
+            "BELOW_GROUND",
+            "OBJECT_ABOVE_GROUND",
+            "CAMERA_OFF",
+            "CAMERAS_DISAGREE",
+            "CAMERAS_SKEWED",
+            "CLOCKS_DRIFT",
+            "DEPTH_SCALE",
+            "DEPTH_MISALIGNED",
+            "FRAMES_SKIPPED",
+            "MASKS_SWAPPED",
+            "MOTION_TOO_FAST",
+            "NO_CONTACT",
+            "NOTHING_MOVES",
+            "OBJECT_STILL",
+            "MANIPULATOR_NOT_SEEN",
+            "INTRINSICS_IMPLAUSIBLE",
+        ],
+    ),
+    (
+        &["DEPTH_SCALE"],
+        &[
+            "CLOCKS_DRIFT",
+            "CAMERAS_SKEWED",
+            "FRAMES_SKIPPED",
+            "MOTION_TOO_FAST",
+            "MASKS_SWAPPED",
+            "DEPTH_MISALIGNED",
+            "UP_AXIS_WRONG",
+            "CAMERA_OFF",
+            "CAMERAS_DISAGREE",
+            "BELOW_GROUND",
+            "SCALE_TOO_LARGE",
+            "SCALE_TOO_SMALL",
+            "NO_CONTACT",
+        ],
+    ),
+    (&["CAMERAS_COINCIDE"], &["CAMERA_OFF", "CAMERAS_DISAGREE", "DEPTH_SCALE", "CAMERAS_SWAPPED"]),
+    (&["UP_AXIS_WRONG"], &["BELOW_GROUND", "OBJECT_ABOVE_GROUND"]),
+    (
+        &["SCALE_TOO_LARGE", "SCALE_TOO_SMALL"],
+        &[
+            "OBJECT_ABOVE_GROUND",
+            "BELOW_GROUND",
+            "NO_CONTACT",
+            "MOTION_TOO_FAST",
+            "NOTHING_MOVES",
+            "OBJECT_STILL",
+        ],
+    ),
+    (
+        &["MASKS_MISSING", "OBJECT_NOT_SEEN", "DEPTH_EMPTY", "CAMERA_EMPTY", "NO_FRAMES"],
+        &[
+            "NOTHING_MOVES",
+            "OBJECT_STILL",
+            "NO_CONTACT",
+            "TRACKS_OFF_OBJECT",
+            "MANIPULATOR_NOT_SEEN",
+            "OBJECT_MASK_EMPTY",
+            "DEPTH_UNITS",
+            "DEPTH_SCALE",
+            "CAMERA_OFF",
+            "CAMERAS_DISAGREE",
+            "TRACKS_LOST",
+            "MASKS_SWAPPED",
+        ],
+    ),
+    (
+        &["MASK_COVERS_IMAGE"],
+        &[
+            "MASKS_OVERLAP",
+            "DEPTH_MISALIGNED",
+            "DEPTH_SPARSE",
+            "CAMERAS_DISAGREE",
+            "CAMERA_OFF",
+            "OBJECT_STILL",
+            "NOTHING_MOVES",
+            "SCALE_TOO_LARGE",
+            "DEPTH_SCALE",
+            "CAMERAS_SKEWED",
+            "BELOW_GROUND",
+        ],
+    ),
+    (
+        &["MASKS_SWAPPED"],
+        &["OBJECT_ABOVE_GROUND", "CAMERAS_DISAGREE", "CAMERAS_SKEWED", "MASK_JUMPS"],
+    ),
+    (&["FRAMES_DROPPED", "FRAMES_DUPLICATED"], &["FRAMES_SKIPPED", "CLOCKS_DRIFT"]),
+    (&["DEPTH_SPARSE"], &["FRAMES_SKIPPED"]),
+    (
+        &["DEPTH_FROZEN"],
+        &[
+            "DEPTH_SPARSE",
+            "DEPTH_MISALIGNED",
+            "CAMERAS_SKEWED",
+            "CLOCKS_DRIFT",
+            "CAMERA_OFF",
+            "CAMERAS_DISAGREE",
+        ],
+    ),
+    (&["NOTHING_MOVES"], &["OBJECT_STILL", "TRACKS_STILL"]),
+    (&["CLOCKS_DRIFT"], &["CAMERAS_SKEWED", "FRAMES_SKIPPED"]),
+    (&["TRACKS_TRANSPOSED", "TRACKS_NOT_FINITE"], &["TRACKS_OFF_OBJECT", "TRACKS_LOST"]),
+    (
+        &["ONE_FRAME", "NO_FRAMES"],
+        &["NOTHING_MOVES", "OBJECT_STILL", "FEW_FRAMES", "SPLIT_EMPTY", "NO_CONTACT"],
+    ),
+];
+
+fn leave_out_consequences(findings: &mut Vec<Finding>) {
+    for (causes, consequences) in CONSEQUENCES {
+        if findings.iter().any(|f| causes.contains(&f.code.as_str())) {
+            findings.retain(|f| !consequences.contains(&f.code.as_str()));
+        }
+    }
+}
+
+/// `camera 2 (front)`, or `camera 2` if its name is its number.
+pub(crate) fn named(recording: &Recording, index: usize) -> String {
+    match recording.cameras.get(index).map(|c| c.name.as_str()) {
+        Some(name) if !name.is_empty() && name != index.to_string() => {
+            format!("camera {index} ({name})")
+        }
+        _ => format!("camera {index}"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,118 @@
+//! Mistakes in words.
+
+use super::super::{Case, named, scale::OBJECT_M};
+use crate::{
+    Finding,
+    agree::{
+        Court,
+        setup::Change,
+        suspect::{Explanation, Mistake},
+    },
+};
+
+pub(super) fn tell(
+    case: &Case<'_>,
+    court: &Court<'_>,
+    found: &Explanation,
+    object_size_m: Option<f64>,
+) -> Finding {
+    let index = |witness: usize| court.witnesses.get(witness).map_or(witness, |w| w.index);
+    let finding = match &found.mistake {
+        Mistake::All(Change::Units(factor)) => units(1.0 / factor, object_size_m),
+        Mistake::Depth(factor) if is_unit(*factor) => units(*factor, object_size_m),
+        Mistake::Depth(factor) => depth_of_all(*factor, true),
+        Mistake::DepthOfOne(which, factor) => depth_of_one(case, court, *which, *factor, true),
+        Mistake::All(change) => {
+            let (code, fault) = pose_fault(*change);
+            let message = format!("the cameras agree if {fault} of every pose is undone");
+            Finding::error(code, message)
+        }
+        Mistake::One(which, change) => {
+            let (code, fault) = pose_fault(*change);
+            let name = named(case.recording, index(*which));
+            let message = format!("{name} agrees with the others if {fault} of its pose is undone");
+            Finding::error(code, message).cameras([index(*which)])
+        }
+        Mistake::Exchanged(order) => {
+            let moved = order.iter().enumerate().filter(|(i, o)| i != *o).map(|(i, _)| index(i));
+            let cameras: Vec<usize> = moved.collect();
+            let parts: Vec<String> = order
+                .iter()
+                .enumerate()
+                .filter(|(i, o)| i != *o)
+                .map(|(i, o)| {
+                    format!("camera {} with the calibration of camera {}", index(i), index(*o))
+                })
+                .collect();
+            let message = format!("the cameras agree if they are exchanged: {}", parts.join(", "));
+            Finding::error("CAMERAS_SWAPPED", message).cameras(cameras)
+        }
+    };
+    finding.number("misfit_repaired", found.misfit)
+}
+
+fn pose_fault(change: Change) -> (&'static str, &'static str) {
+    match change {
+        Change::Inverse | Change::None => ("EXTRINSICS_INVERTED", "the inversion"),
+        Change::RotationInverse => ("EXTRINSICS_INVERTED", "the transposition of the rotation"),
+        Change::OpenGl => ("EXTRINSICS_AXES", "OpenGL's axes (y up, z towards the viewer)"),
+        Change::InverseOpenGl => ("EXTRINSICS_INVERTED", "the inversion, with OpenGL's axes,"),
+        Change::Mirrored(_) => ("EXTRINSICS_MIRRORED", "a mirrored axis"),
+        Change::MirroredPlace(_) => {
+            ("EXTRINSICS_MIRRORED", "the sign of one coordinate of the translation")
+        }
+        Change::Units(_) => ("EXTRINSICS_UNITS", "the unit of the translation"),
+    }
+}
+
+fn is_unit(factor: f64) -> bool {
+    let power = factor.log10();
+    power.abs() > 0.5 && (power - power.round()).abs() < 0.02
+}
+
+/// Depth times `factor` would suit the poses: which of the two is in the wrong units tells the size of the object, which
+/// follows from depth alone.
+fn units(factor: f64, object_size_m: Option<f64>) -> Finding {
+    let times = if factor < 1.0 { 1.0 / factor } else { factor };
+    let round = if times > 2.0 { format!("{times:.0}") } else { format!("{times:.2}") };
+    let (small, large) = if factor < 1.0 { ("poses", "depth") } else { ("depth", "poses") };
+    let depth_is_right = object_size_m.is_some_and(|size| OBJECT_M.contains(&size));
+    let size = object_size_m.unwrap_or(f64::NAN);
+    let message = format!(
+        "the cameras agree if {small} are {round} times as large compared with {large}; by depth alone the object is {size:.3} m large"
+    );
+    let code = if depth_is_right { "EXTRINSICS_UNITS" } else { "DEPTH_UNITS" };
+    Finding::error(code, message).number("depth_factor", factor).number("object_size_m", size)
+}
+
+pub(super) fn depth_of_all(factor: f64, is_bad: bool) -> Finding {
+    let message = format!(
+        "the cameras agree if all depth is multiplied by {factor:.3}: it is {}",
+        too(factor)
+    );
+    Finding::graded(is_bad, "DEPTH_UNITS", message).number("depth_factor", factor)
+}
+
+pub(super) fn depth_of_one(
+    case: &Case<'_>,
+    court: &Court<'_>,
+    which: usize,
+    factor: f64,
+    is_bad: bool,
+) -> Finding {
+    let index = court.witnesses.get(which).map_or(which, |w| w.index);
+    let message = format!(
+        "{} agrees with the others if its depth is multiplied by {factor:.3}: it is {}",
+        named(case.recording, index),
+        too(factor)
+    );
+    Finding::graded(is_bad, "DEPTH_SCALE", message).cameras([index]).number("depth_factor", factor)
+}
+
+fn too(factor: f64) -> String {
+    if factor < 1.0 {
+        format!("{:.3} times too large", 1.0 / factor)
+    } else {
+        format!("{factor:.3} times too small")
+    }
+}

@@ -1,0 +1,109 @@
+//! Whether intrinsics and poses are possible at all, each for itself.
+
+use bendtwin_capture::raw::{Camera, Pose};
+
+use super::{Case, Record, named};
+use crate::{
+    Finding,
+    vector::{cross, dot, length},
+};
+
+/// How far rotations may be from orthonormal.
+const RIGID: f64 = 1e-2;
+/// Focal lengths of usual lenses, in widths of the image.
+const FOCAL: std::ops::RangeInclusive<f64> = 0.25..=8.0;
+/// Where principal points lie, in widths or heights of the image.
+const MIDDLE: std::ops::RangeInclusive<f64> = 0.25..=0.75;
+/// Poses that differ by less are one [m], and as a chord of rotations.
+const SAME: f64 = 1e-6;
+
+pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
+    let recording = case.recording;
+    for (index, camera) in recording.cameras.iter().enumerate() {
+        let name = named(recording, index);
+        record.findings.extend(intrinsics(camera, &name).map(|f| f.cameras([index])));
+        record.findings.extend(poses(camera, &name).map(|f| f.cameras([index])));
+    }
+    coinciding(case, record);
+}
+
+fn intrinsics(camera: &Camera, name: &str) -> Option<Finding> {
+    let i = &camera.intrinsics;
+    let numbers = [i.fx, i.fy, i.cx, i.cy];
+    if !numbers.iter().all(|x| x.is_finite()) || i.fx <= 0.0 || i.fy <= 0.0 {
+        let message = format!(
+            "{name} has focal lengths {} and {} and its principal point at ({}, {})",
+            i.fx, i.fy, i.cx, i.cy
+        );
+        return Some(Finding::error("INTRINSICS_INVALID", message));
+    }
+    let (width, height) = (camera.width as f64, camera.height as f64);
+    let plausible = FOCAL.contains(&(i.fx / width))
+        && (0.5..2.0).contains(&(i.fx / i.fy))
+        && MIDDLE.contains(&(i.cx / width))
+        && MIDDLE.contains(&(i.cy / height));
+    if plausible {
+        return None;
+    }
+    let factor = 0.5 * (i.cx / (0.5 * width) + i.cy / (0.5 * height));
+    let hint = if !(0.77..=1.3).contains(&factor) {
+        format!(" (do they belong to images {factor:.2} times as large?)")
+    } else {
+        String::new()
+    };
+    let message = format!(
+        "{name} has a focal length of {:.0} x {:.0} px and its principal point at ({:.0}, {:.0}) in images of {} x {}{hint}",
+        i.fx, i.fy, i.cx, i.cy, camera.width, camera.height
+    );
+    let finding = Finding::warning("INTRINSICS_IMPLAUSIBLE", message);
+    Some(finding.number("fx_px", i.fx).number("cx_px", i.cx).number("cy_px", i.cy))
+}
+
+fn poses(camera: &Camera, name: &str) -> Option<Finding> {
+    let finite =
+        |p: &Pose| p.rotation.iter().flatten().chain(&p.translation).all(|x| x.is_finite());
+    if camera.poses.is_empty() || !camera.poses.iter().all(finite) {
+        let message = format!("{name} has a pose with NaN or infinite numbers");
+        return Some(Finding::error("EXTRINSICS_INVALID", message));
+    }
+    for (frame, pose) in camera.poses.iter().enumerate() {
+        let [a, b, c] = pose.rotation;
+        let skewed = [dot(a, b), dot(b, c), dot(a, c)].iter().any(|d| d.abs() > RIGID)
+            || [a, b, c].iter().any(|row| (length(*row) - 1.0).abs() > RIGID);
+        if skewed {
+            let scale = length(a);
+            let message =
+                format!("the pose of {name} has rows of length {scale:.3} or not at right angles");
+            return Some(Finding::error("EXTRINSICS_INVALID", message).frames([frame]));
+        }
+        if dot(cross(a, b), c) < 0.0 {
+            let message =
+                format!("the rotation of {name} is a mirror image (its determinant is -1)");
+            return Some(Finding::error("EXTRINSICS_MIRRORED", message).frames([frame]));
+        }
+    }
+    None
+}
+
+fn coinciding(case: &Case<'_>, record: &mut Record) {
+    let cameras = &case.recording.cameras;
+    for (b, second) in cameras.iter().enumerate() {
+        let Some(pose) = second.poses.first() else { continue };
+        let same = |first: &Camera| {
+            first.poses.first().is_some_and(|other| {
+                let apart = |(x, y): (&f64, &f64)| (x - y).abs() < SAME;
+                let numbers = |p: &Pose| {
+                    p.rotation.iter().flatten().chain(&p.translation).copied().collect::<Vec<_>>()
+                };
+                numbers(pose).iter().zip(&numbers(other)).all(apart)
+            })
+        };
+        if let Some(a) = cameras.iter().take(b).position(same) {
+            let (first, second) = (named(case.recording, a), named(case.recording, b));
+            let message = format!("{first} and {second} stand at exactly the same place");
+            record.findings.push(Finding::error("CAMERAS_COINCIDE", message).cameras([a, b]));
+            // A copied calibration of many cameras needs to be told once.
+            return;
+        }
+    }
+}

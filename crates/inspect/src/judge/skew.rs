@@ -1,0 +1,173 @@
+//! Skew between cameras, measured from motion: the shift in time that best aligns the paths that two cameras saw. It needs
+//! no times, and finds what times do not tell.
+
+use super::{
+    Case, Record, named,
+    paths::{Path, Paths},
+};
+use crate::{
+    Finding,
+    inspection::PairReport,
+    statistics::{mean, median},
+    vector::{Vector, add, distance, scaled, sub},
+    watch::COMPARED_CAMERAS,
+};
+
+/// Longest skew that is looked for [s], and as a share of the recording.
+const LONGEST_S: f64 = 1.0;
+const LONGEST_SHARE: f64 = 0.25;
+/// Least standard deviation of a path that can be aligned [m].
+const LEAST_MOTION_M: f64 = 0.012;
+/// Least frames that two shifted paths have in common.
+const LEAST_FRAMES: usize = 10;
+/// What remains after the shift, over what was there before.
+const IMPROVEMENT: f64 = 0.6;
+/// A skew of so many frames is worth a warning, and one of so many seconds and frames makes fits meaningless.
+const WARN_FRAMES: f64 = 0.8;
+const BAD_S: f64 = 0.1;
+const BAD_FRAMES: f64 = 3.0;
+/// A skew that grows by so many frames from one half to the other drifts.
+const DRIFT_FRAMES: f64 = 1.8;
+
+pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
+    let recording = case.recording;
+    let n = recording.cameras.len().min(COMPARED_CAMERAS);
+    let frames = recording.frame_count;
+    if n < 2 || !(recording.fps.is_finite() && recording.fps > 0.0) {
+        return;
+    }
+    let frame_ms = 1e3 / recording.fps;
+    let window = (LONGEST_S * recording.fps).min(LONGEST_SHARE * frames as f64) as i64;
+    let mut shifts = vec![vec![None; n]; n];
+    let mut drifts = vec![vec![None; n]; n];
+    for a in 0..n {
+        for b in a + 1..n {
+            let between = |from, to| shift(&case.paths, a, b, from, to, window);
+            let whole = between(0, frames);
+            let drift = between(0, frames / 2)
+                .zip(between(frames / 2, frames))
+                .map(|(first, second)| second - first);
+            let set = |table: &mut Vec<Vec<Option<f64>>>, value: Option<f64>| {
+                table[a][b] = value;
+                table[b][a] = value.map(|v| -v);
+            };
+            set(&mut shifts, whole);
+            set(&mut drifts, drift);
+            record
+                .pairs
+                .push(PairReport { skew_ms: whole.map(|s| s * frame_ms), ..PairReport::of(a, b) });
+        }
+    }
+    for camera in 0..n {
+        let against_others = |table: &Vec<Vec<Option<f64>>>| {
+            let known: Vec<f64> = table[camera].iter().flatten().copied().collect();
+            // Its own zero counts too, so that the odd one out of three is the one that is blamed.
+            (!known.is_empty()).then(|| median(known.into_iter().chain([0.0])).unwrap_or(0.0))
+        };
+        let (skew, drift) = (against_others(&shifts), against_others(&drifts));
+        if let Some(report) = record.cameras.get_mut(camera) {
+            report.skew_ms = skew.map(|s| s * frame_ms);
+            report.drift_ms = drift.map(|d| d * frame_ms);
+        }
+        blame(case, camera, skew, drift, record);
+    }
+}
+
+fn blame(
+    case: &Case<'_>,
+    camera: usize,
+    skew: Option<f64>,
+    drift: Option<f64>,
+    record: &mut Record,
+) {
+    let name = named(case.recording, camera);
+    let frame_ms = 1e3 / case.recording.fps;
+    if let Some(drift) = drift.filter(|d| d.abs() > DRIFT_FRAMES) {
+        let message = format!(
+            "{name} runs {} the others by {:.0} ms from the first half to the second: its frames were dropped and closed up, \
+             or its clock differs",
+            if drift > 0.0 { "behind" } else { "ahead of" },
+            drift.abs() * frame_ms
+        );
+        let finding = Finding::warning("CLOCKS_DRIFT", message);
+        record.findings.push(finding.cameras([camera]).number("drift_ms", drift * frame_ms));
+        return;
+    }
+    let Some(skew) = skew.filter(|s| s.abs() > WARN_FRAMES) else { return };
+    let told = record.findings.iter().any(|f| f.code == "CAMERAS_SKEWED" && f.cameras == [camera]);
+    if told {
+        return;
+    }
+    let is_bad = skew.abs() >= BAD_FRAMES && skew.abs() * frame_ms >= 1e3 * BAD_S;
+    let message = format!(
+        "{name} shows motion {:.0} ms ({:.1} frames) {} than the other cameras",
+        skew.abs() * frame_ms,
+        skew.abs(),
+        if skew > 0.0 { "later" } else { "earlier" }
+    );
+    record.findings.push(
+        Finding::graded(is_bad, "CAMERAS_SKEWED", message)
+            .cameras([camera])
+            .number("skew_ms", skew * frame_ms),
+    );
+}
+
+/// How many frames later camera `a` shows things than camera `b`, between two frames. `None` if nothing moves enough.
+fn shift(paths: &Paths, a: usize, b: usize, from: usize, to: usize, window: i64) -> Option<f64> {
+    let things: Vec<(&Path, &Path)> = [&paths.manipulator, &paths.object]
+        .into_iter()
+        .filter_map(|all| Some((all.get(a)?, all.get(b)?)))
+        .filter(|(first, second)| moves(first, from, to) && moves(second, from, to))
+        .collect();
+    if things.is_empty() {
+        return None;
+    }
+    let cost = |shift: i64| {
+        mean(things.iter().filter_map(|(first, second)| scatter(first, second, from, to, shift)))
+    };
+    let costs: Vec<Option<f64>> = (-window..=window).map(cost).collect();
+    let (at, best) = costs
+        .iter()
+        .enumerate()
+        .filter_map(|(i, c)| Some((i, (*c)?)))
+        .min_by(|x, y| x.1.total_cmp(&y.1))?;
+    let unshifted = cost(0)?;
+    let whole = at as i64 - window;
+    if whole != 0 && best > IMPROVEMENT * unshifted {
+        return Some(0.0);
+    }
+    // The vertex of the parabola through the best and its neighbours.
+    let neighbour = |i: Option<usize>| costs.get(i?).copied().flatten();
+    let part = match (neighbour(at.checked_sub(1)), neighbour(Some(at + 1))) {
+        (Some(left), Some(right)) if left + right - 2.0 * best > 1e-12 => {
+            0.5 * (left - right) / (left + right - 2.0 * best)
+        }
+        _ => 0.0,
+    };
+    Some(whole as f64 + part)
+}
+
+fn moves(path: &Path, from: usize, to: usize) -> bool {
+    let points: Vec<Vector> = path.iter().take(to).skip(from).flatten().copied().collect();
+    let count = points.len() as f64;
+    let middle = scaled(points.iter().fold([0.0; 3], |s, p| add(s, *p)), 1.0 / count.max(1.0));
+    let square = mean(points.iter().map(|p| distance(*p, middle).powi(2)));
+    points.len() >= LEAST_FRAMES && square.is_some_and(|s| s.sqrt() > LEAST_MOTION_M)
+}
+
+/// Variance of the distance between two paths of which the first is read later [m²]. A constant offset does not count:
+/// cameras see different sides of a thing.
+fn scatter(first: &Path, second: &Path, from: usize, to: usize, shift: i64) -> Option<f64> {
+    let difference = |frame: usize| {
+        let other =
+            usize::try_from(frame as i64 + shift).ok().filter(|f| (from..to).contains(f))?;
+        Some(sub((*first.get(other)?)?, (*second.get(frame)?)?))
+    };
+    let differences: Vec<Vector> = (from..to).filter_map(difference).collect();
+    if differences.len() < LEAST_FRAMES {
+        return None;
+    }
+    let sum = differences.iter().fold([0.0; 3], |s, d| add(s, *d));
+    let middle = scaled(sum, 1.0 / differences.len() as f64);
+    mean(differences.iter().map(|d| distance(*d, middle).powi(2)))
+}

@@ -1,0 +1,275 @@
+use bendtwin_capture::raw::Recording;
+
+use crate::{
+    Inspection, Verdict,
+    agree::setup::Change,
+    inspect,
+    testing::{FRAMES, Stage, disturbed, healthy, record},
+};
+
+fn look(stage: Stage, recording: Recording) -> Inspection {
+    inspect(&record(stage, recording), &Default::default(), &mut |_| {}).unwrap()
+}
+
+/// The finding of a recording with one fault: there is no other that asks for something to be done.
+#[track_caller]
+fn one(seen: &Inspection, code: &str) -> crate::Finding {
+    let told: Vec<String> = seen
+        .findings
+        .iter()
+        .filter(|f| f.severity != bendtwin_capture::Severity::Info)
+        .map(|f| format!("{} {}", f.code, f.sentence()))
+        .collect();
+    assert!(told.iter().all(|t| t.starts_with(code)) && !told.is_empty(), "{code}: {told:#?}");
+    println!("{}", told.join("\n"));
+    seen.findings[0].clone()
+}
+
+fn shown(change: impl FnOnce(&mut Stage)) -> Inspection {
+    let (mut stage, recording) = healthy();
+    change(&mut stage);
+    look(stage, recording)
+}
+
+fn declared(change: impl FnOnce(&mut Recording)) -> Inspection {
+    let (stage, mut recording) = healthy();
+    change(&mut recording);
+    look(stage, recording)
+}
+
+#[test]
+fn a_healthy_recording_is_good() {
+    let (stage, recording) = healthy();
+    let seen = look(stage, recording);
+    assert_eq!((seen.verdict, seen.findings.len()), (Verdict::Good, 0), "{:?}", seen.findings);
+    let size = seen.scene.object_size_m.unwrap();
+    assert!((0.13..0.2).contains(&size), "{size}");
+    for camera in &seen.cameras {
+        let agreement = camera.agreement.unwrap();
+        assert!(agreement.disagreement_mm.unwrap() < 3.0, "{agreement:?}");
+        assert!(camera.skew_ms.unwrap().abs() < 15.0);
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let (stage, recording) = healthy();
+    let recording = record(stage, recording);
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let many = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+    let look = || inspect(&recording, &Default::default(), &mut |_| {}).unwrap();
+    let text = |seen: Inspection| serde_json::to_string(&seen).unwrap();
+    assert_eq!(text(alone.install(look)), text(many.install(look)));
+}
+
+#[test]
+fn dropped_repeated_and_damaged_frames_are_counted() {
+    let seen = shown(|s| (1..FRAMES).step_by(4).for_each(|f| s.moments[1][f] = None));
+    let found = one(&seen, "FRAMES_DROPPED");
+    assert_eq!((found.cameras, found.numbers["missing_frames"]), (vec![1], 9.0));
+    assert_eq!(seen.cameras[1].missing_frames.len(), 9);
+
+    let seen = shown(|s| (6..26).step_by(5).for_each(|f| s.moments[2][f] = Some(f as f64 - 1.0)));
+    let found = one(&seen, "FRAMES_DUPLICATED");
+    assert_eq!((found.cameras, found.frames), (vec![2], vec![6, 11, 16, 21]));
+
+    let seen = shown(|s| s.damaged.push((0, 7)));
+    let found = &seen.findings[0];
+    assert_eq!((found.code.as_str(), found.frames.as_slice()), ("FRAMES_DAMAGED", &[7][..]));
+    assert!(found.message.contains("FILE_DAMAGED"), "{}", found.message);
+    assert_eq!(seen.verdict, Verdict::Usable);
+}
+
+#[test]
+fn frames_that_were_dropped_and_closed_up_are_noticed() {
+    // Every third moment is missing, in all cameras alike, and nothing says so.
+    let seen = shown(|s| {
+        for camera in &mut s.moments {
+            *camera = (0..FRAMES).map(|f| Some((f + f / 3) as f64)).collect();
+        }
+    });
+    one(&seen, "FRAMES_SKIPPED");
+}
+
+#[test]
+fn late_frames_wrong_rates_and_skewed_times() {
+    let times = |late: f64, rate: f64| -> Vec<f64> {
+        (0..FRAMES).map(|f| f as f64 / rate + if f == 9 { late } else { 0.0 }).collect()
+    };
+    let seen = declared(|r| r.cameras.iter_mut().for_each(|c| c.times_s = times(0.03, 30.0)));
+    assert_eq!(one(&seen, "FRAMES_LATE").frames, [9]);
+    let seen = declared(|r| r.cameras.iter_mut().for_each(|c| c.times_s = times(0.0, 15.0)));
+    assert_eq!(one(&seen, "FPS_MISMATCH").numbers["measured_fps"].round(), 15.0);
+    let seen = declared(|r| {
+        r.cameras.iter_mut().for_each(|c| c.times_s = times(0.0, 30.0));
+        r.cameras[0].times_s.iter_mut().for_each(|t| *t += 0.025);
+    });
+    let found = one(&seen, "CAMERAS_SKEWED");
+    assert_eq!((found.cameras, found.numbers["skew_ms"].round()), (vec![0], 25.0));
+}
+
+#[test]
+fn a_skew_is_found_from_motion_alone() {
+    for (camera, skew) in [(2, 6.0), (0, -6.0), (1, 1.5)] {
+        let seen = shown(|s| {
+            let moments = (0..FRAMES).map(|f| Some(f as f64 - skew));
+            s.moments[camera] = moments.collect();
+        });
+        let found = one(&seen, "CAMERAS_SKEWED");
+        let ms = found.numbers["skew_ms"];
+        assert_eq!(found.cameras, [camera]);
+        assert!((ms - 1e3 * skew / 30.0).abs() < 25.0, "{ms} for {skew} frames");
+    }
+}
+
+#[test]
+fn depth_that_is_sparse_scaled_or_in_other_units() {
+    let seen = shown(|s| s.holes = 0.6);
+    one(&seen, "DEPTH_SPARSE");
+    for (factor, limit) in [(0.9_f32, 0.02), (1.1, 0.02), (10.0, 0.02), (0.001, 0.03)] {
+        let seen = shown(|s| s.depth_factor[1] = factor);
+        let found = one(&seen, "DEPTH_SCALE");
+        let times = found.numbers["depth_factor"] * f64::from(factor);
+        assert_eq!(found.cameras, [1]);
+        assert!((times - 1.0).abs() < limit, "{factor}: {times}");
+    }
+    for factor in [1000.0_f32, 0.001] {
+        one(&shown(|s| s.depth_factor = vec![factor; 3]), "DEPTH_UNITS");
+    }
+    one(&shown(|s| s.depth_factor = vec![1.2; 3]), "DEPTH_UNITS");
+}
+
+#[test]
+fn everything_in_centimetres_is_too_large() {
+    let (mut stage, mut recording) = healthy();
+    stage.depth_factor = vec![100.0; 3];
+    for camera in &mut recording.cameras {
+        camera.poses[0] = Change::Units(100.0).apply(&camera.poses[0]);
+    }
+    one(&look(stage, recording), "SCALE_TOO_LARGE");
+}
+
+#[test]
+fn mistakes_with_poses_are_told_apart() {
+    let all = |change: Change| {
+        declared(|r| r.cameras.iter_mut().for_each(|c| c.poses[0] = change.apply(&c.poses[0])))
+    };
+    let alone =
+        |change: Change| declared(|r| r.cameras[2].poses[0] = change.apply(&r.cameras[2].poses[0]));
+    for (change, code) in [
+        (Change::Inverse, "EXTRINSICS_INVERTED"),
+        (Change::OpenGl, "EXTRINSICS_AXES"),
+        (Change::Mirrored(1), "EXTRINSICS_MIRRORED"),
+        (Change::MirroredPlace(0), "EXTRINSICS_MIRRORED"),
+        (Change::Units(100.0), "EXTRINSICS_UNITS"),
+    ] {
+        one(&all(change), code);
+        assert_eq!(one(&alone(change), code).cameras, [2]);
+    }
+    let seen = declared(|r| {
+        let (a, b) = (r.cameras[0].poses.clone(), r.cameras[2].poses.clone());
+        (r.cameras[0].poses, r.cameras[2].poses) = (b, a);
+    });
+    assert_eq!(one(&seen, "CAMERAS_SWAPPED").cameras, [0, 2]);
+    let seen = declared(|r| r.cameras[1].poses = r.cameras[0].poses.clone());
+    assert_eq!(one(&seen, "CAMERAS_COINCIDE").cameras, [0, 1]);
+    let seen = declared(|r| {
+        for camera in &mut r.cameras {
+            camera.poses[0].rotation.iter_mut().for_each(|row| row[0] = -row[0]);
+        }
+    });
+    one(&seen, "EXTRINSICS_MIRRORED");
+    one(&declared(|r| r.cameras[0].poses[0].translation[1] = f64::NAN), "EXTRINSICS_INVALID");
+    one(&declared(|r| r.cameras[0].intrinsics.fx = 0.0), "INTRINSICS_INVALID");
+}
+
+#[test]
+fn a_camera_that_is_off_is_named_with_its_correction() {
+    for (camera, degrees, shift) in
+        [(2, 1.0, [0.0; 3]), (0, 0.0, [0.012, 0.0, 0.0]), (1, 5.0, [0.0; 3])]
+    {
+        let seen = declared(|r| {
+            let pose = &mut r.cameras[camera].poses[0];
+            *pose = disturbed(pose, degrees, shift);
+        });
+        let found = one(&seen, "CAMERA_OFF");
+        assert_eq!(found.cameras, [camera]);
+        let shift = 1e3 * shift[0] + degrees.to_radians() * 620.0;
+        let told = found.numbers["shift_mm"];
+        assert!((told - shift).abs() < 0.3 * shift, "{told} mm for {shift} mm");
+    }
+}
+
+#[test]
+fn two_cameras_that_disagree_are_both_named() {
+    let (mut stage, mut recording) = healthy();
+    stage.moments.truncate(2);
+    recording.cameras.truncate(2);
+    let pose = &mut recording.cameras[1].poses[0];
+    *pose = disturbed(pose, 2.0, [0.0; 3]);
+    assert_eq!(one(&look(stage, recording), "CAMERAS_DISAGREE").cameras, [0, 1]);
+}
+
+#[test]
+fn masks_that_are_empty_or_exchanged() {
+    let seen = shown(|s| s.empty_masks.extend([(1, 4), (1, 5)]));
+    assert_eq!(one(&seen, "OBJECT_MASK_EMPTY").frames, [4, 5]);
+    let every = |cameras: std::ops::Range<usize>| {
+        cameras.flat_map(|c| (0..FRAMES).map(move |f| (c, f))).collect::<Vec<_>>()
+    };
+    one(&shown(|s| s.empty_masks = every(0..3)), "OBJECT_NOT_SEEN");
+    let seen = shown(|s| s.exchanged_masks.push(2));
+    assert_eq!(one(&seen, "MASKS_SWAPPED").cameras, [2]);
+    let seen = shown(|s| s.exchanged_masks.extend([0, 1, 2]));
+    one(&seen, "MASKS_SWAPPED");
+}
+
+#[test]
+fn tracks_that_are_exchanged_or_missing() {
+    one(&shown(|s| s.tracks = Some(true)), "TRACKS_TRANSPOSED");
+    let seen = shown(|s| s.tracks = None);
+    assert_eq!((seen.verdict, seen.has("TRACKS_MISSING")), (Verdict::Good, true));
+}
+
+#[test]
+fn scenes_without_motion_contact_or_the_right_way_up() {
+    one(&shown(|s| s.travel = 0.0), "NOTHING_MOVES");
+    one(&shown(|s| s.standoff_m = 0.15), "NO_CONTACT");
+    let seen = shown(|s| {
+        s.travel = 2.0;
+        s.moments.iter_mut().for_each(|c| *c = (0..FRAMES).map(|f| Some(3.2 * f as f64)).collect());
+    });
+    one(&seen, "MOTION_TOO_FAST");
+    let seen = declared(|r| {
+        r.environment.gravity = [0.0, 0.0, 9.81];
+        if let Some(ground) = &mut r.environment.ground {
+            ground.normal = [0.0, 0.0, -1.0];
+        }
+    });
+    one(&seen, "UP_AXIS_WRONG");
+    let seen = declared(|r| {
+        if let Some(ground) = &mut r.environment.ground {
+            ground.offset_m = 0.1;
+        }
+    });
+    one(&seen, "BELOW_GROUND");
+}
+
+#[test]
+fn one_frame_and_none() {
+    one(&declared(|r| r.frame_count = 1), "ONE_FRAME");
+    one(&declared(|r| r.frame_count = 0), "NO_FRAMES");
+    one(&declared(|r| r.fps = f64::NAN), "FPS_INVALID");
+    one(&declared(|r| r.train_frame_count = 1), "SPLIT_EMPTY");
+    let seen = declared(|r| r.frame_count = usize::MAX);
+    one(&seen, "RECORDING_TOO_LONG");
+}
+
+#[test]
+fn a_request_to_stop_is_heard() {
+    let (_, recording) = healthy();
+    let cancel = bendtwin_engine::backend::CancelToken::default();
+    let stop = cancel.clone();
+    let error = inspect(&recording, &cancel, &mut |_| stop.cancel()).unwrap_err();
+    assert!(matches!(error, crate::Error::Cancelled));
+}

@@ -1,0 +1,240 @@
+//! Dropped, repeated, frozen and late frames; times against the frame rate.
+
+use bendtwin_capture::raw::Camera;
+
+use super::{Case, Record, named};
+use crate::{
+    Finding,
+    statistics::{median, share},
+    watch::{Glance, Log},
+};
+
+/// Share of missing frames from which a fit is meaningless.
+const MANY: f64 = 0.4;
+/// Repeated frames that nobody would notice.
+const FEW: usize = 1;
+/// All cameras stand still for so many frames: the scene pauses.
+const PAUSE: usize = 3;
+/// An interval that is longer than so many nominal ones is late.
+const LATE: f64 = 1.5;
+/// By how much measured and declared rate may differ.
+const RATE: f64 = 0.03;
+/// A skew by times of so many frames is worth a warning.
+const SKEW_FRAMES: f64 = 0.5;
+
+pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
+    let same = repeats(case.logs);
+    for (index, log) in case.logs.iter().enumerate() {
+        missing(case, index, log, record);
+        repeated(case, index, &same, record);
+        frozen_depth(case, index, log, record);
+    }
+    for (index, camera) in case.recording.cameras.iter().enumerate() {
+        late(case, index, camera, record);
+    }
+    skew_by_times(case, record);
+}
+
+fn missing(case: &Case<'_>, index: usize, log: &Log, record: &mut Record) {
+    let lacks = |g: &Glance| g.color.is_none() || g.depth.is_none();
+    let frames: Vec<usize> =
+        log.glances.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
+    let all = log.glances.len();
+    if !frames.is_empty() && frames.len() < all {
+        let part = share(frames.len(), all);
+        let ends =
+            frames.len() > 2 && frames.iter().rev().zip((0..all).rev()).all(|(f, end)| *f == end);
+        let message = if ends {
+            format!(
+                "{} ends at frame {}: the last {} of {all} frames are missing",
+                named(case.recording, index),
+                frames.first().copied().unwrap_or(0),
+                frames.len()
+            )
+        } else {
+            format!(
+                "{} lacks colour or depth in {} of {all} frames ({:.0} %)",
+                named(case.recording, index),
+                frames.len(),
+                100.0 * part
+            )
+        };
+        record.findings.push(
+            Finding::graded(part > MANY, "FRAMES_DROPPED", message)
+                .cameras([index])
+                .frames(frames.iter().copied())
+                .number("missing_share", part)
+                .number("missing_frames", frames.len() as f64),
+        );
+    }
+    if let Some(report) = record.cameras.get_mut(index) {
+        report.missing_frames = frames;
+    }
+}
+
+/// Whether each camera shows the same in a frame as in the one before, shape [camera][T].
+fn repeats(logs: &[Log]) -> Vec<Vec<bool>> {
+    let same = |(before, now): (&Glance, &Glance)| {
+        let color = now.color.is_some() && before.color == now.color;
+        let depth = now.depth.is_none() || before.depth == now.depth;
+        color && depth
+    };
+    let one = |log: &Log| {
+        let pairs = log.glances.iter().zip(log.glances.iter().skip(1));
+        std::iter::once(false).chain(pairs.map(same)).take(log.glances.len()).collect()
+    };
+    logs.iter().map(one).collect()
+}
+
+/// A still scene without noise looks like repeated frames in all cameras; it is none if it lasts or if it is the beginning
+/// or the end.
+fn is_pause(same: &[Vec<bool>], frame: usize) -> bool {
+    let frames = same.iter().map(Vec::len).max().unwrap_or(0);
+    let all = |f: usize| same.iter().all(|camera| camera.get(f) == Some(&true));
+    if !all(frame) {
+        return false;
+    }
+    let first = (0..=frame).rev().take_while(|f| all(*f)).last().unwrap_or(frame);
+    let last = (frame..frames).take_while(|f| all(*f)).last().unwrap_or(frame);
+    first <= 1 || last + 1 == frames || last - first + 1 >= PAUSE
+}
+
+fn repeated(case: &Case<'_>, index: usize, same: &[Vec<bool>], record: &mut Record) {
+    let Some(own) = same.get(index) else { return };
+    let frames: Vec<usize> = own
+        .iter()
+        .enumerate()
+        .filter(|(f, repeats)| **repeats && !is_pause(same, *f))
+        .map(|(f, _)| f)
+        .collect();
+    if frames.len() > FEW {
+        let part = share(frames.len(), own.len());
+        let message = format!(
+            "{} of {} frames of {} ({:.0} %) repeat the frame before",
+            frames.len(),
+            own.len(),
+            named(case.recording, index),
+            100.0 * part
+        );
+        record.findings.push(
+            Finding::graded(part > MANY, "FRAMES_DUPLICATED", message)
+                .cameras([index])
+                .frames(frames.iter().copied())
+                .number("repeated_share", part)
+                .number("repeated_frames", frames.len() as f64),
+        );
+    }
+    if let Some(report) = record.cameras.get_mut(index) {
+        report.repeated_frames = frames;
+    }
+}
+
+fn frozen_depth(case: &Case<'_>, index: usize, log: &Log, record: &mut Record) {
+    let pairs = log.glances.iter().zip(log.glances.iter().skip(1)).enumerate();
+    let frozen: Vec<usize> = pairs
+        .filter(|(_, (a, b))| b.depth.is_some() && a.depth == b.depth && a.color != b.color)
+        .map(|(f, _)| f + 1)
+        .collect();
+    let part = share(frozen.len(), log.glances.len());
+    if part > 0.1 && frozen.len() > 2 {
+        let message = format!(
+            "depth of {} does not change in {} of {} frames, while colour does",
+            named(case.recording, index),
+            frozen.len(),
+            log.glances.len()
+        );
+        record.findings.push(
+            Finding::graded(part > MANY, "DEPTH_FROZEN", message)
+                .cameras([index])
+                .frames(frozen)
+                .number("frozen_share", part),
+        );
+    }
+}
+
+fn late(case: &Case<'_>, index: usize, camera: &Camera, record: &mut Record) {
+    let fps = case.recording.fps;
+    let known: Vec<(usize, f64)> =
+        camera.times_s.iter().copied().enumerate().filter(|(_, t)| t.is_finite()).collect();
+    let (Some(first), Some(last)) = (known.first(), known.last()) else { return };
+    if !(fps.is_finite() && fps > 0.0) || last.0 <= first.0 {
+        return;
+    }
+    let name = named(case.recording, index);
+    let interval = median(known.windows(2).filter_map(|w| match w {
+        [a, b] => Some((b.1 - a.1) / (b.0 - a.0).max(1) as f64),
+        _ => None,
+    }));
+    let measured = 1.0 / interval.unwrap_or(f64::NAN);
+    if (measured / fps - 1.0).abs() > RATE || measured.is_nan() {
+        let message = format!(
+            "by its times, {name} records {measured:.2} frames per second; {fps} are declared"
+        );
+        record.findings.push(
+            Finding::warning("FPS_MISMATCH", message)
+                .cameras([index])
+                .number("measured_fps", measured)
+                .number("declared_fps", fps),
+        );
+    }
+    let nominal = interval.unwrap_or(1.0 / fps);
+    let late: Vec<usize> = known
+        .windows(2)
+        .filter_map(|w| match w {
+            [a, b] => (b.1 - a.1 > LATE * nominal * (b.0 - a.0) as f64).then_some(b.0),
+            _ => None,
+        })
+        .collect();
+    if !late.is_empty() {
+        let message = format!(
+            "{} of {} frames of {name} come later than {:.1} frame times after the one before",
+            late.len(),
+            known.len(),
+            LATE
+        );
+        record.findings.push(
+            Finding::warning("FRAMES_LATE", message)
+                .cameras([index])
+                .frames(late.iter().copied())
+                .number("late_share", share(late.len(), known.len())),
+        );
+    }
+    if let Some(report) = record.cameras.get_mut(index) {
+        report.late_frames = late;
+    }
+}
+
+fn skew_by_times(case: &Case<'_>, record: &mut Record) {
+    let cameras = &case.recording.cameras;
+    let time = |c: &Camera, f: usize| c.times_s.get(f).copied().filter(|t| t.is_finite());
+    if cameras.iter().filter(|c| !c.times_s.is_empty()).count() < 2 {
+        return;
+    }
+    // Enough frames for a median; a recording of hours has the same skew.
+    let step = case.recording.frame_count.div_ceil(2000).max(1);
+    let frames = || (0..case.recording.frame_count).step_by(step);
+    let middles: Vec<Option<f64>> =
+        frames().map(|f| median(cameras.iter().filter_map(|c| time(c, f)))).collect();
+    for (index, camera) in cameras.iter().enumerate() {
+        let offsets =
+            frames().zip(&middles).filter_map(|(f, middle)| Some(time(camera, f)? - (*middle)?));
+        let Some(skew) = median(offsets) else { continue };
+        let skew_ms = 1e3 * skew;
+        if let Some(report) = record.cameras.get_mut(index) {
+            report.skew_by_times_ms = Some(skew_ms);
+        }
+        if skew.abs() * case.recording.fps > SKEW_FRAMES {
+            let name = named(case.recording, index);
+            let order = if skew > 0.0 { "after" } else { "before" };
+            let message = format!(
+                "by its times, {name} takes its frames {:.0} ms {order} the others",
+                skew_ms.abs()
+            );
+            record.findings.push(
+                Finding::graded(skew.abs() * case.recording.fps > 3.0, "CAMERAS_SKEWED", message)
+                    .cameras([index])
+                    .number("skew_ms", skew_ms),
+            );
+        }
+    }
+}

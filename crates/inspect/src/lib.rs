@@ -1,0 +1,38 @@
+//! What is wrong with a recording, in numbers and pictures: the capture report.
+//!
+//! [`inspect()`] looks at every frame of a raw recording once and keeps numbers and a few sketches; from these it judges time
+//! (dropped, repeated, late frames; skew, also without times), depth, masks, tracks, scale, motion and contact, and whether
+//! the cameras see one world: if not, it tries the mistakes that people make with calibrations and names the one that
+//! explains it. [`inspect_observed()`] does what can be done for points that somebody else lifted. A [`Report`] is a JSON document
+//! and one page without scripts. [`CODES`] has every code with what to do.
+
+mod agree;
+mod codes;
+mod draw;
+mod error;
+mod finding;
+mod gallery;
+mod inspect;
+mod inspection;
+mod judge;
+mod observed;
+mod page;
+mod report;
+mod statistics;
+mod vector;
+mod watch;
+
+pub use self::{
+    codes::{CODES, Code},
+    error::Error,
+    finding::{Finding, Verdict},
+    inspect::inspect,
+    inspection::{
+        Agreement, CameraReport, Inspection, Kind, ObservedReport, PairReport, Scene, TrackReport,
+    },
+    observed::inspect_observed,
+    report::{FORMAT, Lifted, Report, VERSION},
+};
+
+#[cfg(test)]
+mod testing;

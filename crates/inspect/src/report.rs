@@ -1,0 +1,135 @@
+//! The capture report: a document for programs and a page for people.
+
+use bendtwin_capture::{Severity, check};
+use bendtwin_core::Capture;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::{Error, Finding, Inspection, Verdict, finding, observed, page};
+
+/// Name of the format.
+pub const FORMAT: &str = "bendtwin-capture-report";
+/// Its version.
+pub const VERSION: u32 = 1;
+
+/// What lifting made of a recording.
+#[derive(Clone, Debug)]
+pub struct Lifted {
+    /// The points.
+    pub capture: Capture,
+    /// How they came about, as the lifting stage tells it: any JSON; `findings`, `tracks` and `cameras` of it are
+    /// shown on the page.
+    pub evidence: Option<Value>,
+}
+
+/// The report of one capture.
+#[derive(Clone, Debug)]
+pub struct Report {
+    inspection: Inspection,
+    evidence: Option<Value>,
+}
+
+/// The document as it is written.
+#[derive(Serialize)]
+struct Written<'a> {
+    format: &'static str,
+    version: u32,
+    first_step: Option<String>,
+    #[serde(flatten)]
+    inspection: &'a Inspection,
+    evidence: &'a Option<Value>,
+}
+
+/// The document as it is read.
+#[derive(Deserialize)]
+struct Read {
+    format: String,
+    version: u32,
+    #[serde(flatten)]
+    inspection: Inspection,
+    evidence: Option<Value>,
+}
+
+impl Report {
+    /// A report of an inspection, and of what was lifted from the recording if it was: its points are checked too, and
+    /// the page shows them and the graph that they give.
+    pub fn new(mut inspection: Inspection, lifted: Option<Lifted>) -> Self {
+        let mut evidence = None;
+        if let Some(lifted) = lifted {
+            let told = check(&lifted.capture).findings.into_iter().map(Finding::from);
+            let found = lifted.evidence.as_ref().and_then(|e| e.get("findings"));
+            let found = found.and_then(|f| Vec::<check::Finding>::deserialize(f).ok());
+            let found = found.unwrap_or_default().into_iter().map(Finding::from);
+            for finding in told.chain(found) {
+                let known = |f: &Finding| f.code == finding.code && f.message == finding.message;
+                if !inspection.findings.iter().any(known) {
+                    inspection.findings.push(finding);
+                }
+            }
+            finding::sort(&mut inspection.findings);
+            inspection.verdict = Verdict::of(&inspection.findings);
+            inspection.observed = observed::observed(&lifted.capture);
+            if observed::is_whole(&lifted.capture) {
+                inspection.gallery.capture = Some(lifted.capture);
+            }
+            evidence = lifted.evidence;
+        }
+        Self { inspection, evidence }
+    }
+
+    /// What was measured and found.
+    pub fn inspection(&self) -> &Inspection {
+        &self.inspection
+    }
+
+    /// How the points came about, if they were lifted.
+    pub fn evidence(&self) -> Option<&Value> {
+        self.evidence.as_ref()
+    }
+
+    /// What to do first, in one sentence, if anything has to be done.
+    pub fn first_step(&self) -> Option<String> {
+        self.inspection.first_step().map(Finding::sentence)
+    }
+
+    /// The document; `docs/captures.md` specifies it.
+    pub fn to_json(&self) -> String {
+        let written = Written {
+            format: FORMAT,
+            version: VERSION,
+            first_step: self.first_step(),
+            inspection: &self.inspection,
+            evidence: &self.evidence,
+        };
+        // Strings, numbers and lists can always be written; numbers that are not finite become null.
+        serde_json::to_string_pretty(&written).unwrap_or_else(|_| "{}".to_owned())
+    }
+
+    /// Reads a document. Pictures are not part of it.
+    ///
+    /// # Errors
+    /// If it is none, or of a newer version.
+    pub fn from_json(text: &str) -> Result<Self, Error> {
+        let read: Read = serde_json::from_str(text).map_err(|e| Error::Document(e.to_string()))?;
+        if read.format != FORMAT || read.version != VERSION {
+            return Err(Error::Document(format!(
+                "it is `{}` version {}, this build reads `{FORMAT}` version {VERSION}",
+                read.format, read.version
+            )));
+        }
+        Ok(Self { inspection: read.inspection, evidence: read.evidence })
+    }
+
+    /// The page: one file, without scripts, that needs nothing else. A picture that cannot be drawn is left out.
+    pub fn to_html(&self) -> String {
+        page::page(self)
+    }
+
+    /// Number of findings of a severity.
+    pub fn count(&self, severity: Severity) -> usize {
+        self.inspection.findings.iter().filter(|f| f.severity == severity).count()
+    }
+}
+
+#[cfg(test)]
+mod tests;

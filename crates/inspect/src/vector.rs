@@ -1,0 +1,109 @@
+//! Vectors of space in f64, and the rays of cameras.
+
+use bendtwin_capture::raw::{Camera, Pose};
+use bendtwin_core::{Environment, Point};
+
+pub(crate) type Vector = [f64; 3];
+
+pub(crate) fn add(a: Vector, b: Vector) -> Vector {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+pub(crate) fn sub(a: Vector, b: Vector) -> Vector {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub(crate) fn scaled(a: Vector, by: f64) -> Vector {
+    a.map(|x| x * by)
+}
+
+pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(crate) fn length(a: Vector) -> f64 {
+    dot(a, a).sqrt()
+}
+
+pub(crate) fn distance(a: Vector, b: Vector) -> f64 {
+    length(sub(a, b))
+}
+
+/// A vector of length 1; `None` for one that has no direction.
+pub(crate) fn unit(a: Vector) -> Option<Vector> {
+    let n = length(a);
+    (n.is_finite() && n > 1e-12).then(|| scaled(a, 1.0 / n))
+}
+
+pub(crate) fn wide(p: Point) -> Vector {
+    p.map(f64::from)
+}
+
+/// From the camera's axes to the world's, in f64.
+pub(crate) fn to_world(pose: &Pose, p: Vector) -> Vector {
+    add(turn(&pose.rotation, p), pose.translation)
+}
+
+/// From the world's axes to the camera's, in f64.
+pub(crate) fn to_camera(pose: &Pose, p: Vector) -> Vector {
+    turn_back(&pose.rotation, sub(p, pose.translation))
+}
+
+/// `rotation · p`.
+pub(crate) fn turn(rotation: &[[f64; 3]; 3], p: Vector) -> Vector {
+    std::array::from_fn(|i| dot(rotation[i], p))
+}
+
+/// `rotationᵀ · p`.
+pub(crate) fn turn_back(rotation: &[[f64; 3]; 3], p: Vector) -> Vector {
+    std::array::from_fn(|j| (0..3).map(|i| rotation[i][j] * p[i]).sum())
+}
+
+/// The point in the camera's axes [m] that appears at a pixel at a depth along the optical axis [m].
+pub(crate) fn seen_at(camera: &Camera, pixel: [f64; 2], depth_m: f64) -> Vector {
+    let i = &camera.intrinsics;
+    let [x, y] = camera.distortion.undistort([(pixel[0] - i.cx) / i.fx, (pixel[1] - i.cy) / i.fy]);
+    [x * depth_m, y * depth_m, depth_m]
+}
+
+/// The pixel at which a point in the camera's axes appears; `None` behind the camera.
+pub(crate) fn pixel_of(camera: &Camera, p: Vector) -> Option<[f64; 2]> {
+    // NaN is not in front either.
+    if p[2].is_nan() || p[2] <= 1e-6 {
+        return None;
+    }
+    let [u, v] = camera.distortion.distort([p[0] / p[2], p[1] / p[2]]);
+    let i = &camera.intrinsics;
+    Some([i.fx * u + i.cx, i.fy * v + i.cy])
+}
+
+/// Heights over the ground; without one, along the direction against gravity from the origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Upright {
+    pub(crate) up: Vector,
+    pub(crate) offset_m: f64,
+    /// Whether there is a ground.
+    pub(crate) grounded: bool,
+}
+
+impl Upright {
+    pub(crate) fn of(environment: &Environment) -> Self {
+        let against = unit(wide(environment.gravity).map(|g| -g)).unwrap_or([0.0, 0.0, 1.0]);
+        match environment.ground {
+            Some(ground) => Self {
+                up: unit(wide(ground.normal)).unwrap_or(against),
+                offset_m: f64::from(ground.offset_m),
+                grounded: true,
+            },
+            None => Self { up: against, offset_m: 0.0, grounded: false },
+        }
+    }
+
+    pub(crate) fn height(&self, p: Vector) -> f64 {
+        dot(self.up, p) - self.offset_m
+    }
+}
