@@ -5,6 +5,9 @@
 
 use bendtwin_capture::raw::ColorImage;
 
+#[cfg(test)]
+mod tests;
+
 /// A pyramid; level `l` has a pixel for every 2^l pixels of the image, the first pixels' centres coincide.
 #[derive(Debug)]
 pub(crate) struct Layer {
@@ -74,14 +77,11 @@ impl Level {
     pub(crate) fn sample(&self, at: [f32; 2]) -> Option<([f32; 3], f32)> {
         let x = (at[0] - self.origin[0]) / self.step;
         let y = (at[1] - self.origin[1]) / self.step;
-        // Also refuses what is no number.
-        if !(x >= 0.0 && y >= 0.0) {
+        let within = |v: f32, pixels: usize| v >= 0.0 && v + 1.0 < pixels as f32;
+        if !(within(x, self.width) && within(y, self.height)) {
             return None;
         }
         let (column, row) = (x as usize, y as usize);
-        if column + 1 >= self.width || row + 1 >= self.height {
-            return None;
-        }
         let (u, v) = (x - column as f32, y - row as f32);
         let i = row * self.width + column;
         let (upper, lower) =

@@ -3,9 +3,9 @@
 //! [`track`] follows textured points of the object and of the manipulator through all cameras at once. Each frame goes
 //! through the same stages:
 //!
-//! 1. *flow*: pyramidal Lucas-Kanade on colour from the frame before, forward and backward ([`align`], [`follow`]);
+//! 1. *flow*: pyramidal Lucas-Kanade on colour from the frame before, forward and backward (`align`, `follow`);
 //! 2. *motion*: what hits are lifted through depth, and each point's neighbours, seen by any camera, say by a rigid motion
-//!    since the point was seeded where it should be and how it has turned ([`motion`]);
+//!    since the point was seeded where it should be and how it has turned (`motion`);
 //! 3. *refinement*: the patch that was cut out when the point was seeded is turned and bent as its surface was and matched at
 //!    sub-pixel accuracy, so that errors do not add up; points that were hidden are looked for where they should reappear;
 //! 4. *checks*: masks, depth edges, agreement with the neighbours and with the other cameras' masks and depth.

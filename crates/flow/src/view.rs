@@ -7,6 +7,9 @@ use bendtwin_capture::raw::{Camera, ColorImage, DepthImage, Frames, Image, Mask,
 
 use crate::{Error, FlowSettings, layer::Layer};
 
+#[cfg(test)]
+mod tests;
+
 /// One camera at one frame.
 #[derive(Debug)]
 pub(crate) struct View {

@@ -1,7 +1,7 @@
 //! Measures the built-in tracker on a recording with clean tracks, and beside the tracks that came with it.
 //!
 //! ```text
-//! cargo run --release -p bendtwin-flow --example score -- CASE ['{"window_px": 13}']
+//! cargo run --release -p bendtwin-flow --example score_tracks -- CASE ['{"window_px": 13}']
 //! ```
 //!
 //! A track's error in a frame: the track is lifted through that frame's depth as it was measured. Of the clean tracks the one
