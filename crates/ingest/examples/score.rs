@@ -1,5 +1,9 @@
-//! Lifts a raw recording and says how near its tracks are to the clean ones; for a capture that is lifted already, says that
-//! of it. `cargo run --release -p bendtwin-ingest --example score -- PATH [--observation OUT.zip] [--settings JSON]`
+//! Lifts a raw recording and says how near its tracks are to the clean ones:
+//! `cargo run --release -p bendtwin-ingest --example score -- RECORDING [--observation OUT.zip] [--settings JSON]`
+//!
+//! With `--lifted` the path is a capture that is lifted already. With `--judged-by CAPTURE` what is written has only the start
+//! and the control points of the recording, and what the capture observed after that: `bendtwin eval OUT.zip --twin TWIN` then
+//! scores a twin of the one on what the other saw.
 
 use std::{path::PathBuf, time::Instant};
 
@@ -15,6 +19,7 @@ struct Request {
     path: PathBuf,
     lifted: bool,
     observation: Option<PathBuf>,
+    judge: Option<PathBuf>,
     settings: IngestSettings,
 }
 
@@ -46,10 +51,35 @@ fn main() -> Result<(), Failure> {
         lifted.capture
     };
     told(&capture)?;
+    let capture = match &request.judge {
+        Some(path) => judged_by(capture, &bendtwin_capture::read(path, &limits)?)?,
+        None => capture,
+    };
     if let Some(out) = &request.observation {
         write_bundle_file(&capture, out)?;
     }
     Ok(())
+}
+
+/// The start and the control points of one capture, with what another one observed later: a twin of the first is scored on it
+/// by what the second saw.
+fn judged_by(mut own: Capture, other: &Capture) -> Result<Capture, Failure> {
+    let (sequence, judge) = match (&mut own.sequences[..], &other.sequences[..]) {
+        ([a], [b]) if a.frame_count == b.frame_count => (a, b),
+        _ => return Err("both captures need one sequence, of the same length".into()),
+    };
+    let (mut points, mut visible) = (Vec::new(), Vec::new());
+    for frame in 0..judge.frame_count {
+        points.extend_from_slice(sequence.points_at(frame));
+        points.extend_from_slice(judge.points_at(frame));
+        visible.extend(sequence.visible_at(frame).iter().map(|v| *v && frame == 0));
+        visible.extend(judge.visible_at(frame).iter().map(|v| *v && frame > 0));
+    }
+    sequence.motion_valid = vec![false; points.len()];
+    (sequence.points, sequence.visible) = (points, visible);
+    own.object.point_count += other.object.point_count;
+    own.object.colors.clear();
+    Ok(own)
 }
 
 fn told(capture: &Capture) -> Result<(), Failure> {
@@ -75,6 +105,7 @@ fn request() -> Result<Request, Failure> {
         match argument.as_str() {
             "--lifted" => request.lifted = true,
             "--observation" => request.observation = Some(value()?.into()),
+            "--judged-by" => request.judge = Some(value()?.into()),
             "--settings" => request.settings = serde_json::from_str(&value()?)?,
             _ => request.path = argument.into(),
         }

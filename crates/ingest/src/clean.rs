@@ -2,9 +2,12 @@
 //! manipulator.
 
 use bendtwin_capture::raw::{DepthImage, Image, Intrinsics, Mask};
-use bendtwin_core::settings::ingest::MaskSettings;
+use bendtwin_core::{Point, settings::ingest::MaskSettings};
 
-use crate::evidence::MaskCounts;
+use crate::{evidence::MaskCounts, grid::Grid, rigid::distance};
+
+/// Pixels of an object to which the distance of a small part is measured.
+const MEASURED: usize = 1500;
 
 /// What a pixel shows after cleaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,7 +128,7 @@ impl Cleaner<'_> {
         self.erase(&gone)
     }
 
-    /// Drops small parts; two pixels are of one part if they touch and lie on one surface.
+    /// Drops small parts that are far from larger ones; two pixels are of one part if they touch and lie on one surface.
     fn drop_specks(&mut self, label: Label) -> u64 {
         let (width, height) = (self.depth.width, self.depth.height);
         let mut part_of = vec![0u32; self.labels.pixels.len()];
@@ -162,8 +165,18 @@ impl Cleaner<'_> {
         }
         let largest = parts.iter().map(Vec::len).max().unwrap_or(0);
         let least = self.settings.min_component * largest as f64;
-        let small = parts.iter().filter(|p| (p.len() as f64) < least);
-        let gone: Vec<usize> = small.flatten().copied().collect();
+        let (small, large): (Vec<_>, Vec<_>) =
+            parts.into_iter().partition(|p| (p.len() as f64) < least);
+        if small.is_empty() {
+            return 0;
+        }
+        // A finger may cut a small part off: it is near the rest. What is far from it is background.
+        let kept: Vec<usize> = large.into_iter().flatten().collect();
+        let stride = kept.len().div_ceil(MEASURED).max(1);
+        let gap_m = self.settings.speck_gap_m;
+        let rest = Grid::of(kept.iter().step_by(stride).map(|i| self.place(*i)), gap_m);
+        let far = |p: &Vec<usize>| !rest.any_within(self.place(p[p.len() / 2]), gap_m);
+        let gone: Vec<usize> = small.into_iter().filter(far).flatten().collect();
         self.erase(&gone)
     }
 
@@ -220,16 +233,15 @@ impl Cleaner<'_> {
     }
 
     fn within_contact(&self, a: usize, b: usize) -> bool {
-        let width = self.depth.width;
-        let at = |i: usize| {
-            let z = f64::from(self.depth.pixels[i]);
-            let x = ((i % width) as f64 - self.intrinsics.cx) / self.intrinsics.fx * z;
-            let y = ((i / width) as f64 - self.intrinsics.cy) / self.intrinsics.fy * z;
-            [x, y, z]
-        };
-        let (a, b) = (at(a), at(b));
-        let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
-        square <= self.settings.contact_m * self.settings.contact_m
+        distance(self.place(a), self.place(b)) <= self.settings.contact_m
+    }
+
+    /// A pixel in space, in the camera's axes; lens distortion does not matter over such distances [m].
+    fn place(&self, at: usize) -> Point {
+        let (z, i) = (f64::from(self.depth.pixels[at]), self.intrinsics);
+        let x = ((at % self.depth.width) as f64 - i.cx) / i.fx * z;
+        let y = ((at / self.depth.width) as f64 - i.cy) / i.fy * z;
+        [x as f32, y as f32, z as f32]
     }
 
     fn erase(&mut self, pixels: &[usize]) -> u64 {

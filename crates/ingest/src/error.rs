@@ -20,15 +20,14 @@ pub enum Error {
     Inconsistent(String),
     /// More tracks than fit into memory.
     #[error(
-        "the cameras have {tracks} tracks over {frames} frames, more than {limit} points in all: track fewer points, or split the recording"
+        "the cameras have {tracks} tracks over {frames} frames, beyond the limits of 100000 tracks and of 12 million tracks \
+         times frames: track fewer points, or split the recording"
     )]
     TooManyTracks {
         /// Tracks of all cameras.
         tracks: usize,
         /// Frames.
         frames: usize,
-        /// Most tracks times frames.
-        limit: usize,
     },
     /// No object in any mask.
     #[error(

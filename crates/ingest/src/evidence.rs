@@ -51,7 +51,7 @@ pub struct MaskCounts {
     pub no_depth: u64,
     /// With too few neighbours on the same surface: flying pixels at edges, outliers.
     pub flying: u64,
-    /// In small separate parts.
+    /// In small parts, far from the larger ones.
     pub specks: u64,
     /// Nearer to what the other mask shows.
     pub contact: u64,

@@ -48,8 +48,12 @@ impl Grid {
     /// The nearest `count` of those, nearest first.
     pub(crate) fn nearest(&self, at: Point, radius_m: f64, count: usize) -> Vec<usize> {
         let mut found = self.within(at, radius_m);
-        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        found.truncate(count);
+        let order = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        if found.len() > count {
+            found.select_nth_unstable_by(count, order);
+            found.truncate(count);
+        }
+        found.sort_by(order);
         found.into_iter().map(|(_, i)| i).collect()
     }
 

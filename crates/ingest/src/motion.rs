@@ -6,9 +6,10 @@
 //! neighbours'; a rigid fit also gives turns their due.
 
 use bendtwin_core::{Point, settings::ingest::MotionSettings};
+use bendtwin_engine::backend::CancelToken;
 use rayon::prelude::*;
 
-use crate::{grid::Grid, rigid, tracks::Tracks};
+use crate::{Error, error::check, grid::Grid, rigid, tracks::Tracks};
 
 /// Noise of lifted points; residuals below it say nothing [m].
 const NOISE_M: f64 = 1e-3;
@@ -32,16 +33,27 @@ pub(crate) struct Verdict {
 }
 
 /// Judges all tracks; sightings of drifted ones are taken back.
-pub(crate) fn judge(tracks: &mut Tracks, settings: &MotionSettings) -> Verdict {
+pub(crate) fn judge(
+    tracks: &mut Tracks,
+    settings: &MotionSettings,
+    cancel: &CancelToken,
+) -> Result<Verdict, Error> {
     let neighbours = neighbours(tracks, settings);
     let count = tracks.count;
     let drifted: Vec<Vec<bool>> = (0..tracks.frames)
         .into_par_iter()
         .map(|frame| {
             let odd = |i: usize| has_drifted(tracks, &neighbours[i], frame, i, settings);
-            (0..count).map(|i| frame > 0 && tracks.is_seen(frame, i) && odd(i)).collect()
+            let mut row = Vec::with_capacity(count);
+            for i in 0..count {
+                if i % 256 == 0 {
+                    check(cancel)?;
+                }
+                row.push(frame > 0 && tracks.is_seen(frame, i) && odd(i));
+            }
+            Ok(row)
         })
-        .collect();
+        .collect::<Result<_, Error>>()?;
     let seen = tracks.seen.iter().filter(|s| **s).count() as u64;
     let mut drifts = vec![0; count];
     for (frame, row) in drifted.iter().enumerate() {
@@ -53,13 +65,14 @@ pub(crate) fn judge(tracks: &mut Tracks, settings: &MotionSettings) -> Verdict {
     let judged: Vec<Vec<Judgement>> = (0..tracks.frames)
         .into_par_iter()
         .map(|frame| {
-            (0..count).map(|i| motion(tracks, &neighbours[i], frame, i, settings)).collect()
+            check(cancel)?;
+            Ok((0..count).map(|i| motion(tracks, &neighbours[i], frame, i, settings)).collect())
         })
-        .collect();
+        .collect::<Result<_, Error>>()?;
     let all = || judged.iter().flatten();
     let mut residuals: Vec<f64> = all().filter_map(|j| j.residual_m).collect();
     residuals.sort_by(f64::total_cmp);
-    Verdict {
+    Ok(Verdict {
         valid: all().map(|j| j.valid).collect(),
         seen,
         drifted: drifts.iter().sum::<usize>() as u64,
@@ -67,7 +80,7 @@ pub(crate) fn judge(tracks: &mut Tracks, settings: &MotionSettings) -> Verdict {
         unconfirmed: all().filter(|j| j.moved && !j.valid).count() as u64,
         residual_m: residuals.get(residuals.len() / 2).copied().unwrap_or(0.0),
         drifts,
-    }
+    })
 }
 
 #[derive(Clone, Copy, Default)]

@@ -39,8 +39,10 @@ pub struct MaskSettings {
     /// Pixels of the mask on the same surface that a pixel needs among the 24 around it; those with fewer are flying
     /// pixels or outliers.
     pub min_neighbours: u32,
-    /// Connected parts smaller than this fraction of the largest one are dropped.
+    /// Connected parts smaller than this fraction of the largest one are dropped...
     pub min_component: f64,
+    /// ...if they are farther than this from larger ones: a finger may cut a small part off [m].
+    pub speck_gap_m: f64,
     /// Within this distance an object's pixel needs as many neighbours of the object as of the hand, and the other way
     /// round [m]; 0 leaves out the test.
     pub contact_m: f64,
@@ -142,7 +144,8 @@ impl Default for MaskSettings {
             edge_slope: 3.0,
             min_neighbours: 7,
             min_component: 0.02,
-            contact_m: 0.008,
+            speck_gap_m: 0.03,
+            contact_m: 0.004,
         }
     }
 }
@@ -196,6 +199,7 @@ impl IngestSettings {
         within("masks.edge_slope", m.edge_slope, 0.0, 100.0);
         within("masks.min_neighbours", f64::from(m.min_neighbours), 0.0, 24.0);
         within("masks.min_component", m.min_component, 0.0, 1.0);
+        within("masks.speck_gap_m", m.speck_gap_m, 1e-4, 10.0);
         within("masks.contact_m", m.contact_m, 0.0, 1.0);
         within("lift.window", f64::from(self.lift.window), 1.0, 8.0);
         within("lift.min_support", f64::from(self.lift.min_support), 1.0, 289.0);

@@ -105,3 +105,12 @@ fn an_empty_mask_is_counted() {
     let result = cleaned(&image(wall), &image(|_, _| false), None);
     assert_eq!((result.object.empty_frames, result.object.kept), (1, 0));
 }
+
+#[test]
+fn a_part_that_a_finger_cuts_off_stays() {
+    let cut = image(|x, y| patch(x, y) && !(26..28).contains(&x));
+    let strict = MaskSettings { min_component: 0.2, ..MaskSettings::default() };
+    let result = clean(&image(wall), Some(&cut), None, &CAMERA, &strict);
+    assert_eq!((result.object.specks, result.object.kept), (0, 18 * 14 - result.object.flying));
+    assert!(is_object(&result, 29, 15));
+}

@@ -31,7 +31,7 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
     refuse_nothing(&evidence, from.tracks, &object)?;
     check(cancel)?;
 
-    let (mut kept, valid) = believe(&mut object, settings, &mut evidence.tracks);
+    let (mut kept, valid) = believe(&mut object, settings, &mut evidence.tracks, cancel)?;
     refuse_lost(recording, &kept, &mut evidence.findings)?;
     check(cancel)?;
 
@@ -101,9 +101,10 @@ fn believe(
     object: &mut Tracks,
     settings: &IngestSettings,
     evidence: &mut TrackEvidence,
-) -> (Tracks, Vec<bool>) {
+    cancel: &CancelToken,
+) -> Result<(Tracks, Vec<bool>), Error> {
     let before = object.survival();
-    let verdict = motion::judge(object, &settings.motion);
+    let verdict = motion::judge(object, &settings.motion, cancel)?;
     let steady: Vec<usize> =
         (0..object.count).filter(|i| 2 * verdict.drifts[*i] <= before[*i]).collect();
     let survival = object.survival();
@@ -132,5 +133,5 @@ fn believe(
         unconfirmed: ratio(verdict.unconfirmed, verdict.moved),
         motion_residual_m: verdict.residual_m,
     };
-    (kept, valid)
+    Ok((kept, valid))
 }

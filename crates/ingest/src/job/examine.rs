@@ -6,6 +6,8 @@ use crate::Error;
 
 /// Most tracks times frames; an ingest holds a few dozen bytes for each.
 const MAX_SIGHTINGS: usize = 12_000_000;
+/// Most tracks.
+const MAX_TRACKS: usize = 100_000;
 /// Most pixels of an image.
 const MAX_PIXELS: usize = 1 << 26;
 /// Most cameras.
@@ -89,8 +91,8 @@ pub(super) fn examine_tracks(
             )));
         }
     }
-    if total.saturating_mul(frames) > MAX_SIGHTINGS {
-        return Err(Error::TooManyTracks { tracks: total, frames, limit: MAX_SIGHTINGS });
+    if total > MAX_TRACKS || total.saturating_mul(frames) > MAX_SIGHTINGS {
+        return Err(Error::TooManyTracks { tracks: total, frames });
     }
     Ok(())
 }
