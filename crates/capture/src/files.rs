@@ -14,7 +14,7 @@ use std::{
     },
 };
 
-use zip::ZipArchive;
+use zip::{ZipArchive, result::ZipError};
 
 pub(crate) use self::storage::SharedFile;
 use self::storage::{Metered, Storage};
@@ -113,7 +113,7 @@ impl<'a> Files<'a> {
             .saturating_add((limits.archive_entries as u64).saturating_mul(longest));
         let left = Arc::new(AtomicU64::new(left));
         let metered = Metered { inner: reader, left: left.clone() };
-        let archive = ZipArchive::new(metered).map_err(|e| Error::ArchiveDamaged(e.to_string()))?;
+        let archive = ZipArchive::new(metered).map_err(|e| unusable(name, e))?;
         left.store(u64::MAX, Ordering::Relaxed);
         let directory = archive.metadata();
         let entries = directory.len();
@@ -125,7 +125,7 @@ impl<'a> Files<'a> {
         }
         let mut names = BTreeMap::new();
         for index in 0..entries {
-            let entry = directory.entry(index).map_err(|e| Error::ArchiveDamaged(e.to_string()))?;
+            let entry = directory.entry(index).map_err(|e| unusable(name, e))?;
             let raw = String::from_utf8_lossy(entry.name_raw()).into_owned();
             if raw.len() > limits.name_bytes {
                 return Err(Error::ArchiveName(
@@ -280,8 +280,7 @@ impl<'a> Files<'a> {
             }
             Source::Zip(archive) => {
                 let Some(&index) = self.entries.get(&full) else { return Ok(None) };
-                let entry =
-                    archive.by_index(index).map_err(|e| Error::ArchiveDamaged(e.to_string()))?;
+                let entry = archive.by_index(index).map_err(|e| unusable(&full, e))?;
                 let kind = match entry.unix_mode().map(|m| m & 0o170_000) {
                     _ if entry.encrypted() => Some("encrypted"),
                     _ if entry.is_symlink() => Some("a link"),
@@ -300,6 +299,16 @@ impl<'a> Files<'a> {
                 read_capped(name, entry, size, cap, &mut self.budget).map(Some)
             }
         }
+    }
+}
+
+/// Why an archive or an entry of it cannot be read.
+fn unusable(at: &str, error: ZipError) -> Error {
+    match error {
+        ZipError::UnsupportedArchive(ZipError::PASSWORD_REQUIRED) => {
+            Error::ArchiveEntryKind { at: at.to_owned(), kind: "encrypted" }
+        }
+        other => Error::ArchiveDamaged(other.to_string()),
     }
 }
 
