@@ -16,7 +16,7 @@ use bendtwin_mesh::{Mesh, Similarity, write_glb};
 use self::{lens::Reader, props::Prop};
 use super::{
     MakeOptions, Scene,
-    observe::{FPS, Performance, TRAIN_SHARE, cameras, perform, spread},
+    observe::{FPS, Performance, TRAIN_SHARE, perform, spread},
     scene,
     skin::Skin,
     texture::normal,
@@ -157,7 +157,22 @@ impl Source for Stage {
     }
 }
 
-/// Cameras around the table, evenly; the first three are those of observed captures.
+/// Where cameras look [m].
+const TARGET: Point = [0.15, 0.0, 0.2];
+/// How each camera stands off its even place: azimuth [degrees], distance as a share, height [m]. Nobody's rig is symmetric,
+/// and in one that is, exchanged calibrations would go unnoticed.
+const OFFSETS: [[f32; 3]; 8] = [
+    [0.0, 1.0, 0.0],
+    [14.0, 0.92, 0.13],
+    [-11.0, 1.06, -0.1],
+    [6.0, 0.97, 0.05],
+    [-8.0, 1.02, 0.1],
+    [9.0, 0.95, -0.06],
+    [-13.0, 1.04, 0.02],
+    [4.0, 0.9, 0.08],
+];
+
+/// Cameras around the table, nearly evenly.
 fn around(options: &FilmOptions, frame_count: usize) -> Vec<Camera> {
     let [width, height] = options.size.map(|n| n.clamp(16, 4096));
     // A wider view where the image is taller than usual, so that the scene always fits.
@@ -182,7 +197,15 @@ fn around(options: &FilmOptions, frame_count: usize) -> Vec<Camera> {
             times_s: (0..frame_count).map(time).collect(),
         }
     };
-    cameras(options.cameras.clamp(1, 8)).into_iter().enumerate().map(describe).collect()
+    let count = options.cameras.clamp(1, OFFSETS.len());
+    let places = OFFSETS.iter().take(count).enumerate().map(|(index, [turn, far, above])| {
+        let degrees = 360.0 * index as f32 / count as f32 - 90.0 + turn;
+        let (s, c) = degrees.to_radians().sin_cos();
+        let [x, y, z] = TARGET;
+        let out = 0.85 * far;
+        super::camera::Camera::looking_at([x + out * c, y + out * s, z + 0.4 + above], TARGET)
+    });
+    places.enumerate().map(describe).collect()
 }
 
 /// The body in frame 0 as a file.

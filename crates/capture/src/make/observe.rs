@@ -51,7 +51,7 @@ pub(super) fn record(
     let Performance { poses, trajectory } = perform(setup, backend)?;
     let rows: Vec<&[Point]> = trajectory.chunks_exact(n.max(1)).collect();
 
-    let cameras = cameras(3);
+    let cameras = cameras();
     let surface = body.surface();
     let seen: Vec<Vec<bool>> = rows
         .iter()
@@ -130,15 +130,14 @@ pub(super) fn perform(setup: &Setup, backend: &dyn Backend) -> Result<Performanc
     Ok(Performance { poses, trajectory })
 }
 
-/// Cameras around the table.
-pub(super) fn cameras(count: usize) -> Vec<Camera> {
+/// Three cameras around the table.
+fn cameras() -> Vec<Camera> {
     let target = [0.15, 0.0, 0.2];
-    let place = |index: usize| {
-        let degrees = 360.0 * index as f32 / count as f32 - 90.0;
+    let place = |degrees: f32| {
         let (s, c) = degrees.to_radians().sin_cos();
         Camera::looking_at(add(target, [0.85 * c, 0.85 * s, 0.4]), target)
     };
-    (0..count).map(place).collect()
+    [-90.0, 30.0, 150.0].map(place).to_vec()
 }
 
 fn see(
