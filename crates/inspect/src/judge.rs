@@ -175,10 +175,17 @@ const CONSEQUENCES: &[(&[&str], &[&str])] = &[
             "NOTHING_MOVES",
             "SCALE_TOO_LARGE",
             "DEPTH_SCALE",
+            "DEPTH_UNITS",
             "CAMERAS_SKEWED",
             "BELOW_GROUND",
         ],
     ),
+    (&["MASK_JUMPS"], &["FRAMES_SKIPPED", "MOTION_TOO_FAST"]),
+    (
+        &["INTRINSICS_IMPLAUSIBLE", "DEPTH_MISALIGNED"],
+        &["CAMERAS_DISAGREE", "CAMERA_OFF", "CAMERAS_SKEWED", "CLOCKS_DRIFT"],
+    ),
+    (&["TRACKS_STILL"], &["TRACKS_OFF_OBJECT"]),
     (
         &["MASKS_SWAPPED"],
         &["OBJECT_ABOVE_GROUND", "CAMERAS_DISAGREE", "CAMERAS_SKEWED", "MASK_JUMPS"],

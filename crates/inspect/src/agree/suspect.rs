@@ -7,7 +7,7 @@ use super::{
 };
 
 /// Units of translations that people mix up.
-const UNITS: [f64; 6] = [0.001, 0.01, 0.1, 10.0, 100.0, 1000.0];
+const UNITS: [f64; 8] = [0.001, 0.01, 0.0254, 0.1, 10.0, 39.37, 100.0, 1000.0];
 /// More cameras are not permuted in all ways.
 const MOST_PERMUTED: usize = 4;
 

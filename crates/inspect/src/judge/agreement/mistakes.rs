@@ -65,9 +65,11 @@ fn pose_fault(change: Change) -> (&'static str, &'static str) {
     }
 }
 
+/// Powers of ten, and inches.
 fn is_unit(factor: f64) -> bool {
     let power = factor.log10();
-    power.abs() > 0.5 && (power - power.round()).abs() < 0.02
+    let is_power = power.abs() > 0.5 && (power - power.round()).abs() < 0.02;
+    is_power || (power.abs() - 39.37_f64.log10()).abs() < 0.02
 }
 
 /// Depth times `factor` would suit the poses: which of the two is in the wrong units tells the size of the object, which
