@@ -1,0 +1,91 @@
+//! Recordings that are broken in one way each, and the diagnosis that each shall get.
+//!
+//! All start from one healthy made recording. [`all`] lists what goes wrong: in what the cameras recorded ([`footage`]), in
+//! files ([`files`]) and in archives ([`archives`]). A user of this crate calls [`Broken::make`] and looks whether the
+//! diagnosis is the expected one.
+
+pub mod archives;
+pub mod calibration;
+pub mod files;
+pub mod footage;
+pub mod streams;
+
+use std::path::PathBuf;
+
+use bendtwin_capture::raw::Recording;
+use tempfile::TempDir;
+
+pub use self::footage::Footage;
+
+/// A recording with one fault.
+#[derive(Clone, Debug)]
+pub struct Broken {
+    /// What is wrong with it.
+    pub name: &'static str,
+    /// What shall be said of it.
+    pub expected: Expected,
+    /// How it is made.
+    make: Make,
+}
+
+/// A diagnosis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Expected {
+    /// It cannot be opened: the reason of the error.
+    Refused(&'static str),
+    /// Some of its files cannot be decoded: the reader's reason for the first.
+    Damaged(&'static str),
+    /// The first finding of the report.
+    Found(&'static str),
+    /// One of the findings: worth knowing, but other recordings of its kind have it too.
+    Noticed(&'static str),
+}
+
+/// A broken recording, ready to be looked at.
+#[derive(Debug)]
+pub enum Sample {
+    /// A folder or an archive, there as long as the guard.
+    Stored(TempDir, PathBuf),
+    /// Already opened.
+    Opened(Box<Recording>),
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Make {
+    /// Changes files of a PhysTwin case in a folder.
+    Case(fn(&mut files::FileMap)),
+    /// Changes files of a raw bundle in a folder.
+    Bundle(fn(&mut files::FileMap)),
+    /// Makes a file from those of a case.
+    Archive(fn(&files::FileMap) -> Vec<u8>),
+    /// Changes a folder with a case.
+    Folder(fn(&std::path::Path)),
+    /// Changes what was recorded.
+    Footage(fn(&mut Footage)),
+}
+
+impl Broken {
+    /// Makes it.
+    pub fn make(&self) -> Sample {
+        match self.make {
+            Make::Case(change) => files::stored(files::case(), change),
+            Make::Bundle(change) => files::stored(files::bundle(), change),
+            Make::Archive(pack) => archives::stored(&pack(files::case())),
+            Make::Folder(change) => files::changed_folder(change),
+            Make::Footage(change) => {
+                let mut footage = footage::healthy();
+                change(&mut footage);
+                Sample::Opened(Box::new(footage.recording()))
+            }
+        }
+    }
+}
+
+/// Every broken recording.
+pub fn all() -> Vec<Broken> {
+    [calibration::all(), streams::all(), files::all(), archives::all()].concat()
+}
+
+fn broken(name: &'static str, expected: Expected, make: Make) -> Broken {
+    Broken { name, expected, make }
+}
