@@ -20,7 +20,8 @@ pub enum Error {
     /// Neither a bundle, nor a PhysTwin case, nor motion capture.
     #[error(
         "`{0}` is no capture: it has neither `capture.json` (a BendTwin bundle) nor `final_data.pkl` or `metadata.json` \
-         with colour and depth (a PhysTwin case), nor is it an .npz with its .json beside it (motion capture)"
+         with `color` (a PhysTwin case) nor `transforms.json` (nerfstudio), nor is it an MCAP file or an .npz with its .json \
+         beside it (motion capture)"
     )]
     UnknownKind(String),
     /// A recorded but unprocessed case.
@@ -215,6 +216,19 @@ pub enum Error {
         /// The camera's columns and rows.
         needed: [usize; 2],
     },
+    /// Depth in a frame of its own.
+    #[error(
+        "camera `{camera}`: no depth images have the frame_id of its colour, `{frame_id}` (there is {found}): \
+         record depth aligned to colour, such as aligned_depth_to_color"
+    )]
+    DepthNotAligned {
+        /// The camera.
+        camera: String,
+        /// Frame of its colour images.
+        frame_id: String,
+        /// The depth topics that there are.
+        found: String,
+    },
     /// A camera that a recording does not have.
     #[error("the recording has no camera number {0}")]
     NoCamera(usize),
@@ -319,6 +333,7 @@ impl Problem for Error {
             Self::Camera { .. } => "INVALID_CAMERA",
             Self::MirroredPose(_) => "MIRRORED_EXTRINSICS",
             Self::ImageSize { .. } => "WRONG_IMAGE_SIZE",
+            Self::DepthNotAligned { .. } => "DEPTH_NOT_ALIGNED",
             Self::NoCamera(_) => "NO_SUCH_CAMERA",
             Self::EdgeRange { .. } => "EDGE_OUT_OF_RANGE",
             Self::PinRange { .. } => "PIN_OUT_OF_RANGE",

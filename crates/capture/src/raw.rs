@@ -10,6 +10,7 @@ mod clock;
 mod decode;
 mod encode;
 mod image;
+mod mcap;
 mod nerfstudio;
 mod phystwin;
 mod stored;
@@ -31,15 +32,25 @@ pub use self::{
 };
 use crate::{Error, Limits, files::Files, read};
 
-/// Opens the raw recording at a path, a folder or a ZIP archive, without reading its frames. Where processed data lies
+/// Opens the raw recording at a path, a folder, a ZIP archive or an MCAP file, without reading its frames. Where processed data lies
 /// beside it, that is passed over.
 ///
 /// # Errors
 /// If there is none, its description is damaged or impossible, or it exceeds the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
+    if let Some(file) = mcap::file_at(path)? {
+        let mut recording = mcap::read(&file, limits)?;
+        validity::settle(&mut recording, limits)?;
+        return Ok(recording);
+    }
     let files = Files::open(read::root(path), limits)?;
     let name = files.name.clone();
     find(files)?.ok_or(Error::UnknownKind(name))
+}
+
+/// Whether an MCAP file lies at a path.
+pub(crate) fn is_mcap(path: &Path) -> Result<bool, Error> {
+    Ok(mcap::file_at(path)?.is_some())
 }
 
 /// The recording among these files, if there is one.

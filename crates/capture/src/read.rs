@@ -84,6 +84,9 @@ pub(crate) fn read_noting(path: &Path, limits: &Limits) -> Result<(Capture, Vec<
     let path = root(path);
     let capture = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz")) {
         mocap::read_npz(path, &path.with_extension("json"), limits)?
+    } else if raw::is_mcap(path)? {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        return Err(Error::RawOnly(name.into_owned()));
     } else {
         read_files(&mut Files::open(path, limits)?, &mut notes)?
     };

@@ -25,6 +25,19 @@ impl SharedFile {
         Ok(Self { file: Arc::new(file), length, position: 0 })
     }
 
+    /// Fills the buffer from a position.
+    pub(crate) fn read_exact_at(&self, mut buffer: &mut [u8], mut position: u64) -> Result<()> {
+        while !buffer.is_empty() {
+            let n = read_at(&self.file, buffer, position)?;
+            if n == 0 {
+                return Err(Error::from(std::io::ErrorKind::UnexpectedEof));
+            }
+            position += n as u64;
+            buffer = &mut buffer[n..];
+        }
+        Ok(())
+    }
+
     /// Bytes that it had when it was opened.
     pub(crate) fn len(&self) -> u64 {
         self.length

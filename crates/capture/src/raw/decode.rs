@@ -4,7 +4,9 @@ mod depth;
 mod jpeg;
 mod png;
 
-pub(super) use self::depth::decode as depth;
+pub(super) use self::depth::{
+    alike, decode as depth, from_png as depth_png, measured, settle as settle_depth,
+};
 use super::{ColorImage, Image, Mask};
 use crate::Error;
 

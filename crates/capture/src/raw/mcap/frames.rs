@@ -1,0 +1,108 @@
+//! The frames of an MCAP file, fetched one by one.
+
+use std::fmt;
+
+use super::{
+    chunk::Chunk,
+    images,
+    messages::{self, ImageData, Kind, Wire},
+    place::{Place, Store},
+};
+use crate::{
+    Error,
+    raw::{ColorImage, DepthImage, Frames, Mask, Region, Source, Tracks, decode::Size},
+};
+
+/// Bytes of a message beside those of its pixels.
+const OVERHEAD: u64 = 4 << 20;
+
+/// One kind of image of one camera.
+#[derive(Debug)]
+pub(super) struct Stream {
+    pub(super) topic: String,
+    pub(super) kind: Kind,
+    pub(super) wire: Wire,
+    /// Shape [T].
+    pub(super) places: Vec<Option<Place>>,
+}
+
+/// All images of one camera.
+#[derive(Debug)]
+pub(super) struct Streams {
+    pub(super) size: Size,
+    pub(super) color: Stream,
+    pub(super) depth: Stream,
+    pub(super) object: Option<Stream>,
+    pub(super) manipulator: Option<Stream>,
+}
+
+/// A [`Source`] over an MCAP file.
+pub(super) struct McapFrames {
+    pub(super) store: Store,
+    pub(super) chunks: Vec<Chunk>,
+    pub(super) cameras: Vec<Streams>,
+}
+
+impl fmt::Debug for McapFrames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("McapFrames").field("file", &self.store.name()).finish_non_exhaustive()
+    }
+}
+
+impl Source for McapFrames {
+    fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
+        let camera = self.cameras.get(camera).ok_or(Error::NoCamera(camera))?;
+        Ok(Box::new(Reader { store: self.store.clone(), chunks: &self.chunks, camera }))
+    }
+}
+
+/// Reads one camera.
+struct Reader<'a> {
+    store: Store,
+    chunks: &'a [Chunk],
+    camera: &'a Streams,
+}
+
+impl Reader<'_> {
+    fn image<T>(
+        &mut self,
+        stream: &Stream,
+        frame: usize,
+        decode: fn(&str, &ImageData<'_>, Size) -> Result<T, Error>,
+    ) -> Result<Option<T>, Error> {
+        let Some(Some(place)) = stream.places.get(frame) else { return Ok(None) };
+        let size = self.camera.size;
+        let cap = OVERHEAD + (size[0] as u64).saturating_mul(size[1] as u64).saturating_mul(16);
+        let bytes = self.store.message(place, self.chunks, cap)?;
+        let at = format!("{}, frame {frame}", stream.topic);
+        let image = messages::image(stream.kind, stream.wire, &bytes).ok_or_else(|| {
+            Error::Damaged { at: at.clone(), fault: "the message is not as its schema says".into() }
+        })?;
+        decode(&at, &image, size).map(Some)
+    }
+}
+
+impl Frames for Reader<'_> {
+    fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
+        self.image(&self.camera.color, frame, images::color)
+    }
+
+    fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
+        self.image(&self.camera.depth, frame, images::depth)
+    }
+
+    fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
+        let stream = match region {
+            Region::Object => &self.camera.object,
+            Region::Manipulator => &self.camera.manipulator,
+        };
+        match stream {
+            Some(stream) => self.image(stream, frame, images::mask),
+            None => Ok(None),
+        }
+    }
+
+    fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
+        Ok(None)
+    }
+}

@@ -1,0 +1,148 @@
+//! The tree of coordinate frames that `/tf` and `/tf_static` describe.
+
+use std::collections::BTreeMap;
+
+use super::messages::Transform;
+use crate::{Error, files::at_most, raw::Pose};
+
+/// Transforms that are kept.
+const MAX_SAMPLES: usize = 1_000_000;
+/// Frames between a camera and the world.
+const MAX_DEPTH: usize = 64;
+
+/// Where each frame stands in its parent.
+#[derive(Debug, Default)]
+pub(super) struct Tree {
+    edges: BTreeMap<String, Edge>,
+    count: usize,
+}
+
+#[derive(Debug)]
+struct Edge {
+    parent: String,
+    /// In the order of time.
+    samples: Vec<Transform>,
+    fixed: bool,
+}
+
+/// A frame's name: ROS 1 writes some with a slash before them.
+pub(super) fn plain(frame: &str) -> &str {
+    frame.trim_start_matches('/')
+}
+
+impl Tree {
+    /// Adds a transform; one that is `fixed` holds for all times. The first parent of a frame stays.
+    pub(super) fn add(&mut self, mut transform: Transform, fixed: bool) -> Result<(), Error> {
+        self.count += 1;
+        at_most("transforms", self.count, MAX_SAMPLES)?;
+        let child = plain(&std::mem::take(&mut transform.child)).to_owned();
+        let parent = plain(&std::mem::take(&mut transform.parent)).to_owned();
+        let edge = self.edges.entry(child).or_insert_with(|| Edge {
+            parent: parent.clone(),
+            samples: Vec::new(),
+            fixed,
+        });
+        if edge.parent == parent {
+            if edge.fixed {
+                // The latest calibration counts.
+                edge.samples.clear();
+            }
+            edge.samples.push(transform);
+        }
+        Ok(())
+    }
+
+    pub(super) fn sort(&mut self) {
+        for edge in self.edges.values_mut() {
+            edge.samples.sort_by_key(|sample| sample.stamp_ns);
+        }
+    }
+
+    /// A frame and all above it, up to the root.
+    pub(super) fn path<'a>(&'a self, frame: &'a str) -> Vec<&'a str> {
+        let mut path = vec![frame];
+        while let Some(edge) = path.last().and_then(|frame| self.edges.get(*frame)) {
+            // A circle has no root.
+            if path.len() > MAX_DEPTH || path.contains(&edge.parent.as_str()) {
+                return Vec::new();
+            }
+            path.push(&edge.parent);
+        }
+        path
+    }
+
+    /// Whether a frame moves in one above it.
+    pub(super) fn moves(&self, frame: &str, world: &str) -> bool {
+        self.between(frame, world).any(|edge| edge.samples.windows(2).any(|w| !w[0].is_as(&w[1])))
+    }
+
+    /// Where a frame stands in one above it at a time.
+    pub(super) fn pose(&self, frame: &str, world: &str, ns: i64) -> Pose {
+        let mut pose = IDENTITY;
+        for edge in self.between(frame, world) {
+            pose = compose(&edge.at(ns), &pose);
+        }
+        pose
+    }
+
+    fn between<'a>(&'a self, frame: &'a str, world: &'a str) -> impl Iterator<Item = &'a Edge> {
+        let path = self.path(frame);
+        path.into_iter().take_while(move |f| *f != world).filter_map(|f| self.edges.get(f))
+    }
+}
+
+impl Transform {
+    fn is_as(&self, other: &Self) -> bool {
+        (self.translation, self.rotation) == (other.translation, other.rotation)
+    }
+}
+
+impl Edge {
+    /// Between the samples before and after, at the ends as the nearest one.
+    fn at(&self, ns: i64) -> Pose {
+        let after = self.samples.partition_point(|sample| sample.stamp_ns < ns);
+        let last = self.samples.len().saturating_sub(1);
+        let pair = (self.samples.get(after.saturating_sub(1)), self.samples.get(after.min(last)));
+        let (Some(a), Some(b)) = pair else { return IDENTITY };
+        let span = b.stamp_ns.saturating_sub(a.stamp_ns);
+        let share = if span > 0 {
+            (ns.saturating_sub(a.stamp_ns) as f64 / span as f64).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        // A quaternion and its negative are the same rotation; samples are near each other, so the chord will do.
+        let dot: f64 = a.rotation.iter().zip(&b.rotation).map(|(a, b)| a * b).sum();
+        let sign = if dot < 0.0 { -1.0 } else { 1.0 };
+        let q = std::array::from_fn(|i| mix(a.rotation[i], sign * b.rotation[i]));
+        Pose {
+            rotation: rotation(q),
+            translation: std::array::from_fn(|i| mix(a.translation[i], b.translation[i])),
+        }
+    }
+}
+
+const IDENTITY: Pose =
+    Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
+
+/// The rotation of a quaternion x, y, z, w of any length; not a number where it has none.
+fn rotation(q: [f64; 4]) -> [[f64; 3]; 3] {
+    let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let [x, y, z, w] = q.map(|c| c / length);
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}
+
+/// `b` first.
+fn compose(a: &Pose, b: &Pose) -> Pose {
+    let r = &a.rotation;
+    let dot = |i: usize, v: [f64; 3]| r[i][0] * v[0] + r[i][1] * v[1] + r[i][2] * v[2];
+    let column = |j: usize| b.rotation.map(|row| row[j]);
+    Pose {
+        rotation: std::array::from_fn(|i| std::array::from_fn(|j| dot(i, column(j)))),
+        translation: std::array::from_fn(|i| dot(i, b.translation) + a.translation[i]),
+    }
+}
