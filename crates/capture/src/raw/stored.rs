@@ -89,10 +89,13 @@ impl fmt::Debug for StoredFrames {
 
 impl Source for StoredFrames {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
-        let camera = self.cameras.get(camera).ok_or_else(|| Error::NoCamera(camera))?;
+        let camera = self.cameras.get(camera).ok_or(Error::NoCamera(camera))?;
         Ok(Box::new(Reader { files: self.files.fork(), camera, frame_count: self.frame_count }))
     }
 }
+
+/// A file's name and content.
+type Named<'a> = (Cow<'a, str>, Vec<u8>);
 
 /// Reads one camera.
 struct Reader<'a> {
@@ -103,11 +106,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     /// The file of a frame. What an earlier one was charged is given back: it is no longer held here.
-    fn file<'n>(
-        &mut self,
-        names: &'n Names,
-        frame: usize,
-    ) -> Result<Option<(Cow<'n, str>, Vec<u8>)>, Error> {
+    fn file<'n>(&mut self, names: &'n Names, frame: usize) -> Result<Option<Named<'n>>, Error> {
         if frame >= self.frame_count {
             return Ok(None);
         }

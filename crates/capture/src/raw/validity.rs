@@ -26,7 +26,7 @@ pub(super) fn settle(recording: &mut Recording, limits: &Limits) -> Result<(), E
         let split = i64::try_from(recording.train_frame_count).unwrap_or(i64::MAX);
         return Err(Error::SplitRange { sequence: recording.name.clone(), split, frames });
     }
-    if recording.truth_tracks.len() % frames != 0 {
+    if !recording.truth_tracks.len().is_multiple_of(frames) {
         return Err(Error::Lengths(format!(
             "{} truth positions do not divide into {frames} frames",
             recording.truth_tracks.len()
@@ -69,7 +69,7 @@ fn settle_camera(camera: &mut Camera, frames: usize, limits: &Limits) -> Result<
     if !coefficients.iter().all(|k| k.is_finite() && k.abs() < 1e6) {
         return fail(format!("its distortion is {coefficients:?}"));
     }
-    if !matches!(camera.poses.len(), 1) && camera.poses.len() != frames {
+    if camera.poses.len() != 1 && camera.poses.len() != frames {
         return fail(format!(
             "it has {} poses for {frames} frames: one, or one each",
             camera.poses.len()

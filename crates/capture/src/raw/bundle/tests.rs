@@ -94,6 +94,19 @@ fn with(change: impl FnOnce(&mut Value)) -> FileMap {
 }
 
 #[test]
+fn the_documented_example_is_read() {
+    let text = include_str!("../../../../../docs/capture-format.md");
+    let mut examples = text.split("```json").skip(1).filter_map(|rest| rest.split("```").next());
+    let example = examples.find(|example| example.contains("\"raw\"")).unwrap();
+    let files = FileMap::from([("capture.json".to_owned(), example.as_bytes().to_vec())]);
+    let recording = describe(&files).unwrap();
+    assert_eq!((recording.frame_count, recording.cameras[0].name.as_str()), (100, "left"));
+    // It looks down from half a metre.
+    let point = recording.cameras[0].unproject([423.5, 239.5], 0.5, 0);
+    assert_eq!(point, [0.0; 3]);
+}
+
+#[test]
 fn other_axes_and_units_are_converted() {
     let files = with(|document| {
         document["units"] = json!("cm");

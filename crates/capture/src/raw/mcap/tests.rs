@@ -10,7 +10,7 @@ use super::*;
 use crate::{
     Opened, open,
     raw::{
-        self, Distortion, Region,
+        self, Distortion, Intrinsics, Region,
         testing::{
             FRAMES, HEIGHT, WIDTH, color_at, color_png, depth_mm_at, mask_png, pixels, png_file,
             reason,
@@ -233,8 +233,6 @@ fn expect_whole(bytes: &[u8]) {
         assert!(frames.tracks().unwrap().is_none());
     }
 }
-
-use crate::raw::Intrinsics;
 
 #[test]
 fn every_encoding_gives_the_same_recording() {

@@ -86,7 +86,7 @@ impl Lens {
 
     pub(super) fn size(&self, camera: &str) -> Result<[usize; 2], Error> {
         let side = |key: &str, value: Option<f64>| match value {
-            Some(n) if n >= 1.0 && n < 1e9 && n.fract() == 0.0 => Ok(n as usize),
+            Some(n) if (1.0..1e9).contains(&n) && n.fract() == 0.0 => Ok(n as usize),
             Some(n) => Err(fault(camera, format!("`{key}` is {n}: give a whole number of pixels"))),
             None => Err(fault(camera, format!("`{key}` is missing: give w and h in pixels"))),
         };

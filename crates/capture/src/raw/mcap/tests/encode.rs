@@ -12,6 +12,9 @@ pub(in crate::raw) enum Encoding {
     Protobuf,
 }
 
+/// Stamp, parent, child, translation and quaternion of a frame.
+type Placed<'a> = (i64, &'a str, &'a str, [f64; 3], [f64; 4]);
+
 /// What a calibration says.
 pub(super) struct Info<'a> {
     pub(super) frame_id: &'a str,
@@ -140,8 +143,7 @@ impl Encoding {
         m.bytes
     }
 
-    /// Stamp, parent, child, translation and quaternion of each.
-    pub(super) fn transforms(self, all: &[(i64, &str, &str, [f64; 3], [f64; 4])]) -> Vec<u8> {
+    pub(super) fn transforms(self, all: &[Placed<'_>]) -> Vec<u8> {
         if self == Self::Protobuf {
             let mut message = Proto::default();
             for (ns, parent, child, translation, rotation) in all {
@@ -175,7 +177,7 @@ struct Ros {
 impl Ros {
     fn align(&mut self, size: usize) {
         // Alignment counts from after the four bytes of the encoding.
-        while self.cdr && (self.bytes.len() - 4) % size != 0 {
+        while self.cdr && !(self.bytes.len() - 4).is_multiple_of(size) {
             self.bytes.push(0);
         }
     }
