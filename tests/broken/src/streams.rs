@@ -79,7 +79,7 @@ fn time() -> Vec<Broken> {
 fn depth() -> Vec<Broken> {
     vec![
         footage("depth all zero", "DEPTH_EMPTY", |f| {
-            (0..3).for_each(|c| f.change_depth(c, |_| 0.0))
+            (0..3).for_each(|c| f.change_depth(c, |_| 0.0));
         }),
         footage("depth that is NaN where nothing was measured", "DEPTH_NOT_FINITE", |f| {
             (0..3).for_each(|c| f.change_depth(c, |z| if z > 0.0 { z } else { f32::NAN }));
@@ -87,7 +87,7 @@ fn depth() -> Vec<Broken> {
         footage("two thirds of the object without depth", "DEPTH_SPARSE", |f| {
             for depth in f.reels.iter_mut().flat_map(|r| r.depth.iter_mut().flatten()) {
                 let pixels = Arc::make_mut(depth).pixels.iter_mut();
-                pixels.enumerate().filter(|(i, _)| i * 7 % 3 != 0).for_each(|(_, z)| *z = 0.0);
+                pixels.enumerate().filter(|(i, _)| i % 3 != 0).for_each(|(_, z)| *z = 0.0);
             }
         }),
         footage("a depth stream that froze", "DEPTH_FROZEN", |f| {
