@@ -28,6 +28,10 @@ pub fn inspect(
     if images > MOST_IMAGES {
         return Ok(too_long(recording, images));
     }
+    // Nothing can be placed in space without a pose; readers give one, and what does not is told.
+    if recording.cameras.iter().any(|camera| camera.poses.is_empty()) {
+        return Ok(unseen(recording));
+    }
     let logs = watch(recording, cancel, progress)?;
     let record = judge::judge(recording, &logs);
     let mut inspection = blank(recording);
@@ -41,13 +45,21 @@ pub fn inspect(
 }
 
 fn too_long(recording: &Recording, images: usize) -> Inspection {
-    let mut inspection = blank(recording);
+    let mut inspection = unseen(recording);
     let message = format!("the recording has {images} images (limit {MOST_IMAGES})");
     let finding = Finding::error("RECORDING_TOO_LONG", message).number("images", images as f64);
-    inspection.findings = judge::judge_unseen(recording);
     inspection.findings.push(finding);
     finding::sort(&mut inspection.findings);
     inspection.verdict = Verdict::Unusable;
+    inspection
+}
+
+/// What can be said of a recording without looking at its frames.
+fn unseen(recording: &Recording) -> Inspection {
+    let mut inspection = blank(recording);
+    inspection.findings = judge::judge_unseen(recording);
+    finding::sort(&mut inspection.findings);
+    inspection.verdict = Verdict::of(&inspection.findings);
     inspection
 }
 

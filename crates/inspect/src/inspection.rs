@@ -125,7 +125,7 @@ pub struct Agreement {
     pub disagreement_mm: Option<f64>,
     /// The same among the others, without this camera [mm].
     pub others_mm: Option<f64>,
-    /// The rotation that would fit it to the others [degrees].
+    /// The rotation that would fit it to the others [degrees]; absent if nothing would be gained.
     pub correction_deg: Option<f64>,
     /// How far that correction would move what it sees of the object [mm].
     pub correction_mm: Option<f64>,

@@ -45,6 +45,7 @@ const RULES: [Rule; 7] = [
             "bendtwin-eval",
             "bendtwin-capture",
             "bendtwin-ingest",
+            "bendtwin-inspect",
             "bendtwin-bench",
         ],
         because: "physics knows no network and no database",

@@ -32,6 +32,8 @@ const OFF_M: f64 = 0.005;
 const CORRECTED: f64 = 0.8;
 /// A camera that is so far off spoils a fit [m].
 const BAD_M: f64 = 0.025;
+/// Cameras that are named one after the other; beyond, nothing can be trusted.
+const MOST_BLAMED: usize = 4;
 /// Misfit of a pair, and its surfaces' distance [m], that is too much even if no correction is found.
 const DISAGREE: f64 = 0.3;
 const DISAGREE_M: f64 = 0.012;
@@ -53,7 +55,7 @@ pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
     pairs(&court, &declared, record);
     labels::judge(case, &court, &declared, record);
     let corrections = corrections(&court, &declared);
-    report(&court, &corrections, record);
+    report(&court, misfit, &corrections, record);
     // Of an object of 20 m, noise and agreement in millimetres mean nothing; but units can be told.
     let size = record.scene.object_size_m;
     let has_size = size.is_none_or(|size| super::scale::OBJECT_M.contains(&size));
@@ -147,8 +149,10 @@ fn corrections(court: &Court<'_>, setup: &Setup) -> Vec<Corrected> {
     (0..court.witnesses.len()).map(one).collect()
 }
 
-fn report(court: &Court<'_>, corrections: &[Corrected], record: &mut Record) {
+fn report(court: &Court<'_>, misfit: f64, corrections: &[Corrected], record: &mut Record) {
     for (witness, corrected) in court.witnesses.iter().zip(corrections) {
+        // A correction that gains nothing is noise along what the surface does not determine.
+        let corrected = corrected.filter(|(_, left)| *left < CORRECTED * misfit);
         let of = |has: bool| {
             let own = record
                 .pairs
@@ -219,7 +223,7 @@ fn off(
     let n = court.witnesses.len();
     let mut setup = Setup::declared(n);
     let mut blamed = Vec::new();
-    while blamed.len() + 2 < n.max(3) {
+    while blamed.len() + 2 < n.max(3) && blamed.len() < MOST_BLAMED {
         let is_off =
             |c: &Corrected| c.filter(|(c, left)| c.shift_m > OFF_M && *left < CORRECTED * misfit);
         let candidates = found.iter().enumerate().filter(|(i, _)| !blamed.contains(i));

@@ -24,6 +24,9 @@ pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
         }
     }
     let count = recording.cameras.len();
+    if count == 0 {
+        findings.push(Finding::error("NO_FRAMES", "the recording has no cameras"));
+    }
     if count == 1 {
         let message = "there is one camera, so half of the object is never seen";
         findings.push(Finding::info("SINGLE_CAMERA", message));

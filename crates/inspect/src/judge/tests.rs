@@ -263,6 +263,8 @@ fn one_frame_and_none() {
     one(&declared(|r| r.train_frame_count = 1), "SPLIT_EMPTY");
     let seen = declared(|r| r.frame_count = usize::MAX);
     one(&seen, "RECORDING_TOO_LONG");
+    one(&declared(|r| r.cameras.clear()), "NO_FRAMES");
+    one(&declared(|r| r.cameras[1].poses.clear()), "EXTRINSICS_INVALID");
 }
 
 #[test]

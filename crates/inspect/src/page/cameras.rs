@@ -37,6 +37,7 @@ fn row(seen: &Inspection, index: usize, camera: &CameraReport) -> String {
     let agreement = camera.agreement.unwrap_or_default();
     let correction = match (agreement.correction_deg, agreement.correction_mm) {
         (Some(angle), Some(shift)) => format!("{shift:.1} mm, {angle:.1}&deg;"),
+        _ if agreement.disagreement_mm.is_some() => "none".to_owned(),
         _ => "&ndash;".to_owned(),
     };
     let tracks = match &camera.tracks {

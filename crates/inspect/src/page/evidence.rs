@@ -78,6 +78,11 @@ fn flat(row: &Map<String, Value>, depth: usize) -> Vec<(String, String)> {
                     cells.push((words(name), format!("{} ... {}", ends[0], ends[1])));
                 }
             }
+            Value::Number(n) if name.ends_with("_m") => {
+                // Lengths are read in millimetres, and their name says so.
+                let mm = n.as_f64().map(|m| format!("{:.2} mm", 1e3 * m));
+                cells.push((words(name.trim_end_matches("_m")), mm.unwrap_or_default()));
+            }
             other => cells.push((words(name), shown(other))),
         }
     }
