@@ -4,6 +4,7 @@ mod archive;
 mod check;
 pub(crate) mod make;
 pub(crate) mod push;
+mod report;
 
 use std::path::PathBuf;
 
@@ -27,6 +28,8 @@ enum Command {
         /// A folder, a ZIP archive, or motion capture as .npz with its .json
         path: PathBuf,
     },
+    /// Measure a capture or raw recording and write the report: a page with pictures, a document
+    Report(report::Arguments),
     /// Check a capture and upload it
     Push(push::Push),
     /// List the captures of the server
@@ -48,6 +51,7 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
     match args.command {
         Command::Make(args) => make::run(args, global).await,
         Command::Check { path } => check::run(&path, global).await,
+        Command::Report(args) => report::run(args, global).await,
         Command::Push(args) => push::run(args, global).await,
         Command::List => {
             let captures = global.connect().await?.captures().all().await?;

@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
-use bendtwin_capture::{CheckReport, Finding, Limits, Opened, Severity, check_path};
+use bendtwin_capture::{
+    CheckReport, Finding, Limits, Opened, Severity, check_path, raw::Recording,
+};
+use bendtwin_core::Problem as _;
+use bendtwin_engine::backend::CancelToken;
 
 use crate::{args::Global, failure, output};
 
@@ -20,20 +24,32 @@ pub(super) async fn check_locally(path: &Path) -> anyhow::Result<CheckReport> {
     let path = path.to_owned();
     let checked = tokio::task::spawn_blocking(move || {
         let mut report = check_path(&path, &Limits::default());
-        // A raw recording has no points to check yet: it is to open, and the server makes points of it.
-        if report.findings.iter().any(|f| f.code == RAW_CAPTURE)
-            && let Ok(Opened::Raw(recording)) = bendtwin_capture::open(&path, &Limits::default())
-        {
-            let (cameras, frames) = (recording.cameras.len(), recording.frame_count);
-            report.findings = vec![Finding {
-                severity: Severity::Info,
-                code: RAW_CAPTURE.to_owned(),
-                message: format!("a raw recording of {cameras} cameras over {frames} frames"),
-            }];
+        // A raw recording has no points to check yet: what the cameras saw is looked at.
+        if report.has(RAW_CAPTURE) {
+            report.findings = match bendtwin_capture::open(&path, &Limits::default()) {
+                Ok(Opened::Raw(recording)) => look(&recording),
+                Ok(Opened::Observed(..)) => return report,
+                Err(error) => vec![finding(Severity::Error, error.reason(), error.to_string())],
+            };
         }
         report
     });
     Ok(checked.await?)
+}
+
+/// What is wrong with a raw recording.
+fn look(recording: &Recording) -> Vec<Finding> {
+    let (cameras, frames) = (recording.cameras.len(), recording.frame_count);
+    let message = format!("a raw recording of {cameras} cameras over {frames} frames");
+    let what = finding(Severity::Info, RAW_CAPTURE, message);
+    match bendtwin_inspect::inspect(recording, &CancelToken::default(), &mut |_| {}) {
+        Ok(seen) => seen.check_report().findings.into_iter().chain([what]).collect(),
+        Err(error) => vec![finding(Severity::Error, error.reason(), error.to_string()), what],
+    }
+}
+
+fn finding(severity: Severity, code: &str, message: String) -> Finding {
+    Finding { severity, code: code.to_owned(), message }
 }
 
 /// The findings, a line each.

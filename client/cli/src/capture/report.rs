@@ -1,0 +1,60 @@
+//! `bendtwin capture report`: what is wrong with a capture, as a page and as a document, without a server.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use bendtwin_capture::{Limits, Opened};
+use bendtwin_engine::backend::CancelToken;
+use bendtwin_inspect::{Inspection, Report, inspect, inspect_observed};
+use clap::Args;
+
+use super::check::text;
+use crate::{args::Global, failure, output};
+
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// A raw recording or a capture: a folder, a ZIP archive, or motion capture as .npz with its .json
+    path: PathBuf,
+    /// Write a page with pictures that needs nothing else
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Write the document for programs
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+pub(super) async fn run(args: Arguments, global: &Global) -> anyhow::Result<()> {
+    let path = args.path.clone();
+    let inspected = tokio::task::spawn_blocking(move || open_and_inspect(&path)).await??;
+    let report = Report::new(inspected, None);
+    if let Some(path) = &args.html {
+        write(path, &report.to_html())?;
+    }
+    let document = report.to_json();
+    if let Some(path) = &args.json {
+        write(path, &document)?;
+    }
+    let value: serde_json::Value = serde_json::from_str(&document)?;
+    output::print(global, &value, || {
+        let files: String = [&args.html, &args.json]
+            .into_iter()
+            .flatten()
+            .map(|path| format!("\nwrote {}", path.display()))
+            .collect();
+        text(&report.inspection().check_report()) + &files
+    })
+}
+
+/// Looks at a capture of any kind on this machine.
+fn open_and_inspect(path: &Path) -> anyhow::Result<Inspection> {
+    match bendtwin_capture::open(path, &Limits::default()).map_err(failure::failed)? {
+        Opened::Observed(capture, _) => Ok(inspect_observed(&capture)),
+        Opened::Raw(recording) => {
+            inspect(&recording, &CancelToken::default(), &mut |_| {}).map_err(failure::failed)
+        }
+    }
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}
