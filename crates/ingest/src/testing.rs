@@ -32,6 +32,8 @@ pub(crate) struct Story {
     pub(crate) hand_hidden: std::ops::Range<usize>,
     /// Whether there is a hand at all.
     pub(crate) hand: bool,
+    /// Whether it brings 2D tracks.
+    pub(crate) tracked: bool,
     /// Whether the masks show anything.
     pub(crate) masks: bool,
     /// Whether the cameras move.
@@ -49,6 +51,7 @@ impl Default for Story {
             missing: Vec::new(),
             hand_hidden: 0..0,
             hand: true,
+            tracked: true,
             masks: true,
             moving: false,
             slipping: None,
@@ -178,6 +181,23 @@ impl View<'_> {
         Image { width: w, height: h, pixels: (0..w * h).map(at).collect() }
     }
 
+    /// A pattern that is fixed to the bodies.
+    fn textured(&self, frame: usize) -> ColorImage {
+        let (w, h) = (self.camera().width, self.camera().height);
+        let origin = place(frame, Vec3::zeros());
+        let axes = [Vec3::x(), Vec3::y(), Vec3::z()].map(|a| place(frame, a) - origin);
+        let pixel = |i: usize| {
+            let at = [(i % w) as f64, (i / w) as f64];
+            let Some((_, depth)) = self.hit(frame, at) else { return [0; 3] };
+            let world = Vec3::from(self.camera().unproject(at, depth, frame).map(f64::from));
+            let [x, y, z] = axes.map(|a| 300.0 * a.dot(&(world - origin)));
+            let waves =
+                [(x + 0.7 * y).sin() * (z - x).sin(), (y * 0.8 - z).sin(), (x * 0.6 + z).cos()];
+            waves.map(|v| (128.0 + 100.0 * v) as u8)
+        };
+        Image { width: w, height: h, pixels: (0..w * h).map(pixel).collect() }
+    }
+
     fn is_missing(&self, frame: usize) -> bool {
         self.made.story.missing.contains(&(self.index, frame))
     }
@@ -190,6 +210,8 @@ impl Frames for View<'_> {
             Some(_) => [50, 50, 50],
             None => [0; 3],
         });
+        // Recordings without tracks need a texture to follow.
+        let image = if self.made.story.tracked { image } else { self.textured(frame) };
         Ok((!self.is_missing(frame)).then_some(image))
     }
 
@@ -209,6 +231,9 @@ impl Frames for View<'_> {
 
     fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
         let story = &self.made.story;
+        if !story.tracked {
+            return Ok(None);
+        }
         let ball = sphere(900).into_iter().map(|p| (Region::Object, p * BALL_M));
         let hand =
             sphere(120).into_iter().map(|p| (Region::Manipulator, hand_middle() + p * HAND_M));

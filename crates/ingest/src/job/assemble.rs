@@ -3,6 +3,7 @@
 use bendtwin_capture::{Finding, Severity};
 use bendtwin_core::{Capture, Sequence, capture::Object, settings::ingest::IngestSettings};
 use bendtwin_engine::backend::CancelToken;
+use bendtwin_flow::Texture;
 
 use super::{
     Observation,
@@ -31,6 +32,17 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
     refuse_nothing(&evidence, from.tracks, &object)?;
     check(cancel)?;
 
+    for camera in &evidence.cameras {
+        if let Some(t) =
+            camera.tracker.as_ref().filter(|t| matches!(t.verdict, Texture::Poor | Texture::None))
+        {
+            evidence.findings.push(Finding {
+                severity: Severity::Warning,
+                code: "POOR_TEXTURE".to_owned(),
+                message: t.summary.clone(),
+            });
+        }
+    }
     let (mut kept, valid) = believe(&mut object, settings, &mut evidence.tracks, cancel)?;
     refuse_lost(recording, &kept, &mut evidence.findings)?;
     check(cancel)?;

@@ -230,3 +230,26 @@ fn a_hand_without_tracks_is_followed_by_its_shape() {
         }
     }
 }
+
+#[test]
+fn without_tracks_the_built_in_tracker_makes_them_once() {
+    let story = || Story { tracked: false, frames: 5, ..Story::default() }.recording();
+    let (settings, cancel) = (IngestSettings::default(), CancelToken::default());
+    let mut keeper = Keeper::new(usize::MAX);
+    let whole = ingest(&story(), &settings, None, &mut keeper, &cancel).unwrap();
+    assert!(keeper.fractions.is_sorted());
+    assert!(whole.evidence.cameras.iter().all(|c| c.tracker.is_some() && c.tracks > 50));
+    let sequence = &whole.capture.sequences[0];
+    assert!(whole.capture.object.point_count > 100);
+    for frame in 0..sequence.frame_count {
+        let middle = point(place(frame, nalgebra::Vector3::zeros()));
+        let seen = sequence.points_at(frame).iter().zip(sequence.visible_at(frame));
+        for (p, _) in seen.filter(|(_, v)| **v) {
+            assert!((distance(*p, middle) - crate::testing::BALL_M).abs() < 4e-3);
+        }
+    }
+    let from = keeper.kept.first().map(Vec::as_slice);
+    let mut again = Keeper::new(usize::MAX);
+    assert_eq!(ingest(&story(), &settings, from, &mut again, &cancel).unwrap(), whole);
+    assert!(again.fractions[0] > TRACKED, "what was tracked is not tracked again");
+}

@@ -33,11 +33,13 @@ fn observed() -> Vec<Point> {
     all.map(|p| point(place(0, p * BALL_M))).collect()
 }
 
+type Made = Result<Option<(Shape, ShapeEvidence)>, Error>;
+
 fn made(
     to_world: Option<Alignment>,
     settings: &IngestSettings,
     bytes: Vec<u8>,
-) -> (Result<Option<(Shape, ShapeEvidence)>, Error>, Vec<Finding>) {
+) -> (Made, Vec<Finding>) {
     let mut recording = Story::default().recording();
     recording.mesh = Some(MeshFile { name: "ball.obj".to_owned(), bytes, to_world });
     let mut findings = Vec::new();

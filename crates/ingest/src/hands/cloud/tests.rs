@@ -10,7 +10,7 @@ fn clouds(frames: usize) -> Vec<Vec<Point>> {
         .map(|frame| {
             let (motion, f) = (motion(frame), frame as f64);
             let corners = (0..600).map(|i| {
-                let (u, v) = ((i % 25) as f64 / 24.0 - 0.5, (i / 25) as f64 / 23.0 - 0.5);
+                let (u, v) = (f64::from(i % 25) / 24.0 - 0.5, f64::from(i / 25) / 23.0 - 0.5);
                 // The back of a hand of 8 x 5 x 3 cm.
                 [0.08 * u, 0.05 * v, 0.03 * (1.0 - 3.0 * u * u) * (1.0 - 3.0 * v * v)]
             });
