@@ -3,11 +3,16 @@
 //!
 //! With `--lifted` the path is a capture that is lifted already. With `--judged-by CAPTURE` what is written has only the start
 //! and the control points of the recording, and what the capture observed after that: `bendtwin eval OUT.zip --twin TWIN` then
-//! scores a twin of the one on what the other saw.
+//! scores a twin of the one on what the other saw. With `--film` a scene is filmed by 3 cameras of 848 x 480 over 100 frames and written to
+//! the path, to be timed.
 
 use std::{path::PathBuf, time::Instant};
 
-use bendtwin_capture::{Limits, raw, write_bundle_file};
+use bendtwin_capture::{
+    Limits,
+    make::{FilmOptions, Scene, film},
+    raw, write_bundle_file,
+};
 use bendtwin_core::{Capture, settings::ingest::IngestSettings};
 use bendtwin_ingest::{CancelToken, Observer, ObserverError, Progress, ingest, score};
 
@@ -18,6 +23,7 @@ type Failure = Box<dyn std::error::Error>;
 struct Request {
     path: PathBuf,
     lifted: bool,
+    film: bool,
     observation: Option<PathBuf>,
     judge: Option<PathBuf>,
     settings: IngestSettings,
@@ -39,6 +45,10 @@ impl Observer for Console {
 fn main() -> Result<(), Failure> {
     let request = request()?;
     let limits = Limits::default();
+    if request.film {
+        let options = FilmOptions { frames: 100, size: [848, 480], ..FilmOptions::full(0) };
+        return Ok(raw::write_bundle(&film(Scene::Toy, &options)?, &request.path)?);
+    }
     let capture = if request.lifted {
         bendtwin_capture::read(&request.path, &limits)?
     } else {
@@ -103,6 +113,7 @@ fn request() -> Result<Request, Failure> {
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().ok_or(format!("{argument} needs a value"));
         match argument.as_str() {
+            "--film" => request.film = true,
             "--lifted" => request.lifted = true,
             "--observation" => request.observation = Some(value()?.into()),
             "--judged-by" => request.judge = Some(value()?.into()),
