@@ -30,7 +30,9 @@ pub(crate) enum Error {
     UploadOffset { given: u64, offset: u64 },
     #[error("the upload would be longer than {limit} bytes, which is its length or the limit")]
     UploadTooLong { limit: u64 },
-    #[error("another request has taken the upload over: it goes on there, or here once it has ended")]
+    #[error(
+        "another request has taken the upload over: it goes on there, or here once it has ended"
+    )]
     UploadTakenOver,
     #[error("the checksum is not that of the bytes that came: send them again")]
     ChecksumMismatch,
