@@ -4,6 +4,7 @@
 mod captures;
 mod error;
 mod fits;
+mod ingests;
 mod jobs;
 mod twins;
 mod upload;
@@ -15,13 +16,15 @@ use std::{str::FromStr, sync::Arc};
 
 use bendtwin_core::ids::InvalidName;
 use bendtwin_store::Store;
+use serde::de::DeserializeOwned;
 use tokio_util::sync::CancellationToken;
 
 use crate::{dispatch::Dispatch, metrics::Metrics, options::Options, tokens::Tokens};
 
 pub(crate) use captures::CaptureUpload;
 pub(crate) use error::{Error, Result};
-pub(crate) use jobs::Attempt;
+pub(crate) use ingests::{IngestPart, IngestUpload};
+pub(crate) use jobs::{Attempt, Leased};
 pub(crate) use twins::TwinUpload;
 pub(crate) use upload::Body;
 pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload};
@@ -120,4 +123,19 @@ pub(crate) fn digest(text: &str) -> Result<Option<bendtwin_store::Digest>> {
     bendtwin_store::Digest::from_hex(text)
         .map(Some)
         .map_err(|_| Error::invalid("digest", "is not 64 hexadecimal digits of a BLAKE3 digest"))
+}
+
+/// Settings as a request has them; none are the defaults.
+fn read_settings<T: DeserializeOwned + Default>(json: &str, limit: usize) -> Result<T> {
+    if json.len() > limit {
+        return Err(Error::invalid("settings_json", format!("is longer than {limit} bytes")));
+    }
+    if json.trim().is_empty() {
+        return Ok(T::default());
+    }
+    if !json.trim_start().starts_with('{') {
+        // Serde would take a list for a struct, field by field.
+        return Err(Error::Settings(vec!["they are not a JSON object".to_owned()]));
+    }
+    serde_json::from_str(json).map_err(|e| Error::Settings(vec![e.to_string()]))
 }

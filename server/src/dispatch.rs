@@ -12,8 +12,8 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::ids::{FitId, TwinId, WorkerId};
-use bendtwin_store::{Store, Twin, Worker};
+use bendtwin_core::ids::{TwinId, WorkerId};
+use bendtwin_store::{Job, Kind, Store, Twin, Worker};
 use tokio::time::Instant;
 
 use crate::{
@@ -78,10 +78,13 @@ impl Dispatch {
         true
     }
 
-    /// What fit a worker is at.
-    pub(crate) fn set_fit(&self, worker: WorkerId, fit: Option<FitId>) {
-        if let Some(entry) = self.lock().get(&worker) {
-            entry.live().fit = fit;
+    /// What job of a kind a worker is at.
+    pub(crate) fn set_job(&self, worker: WorkerId, kind: Kind, job: Option<&Job>) {
+        let Some(entry) = self.lock().get(&worker).cloned() else { return };
+        let mut live = entry.live();
+        match kind {
+            Kind::Ingest => live.ingest = job.map(|j| j.capture),
+            Kind::Fit => live.fit = job.and_then(|j| j.id.fit()),
         }
     }
 

@@ -72,6 +72,12 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(captures::list, captures::create))
         .routes(routes!(captures::get, captures::delete))
         .routes(routes!(captures::content))
+        .routes(routes!(captures::ingest))
+        .routes(routes!(captures::cancel_ingest))
+        .routes(routes!(captures::report))
+        .routes(routes!(captures::report_page))
+        .routes(routes!(captures::observation))
+        .routes(routes!(events::watch_ingest))
         .merge(uploads::routes())
         .routes(routes!(fits::list, fits::create))
         .routes(routes!(fits::get, fits::delete))
@@ -90,10 +96,17 @@ fn described() -> OpenApiRouter<App> {
 
 /// Content as a download.
 fn download(content: Content, media_type: &'static str, file_name: &str) -> Response {
+    let disposition =
+        [(header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file_name}\""))];
+    (disposition, inline(content, media_type)).into_response()
+}
+
+/// Content to be shown. It is what it is said to be: no browser is to guess.
+fn inline(content: Content, media_type: &'static str) -> Response {
     let headers = [
         (header::CONTENT_TYPE, media_type.to_owned()),
         (header::CONTENT_LENGTH, content.size_bytes.to_string()),
-        (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file_name}\"")),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff".to_owned()),
     ];
     // A read that fails in mid-stream cuts the body short of its length.
     let chunks = content.chunks.inspect_err(|error| tracing::error!(%error, "download broke off"));

@@ -4,7 +4,7 @@
 use std::{fmt, sync::Arc, time::Duration};
 
 use ::metrics::{Key, Label, Level, Metadata, Recorder as _};
-use bendtwin_store::{QueueDepth, UploadUse};
+use bendtwin_store::{Kind, QueueDepth, UploadUse};
 use metrics_exporter_prometheus::{
     BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
 };
@@ -60,13 +60,21 @@ impl Metrics {
     }
 
     /// A job went to a worker after so many seconds.
-    pub(crate) fn fit_leased(&self, queued_s: f64) {
-        self.seconds("bendtwin_fit_queue_seconds", Vec::new(), queued_s.max(0.0));
+    pub(crate) fn job_leased(&self, kind: Kind, queued_s: f64) {
+        let name = match kind {
+            Kind::Ingest => "bendtwin_ingest_queue_seconds",
+            Kind::Fit => "bendtwin_fit_queue_seconds",
+        };
+        self.seconds(name, Vec::new(), queued_s.max(0.0));
     }
 
     /// An attempt ended and left its job in this state.
-    pub(crate) fn fit_ended(&self, state: &'static str) {
-        self.count("bendtwin_fit_attempts_total", vec![Label::new("state", state)]);
+    pub(crate) fn job_ended(&self, kind: Kind, state: &'static str) {
+        let name = match kind {
+            Kind::Ingest => "bendtwin_ingest_attempts_total",
+            Kind::Fit => "bendtwin_fit_attempts_total",
+        };
+        self.count(name, vec![Label::new("state", state)]);
     }
 
     /// Bytes of resumable uploads that were made to last.
@@ -85,13 +93,16 @@ impl Metrics {
     /// All metrics as text, after setting those that are a state and no event.
     pub(crate) fn render(&self, depth: &QueueDepth, now: &Now) -> String {
         use bendtwin_store::State::{Cancelled, Failed, Queued, Running, Succeeded};
-        for state in [Queued, Running, Succeeded, Failed, Cancelled] {
-            let count = depth.by_state.iter().find(|(s, _)| *s == state).map_or(0, |(_, n)| *n);
-            let label = Label::new("state", state.as_str());
-            self.gauge("bendtwin_fits", vec![label], count as f64);
+        for (kind, jobs, oldest) in [
+            (Kind::Ingest, "bendtwin_ingests", "bendtwin_oldest_queued_ingest_seconds"),
+            (Kind::Fit, "bendtwin_fits", "bendtwin_oldest_queued_fit_seconds"),
+        ] {
+            for state in [Queued, Running, Succeeded, Failed, Cancelled] {
+                let label = Label::new("state", state.as_str());
+                self.gauge(jobs, vec![label], depth.count(kind, state) as f64);
+            }
+            self.gauge(oldest, Vec::new(), depth.oldest(kind).as_secs_f64());
         }
-        let oldest = depth.oldest_queued.unwrap_or_default().as_secs_f64();
-        self.gauge("bendtwin_oldest_queued_fit_seconds", Vec::new(), oldest);
         self.gauge("bendtwin_workers", Vec::new(), now.workers as f64);
         self.gauge("bendtwin_rollouts_in_flight", Vec::new(), now.rollouts as f64);
         self.gauge("bendtwin_uploads", Vec::new(), now.uploads.count as f64);

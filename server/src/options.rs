@@ -65,6 +65,8 @@ pub struct Limits {
     pub twin_bytes: u64,
     /// Size of a checkpoint [bytes].
     pub checkpoint_bytes: u64,
+    /// Size of the report of a capture, as a document and as a page each [bytes].
+    pub report_bytes: u64,
     /// Size of a JSON body other than a rollout's [bytes].
     pub json_bytes: usize,
     /// Size of a rollout request, and of one message of its reply [bytes].
@@ -121,6 +123,7 @@ impl Default for Limits {
             capture_bytes: 8 << 30,
             twin_bytes: 256 << 20,
             checkpoint_bytes: 4 << 30,
+            report_bytes: 64 << 20,
             json_bytes: 1 << 20,
             rollout_bytes: 256 << 20,
             rollout_instances: 1 << 16,
@@ -171,6 +174,7 @@ impl Options {
         within("limits.capture_bytes", limits.capture_bytes as f64, 1.0, large);
         within("limits.twin_bytes", limits.twin_bytes as f64, 1.0, large);
         within("limits.checkpoint_bytes", limits.checkpoint_bytes as f64, 1.0, large);
+        within("limits.report_bytes", limits.report_bytes as f64, 1.0, large);
         within("limits.json_bytes", limits.json_bytes as f64, 1024.0, large);
         within("limits.rollout_bytes", limits.rollout_bytes as f64, 1024.0, f64::from(i32::MAX));
         within("limits.rollout_instances", limits.rollout_instances as f64, 1.0, large);

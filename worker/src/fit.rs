@@ -1,28 +1,29 @@
-//! One fit job from lease to twin: fetches the capture, computes on a thread of
-//! its own, and keeps the lease, the progress and the checkpoints flowing from
-//! tasks that no computation can block.
+//! One fit job from lease to twin: fetches what the ingest made of the capture and
+//! computes on a thread of its own.
 
-mod checkpoints;
 mod compute;
-mod deliver;
-mod job;
-mod report;
-mod stop;
+mod twin;
 
-use std::{path::PathBuf, sync::Arc, time::Duration};
+use std::{path::PathBuf, time::Duration};
 
 use bendtwin_core::{Category, Fault, FitSettings, Problem as _};
-use bendtwin_proto::worker::v1::Lease;
+use bendtwin_proto::worker::v1::{Lease, lease_job_request::Kind};
 use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 use tracing::Instrument as _;
 
-use self::{
-    compute::{Compute, Finished, Task},
-    job::Job,
-    stop::{Reason, Stop},
+use self::compute::{Compute, Finished, Task};
+use crate::{
+    Error, Limits, artifact,
+    device::Device,
+    job::{
+        Job, checkpoints, deliver, report,
+        stop::{Reason, Stop},
+    },
+    leasing::Execute,
+    link::Link,
+    observation,
 };
-use crate::{Error, Limits, artifact, device::Device, link::Link};
 
 /// A checkpoint larger than this is not one that a fit wrote [bytes].
 const MAX_CHECKPOINT: u64 = 1 << 30;
@@ -34,7 +35,7 @@ pub(crate) struct Fits {
     pub(crate) device: Device,
     /// workers/{uuid}
     pub(crate) worker: String,
-    /// Where captures are put while they are read.
+    /// Where observations are put while they are read.
     pub(crate) dir: PathBuf,
     pub(crate) limits: Limits,
     /// How long a result is held on to while the server is gone.
@@ -57,19 +58,30 @@ enum Outcome {
     Panicked(String),
 }
 
-impl Fits {
-    /// Works on a job until it has ended, here or elsewhere. `drain` asks to hand it back.
-    pub(crate) async fn execute(&self, lease: Lease, drain: &CancellationToken) {
+impl Execute for Fits {
+    const KIND: Kind = Kind::Fit;
+
+    fn link(&self) -> &Link {
+        &self.link
+    }
+
+    fn worker(&self) -> &str {
+        &self.worker
+    }
+
+    async fn execute(&self, lease: Lease, drain: &CancellationToken) {
         let span = tracing::info_span!(
             "fit",
-            job = lease.fit,
+            job = lease.job,
             epoch = lease.epoch,
             request_id = lease.request_id,
             trace_parent = lease.trace_parent
         );
         self.execute_in_span(lease, drain).instrument(span).await;
     }
+}
 
+impl Fits {
     async fn execute_in_span(&self, lease: Lease, drain: &CancellationToken) {
         tracing::info!(capture = lease.capture, resumed = lease.has_checkpoint, "fit leased");
         let job = Job::new(self.link.clone(), self.worker.clone(), &lease);
@@ -133,17 +145,17 @@ impl Fits {
 
     async fn fetch(&self, lease: &Lease) -> Result<Task, Fault> {
         let settings = settings_of(&lease.settings_json)?;
-        let digest = Some(lease.capture_digest.as_str());
-        let archive = artifact::fetch_file(&self.link, &lease.capture, digest, &self.dir)
+        let (name, digest) = (observation::name(&lease.capture), &lease.observation_digest);
+        let observation = artifact::fetch_file(&self.link, &name, Some(digest), &self.dir)
             .await
             .map_err(|e| e.fault())?;
         let checkpoint = if lease.has_checkpoint {
-            let fetched = artifact::fetch(&self.link, &lease.fit, MAX_CHECKPOINT).await;
+            let fetched = artifact::fetch(&self.link, &lease.job, MAX_CHECKPOINT).await;
             Some(fetched.map_err(|e| e.fault())?)
         } else {
             None
         };
-        Ok(Task { lease: lease.clone(), settings, archive, checkpoint })
+        Ok(Task { lease: lease.clone(), settings, observation, checkpoint })
     }
 
     /// Tells the server how it ended.
@@ -163,7 +175,7 @@ impl Fits {
         match (outcome, stop.reason()) {
             (Outcome::Finished(finished), _) => {
                 saver.abort();
-                delivery.complete(*finished).await;
+                twin::deliver(&delivery, *finished).await;
             }
             (Outcome::Failed(fault), Some(Reason::Cancelled)) => {
                 saver.abort();
@@ -238,9 +250,6 @@ fn settings_of(json: &str) -> Result<FitSettings, Fault> {
 fn cancelled() -> Fault {
     bendtwin_engine::Error::Cancelled.fault()
 }
-
-/// Shared between the fit's thread and the tasks beside it.
-type Shared<T> = Arc<std::sync::Mutex<T>>;
 
 #[cfg(test)]
 mod tests;

@@ -1,42 +1,179 @@
-//! Captures are parsed here, in the worker, under its memory limit: never in the server.
+//! One ingest job from lease to observation and report. The capture is a stranger's file, so it is read
+//! in a process of its own, under a memory limit: whatever it does to that one, worker and server live.
+//!
+//! ```text
+//!   server ◄── lease, progress, checkpoints, result ──► worker ◄── lines, files ──► child
+//! ```
+//!
+//! [`protocol`] is what the two say to each other, `child` the worker's side of it, `process` the
+//! child's, and [`observe()`] what is done in there; `deliver` takes the result to the server.
 
-use std::path::Path;
+mod child;
+mod deliver;
+mod observe;
+mod process;
+mod protocol;
+mod report;
 
-use bendtwin_capture as capture;
-use bendtwin_core::Capture;
+use std::{path::PathBuf, time::Duration};
 
-use crate::Limits;
+use bendtwin_core::{Category, Fault, Problem as _};
+use bendtwin_proto::worker::v1::{Lease, lease_job_request::Kind};
+use tempfile::TempDir;
+use tokio_util::sync::CancellationToken;
+use tracing::Instrument as _;
 
-/// Reads a capture archive, structurally sound.
-pub(crate) fn read(path: &Path, limits: &Limits) -> Result<Capture, capture::Error> {
-    capture::read(path, &bounds(limits))
+use self::{
+    child::Child,
+    protocol::{ARCHIVE, CHECKPOINT, Request},
+};
+pub use self::{
+    observe::{Observed, observe},
+    process::ingest_capture,
+    report::{Report, Verdict},
+};
+use crate::{
+    artifact,
+    job::{
+        Job, checkpoints,
+        deliver::{Delivery, Failure},
+        report as reporting,
+        stop::{Reason, Stop},
+    },
+    leasing::Execute,
+    link::Link,
+};
+
+/// A checkpoint larger than this is not one that an ingest wrote [bytes].
+const MAX_CHECKPOINT: u64 = 1 << 30;
+
+/// What ingest jobs need of the process.
+#[derive(Clone)]
+pub(crate) struct Ingests {
+    pub(crate) link: Link,
+    /// workers/{uuid}
+    pub(crate) worker: String,
+    /// Where captures are put while they are read.
+    pub(crate) dir: PathBuf,
+    /// The program whose `ingest-capture` reads them.
+    pub(crate) program: PathBuf,
+    /// Memory that it may take [bytes].
+    pub(crate) memory_bytes: u64,
+    /// How long a result is held on to while the server is gone.
+    pub(crate) patience: Duration,
 }
 
-/// Reads a capture archive and refuses one that cannot be fitted. Errors call it by `name`: its path
-/// here is a temporary file's, which tells nobody anything.
-pub(crate) fn read_checked(
-    path: &Path,
-    name: &str,
-    limits: &Limits,
-) -> Result<Capture, capture::Error> {
-    use capture::Error::{RawOnly, UnknownKind};
-    let read = capture::read_checked(path, &bounds(limits)).map_err(|e| match e {
-        UnknownKind(_) => UnknownKind(name.to_owned()),
-        RawOnly(_) => RawOnly(name.to_owned()),
-        other => other,
-    });
-    let (capture, report) = read?;
-    for finding in &report.findings {
-        tracing::info!(code = finding.code, "capture: {}", finding.message);
+impl Execute for Ingests {
+    const KIND: Kind = Kind::Ingest;
+
+    fn link(&self) -> &Link {
+        &self.link
     }
-    Ok(capture)
+
+    fn worker(&self) -> &str {
+        &self.worker
+    }
+
+    async fn execute(&self, lease: Lease, drain: &CancellationToken) {
+        let span = tracing::info_span!(
+            "ingest",
+            job = lease.job,
+            epoch = lease.epoch,
+            capture = lease.capture,
+            trace_parent = lease.trace_parent
+        );
+        self.execute_in_span(lease, drain).instrument(span).await;
+    }
 }
 
-fn bounds(limits: &Limits) -> capture::Limits {
-    let standard = capture::Limits::default();
-    capture::Limits {
-        total_bytes: limits.capture_bytes,
-        file_bytes: standard.file_bytes.min(limits.capture_bytes),
-        ..standard
+impl Ingests {
+    async fn execute_in_span(&self, lease: Lease, drain: &CancellationToken) {
+        tracing::info!(resumed = lease.has_checkpoint, "ingest leased");
+        let job = Job::new(self.link.clone(), self.worker.clone(), &lease);
+        let stop = Stop::default();
+        let (progress, reporter) = reporting::start(job.clone(), stop.clone());
+        let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
+        let draining = {
+            let (drain, stop) = (drain.clone(), stop.clone());
+            tokio::spawn(async move {
+                drain.cancelled().await;
+                stop.stop(Reason::Drained);
+            })
+        };
+        let attempt = async {
+            let folder = self.prepare(&lease).await?;
+            let child = Child { program: &self.program, folder: folder.path() };
+            let ended = child.run(&progress, &checkpoints).await?;
+            Ok::<_, Fault>((folder, ended))
+        };
+        let outcome = tokio::select! {
+            outcome = attempt => outcome,
+            // Dropping the attempt kills the child.
+            () = stop.stopped() => Err(stopped()),
+        };
+        let delivery = Delivery { job: &job, drain, patience: self.patience };
+        match (outcome, stop.reason()) {
+            (_, Some(Reason::Stale)) => {
+                tracing::warn!("the job is gone, or another worker has it");
+                saver.abort();
+            }
+            (Err(fault), Some(Reason::Cancelled)) => {
+                saver.abort();
+                tracing::info!("ingest cancelled");
+                delivery.fail(fault, Failure::Cancelled).await;
+            }
+            (Err(fault), Some(Reason::Drained)) => {
+                saver.flush().await;
+                tracing::info!("ingest handed back");
+                delivery.fail(fault, Failure::Released).await;
+            }
+            (Err(fault), None) => {
+                saver.flush().await;
+                tracing::warn!(reason = fault.reason, "ingest failed: {fault}");
+                let permanent = fault.category == Category::InvalidArgument;
+                let kind = if permanent { Failure::Permanent } else { Failure::Passing };
+                delivery.fail(fault, kind).await;
+            }
+            // What is done is delivered, whoever asks to stop meanwhile.
+            (Ok((folder, ended)), _) => {
+                saver.abort();
+                deliver::deliver(&delivery, folder.path(), ended, &lease).await;
+            }
+        }
+        draining.abort();
+        reporter.abort();
     }
+
+    /// Puts into a folder of its own what the child needs.
+    async fn prepare(&self, lease: &Lease) -> Result<TempDir, Fault> {
+        let disk = |source: std::io::Error| Fault {
+            category: Category::ResourceExhausted,
+            reason: "NO_DISK_SPACE".to_owned(),
+            message: format!("the worker has no room for the capture: {source}"),
+        };
+        let folder =
+            tempfile::Builder::new().prefix("ingest-").tempdir_in(&self.dir).map_err(disk)?;
+        let digest = Some(lease.capture_digest.as_str());
+        let archive = artifact::fetch_file(&self.link, &lease.capture, digest, folder.path())
+            .await
+            .map_err(|e| e.fault())?;
+        archive.persist(folder.path().join(ARCHIVE)).map_err(|e| disk(e.error))?;
+        if lease.has_checkpoint {
+            let checkpoint = artifact::fetch(&self.link, &lease.job, MAX_CHECKPOINT)
+                .await
+                .map_err(|e| e.fault())?;
+            std::fs::write(folder.path().join(CHECKPOINT), checkpoint).map_err(disk)?;
+        }
+        let request = Request {
+            name: lease.capture_display_name.clone(),
+            settings: lease.settings_json.clone(),
+            memory_bytes: self.memory_bytes,
+        };
+        request.write(folder.path()).map_err(disk)?;
+        Ok(folder)
+    }
+}
+
+fn stopped() -> Fault {
+    bendtwin_ingest::Error::Cancelled.fault()
 }

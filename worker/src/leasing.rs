@@ -1,14 +1,14 @@
-//! Asks the server for fits, one after another.
+//! Asks the server for jobs of a kind, one after another.
 
 use std::time::Duration;
 
 use bendtwin_core::Category;
+use bendtwin_proto::worker::v1::{Lease, lease_job_request::Kind};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
     Error,
-    fit::Fits,
-    link::{Backoff, LinkError},
+    link::{Backoff, Link, LinkError},
     presence::{Presence, is_unknown},
 };
 
@@ -24,22 +24,40 @@ pub(crate) struct Until {
     pub(crate) drained: CancellationToken,
 }
 
-/// Leases and executes fits.
+/// Whoever works on jobs of a kind.
+pub(crate) trait Execute: Send + Sync {
+    /// The jobs that it works on.
+    const KIND: Kind;
+
+    fn link(&self) -> &Link;
+
+    /// workers/{uuid}
+    fn worker(&self) -> &str;
+
+    /// Works on a job until it has ended, here or elsewhere. `drain` asks to hand it back.
+    fn execute(&self, lease: Lease, drain: &CancellationToken) -> impl Future<Output = ()> + Send;
+}
+
+/// Leases and executes jobs.
 ///
 /// # Errors
 /// If the server refuses this worker for good.
-pub(crate) async fn lease(fits: &Fits, presence: &Presence, until: &Until) -> Result<(), Error> {
+pub(crate) async fn lease<E: Execute>(
+    executor: &E,
+    presence: &Presence,
+    until: &Until,
+) -> Result<(), Error> {
     let mut backoff = Backoff::default();
     while !until.closed.is_cancelled() {
         let leased = tokio::select! {
-            leased = fits.link.lease_fit(fits.worker.clone(), WAIT) => leased,
+            leased = executor.link().lease_job(E::KIND, executor.worker().to_owned(), WAIT) => leased,
             () = until.closed.cancelled() => return Ok(()),
         };
         match leased {
             Ok(lease) => {
                 backoff = Backoff::default();
                 if let Some(lease) = lease {
-                    fits.execute(lease, &until.drained).await;
+                    executor.execute(lease, &until.drained).await;
                 }
             }
             Err(LinkError::Refused(fault))

@@ -1,11 +1,12 @@
-//! Data plane: leases fit jobs, owns the compute device, answers rollouts.
+//! Data plane: leases jobs, owns the compute device, answers rollouts.
 //! Knows no database. One process per device; the server may start it, but it
 //! needs nothing from the server's process apart from its address and token.
 //!
 //! ```text
-//!   lease loop ──► fit thread ──┐ background
-//!                               ├──► device thread ──► backend
-//!   rollout calls ──────────────┘ interactive
+//!   fits ──► fit thread ────┐ background
+//!                           ├──► device thread ──► backend
+//!   rollout calls ──────────┘ interactive
+//!   ingests ──► a child process each: captures are strangers' files
 //! ```
 //!
 //! Everything that computes goes through the [`device`] in slices, so a rollout waits for one slice of a
@@ -22,8 +23,10 @@ mod error;
 mod faulty;
 mod fit;
 mod ingest;
+mod job;
 mod leasing;
 mod link;
+mod observation;
 mod options;
 mod presence;
 mod rollout;
@@ -32,5 +35,6 @@ mod scratch;
 
 pub use backend::{BackendChoice, BackendOptions, open_backend};
 pub use error::Error;
+pub use ingest::{Observed, Report, Verdict, ingest_capture, observe};
 pub use options::{Limits, Options};
 pub use run::run;

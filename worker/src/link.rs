@@ -9,12 +9,14 @@ use bendtwin_core::{Category, Fault};
 use bendtwin_proto::{
     fault,
     worker::v1::{
-        BeatRequest, BeatResponse, CompleteFitRequest, DownloadRequest, FailFitRequest, JobWrite,
-        Lease, LeaseFitRequest, RegisterRequest, RegisterResponse, ReportFitRequest,
-        ReportFitResponse, SaveCheckpointRequest, TwinWrite, worker_link_client::WorkerLinkClient,
+        BeatRequest, BeatResponse, CompleteFitRequest, DownloadRequest, EndIngestRequest,
+        FailJobRequest, JobWrite, Lease, LeaseJobRequest, RegisterRequest, RegisterResponse,
+        ReportJobRequest, ReportJobResponse, SaveCheckpointRequest, TwinWrite,
+        lease_job_request::Kind, worker_link_client::WorkerLinkClient,
     },
 };
 use bytes::Bytes;
+use futures::Stream;
 use tonic::{
     Request, Status, Streaming,
     metadata::AsciiMetadataValue,
@@ -125,28 +127,39 @@ impl Link {
         Ok(self.client.clone().beat(call).await?.into_inner())
     }
 
-    /// Waits for a job; none if there was none in time.
-    pub(crate) async fn lease_fit(
+    /// Waits for a job of a kind; none if there was none in time.
+    pub(crate) async fn lease_job(
         &self,
+        kind: Kind,
         worker: String,
         wait: Duration,
     ) -> Result<Option<Lease>, LinkError> {
-        let request = LeaseFitRequest { worker, wait_s: wait.as_secs_f64() };
+        let request = LeaseJobRequest { worker, wait_s: wait.as_secs_f64(), kind: kind.into() };
         let call = within(request, wait + CALL_TIMEOUT);
-        Ok(self.client.clone().lease_fit(call).await?.into_inner().lease)
+        Ok(self.client.clone().lease_job(call).await?.into_inner().lease)
     }
 
-    pub(crate) async fn report_fit(
+    pub(crate) async fn report_job(
         &self,
-        request: ReportFitRequest,
-    ) -> Result<ReportFitResponse, LinkError> {
+        request: ReportJobRequest,
+    ) -> Result<ReportJobResponse, LinkError> {
         let call = within(request, CALL_TIMEOUT);
-        Ok(self.client.clone().report_fit(call).await?.into_inner())
+        Ok(self.client.clone().report_job(call).await?.into_inner())
     }
 
-    pub(crate) async fn fail_fit(&self, request: FailFitRequest) -> Result<(), LinkError> {
+    pub(crate) async fn fail_job(&self, request: FailJobRequest) -> Result<(), LinkError> {
         let call = within(request, CALL_TIMEOUT);
-        self.client.clone().fail_fit(call).await?;
+        self.client.clone().fail_job(call).await?;
+        Ok(())
+    }
+
+    /// Stores what an ingest made, as these messages have it, and ends its job.
+    pub(crate) async fn end_ingest(
+        &self,
+        messages: impl Stream<Item = EndIngestRequest> + Send + 'static,
+    ) -> Result<(), LinkError> {
+        // Gigabytes, perhaps: what matters is that it moves, and the server sees to that.
+        self.client.clone().end_ingest(Request::new(messages)).await?;
         Ok(())
     }
 
@@ -182,7 +195,7 @@ impl Link {
         Ok(self.client.clone().complete_fit(call).await?.into_inner().twin)
     }
 
-    /// The content of a capture, a twin or a fit's checkpoint, in chunks.
+    /// The content of a capture, an observation, a twin or a job's checkpoint, in chunks.
     pub(crate) async fn download(&self, name: String) -> Result<Download, LinkError> {
         let call = Request::new(DownloadRequest { name });
         Ok(Download(self.client.clone().download(call).await?.into_inner()))

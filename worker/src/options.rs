@@ -4,6 +4,9 @@ use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use crate::{BackendOptions, Error};
 
+/// The process that reads a capture takes about so much before it has read anything [bytes].
+const LEAST_INGEST_BYTES: u64 = 64 << 20;
+
 /// Options of a worker process.
 #[derive(Clone)]
 pub struct Options {
@@ -19,8 +22,10 @@ pub struct Options {
     pub advertise: Option<String>,
     /// Where captures are put while they are read; the system's temporary directory if none.
     pub cache_dir: Option<PathBuf>,
-    /// Whether this worker leases fits or only answers rollouts.
+    /// Whether this worker leases jobs or only answers rollouts.
     pub fits: bool,
+    /// The program whose hidden command `ingest-capture` reads captures; none means this very program.
+    pub ingest_program: Option<PathBuf>,
     /// Bounds on what one worker takes on.
     pub limits: Limits,
     /// How long work that has ended well is held on to while the server cannot be reached.
@@ -42,7 +47,9 @@ impl std::fmt::Debug for Options {
 /// RESOURCE_EXHAUSTED before anything is allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Memory that one capture may take when read [bytes].
+    /// Memory of the process that reads a capture [bytes].
+    pub ingest_bytes: u64,
+    /// Memory that one observation may take when read [bytes].
     pub capture_bytes: u64,
     /// Size of a twin file [bytes].
     pub twin_bytes: u64,
@@ -66,6 +73,7 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Self {
+            ingest_bytes: 1500 << 20,
             capture_bytes: 2 << 30,
             twin_bytes: 512 << 20,
             warm_bytes: 1 << 30,
@@ -91,6 +99,7 @@ impl Options {
             advertise: None,
             cache_dir: None,
             fits: true,
+            ingest_program: None,
             limits: Limits::default(),
             patience: Duration::from_secs(600),
         }
@@ -110,6 +119,9 @@ impl Options {
                 "listening on {} needs --advertise http://host:port, so that the server can reach this worker",
                 self.listen
             ))
+        } else if self.limits.ingest_bytes < LEAST_INGEST_BYTES {
+            let least = LEAST_INGEST_BYTES >> 20;
+            Some(format!("--ingest-memory-mib is too little for anything: give at least {least}"))
         } else {
             None
         };

@@ -1,7 +1,11 @@
-//! The life of a worker: open the device, register, lease fits and answer
+//! The life of a worker: open the device, register, lease jobs and answer
 //! rollouts until told to end, then hand back what is unfinished.
 
-use std::{future::pending, time::Duration};
+use std::{
+    future::pending,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use bendtwin_core::ids::WorkerId;
 use bendtwin_proto::worker::v1::RegisterRequest;
@@ -13,6 +17,7 @@ use crate::{
     Error, Options, backend,
     device::Device,
     fit::Fits,
+    ingest::Ingests,
     leasing::{self, Until},
     link::Link,
     presence::Presence,
@@ -23,8 +28,8 @@ use crate::{
 /// How long rollouts and last words may take once the worker is to end.
 const GRACE: Duration = Duration::from_secs(15);
 
-/// Runs a worker until `shutdown` (a fit under way is handed back with its
-/// latest checkpoint, rollouts are finished) or until the server drains it.
+/// Runs a worker until `shutdown` (jobs under way are handed back with their
+/// latest checkpoints, rollouts are finished) or until the server drains it.
 ///
 /// # Errors
 /// If the worker cannot start, if the server refuses it, or if a job panicked or the device failed:
@@ -76,17 +81,33 @@ async fn run_on(
     // handed back as unharmed, or it would kill one worker after another.
     let until = Until { closed: shutdown.child_token(), drained: shutdown.clone() };
     let fits = Fits {
-        link,
+        link: link.clone(),
         device: device.clone(),
         worker: id.to_string(),
-        dir,
+        dir: dir.clone(),
         limits,
         patience: options.patience,
         fatal,
     };
+    let ingests = Ingests {
+        link,
+        worker: id.to_string(),
+        dir,
+        program: options.ingest_program.clone().unwrap_or_else(this_program),
+        memory_bytes: limits.ingest_bytes,
+        patience: options.patience,
+    };
     let (leases, ends) = (options.fits, until.clone());
     let mut leasing = tokio::spawn(async move {
-        if leases { leasing::lease(&fits, &presence, &ends).await } else { pending().await }
+        if !leases {
+            return pending().await;
+        }
+        // Side by side: whoever uploads a capture should not wait for others' fits to hear what is wrong with it.
+        tokio::try_join!(
+            leasing::lease(&fits, &presence, &ends),
+            leasing::lease(&ingests, &presence, &ends)
+        )
+        .map(drop)
     });
     let result = tokio::select! {
         ended = &mut leasing => ended.unwrap_or_else(|e| Err(Error::Panicked(e.to_string()))),
@@ -96,13 +117,22 @@ async fn run_on(
     until.closed.cancel();
     if leases && !leasing.is_finished() && tokio::time::timeout(GRACE, &mut leasing).await.is_err()
     {
-        tracing::warn!("the fit under way did not end in time: its lease will run out");
+        tracing::warn!("the jobs under way did not end in time: their leases will run out");
     }
     leasing.abort();
     beating.abort();
     serving.stop().await;
     tracing::info!("worker ended");
     result
+}
+
+/// This very program, even if its file has been replaced since it was started: worker and child are of one build.
+fn this_program() -> PathBuf {
+    let running = Path::new("/proc/self/exe");
+    if cfg!(target_os = "linux") && running.exists() {
+        return running.to_owned();
+    }
+    std::env::current_exe().unwrap_or_else(|_| PathBuf::from("bendtwin"))
 }
 
 async fn open_device(

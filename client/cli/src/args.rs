@@ -48,6 +48,9 @@ pub(crate) enum Command {
     Server(server::Server),
     /// Run a worker process for a server
     Worker(worker::Worker),
+    /// Read a capture for a worker, which starts this itself
+    #[command(hide = true)]
+    IngestCapture(worker::IngestCapture),
     /// Make, check, upload and list captures
     Capture(capture::Capture),
     /// Fit captures: start, watch, list, cancel

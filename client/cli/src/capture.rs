@@ -1,9 +1,11 @@
-//! `bendtwin capture`: make, check, upload, list.
+//! `bendtwin capture`: make, check, upload, list, and what reading them on the server gave.
 
 mod archive;
 mod check;
+mod ingest;
 pub(crate) mod make;
 pub(crate) mod push;
+mod reading;
 mod report;
 
 use std::path::PathBuf;
@@ -39,6 +41,8 @@ enum Command {
         /// captures/{uuid}
         name: CaptureId,
     },
+    /// Have the server read a capture again, with other settings say
+    Ingest(ingest::IngestArgs),
     /// Delete captures; their twins stay
     Delete {
         /// captures/{uuid}
@@ -56,11 +60,12 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
         Command::List => {
             let captures = global.connect().await?.captures().all().await?;
             output::print(global, &captures, || {
-                let mut table = Table::new(["NAME", "CREATED", "SIZE", "WHAT"]);
+                let mut table = Table::new(["NAME", "CREATED", "SIZE", "READ", "WHAT"]);
                 for c in &captures {
                     let size = output::bytes(c.size_bytes);
                     let created = format!("{:.0}", c.create_time);
-                    table.row([c.name.to_string(), created, size, c.display_name.clone()]);
+                    let read = reading::in_a_word(c);
+                    table.row([c.name.to_string(), created, size, read, c.display_name.clone()]);
                 }
                 table.text()
             })
@@ -69,6 +74,7 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
             let capture = global.connect().await?.captures().get(name).await?;
             output::print(global, &capture, || shown(&capture))
         }
+        Command::Ingest(args) => ingest::run(args, global).await,
         Command::Delete { names } => {
             let client = global.connect().await?;
             for name in &names {
@@ -80,12 +86,15 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
 }
 
 fn shown(capture: &bendtwin_client::Capture) -> String {
+    let fault = capture.ingest.fault.as_ref();
     format!(
-        "{}\n  what     {}\n  created  {:.0}\n  size     {}\n  digest   {}",
+        "{}\n  what     {}\n  created  {:.0}\n  size     {}\n  digest   {}\n  read     {}{}",
         capture.name,
         capture.display_name,
         capture.create_time,
         output::bytes(capture.size_bytes),
-        capture.digest
+        capture.digest,
+        reading::in_a_word(capture),
+        fault.map(|f| format!("\n  because  {f}")).unwrap_or_default()
     )
 }

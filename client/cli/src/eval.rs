@@ -5,7 +5,7 @@ mod local;
 use std::{path::PathBuf, sync::Arc};
 
 use bendtwin_capture::Limits;
-use bendtwin_core::{Quality, Twin};
+use bendtwin_core::{Capture, Quality, Twin, settings::ingest::IngestSettings};
 use bendtwin_engine::{Backend, backend::CancelToken};
 use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, fast_variant, format_table};
 use clap::Args;
@@ -15,7 +15,7 @@ use self::local::{Fitted, fit};
 use crate::{
     args::Global,
     backend::BackendArgs,
-    failure::{self, Usage},
+    failure::{self, Failed, Usage},
     output, picture, quality,
     settings::SettingsArgs,
     signals,
@@ -93,8 +93,7 @@ fn score(
     cancel: &CancelToken,
     quiet: bool,
 ) -> anyhow::Result<Scored> {
-    let limits = Limits::default();
-    let (capture, _) = bendtwin_capture::read_checked(path, &limits).map_err(failure::failed)?;
+    let capture = read_capture(path, cancel)?;
     let (fitted, fit_s) = match &args.twin {
         Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
         None => {
@@ -124,6 +123,14 @@ fn score(
         picture::draw(file, &fitted.twin, axial, &capture, &**backend, cancel)?;
     }
     Ok(Scored { quality, substeps: fitted.twin.timing.substeps, fit_s })
+}
+
+/// As a worker reads it: a fit through a server and one here are of the same points.
+fn read_capture(path: &std::path::Path, cancel: &CancelToken) -> anyhow::Result<Capture> {
+    let (name, settings) = (path.display().to_string(), IngestSettings::default());
+    let limits = Limits::default();
+    let observed = bendtwin_worker::observe(path, &name, &settings, &limits, None, &mut (), cancel);
+    Ok(observed.and_then(|o| o.capture).map_err(Failed)?)
 }
 
 fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {

@@ -31,8 +31,18 @@ use self::args::{Arguments, Command};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let service = matches!(arguments.command, Command::Server(_) | Command::Worker(_));
+    let service = matches!(
+        arguments.command,
+        Command::Server(_) | Command::Worker(_) | Command::IngestCapture(_)
+    );
     logging::start(&arguments.logging, service);
+    // Its memory is counted: it does without the threads of a runtime.
+    if let Command::IngestCapture(args) = &arguments.command {
+        return match worker::ingest_capture(args) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => failure::report(&error, false),
+        };
+    }
     let runtime = match tokio::runtime::Builder::new_multi_thread().enable_all().build() {
         Ok(runtime) => runtime,
         Err(error) => return failure::report(&error.into(), arguments.global.json),
@@ -53,6 +63,7 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Demo(args) => demo::run(args, global).await,
         Command::Server(args) => server::run(args).await,
         Command::Worker(args) => worker::run(args, global).await,
+        Command::IngestCapture(args) => worker::ingest_capture(&args),
         Command::Capture(args) => capture::run(args, global).await,
         Command::Fit(args) => fit::run(args, global).await,
         Command::Twin(args) => twin::run(args, global).await,

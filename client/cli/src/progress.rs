@@ -84,7 +84,10 @@ fn stage(progress: &FitProgress) -> String {
 }
 
 fn details(progress: &FitProgress) -> String {
-    let mut parts = vec![format!("{}/{}", progress.iteration, progress.iterations)];
+    let mut parts = Vec::new();
+    if progress.iterations > 0 {
+        parts.push(format!("{}/{}", progress.iteration, progress.iterations));
+    }
     if let Some(loss) = progress.best_loss.or(progress.loss) {
         parts.push(format!("loss {loss:.3e}"));
     }

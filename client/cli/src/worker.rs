@@ -30,10 +30,13 @@ pub(crate) struct Worker {
     /// temporary folder, the user's cache folder]
     #[arg(long, env = "BENDTWIN_CACHE_DIR", value_name = "DIR")]
     cache_dir: Option<PathBuf>,
-    /// Only answer rollouts, lease no fits
+    /// Only answer rollouts, lease no jobs
     #[arg(long)]
     no_fits: bool,
-    /// Memory that a capture may take when read [MiB]
+    /// Memory of the process that reads an uploaded capture [MiB]
+    #[arg(long, env = "BENDTWIN_INGEST_MEMORY_MIB", value_name = "MIB", default_value_t = 1500)]
+    ingest_memory_mib: u64,
+    /// Memory that what it makes of the capture may take in a fit [MiB]
     #[arg(long, env = "BENDTWIN_CAPTURE_MEMORY_MIB", value_name = "MIB", default_value_t = 2048)]
     capture_memory_mib: u64,
     /// Memory of the twins that are kept loaded [MiB, estimated]
@@ -53,6 +56,7 @@ impl Worker {
             cache_dir: self.cache_dir,
             fits: !self.no_fits,
             limits: Limits {
+                ingest_bytes: self.ingest_memory_mib.saturating_mul(1 << 20),
                 capture_bytes: self.capture_memory_mib.saturating_mul(1 << 20),
                 warm_bytes: self.warm_memory_mib.saturating_mul(1 << 20),
                 ..Limits::default()
@@ -69,4 +73,15 @@ pub(crate) async fn run(args: Worker, global: &Global) -> anyhow::Result<()> {
     }
     let options = args.options(&global.server);
     bendtwin_worker::run(options, shutdown).await.map_err(failure::failed)
+}
+
+/// `bendtwin ingest-capture`: what a worker starts to read a capture, in a process of its own.
+#[derive(Debug, Args)]
+pub(crate) struct IngestCapture {
+    /// The folder that the worker prepared
+    folder: PathBuf,
+}
+
+pub(crate) fn ingest_capture(args: &IngestCapture) -> anyhow::Result<()> {
+    Ok(bendtwin_worker::ingest_capture(&args.folder)?)
 }

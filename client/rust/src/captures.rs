@@ -2,23 +2,25 @@
 
 use std::{path::Path, time::Duration};
 
-use bendtwin_core::ids::CaptureId;
+use bendtwin_core::{ids::CaptureId, settings::ingest::IngestSettings};
 use bendtwin_proto::v1::{
-    DeleteCaptureRequest, GetCaptureRequest, ListCapturesRequest,
-    capture_service_client::CaptureServiceClient,
+    CancelIngestRequest, DeleteCaptureRequest, ExportObservationRequest, GetCaptureReportRequest,
+    GetCaptureRequest, IngestCaptureRequest, ListCapturesRequest, WatchIngestRequest,
+    capture_service_client::CaptureServiceClient, get_capture_report_request::Format,
 };
 use futures::TryStreamExt as _;
 use serde::Deserialize;
-use tokio::io::AsyncReadExt as _;
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio_util::io::ReaderStream;
 use tonic::transport::Channel;
 use uuid::Uuid;
 
 use crate::{
-    Capture, Error,
+    Capture, Error, Watch,
     page::{self, Page, PageRequest},
     problem,
     uploads::Sender,
+    watch,
 };
 
 /// How often an upload is tried.
@@ -145,6 +147,93 @@ impl Captures {
         let created: Created =
             problem::success(response).await?.json().await.map_err(Error::malformed)?;
         Ok(created.name)
+    }
+
+    /// The capture now and after every change of its ingest, until that has ended. A server that goes
+    /// away for a while is waited for, up to a minute.
+    pub fn watch(&self, name: CaptureId) -> Watch<Capture> {
+        let service = self.service.clone();
+        watch::start(move |after_revision| {
+            let mut service = service.clone();
+            let request = WatchIngestRequest { name: name.to_string(), after_revision };
+            Box::pin(async move { Ok(service.watch_ingest(request).await?.into_inner()) })
+        })
+    }
+
+    /// Waits until a capture has been read, however that ends.
+    ///
+    /// # Errors
+    /// As [`Captures::watch`].
+    pub async fn wait(&self, name: CaptureId) -> Result<Capture, Error> {
+        self.watch(name).last().await
+    }
+
+    /// Reads a capture again, with other settings say.
+    ///
+    /// # Errors
+    /// If the settings are wrong, it is being read, a fit of it is queued or running, or the server cannot be
+    /// asked.
+    pub async fn ingest(
+        &self,
+        name: CaptureId,
+        settings: &IngestSettings,
+    ) -> Result<Capture, Error> {
+        let settings_json = serde_json::to_string(settings)
+            .map_err(|e| Error::invalid(format!("the settings cannot be written as JSON: {e}")))?;
+        let request_id = Uuid::new_v4().to_string();
+        let request = IngestCaptureRequest { name: name.to_string(), settings_json, request_id };
+        self.service.clone().ingest_capture(request).await?.into_inner().try_into()
+    }
+
+    /// Asks the ingest of a capture to stop; one that has ended is left as it is.
+    ///
+    /// # Errors
+    /// If there is none of that name, or the server cannot be asked.
+    pub async fn cancel_ingest(&self, name: CaptureId) -> Result<Capture, Error> {
+        let request = CancelIngestRequest { name: name.to_string() };
+        self.service.clone().cancel_ingest(request).await?.into_inner().try_into()
+    }
+
+    /// What the ingest says of a capture: verdict, findings and what they rest on, as JSON.
+    ///
+    /// # Errors
+    /// If there is no report yet, or the server cannot be asked.
+    pub async fn report(&self, name: CaptureId) -> Result<serde_json::Value, Error> {
+        let report = self.fetch_report(name, Format::Json).await?;
+        serde_json::from_slice(&report).map_err(Error::malformed)
+    }
+
+    /// The same as a page with pictures: HTML in one file.
+    ///
+    /// # Errors
+    /// As [`Captures::report`].
+    pub async fn report_page(&self, name: CaptureId) -> Result<Vec<u8>, Error> {
+        self.fetch_report(name, Format::Html).await
+    }
+
+    async fn fetch_report(&self, name: CaptureId, format: Format) -> Result<Vec<u8>, Error> {
+        let request = GetCaptureReportRequest { name: name.to_string(), format: format.into() };
+        let mut chunks = self.service.clone().get_capture_report(request).await?.into_inner();
+        let mut report = Vec::new();
+        while let Some(part) = chunks.message().await? {
+            report.extend_from_slice(&part.chunk);
+        }
+        Ok(report)
+    }
+
+    /// Writes what fits of a capture work on, tracked points as a bundle, to a file.
+    ///
+    /// # Errors
+    /// If there is none yet, the file cannot be written, or the server cannot be asked.
+    pub async fn export_observation(&self, name: CaptureId, file: &Path) -> Result<(), Error> {
+        let unwritable = |e: std::io::Error| Error::file(file, &e);
+        let request = ExportObservationRequest { name: name.to_string() };
+        let mut chunks = self.service.clone().export_observation(request).await?.into_inner();
+        let mut out = tokio::fs::File::create(file).await.map_err(unwritable)?;
+        while let Some(part) = chunks.message().await? {
+            out.write_all(&part.chunk).await.map_err(unwritable)?;
+        }
+        out.flush().await.map_err(unwritable)
     }
 
     /// One capture.

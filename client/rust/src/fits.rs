@@ -1,23 +1,20 @@
 //! Fit jobs.
 
-mod watch;
-
 use bendtwin_core::{
     FitSettings,
     ids::{CaptureId, FitId},
 };
 use bendtwin_proto::v1::{
     CancelFitRequest, CreateFitRequest, DeleteFitRequest, GetFitRequest, ListFitsRequest,
-    fit_service_client::FitServiceClient,
+    WatchFitRequest, fit_service_client::FitServiceClient,
 };
-use futures::StreamExt as _;
 use tonic::transport::Channel;
 use uuid::Uuid;
 
-pub use self::watch::Watch;
 use crate::{
-    Error, Fit,
+    Error, Fit, Watch,
     page::{self, Page, PageRequest},
+    watch,
 };
 
 /// Calls about fit jobs.
@@ -122,8 +119,13 @@ impl Fits {
 
     /// The job now and after every change, until it has ended. A server that goes away for a
     /// while is waited for, up to a minute.
-    pub fn watch(&self, name: FitId) -> Watch {
-        watch::start(self.service.clone(), name)
+    pub fn watch(&self, name: FitId) -> Watch<Fit> {
+        let service = self.service.clone();
+        watch::start(move |after_revision| {
+            let mut service = service.clone();
+            let request = WatchFitRequest { name: name.to_string(), after_revision };
+            Box::pin(async move { Ok(service.watch_fit(request).await?.into_inner()) })
+        })
     }
 
     /// Waits until a job has ended, however it ends.
@@ -131,11 +133,6 @@ impl Fits {
     /// # Errors
     /// As [`Fits::watch`].
     pub async fn wait(&self, name: FitId) -> Result<Fit, Error> {
-        let mut watch = self.watch(name);
-        let mut last = None;
-        while let Some(fit) = watch.next().await {
-            last = Some(fit?);
-        }
-        last.ok_or_else(|| Error::malformed("the server ended the watch without a word"))
+        self.watch(name).last().await
     }
 }

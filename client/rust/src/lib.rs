@@ -43,8 +43,10 @@ mod resources;
 mod rollouts;
 mod twins;
 mod uploads;
+mod watch;
 mod workers;
 
+pub use bendtwin_core::settings::ingest::IngestSettings;
 pub use bendtwin_core::{
     Category, FastVariant, Fault, Fidelity, FitSettings, Point, Quality, Twin as TwinModel,
     ids::{CaptureId, FitId, TwinId, WorkerId},
@@ -54,13 +56,16 @@ pub use self::{
     captures::Captures,
     client::Client,
     error::Error,
-    fits::{Fits, Watch},
+    fits::Fits,
     page::{Page, PageRequest},
-    resources::{Capture, DeviceMemory, Fit, FitProgress, FitState, Twin, Worker},
+    resources::{
+        Capture, DeviceMemory, Fit, FitProgress, FitState, Ingest, JobState, Twin, Worker,
+    },
     rollouts::{
         Cost, Deviation, Diagnostics, Divergence, GripperPoses, Reply, Rollout, RolloutTiming,
         Rollouts,
     },
     twins::Twins,
+    watch::Watch,
     workers::Workers,
 };

@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::Error;
 
 /// A stored capture.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Capture {
     /// Its name.
     pub name: CaptureId,
@@ -23,25 +23,61 @@ pub struct Capture {
     pub size_bytes: u64,
     /// BLAKE3 of the archive, hex.
     pub digest: String,
+    /// How far reading it is.
+    pub ingest: Ingest,
+    /// The report's verdict: `good`, `usable` or `unusable`; none while there is no report.
+    pub verdict: Option<String>,
+}
+
+/// The job that reads a capture. There is one for each; running it again replaces it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ingest {
+    /// Where it is in its life.
+    pub state: JobState,
+    /// The settings in force.
+    pub settings: serde_json::Value,
+    /// How far it is.
+    pub progress: Option<FitProgress>,
+    /// Why it failed. Fits of the capture fail with it.
+    pub fault: Option<Fault>,
+    /// Why earlier attempts failed.
+    pub attempt_faults: Vec<Fault>,
+    /// How often it was started.
+    pub attempts: u32,
+    /// Who is at it.
+    pub worker: Option<WorkerId>,
+    /// Whether it was asked to stop.
+    pub cancel_requested: bool,
+    /// When it was asked for.
+    pub create_time: Timestamp,
+    /// When it was first started.
+    pub start_time: Option<Timestamp>,
+    /// When it ended.
+    pub end_time: Option<Timestamp>,
+    /// Grows with every change, and on from one run to the next.
+    pub revision: u64,
 }
 
 /// Where a fit is in its life.
+pub type FitState = JobState;
+
+/// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-pub enum FitState {
+pub enum JobState {
     /// Waits for a worker.
     Queued,
     /// A worker is at it.
     Running,
-    /// There is a twin.
+    /// It made what it is for.
     Succeeded,
-    /// There will be none.
+    /// It did not, and will not.
     Failed,
     /// A user stopped it.
     Cancelled,
 }
 
-impl FitState {
+impl JobState {
     /// Whether it will not change any more.
     pub fn has_ended(self) -> bool {
         matches!(self, Self::Succeeded | Self::Failed | Self::Cancelled)
@@ -59,12 +95,12 @@ impl FitState {
     }
 }
 
-/// How far a running fit is.
+/// How far a running job is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FitProgress {
     /// `ingest`, `search`, `refine` or `evaluate`.
     pub stage: String,
-    /// `bending` or `axial`.
+    /// `bending` or `axial`; of an ingest its step.
     pub variant: String,
     /// Iterations of the stage that are done.
     pub iteration: u32,
@@ -167,6 +203,8 @@ pub struct Worker {
     pub last_seen_time: Timestamp,
     /// The fit that it is at.
     pub fit: Option<FitId>,
+    /// The capture whose ingest it is at.
+    pub ingest: Option<CaptureId>,
     /// Twins that it answers for at once.
     pub warm_twins: Vec<TwinId>,
     /// Rollouts under way.
@@ -195,6 +233,39 @@ impl TryFrom<v1::Capture> for Capture {
             create_time: time(wire.create_time)?,
             size_bytes: wire.size_bytes,
             digest: wire.digest,
+            ingest: wire.ingest.ok_or_else(|| Error::malformed("no ingest"))?.try_into()?,
+            verdict: Some(wire.verdict).filter(|v| !v.is_empty()),
+        })
+    }
+}
+
+impl TryFrom<v1::Ingest> for Ingest {
+    type Error = Error;
+    fn try_from(wire: v1::Ingest) -> Result<Self, Error> {
+        use v1::ingest::State;
+        let state = match wire.state() {
+            State::Queued => JobState::Queued,
+            State::Running => JobState::Running,
+            State::Succeeded => JobState::Succeeded,
+            State::Failed => JobState::Failed,
+            State::Cancelled => JobState::Cancelled,
+            State::Unspecified => {
+                return Err(Error::malformed(format!("ingest state {}", wire.state)));
+            }
+        };
+        Ok(Self {
+            state,
+            settings: settings(&wire.settings_json)?,
+            progress: wire.progress.map(FitProgress::from),
+            fault: wire.fault.as_ref().map(Fault::from),
+            attempt_faults: wire.attempt_faults.iter().map(Fault::from).collect(),
+            attempts: wire.attempts,
+            worker: optional_id(&wire.worker)?,
+            cancel_requested: wire.cancel_requested,
+            create_time: time(wire.create_time)?,
+            start_time: optional_time(wire.start_time)?,
+            end_time: optional_time(wire.end_time)?,
+            revision: wire.revision,
         })
     }
 }
@@ -213,15 +284,11 @@ impl TryFrom<v1::Fit> for Fit {
                 return Err(Error::malformed(format!("fit state {}", wire.state)));
             }
         };
-        let settings = match wire.settings_json.as_str() {
-            "" => serde_json::Value::Null,
-            json => serde_json::from_str(json).map_err(Error::malformed)?,
-        };
         Ok(Self {
             name: id(&wire.name)?,
             capture: id(&wire.capture)?,
             state,
-            settings,
+            settings: settings(&wire.settings_json)?,
             progress: wire.progress.map(FitProgress::from),
             twin: optional_id(&wire.twin)?,
             fault: wire.fault.as_ref().map(Fault::from),
@@ -290,6 +357,7 @@ impl TryFrom<v1::Worker> for Worker {
             start_time: time(wire.start_time)?,
             last_seen_time: time(wire.last_seen_time)?,
             fit: optional_id(&wire.fit)?,
+            ingest: optional_id(&wire.ingest)?,
             warm_twins: wire.warm_twins.iter().map(|t| id(t)).collect::<Result<_, _>>()?,
             rollouts_in_flight: wire.rollouts_in_flight,
             build: wire.build,
@@ -299,6 +367,13 @@ impl TryFrom<v1::Worker> for Worker {
             }),
         })
     }
+}
+
+fn settings(json: &str) -> Result<serde_json::Value, Error> {
+    if json.is_empty() {
+        return Ok(serde_json::Value::Null);
+    }
+    serde_json::from_str(json).map_err(Error::malformed)
 }
 
 fn id<T: std::str::FromStr<Err: std::fmt::Display>>(name: &str) -> Result<T, Error> {

@@ -1,5 +1,6 @@
 //! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`,
-//! `uploads/{id}` and `workers/{id}`; ids are UUIDv7, so they sort by creation time.
+//! `uploads/{id}` and `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they
+//! sort by creation time.
 
 use std::{fmt, str::FromStr};
 
@@ -91,6 +92,10 @@ id!(
 id!(
     /// A fit job.
     FitId, "fits"
+);
+id!(
+    /// A job that reads a capture: the way from what was uploaded to what is fitted.
+    IngestId, "ingests"
 );
 id!(
     /// A fitted twin.

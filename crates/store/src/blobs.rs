@@ -104,15 +104,23 @@ impl Blobs {
     /// Puts staged content in its place. The guard is held until the row that
     /// refers to it is committed.
     pub(crate) async fn publish(&self, staged: Staged) -> Result<RwLockReadGuard<'_, ()>> {
+        self.publish_all(vec![staged]).await
+    }
+
+    /// As [`Blobs::publish`], for content that one transaction refers to. One guard for all: a second
+    /// one would wait for whoever waits for the first.
+    pub(crate) async fn publish_all(&self, staged: Vec<Staged>) -> Result<RwLockReadGuard<'_, ()>> {
         self.armed.pass(Failpoint::ContentStaged)?;
         let guard = self.gate.read().await;
-        let to = published(&staged.digest().to_hex());
-        match staged.path() {
-            Some(path) => self.objects.rename_opts(path, &to, RenameOptions::new()).await?,
-            // Put in place before a crash.
-            None => drop(self.objects.head(&to).await?),
+        for content in staged {
+            let to = published(&content.digest().to_hex());
+            match content.path() {
+                Some(path) => self.objects.rename_opts(path, &to, RenameOptions::new()).await?,
+                // Put in place before a crash.
+                None => drop(self.objects.head(&to).await?),
+            }
+            content.disarm();
         }
-        staged.disarm();
         self.armed.pass(Failpoint::ContentPublished)?;
         Ok(guard)
     }

@@ -1,4 +1,6 @@
-//! Captures: immutable content with a name.
+//! Captures: immutable content with a name, and where their ingest is.
+
+use std::collections::HashMap;
 
 use bendtwin_core::ids::CaptureId;
 use jiff::Timestamp;
@@ -6,8 +8,8 @@ use sqlx::FromRow;
 use uuid::Uuid;
 
 use crate::{
-    Content, Digest, Error, Page, PageRequest, Result, Staged, Store, clock::from_micros,
-    failpoint::Failpoint, uploads,
+    Content, Digest, Error, Job, Page, PageRequest, Report, Result, Staged, Store,
+    clock::from_micros, failpoint::Failpoint, jobs, observations, uploads,
 };
 
 /// A stored capture.
@@ -25,6 +27,17 @@ pub struct Capture {
     pub digest: Digest,
 }
 
+/// A capture with what is known about its content.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overview {
+    /// The capture.
+    pub capture: Capture,
+    /// The job that reads it.
+    pub ingest: Job,
+    /// What an ingest said of it, once one has.
+    pub report: Option<Report>,
+}
+
 /// A capture to be stored.
 #[derive(Debug)]
 pub struct NewCapture {
@@ -34,6 +47,8 @@ pub struct NewCapture {
     pub request_id: Option<String>,
     /// The archive.
     pub content: Staged,
+    /// Settings of its ingest as JSON, the same text for the same settings.
+    pub ingest: String,
 }
 
 /// The captures of a store.
@@ -69,13 +84,13 @@ impl TryFrom<Row> for Capture {
 }
 
 impl Captures<'_> {
-    /// Stores a capture. The same request id with the same content and name
-    /// gives the capture that it made before.
+    /// Stores a capture and queues its ingest. The same request id with the same
+    /// content and name gives the capture that it made before.
     ///
     /// # Errors
     /// [`Error::RequestIdTaken`], database and file errors.
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
-        let NewCapture { display_name, request_id, content } = new;
+        let NewCapture { display_name, request_id, content, ingest } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let upload = content.upload();
         let guard = self.store.blobs().publish(content).await?;
@@ -116,9 +131,11 @@ impl Captures<'_> {
         if let Some(upload) = upload {
             uploads::stored(&mut tx, upload, id).await?;
         }
+        let ingest = jobs::enqueue(&mut tx, &row.id, &ingest, self.store.now_micros()).await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
         drop(guard);
+        self.store.jobs().changed(&ingest);
         self.store.pass(Failpoint::AfterCommit)?;
         row.try_into()
     }
@@ -133,6 +150,40 @@ impl Captures<'_> {
             .fetch_optional(self.store.inner.database.read())
             .await?;
         row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
+    }
+
+    /// One capture with its ingest and report.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`].
+    pub async fn overview(&self, id: CaptureId) -> Result<Overview> {
+        let capture = self.get(id).await?;
+        // In this order: an ingest that has ended has its report.
+        let ingest = self.store.jobs().ingest_of(id).await?;
+        Ok(Overview { capture, ingest, report: self.report(id).await? })
+    }
+
+    /// A page of captures with their ingests and reports, newest first.
+    ///
+    /// # Errors
+    /// [`Error::InvalidPageToken`].
+    pub async fn overviews(&self, page: &PageRequest) -> Result<Page<Overview>> {
+        let Page { items, next_token } = self.list(page).await?;
+        let key = |capture: &Capture| capture.id.uuid().to_string();
+        let (from, to) = (items.last().map(key), items.first().map(key));
+        let (from, to) = (from.unwrap_or_default(), to.unwrap_or_default());
+        let ingests = self.store.jobs().ingests_between(&from, &to).await?;
+        let mut ingests: HashMap<CaptureId, Job> =
+            ingests.into_iter().map(|job| (job.capture, job)).collect();
+        let mut reports: HashMap<String, Report> =
+            self.reports_between(&from, &to).await?.into_iter().collect();
+        let items = items.into_iter().filter_map(|capture| {
+            let report = reports.remove(&key(&capture));
+            // One without an ingest was deleted in this moment.
+            let ingest = ingests.remove(&capture.id)?;
+            Some(Overview { capture, ingest, report })
+        });
+        Ok(Page { items: items.collect(), next_token })
     }
 
     /// A page of captures, newest first.
@@ -161,21 +212,17 @@ impl Captures<'_> {
         Ok((capture, content))
     }
 
-    /// Deletes a capture. Its twins and ended fits stay.
+    /// Deletes a capture with its ingest, observation and report. Its twins and
+    /// ended fits stay.
     ///
     /// # Errors
     /// [`Error::NotFound`]; [`Error::CaptureInUse`] while fits of it are queued or running.
     pub async fn delete(&self, id: CaptureId) -> Result<()> {
         let key = id.uuid().to_string();
         let mut tx = self.store.inner.database.write().await?;
-        let fits: i64 = sqlx::query_scalar(
-            "select count(*) from jobs where capture = $1 and state in ('queued', 'running')",
-        )
-        .bind(&key)
-        .fetch_one(&mut *tx)
-        .await?;
+        let fits = jobs::fits_under_way(&mut tx, &key).await?;
         if fits > 0 {
-            return Err(Error::CaptureInUse { name: id.to_string(), fits: fits as u64 });
+            return Err(Error::CaptureInUse { name: id.to_string(), fits });
         }
         let digest: Option<String> =
             sqlx::query_scalar("delete from captures where id = $1 returning digest")
@@ -183,10 +230,40 @@ impl Captures<'_> {
                 .fetch_optional(&mut *tx)
                 .await?;
         let digest = digest.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
+        let mut obsolete = vec![digest];
+        // A worker that is at it hears that its job is gone, and stops.
+        let ingest = jobs::dequeue(&mut tx, &key).await?;
+        obsolete.extend(ingest.iter().filter_map(|i| i.checkpoint).map(|d| d.to_hex().to_string()));
+        obsolete.extend(observations::forget(&mut tx, &key).await?);
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
+        if let Some(ingest) = ingest {
+            let _ = self.store.inner.changes.send(ingest.id);
+        }
         self.store.pass(Failpoint::BeforeRelease)?;
-        self.store.release(&digest).await
+        for digest in obsolete {
+            self.store.release(&digest).await?;
+        }
+        Ok(())
+    }
+
+    /// Queues the ingests of captures that have none: they are older than ingests are.
+    pub(crate) async fn ingest_old(&self) -> Result<()> {
+        let mut tx = self.store.inner.database.write().await?;
+        let old: Vec<String> = sqlx::query_scalar(
+            "select id from captures where not exists (
+                 select 1 from jobs where kind = 'ingest' and jobs.capture = captures.id)",
+        )
+        .fetch_all(&mut *tx)
+        .await?;
+        for capture in &old {
+            jobs::enqueue(&mut tx, capture, "{}", self.store.now_micros()).await?;
+        }
+        tx.commit().await?;
+        if !old.is_empty() {
+            tracing::info!(captures = old.len(), "ingests of captures from before queued");
+        }
+        Ok(())
     }
 }
 

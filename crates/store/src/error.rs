@@ -2,7 +2,7 @@
 
 use bendtwin_core::{Category, Problem, ids::FitId};
 
-use crate::Digest;
+use crate::{Digest, JobId};
 
 /// Result with this crate's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -19,11 +19,13 @@ pub enum Error {
     )]
     RequestIdTaken { request_id: String, name: String },
     #[error(
-        "the lease {epoch} of {fit} has been lost to another worker or the fit has ended: stop"
+        "the lease {epoch} of {job} has been lost to another worker or the job has ended: stop"
     )]
-    StaleLease { fit: FitId, epoch: u64 },
+    StaleLease { job: JobId, epoch: u64 },
     #[error("{name} is used by {fits} queued or running fits: cancel them first")]
     CaptureInUse { name: String, fits: u64 },
+    #[error("the ingest of {name} is under way: wait for its end, or cancel it first")]
+    IngestUnderWay { name: String },
     #[error("{fit} is running: cancel it first")]
     FitRunning { fit: FitId },
     #[error("the page token is not one that this listing gave out: start without one")]
@@ -72,9 +74,10 @@ impl Problem for Error {
             Self::NotFound { .. } | Self::UploadGone { .. } => Category::NotFound,
             Self::RequestIdTaken { .. } => Category::AlreadyExists,
             Self::StaleLease { .. } | Self::UploadLocked { .. } => Category::Aborted,
-            Self::CaptureInUse { .. } | Self::FitRunning { .. } | Self::DataDirInUse => {
-                Category::FailedPrecondition
-            }
+            Self::CaptureInUse { .. }
+            | Self::IngestUnderWay { .. }
+            | Self::FitRunning { .. }
+            | Self::DataDirInUse => Category::FailedPrecondition,
             Self::InvalidPageToken
             | Self::TooLarge { .. }
             | Self::DigestMismatch { .. }
@@ -96,6 +99,7 @@ impl Problem for Error {
             Self::RequestIdTaken { .. } => "REQUEST_ID_TAKEN",
             Self::StaleLease { .. } => "STALE_LEASE",
             Self::CaptureInUse { .. } => "CAPTURE_IN_USE",
+            Self::IngestUnderWay { .. } => "INGEST_UNDER_WAY",
             Self::FitRunning { .. } => "FIT_RUNNING",
             Self::InvalidPageToken => "INVALID_PAGE_TOKEN",
             Self::TooLarge { .. } => "CONTENT_TOO_LARGE",

@@ -1,10 +1,13 @@
-//! The durable truth: captures, fit jobs (the queue), twins, workers and blobs.
+//! The durable truth: captures, jobs (the queue), twins, workers and blobs.
 //!
 //! Rows are in SQLite, content is in files behind [`object_store`]. What a call
 //! has acknowledged survives `kill -9` of any process and loss of power.
 //!
 //! # The queue as a design
-//! A fit is a row of `jobs`. Its states:
+//! A job is a row of `jobs`, of one of two kinds. An *ingest* reads a capture and
+//! makes its observation and its report; there is one for each capture, made in
+//! the transaction that makes the capture and replaced when it is run again. A
+//! *fit* makes a twin of the observation. The states of either:
 //!
 //! ```text
 //!              claim (epoch + 1)            complete
@@ -15,7 +18,8 @@
 //!     └────────────────────────────────┘ released, failed, or lease expired
 //! ```
 //!
-//! * **Claim** takes the queued job of highest priority, oldest first, adds 1 to
+//! * **Claim** takes the queued job of a kind of highest priority, oldest first
+//!   (a fit only once its capture's ingest has ended), adds 1 to
 //!   `lease_epoch` and sets `lease_until`. One statement, so two claimants never
 //!   get the same job.
 //! * **Fencing**: every write of a worker names its epoch and applies only
@@ -28,8 +32,13 @@
 //!   report further along than any before resets it. An attempt that ends badly
 //!   with `stalled` at [`MAX_STALLED_ATTEMPTS`] fails the job; the faults of all
 //!   attempts stay with it.
-//! * **Completion** inserts the twin and ends the job in one transaction, and is
-//!   idempotent for one lease, so a lost reply can be asked for again.
+//! * **Completion** inserts the twin, or observation and report, and ends the job
+//!   in one transaction, and is idempotent for one lease, so a lost reply can be
+//!   asked for again.
+//! * **An ingest that fails** or is cancelled fails the fits that wait for it, in
+//!   the same transaction and with its fault, and all that are asked for later. An
+//!   observation is replaced by the next ingest that succeeds, and only while no
+//!   fit of the capture is queued or running: a fit never sees two.
 //!
 //! # Content before rows
 //! A blob is written under `incoming/`, synced, and renamed to the name that its
@@ -57,7 +66,8 @@ mod clock;
 mod database;
 mod error;
 pub mod failpoint;
-mod fits;
+mod jobs;
+mod observations;
 mod page;
 mod store;
 mod twins;
@@ -65,12 +75,14 @@ mod uploads;
 mod workers;
 
 pub use blobs::{Blobs, Content, Staged, Upload};
-pub use captures::{Capture, Captures, NewCapture};
+pub use captures::{Capture, Captures, NewCapture, Overview};
 pub use clock::{Clock, ManualClock, SystemClock};
 pub use error::{Error, Result};
-pub use fits::{
-    AttemptEnd, Fit, Fits, Lease, MAX_STALLED_ATTEMPTS, NewFit, QueueDepth, Reported, State,
+pub use jobs::{
+    AttemptEnd, IngestResult, Job, JobId, Jobs, Kind, Lease, MAX_STALLED_ATTEMPTS, NewFit,
+    NewIngest, NewReport, QueueDepth, Reported, State,
 };
+pub use observations::{Observation, Report};
 pub use page::{Page, PageRequest};
 pub use store::{Options, Store};
 pub use twins::{NewTwin, Twin, TwinFacts, Twins};

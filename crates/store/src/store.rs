@@ -5,10 +5,8 @@ use std::{path::PathBuf, sync::Arc};
 use jiff::Timestamp;
 use tokio::sync::{Notify, broadcast};
 
-use bendtwin_core::ids::FitId;
-
 use crate::{
-    Blobs, Captures, Clock, Fits, Result, SystemClock, Twins, Uploads, Workers,
+    Blobs, Captures, Clock, JobId, Jobs, Result, SystemClock, Twins, Uploads, Workers,
     clock::micros,
     database::Database,
     failpoint::{Armed, Failpoint},
@@ -42,8 +40,8 @@ pub(crate) struct Inner {
     pub(crate) database: Database,
     pub(crate) blobs: Blobs,
     pub(crate) clock: Arc<dyn Clock>,
-    /// Ids of fits that changed.
-    pub(crate) changes: broadcast::Sender<FitId>,
+    /// Ids of jobs that changed.
+    pub(crate) changes: broadcast::Sender<JobId>,
     /// Rung when a job enters the queue.
     pub(crate) queued: Notify,
     pub(crate) armed: Arc<Armed>,
@@ -52,8 +50,9 @@ pub(crate) struct Inner {
 }
 
 impl Store {
-    /// Opens the folder, brings its tables up to date and deletes what crashes
-    /// left behind: half-written uploads and blobs that no row refers to.
+    /// Opens the folder, brings its tables up to date, deletes what crashes
+    /// left behind (half-written uploads and blobs that no row refers to), and queues the ingests
+    /// of captures from before there were any.
     ///
     /// # Errors
     /// [`crate::Error::DataDirInUse`] if another server has it open; database and file errors.
@@ -69,6 +68,7 @@ impl Store {
         let store = Self { inner: Arc::new(inner) };
         store.collect_garbage().await?;
         store.uploads().collect_garbage().await?;
+        store.captures().ingest_old().await?;
         Ok(store)
     }
 
@@ -77,9 +77,9 @@ impl Store {
         Captures { store: self }
     }
 
-    /// Fit jobs: the queue.
-    pub fn fits(&self) -> Fits<'_> {
-        Fits { store: self }
+    /// Jobs: the queue.
+    pub fn jobs(&self) -> Jobs<'_> {
+        Jobs { store: self }
     }
 
     /// Twins.
@@ -159,6 +159,8 @@ impl Store {
             "select exists (select 1 from captures where digest = $1)
                  or exists (select 1 from twins where digest = $1)
                  or exists (select 1 from jobs where checkpoint = $1)
+                 or exists (select 1 from observations where digest = $1)
+                 or exists (select 1 from reports where json_digest = $1 or html_digest = $1)
                  or exists (select 1 from uploads where digest = $1)",
         );
         Ok(referred.bind(digest).fetch_one(self.inner.database.read()).await?)

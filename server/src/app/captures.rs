@@ -1,7 +1,7 @@
 //! Captures: what was recorded. Their content is opaque here; workers read it.
 
 use bendtwin_core::ids::CaptureId;
-use bendtwin_store::{Capture, Content, NewCapture, Page, PageRequest, Staged};
+use bendtwin_store::{Capture, Content, NewCapture, Overview, Page, PageRequest, Staged};
 
 use super::{App, Body, Error, Result};
 
@@ -11,42 +11,46 @@ pub(crate) struct CaptureUpload {
     pub(crate) request_id: String,
     /// BLAKE3 in hex; checked if not empty.
     pub(crate) digest: String,
+    /// Settings of its ingest as JSON; empty means the defaults.
+    pub(crate) ingest_json: String,
     pub(crate) body: Body,
 }
 
 impl App {
-    pub(crate) async fn create_capture(&self, upload: CaptureUpload) -> Result<Capture> {
+    pub(crate) async fn create_capture(&self, upload: CaptureUpload) -> Result<Overview> {
         let display_name = super::display_name(upload.display_name)?;
         let request_id = super::request_id(upload.request_id)?;
         let digest = super::digest(&upload.digest)?;
+        let ingest = self.ingest_settings(&upload.ingest_json)?;
         let limit = self.options.limits.capture_bytes;
         let content = self.receive(upload.body, limit, digest, |_| ()).await?;
         if content.size_bytes() == 0 {
             return Err(Error::invalid("content", "is empty: send the capture archive"));
         }
-        self.keep_capture(display_name, request_id, content).await
+        self.keep_capture(display_name, request_id, ingest, content).await
     }
 
-    /// Makes a capture of content that is here: the end of every upload.
+    /// Makes a capture of content that is here: the end of every upload. `ingest` are settings in force.
     pub(super) async fn keep_capture(
         &self,
         display_name: String,
         request_id: Option<String>,
+        ingest: String,
         content: Staged,
-    ) -> Result<Capture> {
-        let new = NewCapture { display_name, request_id, content };
+    ) -> Result<Overview> {
+        let new = NewCapture { display_name, request_id, content, ingest };
         let store = self.store.clone();
         let capture = super::to_the_end(async move { store.captures().create(new).await }).await?;
         tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");
-        Ok(capture)
+        Ok(self.store.captures().overview(capture.id).await?)
     }
 
-    pub(crate) async fn capture(&self, name: &str) -> Result<Capture> {
-        Ok(self.store.captures().get(super::name(name)?).await?)
+    pub(crate) async fn capture(&self, name: &str) -> Result<Overview> {
+        Ok(self.store.captures().overview(super::name(name)?).await?)
     }
 
-    pub(crate) async fn captures(&self, page: &PageRequest) -> Result<Page<Capture>> {
-        Ok(self.store.captures().list(page).await?)
+    pub(crate) async fn captures(&self, page: &PageRequest) -> Result<Page<Overview>> {
+        Ok(self.store.captures().overviews(page).await?)
     }
 
     pub(crate) async fn capture_content(&self, name: &str) -> Result<(Capture, Content)> {

@@ -1,12 +1,14 @@
-//! Fit jobs as workers see them: leased, reported, checkpointed, ended.
+//! Jobs as workers see them: leased, reported, checkpointed, ended.
 
 use std::time::Duration;
 
 use bendtwin_core::{
     Fault, Progress,
-    ids::{CaptureId, FitId, TwinId, WorkerId},
+    ids::{CaptureId, TwinId, WorkerId},
 };
-use bendtwin_store::{AttemptEnd, Capture, Content, Fit, Lease, TwinFacts};
+use bendtwin_store::{
+    AttemptEnd, Capture, Content, Job, JobId, Kind, Lease, Observation, TwinFacts,
+};
 
 use super::{App, Body, Error, Result};
 
@@ -21,63 +23,77 @@ pub(crate) struct Attempt {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Downloadable {
     Capture(CaptureId),
+    Observation(CaptureId),
     Twin(TwinId),
-    /// The checkpoint of a fit.
-    Checkpoint(FitId),
+    /// The checkpoint of a job.
+    Checkpoint(JobId),
 }
 
 impl std::str::FromStr for Downloadable {
     type Err = Error;
     fn from_str(name: &str) -> Result<Self> {
         match name.split_once('/').map(|(collection, _)| collection) {
-            Some("captures") => Ok(Self::Capture(super::name(name)?)),
+            Some("captures") => match name.strip_suffix("/observation") {
+                Some(capture) => Ok(Self::Observation(super::name(capture)?)),
+                None => Ok(Self::Capture(super::name(name)?)),
+            },
             Some("twins") => Ok(Self::Twin(super::name(name)?)),
-            Some("fits") => Ok(Self::Checkpoint(super::name(name)?)),
-            _ => Err(Error::invalid("name", "names no capture, twin or fit")),
+            Some("fits" | "ingests") => Ok(Self::Checkpoint(super::name(name)?)),
+            _ => Err(Error::invalid("name", "names no capture, twin or job")),
         }
     }
+}
+
+/// A job that went to a worker, with what it is about.
+#[derive(Clone, Debug)]
+pub(crate) struct Leased {
+    pub(crate) job: Job,
+    pub(crate) capture: Capture,
+    pub(crate) observation: Option<Observation>,
 }
 
 /// Longest that a worker may wait for a job in one call.
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
 
 impl App {
-    /// Waits for a job and leases it.
-    pub(crate) async fn lease_fit(
+    /// Waits for a job of a kind and leases it.
+    pub(crate) async fn lease_job(
         &self,
+        kind: Kind,
         worker: WorkerId,
         wait: Duration,
-    ) -> Result<Option<(Fit, Capture)>> {
+    ) -> Result<Option<Leased>> {
         self.known(worker)?;
-        let fits = self.store.fits();
-        let claimed = fits.claim_within(worker, self.options.lease(), wait.min(LONGEST_WAIT));
+        let jobs = self.store.jobs();
+        let claimed = jobs.claim_within(kind, worker, self.options.lease(), wait.min(LONGEST_WAIT));
         let claimed = tokio::select! {
             () = self.stopping.cancelled() => return Err(Error::Stopping),
             claimed = claimed => claimed?,
         };
-        let Some(fit) = claimed else { return Ok(None) };
+        let Some(job) = claimed else { return Ok(None) };
         // Whoever ends from here on without having told the worker gives the job back.
-        let mut unsent = Unsent { app: self.clone(), lease: Some(lease_of(&fit)) };
+        let mut unsent = Unsent { app: self.clone(), lease: Some(lease_of(&job)) };
         // A process that ended while it waited must not hold the job until the lease runs out:
         // its registration was dropped before its leases were.
         self.known(worker)?;
-        let capture = self.store.captures().get(fit.capture).await?;
+        let capture = self.store.captures().get(job.capture).await?;
+        let observation = self.store.captures().observation(job.capture).await?;
         unsent.lease = None;
-        let queued = fit.created.duration_until(self.store.now()).as_secs_f64();
-        self.metrics.fit_leased(queued);
-        self.dispatch.set_fit(worker, Some(fit.id));
-        tracing::info!(fit = %fit.id, %worker, epoch = fit.lease_epoch, "fit leased");
-        Ok(Some((fit, capture)))
+        let queued = job.created.duration_until(self.store.now()).as_secs_f64();
+        self.metrics.job_leased(kind, queued);
+        self.dispatch.set_job(worker, kind, Some(&job));
+        tracing::info!(job = %job.id, %worker, epoch = job.lease_epoch, "job leased");
+        Ok(Some(Leased { job, capture, observation }))
     }
 
     /// Renews a lease; whether the job has been asked to stop.
-    pub(crate) async fn report_fit(
+    pub(crate) async fn report_job(
         &self,
         attempt: Attempt,
         progress: Option<&Progress>,
     ) -> Result<bool> {
         let renew = self.options.lease();
-        let reported = self.store.fits().report(attempt.lease, progress, renew).await?;
+        let reported = self.store.jobs().report(attempt.lease, progress, renew).await?;
         Ok(reported.cancel_requested)
     }
 
@@ -91,7 +107,7 @@ impl App {
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
         let (store, renew) = (self.store.clone(), self.options.lease());
         super::to_the_end(async move {
-            store.fits().save_checkpoint(attempt.lease, content, renew).await
+            store.jobs().save_checkpoint(attempt.lease, content, renew).await
         })
         .await
     }
@@ -112,20 +128,20 @@ impl App {
         let limit = self.options.limits.twin_bytes;
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
         let store = self.store.clone();
-        let complete = async move { store.fits().complete(attempt.lease, &facts, content).await };
+        let complete =
+            async move { store.jobs().complete_fit(attempt.lease, &facts, content).await };
         let twin = super::to_the_end(complete).await?;
-        self.dispatch.set_fit(attempt.worker, None);
-        self.metrics.fit_ended("succeeded");
-        tracing::info!(fit = %attempt.lease.fit, %twin, "fit succeeded");
+        self.dispatch.set_job(attempt.worker, Kind::Fit, None);
+        self.metrics.job_ended(Kind::Fit, "succeeded");
+        tracing::info!(fit = %attempt.lease.job, %twin, "fit succeeded");
         Ok(twin)
     }
 
     pub(crate) async fn end_attempt(&self, attempt: Attempt, end: AttemptEnd) -> Result<()> {
         let store = self.store.clone();
-        let change = async move { store.fits().end_attempt(attempt.lease, end).await };
-        let fit = super::to_the_end(change).await?;
-        self.dispatch.set_fit(attempt.worker, None);
-        self.note_end(&fit);
+        let change = async move { store.jobs().end_attempt(attempt.lease, end).await };
+        let job = super::to_the_end(change).await?;
+        self.ended(attempt.worker, &job);
         Ok(())
     }
 
@@ -133,8 +149,9 @@ impl App {
     pub(crate) async fn download(&self, what: Downloadable) -> Result<Content> {
         Ok(match what {
             Downloadable::Capture(id) => self.store.captures().content(id).await?.1,
+            Downloadable::Observation(id) => self.store.captures().observation_content(id).await?.1,
             Downloadable::Twin(id) => self.store.twins().content(id).await?.1,
-            Downloadable::Checkpoint(id) => self.store.fits().checkpoint(id).await?,
+            Downloadable::Checkpoint(id) => self.store.jobs().checkpoint(id).await?,
         })
     }
 
@@ -143,8 +160,8 @@ impl App {
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
         self.dispatch.remove(worker);
         let counts = !self.stopping.is_cancelled();
-        for fit in self.store.fits().forfeit(worker, counts).await? {
-            self.note_end(&fit);
+        for job in self.store.jobs().forfeit(worker, counts).await? {
+            self.note_end(&job);
         }
         self.store.workers().forget(worker).await?;
         Ok(())
@@ -152,8 +169,8 @@ impl App {
 
     /// Ends the attempts of workers that fell silent, and forgets them.
     pub(crate) async fn sweep(&self) -> Result<()> {
-        for fit in self.store.fits().sweep().await? {
-            self.note_end(&fit);
+        for job in self.store.jobs().sweep().await? {
+            self.note_end(&job);
         }
         for worker in self.dispatch.silent(self.options.lease()) {
             tracing::warn!(%worker, "worker fell silent");
@@ -170,17 +187,23 @@ impl App {
         Err(Error::WorkerUnknown(worker.to_string()))
     }
 
-    fn note_end(&self, fit: &Fit) {
-        let fault = fit.fault.as_ref().or(fit.attempt_faults.last());
+    /// A worker has said its last word on a job.
+    pub(super) fn ended(&self, worker: WorkerId, job: &Job) {
+        self.dispatch.set_job(worker, job.id.kind(), None);
+        self.note_end(job);
+    }
+
+    fn note_end(&self, job: &Job) {
+        let fault = job.fault.as_ref().or(job.attempt_faults.last());
         let fault: Option<&Fault> = fault;
-        let (state, reason) = (fit.state.as_str(), fault.map_or("", |f| f.reason.as_str()));
-        tracing::info!(fit = %fit.id, state, reason, attempts = fit.attempts, "attempt ended");
-        self.metrics.fit_ended(state);
+        let (state, reason) = (job.state.as_str(), fault.map_or("", |f| f.reason.as_str()));
+        tracing::info!(job = %job.id, state, reason, attempts = job.attempts, "attempt ended");
+        self.metrics.job_ended(job.id.kind(), state);
     }
 }
 
-fn lease_of(fit: &Fit) -> Lease {
-    Lease { fit: fit.id, epoch: fit.lease_epoch }
+fn lease_of(job: &Job) -> Lease {
+    Lease { job: job.id, epoch: job.lease_epoch }
 }
 
 /// Gives a job back that its claimant never heard of.
@@ -194,7 +217,7 @@ impl Drop for Unsent {
         let Some(lease) = self.lease.take() else { return };
         let app = self.app.clone();
         tokio::spawn(async move {
-            if let Err(error) = app.store.fits().end_attempt(lease, AttemptEnd::Released).await {
+            if let Err(error) = app.store.jobs().end_attempt(lease, AttemptEnd::Released).await {
                 tracing::warn!(%error, "a job that nobody heard of stays until its lease ends");
             }
         });

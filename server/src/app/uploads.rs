@@ -52,6 +52,7 @@ impl App {
         let metadata = Metadata::parse(&new.metadata)?;
         let request_id = super::request_id(metadata.one_request_id(new.request_id)?)?;
         self.check_length(new.length_bytes)?;
+        self.ingest_settings(&metadata.ingest)?;
         let new = NewResumableUpload {
             display_name: super::display_name(metadata.capture_name())?,
             request_id,
@@ -234,10 +235,10 @@ impl App {
     }
 
     async fn finish(&self, writer: &mut UploadWriter, upload: &ResumableUpload) -> Result<()> {
+        let ingest = self.ingest_settings(&Metadata::parse(&upload.metadata)?.ingest)?;
         let content = writer.stage().await?;
-        let capture =
-            self.keep_capture(upload.display_name.clone(), upload.request_id.clone(), content);
-        capture.await?;
+        let (name, request_id) = (upload.display_name.clone(), upload.request_id.clone());
+        self.keep_capture(name, request_id, ingest, content).await?;
         Ok(())
     }
 

@@ -1,7 +1,7 @@
-//! A fit as it changes: now, after every change, until it has ended.
+//! Jobs as they change: now, after every change, until they have ended.
 
-use bendtwin_core::ids::FitId;
-use bendtwin_store::Fit;
+use bendtwin_core::ids::{CaptureId, FitId};
+use bendtwin_store::{Job, JobId, Overview};
 use futures::{Stream, StreamExt, stream};
 use tokio::sync::broadcast::{Receiver, error::RecvError};
 
@@ -9,8 +9,8 @@ use super::{App, Error, Result};
 
 struct Watch {
     app: App,
-    id: FitId,
-    changes: Receiver<FitId>,
+    id: JobId,
+    changes: Receiver<JobId>,
     /// Revisions up to this one have been told.
     told: u64,
     ended: bool,
@@ -23,28 +23,59 @@ impl App {
         &self,
         name: &str,
         after: u64,
-    ) -> Result<impl Stream<Item = Result<Fit>> + Send + use<>> {
-        let id = super::name(name)?;
+    ) -> Result<impl Stream<Item = Result<Job>> + Send + use<>> {
+        let id: FitId = super::name(name)?;
         // Listen first, read second: no change in between is missed.
-        let changes = self.store.fits().changes();
-        let fit = self.store.fits().get(id).await?;
-        let ended = fit.state.has_ended();
-        let watch = Watch { app: self.clone(), id, changes, told: after.max(fit.revision), ended };
-        let first = stream::iter((fit.revision > after).then_some(Ok(fit)));
-        Ok(first.chain(stream::unfold(watch, Watch::next)))
+        let changes = self.store.jobs().changes();
+        let fit = self.store.jobs().get(id).await?;
+        Ok(self.watch(fit, changes, after))
+    }
+
+    /// A capture with each revision of its ingest above `after`, as [`App::watch_fit`].
+    pub(crate) async fn watch_ingest(
+        &self,
+        name: &str,
+        after: u64,
+    ) -> Result<impl Stream<Item = Result<Overview>> + Send + use<>> {
+        let id: CaptureId = super::name(name)?;
+        let changes = self.store.jobs().changes();
+        let ingest = self.store.captures().overview(id).await?.ingest;
+        let app = self.clone();
+        Ok(
+            self.watch(ingest, changes, after).then(move |ingest| {
+                let app = app.clone();
+                // As of now, but with the ingest as of the change: an end is told once.
+                async move {
+                    Ok(Overview { ingest: ingest?, ..app.store.captures().overview(id).await? })
+                }
+            }),
+        )
+    }
+
+    fn watch(
+        &self,
+        job: Job,
+        changes: Receiver<JobId>,
+        after: u64,
+    ) -> impl Stream<Item = Result<Job>> + Send + use<> {
+        let told = after.max(job.revision);
+        let (id, ended) = (job.id, job.state.has_ended());
+        let watch = Watch { app: self.clone(), id, changes, told, ended };
+        let first = stream::iter((job.revision > after).then_some(Ok(job)));
+        first.chain(stream::unfold(watch, Watch::next))
     }
 }
 
 impl Watch {
-    async fn next(mut self) -> Option<(Result<Fit>, Self)> {
+    async fn next(mut self) -> Option<(Result<Job>, Self)> {
         if self.ended {
             return None;
         }
         match self.wait().await {
-            Ok(fit) => {
-                self.told = fit.revision;
-                self.ended = fit.state.has_ended();
-                Some((Ok(fit), self))
+            Ok(job) => {
+                self.told = job.revision;
+                self.ended = job.state.has_ended();
+                Some((Ok(job), self))
             }
             Err(error) => {
                 self.ended = true;
@@ -53,7 +84,7 @@ impl Watch {
         }
     }
 
-    async fn wait(&mut self) -> Result<Fit> {
+    async fn wait(&mut self) -> Result<Job> {
         loop {
             let changed = tokio::select! {
                 () = self.app.stopping.cancelled() => return Err(Error::Stopping),
@@ -65,9 +96,9 @@ impl Watch {
                 Ok(_) | Err(RecvError::Lagged(_)) => {}
                 Err(RecvError::Closed) => return Err(Error::Stopping),
             }
-            let fit = self.app.store.fits().get(self.id).await?;
-            if fit.revision > self.told || fit.state.has_ended() {
-                return Ok(fit);
+            let job = self.app.store.jobs().get(self.id).await?;
+            if job.revision > self.told || job.state.has_ended() {
+                return Ok(job);
             }
         }
     }

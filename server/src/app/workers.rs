@@ -62,12 +62,12 @@ impl App {
                     if let Err(error) = self.dispatch.add(worker, None, token) {
                         // It registers anew if it lives.
                         tracing::warn!(worker = %id, %error, "cannot take a worker up again");
-                        self.store.fits().forfeit(id, false).await?;
+                        self.store.jobs().forfeit(id, false).await?;
                         self.store.workers().forget(id).await?;
                     }
                 }
                 _ => {
-                    self.store.fits().forfeit(id, false).await?;
+                    self.store.jobs().forfeit(id, false).await?;
                     self.store.workers().forget(id).await?;
                 }
             }

@@ -9,7 +9,7 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::ids::{FitId, TwinId};
+use bendtwin_core::ids::{CaptureId, FitId, TwinId};
 use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
 use bendtwin_store::Worker;
 use jiff::Timestamp;
@@ -61,6 +61,8 @@ pub(super) struct Live {
     in_flight: u32,
     memory: Option<Memory>,
     pub(super) fit: Option<FitId>,
+    /// The capture whose ingest it is at.
+    pub(super) ingest: Option<CaptureId>,
     broken_until: Option<Instant>,
 }
 
@@ -73,6 +75,7 @@ pub(crate) struct WorkerView {
     pub(crate) in_flight: u32,
     pub(crate) memory: Option<Memory>,
     pub(crate) fit: Option<FitId>,
+    pub(crate) ingest: Option<CaptureId>,
 }
 
 /// What a worker says of itself with every sign of life.
@@ -139,6 +142,7 @@ impl Entry {
             in_flight: 0,
             memory: None,
             fit: None,
+            ingest: None,
             broken_until: None,
         };
         Ok(Self {
@@ -233,6 +237,7 @@ impl Entry {
             in_flight: live.in_flight.max(u32::try_from(self.load()).unwrap_or(u32::MAX)),
             memory: live.memory,
             fit: live.fit,
+            ingest: live.ingest,
         }
     }
 }

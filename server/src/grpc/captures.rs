@@ -1,13 +1,16 @@
 //! `bendtwin.v1.CaptureService`.
 
 use bendtwin_proto::v1::{
-    Capture, CreateCaptureRequest, CreateCaptureResponse, DeleteCaptureRequest,
-    DeleteCaptureResponse, GetCaptureRequest, ListCapturesRequest, ListCapturesResponse,
-    capture_service_server::CaptureService, create_capture_request,
+    CancelIngestRequest, Capture, CreateCaptureRequest, CreateCaptureResponse,
+    DeleteCaptureRequest, DeleteCaptureResponse, ExportObservationRequest,
+    ExportObservationResponse, GetCaptureReportRequest, GetCaptureReportResponse,
+    GetCaptureRequest, IngestCaptureRequest, ListCapturesRequest, ListCapturesResponse,
+    WatchIngestRequest, capture_service_server::CaptureService, create_capture_request,
+    get_capture_report_request::Format,
 };
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{Api, convert, upload};
+use super::{Api, Reply, chunks, convert, reply, upload};
 use crate::app::CaptureUpload;
 
 #[tonic::async_trait]
@@ -26,6 +29,7 @@ impl CaptureService for Api {
             display_name: metadata.display_name,
             request_id: metadata.request_id,
             digest: metadata.digest,
+            ingest_json: metadata.ingest_settings_json,
             body,
         };
         let capture = convert::capture(self.app.create_capture(upload).await?);
@@ -58,5 +62,53 @@ impl CaptureService for Api {
     ) -> Result<Response<DeleteCaptureResponse>, Status> {
         self.app.delete_capture(&request.get_ref().name).await?;
         Ok(Response::new(DeleteCaptureResponse {}))
+    }
+    async fn ingest_capture(
+        &self,
+        request: Request<IngestCaptureRequest>,
+    ) -> Result<Response<Capture>, Status> {
+        let r = request.into_inner();
+        let capture = self.app.ingest_capture(&r.name, &r.settings_json, r.request_id).await?;
+        Ok(Response::new(convert::capture(capture)))
+    }
+
+    async fn cancel_ingest(
+        &self,
+        request: Request<CancelIngestRequest>,
+    ) -> Result<Response<Capture>, Status> {
+        let capture = self.app.cancel_ingest(&request.get_ref().name).await?;
+        Ok(Response::new(convert::capture(capture)))
+    }
+
+    type WatchIngestStream = Reply<Capture>;
+
+    async fn watch_ingest(
+        &self,
+        request: Request<WatchIngestRequest>,
+    ) -> Result<Response<Self::WatchIngestStream>, Status> {
+        let r = request.into_inner();
+        let captures = self.app.watch_ingest(&r.name, r.after_revision).await?;
+        Ok(Response::new(reply(captures, convert::capture)))
+    }
+
+    type GetCaptureReportStream = Reply<GetCaptureReportResponse>;
+
+    async fn get_capture_report(
+        &self,
+        request: Request<GetCaptureReportRequest>,
+    ) -> Result<Response<Self::GetCaptureReportStream>, Status> {
+        let r = request.into_inner();
+        let content = self.app.capture_report(&r.name, r.format() == Format::Html).await?;
+        Ok(Response::new(chunks(content, |chunk| GetCaptureReportResponse { chunk })))
+    }
+
+    type ExportObservationStream = Reply<ExportObservationResponse>;
+
+    async fn export_observation(
+        &self,
+        request: Request<ExportObservationRequest>,
+    ) -> Result<Response<Self::ExportObservationStream>, Status> {
+        let (.., content) = self.app.observation(&request.get_ref().name).await?;
+        Ok(Response::new(chunks(content, |chunk| ExportObservationResponse { chunk })))
     }
 }

@@ -2,7 +2,7 @@
 
 use bendtwin_core::{Progress, Stage};
 use bendtwin_proto::v1;
-use bendtwin_store::{Capture, Fit, PageRequest, State, Twin};
+use bendtwin_store::{Job, Overview, PageRequest, State, Twin};
 use jiff::Timestamp;
 
 use crate::{
@@ -24,17 +24,45 @@ pub(super) fn page(size: u32, token: String) -> PageRequest {
     PageRequest { size, token }
 }
 
-pub(super) fn capture(capture: Capture) -> v1::Capture {
+pub(super) fn capture(overview: Overview) -> v1::Capture {
+    let Overview { capture, ingest, report } = overview;
     v1::Capture {
         name: capture.id.to_string(),
         display_name: capture.display_name,
         create_time: Some(time(capture.created)),
         size_bytes: capture.size_bytes,
         digest: capture.digest.to_hex().to_string(),
+        ingest: Some(self::ingest(ingest)),
+        verdict: report.map(|r| r.verdict).unwrap_or_default(),
     }
 }
 
-pub(super) fn fit(fit: Fit) -> v1::Fit {
+fn ingest(job: Job) -> v1::Ingest {
+    use v1::ingest::State as Wire;
+    let state = match job.state {
+        State::Queued => Wire::Queued,
+        State::Running => Wire::Running,
+        State::Succeeded => Wire::Succeeded,
+        State::Failed => Wire::Failed,
+        State::Cancelled => Wire::Cancelled,
+    };
+    v1::Ingest {
+        state: state.into(),
+        settings_json: job.settings,
+        progress: job.progress.map(progress),
+        fault: job.fault.as_ref().map(Into::into),
+        attempt_faults: job.attempt_faults.iter().map(Into::into).collect(),
+        attempts: job.attempts,
+        worker: job.worker.map(|w| w.to_string()).unwrap_or_default(),
+        cancel_requested: job.cancel_requested,
+        create_time: Some(time(job.created)),
+        start_time: job.started.map(time),
+        end_time: job.ended.map(time),
+        revision: job.revision,
+    }
+}
+
+pub(super) fn fit(fit: Job) -> v1::Fit {
     v1::Fit {
         name: fit.id.to_string(),
         capture: fit.capture.to_string(),
@@ -143,5 +171,6 @@ pub(super) fn worker(view: WorkerView) -> v1::Worker {
         build: said.build,
         memory_used_bytes: view.memory.unwrap_or_default().used,
         memory_total_bytes: view.memory.unwrap_or_default().total,
+        ingest: view.ingest.map(|c| c.to_string()).unwrap_or_default(),
     }
 }

@@ -6,17 +6,19 @@ use std::time::Duration;
 use bendtwin_core::{Category, Fault, ids::WorkerId};
 use bendtwin_proto::worker::v1::{
     BeatRequest, BeatResponse, CompleteFitRequest, CompleteFitResponse, DownloadRequest,
-    DownloadResponse, FailFitRequest, FailFitResponse, JobWrite, Lease as LeaseMessage,
-    LeaseFitRequest, LeaseFitResponse, RegisterRequest, RegisterResponse, ReportFitRequest,
-    ReportFitResponse, SaveCheckpointRequest, SaveCheckpointResponse, complete_fit_request,
+    DownloadResponse, EndIngestRequest, EndIngestResponse, FailJobRequest, FailJobResponse,
+    JobWrite, Lease as LeaseMessage, LeaseJobRequest, LeaseJobResponse, RegisterRequest,
+    RegisterResponse, ReportJobRequest, ReportJobResponse, SaveCheckpointRequest,
+    SaveCheckpointResponse, complete_fit_request, end_ingest_request, lease_job_request,
     save_checkpoint_request, worker_link_server::WorkerLink,
 };
-use bendtwin_store::{AttemptEnd, Lease, NewWorker, TwinFacts};
+use bendtwin_store::{AttemptEnd, Kind, Lease, NewWorker, TwinFacts};
+use futures::StreamExt;
 use tonic::{Request, Response, Status, Streaming, metadata::MetadataMap};
 
 use super::{Api, Reply, chunks, convert, upload};
 use crate::{
-    app::{self, Attempt, Error},
+    app::{self, Attempt, Error, IngestPart, IngestUpload, Leased},
     dispatch::{Beat, Memory},
     tokens::Bearer,
 };
@@ -33,13 +35,29 @@ impl Api {
     }
 }
 
-fn attempt(worker: &str, fit: &str, epoch: u64) -> app::Result<Attempt> {
-    let lease = Lease { fit: app::name(fit)?, epoch };
+fn attempt(worker: &str, job: &str, epoch: u64) -> app::Result<Attempt> {
+    let lease = Lease { job: app::name(job)?, epoch };
     Ok(Attempt { worker: app::name(worker)?, lease })
 }
 
 fn attempt_of(job: &JobWrite) -> app::Result<Attempt> {
-    attempt(&job.worker, &job.fit, job.epoch)
+    attempt(&job.worker, &job.job, job.epoch)
+}
+
+fn lease_of(leased: Leased) -> LeaseMessage {
+    let Leased { job, capture, observation } = leased;
+    LeaseMessage {
+        job: job.id.to_string(),
+        epoch: job.lease_epoch,
+        capture: capture.id.to_string(),
+        capture_display_name: capture.display_name,
+        capture_digest: capture.digest.to_hex().to_string(),
+        settings_json: job.settings,
+        has_checkpoint: job.checkpoint.is_some(),
+        request_id: job.request_id.unwrap_or_default(),
+        trace_parent: job.trace_parent.unwrap_or_default(),
+        observation_digest: observation.map(|o| o.digest.to_hex().to_string()).unwrap_or_default(),
+    }
 }
 
 #[tonic::async_trait]
@@ -84,39 +102,35 @@ impl WorkerLink for Api {
         Ok(Response::new(BeatResponse { drain }))
     }
 
-    async fn lease_fit(
+    async fn lease_job(
         &self,
-        request: Request<LeaseFitRequest>,
-    ) -> Result<Response<LeaseFitResponse>, Status> {
+        request: Request<LeaseJobRequest>,
+    ) -> Result<Response<LeaseJobResponse>, Status> {
         self.bearer(request.metadata())?;
         let r = request.into_inner();
         let wait = Duration::try_from_secs_f64(r.wait_s)
             .map_err(|_| Error::invalid("wait_s", "is negative, too large or not a number"))?;
-        let leased = self.app.lease_fit(app::name(&r.worker)?, wait).await?;
-        let lease = leased.map(|(fit, capture)| LeaseMessage {
-            fit: fit.id.to_string(),
-            epoch: fit.lease_epoch,
-            capture: capture.id.to_string(),
-            capture_display_name: capture.display_name,
-            capture_digest: capture.digest.to_hex().to_string(),
-            settings_json: fit.settings,
-            has_checkpoint: fit.checkpoint.is_some(),
-            request_id: fit.request_id.unwrap_or_default(),
-            trace_parent: fit.trace_parent.unwrap_or_default(),
-        });
-        Ok(Response::new(LeaseFitResponse { lease }))
+        let kind = match r.kind() {
+            lease_job_request::Kind::Ingest => Kind::Ingest,
+            lease_job_request::Kind::Fit => Kind::Fit,
+            lease_job_request::Kind::Unspecified => {
+                return Err(Error::invalid("kind", "is none that this server knows").into());
+            }
+        };
+        let leased = self.app.lease_job(kind, app::name(&r.worker)?, wait).await?;
+        Ok(Response::new(LeaseJobResponse { lease: leased.map(lease_of) }))
     }
 
-    async fn report_fit(
+    async fn report_job(
         &self,
-        request: Request<ReportFitRequest>,
-    ) -> Result<Response<ReportFitResponse>, Status> {
+        request: Request<ReportJobRequest>,
+    ) -> Result<Response<ReportJobResponse>, Status> {
         self.bearer(request.metadata())?;
         let r = request.into_inner();
-        let attempt = attempt(&r.worker, &r.fit, r.epoch)?;
+        let attempt = attempt(&r.worker, &r.job, r.epoch)?;
         let progress = r.progress.map(convert::read_progress).transpose()?;
-        let cancel_requested = self.app.report_fit(attempt, progress.as_ref()).await?;
-        Ok(Response::new(ReportFitResponse { cancel_requested }))
+        let cancel_requested = self.app.report_job(attempt, progress.as_ref()).await?;
+        Ok(Response::new(ReportJobResponse { cancel_requested }))
     }
 
     async fn save_checkpoint(
@@ -159,13 +173,46 @@ impl WorkerLink for Api {
         Ok(Response::new(CompleteFitResponse { twin: twin.to_string() }))
     }
 
-    async fn fail_fit(
+    async fn end_ingest(
         &self,
-        request: Request<FailFitRequest>,
-    ) -> Result<Response<FailFitResponse>, Status> {
+        request: Request<Streaming<EndIngestRequest>>,
+    ) -> Result<Response<EndIngestResponse>, Status> {
+        use end_ingest_request::Part;
+        self.bearer(request.metadata())?;
+        let mut messages = request.into_inner();
+        let broken = |status: Status| Error::UploadBroken(status.message().to_owned());
+        let first = messages.message().await.map_err(broken)?;
+        let Some(Part::Metadata(made)) = first.and_then(|m| m.part) else {
+            let fault = "must come in the first message of an upload";
+            return Err(Error::invalid("metadata", fault).into());
+        };
+        let body = messages.map(move |message| match message.map(|m| m.part) {
+            Ok(Some(Part::Observation(chunk))) => Ok(IngestPart::Observation(chunk)),
+            Ok(Some(Part::Report(chunk))) => Ok(IngestPart::Report(chunk)),
+            Ok(Some(Part::Page(chunk))) => Ok(IngestPart::Page(chunk)),
+            Ok(_) => Err(Error::invalid("part", "must be in every message after the first")),
+            Err(status) => Err(broken(status)),
+        });
+        let attempt = attempt_of(&made.job.unwrap_or_default())?;
+        let upload = IngestUpload {
+            verdict: made.verdict,
+            observation_digest: made.observation_digest,
+            report_digest: made.report_digest,
+            page_digest: made.page_digest,
+            fault: made.fault.as_ref().map(Fault::from),
+            body: body.boxed(),
+        };
+        self.app.end_ingest(attempt, upload).await?;
+        Ok(Response::new(EndIngestResponse {}))
+    }
+
+    async fn fail_job(
+        &self,
+        request: Request<FailJobRequest>,
+    ) -> Result<Response<FailJobResponse>, Status> {
         self.bearer(request.metadata())?;
         let r = request.into_inner();
-        let attempt = attempt(&r.worker, &r.fit, r.epoch)?;
+        let attempt = attempt(&r.worker, &r.job, r.epoch)?;
         let fault = r.fault.as_ref().map_or_else(
             || Fault {
                 category: Category::Internal,
@@ -175,13 +222,13 @@ impl WorkerLink for Api {
             Fault::from,
         );
         let end = match r {
-            FailFitRequest { released: true, .. } => AttemptEnd::Released,
-            FailFitRequest { cancelled: true, .. } => AttemptEnd::Cancelled,
-            FailFitRequest { permanent: true, .. } => AttemptEnd::FailedForGood(fault),
+            FailJobRequest { released: true, .. } => AttemptEnd::Released,
+            FailJobRequest { cancelled: true, .. } => AttemptEnd::Cancelled,
+            FailJobRequest { permanent: true, .. } => AttemptEnd::FailedForGood(fault),
             _ => AttemptEnd::Failed(fault),
         };
         self.app.end_attempt(attempt, end).await?;
-        Ok(Response::new(FailFitResponse {}))
+        Ok(Response::new(FailJobResponse {}))
     }
 
     type DownloadStream = Reply<DownloadResponse>;

@@ -3,19 +3,27 @@
 use axum::{
     Json,
     extract::{Request, State},
-    http::{StatusCode, header},
+    http::{HeaderMap, HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
 
 use super::{
     Result,
     extract::{self, Id, Params},
-    resource::{Capture, Captures, Paging, UploadParams},
+    resource::{Capture, CaptureParams, Captures, NewIngest, Paging},
 };
 use crate::{
     app::{App, CaptureUpload},
     error::ProblemDocument,
 };
+
+/// What the page of a report may do: show its text and the pictures inside it. It was made of a stranger's
+/// file, so it gets no scripts, no network, no forms and no origin.
+/// The split word is one that a test looks for in code.
+const REPORT_POLICY: &str = concat!(
+    "default-src 'none'; style-src 'un",
+    "safe-inline'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; sandbox"
+);
 
 /// List captures
 #[utoipa::path(get, path = "/v1/captures", tag = "captures", params(Paging),
@@ -31,11 +39,12 @@ pub(super) async fn list(
 
 /// Upload a capture
 ///
-/// The body is the archive. The same archive under the same `Idempotency-Key`
+/// The body is the archive. It is read in the background: `ingest` in the answer says how far that
+/// is. The same archive under the same `Idempotency-Key`
 /// answers with the capture that exists already.
 #[utoipa::path(post, path = "/v1/captures", tag = "captures",
     params(
-        UploadParams,
+        CaptureParams,
         ("Idempotency-Key" = Option<String>, Header, description = "Makes the upload idempotent"),
         ("X-Content-Blake3" = Option<String>, Header, description = "BLAKE3 of the body, hex; checked"),
         ("Content-Digest" = Option<String>, Header, description = "blake3=:{base64}:; checked")),
@@ -43,7 +52,7 @@ pub(super) async fn list(
     responses((status = 201, body = Capture), (status = "default", body = ProblemDocument)))]
 pub(super) async fn create(
     State(app): State<App>,
-    Params(params): Params<UploadParams>,
+    Params(params): Params<CaptureParams>,
     request: Request,
 ) -> Result<Response> {
     extract::expect_type(request.headers(), &["application/zip", "application/octet-stream"])?;
@@ -51,10 +60,11 @@ pub(super) async fn create(
         display_name: params.display_name,
         request_id: extract::idempotency_key(request.headers())?,
         digest: extract::declared_digest(request.headers(), params.digest)?,
+        ingest_json: params.ingest,
         body: extract::upload_body(request),
     };
     let capture = app.create_capture(upload).await?;
-    let location = [(header::LOCATION, format!("/v1/{}", capture.id))];
+    let location = [(header::LOCATION, format!("/v1/{}", capture.capture.id))];
     Ok((StatusCode::CREATED, location, Json(Capture::from(capture))).into_response())
 }
 
@@ -68,7 +78,7 @@ pub(super) async fn get(State(app): State<App>, Id(id): Id) -> Result<Json<Captu
 
 /// Delete a capture
 ///
-/// Refused while a fit of it is queued or running. Its twins stay.
+/// With what its ingest made of it. Refused while a fit of it is queued or running. Its twins stay.
 #[utoipa::path(delete, path = "/v1/captures/{id}", tag = "captures",
     params(("id" = String, Path)),
     responses((status = 204), (status = "default", body = ProblemDocument)))]
@@ -85,5 +95,73 @@ pub(super) async fn delete(State(app): State<App>, Id(id): Id) -> Result<StatusC
 pub(super) async fn content(State(app): State<App>, Id(id): Id) -> Result<Response> {
     let (capture, content) = app.capture_content(&id).await?;
     let file_name = format!("{}.zip", capture.id.uuid());
+    Ok(super::download(content, "application/zip", &file_name))
+}
+
+/// Read a capture again
+///
+/// With other settings, say. Refused while it is being read, and while a fit of it is queued or running.
+#[utoipa::path(post, path = "/v1/captures/{id}/ingest", tag = "captures",
+    params(("id" = String, Path),
+        ("Idempotency-Key" = Option<String>, Header, description = "Makes the call idempotent")),
+    request_body = NewIngest,
+    responses((status = 202, body = Capture), (status = "default", body = ProblemDocument)))]
+pub(super) async fn ingest(
+    State(app): State<App>,
+    Id(id): Id,
+    headers: HeaderMap,
+    extract::Json(new): extract::Json<NewIngest>,
+) -> Result<Response> {
+    let settings = new.settings.as_deref().map_or("", |s| s.get());
+    let key = extract::idempotency_key(&headers)?;
+    let capture = app.ingest_capture(&id, settings, key).await?;
+    Ok((StatusCode::ACCEPTED, Json(Capture::from(capture))).into_response())
+}
+
+/// Ask the ingest of a capture to stop
+///
+/// One that has ended is returned as it is.
+#[utoipa::path(post, path = "/v1/captures/{id}/ingest/cancel", tag = "captures",
+    params(("id" = String, Path)),
+    responses((status = 200, body = Capture), (status = "default", body = ProblemDocument)))]
+pub(super) async fn cancel_ingest(State(app): State<App>, Id(id): Id) -> Result<Json<Capture>> {
+    Ok(Json(app.cancel_ingest(&id).await?.into()))
+}
+
+/// The report of a capture
+#[utoipa::path(get, path = "/v1/captures/{id}/report", tag = "captures",
+    params(("id" = String, Path)),
+    responses((status = 200, body = Object, content_type = "application/json"),
+        (status = "default", body = ProblemDocument)))]
+pub(super) async fn report(State(app): State<App>, Id(id): Id) -> Result<Response> {
+    let content = app.capture_report(&id, false).await?;
+    Ok(super::inline(content, "application/json"))
+}
+
+/// The report of a capture as a page
+///
+/// Its pictures are inside; scripts neither are nor would run.
+#[utoipa::path(get, path = "/v1/captures/{id}/report.html", tag = "captures",
+    params(("id" = String, Path)),
+    responses((status = 200, body = String, content_type = "text/html"),
+        (status = "default", body = ProblemDocument)))]
+pub(super) async fn report_page(State(app): State<App>, Id(id): Id) -> Result<Response> {
+    let content = app.capture_report(&id, true).await?;
+    let mut page = super::inline(content, "text/html; charset=utf-8");
+    page.headers_mut()
+        .insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(REPORT_POLICY));
+    Ok(page)
+}
+
+/// Download what fits of a capture work on
+///
+/// A bundle: tracked points in space, whatever the capture was recorded as.
+#[utoipa::path(get, path = "/v1/captures/{id}/observation", tag = "captures",
+    params(("id" = String, Path)),
+    responses((status = 200, body = Vec<u8>, content_type = "application/zip"),
+        (status = "default", body = ProblemDocument)))]
+pub(super) async fn observation(State(app): State<App>, Id(id): Id) -> Result<Response> {
+    let (capture, _, content) = app.observation(&id).await?;
+    let file_name = format!("{}-observation.zip", capture.uuid());
     Ok(super::download(content, "application/zip", &file_name))
 }

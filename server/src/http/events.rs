@@ -1,4 +1,4 @@
-//! `/v1/fits/{id}/events`: a fit's changes as server-sent events.
+//! `/v1/fits/{id}/events` and `/v1/captures/{id}/events`: changes as server-sent events.
 
 use std::{convert::Infallible, time::Duration};
 
@@ -8,10 +8,15 @@ use axum::{
     response::sse::{Event, KeepAlive, Sse},
 };
 use futures::{Stream, StreamExt};
+use serde::Serialize;
 
-use super::{Result, extract::Id, resource::Fit};
+use super::{
+    Result,
+    extract::Id,
+    resource::{Capture, Fit},
+};
 use crate::{
-    app::{App, Error},
+    app::{self, App, Error},
     error::ProblemDocument,
 };
 
@@ -31,19 +36,53 @@ pub(super) async fn watch(
     Id(id): Id,
     headers: HeaderMap,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>> + Send>> {
-    let after = match headers.get("last-event-id").map(|v| v.to_str()) {
-        None => 0,
+    let fits = app.watch_fit(&id, last_seen(&headers)?).await?;
+    Ok(events("fit", fits, |fit| (fit.revision, Fit::from(fit))))
+}
+
+/// Watch a capture being read
+///
+/// Server-sent events named `capture`, each with the whole capture as data and the
+/// revision of its ingest as id, until that has ended. `Last-Event-ID` skips what is known.
+#[utoipa::path(get, path = "/v1/captures/{id}/events", tag = "captures",
+    params(("id" = String, Path),
+        ("Last-Event-ID" = Option<u64>, Header, description = "Skip revisions up to this one")),
+    responses((status = 200, body = String, content_type = "text/event-stream"),
+        (status = "default", body = ProblemDocument)))]
+pub(super) async fn watch_ingest(
+    State(app): State<App>,
+    Id(id): Id,
+    headers: HeaderMap,
+) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>> + Send>> {
+    let captures = app.watch_ingest(&id, last_seen(&headers)?).await?;
+    Ok(events("capture", captures, |c| (c.ingest.revision, Capture::from(c))))
+}
+
+fn last_seen(headers: &HeaderMap) -> app::Result<u64> {
+    match headers.get("last-event-id").map(|v| v.to_str()) {
+        None => Ok(0),
         Some(text) => text
             .ok()
             .and_then(|t| t.trim().parse().ok())
-            .ok_or_else(|| Error::invalid("last-event-id", "is not a revision"))?,
-    };
-    let fits = app.watch_fit(&id, after).await?;
+            .ok_or_else(|| Error::invalid("last-event-id", "is not a revision")),
+    }
+}
+
+/// An event for each change, with its revision.
+fn events<T: Send + 'static, R: Serialize>(
+    name: &'static str,
+    changes: impl Stream<Item = app::Result<T>> + Send + 'static,
+    resource: impl Fn(T) -> (u64, R) + Send + 'static,
+) -> Sse<impl Stream<Item = Result<Event, Infallible>> + Send> {
     // An error ends the stream: the client comes back with what it has seen.
-    let events = fits.take_while(|fit| std::future::ready(fit.is_ok())).filter_map(async |fit| {
-        let fit = fit.ok()?;
-        let event = Event::default().event("fit").id(fit.revision.to_string());
-        event.json_data(Fit::from(fit)).ok().map(Ok)
+    let good = changes.take_while(|change| std::future::ready(change.is_ok()));
+    let events = good.filter_map(move |change| {
+        let event = change.ok().and_then(|change| {
+            let (revision, resource) = resource(change);
+            let event = Event::default().event(name).id(revision.to_string());
+            event.json_data(resource).ok().map(Ok)
+        });
+        std::future::ready(event)
     });
-    Ok(Sse::new(events).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
+    Sse::new(events).keep_alive(KeepAlive::new().interval(KEEP_ALIVE))
 }

@@ -45,7 +45,7 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
     responses((status = 200, body = String, content_type = "text/plain"),
         (status = "default", body = ProblemDocument)))]
 pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
-    let depth = app.store.fits().depth().await?;
+    let depth = app.store.jobs().depth().await?;
     let uploads = app.store.uploads().in_use().await?;
     let (workers, rollouts) = app.dispatch.counts();
     let now = Now { workers, rollouts, memory: app.dispatch.memory(), uploads };

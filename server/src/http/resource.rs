@@ -20,18 +20,81 @@ pub(super) struct Capture {
     size_bytes: u64,
     /// BLAKE3 of the archive, hex.
     digest: String,
+    /// How far reading it is.
+    ingest: Ingest,
+    /// The report's verdict in a word, once there is a report.
+    verdict: Option<String>,
 }
 
-impl From<store::Capture> for Capture {
-    fn from(capture: store::Capture) -> Self {
+impl From<store::Overview> for Capture {
+    fn from(overview: store::Overview) -> Self {
+        let store::Overview { capture, ingest, report } = overview;
         Self {
             name: capture.id.to_string(),
             display_name: capture.display_name,
             create_time: capture.created.to_string(),
             size_bytes: capture.size_bytes,
             digest: capture.digest.to_hex().to_string(),
+            ingest: ingest.into(),
+            verdict: report.map(|r| r.verdict),
         }
     }
+}
+
+/// The job that reads a capture. There is one for each; running it again replaces it.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Ingest {
+    /// QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED.
+    state: String,
+    /// The settings in force.
+    #[schema(value_type = Object)]
+    settings: Box<RawValue>,
+    #[schema(value_type = Option<Object>)]
+    progress: Option<Progress>,
+    /// Why it failed: category, reason, message. Fits of the capture fail with it.
+    #[schema(value_type = Option<Object>)]
+    fault: Option<Fault>,
+    /// Why earlier attempts ended.
+    #[schema(value_type = Vec<Object>)]
+    attempt_faults: Vec<Fault>,
+    attempts: u32,
+    /// `workers/{uuid}` while it runs.
+    worker: Option<String>,
+    cancel_requested: bool,
+    create_time: String,
+    start_time: Option<String>,
+    end_time: Option<String>,
+    /// Grows with every change, and on from one run to the next.
+    revision: u64,
+}
+
+impl From<store::Job> for Ingest {
+    fn from(job: store::Job) -> Self {
+        let time = |t: Option<jiff::Timestamp>| t.map(|t| t.to_string());
+        Self {
+            state: job.state.as_str().to_uppercase(),
+            settings: raw(job.settings),
+            progress: job.progress,
+            fault: job.fault,
+            attempt_faults: job.attempt_faults,
+            attempts: job.attempts,
+            worker: job.worker.map(|w| w.to_string()),
+            cancel_requested: job.cancel_requested,
+            create_time: job.created.to_string(),
+            start_time: time(job.started),
+            end_time: time(job.ended),
+            revision: job.revision,
+        }
+    }
+}
+
+/// An ingest to be run again.
+#[derive(Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NewIngest {
+    /// What differs from the default settings.
+    #[schema(value_type = Option<Object>)]
+    pub(super) settings: Option<Box<RawValue>>,
 }
 
 /// A page of captures, newest first.
@@ -77,8 +140,8 @@ pub(super) struct Fit {
     revision: u64,
 }
 
-impl From<store::Fit> for Fit {
-    fn from(fit: store::Fit) -> Self {
+impl From<store::Job> for Fit {
+    fn from(fit: store::Job) -> Self {
         let time = |t: Option<jiff::Timestamp>| t.map(|t| t.to_string());
         Self {
             name: fit.id.to_string(),
@@ -190,6 +253,8 @@ pub(super) struct Worker {
     last_seen_time: String,
     /// `fits/{uuid}` under way.
     fit: Option<String>,
+    /// `captures/{uuid}` whose ingest is under way.
+    ingest: Option<String>,
     /// Twins that are loaded and answer at once.
     warm_twins: Vec<String>,
     rollouts_in_flight: u32,
@@ -209,6 +274,7 @@ impl From<WorkerView> for Worker {
             start_time: view.worker.started.to_string(),
             last_seen_time: view.last_seen.to_string(),
             fit: view.fit.map(|f: ids::FitId| f.to_string()),
+            ingest: view.ingest.map(|c| c.to_string()),
             warm_twins: view.warm.iter().map(ToString::to_string).collect(),
             rollouts_in_flight: view.in_flight,
             build: said.build,
@@ -278,6 +344,22 @@ pub(super) struct UploadParams {
     /// BLAKE3 of the body, hex; checked. Headers say the same.
     #[serde(default)]
     pub(super) digest: String,
+}
+
+/// The name of a capture, and how it is to be read.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct CaptureParams {
+    /// A person's name for it.
+    #[serde(default)]
+    pub(super) display_name: String,
+    /// BLAKE3 of the body, hex; checked. Headers say the same.
+    #[serde(default)]
+    pub(super) digest: String,
+    /// What differs from the default settings of the ingest, as JSON.
+    #[serde(default)]
+    pub(super) ingest: String,
 }
 
 /// Stored JSON as it is; null if it is none.

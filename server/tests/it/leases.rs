@@ -2,7 +2,7 @@ use std::time::Duration;
 
 use bendtwin_proto::{
     v1::Fault,
-    worker::v1::{BeatRequest, FailFitRequest, LeaseFitRequest},
+    worker::v1::{BeatRequest, FailJobRequest, LeaseJobRequest, lease_job_request::Kind},
 };
 use serde_json::json;
 use tonic::Code;
@@ -24,25 +24,25 @@ async fn a_job_goes_from_worker_to_worker_until_it_is_a_twin() {
     let fit = server.fit().await;
     let mut first = Worker::register(&server).await;
     let lease = first.lease(Duration::from_secs(5)).await.unwrap();
-    assert_eq!((&lease.fit, lease.epoch, lease.has_checkpoint), (&fit, 1, false));
+    assert_eq!((&lease.job, lease.epoch, lease.has_checkpoint), (&fit, 1, false));
     assert_eq!(first.download(&lease.capture).await.unwrap(), b"an archive");
     assert_eq!(first.download(&fit).await.unwrap_err().code(), Code::NotFound);
     assert!(!first.report(&lease, 0.25).await.unwrap());
     first.checkpoint(&lease, b"old").await.unwrap();
     first.checkpoint(&lease, b"half way").await.unwrap();
-    let release = FailFitRequest { released: true, ..first.failure(&lease) };
-    first.link.fail_fit(release).await.unwrap();
+    let release = FailJobRequest { released: true, ..first.failure(&lease) };
+    first.link.fail_job(release).await.unwrap();
 
     let mut second = Worker::register(&server).await;
     let again = second.lease(Duration::from_secs(5)).await.unwrap();
-    assert_eq!((&again.fit, again.epoch, again.has_checkpoint), (&fit, 2, true));
+    assert_eq!((&again.job, again.epoch, again.has_checkpoint), (&fit, 2, true));
     assert_eq!(second.download(&fit).await.unwrap(), b"half way");
     // The first worker's lease is stale now.
     for status in [
         first.report(&lease, 0.9).await.unwrap_err(),
         first.checkpoint(&lease, b"late").await.unwrap_err(),
         first.complete(&lease, b"late").await.unwrap_err(),
-        first.link.fail_fit(first.failure(&lease)).await.unwrap_err(),
+        first.link.fail_job(first.failure(&lease)).await.unwrap_err(),
     ] {
         assert_eq!((status.code(), reason(&status).as_str()), (Code::Aborted, "STALE_LEASE"));
     }
@@ -58,8 +58,8 @@ async fn a_job_goes_from_worker_to_worker_until_it_is_a_twin() {
     assert_eq!((&got["fit"], &got["display_name"]), (&json!(fit), &json!("rope")));
     assert_eq!((&got["node_count"], &got["quality"]), (&json!(5), &json!({"scores": []})));
     assert_eq!(second.download(&twin).await.unwrap(), b"a twin");
-    // Capture and twin: no checkpoint is left.
-    assert_eq!(server.blob_files(), 2);
+    // Capture, observation, the two forms of its report and twin: no checkpoint is left.
+    assert_eq!(server.blob_files(), 5);
 }
 
 #[tokio::test]
@@ -68,11 +68,11 @@ async fn cancellation_and_failure_reach_the_user() {
     let (cancelled, failed) = (server.fit().await, server.fit().await);
     let mut worker = Worker::register(&server).await;
     let lease = worker.lease(Duration::ZERO).await.unwrap();
-    assert_eq!(lease.fit, cancelled);
+    assert_eq!(lease.job, cancelled);
     server.post(&format!("/v1/{cancelled}/cancel"), json!(null)).await;
     assert!(worker.report(&lease, 0.1).await.unwrap());
-    let end = FailFitRequest { cancelled: true, ..worker.failure(&lease) };
-    worker.link.fail_fit(end).await.unwrap();
+    let end = FailJobRequest { cancelled: true, ..worker.failure(&lease) };
+    worker.link.fail_job(end).await.unwrap();
     assert_eq!(server.get(&format!("/v1/{cancelled}")).await.1["state"], "CANCELLED");
 
     let lease = worker.lease(Duration::ZERO).await.unwrap();
@@ -82,8 +82,8 @@ async fn cancellation_and_failure_reach_the_user() {
         message: "the capture has no control points: say who moves it".into(),
     };
     let end =
-        FailFitRequest { fault: Some(fault.clone()), permanent: true, ..worker.failure(&lease) };
-    worker.link.fail_fit(end).await.unwrap();
+        FailJobRequest { fault: Some(fault.clone()), permanent: true, ..worker.failure(&lease) };
+    worker.link.fail_job(end).await.unwrap();
     let (_, fit) = server.get(&format!("/v1/{failed}")).await;
     assert_eq!(fit["state"], "FAILED");
     assert_eq!(fit["fault"]["reason"], fault.reason);
@@ -110,7 +110,7 @@ async fn a_silent_worker_loses_its_job_and_is_forgotten() {
     });
     // Waits for as long as the lease takes to run out.
     let lease = heir.lease(Duration::from_secs(10)).await.unwrap();
-    assert_eq!((&lease.fit, lease.epoch), (&fit, 2));
+    assert_eq!((&lease.job, lease.epoch), (&fit, 2));
     let (_, got) = server.get(&format!("/v1/{fit}")).await;
     assert_eq!(got["attempt_faults"][0]["reason"], "WORKER_LOST");
     let unknown = silent.beat().await.unwrap_err();
@@ -135,11 +135,13 @@ async fn the_link_is_for_token_holders() {
     }
     let mut link = link(&server);
     for wait_s in [-1.0, f64::NAN, f64::INFINITY] {
-        let request = LeaseFitRequest { worker: id.clone(), wait_s };
-        assert_eq!(link.lease_fit(request).await.unwrap_err().code(), Code::InvalidArgument);
+        let request = LeaseJobRequest { worker: id.clone(), wait_s, kind: Kind::Fit.into() };
+        assert_eq!(link.lease_job(request).await.unwrap_err().code(), Code::InvalidArgument);
     }
-    let request = LeaseFitRequest { worker: id, wait_s: 0.0 };
-    assert_eq!(reason(&link.lease_fit(request).await.unwrap_err()), "WORKER_UNKNOWN");
+    let request = LeaseJobRequest { worker: id.clone(), wait_s: 0.0, kind: Kind::Fit.into() };
+    assert_eq!(reason(&link.lease_job(request).await.unwrap_err()), "WORKER_UNKNOWN");
+    let request = LeaseJobRequest { worker: id, wait_s: 0.0, kind: 7 };
+    assert_eq!(link.lease_job(request).await.unwrap_err().code(), Code::InvalidArgument);
 }
 
 /// A worker started by others outlives the server and goes on with its job.

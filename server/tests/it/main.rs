@@ -5,6 +5,7 @@
 mod captures;
 mod fits;
 mod harness;
+mod ingests;
 mod leases;
 mod malformed;
 mod operations;

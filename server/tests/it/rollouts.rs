@@ -19,7 +19,7 @@ use crate::{
 async fn twin(server: &Server, worker: &mut Worker) -> String {
     let fit = server.fit().await;
     let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
-    assert_eq!(lease.fit, fit);
+    assert_eq!(lease.job, fit);
     worker.complete(&lease, b"a twin").await.unwrap()
 }
 

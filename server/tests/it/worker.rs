@@ -11,11 +11,16 @@ use std::{
 
 use bendtwin_core::ids::WorkerId;
 use bendtwin_proto::{
-    v1::{Progress, RollOutResponse, Tensor, roll_out_request::Actions, roll_out_response::Timing},
+    v1::{
+        Fault, Progress, RollOutResponse, Tensor, roll_out_request::Actions,
+        roll_out_response::Timing,
+    },
     worker::v1::{
-        BeatRequest, BeatResponse, CompleteFitRequest, DownloadRequest, ExecuteRollOutRequest,
-        ExecuteRollOutResponse, FailFitRequest, JobWrite, Lease, LeaseFitRequest, RegisterRequest,
-        ReportFitRequest, SaveCheckpointRequest, TwinWrite, complete_fit_request,
+        BeatRequest, BeatResponse, CompleteFitRequest, DownloadRequest, EndIngestRequest,
+        ExecuteRollOutRequest, ExecuteRollOutResponse, FailJobRequest, IngestWrite, JobWrite,
+        Lease, LeaseJobRequest, RegisterRequest, ReportJobRequest, SaveCheckpointRequest,
+        TwinWrite, complete_fit_request, end_ingest_request,
+        lease_job_request::Kind,
         save_checkpoint_request,
         worker_link_client::WorkerLinkClient,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
@@ -110,9 +115,51 @@ impl Worker {
         self.link.beat(request).await.map(Response::into_inner)
     }
 
+    /// Leases a fit, after ingesting whatever there is to ingest.
     pub(crate) async fn lease(&mut self, wait: Duration) -> Option<Lease> {
-        let request = LeaseFitRequest { worker: self.id.to_string(), wait_s: wait.as_secs_f64() };
-        self.link.lease_fit(request).await.unwrap().into_inner().lease
+        while let Some(lease) = self.lease_a(Kind::Ingest, Duration::ZERO).await {
+            self.observe(&lease).await.unwrap();
+        }
+        self.lease_a(Kind::Fit, wait).await
+    }
+
+    pub(crate) async fn lease_a(&mut self, kind: Kind, wait: Duration) -> Option<Lease> {
+        let (worker, wait_s) = (self.id.to_string(), wait.as_secs_f64());
+        let request = LeaseJobRequest { worker, wait_s, kind: kind.into() };
+        self.link.lease_job(request).await.unwrap().into_inner().lease
+    }
+
+    /// Ends an ingest well.
+    pub(crate) async fn observe(&mut self, lease: &Lease) -> Result<(), Status> {
+        self.end_ingest(lease, Some(b"seen"), "good", None).await
+    }
+
+    pub(crate) async fn end_ingest(
+        &mut self,
+        lease: &Lease,
+        observation: Option<&'static [u8]>,
+        verdict: &str,
+        fault: Option<Fault>,
+    ) -> Result<(), Status> {
+        use end_ingest_request::Part;
+        let (report, page): (&[u8], &[u8]) = (b"{\"findings\":[]}", b"<p>");
+        let digest = |content: &[u8]| blake3::hash(content).to_hex().to_string();
+        let made = IngestWrite {
+            job: Some(JobWrite { digest: String::new(), ..self.write(lease, b"") }),
+            verdict: verdict.to_owned(),
+            observation_digest: observation.map(digest).unwrap_or_default(),
+            report_digest: digest(report),
+            page_digest: digest(page),
+            fault,
+        };
+        let parts = std::iter::once(Part::Metadata(made))
+            .chain(observation.map(|o| Part::Observation(Bytes::from_static(o))))
+            .chain([
+                Part::Report(Bytes::from_static(report)),
+                Part::Page(Bytes::from_static(page)),
+            ]);
+        let parts: Vec<_> = parts.map(|part| EndIngestRequest { part: Some(part) }).collect();
+        self.link.end_ingest(futures::stream::iter(parts)).await.map(drop)
     }
 
     pub(crate) async fn report(&mut self, lease: &Lease, fraction: f64) -> Result<bool, Status> {
@@ -125,13 +172,13 @@ impl Worker {
             loss: Some(f64::NAN),
             ..Progress::default()
         };
-        let request = ReportFitRequest {
+        let request = ReportJobRequest {
             worker: self.id.to_string(),
-            fit: lease.fit.clone(),
+            job: lease.job.clone(),
             epoch: lease.epoch,
             progress: Some(progress),
         };
-        self.link.report_fit(request).await.map(|r| r.into_inner().cancel_requested)
+        self.link.report_job(request).await.map(|r| r.into_inner().cancel_requested)
     }
 
     pub(crate) async fn checkpoint(
@@ -167,12 +214,12 @@ impl Worker {
         self.link.complete_fit(futures::stream::iter(parts)).await.map(|r| r.into_inner().twin)
     }
 
-    pub(crate) fn failure(&self, lease: &Lease) -> FailFitRequest {
-        FailFitRequest {
+    pub(crate) fn failure(&self, lease: &Lease) -> FailJobRequest {
+        FailJobRequest {
             worker: self.id.to_string(),
-            fit: lease.fit.clone(),
+            job: lease.job.clone(),
             epoch: lease.epoch,
-            ..FailFitRequest::default()
+            ..FailJobRequest::default()
         }
     }
 
@@ -189,7 +236,7 @@ impl Worker {
     fn write(&self, lease: &Lease, content: &[u8]) -> JobWrite {
         JobWrite {
             worker: self.id.to_string(),
-            fit: lease.fit.clone(),
+            job: lease.job.clone(),
             epoch: lease.epoch,
             digest: blake3::hash(content).to_hex().to_string(),
         }

@@ -8,11 +8,11 @@ use bendtwin_proto::worker::v1::Lease;
 use bytes::Bytes;
 use tempfile::NamedTempFile;
 
-use super::{checkpoints::Checkpoints, report::Latest, stop::Stop};
 use crate::{
     Limits,
     device::{Device, Priority},
-    ingest,
+    job::{checkpoints::Checkpoints, report::Latest, stop::Stop},
+    observation,
 };
 
 /// Where the fit's thread reports to.
@@ -26,8 +26,8 @@ pub(super) struct Compute {
 pub(super) struct Task {
     pub(super) lease: Lease,
     pub(super) settings: FitSettings,
-    /// The capture's archive.
-    pub(super) archive: NamedTempFile,
+    /// What its capture's ingest made.
+    pub(super) observation: NamedTempFile,
     pub(super) checkpoint: Option<Bytes>,
 }
 
@@ -44,20 +44,19 @@ pub(super) struct Finished {
 }
 
 impl Compute {
-    /// Reads the capture and fits it, from the checkpoint if there is one.
+    /// Reads the observation and fits it, from the checkpoint if there is one.
     pub(super) fn run(
         self,
         task: Task,
         device: &Device,
         limits: &Limits,
     ) -> Result<Finished, Fault> {
-        let Task { lease, settings, archive, checkpoint } = task;
-        self.progress.set(ingesting());
-        let mut capture = ingest::read_checked(archive.path(), &lease.capture_display_name, limits)
-            .map_err(|e| e.fault())?;
+        let Task { lease, settings, observation, checkpoint } = task;
+        self.progress.set(reading());
+        let mut capture = observation::read(observation.path(), limits).map_err(|e| e.fault())?;
         // It may be gigabytes, and everything is in memory now.
-        drop(archive);
-        // The archive is a temporary file here; people know the capture by another name.
+        drop(observation);
+        // People may have given the capture a name since it was recorded.
         if !lease.capture_display_name.is_empty() {
             capture.name = lease.capture_display_name;
         }
@@ -101,7 +100,7 @@ impl Observer for Watcher {
     }
 }
 
-fn ingesting() -> Progress {
+fn reading() -> Progress {
     Progress {
         stage: Stage::Ingest,
         variant: String::new(),

@@ -1,6 +1,6 @@
 //! Initial states that name a frame of a capture: the twin follows the
-//! capture's own controls up to that frame. Captures are large and frames are
-//! asked for again and again, so controls and replayed states are kept, not captures.
+//! capture's own controls up to that frame, as its ingest observed them. Observations are large and frames are
+//! asked for again and again, so controls and replayed states are kept, not observations.
 
 use std::{
     path::PathBuf,
@@ -21,7 +21,7 @@ use super::{
     lru::Lru,
     warm::Warm,
 };
-use crate::{Limits, artifact, device::Lane, ingest, link::Link};
+use crate::{Limits, artifact, device::Lane, link::Link, observation};
 
 /// Captures whose controls are kept, and replayed states that are kept.
 const KEPT_MOTIONS: usize = 8;
@@ -97,11 +97,13 @@ impl Replays {
         if let Some(motions) = lock(&self.motions).get(&key) {
             return Ok(motions);
         }
-        let file = artifact::fetch_file(&self.link, &id.to_string(), None, &self.dir).await?;
+        let file =
+            artifact::fetch_file(&self.link, &observation::name(&id.to_string()), None, &self.dir)
+                .await?;
         let (warm, limits) = (Arc::clone(warm), self.limits);
         let motions = tokio::task::spawn_blocking(move || {
-            let capture =
-                ingest::read(file.path(), &limits).map_err(|e| Error::Capture(e.to_string()))?;
+            let capture = observation::read(file.path(), &limits)
+                .map_err(|e| Error::Capture(e.to_string()))?;
             motions_of(&warm.twin, &capture)
         })
         .await

@@ -52,21 +52,25 @@ fn finding(severity: Severity, code: &str, message: String) -> Finding {
     Finding { severity, code: code.to_owned(), message }
 }
 
-/// The findings, a line each.
+/// The findings and what to make of them.
 pub(super) fn text(report: &CheckReport) -> String {
-    let lines = report.findings.iter().map(|f| {
+    let verdict = match (report.is_usable(), report.of(Severity::Warning).count()) {
+        (false, _) => "This capture cannot be fitted as it is.",
+        (true, 0) => "This capture is fit for fitting.",
+        (true, _) => "This capture can be fitted; the warnings say what holds it back.",
+    };
+    lines(&report.findings) + verdict
+}
+
+/// Findings, a line each.
+pub(super) fn lines(findings: &[Finding]) -> String {
+    let line = |f: &Finding| {
         let severity = match f.severity {
             Severity::Error => "error",
             Severity::Warning => "warning",
             Severity::Info => "info",
         };
         format!("{severity:<8} {} [{}]\n", f.message, f.code)
-    });
-    let findings: String = lines.collect();
-    let verdict = match (report.is_usable(), report.of(Severity::Warning).count()) {
-        (false, _) => "This capture cannot be fitted as it is.",
-        (true, 0) => "This capture is fit for fitting.",
-        (true, _) => "This capture can be fitted; the warnings say what holds it back.",
     };
-    findings + verdict
+    findings.iter().map(line).collect()
 }

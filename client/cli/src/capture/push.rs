@@ -15,6 +15,7 @@ use tempfile::NamedTempFile;
 use super::{
     archive::Listing,
     check::{check_locally, text},
+    reading::follow,
 };
 use crate::{args::Global, failure, output, progress, signals};
 
@@ -28,6 +29,9 @@ pub(crate) struct Push {
     /// Upload without the check on this machine
     #[arg(long)]
     no_check: bool,
+    /// Follow how the server reads it, and say what it found
+    #[arg(long)]
+    watch: bool,
 }
 
 pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
@@ -49,6 +53,9 @@ pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
             anyhow::bail!("interrupted: push it again, and the upload goes on where it is now")
         }
     };
+    if args.watch {
+        return follow(&client, capture.name, global).await;
+    }
     output::print(global, &capture, || {
         format!("{}\nnext: bendtwin fit start {} --watch", capture.name, capture.name)
     })

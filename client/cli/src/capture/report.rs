@@ -1,19 +1,29 @@
-//! `bendtwin capture report`: what is wrong with a capture, as a page and as a document, without a server.
+//! `bendtwin capture report`: what is wrong with a capture, as a page and as a document; of one that lies here, without a
+//! server, or what the server found in one that it has.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use bendtwin_capture::{Limits, Opened};
+use bendtwin_client::CaptureId;
 use bendtwin_engine::backend::CancelToken;
 use bendtwin_inspect::{Inspection, Report, inspect, inspect_observed};
 use clap::Args;
 
-use super::check::text;
-use crate::{args::Global, failure, output};
+use super::{
+    check::text,
+    reading::{self, Files},
+};
+use crate::{
+    args::Global,
+    failure::{self, Usage},
+    output,
+};
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// A raw recording or a capture: a folder, a ZIP archive, or motion capture as .npz with its .json
+    /// A raw recording or a capture: a folder, a ZIP archive, or motion capture as .npz with its .json; or a capture of
+    /// the server's: captures/{uuid}
     path: PathBuf,
     /// Write a page with pictures that needs nothing else
     #[arg(long, value_name = "FILE")]
@@ -21,9 +31,21 @@ pub(crate) struct Arguments {
     /// Write the document for programs
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write what fits of a capture of the server's work on: tracked points as a bundle
+    #[arg(long, value_name = "FILE")]
+    observation: Option<PathBuf>,
 }
 
 pub(super) async fn run(args: Arguments, global: &Global) -> anyhow::Result<()> {
+    if let Some(name) = stored(&args.path) {
+        let (html, json) = (args.html.as_deref(), args.json.as_deref());
+        let files = Files { html, json, observation: args.observation.as_deref() };
+        return reading::report(name, files, global).await;
+    }
+    if args.observation.is_some() {
+        let what = "--observation is what a server made of a capture: name one, captures/{uuid}";
+        return Err(Usage::error(what));
+    }
     let path = args.path.clone();
     let inspected = tokio::task::spawn_blocking(move || open_and_inspect(&path)).await??;
     let report = Report::new(inspected, None);
@@ -43,6 +65,12 @@ pub(super) async fn run(args: Arguments, global: &Global) -> anyhow::Result<()> 
             .collect();
         text(&report.inspection().check_report()) + &files
     })
+}
+
+/// The capture of the server's that is meant, if it is one.
+fn stored(path: &Path) -> Option<CaptureId> {
+    let name = path.to_str().filter(|name| name.starts_with("captures/"))?;
+    name.parse().ok()
 }
 
 /// Looks at a capture of any kind on this machine.

@@ -1,7 +1,10 @@
 use bytes::Bytes;
 use futures::TryStreamExt;
 
-use crate::{Digest, Error, NewCapture, store::tests::Bench};
+use crate::{
+    Digest, Error,
+    store::tests::{Bench, new_capture},
+};
 
 #[tokio::test]
 async fn content_comes_back_as_it_was() {
@@ -13,7 +16,7 @@ async fn content_comes_back_as_it_was() {
     }
     let content_digest = blake3::hash(&content);
     let staged = upload.finish(Some(content_digest)).await.unwrap();
-    let new = NewCapture { display_name: String::new(), request_id: None, content: staged };
+    let new = new_capture("", staged);
     let capture = bench.store.captures().create(new).await.unwrap();
     assert_eq!((capture.size_bytes, capture.digest), (20_000_000, content_digest));
     let (_, read) = bench.store.captures().content(capture.id).await.unwrap();

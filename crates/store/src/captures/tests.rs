@@ -2,13 +2,12 @@ use bendtwin_core::{Category, Problem, ids::CaptureId};
 
 use crate::{
     Error, NewCapture, PageRequest,
-    store::tests::{Bench, new_fit},
+    store::tests::{Bench, new_capture, new_fit},
 };
 
 async fn create(bench: &Bench, content: &'static str, key: &str) -> crate::Result<CaptureId> {
     let content = bench.stage(content).await;
-    let request_id = Some(key.to_owned());
-    let new = NewCapture { display_name: "rope".into(), request_id, content };
+    let new = NewCapture { request_id: Some(key.to_owned()), ..new_capture("rope", content) };
     bench.store.captures().create(new).await.map(|c| c.id)
 }
 
@@ -27,14 +26,14 @@ async fn a_request_id_makes_creation_idempotent() {
 async fn stays_while_fits_need_it() {
     let bench = Bench::new().await;
     let capture = bench.capture("a").await;
-    let fit = bench.store.fits().create(new_fit(&capture)).await.unwrap();
+    let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     let refused = bench.store.captures().delete(capture.id).await;
     assert!(matches!(refused, Err(Error::CaptureInUse { fits: 1, .. })));
-    bench.store.fits().cancel(fit.id).await.unwrap();
+    bench.store.jobs().cancel(fit.id).await.unwrap();
     bench.store.captures().delete(capture.id).await.unwrap();
     let gone = bench.store.captures().delete(capture.id).await;
     assert!(matches!(gone, Err(Error::NotFound { .. })));
-    let orphan = bench.store.fits().create(new_fit(&capture)).await;
+    let orphan = bench.store.jobs().create_fit(new_fit(&capture)).await;
     assert!(matches!(orphan, Err(Error::NotFound { .. })));
 }
 

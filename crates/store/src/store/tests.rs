@@ -6,8 +6,8 @@ use bendtwin_core::ids::WorkerId;
 use bytes::Bytes;
 
 use crate::{
-    Capture, Clock, Error, Lease, ManualClock, NewCapture, NewFit, Options, Staged, State, Store,
-    TwinFacts, failpoint::Failpoint,
+    Capture, Clock, Error, Job, Kind, Lease, ManualClock, NewCapture, NewFit, Options, Staged,
+    State, Store, TwinFacts, failpoint::Failpoint,
 };
 
 pub(crate) const LEASE: Duration = Duration::from_secs(30);
@@ -41,13 +41,24 @@ impl Bench {
         upload.finish(None).await.unwrap()
     }
 
+    /// A capture whose ingest waits for a worker.
+    pub(crate) async fn fresh_capture(&self, content: &'static str) -> Capture {
+        let content = self.stage(content).await;
+        self.store.captures().create(new_capture("a rope", content)).await.unwrap()
+    }
+
+    /// A capture whose ingest is behind it, for tests of what comes later.
     pub(crate) async fn capture(&self, content: &'static str) -> Capture {
-        let new = NewCapture {
-            display_name: content.to_owned(),
-            request_id: None,
-            content: self.stage(content).await,
-        };
-        self.store.captures().create(new).await.unwrap()
+        let capture = self.fresh_capture(content).await;
+        let mut tx = self.store.inner.database.write().await.unwrap();
+        let ended = "update jobs set state = 'succeeded' where capture = $1 and kind = 'ingest'";
+        sqlx::query(ended).bind(capture.id.uuid().to_string()).execute(&mut *tx).await.unwrap();
+        tx.commit().await.unwrap();
+        capture
+    }
+
+    pub(crate) async fn claim(&self, kind: Kind) -> Option<Job> {
+        self.store.jobs().claim(kind, WorkerId::generate(), LEASE).await.unwrap()
     }
 
     pub(crate) async fn blob_count(&self) -> usize {
@@ -57,6 +68,15 @@ impl Bench {
 
 async fn open(dir: &std::path::Path, clock: Arc<dyn Clock>) -> crate::Result<Store> {
     Store::open(Options { data_dir: dir.to_owned(), clock }).await
+}
+
+pub(crate) fn new_capture(name: &str, content: Staged) -> NewCapture {
+    let display_name = name.to_owned();
+    NewCapture { display_name, request_id: None, content, ingest: "{}".to_owned() }
+}
+
+pub(crate) fn lease_of(job: &Job) -> Lease {
+    Lease { job: job.id, epoch: job.lease_epoch }
 }
 
 pub(crate) fn new_fit(capture: &Capture) -> NewFit {
@@ -87,7 +107,7 @@ async fn captures_survive_crashes_whole() {
         let doomed = bench.capture("doomed").await;
         let content = bench.stage("new").await;
         bench.store.inner.armed.arm(point);
-        let new = NewCapture { display_name: "new".into(), request_id: None, content };
+        let new = new_capture("new", content);
         let created = bench.store.captures().create(new).await.is_ok();
         let _ = bench.store.captures().delete(doomed.id).await;
 
@@ -109,22 +129,20 @@ async fn completion_survives_crashes() {
     for point in Failpoint::ALL {
         let bench = Bench::new().await;
         let capture = bench.capture("capture").await;
-        let fit = bench.store.fits().create(new_fit(&capture)).await.unwrap();
-        let worker = WorkerId::generate();
-        let epoch = bench.store.fits().claim(worker, LEASE).await.unwrap().unwrap().lease_epoch;
-        let lease = Lease { fit: fit.id, epoch };
+        let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
+        let lease = lease_of(&bench.claim(Kind::Fit).await.unwrap());
         let checkpoint = bench.stage("checkpoint").await;
-        bench.store.fits().save_checkpoint(lease, checkpoint, LEASE).await.unwrap();
+        bench.store.jobs().save_checkpoint(lease, checkpoint, LEASE).await.unwrap();
 
         let twin = bench.stage("twin").await;
         bench.store.inner.armed.arm(point);
         let facts = TwinFacts { quality: "{}".into(), ..TwinFacts::default() };
-        assert!(bench.store.fits().complete(lease, &facts, twin).await.is_err(), "{point:?}");
+        assert!(bench.store.jobs().complete_fit(lease, &facts, twin).await.is_err(), "{point:?}");
 
         let bench = bench.reopen().await;
         let twin = bench.stage("twin").await;
-        let twin = bench.store.fits().complete(lease, &facts, twin).await.unwrap();
-        let fit = bench.store.fits().get(fit.id).await.unwrap();
+        let twin = bench.store.jobs().complete_fit(lease, &facts, twin).await.unwrap();
+        let fit = bench.store.jobs().get(fit.id).await.unwrap();
         assert_eq!((fit.state, fit.twin), (State::Succeeded, Some(twin)), "{point:?}");
         let twins = bench.store.twins().list(&Default::default(), None).await.unwrap().items;
         assert_eq!(twins.len(), 1, "{point:?}");
@@ -140,17 +158,16 @@ async fn checkpoints_survive_crashes() {
     for point in Failpoint::ALL {
         let bench = Bench::new().await;
         let capture = bench.capture("capture").await;
-        let fit = bench.store.fits().create(new_fit(&capture)).await.unwrap();
-        let claimed = bench.store.fits().claim(WorkerId::generate(), LEASE).await.unwrap().unwrap();
-        let lease = Lease { fit: fit.id, epoch: claimed.lease_epoch };
+        let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
+        let lease = lease_of(&bench.claim(Kind::Fit).await.unwrap());
         let old = bench.stage("old").await;
-        bench.store.fits().save_checkpoint(lease, old, LEASE).await.unwrap();
+        bench.store.jobs().save_checkpoint(lease, old, LEASE).await.unwrap();
         let new = bench.stage("new").await;
         bench.store.inner.armed.arm(point);
-        let _ = bench.store.fits().save_checkpoint(lease, new, LEASE).await;
+        let _ = bench.store.jobs().save_checkpoint(lease, new, LEASE).await;
 
         let bench = bench.reopen().await;
-        bench.store.fits().checkpoint(fit.id).await.unwrap();
+        bench.store.jobs().checkpoint(fit.id).await.unwrap();
         assert_eq!(bench.blob_count().await, 2, "{point:?}");
     }
 }

@@ -5,7 +5,11 @@ use bytes::Bytes;
 use futures::TryStreamExt;
 
 use super::*;
-use crate::{Capture, NewCapture, failpoint::Failpoint, store::tests::Bench};
+use crate::{
+    Capture, NewCapture,
+    failpoint::Failpoint,
+    store::tests::{Bench, new_capture},
+};
 
 const KEEP: Duration = Duration::from_secs(100);
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -41,7 +45,7 @@ async fn finish(bench: &Bench, id: UploadId) -> Result<Capture> {
     let mut writer = claim(bench, id).await;
     let content = writer.stage().await?;
     let request_id = writer.upload().request_id.clone();
-    let new = NewCapture { display_name: "rope".into(), request_id, content };
+    let new = NewCapture { request_id, ..new_capture("rope", content) };
     bench.store.captures().create(new).await
 }
 

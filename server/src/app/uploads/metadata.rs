@@ -16,6 +16,8 @@ pub(super) struct Metadata {
     pub(super) request_id: String,
     /// BLAKE3 of the whole, hex.
     pub(super) digest: String,
+    /// Settings of the ingest, as JSON.
+    pub(super) ingest: String,
 }
 
 impl Metadata {
@@ -42,6 +44,7 @@ impl Metadata {
                 "display_name" => &mut metadata.display_name,
                 "request_id" => &mut metadata.request_id,
                 "digest" => &mut metadata.digest,
+                "ingest" => &mut metadata.ingest,
                 _ => continue,
             };
             *place = String::from_utf8(value)

@@ -1,15 +1,11 @@
 //! How attempts end other than in a twin, and what becomes of the job then.
 
-use bendtwin_core::{
-    Category, Fault,
-    ids::{FitId, WorkerId},
-};
+use bendtwin_core::{Category, Fault, ids::WorkerId};
 use sqlx::{Sqlite, Transaction};
-use uuid::Uuid;
 
 use super::{
-    Fit, Fits, Lease, MAX_STALLED_ATTEMPTS,
-    row::{self, Row, State},
+    Job, JobId, Jobs, Lease, MAX_STALLED_ATTEMPTS,
+    row::{self, Row, State, to_json},
 };
 use crate::{Error, Result, failpoint::Failpoint};
 
@@ -26,36 +22,37 @@ pub enum AttemptEnd {
     Released,
 }
 
-impl Fits<'_> {
+impl Jobs<'_> {
     /// Ends the attempt under this lease.
     ///
     /// # Errors
     /// [`Error::StaleLease`].
-    pub async fn end_attempt(&self, lease: Lease, end: AttemptEnd) -> Result<Fit> {
+    pub async fn end_attempt(&self, lease: Lease, end: AttemptEnd) -> Result<Job> {
         let mut tx = self.store.inner.database.write().await?;
-        let row = row::fetch_leased(&mut tx, lease.fit, lease.epoch).await?;
+        let row = row::fetch_leased(&mut tx, lease).await?;
         let checkpoint = row.checkpoint.clone();
-        let fit = self.apply(&mut tx, row, end).await?;
+        let job = self.apply(&mut tx, row, end).await?;
+        let followers = self.fail_followers(&mut tx, &job).await?;
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
-        self.settled(&fit, checkpoint).await?;
-        Ok(fit)
+        self.settled(&job, checkpoint, followers).await?;
+        Ok(job)
     }
 
     /// Ends all attempts whose leases have run out.
     ///
     /// # Errors
     /// Database errors.
-    pub async fn sweep(&self) -> Result<Vec<Fit>> {
-        let expired: Vec<String> = sqlx::query_scalar(
-            "select id from jobs where state = 'running' and lease_until < $1 order by lease_until",
+    pub async fn sweep(&self) -> Result<Vec<Job>> {
+        let expired: Vec<(String, String)> = sqlx::query_as(
+            "select kind, id from jobs where state = 'running' and lease_until < $1 order by lease_until",
         )
         .bind(self.store.now_micros())
         .fetch_all(self.store.inner.database.read())
         .await?;
         let mut swept = Vec::new();
-        for id in expired {
-            swept.extend(self.lose(&id, |row, now| row.lease_expired(now)).await?);
+        for id in expired.iter().filter_map(|(kind, id)| JobId::stored(kind, id)) {
+            swept.extend(self.lose(id, |row, now| row.lease_expired(now)).await?);
         }
         Ok(swept)
     }
@@ -66,26 +63,26 @@ impl Fits<'_> {
     ///
     /// # Errors
     /// Database errors.
-    pub async fn forfeit(&self, worker: WorkerId, counts: bool) -> Result<Vec<Fit>> {
+    pub async fn forfeit(&self, worker: WorkerId, counts: bool) -> Result<Vec<Job>> {
         let worker = worker.uuid().to_string();
-        let held: Vec<String> =
-            sqlx::query_scalar("select id from jobs where state = 'running' and worker = $1")
+        let held: Vec<(String, String)> =
+            sqlx::query_as("select kind, id from jobs where state = 'running' and worker = $1")
                 .bind(&worker)
                 .fetch_all(self.store.inner.database.read())
                 .await?;
         let mut lost = Vec::new();
-        for id in held {
+        for id in held.iter().filter_map(|(kind, id)| JobId::stored(kind, id)) {
             let is_its = |row: &Row, _| row.worker.as_ref() == Some(&worker);
             lost.extend(if counts {
-                self.lose(&id, is_its).await?
+                self.lose(id, is_its).await?
             } else {
-                self.end_if(&id, is_its, |_| AttemptEnd::Released).await?
+                self.end_if(id, is_its, |_| AttemptEnd::Released).await?
             });
         }
         Ok(lost)
     }
 
-    async fn lose(&self, id: &str, still: impl Fn(&Row, i64) -> bool) -> Result<Option<Fit>> {
+    async fn lose(&self, id: JobId, still: impl Fn(&Row, i64) -> bool) -> Result<Option<Job>> {
         let end = |row: &Row| {
             let worker = row.worker.as_deref().unwrap_or("unknown");
             AttemptEnd::Failed(Fault {
@@ -100,11 +97,10 @@ impl Fits<'_> {
     /// Ends a running attempt if `still` holds once the write lock is taken.
     async fn end_if(
         &self,
-        id: &str,
+        id: JobId,
         still: impl Fn(&Row, i64) -> bool,
         end: impl Fn(&Row) -> AttemptEnd,
-    ) -> Result<Option<Fit>> {
-        let Ok(id) = Uuid::try_parse(id).map(FitId::from) else { return Ok(None) };
+    ) -> Result<Option<Job>> {
         let mut tx = self.store.inner.database.write().await?;
         let row = match row::fetch(&mut tx, id).await {
             Err(Error::NotFound { .. }) => return Ok(None),
@@ -114,19 +110,20 @@ impl Fits<'_> {
             return Ok(None);
         }
         let (checkpoint, end) = (row.checkpoint.clone(), end(&row));
-        let fit = self.apply(&mut tx, row, end).await?;
+        let job = self.apply(&mut tx, row, end).await?;
+        let followers = self.fail_followers(&mut tx, &job).await?;
         tx.commit().await?;
-        self.settled(&fit, checkpoint).await?;
-        Ok(Some(fit))
+        self.settled(&job, checkpoint, followers).await?;
+        Ok(Some(job))
     }
 
     /// Writes what becomes of a running job.
-    async fn apply(
+    pub(super) async fn apply(
         &self,
         tx: &mut Transaction<'_, Sqlite>,
         row: Row,
         end: AttemptEnd,
-    ) -> Result<Fit> {
+    ) -> Result<Job> {
         let mut faults: Vec<Fault> = serde_json::from_str(&row.attempt_faults).unwrap_or_default();
         let stalled_out = row.stalled >= i64::from(MAX_STALLED_ATTEMPTS);
         let cancelling = row.cancel_requested;
@@ -165,16 +162,23 @@ impl Fits<'_> {
         updated.try_into()
     }
 
-    async fn settled(&self, fit: &Fit, checkpoint: Option<String>) -> Result<()> {
-        self.changed(fit);
-        match checkpoint {
-            Some(digest) if fit.state.has_ended() => self.store.release(&digest).await,
-            _ => Ok(()),
+    /// After the commit: tells of the changes and lets go of what nobody needs any more.
+    pub(super) async fn settled(
+        &self,
+        job: &Job,
+        checkpoint: Option<String>,
+        followers: Vec<(Job, Option<String>)>,
+    ) -> Result<()> {
+        self.changed(job);
+        let mut obsolete: Vec<String> =
+            checkpoint.filter(|_| job.state.has_ended()).into_iter().collect();
+        for (fit, checkpoint) in followers {
+            self.changed(&fit);
+            obsolete.extend(checkpoint);
         }
+        for digest in obsolete {
+            self.store.release(&digest).await?;
+        }
+        Ok(())
     }
-}
-
-fn to_json(value: &impl serde::Serialize) -> String {
-    // Faults are strings: they always serialise.
-    serde_json::to_string(value).unwrap_or_default()
 }

@@ -2,19 +2,19 @@
 
 use std::time::Duration;
 
-use bendtwin_core::{Category, Fault};
+use bendtwin_core::Fault;
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
-use super::{compute::Finished, job::Job};
+use super::Job;
 use crate::link::{Backoff, LinkError};
 
 /// How long a worker that is told to end still tries.
 const DRAIN_PATIENCE: Duration = Duration::from_secs(10);
 
-/// What kind of end a job came to, if not a twin.
+/// What kind of end a job came to, if not what was wanted of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Failure {
+pub(crate) enum Failure {
     /// The input's fault: another attempt would fail alike.
     Permanent,
     /// Another attempt may succeed.
@@ -26,7 +26,7 @@ pub(super) enum Failure {
 }
 
 /// Why the server does not have the last word.
-enum Undelivered {
+pub(crate) enum Undelivered {
     /// It does not want it.
     Refused(Fault),
     /// Another worker has the job, or it could not be reached for too long.
@@ -34,32 +34,24 @@ enum Undelivered {
 }
 
 /// Sends the last word.
-pub(super) struct Delivery<'a> {
-    pub(super) job: &'a Job,
-    pub(super) drain: &'a CancellationToken,
-    pub(super) patience: Duration,
+pub(crate) struct Delivery<'a> {
+    pub(crate) job: &'a Job,
+    pub(crate) drain: &'a CancellationToken,
+    pub(crate) patience: Duration,
 }
 
 impl Delivery<'_> {
-    /// Stores the twin, which ends the job. Sending it twice is safe: the second answer is the
-    /// same, or says that the lease is stale.
-    pub(super) async fn complete(&self, finished: Finished) {
-        match self.repeat("the twin", || self.job.complete(&finished)).await {
-            Ok(twin) => tracing::info!(twin, bytes = finished.file.len(), "fit succeeded"),
-            // Too large, say: another attempt would make the same twin and be refused alike.
-            Err(Undelivered::Refused(fault)) if fault.category == Category::InvalidArgument => {
-                self.fail(fault, Failure::Permanent).await;
-            }
-            Err(_) => {}
-        }
-    }
-
-    /// Says that there will be no twin from this attempt.
-    pub(super) async fn fail(&self, fault: Fault, kind: Failure) {
+    /// Says that there will be nothing from this attempt.
+    pub(crate) async fn fail(&self, fault: Fault, kind: Failure) {
         let _ = self.repeat("the failure", || self.job.fail(&fault, kind)).await;
     }
 
-    async fn repeat<T, F>(&self, what: &str, send: impl Fn() -> F) -> Result<T, Undelivered>
+    /// Says something until the server has heard it. It must bear being said twice.
+    pub(crate) async fn repeat<T, F>(
+        &self,
+        what: &str,
+        send: impl Fn() -> F,
+    ) -> Result<T, Undelivered>
     where
         F: Future<Output = Result<T, LinkError>>,
     {

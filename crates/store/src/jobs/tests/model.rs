@@ -7,8 +7,8 @@ use proptest::prelude::*;
 
 use super::{fault, progress};
 use crate::{
-    Lease, NewFit,
-    fits::{AttemptEnd, State},
+    Kind, Lease, NewFit,
+    jobs::{AttemptEnd, State},
     store::tests::{Bench, LEASE, new_fit},
 };
 use bendtwin_core::ids::WorkerId;
@@ -70,7 +70,7 @@ impl Job {
 async fn run(steps: Vec<Step>) {
     let bench = Bench::new().await;
     let capture = bench.capture("a").await;
-    let fits = bench.store.fits();
+    let fits = bench.store.jobs();
     let mut model: Vec<Job> = Vec::new();
     let mut ids = Vec::new();
     let mut leases: Vec<(usize, Lease)> = Vec::new();
@@ -78,7 +78,9 @@ async fn run(steps: Vec<Step>) {
         match step {
             Step::Create { priority } => {
                 bench.clock.advance(Duration::from_micros(1));
-                ids.push(fits.create(NewFit { priority, ..new_fit(&capture) }).await.unwrap().id);
+                ids.push(
+                    fits.create_fit(NewFit { priority, ..new_fit(&capture) }).await.unwrap().id,
+                );
                 let state = State::Queued;
                 let new =
                     Job { state, priority, epoch: 0, stalled: 0, furthest: 0.0, cancelling: false };
@@ -87,13 +89,13 @@ async fn run(steps: Vec<Step>) {
             Step::Claim => {
                 let queued = model.iter().enumerate().filter(|(_, j)| j.state == State::Queued);
                 let next = queued.min_by_key(|(i, j)| (-j.priority, *i)).map(|(i, _)| i);
-                let got = fits.claim(WorkerId::generate(), LEASE).await.unwrap();
+                let got = fits.claim(Kind::Fit, WorkerId::generate(), LEASE).await.unwrap();
                 assert_eq!(got.as_ref().map(|f| f.id), next.map(|i| ids[i]));
                 if let (Some(fit), Some(i)) = (got, next) {
                     model[i].state = State::Running;
                     model[i].epoch += 1;
                     model[i].stalled += 1;
-                    leases.push((i, Lease { fit: fit.id, epoch: fit.lease_epoch }));
+                    leases.push((i, Lease { job: fit.id, epoch: fit.lease_epoch }));
                 }
             }
             Step::Report { lease, fraction } => {
@@ -150,7 +152,8 @@ async fn run(steps: Vec<Step>) {
             *counts.entry(job.state.as_str()).or_insert(0u64) += 1;
         }
         let depth = fits.depth().await.unwrap();
-        let depth: BTreeMap<_, _> = depth.by_state.iter().map(|(s, n)| (s.as_str(), *n)).collect();
+        let fits = depth.counts.iter().filter(|(kind, ..)| *kind == Kind::Fit);
+        let depth: BTreeMap<_, _> = fits.map(|(_, s, n)| (s.as_str(), *n)).collect();
         assert_eq!(depth, counts);
     }
 }

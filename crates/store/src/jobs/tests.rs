@@ -1,21 +1,18 @@
+mod ingests;
 mod model;
 
 use std::time::Duration;
 
 use bendtwin_core::{Category, Fault, Progress, Stage, ids::WorkerId};
 
-use super::{AttemptEnd, Fit, Lease, State};
+use super::{AttemptEnd, Job, Kind, State};
 use crate::{
     Error, NewFit, TwinFacts,
-    store::tests::{Bench, LEASE, new_fit},
+    store::tests::{Bench, LEASE, lease_of, new_fit},
 };
 
-async fn claim(bench: &Bench) -> Option<Fit> {
-    bench.store.fits().claim(WorkerId::generate(), LEASE).await.unwrap()
-}
-
-fn lease_of(fit: &Fit) -> Lease {
-    Lease { fit: fit.id, epoch: fit.lease_epoch }
+async fn claim(bench: &Bench) -> Option<Job> {
+    bench.claim(Kind::Fit).await
 }
 
 fn progress(fraction: f64) -> Progress {
@@ -43,7 +40,7 @@ async fn higher_priorities_first_then_the_oldest() {
     let mut ids = Vec::new();
     for priority in [0, 5, 0, 5, -1] {
         let new = NewFit { priority, ..new_fit(&capture) };
-        ids.push(bench.store.fits().create(new).await.unwrap().id);
+        ids.push(bench.store.jobs().create_fit(new).await.unwrap().id);
     }
     let mut claimed = Vec::new();
     while let Some(fit) = claim(&bench).await {
@@ -57,9 +54,9 @@ async fn creation_is_idempotent() {
     let bench = Bench::new().await;
     let capture = bench.capture("a").await;
     let new = NewFit { request_id: Some("key".into()), ..new_fit(&capture) };
-    let first = bench.store.fits().create(new.clone()).await.unwrap();
-    assert_eq!(bench.store.fits().create(new.clone()).await.unwrap(), first);
-    let other = bench.store.fits().create(NewFit { priority: 1, ..new }).await;
+    let first = bench.store.jobs().create_fit(new.clone()).await.unwrap();
+    assert_eq!(bench.store.jobs().create_fit(new.clone()).await.unwrap(), first);
+    let other = bench.store.jobs().create_fit(NewFit { priority: 1, ..new }).await;
     assert!(matches!(other, Err(Error::RequestIdTaken { .. })));
 }
 
@@ -68,13 +65,15 @@ async fn racing_claimants_never_share_a_job() {
     let bench = Bench::new().await;
     let capture = bench.capture("a").await;
     for _ in 0..20 {
-        bench.store.fits().create(new_fit(&capture)).await.unwrap();
+        bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     }
     let claimants = (0..8).map(|_| {
         let store = bench.store.clone();
         tokio::spawn(async move {
             let mut mine = Vec::new();
-            while let Some(fit) = store.fits().claim(WorkerId::generate(), LEASE).await.unwrap() {
+            while let Some(fit) =
+                store.jobs().claim(Kind::Fit, WorkerId::generate(), LEASE).await.unwrap()
+            {
                 mine.push(fit.id);
             }
             mine
@@ -95,13 +94,14 @@ async fn waiting_claimants_wake_when_a_job_comes() {
     let store = bench.store.clone();
     let waiting = tokio::spawn(async move {
         let wait = Duration::from_secs(60);
-        store.fits().claim_within(WorkerId::generate(), LEASE, wait).await.unwrap()
+        store.jobs().claim_within(Kind::Fit, WorkerId::generate(), LEASE, wait).await.unwrap()
     });
     tokio::task::yield_now().await;
-    let fit = bench.store.fits().create(new_fit(&capture)).await.unwrap();
+    let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     assert_eq!(waiting.await.unwrap().unwrap().id, fit.id);
-    let none = bench.store.fits();
-    let none = none.claim_within(WorkerId::generate(), LEASE, Duration::from_millis(1)).await;
+    let none = bench.store.jobs();
+    let none =
+        none.claim_within(Kind::Fit, WorkerId::generate(), LEASE, Duration::from_millis(1)).await;
     assert_eq!(none.unwrap(), None);
 }
 
@@ -109,24 +109,24 @@ async fn waiting_claimants_wake_when_a_job_comes() {
 async fn a_stale_lease_changes_nothing() {
     let bench = Bench::new().await;
     let capture = bench.capture("a").await;
-    bench.store.fits().create(new_fit(&capture)).await.unwrap();
+    bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     let old = lease_of(&claim(&bench).await.unwrap());
     bench.clock.advance(LEASE + Duration::from_secs(1));
     // Expired but not swept: it still is the newest lease, so it writes.
-    bench.store.fits().report(old, Some(&progress(0.1)), LEASE).await.unwrap();
-    assert!(bench.store.fits().sweep().await.unwrap().is_empty());
+    bench.store.jobs().report(old, Some(&progress(0.1)), LEASE).await.unwrap();
+    assert!(bench.store.jobs().sweep().await.unwrap().is_empty());
     bench.clock.advance(LEASE + Duration::from_secs(1));
-    assert_eq!(bench.store.fits().sweep().await.unwrap().len(), 1);
+    assert_eq!(bench.store.jobs().sweep().await.unwrap().len(), 1);
     let new = claim(&bench).await.unwrap();
-    let before = bench.store.fits().get(new.id).await.unwrap();
+    let before = bench.store.jobs().get(new.id).await.unwrap();
 
-    let fits = bench.store.fits();
+    let fits = bench.store.jobs();
     let stale = |r: Option<Error>| assert!(matches!(r, Some(Error::StaleLease { .. })));
     stale(fits.report(old, Some(&progress(0.9)), LEASE).await.err());
     stale(fits.save_checkpoint(old, bench.stage("late").await, LEASE).await.err());
-    stale(fits.complete(old, &TwinFacts::default(), bench.stage("late").await).await.err());
+    stale(fits.complete_fit(old, &TwinFacts::default(), bench.stage("late").await).await.err());
     stale(fits.end_attempt(old, AttemptEnd::Released).await.err());
-    assert_eq!(bench.store.fits().get(new.id).await.unwrap(), before);
+    assert_eq!(bench.store.jobs().get(new.id).await.unwrap(), before);
     assert_eq!(bench.blob_count().await, 1);
 }
 
@@ -134,13 +134,13 @@ async fn a_stale_lease_changes_nothing() {
 async fn three_attempts_without_progress_fail_the_job() {
     let bench = Bench::new().await;
     let capture = bench.capture("a").await;
-    let fit = bench.store.fits().create(new_fit(&capture)).await.unwrap().id;
+    let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap().id;
     let fail = async |progressed: Option<f64>| {
         let lease = lease_of(&claim(&bench).await.unwrap());
         if let Some(fraction) = progressed {
-            bench.store.fits().report(lease, Some(&progress(fraction)), LEASE).await.unwrap();
+            bench.store.jobs().report(lease, Some(&progress(fraction)), LEASE).await.unwrap();
         }
-        bench.store.fits().end_attempt(lease, AttemptEnd::Failed(fault())).await.unwrap().state
+        bench.store.jobs().end_attempt(lease, AttemptEnd::Failed(fault())).await.unwrap().state
     };
     assert_eq!(fail(None).await, State::Queued);
     assert_eq!(fail(None).await, State::Queued);
@@ -149,7 +149,7 @@ async fn three_attempts_without_progress_fail_the_job() {
     assert_eq!(fail(Some(0.5)).await, State::Queued);
     assert_eq!(fail(Some(0.4)).await, State::Queued);
     assert_eq!(fail(None).await, State::Failed);
-    let fit = bench.store.fits().get(fit).await.unwrap();
+    let fit = bench.store.jobs().get(fit).await.unwrap();
     assert_eq!((fit.attempts, fit.attempt_faults.len()), (6, 5));
     assert_eq!(fit.fault, Some(fault()));
     assert!(claim(&bench).await.is_none());
@@ -159,13 +159,13 @@ async fn three_attempts_without_progress_fail_the_job() {
 async fn a_checkpoint_is_progress_if_its_content_is_new() {
     let bench = Bench::new().await;
     let capture = bench.capture("a").await;
-    bench.store.fits().create(new_fit(&capture)).await.unwrap();
+    bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     let mut states = Vec::new();
     for content in ["one", "two", "two", "two", "two"] {
         let fit = claim(&bench).await.unwrap();
         let checkpoint = bench.stage(content).await;
-        bench.store.fits().save_checkpoint(lease_of(&fit), checkpoint, LEASE).await.unwrap();
-        let lost = bench.store.fits().forfeit(fit.worker.unwrap(), true).await.unwrap();
+        bench.store.jobs().save_checkpoint(lease_of(&fit), checkpoint, LEASE).await.unwrap();
+        let lost = bench.store.jobs().forfeit(fit.worker.unwrap(), true).await.unwrap();
         states.push(lost[0].state);
     }
     use State::{Failed, Queued};
@@ -176,10 +176,10 @@ async fn a_checkpoint_is_progress_if_its_content_is_new() {
 async fn released_jobs_go_back_uncounted() {
     let bench = Bench::new().await;
     let capture = bench.capture("a").await;
-    bench.store.fits().create(new_fit(&capture)).await.unwrap();
+    bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     for _ in 0..10 {
         let lease = lease_of(&claim(&bench).await.unwrap());
-        let fit = bench.store.fits().end_attempt(lease, AttemptEnd::Released).await.unwrap();
+        let fit = bench.store.jobs().end_attempt(lease, AttemptEnd::Released).await.unwrap();
         assert_eq!((fit.state, fit.attempts), (State::Queued, 0));
     }
 }
@@ -188,15 +188,15 @@ async fn released_jobs_go_back_uncounted() {
 async fn cancellation_reaches_every_state() {
     let bench = Bench::new().await;
     let capture = bench.capture("a").await;
-    let fits = bench.store.fits();
-    let queued = fits.create(new_fit(&capture)).await.unwrap().id;
+    let fits = bench.store.jobs();
+    let queued = fits.create_fit(new_fit(&capture)).await.unwrap().id;
     assert_eq!(fits.cancel(queued).await.unwrap().state, State::Cancelled);
 
-    fits.create(new_fit(&capture)).await.unwrap();
+    fits.create_fit(new_fit(&capture)).await.unwrap();
     let running = claim(&bench).await.unwrap();
     let asked = fits.cancel(running.id).await.unwrap();
     assert!(asked.state == State::Running && asked.cancel_requested);
-    assert!(matches!(fits.delete(running.id).await, Err(Error::FitRunning { .. })));
+    assert!(matches!(fits.delete(running.id.fit().unwrap()).await, Err(Error::FitRunning { .. })));
     let lease = lease_of(&running);
     assert!(fits.report(lease, None, LEASE).await.unwrap().cancel_requested);
     let ended = fits.end_attempt(lease, AttemptEnd::Cancelled).await.unwrap();
@@ -204,26 +204,26 @@ async fn cancellation_reaches_every_state() {
     assert_eq!(fits.cancel(running.id).await.unwrap(), ended);
 
     // A worker that dies while it is asked to stop has stopped.
-    fits.create(new_fit(&capture)).await.unwrap();
+    fits.create_fit(new_fit(&capture)).await.unwrap();
     let dying = claim(&bench).await.unwrap();
     fits.cancel(dying.id).await.unwrap();
     bench.clock.advance(LEASE * 2);
     assert_eq!(fits.sweep().await.unwrap()[0].state, State::Cancelled);
-    fits.delete(dying.id).await.unwrap();
+    fits.delete(dying.id.fit().unwrap()).await.unwrap();
 }
 
 #[tokio::test]
 async fn every_change_is_told_with_a_higher_revision() {
     let bench = Bench::new().await;
     let capture = bench.capture("a").await;
-    let mut changes = bench.store.fits().changes();
-    let id = bench.store.fits().create(new_fit(&capture)).await.unwrap().id;
+    let mut changes = bench.store.jobs().changes();
+    let id = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap().id;
     let lease = lease_of(&claim(&bench).await.unwrap());
-    bench.store.fits().report(lease, Some(&progress(0.1)), LEASE).await.unwrap();
+    bench.store.jobs().report(lease, Some(&progress(0.1)), LEASE).await.unwrap();
     let twin = bench.stage("twin").await;
-    bench.store.fits().complete(lease, &TwinFacts::default(), twin).await.unwrap();
+    bench.store.jobs().complete_fit(lease, &TwinFacts::default(), twin).await.unwrap();
     for _ in 0..4 {
         assert_eq!(changes.try_recv().unwrap(), id);
     }
-    assert_eq!(bench.store.fits().get(id).await.unwrap().revision, 4);
+    assert_eq!(bench.store.jobs().get(id).await.unwrap().revision, 4);
 }

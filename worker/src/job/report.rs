@@ -1,14 +1,16 @@
 //! Renews a job's lease, reports progress and hears of cancellation, from a
-//! task of its own. Often enough that a cancelled fit ends within a second.
+//! task of its own. Often enough that a cancelled job ends within a second.
 
-use std::{sync::PoisonError, time::Duration};
+use std::{
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
 
 use bendtwin_core::Progress;
 use tokio::{task::JoinHandle, time::MissedTickBehavior};
 
 use super::{
-    Shared,
-    job::Job,
+    Job,
     stop::{Reason, Stop},
 };
 use crate::link::LinkError;
@@ -16,12 +18,12 @@ use crate::link::LinkError;
 /// Between two reports. A lease lasts tens of seconds, so many may be missed.
 const EVERY: Duration = Duration::from_millis(500);
 
-/// The latest progress, written by the fit's thread.
+/// The latest progress, written by whoever works.
 #[derive(Clone, Default)]
-pub(super) struct Latest(Shared<Option<Progress>>);
+pub(crate) struct Latest(Arc<Mutex<Option<Progress>>>);
 
 impl Latest {
-    pub(super) fn set(&self, progress: Progress) {
+    pub(crate) fn set(&self, progress: Progress) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(progress);
     }
 
@@ -31,7 +33,7 @@ impl Latest {
 }
 
 /// Starts reporting; it goes on until the task is aborted.
-pub(super) fn start(job: Job, stop: Stop) -> (Latest, JoinHandle<()>) {
+pub(crate) fn start(job: Job, stop: Stop) -> (Latest, JoinHandle<()>) {
     let latest = Latest::default();
     let task = tokio::spawn(run(job, stop, latest.clone()));
     (latest, task)
@@ -58,7 +60,7 @@ async fn run(job: Job, stop: Stop, latest: Latest) {
             }
             Err(LinkError::Unavailable(fault)) => {
                 if std::mem::replace(&mut reachable, false) {
-                    tracing::warn!("cannot report ({fault}); the fit goes on");
+                    tracing::warn!("cannot report ({fault}); the work goes on");
                 }
             }
         }

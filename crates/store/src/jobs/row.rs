@@ -1,10 +1,10 @@
 //! A row of `jobs` and what it says.
 
-use bendtwin_core::{Progress, ids::FitId};
+use bendtwin_core::Progress;
 use sqlx::{FromRow, Sqlite, Transaction};
 use uuid::Uuid;
 
-use super::Fit;
+use super::{Job, JobId, Kind, Lease};
 use crate::{Digest, Error, Result, clock::from_micros};
 
 /// Where a job is in its life.
@@ -49,6 +49,7 @@ impl State {
 #[derive(FromRow)]
 pub(super) struct Row {
     pub(super) id: String,
+    kind: String,
     pub(super) capture: String,
     state: String,
     priority: i64,
@@ -70,7 +71,7 @@ pub(super) struct Row {
     created_at: i64,
     started_at: Option<i64>,
     ended_at: Option<i64>,
-    revision: i64,
+    pub(super) revision: i64,
 }
 
 impl Row {
@@ -82,8 +83,13 @@ impl Row {
         self.lease_until.is_some_and(|until| until < now)
     }
 
+    /// Whether its last lease is this one.
+    pub(super) fn is_of(&self, lease: Lease) -> bool {
+        self.lease_epoch == i64::try_from(lease.epoch).unwrap_or(-1)
+    }
+
     fn corrupt(&self, fault: &str) -> Error {
-        Error::CorruptRow { name: format!("fits/{}", self.id), fault: fault.to_owned() }
+        Error::CorruptRow { name: format!("{}s/{}", self.kind, self.id), fault: fault.to_owned() }
     }
 
     fn json<T: serde::de::DeserializeOwned>(&self, text: &Option<String>) -> Result<Option<T>> {
@@ -92,10 +98,11 @@ impl Row {
     }
 }
 
-impl TryFrom<Row> for Fit {
+impl TryFrom<Row> for Job {
     type Error = Error;
     fn try_from(row: Row) -> Result<Self> {
         let uuid = |text: &String| Uuid::try_parse(text).map_err(|_| row.corrupt("an id"));
+        let kind = Kind::parse(&row.kind).ok_or_else(|| row.corrupt("kind"))?;
         let state = row.state()?;
         let mut progress: Option<Progress> = row.json(&row.progress)?;
         if state == State::Succeeded {
@@ -103,7 +110,7 @@ impl TryFrom<Row> for Fit {
             progress.iter_mut().for_each(|p| (p.fraction, p.eta_s) = (1.0, Some(0.0)));
         }
         Ok(Self {
-            id: uuid(&row.id)?.into(),
+            id: JobId::new(kind, uuid(&row.id)?),
             capture: uuid(&row.capture)?.into(),
             state,
             priority: i32::try_from(row.priority).unwrap_or_default(),
@@ -133,23 +140,61 @@ impl TryFrom<Row> for Fit {
 }
 
 /// The row of a job, within a transaction.
-pub(super) async fn fetch(tx: &mut Transaction<'_, Sqlite>, id: FitId) -> Result<Row> {
-    let row: Option<Row> = sqlx::query_as("select * from jobs where id = $1")
+pub(super) async fn fetch(tx: &mut Transaction<'_, Sqlite>, id: JobId) -> Result<Row> {
+    let row: Option<Row> = sqlx::query_as("select * from jobs where id = $1 and kind = $2")
         .bind(id.uuid().to_string())
+        .bind(id.kind().as_str())
         .fetch_optional(&mut **tx)
         .await?;
     row.ok_or_else(|| Error::NotFound { name: id.to_string() })
 }
 
 /// The row of a job, if it runs under this very lease.
-pub(super) async fn fetch_leased(
-    tx: &mut Transaction<'_, Sqlite>,
-    fit: FitId,
-    epoch: u64,
-) -> Result<Row> {
-    let row = fetch(tx, fit).await?;
-    if row.state()? != State::Running || row.lease_epoch != i64::try_from(epoch).unwrap_or(-1) {
-        return Err(Error::StaleLease { fit, epoch });
+pub(super) async fn fetch_leased(tx: &mut Transaction<'_, Sqlite>, lease: Lease) -> Result<Row> {
+    let row = fetch(tx, lease.job).await?;
+    if row.state()? != State::Running || !row.is_of(lease) {
+        return Err(Error::StaleLease { job: lease.job, epoch: lease.epoch });
     }
     Ok(row)
+}
+
+/// The job that was created under a request id.
+pub(super) async fn requested(
+    tx: &mut Transaction<'_, Sqlite>,
+    request_id: &str,
+) -> Result<Option<Row>> {
+    let row = sqlx::query_as("select * from jobs where request_id = $1")
+        .bind(request_id)
+        .fetch_optional(&mut **tx)
+        .await?;
+    Ok(row)
+}
+
+/// The ingest of a capture.
+pub(super) async fn ingest_of(
+    tx: &mut Transaction<'_, Sqlite>,
+    capture: &str,
+) -> Result<Option<Row>> {
+    let row = sqlx::query_as("select * from jobs where capture = $1 and kind = 'ingest'")
+        .bind(capture)
+        .fetch_optional(&mut **tx)
+        .await?;
+    Ok(row)
+}
+
+/// How many fits of a capture are queued or running.
+pub(crate) async fn fits_under_way(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<u64> {
+    let fits: i64 = sqlx::query_scalar(
+        "select count(*) from jobs
+         where capture = $1 and kind = 'fit' and state in ('queued', 'running')",
+    )
+    .bind(capture)
+    .fetch_one(&mut **tx)
+    .await?;
+    Ok(fits.max(0) as u64)
+}
+
+pub(super) fn to_json(value: &impl serde::Serialize) -> String {
+    // Faults are strings: they always serialise.
+    serde_json::to_string(value).unwrap_or_default()
 }

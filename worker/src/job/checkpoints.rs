@@ -1,8 +1,8 @@
-//! Saves checkpoints durably without holding up the fit: the latest one wins,
+//! Saves checkpoints durably without holding up the work: the latest one wins,
 //! not more than one in a while, but always at the end of a stage.
 
 use std::{
-    sync::{Arc, PoisonError},
+    sync::{Arc, Mutex, PoisonError},
     time::Duration,
 };
 
@@ -10,8 +10,7 @@ use bytes::Bytes;
 use tokio::{sync::Notify, task::JoinHandle, time::Instant};
 
 use super::{
-    Shared,
-    job::Job,
+    Job,
     stop::{Reason, Stop},
 };
 use crate::link::{Backoff, LinkError};
@@ -21,14 +20,14 @@ const EVERY: Duration = Duration::from_secs(2);
 /// How long the last checkpoint may take when a worker ends.
 const FLUSH: Duration = Duration::from_secs(10);
 
-/// Where the fit's thread leaves checkpoints.
+/// Where whoever works leaves checkpoints.
 #[derive(Clone)]
-pub(super) struct Checkpoints(Arc<Slot>);
+pub(crate) struct Checkpoints(Arc<Slot>);
 
 struct Slot {
-    waiting: Shared<Option<Waiting>>,
+    waiting: Mutex<Option<Waiting>>,
     /// Taken from `waiting` and not acknowledged yet.
-    sending: Shared<Option<Bytes>>,
+    sending: Mutex<Option<Bytes>>,
     changed: Notify,
 }
 
@@ -39,7 +38,7 @@ struct Waiting {
 }
 
 /// The saving task.
-pub(super) struct Saver {
+pub(crate) struct Saver {
     slot: Arc<Slot>,
     job: Job,
     task: JoinHandle<()>,
@@ -47,7 +46,7 @@ pub(super) struct Saver {
 
 impl Checkpoints {
     /// Leaves a checkpoint to be saved in place of any that still waits.
-    pub(super) fn offer(&self, content: Vec<u8>, stage_ended: bool) {
+    pub(crate) fn offer(&self, content: Vec<u8>, stage_ended: bool) {
         self.0.put(Waiting { content: content.into(), urgent: stage_ended });
     }
 }
@@ -83,10 +82,10 @@ impl Slot {
 }
 
 /// Starts the saving task.
-pub(super) fn start(job: Job, stop: Stop) -> (Checkpoints, Saver) {
+pub(crate) fn start(job: Job, stop: Stop) -> (Checkpoints, Saver) {
     let slot = Arc::new(Slot {
-        waiting: Shared::default(),
-        sending: Shared::default(),
+        waiting: Mutex::default(),
+        sending: Mutex::default(),
         changed: Notify::new(),
     });
     let task = tokio::spawn(run(Arc::clone(&slot), job.clone(), stop));
@@ -95,12 +94,12 @@ pub(super) fn start(job: Job, stop: Stop) -> (Checkpoints, Saver) {
 
 impl Saver {
     /// Drops what waits: nobody needs it any more.
-    pub(super) fn abort(self) {
+    pub(crate) fn abort(self) {
         self.task.abort();
     }
 
     /// Saves what waits, so that the next worker loses nothing, if that goes quickly.
-    pub(super) async fn flush(self) {
+    pub(crate) async fn flush(self) {
         self.task.abort();
         // What it was sending is sent again at worst.
         let _ = self.task.await;

@@ -1,0 +1,51 @@
+//! `bendtwin capture ingest`.
+
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use bendtwin_client::{CaptureId, IngestSettings};
+use clap::Args;
+
+use super::reading::follow;
+use crate::{args::Global, failure::Usage, output};
+
+#[derive(Debug, Args)]
+pub(crate) struct IngestArgs {
+    /// captures/{uuid}
+    name: CaptureId,
+    /// Settings that differ from the defaults, as a JSON file
+    #[arg(long, value_name = "FILE")]
+    settings: Option<PathBuf>,
+    /// Stop the ingest that is under way instead
+    #[arg(long, conflicts_with_all = ["settings", "watch"])]
+    cancel: bool,
+    /// Follow it until it has ended
+    #[arg(long)]
+    watch: bool,
+}
+
+pub(super) async fn run(args: IngestArgs, global: &Global) -> anyhow::Result<()> {
+    let settings = match &args.settings {
+        None => IngestSettings::default(),
+        Some(path) => {
+            let text = std::fs::read_to_string(path)
+                .with_context(|| format!("cannot read the settings {}", path.display()))?;
+            serde_json::from_str(&text)
+                .map_err(|e| Usage::error(format!("{}: {e}", path.display())))?
+        }
+    };
+    let client = global.connect().await?;
+    let captures = client.captures();
+    let capture = if args.cancel {
+        captures.cancel_ingest(args.name).await?
+    } else {
+        captures.ingest(args.name, &settings).await?
+    };
+    if args.watch {
+        return follow(&client, args.name, global).await;
+    }
+    output::print(global, &capture, || {
+        let state = capture.ingest.state.as_str();
+        format!("{}: {state}\nnext: bendtwin capture report {}", args.name, args.name)
+    })
+}

@@ -1,0 +1,147 @@
+//! Watching a job through lost connections and server restarts.
+
+use std::{
+    marker::PhantomData,
+    pin::Pin,
+    task::{Context, Poll},
+    time::{Duration, Instant},
+};
+
+use futures::{Stream, StreamExt as _, future::BoxFuture, stream::BoxStream};
+use tonic::{Status, Streaming};
+
+use crate::{Capture, Error, Fit};
+
+/// How long a server may be away.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Between two attempts to reach it.
+const PAUSE: Duration = Duration::from_millis(500);
+
+/// The states of a job, from now until it has ended: of a [`Fit`], or of a [`Capture`] that is being read.
+pub struct Watch<T = Fit>(BoxStream<'static, Result<T, Error>>);
+
+impl<T> std::fmt::Debug for Watch<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Watch")
+    }
+}
+
+impl<T> Stream for Watch<T> {
+    type Item = Result<T, Error>;
+
+    fn poll_next(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Self::Item>> {
+        self.0.poll_next_unpin(context)
+    }
+}
+
+impl<T: Send + 'static> Watch<T> {
+    /// Waits for the end; the last state.
+    pub(crate) async fn last(mut self) -> Result<T, Error> {
+        let mut last = None;
+        while let Some(state) = self.next().await {
+            last = Some(state?);
+        }
+        last.ok_or_else(|| Error::malformed("the server ended the watch without a word"))
+    }
+}
+
+/// What has revisions and an end.
+pub(crate) trait Watched: Send + 'static {
+    fn revision(&self) -> u64;
+    fn has_ended(&self) -> bool;
+}
+
+impl Watched for Fit {
+    fn revision(&self) -> u64 {
+        self.revision
+    }
+    fn has_ended(&self) -> bool {
+        self.state.has_ended()
+    }
+}
+
+impl Watched for Capture {
+    fn revision(&self) -> u64 {
+        self.ingest.revision
+    }
+    fn has_ended(&self) -> bool {
+        self.ingest.state.has_ended()
+    }
+}
+
+/// Asks for the revisions after one.
+type Open<W> = Box<dyn Fn(u64) -> BoxFuture<'static, Result<Streaming<W>, Status>> + Send>;
+
+/// Where a watch stands.
+struct Position<T, W> {
+    open: Open<W>,
+    after_revision: u64,
+    stream: Option<Streaming<W>>,
+    /// Since when nothing was heard.
+    silent_since: Option<Instant>,
+    ended: bool,
+    item: PhantomData<fn() -> T>,
+}
+
+/// A watch whose calls `open` makes.
+pub(crate) fn start<T, W>(
+    open: impl Fn(u64) -> BoxFuture<'static, Result<Streaming<W>, Status>> + Send + 'static,
+) -> Watch<T>
+where
+    T: Watched + TryFrom<W, Error = Error>,
+    W: Send + 'static,
+{
+    let position = Position {
+        open: Box::new(open),
+        after_revision: 0,
+        stream: None,
+        silent_since: None,
+        ended: false,
+        item: PhantomData,
+    };
+    Watch(
+        futures::stream::unfold(position, |mut position| async move {
+            let item = position.next().await?;
+            Some((item, position))
+        })
+        .boxed(),
+    )
+}
+
+impl<T: Watched + TryFrom<W, Error = Error>, W: Send + 'static> Position<T, W> {
+    async fn next(&mut self) -> Option<Result<T, Error>> {
+        while !self.ended {
+            match self.advance().await {
+                Ok(Some(state)) => {
+                    self.silent_since = None;
+                    self.after_revision = state.revision();
+                    self.ended = state.has_ended();
+                    return Some(Ok(state));
+                }
+                // The server closed the stream before the job's end: it shuts down.
+                Ok(None) => self.stream = None,
+                Err(error) => {
+                    self.stream = None;
+                    let since = *self.silent_since.get_or_insert_with(Instant::now);
+                    if !error.is_transient() || since.elapsed() > PATIENCE {
+                        self.ended = true;
+                        return Some(Err(error));
+                    }
+                }
+            }
+            tokio::time::sleep(PAUSE).await;
+        }
+        None
+    }
+
+    async fn advance(&mut self) -> Result<Option<T>, Error> {
+        let stream = match &mut self.stream {
+            Some(stream) => stream,
+            None => {
+                let opened = (self.open)(self.after_revision).await?;
+                self.stream.insert(opened)
+            }
+        };
+        stream.message().await?.map(T::try_from).transpose()
+    }
+}

@@ -1,0 +1,235 @@
+//! Jobs: the queue. The design is in the crate's documentation; here are the
+//! nouns and what users do with either kind, in `fits.rs` and `ingests.rs` what
+//! is one kind's own, in `lease.rs` what workers do, in `end.rs` how attempts
+//! end, in `id.rs` the names and in `row.rs` the row.
+
+mod end;
+mod fits;
+mod id;
+mod ingests;
+mod lease;
+mod row;
+
+use std::time::Duration;
+
+use bendtwin_core::{
+    Fault, Progress,
+    ids::{CaptureId, FitId, TwinId, WorkerId},
+};
+use jiff::Timestamp;
+use tokio::sync::broadcast;
+
+use crate::{Digest, Error, Result, Store};
+
+pub use end::AttemptEnd;
+pub use fits::NewFit;
+pub use id::{JobId, Kind};
+pub use ingests::{IngestResult, NewIngest, NewReport};
+pub(crate) use ingests::{dequeue, enqueue};
+pub use lease::{Lease, Reported};
+pub use row::State;
+pub(crate) use row::fits_under_way;
+
+use row::Row;
+
+/// Attempts without progress after which a job fails.
+pub const MAX_STALLED_ATTEMPTS: u32 = 3;
+
+/// A job.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
+    /// Its id, which tells its kind.
+    pub id: JobId,
+    /// What is fitted or read.
+    pub capture: CaptureId,
+    /// Where it is in its life.
+    pub state: State,
+    /// The settings in force, as JSON.
+    pub settings: String,
+    /// Higher runs earlier.
+    pub priority: i32,
+    /// Claims that counted.
+    pub attempts: u32,
+    /// The fencing number: how often it was claimed at all.
+    pub lease_epoch: u64,
+    /// When the lease runs out, while it runs.
+    pub lease_until: Option<Timestamp>,
+    /// Who runs it, while it runs.
+    pub worker: Option<WorkerId>,
+    /// The last report.
+    pub progress: Option<Progress>,
+    /// The newest checkpoint's digest, until it ends.
+    pub checkpoint: Option<Digest>,
+    /// Whether it has been asked to stop.
+    pub cancel_requested: bool,
+    /// What it made, if it is a fit.
+    pub twin: Option<TwinId>,
+    /// Why it failed.
+    pub fault: Option<Fault>,
+    /// Why earlier attempts ended.
+    pub attempt_faults: Vec<Fault>,
+    /// W3C traceparent of the call that created it.
+    pub trace_parent: Option<String>,
+    /// The idempotency key it was created under.
+    pub request_id: Option<String>,
+    /// When it was created.
+    pub created: Timestamp,
+    /// When it was first claimed.
+    pub started: Option<Timestamp>,
+    /// When it ended.
+    pub ended: Option<Timestamp>,
+    /// Grows with every change; that of a capture's next ingest goes on from the last one's.
+    pub revision: u64,
+}
+
+/// How many jobs there are of each kind and state, and how long the queues are in time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct QueueDepth {
+    /// Jobs by kind and state; what has none is left out.
+    pub counts: Vec<(Kind, State, u64)>,
+    /// How long the oldest queued job of a kind has been there.
+    pub oldest_queued: Vec<(Kind, Duration)>,
+}
+
+impl QueueDepth {
+    /// Jobs of a kind in a state.
+    pub fn count(&self, kind: Kind, state: State) -> u64 {
+        let found = self.counts.iter().find(|(k, s, _)| (*k, *s) == (kind, state));
+        found.map_or(0, |(.., n)| *n)
+    }
+
+    /// How long the oldest queued job of a kind has been there; zero if none is.
+    pub fn oldest(&self, kind: Kind) -> Duration {
+        let found = self.oldest_queued.iter().find(|(k, _)| *k == kind);
+        found.map_or(Duration::ZERO, |(_, waited)| *waited)
+    }
+}
+
+/// The jobs of a store.
+#[derive(Clone, Copy, Debug)]
+pub struct Jobs<'a> {
+    pub(crate) store: &'a Store,
+}
+
+impl Jobs<'_> {
+    /// One job.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`].
+    pub async fn get(&self, id: impl Into<JobId>) -> Result<Job> {
+        let id = id.into();
+        let row: Option<Row> = sqlx::query_as("select * from jobs where id = $1 and kind = $2")
+            .bind(id.uuid().to_string())
+            .bind(id.kind().as_str())
+            .fetch_optional(self.store.inner.database.read())
+            .await?;
+        row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
+    }
+
+    /// Asks a job to stop: a queued one has then ended, a running one ends when
+    /// its worker hears of it, an ended one stays as it is.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`].
+    pub async fn cancel(&self, id: impl Into<JobId>) -> Result<Job> {
+        let id = id.into();
+        let key = id.uuid().to_string();
+        let mut tx = self.store.inner.database.write().await?;
+        let row = row::fetch(&mut tx, id).await?;
+        let checkpoint = row.checkpoint.clone();
+        let row: Row = match row.state()? {
+            State::Queued => {
+                sqlx::query_as(
+                    "update jobs set state = 'cancelled', cancel_requested = true,
+                         checkpoint = null, ended_at = $2, revision = revision + 1
+                     where id = $1 returning *",
+                )
+                .bind(key)
+                .bind(self.store.now_micros())
+                .fetch_one(&mut *tx)
+                .await?
+            }
+            State::Running if !row.cancel_requested => {
+                sqlx::query_as(
+                    "update jobs set cancel_requested = true, revision = revision + 1
+                     where id = $1 returning *",
+                )
+                .bind(key)
+                .fetch_one(&mut *tx)
+                .await?
+            }
+            _ => return row.try_into(),
+        };
+        let job = Job::try_from(row)?;
+        let followers = self.fail_followers(&mut tx, &job).await?;
+        tx.commit().await?;
+        self.settled(&job, checkpoint, followers).await?;
+        Ok(job)
+    }
+
+    /// Deletes a fit that does not run. Its twin stays.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`], [`Error::FitRunning`].
+    pub async fn delete(&self, fit: FitId) -> Result<()> {
+        let mut tx = self.store.inner.database.write().await?;
+        let row = row::fetch(&mut tx, fit.into()).await?;
+        if row.state()? == State::Running {
+            return Err(Error::FitRunning { fit });
+        }
+        sqlx::query("delete from jobs where id = $1")
+            .bind(fit.uuid().to_string())
+            .execute(&mut *tx)
+            .await?;
+        tx.commit().await?;
+        let _ = self.store.inner.changes.send(fit.into());
+        match row.checkpoint {
+            Some(digest) => self.store.release(&digest).await,
+            None => Ok(()),
+        }
+    }
+
+    /// Tells the ids of jobs that change from now on. A receiver that lags
+    /// behind should read again what it cares about.
+    pub fn changes(&self) -> broadcast::Receiver<JobId> {
+        self.store.inner.changes.subscribe()
+    }
+
+    /// How full the queues are.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn depth(&self) -> Result<QueueDepth> {
+        let rows: Vec<(String, String, i64, i64)> = sqlx::query_as(
+            "select kind, state, count(*), min(created_at) from jobs group by kind, state",
+        )
+        .fetch_all(self.store.inner.database.read())
+        .await?;
+        let mut depth = QueueDepth::default();
+        for (kind, state, count, oldest) in rows {
+            let (Some(kind), Some(state)) = (Kind::parse(&kind), State::parse(&state)) else {
+                continue;
+            };
+            depth.counts.push((kind, state, count.max(0) as u64));
+            if state == State::Queued {
+                let waited = self.store.now_micros().saturating_sub(oldest).max(0);
+                depth.oldest_queued.push((kind, Duration::from_micros(waited as u64)));
+            }
+        }
+        Ok(depth)
+    }
+
+    /// Wakes watchers, and claimants if there may be a job for them.
+    pub(crate) fn changed(&self, job: &Job) {
+        // No receiver, no matter.
+        let _ = self.store.inner.changes.send(job.id);
+        // The end of an ingest sets fits free.
+        let frees = job.id.kind() == Kind::Ingest && job.state.has_ended();
+        if job.state == State::Queued || frees {
+            self.store.inner.queued.notify_waiters();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

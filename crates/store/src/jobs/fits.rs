@@ -1,0 +1,257 @@
+//! What is a fit's own: asked for, listed, ended with a twin.
+
+use bendtwin_core::{
+    Category, Fault,
+    ids::{CaptureId, FitId, TwinId},
+};
+use sqlx::{Sqlite, Transaction};
+use uuid::Uuid;
+
+use super::{
+    Job, Jobs, Lease,
+    row::{self, Row, State},
+};
+use crate::{
+    Digest, Error, Page, PageRequest, Result, Staged, TwinFacts, failpoint::Failpoint, twins,
+};
+
+/// A fit to be queued.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewFit {
+    /// What to fit.
+    pub capture: CaptureId,
+    /// Settings as JSON, the same text for the same settings.
+    pub settings: String,
+    /// Higher runs earlier.
+    pub priority: i32,
+    /// Makes creation idempotent, if given.
+    pub request_id: Option<String>,
+    /// W3C traceparent of the call.
+    pub trace_parent: Option<String>,
+}
+
+impl Jobs<'_> {
+    /// Queues a fit. It waits for its capture's ingest; where that has failed
+    /// already, so has the fit, with the same fault. The same request id with the
+    /// same payload gives the job that it made before.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`] if there is no such capture, [`Error::RequestIdTaken`].
+    pub async fn create_fit(&self, new: NewFit) -> Result<Job> {
+        let mut tx = self.store.inner.database.write().await?;
+        if let Some(request_id) = &new.request_id
+            && let Some(row) = row::requested(&mut tx, request_id).await?
+        {
+            let before = Job::try_from(row)?;
+            let given = (new.capture, &new.settings, new.priority);
+            if before.id.fit().is_some()
+                && (before.capture, &before.settings, before.priority) == given
+            {
+                return Ok(before);
+            }
+            let (request_id, name) = (request_id.clone(), before.id.to_string());
+            return Err(Error::RequestIdTaken { request_id, name });
+        }
+        let capture = new.capture.uuid().to_string();
+        let exists: bool =
+            sqlx::query_scalar("select exists (select 1 from captures where id = $1)")
+                .bind(&capture)
+                .fetch_one(&mut *tx)
+                .await?;
+        if !exists {
+            return Err(Error::NotFound { name: new.capture.to_string() });
+        }
+        let ingest = row::ingest_of(&mut tx, &capture).await?.map(Job::try_from).transpose()?;
+        let fault = ingest.as_ref().and_then(why_not);
+        let now = self.store.now_micros();
+        let row: Row = sqlx::query_as(
+            "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
+                 request_id, created_at, fault, ended_at)
+             values ($1, 'fit', $2, $3, $4, $5, $6, $7, $8, $9, $10) returning *",
+        )
+        .bind(FitId::generate().uuid().to_string())
+        .bind(capture)
+        .bind(if fault.is_some() { State::Failed } else { State::Queued }.as_str())
+        .bind(i64::from(new.priority))
+        .bind(new.settings)
+        .bind(new.trace_parent)
+        .bind(new.request_id)
+        .bind(now)
+        .bind(fault.as_ref().map(row::to_json))
+        .bind(fault.is_some().then_some(now))
+        .fetch_one(&mut *tx)
+        .await?;
+        self.store.pass(Failpoint::BeforeCommit)?;
+        tx.commit().await?;
+        let fit = Job::try_from(row)?;
+        self.changed(&fit);
+        self.store.pass(Failpoint::AfterCommit)?;
+        Ok(fit)
+    }
+
+    /// A page of fits, newest first; only those of a capture, if one is given.
+    ///
+    /// # Errors
+    /// [`Error::InvalidPageToken`].
+    pub async fn fits(&self, page: &PageRequest, capture: Option<CaptureId>) -> Result<Page<Job>> {
+        let capture = capture.map(|c| c.uuid().to_string());
+        let listing = format!("fits/{}", capture.as_deref().unwrap_or_default());
+        let rows: Vec<Row> = sqlx::query_as(
+            "select * from jobs where kind = 'fit' and id < $1 and ($3 is null or capture = $3)
+             order by id desc limit $2",
+        )
+        .bind(page.before(&listing)?)
+        .bind(page.fetch())
+        .bind(capture)
+        .fetch_all(self.store.inner.database.read())
+        .await?;
+        let items = rows.into_iter().map(Job::try_from).collect::<Result<_>>()?;
+        Ok(Page::cut(items, page, &listing, |f: &Job| f.id.uuid()))
+    }
+
+    /// Stores the twin and ends the fit, in one transaction. Asked again under
+    /// the same lease with the same content, it answers the same.
+    ///
+    /// # Errors
+    /// [`Error::StaleLease`], file errors.
+    pub async fn complete_fit(
+        &self,
+        lease: Lease,
+        facts: &TwinFacts,
+        content: Staged,
+    ) -> Result<TwinId> {
+        let (digest, size_bytes) = (content.digest(), content.size_bytes());
+        let guard = self.store.blobs().publish(content).await?;
+        let stored = self.complete_published(lease, facts, digest, size_bytes).await;
+        drop(guard);
+        let obsolete = match &stored {
+            Ok((_, checkpoint)) => checkpoint.clone(),
+            Err(Error::Failpoint(_)) => None,
+            Err(_) => Some(digest.to_hex().to_string()),
+        };
+        if stored.is_ok() {
+            self.store.pass(Failpoint::AfterCommit)?;
+            self.store.pass(Failpoint::BeforeRelease)?;
+        }
+        if let Some(obsolete) = obsolete {
+            self.store.release(&obsolete).await?;
+        }
+        stored.map(|(twin, _)| twin)
+    }
+
+    /// The transaction of [`Jobs::complete_fit`]; also says which checkpoint is obsolete.
+    async fn complete_published(
+        &self,
+        lease: Lease,
+        facts: &TwinFacts,
+        digest: Digest,
+        size_bytes: u64,
+    ) -> Result<(TwinId, Option<String>)> {
+        let mut tx = self.store.inner.database.write().await?;
+        let before = row::fetch(&mut tx, lease.job).await?;
+        if let (State::Succeeded, true, Some(twin)) =
+            (before.state()?, before.is_of(lease), &before.twin)
+        {
+            let stored: Option<String> =
+                sqlx::query_scalar("select digest from twins where id = $1")
+                    .bind(twin)
+                    .fetch_optional(&mut *tx)
+                    .await?;
+            if let (true, Ok(twin)) =
+                (stored.as_deref() == Some(digest.to_hex().as_str()), Uuid::try_parse(twin))
+            {
+                return Ok((twin.into(), None));
+            }
+        }
+        let before = row::fetch_leased(&mut tx, lease).await?;
+        let twin = self.insert_twin(&mut tx, &before, facts, digest, size_bytes).await?;
+        let row: Row = sqlx::query_as(
+            "update jobs set state = 'succeeded', twin = $2, ended_at = $3, lease_until = null,
+                 worker = null, checkpoint = null, revision = revision + 1
+             where id = $1 returning *",
+        )
+        .bind(&before.id)
+        .bind(twin.uuid().to_string())
+        .bind(self.store.now_micros())
+        .fetch_one(&mut *tx)
+        .await?;
+        self.store.pass(Failpoint::BeforeCommit)?;
+        tx.commit().await?;
+        self.changed(&Job::try_from(row)?);
+        Ok((twin, before.checkpoint))
+    }
+
+    /// A twin under its capture's name.
+    async fn insert_twin(
+        &self,
+        tx: &mut Transaction<'_, Sqlite>,
+        fit: &Row,
+        facts: &TwinFacts,
+        digest: Digest,
+        size_bytes: u64,
+    ) -> Result<TwinId> {
+        let display_name: Option<String> =
+            sqlx::query_scalar("select display_name from captures where id = $1")
+                .bind(&fit.capture)
+                .fetch_optional(&mut **tx)
+                .await?;
+        let new = twins::Insert {
+            display_name: display_name.as_deref().unwrap_or_default(),
+            origin: Some((&fit.capture, &fit.id)),
+            size_bytes,
+            digest,
+            facts,
+            request_id: None,
+            now: self.store.now_micros(),
+        };
+        Ok(twins::insert(tx, new).await?.id)
+    }
+
+    /// Fails the fits that wait for an ingest, if that has ended without an
+    /// observation; each with the checkpoint that it leaves behind.
+    pub(super) async fn fail_followers(
+        &self,
+        tx: &mut Transaction<'_, Sqlite>,
+        ingest: &Job,
+    ) -> Result<Vec<(Job, Option<String>)>> {
+        let Some(fault) = why_not(ingest) else { return Ok(Vec::new()) };
+        let waiting: Vec<(String, Option<String>)> = sqlx::query_as(
+            "select id, checkpoint from jobs
+             where capture = $1 and kind = 'fit' and state = 'queued'",
+        )
+        .bind(ingest.capture.uuid().to_string())
+        .fetch_all(&mut **tx)
+        .await?;
+        let mut failed = Vec::with_capacity(waiting.len());
+        for (id, checkpoint) in waiting {
+            let row: Row = sqlx::query_as(
+                "update jobs set state = 'failed', fault = $2, ended_at = $3, checkpoint = null,
+                     revision = revision + 1
+                 where id = $1 returning *",
+            )
+            .bind(id)
+            .bind(row::to_json(&fault))
+            .bind(self.store.now_micros())
+            .fetch_one(&mut **tx)
+            .await?;
+            failed.push((row.try_into()?, checkpoint));
+        }
+        Ok(failed)
+    }
+}
+
+/// Why fits of a capture cannot run, if its ingest has ended in vain.
+fn why_not(ingest: &Job) -> Option<Fault> {
+    match (ingest.id, ingest.state) {
+        (super::JobId::Ingest(_), State::Failed) => ingest.fault.clone(),
+        (super::JobId::Ingest(_), State::Cancelled) => Some(Fault {
+            category: Category::FailedPrecondition,
+            reason: "INGEST_CANCELLED".to_owned(),
+            message: format!(
+                "the ingest of {} was cancelled: run it again, then fit",
+                ingest.capture
+            ),
+        }),
+        _ => None,
+    }
+}

@@ -1,0 +1,252 @@
+//! What is an ingest's own: one for each capture, made with it, ended with an
+//! observation and a report, run again when somebody asks.
+
+use bendtwin_core::ids::{CaptureId, IngestId};
+use sqlx::{Sqlite, Transaction};
+
+use super::{
+    AttemptEnd, Job, Jobs, Lease,
+    row::{self, Row, State},
+};
+use crate::{Digest, Error, Result, Staged, failpoint::Failpoint, observations};
+
+/// An ingest to be run again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewIngest {
+    /// What to read.
+    pub capture: CaptureId,
+    /// Settings as JSON, the same text for the same settings.
+    pub settings: String,
+    /// Makes the call idempotent, until the next one of the same capture.
+    pub request_id: Option<String>,
+    /// W3C traceparent of the call.
+    pub trace_parent: Option<String>,
+}
+
+/// A report to be stored.
+#[derive(Debug)]
+pub struct NewReport {
+    /// Its verdict: one lower-case word.
+    pub verdict: String,
+    /// The document.
+    pub json: Staged,
+    /// The page.
+    pub html: Staged,
+}
+
+/// How an attempt at an ingest ended, with what it leaves.
+#[derive(Debug)]
+pub enum IngestResult {
+    /// There is something to fit.
+    Observed {
+        /// The bundle that fits read.
+        observation: Staged,
+        /// What is to be said of it.
+        report: NewReport,
+    },
+    /// There is nothing to fit, and this is why.
+    Refused {
+        /// How the attempt ended.
+        end: AttemptEnd,
+        /// What is to be said of the capture.
+        report: NewReport,
+    },
+}
+
+/// Queues the ingest of a new capture within the caller's transaction.
+pub(crate) async fn enqueue(
+    tx: &mut Transaction<'_, Sqlite>,
+    capture: &str,
+    settings: &str,
+    now: i64,
+) -> Result<Job> {
+    let row: Row = sqlx::query_as(
+        "insert into jobs (id, kind, capture, state, priority, settings, created_at)
+         values ($1, 'ingest', $2, 'queued', 0, $3, $4) returning *",
+    )
+    .bind(IngestId::generate().uuid().to_string())
+    .bind(capture)
+    .bind(settings)
+    .bind(now)
+    .fetch_one(&mut **tx)
+    .await?;
+    row.try_into()
+}
+
+/// Forgets the ingest of a capture within the caller's transaction.
+pub(crate) async fn dequeue(
+    tx: &mut Transaction<'_, Sqlite>,
+    capture: &str,
+) -> Result<Option<Job>> {
+    let row: Option<Row> =
+        sqlx::query_as("delete from jobs where capture = $1 and kind = 'ingest' returning *")
+            .bind(capture)
+            .fetch_optional(&mut **tx)
+            .await?;
+    row.map(Job::try_from).transpose()
+}
+
+impl Jobs<'_> {
+    /// The ingest of a capture: the last one that was asked for.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`].
+    pub async fn ingest_of(&self, capture: CaptureId) -> Result<Job> {
+        let row: Option<Row> =
+            sqlx::query_as("select * from jobs where capture = $1 and kind = 'ingest'")
+                .bind(capture.uuid().to_string())
+                .fetch_optional(self.store.inner.database.read())
+                .await?;
+        row.ok_or_else(|| Error::NotFound { name: capture.to_string() })?.try_into()
+    }
+
+    /// The ingests of captures between two, these included.
+    pub(crate) async fn ingests_between(&self, from: &str, to: &str) -> Result<Vec<Job>> {
+        let rows: Vec<Row> = sqlx::query_as(
+            "select * from jobs where kind = 'ingest' and capture >= $1 and capture <= $2",
+        )
+        .bind(from)
+        .bind(to)
+        .fetch_all(self.store.inner.database.read())
+        .await?;
+        rows.into_iter().map(Job::try_from).collect()
+    }
+
+    /// Runs the ingest of a capture again, in place of the one before. What that one made stays
+    /// until this one has made it anew.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`], [`Error::RequestIdTaken`], [`Error::IngestUnderWay`];
+    /// [`Error::CaptureInUse`] while fits of it are queued or running: they are not to see two
+    /// observations.
+    pub async fn create_ingest(&self, new: NewIngest) -> Result<Job> {
+        let key = new.capture.uuid().to_string();
+        let mut tx = self.store.inner.database.write().await?;
+        if let Some(request_id) = &new.request_id
+            && let Some(row) = row::requested(&mut tx, request_id).await?
+        {
+            let before = Job::try_from(row)?;
+            if before.id.fit().is_none()
+                && (before.capture, &before.settings) == (new.capture, &new.settings)
+            {
+                return Ok(before);
+            }
+            let (request_id, name) = (request_id.clone(), before.id.to_string());
+            return Err(Error::RequestIdTaken { request_id, name });
+        }
+        let before = row::ingest_of(&mut tx, &key).await?;
+        let before = before.ok_or_else(|| Error::NotFound { name: new.capture.to_string() })?;
+        if !before.state()?.has_ended() {
+            return Err(Error::IngestUnderWay { name: new.capture.to_string() });
+        }
+        let fits = row::fits_under_way(&mut tx, &key).await?;
+        if fits > 0 {
+            return Err(Error::CaptureInUse { name: new.capture.to_string(), fits });
+        }
+        sqlx::query("delete from jobs where id = $1").bind(&before.id).execute(&mut *tx).await?;
+        let row: Row = sqlx::query_as(
+            "insert into jobs (id, kind, capture, state, priority, settings, trace_parent,
+                 request_id, created_at, revision)
+             values ($1, 'ingest', $2, 'queued', 0, $3, $4, $5, $6, $7) returning *",
+        )
+        .bind(IngestId::generate().uuid().to_string())
+        .bind(key)
+        .bind(new.settings)
+        .bind(new.trace_parent)
+        .bind(new.request_id)
+        .bind(self.store.now_micros())
+        .bind(before.revision + 1)
+        .fetch_one(&mut *tx)
+        .await?;
+        tx.commit().await?;
+        let job = Job::try_from(row)?;
+        self.changed(&job);
+        Ok(job)
+    }
+
+    /// Stores what an ingest made and ends its attempt, in one transaction. Asked
+    /// again under the same lease with the same observation, it answers the same.
+    ///
+    /// # Errors
+    /// [`Error::StaleLease`], file errors.
+    pub async fn end_ingest(&self, lease: Lease, result: IngestResult) -> Result<Job> {
+        let (observation, report, end) = match result {
+            IngestResult::Observed { observation, report } => (Some(observation), report, None),
+            IngestResult::Refused { end, report } => (None, report, Some(end)),
+        };
+        let NewReport { verdict, json, html } = report;
+        let made = observations::Made {
+            observation: observation.as_ref().map(|o| (o.digest(), o.size_bytes())),
+            verdict,
+            json: json.digest(),
+            html: html.digest(),
+        };
+        let contents: Vec<Staged> = observation.into_iter().chain([json, html]).collect();
+        let new: Vec<Digest> = contents.iter().map(Staged::digest).collect();
+        let guard = self.store.blobs().publish_all(contents).await?;
+        let stored = self.end_published(lease, &made, end).await;
+        drop(guard);
+        let obsolete = match &stored {
+            Ok((_, obsolete)) => obsolete.clone(),
+            Err(Error::Failpoint(_)) => Vec::new(),
+            Err(_) => new.iter().map(|d| d.to_hex().to_string()).collect(),
+        };
+        if stored.is_ok() {
+            self.store.pass(Failpoint::AfterCommit)?;
+            self.store.pass(Failpoint::BeforeRelease)?;
+        }
+        for digest in obsolete {
+            self.store.release(&digest).await?;
+        }
+        stored.map(|(job, _)| job)
+    }
+
+    /// The transaction of [`Jobs::end_ingest`]; also says which content is obsolete.
+    async fn end_published(
+        &self,
+        lease: Lease,
+        made: &observations::Made,
+        end: Option<AttemptEnd>,
+    ) -> Result<(Job, Vec<String>)> {
+        let mut tx = self.store.inner.database.write().await?;
+        let before = row::fetch(&mut tx, lease.job).await?;
+        if before.state()? == State::Succeeded && before.is_of(lease) && end.is_none() {
+            let stored = observations::digest_of(&mut tx, &before.capture).await?;
+            if stored.is_some() && stored == made.observation.map(|(d, _)| d.to_hex().to_string()) {
+                return Ok((before.try_into()?, Vec::new()));
+            }
+        }
+        let before = row::fetch_leased(&mut tx, lease).await?;
+        let now = self.store.now_micros();
+        let mut obsolete = observations::replace(&mut tx, &before.capture, made, now).await?;
+        obsolete.extend(before.checkpoint.clone());
+        let (job, followers) = match end {
+            Some(end) => {
+                let job = self.apply(&mut tx, before, end).await?;
+                let followers = self.fail_followers(&mut tx, &job).await?;
+                (job, followers)
+            }
+            None => {
+                let row: Row = sqlx::query_as(
+                    "update jobs set state = 'succeeded', ended_at = $2, lease_until = null,
+                         worker = null, checkpoint = null, revision = revision + 1
+                     where id = $1 returning *",
+                )
+                .bind(&before.id)
+                .bind(now)
+                .fetch_one(&mut *tx)
+                .await?;
+                (row.try_into()?, Vec::new())
+            }
+        };
+        self.store.pass(Failpoint::BeforeCommit)?;
+        tx.commit().await?;
+        self.changed(&job);
+        for (fit, checkpoint) in followers {
+            self.changed(&fit);
+            obsolete.extend(checkpoint);
+        }
+        // What the job still refers to is not released: that is looked at there.
+        Ok((job, obsolete))
+    }
+}

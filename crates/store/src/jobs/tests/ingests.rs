@@ -1,0 +1,182 @@
+use super::{fault, progress};
+use crate::{
+    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, NewIngest, NewReport, State,
+    failpoint::Failpoint,
+    store::tests::{Bench, LEASE, lease_of, new_fit},
+};
+
+async fn report(bench: &Bench, verdict: &str) -> NewReport {
+    let (json, html) = (bench.stage("{}").await, bench.stage("<p>").await);
+    NewReport { verdict: verdict.to_owned(), json, html }
+}
+
+async fn observe(bench: &Bench, lease: Lease, content: &'static str) -> crate::Result<Job> {
+    let observation = bench.stage(content).await;
+    let result = IngestResult::Observed { observation, report: report(bench, "good").await };
+    bench.store.jobs().end_ingest(lease, result).await
+}
+
+fn again(capture: &Capture) -> NewIngest {
+    NewIngest {
+        capture: capture.id,
+        settings: "{\"a\":1}".to_owned(),
+        request_id: None,
+        trace_parent: None,
+    }
+}
+
+#[tokio::test]
+async fn a_capture_is_made_with_its_ingest_and_fits_wait_for_it() {
+    let bench = Bench::new().await;
+    let capture = bench.fresh_capture("a").await;
+    let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
+    assert!(bench.claim(Kind::Fit).await.is_none());
+    let ingest = bench.claim(Kind::Ingest).await.unwrap();
+    assert_eq!((ingest.capture, ingest.id.kind()), (capture.id, Kind::Ingest));
+    assert!(bench.claim(Kind::Fit).await.is_none() && bench.claim(Kind::Ingest).await.is_none());
+    // Others' fits do not wait.
+    let other = bench.capture("b").await;
+    let free = bench.store.jobs().create_fit(new_fit(&other)).await.unwrap();
+    assert_eq!(bench.claim(Kind::Fit).await.unwrap().id, free.id);
+
+    let ended = observe(&bench, lease_of(&ingest), "seen").await.unwrap();
+    assert_eq!(ended.state, State::Succeeded);
+    // The reply was lost, say.
+    assert_eq!(observe(&bench, lease_of(&ingest), "seen").await.unwrap(), ended);
+    let other = observe(&bench, lease_of(&ingest), "other").await;
+    assert!(matches!(other, Err(Error::StaleLease { .. })));
+    let overview = bench.store.captures().overview(capture.id).await.unwrap();
+    assert_eq!(overview.report.unwrap().verdict, "good");
+    assert_eq!(bench.store.captures().overviews(&Default::default()).await.unwrap().items.len(), 2);
+    bench.store.captures().observation_content(capture.id).await.unwrap();
+    assert_eq!(bench.claim(Kind::Fit).await.unwrap().id, fit.id);
+    // Two captures, an observation, a document and a page.
+    assert_eq!(bench.blob_count().await, 5);
+}
+
+#[tokio::test]
+async fn what_fails_the_ingest_fails_its_fits_and_keeps_the_report() {
+    let bench = Bench::new().await;
+    let capture = bench.fresh_capture("a").await;
+    let jobs = bench.store.jobs();
+    let waiting = jobs.create_fit(new_fit(&capture)).await.unwrap();
+    let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
+    let end = AttemptEnd::FailedForGood(fault());
+    let result = IngestResult::Refused { end, report: report(&bench, "unusable").await };
+    assert_eq!(jobs.end_ingest(lease, result).await.unwrap().state, State::Failed);
+    let later = jobs.create_fit(new_fit(&capture)).await.unwrap();
+    for fit in [waiting.id, later.id] {
+        let fit = jobs.get(fit).await.unwrap();
+        assert_eq!((fit.state, fit.fault), (State::Failed, Some(fault())));
+        assert!(fit.ended.is_some());
+    }
+    let overview = bench.store.captures().overview(capture.id).await.unwrap();
+    assert_eq!(overview.report.unwrap().verdict, "unusable");
+    let none = bench.store.captures().observation_content(capture.id).await;
+    assert!(matches!(none, Err(Error::NotFound { .. })));
+
+    // Run again it may do better; its revisions go on from where they were.
+    let new = jobs.create_ingest(again(&capture)).await.unwrap();
+    assert!(new.revision > overview.ingest.revision && new.settings == "{\"a\":1}");
+    let early = jobs.create_ingest(again(&capture)).await;
+    assert!(matches!(early, Err(Error::IngestUnderWay { .. })));
+    let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
+    observe(&bench, lease, "seen").await.unwrap();
+    let fit = jobs.create_fit(new_fit(&capture)).await.unwrap();
+    assert_eq!(fit.state, State::Queued);
+    // A fit does not see two observations.
+    let refused = jobs.create_ingest(again(&capture)).await;
+    assert!(matches!(refused, Err(Error::CaptureInUse { fits: 1, .. })));
+}
+
+#[tokio::test]
+async fn a_cancelled_ingest_says_so_to_fits() {
+    let bench = Bench::new().await;
+    let capture = bench.fresh_capture("a").await;
+    let jobs = bench.store.jobs();
+    let fit = jobs.create_fit(new_fit(&capture)).await.unwrap();
+    let ingest = jobs.ingest_of(capture.id).await.unwrap();
+    assert_eq!(jobs.cancel(ingest.id).await.unwrap().state, State::Cancelled);
+    let fit = jobs.get(fit.id).await.unwrap();
+    assert_eq!(
+        (fit.state, fit.fault.unwrap().reason.as_str()),
+        (State::Failed, "INGEST_CANCELLED")
+    );
+}
+
+#[tokio::test]
+async fn stalled_ingests_fail_and_checkpoints_go_with_them() {
+    let bench = Bench::new().await;
+    let capture = bench.fresh_capture("a").await;
+    let fit = bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
+    for attempt in 0..4 {
+        let ingest = bench.claim(Kind::Ingest).await.unwrap();
+        if attempt == 0 {
+            let checkpoint = bench.stage("half way").await;
+            let jobs = bench.store.jobs();
+            jobs.report(lease_of(&ingest), Some(&progress(0.5)), LEASE).await.unwrap();
+            jobs.save_checkpoint(lease_of(&ingest), checkpoint, LEASE).await.unwrap();
+        }
+        assert_eq!(ingest.checkpoint.is_some(), attempt > 0);
+        bench.store.jobs().forfeit(ingest.worker.unwrap(), true).await.unwrap();
+    }
+    assert!(bench.claim(Kind::Ingest).await.is_none());
+    let fit = bench.store.jobs().get(fit.id).await.unwrap();
+    assert_eq!((fit.state, fit.fault.unwrap().reason.as_str()), (State::Failed, "WORKER_LOST"));
+    assert_eq!(bench.blob_count().await, 1);
+}
+
+#[tokio::test]
+async fn a_deleted_capture_leaves_nothing() {
+    let bench = Bench::new().await;
+    let done = bench.fresh_capture("a").await;
+    observe(&bench, lease_of(&bench.claim(Kind::Ingest).await.unwrap()), "seen").await.unwrap();
+    let under_way = bench.fresh_capture("b").await;
+    let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
+    let checkpoint = bench.stage("half way").await;
+    bench.store.jobs().save_checkpoint(lease, checkpoint, LEASE).await.unwrap();
+    for capture in [done, under_way] {
+        bench.store.captures().delete(capture.id).await.unwrap();
+    }
+    let gone = bench.store.jobs().report(lease, None, LEASE).await;
+    assert!(matches!(gone, Err(Error::NotFound { .. })));
+    assert!(observe(&bench, lease, "late").await.is_err());
+    assert_eq!(bench.blob_count().await, 0);
+}
+
+#[tokio::test]
+async fn captures_from_before_get_their_ingest_at_the_next_start() {
+    let bench = Bench::new().await;
+    let old = bench.capture("a").await;
+    let mut tx = bench.store.inner.database.write().await.unwrap();
+    sqlx::query("delete from jobs").execute(&mut *tx).await.unwrap();
+    tx.commit().await.unwrap();
+    let bench = bench.reopen().await;
+    assert_eq!(bench.store.jobs().ingest_of(old.id).await.unwrap().state, State::Queued);
+    let bench = bench.reopen().await;
+    assert_eq!(bench.store.jobs().depth().await.unwrap().count(Kind::Ingest, State::Queued), 1);
+}
+
+/// A crash at any point of an ingest's end: the worker asks again, and all of it is there.
+#[tokio::test]
+async fn an_ingests_end_survives_crashes() {
+    for point in Failpoint::ALL {
+        let bench = Bench::new().await;
+        let capture = bench.fresh_capture("a").await;
+        let lease = lease_of(&bench.claim(Kind::Ingest).await.unwrap());
+        let checkpoint = bench.stage("checkpoint").await;
+        bench.store.jobs().save_checkpoint(lease, checkpoint, LEASE).await.unwrap();
+        let observation = bench.stage("seen").await;
+        let result = IngestResult::Observed { observation, report: report(&bench, "good").await };
+        bench.store.inner.armed.arm(point);
+        assert!(bench.store.jobs().end_ingest(lease, result).await.is_err(), "{point:?}");
+
+        let bench = bench.reopen().await;
+        assert_eq!(observe(&bench, lease, "seen").await.unwrap().state, State::Succeeded);
+        bench.store.captures().observation_content(capture.id).await.unwrap();
+        for page in [false, true] {
+            bench.store.captures().report_content(capture.id, page).await.unwrap();
+        }
+        assert_eq!(bench.reopen().await.blob_count().await, 4, "{point:?}");
+    }
+}

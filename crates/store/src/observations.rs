@@ -1,0 +1,225 @@
+//! What ingests make of captures: the observation that fits read, and the
+//! report. A row each for a capture, replaced by the next ingest.
+
+use bendtwin_core::ids::CaptureId;
+use jiff::Timestamp;
+use sqlx::{FromRow, Sqlite, Transaction};
+
+use crate::{Captures, Content, Digest, Error, Result, clock::from_micros};
+
+/// What the last ingest of a capture that succeeded made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observation {
+    /// When it was stored.
+    pub created: Timestamp,
+    /// Size of the bundle.
+    pub size_bytes: u64,
+    /// BLAKE3 of the bundle.
+    pub digest: Digest,
+}
+
+/// What the last ingest of a capture that had anything to say says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// When it was stored.
+    pub created: Timestamp,
+    /// One lower-case word.
+    pub verdict: String,
+    /// BLAKE3 of the document.
+    pub json: Digest,
+    /// BLAKE3 of the page.
+    pub html: Digest,
+}
+
+/// What is to be stored.
+pub(crate) struct Made {
+    /// Digest and size.
+    pub(crate) observation: Option<(Digest, u64)>,
+    pub(crate) verdict: String,
+    pub(crate) json: Digest,
+    pub(crate) html: Digest,
+}
+
+#[derive(FromRow)]
+struct ObservationRow {
+    capture: String,
+    created_at: i64,
+    size_bytes: i64,
+    digest: String,
+}
+
+#[derive(FromRow)]
+struct ReportRow {
+    capture: String,
+    created_at: i64,
+    verdict: String,
+    json_digest: String,
+    html_digest: String,
+}
+
+fn digest(hex: &str, of: &str, capture: &str) -> Result<Digest> {
+    Digest::from_hex(hex).map_err(|_| Error::CorruptRow {
+        name: format!("{of} of captures/{capture}"),
+        fault: "digest".to_owned(),
+    })
+}
+
+impl TryFrom<ObservationRow> for Observation {
+    type Error = Error;
+    fn try_from(row: ObservationRow) -> Result<Self> {
+        Ok(Self {
+            created: from_micros(row.created_at),
+            size_bytes: row.size_bytes.max(0) as u64,
+            digest: digest(&row.digest, "observation", &row.capture)?,
+        })
+    }
+}
+
+impl TryFrom<ReportRow> for Report {
+    type Error = Error;
+    fn try_from(row: ReportRow) -> Result<Self> {
+        Ok(Self {
+            created: from_micros(row.created_at),
+            json: digest(&row.json_digest, "report", &row.capture)?,
+            html: digest(&row.html_digest, "report", &row.capture)?,
+            verdict: row.verdict,
+        })
+    }
+}
+
+impl Captures<'_> {
+    /// What a capture's ingest made of it, if it has.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn observation(&self, id: CaptureId) -> Result<Option<Observation>> {
+        let row: Option<ObservationRow> =
+            sqlx::query_as("select * from observations where capture = $1")
+                .bind(id.uuid().to_string())
+                .fetch_optional(self.store.inner.database.read())
+                .await?;
+        row.map(Observation::try_from).transpose()
+    }
+
+    /// The bundle of a capture's observation.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`].
+    pub async fn observation_content(&self, id: CaptureId) -> Result<(Observation, Content)> {
+        let name = format!("the observation of {id}");
+        let found = self.observation(id).await?;
+        let observation = found.ok_or_else(|| Error::NotFound { name: name.clone() })?;
+        let content = self.store.blobs().read(&observation.digest, &name).await?;
+        Ok((observation, content))
+    }
+
+    /// What is to be said of a capture, if its ingest has said it.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn report(&self, id: CaptureId) -> Result<Option<Report>> {
+        let key = id.uuid().to_string();
+        Ok(self.reports_between(&key, &key).await?.pop().map(|(_, report)| report))
+    }
+
+    /// The reports of captures between two, these included, with the captures' keys.
+    pub(crate) async fn reports_between(
+        &self,
+        from: &str,
+        to: &str,
+    ) -> Result<Vec<(String, Report)>> {
+        let rows: Vec<ReportRow> =
+            sqlx::query_as("select * from reports where capture >= $1 and capture <= $2")
+                .bind(from)
+                .bind(to)
+                .fetch_all(self.store.inner.database.read())
+                .await?;
+        rows.into_iter().map(|row| Ok((row.capture.clone(), row.try_into()?))).collect()
+    }
+
+    /// A capture's report, as a document or as a page.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`].
+    pub async fn report_content(&self, id: CaptureId, page: bool) -> Result<Content> {
+        let name = format!("the report of {id}");
+        let report = self.report(id).await?;
+        let report = report.ok_or_else(|| Error::NotFound { name: name.clone() })?;
+        let digest = if page { report.html } else { report.json };
+        self.store.blobs().read(&digest, &name).await
+    }
+}
+
+/// The digest of a capture's observation, within a transaction.
+pub(crate) async fn digest_of(
+    tx: &mut Transaction<'_, Sqlite>,
+    capture: &str,
+) -> Result<Option<String>> {
+    let digest = sqlx::query_scalar("select digest from observations where capture = $1")
+        .bind(capture)
+        .fetch_optional(&mut **tx)
+        .await?;
+    Ok(digest)
+}
+
+/// Puts new rows in the place of those of a capture; says which content is obsolete then.
+pub(crate) async fn replace(
+    tx: &mut Transaction<'_, Sqlite>,
+    capture: &str,
+    made: &Made,
+    now: i64,
+) -> Result<Vec<String>> {
+    let mut obsolete = forget_report(tx, capture).await?;
+    sqlx::query(
+        "insert into reports (capture, created_at, verdict, json_digest, html_digest)
+         values ($1, $2, $3, $4, $5)",
+    )
+    .bind(capture)
+    .bind(now)
+    .bind(&made.verdict)
+    .bind(made.json.to_hex().as_str())
+    .bind(made.html.to_hex().as_str())
+    .execute(&mut **tx)
+    .await?;
+    // An ingest that failed leaves the observation of the one before.
+    let Some((digest, size_bytes)) = made.observation else { return Ok(obsolete) };
+    obsolete.extend(forget_observation(tx, capture).await?);
+    sqlx::query(
+        "insert into observations (capture, created_at, size_bytes, digest)
+         values ($1, $2, $3, $4)",
+    )
+    .bind(capture)
+    .bind(now)
+    .bind(i64::try_from(size_bytes).unwrap_or(i64::MAX))
+    .bind(digest.to_hex().as_str())
+    .execute(&mut **tx)
+    .await?;
+    Ok(obsolete)
+}
+
+/// Removes both rows of a capture; says which content is obsolete then.
+pub(crate) async fn forget(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<Vec<String>> {
+    let mut obsolete = forget_report(tx, capture).await?;
+    obsolete.extend(forget_observation(tx, capture).await?);
+    Ok(obsolete)
+}
+
+async fn forget_report(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<Vec<String>> {
+    let digests: Option<(String, String)> =
+        sqlx::query_as("delete from reports where capture = $1 returning json_digest, html_digest")
+            .bind(capture)
+            .fetch_optional(&mut **tx)
+            .await?;
+    Ok(digests.into_iter().flat_map(|(json, html)| [json, html]).collect())
+}
+
+async fn forget_observation(
+    tx: &mut Transaction<'_, Sqlite>,
+    capture: &str,
+) -> Result<Option<String>> {
+    let digest = sqlx::query_scalar("delete from observations where capture = $1 returning digest")
+        .bind(capture)
+        .fetch_optional(&mut **tx)
+        .await?;
+    Ok(digest)
+}

@@ -1,0 +1,160 @@
+//! Ingests: run again or stopped by users, ended by workers; and what they leave.
+//! Settings are checked here, content is not looked into.
+
+use bendtwin_core::{Category, Fault, ids::CaptureId, settings::ingest::IngestSettings};
+use bendtwin_store::{
+    AttemptEnd, Content, Digest, IngestResult, NewIngest, NewReport, Observation, Overview, Staged,
+    Upload,
+};
+use bytes::Bytes;
+use futures::{StreamExt, stream::BoxStream};
+
+use super::{App, Attempt, Error, Result};
+use crate::context::Context;
+
+/// Longest verdict.
+const VERDICT: usize = 32;
+
+/// A chunk of what an ingest made.
+#[derive(Debug)]
+pub(crate) enum IngestPart {
+    Observation(Bytes),
+    Report(Bytes),
+    Page(Bytes),
+}
+
+/// What an ingest made, as its worker sends it.
+pub(crate) struct IngestUpload {
+    pub(crate) verdict: String,
+    /// BLAKE3 in hex; checked if not empty.
+    pub(crate) observation_digest: String,
+    pub(crate) report_digest: String,
+    pub(crate) page_digest: String,
+    /// Why there is no observation.
+    pub(crate) fault: Option<Fault>,
+    pub(crate) body: BoxStream<'static, Result<IngestPart>>,
+}
+
+impl App {
+    /// Runs the ingest of a capture again. Empty settings mean the defaults.
+    pub(crate) async fn ingest_capture(
+        &self,
+        name: &str,
+        settings_json: &str,
+        request_id: String,
+    ) -> Result<Overview> {
+        let new = NewIngest {
+            capture: super::name(name)?,
+            settings: self.ingest_settings(settings_json)?,
+            request_id: super::request_id(request_id)?,
+            trace_parent: Context::current().trace_parent,
+        };
+        let id = self.store.jobs().create_ingest(new).await?.capture;
+        tracing::info!(capture = %id, "ingest queued again");
+        Ok(self.store.captures().overview(id).await?)
+    }
+
+    /// Asks the ingest of a capture to stop.
+    pub(crate) async fn cancel_ingest(&self, name: &str) -> Result<Overview> {
+        let id: CaptureId = super::name(name)?;
+        let ingest = self.store.jobs().ingest_of(id).await?;
+        self.store.jobs().cancel(ingest.id).await?;
+        Ok(self.store.captures().overview(id).await?)
+    }
+
+    /// The report of a capture, as a document or as a page.
+    pub(crate) async fn capture_report(&self, name: &str, page: bool) -> Result<Content> {
+        Ok(self.store.captures().report_content(super::name(name)?, page).await?)
+    }
+
+    /// What the ingest of a capture made of it.
+    pub(crate) async fn observation(
+        &self,
+        name: &str,
+    ) -> Result<(CaptureId, Observation, Content)> {
+        let id: CaptureId = super::name(name)?;
+        let (observation, content) = self.store.captures().observation_content(id).await?;
+        Ok((id, observation, content))
+    }
+
+    /// Stores what an ingest made, which ends its attempt.
+    pub(crate) async fn end_ingest(&self, attempt: Attempt, upload: IngestUpload) -> Result<()> {
+        let verdict = upload.verdict.clone();
+        let is_word = |b: u8| b.is_ascii_lowercase() || b == b'_';
+        if verdict.is_empty() || verdict.len() > VERDICT || !verdict.bytes().all(is_word) {
+            return Err(Error::invalid("verdict", "is not a lower-case word"));
+        }
+        let fault = upload.fault.clone();
+        let (observation, json, html) = self.receive_parts(upload).await?;
+        let report = NewReport { verdict, json, html };
+        let result = match (observation, fault) {
+            (Some(observation), None) => IngestResult::Observed { observation, report },
+            (None, Some(fault)) => {
+                let end = match fault.category {
+                    // Another attempt would do no better.
+                    Category::InvalidArgument
+                    | Category::FailedPrecondition
+                    | Category::ResourceExhausted => AttemptEnd::FailedForGood(fault),
+                    _ => AttemptEnd::Failed(fault),
+                };
+                IngestResult::Refused { end, report }
+            }
+            _ => {
+                let fault = "must be there or a fault, and not both";
+                return Err(Error::invalid("observation", fault));
+            }
+        };
+        let store = self.store.clone();
+        let end = async move { store.jobs().end_ingest(attempt.lease, result).await };
+        let job = super::to_the_end(end).await?;
+        self.ended(attempt.worker, &job);
+        Ok(())
+    }
+
+    /// Observation, if there is one, document and page.
+    async fn receive_parts(
+        &self,
+        upload: IngestUpload,
+    ) -> Result<(Option<Staged>, Staged, Staged)> {
+        let IngestUpload { observation_digest, report_digest, page_digest, mut body, .. } = upload;
+        let limits = &self.options.limits;
+        let blobs = self.store.blobs();
+        let mut observation: Option<Upload> = None;
+        let mut report = blobs.upload(limits.report_bytes).await?;
+        let mut page = blobs.upload(limits.report_bytes).await?;
+        let idle = limits.upload_idle();
+        loop {
+            match tokio::time::timeout(idle, body.next()).await {
+                Err(_) => return Err(Error::UploadIdle(idle)),
+                Ok(None) => break,
+                Ok(Some(part)) => match part? {
+                    IngestPart::Observation(chunk) => {
+                        let upload = match &mut observation {
+                            Some(upload) => upload,
+                            none => none.insert(blobs.upload(limits.capture_bytes).await?),
+                        };
+                        upload.write(chunk).await?;
+                    }
+                    IngestPart::Report(chunk) => report.write(chunk).await?,
+                    IngestPart::Page(chunk) => page.write(chunk).await?,
+                },
+            }
+        }
+        let expected = |hex: &str| -> Result<Option<Digest>> { super::digest(hex) };
+        let observation = match observation {
+            Some(upload) => Some(upload.finish(expected(&observation_digest)?).await?),
+            None => None,
+        };
+        let report = report.finish(expected(&report_digest)?).await?;
+        let page = page.finish(expected(&page_digest)?).await?;
+        Ok((observation, report, page))
+    }
+
+    /// The settings in force, in one spelling: equal settings are equal text.
+    pub(super) fn ingest_settings(&self, json: &str) -> Result<String> {
+        let limit = self.options.limits.json_bytes;
+        let settings: IngestSettings = super::read_settings(json, limit)?;
+        settings.validate().map_err(Error::Settings)?;
+        serde_json::to_string(&settings).map_err(|e| Error::Internal(e.to_string()))
+    }
+}

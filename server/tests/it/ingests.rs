@@ -1,0 +1,185 @@
+use std::time::Duration;
+
+use bendtwin_proto::{
+    v1::{
+        ExportObservationRequest, Fault, GetCaptureReportRequest, IngestCaptureRequest,
+        WatchIngestRequest, get_capture_report_request::Format, ingest::State,
+    },
+    worker::v1::{FailJobRequest, lease_job_request::Kind},
+};
+use serde_json::json;
+
+use crate::{harness::Server, worker::Worker};
+
+const SOON: Duration = Duration::from_secs(5);
+
+fn fault() -> Fault {
+    Fault {
+        category: "INVALID_ARGUMENT".into(),
+        reason: "NO_CONTROLS".into(),
+        message: "the capture has no control points: say who moves it".into(),
+    }
+}
+
+/// The whole protocol: leased, reported, checkpointed, handed back, ended; seen from both sides.
+#[tokio::test]
+async fn a_capture_is_read_before_it_is_fitted() {
+    let server = Server::start().await;
+    let fit = server.fit().await;
+    let capture = server.get(&format!("/v1/{fit}")).await.1["capture"].as_str().unwrap().to_owned();
+    let (_, fresh) = server.get(&format!("/v1/{capture}")).await;
+    assert_eq!((&fresh["ingest"]["state"], &fresh["verdict"]), (&json!("QUEUED"), &json!(null)));
+    for what in ["report", "report.html", "observation"] {
+        assert_eq!(server.get(&format!("/v1/{capture}/{what}")).await.0, 404, "{what}");
+    }
+    let mut worker = Worker::register(&server).await;
+    assert!(worker.lease_a(Kind::Fit, Duration::ZERO).await.is_none());
+    let lease = worker.lease_a(Kind::Ingest, SOON).await.unwrap();
+    assert!(lease.job.starts_with("ingests/") && !lease.has_checkpoint);
+    assert_eq!(lease.observation_digest, "");
+    assert_eq!(worker.download(&lease.capture).await.unwrap(), b"an archive");
+    worker.report(&lease, 0.5).await.unwrap();
+    worker.checkpoint(&lease, b"half way").await.unwrap();
+    let (_, running) = server.get(&format!("/v1/{capture}")).await;
+    assert_eq!(running["ingest"]["state"], "RUNNING");
+    assert_eq!(running["ingest"]["progress"]["fraction"], 0.5);
+    let (_, list) = server.get("/v1/workers").await;
+    assert_eq!(list["workers"][0]["ingest"], json!(capture));
+    let release = FailJobRequest { released: true, ..worker.failure(&lease) };
+    worker.link.fail_job(release).await.unwrap();
+
+    let lease = worker.lease_a(Kind::Ingest, SOON).await.unwrap();
+    assert_eq!((lease.epoch, lease.has_checkpoint), (2, true));
+    assert_eq!(worker.download(&lease.job).await.unwrap(), b"half way");
+    worker.observe(&lease).await.unwrap();
+    // The reply was lost, say.
+    worker.observe(&lease).await.unwrap();
+    let (_, read) = server.get(&format!("/v1/{capture}")).await;
+    assert_eq!((&read["ingest"]["state"], &read["verdict"]), (&json!("SUCCEEDED"), &json!("good")));
+    let (_, list) = server.get("/v1/captures").await;
+    assert_eq!(list["captures"], json!([read]));
+
+    let (status, report) = server.get(&format!("/v1/{capture}/report")).await;
+    assert_eq!((status, report), (200, json!({"findings": []})));
+    let url = server.url(&format!("/v1/{capture}/report.html"));
+    let page = server.http.get(url).send().await.unwrap();
+    let policy = page.headers()["content-security-policy"].to_str().unwrap().to_owned();
+    assert!(policy.contains("default-src 'none'") && policy.contains("sandbox"), "{policy}");
+    assert!(!policy.contains("script-src") && !policy.contains("allow-scripts"), "{policy}");
+    assert_eq!(page.headers()["x-content-type-options"], "nosniff");
+    assert_eq!(page.text().await.unwrap(), "<p>");
+    let url = server.url(&format!("/v1/{capture}/observation"));
+    assert_eq!(server.http.get(url).send().await.unwrap().text().await.unwrap(), "seen");
+
+    // The fit that waited for it.
+    let lease = worker.lease_a(Kind::Fit, SOON).await.unwrap();
+    assert_eq!(lease.job, fit);
+    assert_eq!(lease.observation_digest, blake3::hash(b"seen").to_hex().as_str());
+    let observation = format!("{}/observation", lease.capture);
+    assert_eq!(worker.download(&observation).await.unwrap(), b"seen");
+}
+
+#[tokio::test]
+async fn what_cannot_be_read_fails_its_fits_and_says_why() {
+    let server = Server::start().await;
+    let fit = server.fit().await;
+    let capture = server.get(&format!("/v1/{fit}")).await.1["capture"].as_str().unwrap().to_owned();
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease_a(Kind::Ingest, SOON).await.unwrap();
+    for (observation, verdict, fault) in [
+        (None, "unusable", None),
+        (Some(b"seen".as_slice()), "unusable", Some(fault())),
+        (None, "Not a word", Some(fault())),
+    ] {
+        let refused = worker.end_ingest(&lease, observation, verdict, fault).await.unwrap_err();
+        assert_eq!(refused.code(), tonic::Code::InvalidArgument);
+    }
+    worker.end_ingest(&lease, None, "unusable", Some(fault())).await.unwrap();
+    let (_, read) = server.get(&format!("/v1/{capture}")).await;
+    assert_eq!(
+        (&read["ingest"]["state"], &read["verdict"]),
+        (&json!("FAILED"), &json!("unusable"))
+    );
+    assert_eq!(read["ingest"]["fault"]["reason"], "NO_CONTROLS");
+    assert_eq!(server.get(&format!("/v1/{capture}/report")).await.0, 200);
+    assert_eq!(server.get(&format!("/v1/{capture}/observation")).await.0, 404);
+    let (_, later) = server.post("/v1/fits", json!({"capture": capture})).await;
+    for fit in [fit.as_str(), later["name"].as_str().unwrap()] {
+        let (_, fit) = server.get(&format!("/v1/{fit}")).await;
+        assert_eq!((&fit["state"], &fit["fault"]), (&json!("FAILED"), &read["ingest"]["fault"]));
+    }
+    assert!(worker.lease_a(Kind::Fit, Duration::ZERO).await.is_none());
+    assert_eq!(server.delete(&format!("/v1/{capture}")).await.0, 204);
+    assert_eq!(server.blob_files(), 0);
+}
+
+#[tokio::test]
+async fn an_ingest_is_run_again_with_other_settings() {
+    let server = Server::start().await;
+    let url = server.url("/v1/captures?ingest=%7B%22completion%22");
+    let refused = server.http.post(url).body("an archive").send().await.unwrap();
+    let (status, problem) = crate::harness::read(refused).await;
+    assert_eq!((status, &problem["reason"]), (400, &json!("INVALID_SETTINGS")));
+
+    let capture = server.capture().await;
+    let path = format!("/v1/{capture}/ingest");
+    let (status, problem) = server.post(&path, json!({})).await;
+    assert_eq!((status, &problem["reason"]), (409, &json!("INGEST_UNDER_WAY")));
+    let (_, cancelled) = server.post(&format!("{path}/cancel"), json!(null)).await;
+    assert_eq!(cancelled["ingest"]["state"], "CANCELLED");
+    let (status, queued) = server.post(&path, json!({"settings": {}})).await;
+    assert_eq!((status, &queued["ingest"]["state"]), (202, &json!("QUEUED")));
+    assert!(queued["ingest"]["revision"].as_u64() > cancelled["ingest"]["revision"].as_u64());
+
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease_a(Kind::Ingest, SOON).await.unwrap();
+    server.post(&format!("{path}/cancel"), json!(null)).await;
+    assert!(worker.report(&lease, 0.1).await.unwrap());
+    let end = FailJobRequest { cancelled: true, ..worker.failure(&lease) };
+    worker.link.fail_job(end).await.unwrap();
+    let (status, _) = server.post("/v1/fits", json!({"capture": capture})).await;
+    assert_eq!(status, 202);
+    let request = IngestCaptureRequest { name: capture.clone(), ..Default::default() };
+    let again = server.captures().ingest_capture(request.clone()).await.unwrap().into_inner();
+    assert_eq!(again.ingest.unwrap().state(), State::Queued);
+    let fit = server.post("/v1/fits", json!({"capture": capture})).await.1;
+    assert_eq!(fit["state"], "QUEUED");
+    worker.lease(SOON).await.unwrap();
+    let refused = server.captures().ingest_capture(request).await.unwrap_err();
+    assert_eq!(bendtwin_proto::fault::fault(&refused).reason, "CAPTURE_IN_USE");
+}
+
+#[tokio::test]
+async fn reading_can_be_watched() {
+    let server = Server::start().await;
+    let capture = server.capture().await;
+    let mut worker = Worker::register(&server).await;
+    let watch = WatchIngestRequest { name: capture.clone(), after_revision: 0 };
+    let mut watched = server.captures().watch_ingest(watch).await.unwrap().into_inner();
+    let work = async {
+        let lease = worker.lease_a(Kind::Ingest, SOON).await.unwrap();
+        worker.report(&lease, 0.5).await.unwrap();
+        worker.observe(&lease).await.unwrap();
+    };
+    let url = server.url(&format!("/v1/{capture}/events"));
+    let events = async { server.http.get(url).send().await.unwrap().text().await.unwrap() };
+    let (events, ()) = tokio::join!(events, work);
+    let last = events.trim().rsplit("\n\n").next().unwrap();
+    assert!(last.contains("event: capture") && last.contains("\"SUCCEEDED\""), "{last}");
+    assert!(last.contains("\"verdict\":\"good\""), "{last}");
+    let mut states = Vec::new();
+    while let Some(capture) = watched.message().await.unwrap() {
+        states.push(capture.ingest.unwrap().state());
+    }
+    assert_eq!((states.first(), states.last()), (Some(&State::Queued), Some(&State::Succeeded)));
+
+    for (format, expected) in [(Format::Unspecified, "{"), (Format::Html, "<p>")] {
+        let request = GetCaptureReportRequest { name: capture.clone(), format: format.into() };
+        let mut chunks = server.captures().get_capture_report(request).await.unwrap().into_inner();
+        let chunk = chunks.message().await.unwrap().unwrap().chunk;
+        assert!(chunk.starts_with(expected.as_bytes()));
+    }
+    let request = ExportObservationRequest { name: capture };
+    let mut chunks = server.captures().export_observation(request).await.unwrap().into_inner();
+    assert_eq!(chunks.message().await.unwrap().unwrap().chunk, "seen");
+}

@@ -1,0 +1,40 @@
+//! A finished twin on its way to the server.
+
+use bendtwin_core::Category;
+use bendtwin_proto::worker::v1::TwinWrite;
+
+use super::compute::Finished;
+use crate::{
+    job::{
+        Job,
+        deliver::{Delivery, Failure, Undelivered},
+    },
+    link::LinkError,
+};
+
+/// Stores the twin, which ends the job. Sending it twice is safe: the second answer is the
+/// same, or says that the lease is stale.
+pub(super) async fn deliver(delivery: &Delivery<'_>, finished: Finished) {
+    match delivery.repeat("the twin", || send(delivery.job, &finished)).await {
+        Ok(twin) => tracing::info!(twin, bytes = finished.file.len(), "fit succeeded"),
+        // Too large, say: another attempt would make the same twin and be refused alike.
+        Err(Undelivered::Refused(fault)) if fault.category == Category::InvalidArgument => {
+            delivery.fail(fault, Failure::Permanent).await;
+        }
+        Err(_) => {}
+    }
+}
+
+async fn send(job: &Job, finished: &Finished) -> Result<String, LinkError> {
+    let twin = TwinWrite {
+        job: Some(job.write_of(&finished.file)),
+        node_count: finished.node_count,
+        spring_count: finished.spring_count,
+        triplet_count: finished.triplet_count,
+        control_count: finished.control_count,
+        fps: finished.fps,
+        substeps: finished.substeps,
+        quality_json: finished.quality_json.clone(),
+    };
+    job.link().complete_fit(twin, finished.file.clone()).await
+}

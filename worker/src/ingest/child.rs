@@ -1,0 +1,174 @@
+//! The worker's side of the child process: started, listened to, killed when nobody wants it any more,
+//! and its end explained.
+
+use std::{
+    path::Path,
+    process::{ExitStatus, Stdio},
+};
+
+use bendtwin_core::{Category, Fault};
+use tokio::{
+    io::{AsyncBufRead, AsyncBufReadExt as _, AsyncRead, AsyncReadExt as _, BufReader},
+    process::Command,
+};
+
+use super::{
+    protocol::{CHECKPOINT, Message},
+    report::Verdict,
+};
+use crate::job::{checkpoints::Checkpoints, report::Latest};
+
+/// Longest line that is listened to [bytes]; the child writes far shorter ones.
+const LINE: u64 = 1 << 20;
+/// How much of the end of its standard error is kept [bytes].
+const TAIL: usize = 4 << 10;
+/// Each thread has a stack and an arena of its own, which count as the child's memory.
+const MOST_THREADS: usize = 8;
+
+/// What Rust's runtime says when memory cannot be had before it aborts, and what it and the system call such an error.
+const NO_MEMORY: [&str; 3] = ["memory allocation of", "Cannot allocate memory", "out of memory"];
+
+/// How to start the child.
+pub(super) struct Child<'a> {
+    pub(super) program: &'a Path,
+    pub(super) folder: &'a Path,
+}
+
+/// What the child's work came to.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Ended {
+    /// Observation and report lie in the folder.
+    Observed { verdict: Verdict },
+    /// The report lies in the folder.
+    Refused { verdict: Verdict, fault: Fault },
+    /// It was too much for the memory that it may take: the fault says so, nothing lies in the folder.
+    TooMuch { fault: Fault },
+}
+
+impl Child<'_> {
+    /// Runs the child to its end. Dropping the future kills it.
+    ///
+    /// # Errors
+    /// If it cannot be started, or ended without a last word.
+    pub(super) async fn run(
+        &self,
+        progress: &Latest,
+        checkpoints: &Checkpoints,
+    ) -> Result<Ended, Fault> {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut child = Command::new(self.program)
+            .arg("ingest-capture")
+            .arg(self.folder)
+            .env("RAYON_NUM_THREADS", threads.min(MOST_THREADS).to_string())
+            // Held open: its end tells the child that the worker is gone.
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .kill_on_drop(true)
+            .spawn()
+            .map_err(|e| crashed(&format!("it cannot be started: {e}")))?;
+        let _stdin = child.stdin.take();
+        let (Some(stdout), Some(stderr)) = (child.stdout.take(), child.stderr.take()) else {
+            return Err(crashed("its output cannot be read"));
+        };
+        let listening = self.listen(BufReader::new(stdout), progress, checkpoints);
+        let (last, tail) = tokio::join!(listening, tail_of(stderr));
+        let status = child.wait().await.map_err(|e| crashed(&e.to_string()))?;
+        match last {
+            Some(Message::Observed { verdict }) => Ok(Ended::Observed { verdict }),
+            // A file that cannot be read for lack of memory is not the file's fault.
+            Some(Message::Refused { fault, .. }) if is_out_of_memory(&fault.message) => {
+                Ok(Ended::TooMuch { fault: out_of_memory() })
+            }
+            Some(Message::Refused { verdict, fault }) => Ok(Ended::Refused { verdict, fault }),
+            Some(Message::Failed(fault)) => Err(fault),
+            _ if is_out_of_memory(&tail) => Ok(Ended::TooMuch { fault: out_of_memory() }),
+            _ => Err(crashed(&explain(status))),
+        }
+    }
+
+    /// Passes on what the child says; returns its last word.
+    async fn listen(
+        &self,
+        mut lines: impl AsyncBufRead + Unpin,
+        progress: &Latest,
+        checkpoints: &Checkpoints,
+    ) -> Option<Message> {
+        let mut last = None;
+        loop {
+            let mut line = Vec::new();
+            match (&mut lines).take(LINE).read_until(b'\n', &mut line).await {
+                Ok(0) | Err(_) => return last,
+                Ok(_) => {}
+            }
+            match serde_json::from_slice(&line) {
+                Ok(Message::Progress(told)) => progress.set(told),
+                Ok(Message::Checkpoint) => {
+                    match tokio::fs::read(self.folder.join(CHECKPOINT)).await {
+                        Ok(checkpoint) => checkpoints.offer(checkpoint, false),
+                        Err(error) => tracing::warn!(%error, "a checkpoint cannot be read"),
+                    }
+                }
+                Ok(word) => last = Some(word),
+                Err(error) => tracing::warn!(%error, "the ingest said what nobody understands"),
+            }
+        }
+    }
+}
+
+/// Passes on what the child logs; returns the end of it.
+async fn tail_of(mut stderr: impl AsyncRead + Unpin) -> String {
+    let mut tail = Vec::new();
+    let mut chunk = [0; TAIL];
+    while let Ok(read) = stderr.read(&mut chunk).await {
+        let Some(told) = chunk.get(..read).filter(|t| !t.is_empty()) else { break };
+        eprint!("{}", String::from_utf8_lossy(told));
+        tail.extend_from_slice(told);
+        let surplus = tail.len().saturating_sub(TAIL);
+        tail.drain(..surplus);
+    }
+    String::from_utf8_lossy(&tail).into_owned()
+}
+
+fn is_out_of_memory(told: &str) -> bool {
+    NO_MEMORY.iter().any(|words| told.contains(words))
+}
+
+fn out_of_memory() -> Fault {
+    Fault {
+        category: Category::ResourceExhausted,
+        reason: "INGEST_OUT_OF_MEMORY".to_owned(),
+        message: "reading the capture takes more memory than this worker gives it: split the capture, or \
+                  start workers with a higher --ingest-memory-mib and run the ingest again"
+            .to_owned(),
+    }
+}
+
+/// The child's end is told to the worker's log; a user hears what to do.
+fn crashed(how: &str) -> Fault {
+    tracing::error!("the process that reads the capture failed: {how}");
+    Fault {
+        category: Category::Internal,
+        reason: "INGEST_CRASHED".to_owned(),
+        message: "the process that reads the capture ended unexpectedly; the worker's log says how. If it \
+                  happens again the capture is damaged in a way that nobody thought of: please report it"
+            .to_owned(),
+    }
+}
+
+#[cfg(unix)]
+fn explain(status: ExitStatus) -> String {
+    use std::os::unix::process::ExitStatusExt as _;
+    match status.signal() {
+        Some(signal) => format!("killed by signal {signal}"),
+        None => status.to_string(),
+    }
+}
+
+#[cfg(not(unix))]
+fn explain(status: ExitStatus) -> String {
+    status.to_string()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,129 @@
+//! What an ingest made on its way to the server: streamed from files, again and again until it has arrived.
+
+use std::path::{Path, PathBuf};
+
+use bendtwin_core::{Category, Fault};
+use bendtwin_proto::worker::v1::{EndIngestRequest, IngestWrite, Lease, end_ingest_request::Part};
+use bytes::Bytes;
+use futures::{Stream, StreamExt as _, stream};
+use tokio_util::io::ReaderStream;
+
+use super::{
+    child::Ended,
+    process::write_report,
+    protocol::{OBSERVATION, PAGE, REPORT},
+    report::{Report, Verdict},
+};
+use crate::{
+    job::{
+        Job,
+        deliver::{Delivery, Failure, Undelivered},
+    },
+    link::LinkError,
+};
+
+/// Bytes of one chunk: large enough to be cheap, well below any message limit.
+const CHUNK: usize = 256 << 10;
+
+/// Sends the results that lie in the folder, which ends the job.
+pub(super) async fn deliver(delivery: &Delivery<'_>, folder: &Path, ended: Ended, lease: &Lease) {
+    let (verdict, fault) = match ended {
+        Ended::Observed { verdict } => (verdict, None),
+        Ended::Refused { verdict, fault } => (verdict, Some(fault)),
+        Ended::TooMuch { fault } => {
+            // The child had no say any more.
+            let report = Report::of_fault(&lease.capture_display_name, &fault);
+            if let Err(error) = write_report(folder, &report) {
+                tracing::warn!(%error, "no report can be written");
+                return delivery.fail(fault, Failure::Permanent).await;
+            }
+            (Verdict::Unusable, Some(fault))
+        }
+    };
+    if let Some(fault) = &fault {
+        tracing::warn!(reason = fault.reason, "the capture cannot be fitted: {fault}");
+    }
+    let made = match measure(delivery.job, folder, verdict, fault).await {
+        Ok(made) => made,
+        Err(error) => {
+            return delivery.fail(unreadable(&error), Failure::Passing).await;
+        }
+    };
+    let parts = parts(folder, made.fault.is_none());
+    match delivery.repeat("what the ingest made", || send(delivery.job, &made, &parts)).await {
+        Ok(()) => tracing::info!(verdict = made.verdict, "ingest ended"),
+        // Too large, say: another attempt would make the same and be refused alike.
+        Err(Undelivered::Refused(fault)) if fault.category == Category::InvalidArgument => {
+            delivery.fail(fault, Failure::Permanent).await;
+        }
+        Err(_) => {}
+    }
+}
+
+type Wrap = fn(Bytes) -> Part;
+
+/// The files of a result, in the order in which they are sent.
+fn parts(folder: &Path, observed: bool) -> Vec<(PathBuf, Wrap)> {
+    let observation: (&str, Wrap) = (OBSERVATION, Part::Observation);
+    let reports: [(&str, Wrap); 2] = [(REPORT, Part::Report), (PAGE, Part::Page)];
+    let parts = observed.then_some(observation).into_iter().chain(reports);
+    parts.map(|(file, wrap)| (folder.join(file), wrap)).collect()
+}
+
+async fn measure(
+    job: &Job,
+    folder: &Path,
+    verdict: Verdict,
+    fault: Option<Fault>,
+) -> std::io::Result<IngestWrite> {
+    let (write, folder) = (job.write(), folder.to_owned());
+    let measured = tokio::task::spawn_blocking(move || {
+        let digest = |file: &str| -> std::io::Result<String> {
+            let mut hasher = blake3::Hasher::new();
+            hasher.update_reader(std::fs::File::open(folder.join(file))?)?;
+            Ok(hasher.finalize().to_hex().to_string())
+        };
+        Ok(IngestWrite {
+            job: Some(write),
+            verdict: verdict.as_str().to_owned(),
+            observation_digest: match fault {
+                None => digest(OBSERVATION)?,
+                Some(_) => String::new(),
+            },
+            report_digest: digest(REPORT)?,
+            page_digest: digest(PAGE)?,
+            fault: fault.as_ref().map(Into::into),
+        })
+    });
+    measured.await.map_err(std::io::Error::other)?
+}
+
+async fn send(job: &Job, made: &IngestWrite, parts: &[(PathBuf, Wrap)]) -> Result<(), LinkError> {
+    let mut files = Vec::with_capacity(parts.len());
+    for (path, wrap) in parts {
+        let file = tokio::fs::File::open(path).await;
+        files.push((file.map_err(|e| LinkError::Unavailable(unreadable(&e)))?, *wrap));
+    }
+    job.link().end_ingest(messages(made.clone(), files)).await
+}
+
+/// Metadata, then each file. One that cannot be read any more cuts the upload short, which its digest tells.
+fn messages(
+    made: IngestWrite,
+    files: Vec<(tokio::fs::File, Wrap)>,
+) -> impl Stream<Item = EndIngestRequest> + Send + 'static {
+    let chunks = stream::iter(files).flat_map(|(file, wrap)| {
+        let chunks = ReaderStream::with_capacity(file, CHUNK);
+        chunks.filter_map(move |chunk| std::future::ready(chunk.ok().map(wrap)))
+    });
+    let first = stream::once(std::future::ready(Part::Metadata(made)));
+    first.chain(chunks).map(|part| EndIngestRequest { part: Some(part) })
+}
+
+fn unreadable(error: &std::io::Error) -> Fault {
+    Fault {
+        category: Category::Unavailable,
+        reason: "INGEST_RESULT_LOST".to_owned(),
+        message: format!("what the ingest made cannot be read any more: {error}"),
+    }
+}

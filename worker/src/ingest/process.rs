@@ -1,0 +1,159 @@
+//! The child's side: fenced in first, then one capture read and its results written beside it.
+
+use std::{
+    io::{self, Read as _, Write as _},
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use bendtwin_capture as capture;
+use bendtwin_core::{Fault, Problem as _, Progress, Stage, settings::ingest::IngestSettings};
+use bendtwin_ingest::{CancelToken, Observer, ObserverError, Step};
+
+use super::{
+    observe::{Observed, observe},
+    protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, REPORT, Request},
+    report::Report,
+};
+
+/// Between two lines of progress.
+const EVERY: Duration = Duration::from_millis(200);
+
+/// Reads the capture in a folder that a worker prepared, says on standard output how it goes on, and leaves the
+/// results there. What the capture does wrong is a result, too.
+///
+/// # Errors
+/// If the folder is not as a worker prepares it, or this process cannot be fenced in.
+pub fn ingest_capture(folder: &Path) -> io::Result<()> {
+    let request = Request::read(folder)?;
+    fence(request.memory_bytes)?;
+    end_with_parent();
+    let last = match work(folder, &request) {
+        Ok(last) => last,
+        Err(fault) => Message::Failed(fault),
+    };
+    say(&last)
+}
+
+fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
+    let settings: IngestSettings = match request.settings.trim() {
+        "" => IngestSettings::default(),
+        json => serde_json::from_str(json)
+            .map_err(|e| bendtwin_ingest::Error::Settings(vec![e.to_string()]).fault())?,
+    };
+    // What is known to need more is refused with a reason before it is tried.
+    let standard = capture::Limits::default();
+    let limits = capture::Limits {
+        total_bytes: request.memory_bytes,
+        file_bytes: standard.file_bytes.min(request.memory_bytes),
+        ..standard
+    };
+    let mut teller = Teller { checkpoint: folder.join(CHECKPOINT), told: None };
+    teller.tell("read", 0.0);
+    let checkpoint = std::fs::read(folder.join(CHECKPOINT)).ok();
+    let archive = folder.join(ARCHIVE);
+    let Observed { capture, report } = observe(
+        &archive,
+        &request.name,
+        &settings,
+        &limits,
+        checkpoint.as_deref(),
+        &mut teller,
+        &CancelToken::default(),
+    )?;
+    write_report(folder, &report).map_err(|e| unwritable(REPORT, e))?;
+    let verdict = report.verdict;
+    match capture {
+        Ok(observed) => {
+            capture::write_bundle_file(&observed, &folder.join(OBSERVATION))
+                .map_err(|e| e.fault())?;
+            Ok(Message::Observed { verdict })
+        }
+        Err(fault) => Ok(Message::Refused { verdict, fault }),
+    }
+}
+
+/// Limits what this process may allocate. Beyond it, allocations fail and the process aborts.
+fn fence(memory_bytes: u64) -> io::Result<()> {
+    // Data, not address space: what is reserved and never touched costs nobody anything.
+    #[cfg(any(target_os = "linux", target_os = "android"))]
+    let fenced = rlimit::Resource::DATA;
+    #[cfg(not(any(target_os = "linux", target_os = "android")))]
+    let fenced = rlimit::Resource::AS;
+    fenced.set(memory_bytes, memory_bytes)
+}
+
+/// Ends this process when its standard input does: the worker, who holds the pipe, is gone.
+fn end_with_parent() {
+    std::thread::spawn(|| {
+        let mut buffer = [0; 64];
+        while matches!(io::stdin().read(&mut buffer), Ok(read) if read > 0) {}
+        std::process::exit(1);
+    });
+}
+
+pub(super) fn write_report(folder: &Path, report: &Report) -> io::Result<()> {
+    std::fs::write(folder.join(REPORT), report.json()?)?;
+    std::fs::write(folder.join(PAGE), report.html())
+}
+
+fn unwritable(at: &str, source: io::Error) -> Fault {
+    capture::Error::Io { at: at.to_owned(), source }.fault()
+}
+
+fn say(message: &Message) -> io::Result<()> {
+    let mut line = serde_json::to_vec(message)?;
+    line.push(b'\n');
+    let mut out = io::stdout().lock();
+    out.write_all(&line)?;
+    out.flush()
+}
+
+/// Passes on what an ingest reports.
+struct Teller {
+    checkpoint: PathBuf,
+    /// When progress was told last.
+    told: Option<Instant>,
+}
+
+impl Teller {
+    fn tell(&mut self, step: &str, fraction: f64) {
+        if self.told.is_some_and(|at| at.elapsed() < EVERY) {
+            return;
+        }
+        self.told = Some(Instant::now());
+        let progress = Progress {
+            stage: Stage::Ingest,
+            variant: step.to_owned(),
+            iteration: 0,
+            iterations: 0,
+            fraction,
+            loss: None,
+            best_loss: None,
+            eta_s: None,
+            note: None,
+        };
+        // A worker that does not listen any more is gone, which the other thread notices.
+        let _ = say(&Message::Progress(progress));
+    }
+}
+
+impl Observer for Teller {
+    fn progress(&mut self, progress: bendtwin_ingest::Progress) {
+        let step = match progress.step {
+            Step::Track => "track",
+            Step::Lift => "lift",
+            Step::Assemble => "assemble",
+            Step::Complete => "complete",
+        };
+        self.tell(step, progress.fraction);
+    }
+
+    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        // The worker never finds half of one.
+        let new = self.checkpoint.with_extension("new");
+        std::fs::write(&new, checkpoint)?;
+        std::fs::rename(&new, &self.checkpoint)?;
+        Ok(say(&Message::Checkpoint)?)
+    }
+}

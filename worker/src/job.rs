@@ -1,0 +1,100 @@
+//! A leased job of either kind, and what surrounds the work on it: the lease is renewed, progress reported,
+//! checkpoints saved and the last word delivered from tasks that no computation can hold up.
+
+pub(crate) mod checkpoints;
+pub(crate) mod deliver;
+pub(crate) mod report;
+pub(crate) mod stop;
+
+use bendtwin_core::{Fault, Progress, Stage};
+use bendtwin_proto::{
+    v1,
+    worker::v1::{FailJobRequest, JobWrite, Lease, ReportJobRequest},
+};
+use bytes::Bytes;
+
+use self::deliver::Failure;
+use crate::link::{Link, LinkError};
+
+/// A leased job: every write carries the lease's epoch.
+#[derive(Clone)]
+pub(crate) struct Job {
+    link: Link,
+    worker: String,
+    /// fits/{uuid} or ingests/{uuid}
+    name: String,
+    epoch: u64,
+}
+
+impl Job {
+    pub(crate) fn new(link: Link, worker: String, lease: &Lease) -> Self {
+        Self { link, worker, name: lease.job.clone(), epoch: lease.epoch }
+    }
+
+    /// Renews the lease and stores progress. Says whether cancellation is wanted.
+    pub(crate) async fn report(&self, progress: Option<&Progress>) -> Result<bool, LinkError> {
+        let request = ReportJobRequest {
+            worker: self.worker.clone(),
+            job: self.name.clone(),
+            epoch: self.epoch,
+            progress: progress.map(wire_progress),
+        };
+        Ok(self.link.report_job(request).await?.cancel_requested)
+    }
+
+    pub(crate) async fn save_checkpoint(&self, content: Bytes) -> Result<(), LinkError> {
+        self.link.save_checkpoint(self.write_of(&content), content).await
+    }
+
+    pub(crate) fn link(&self) -> &Link {
+        &self.link
+    }
+
+    pub(crate) async fn fail(&self, fault: &Fault, kind: Failure) -> Result<(), LinkError> {
+        let request = FailJobRequest {
+            worker: self.worker.clone(),
+            job: self.name.clone(),
+            epoch: self.epoch,
+            fault: Some(fault.into()),
+            permanent: kind == Failure::Permanent,
+            cancelled: kind == Failure::Cancelled,
+            released: kind == Failure::Released,
+        };
+        self.link.fail_job(request).await
+    }
+
+    /// What a write of this content says of itself.
+    pub(crate) fn write_of(&self, content: &[u8]) -> JobWrite {
+        JobWrite { digest: blake3::hash(content).to_hex().to_string(), ..self.write() }
+    }
+
+    /// What a write of several contents says of itself.
+    pub(crate) fn write(&self) -> JobWrite {
+        JobWrite {
+            worker: self.worker.clone(),
+            job: self.name.clone(),
+            epoch: self.epoch,
+            digest: String::new(),
+        }
+    }
+}
+
+fn wire_progress(progress: &Progress) -> v1::Progress {
+    let stage = match progress.stage {
+        Stage::Ingest => "ingest",
+        Stage::Search => "search",
+        Stage::Refine => "refine",
+        Stage::Evaluate => "evaluate",
+    };
+    v1::Progress {
+        stage: stage.to_owned(),
+        variant: progress.variant.clone(),
+        iteration: progress.iteration,
+        iterations: progress.iterations,
+        fraction: progress.fraction,
+        loss: progress.loss,
+        best_loss: progress.best_loss,
+        eta_s: progress.eta_s,
+        note: progress.note.clone().unwrap_or_default(),
+    }
+}

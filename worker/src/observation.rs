@@ -1,0 +1,25 @@
+//! What ingests make of captures, as fits and rollouts read it: a bundle that a process of this
+//! project wrote, no stranger's file.
+
+use std::path::Path;
+
+use bendtwin_capture as capture;
+use bendtwin_core::Capture;
+
+use crate::Limits;
+
+/// What the server calls the observation of a capture.
+pub(crate) fn name(capture: &str) -> String {
+    format!("{capture}/observation")
+}
+
+/// Reads an observation, structurally sound.
+pub(crate) fn read(path: &Path, limits: &Limits) -> Result<Capture, capture::Error> {
+    let standard = capture::Limits::default();
+    let bounds = capture::Limits {
+        total_bytes: limits.capture_bytes,
+        file_bytes: standard.file_bytes.min(limits.capture_bytes),
+        ..standard
+    };
+    capture::read(path, &bounds)
+}
