@@ -57,6 +57,8 @@ class Fake(
     metadata: capture_pb2.CaptureMetadata | None = None
     fit_request: fit_pb2.CreateFitRequest | None = None
     rollout_request: rollout_pb2.RollOutRequest | None = None
+    ingest_request: capture_pb2.IngestCaptureRequest | None = None
+    reads: int = capture_pb2.Ingest.SUCCEEDED
     ends: int = fit_pb2.Fit.SUCCEEDED
     watched_from: list[int] = field(default_factory=list)
 
@@ -70,6 +72,41 @@ class Fake(
                 size_bytes=len(self.uploaded),
             )
         )
+
+    def IngestCapture(self, request, context):
+        self.ingest_request = request
+        return self._capture(1, capture_pb2.Ingest.QUEUED)
+
+    def CancelIngest(self, request, context):
+        return self._capture(4, capture_pb2.Ingest.CANCELLED)
+
+    def WatchIngest(self, request, context):
+        """Breaks off after every message, as if the server restarted each time."""
+        self.watched_from.append(request.after_revision)
+        revision = request.after_revision + 1
+        yield self._capture(revision, capture_pb2.Ingest.RUNNING if revision < 4 else self.reads)
+        if revision < 4:
+            context.abort(grpc.StatusCode.UNAVAILABLE, "the server restarts")
+
+    def _capture(self, revision, state):
+        capture = capture_pb2.Capture(name=CAPTURE, verdict="usable" if revision == 4 else "")
+        capture.ingest.CopyFrom(capture_pb2.Ingest(state=state, revision=revision))
+        if state == capture_pb2.Ingest.FAILED:
+            capture.ingest.fault.category = "INVALID_ARGUMENT"
+            capture.ingest.fault.reason = "OBJECT_NOT_SEEN"
+            capture.ingest.fault.message = "no mask shows the object: segment it again"
+        return capture
+
+    def GetCaptureReport(self, request, context):
+        if request.format == capture_pb2.GetCaptureReportRequest.HTML:
+            yield capture_pb2.GetCaptureReportResponse(chunk=b"<!doctype html>")
+            return
+        yield capture_pb2.GetCaptureReportResponse(chunk=b'{"verdict": "usable", ')
+        yield capture_pb2.GetCaptureReportResponse(chunk=b'"findings": []}')
+
+    def ExportObservation(self, request, context):
+        yield capture_pb2.ExportObservationResponse(chunk=b"PK")
+        yield capture_pb2.ExportObservationResponse(chunk=b"points")
 
     def ListCaptures(self, request, context):
         page = int(request.page_token or 0)

@@ -4,8 +4,8 @@ from io import BytesIO
 import pytest
 from fake import CAPTURE, FIT, TWIN
 
-from bendtwin import BendTwinError, Category, Client, FitFailed, FitState
-from bendtwin.v1 import fit_pb2
+from bendtwin import BendTwinError, Category, Client, FitFailed, FitState, IngestFailed
+from bendtwin.v1 import capture_pb2, fit_pb2
 
 
 def test_an_archive_is_uploaded_in_chunks(client, fake, tmp_path):
@@ -56,6 +56,34 @@ def test_a_failed_fit_says_why(client, fake):
     assert failure.value.reason == "CAPTURE_WITHOUT_POINTS"
     assert failure.value.category is Category.INVALID_ARGUMENT
     assert failure.value.fit.name == FIT
+
+
+def test_a_capture_is_watched_until_it_is_read(client, fake, tmp_path):
+    path = tmp_path / "rope.zip"
+    path.write_bytes(b"x")
+    capture = client.upload_capture(path, ingest={"spacing_m": 0.004})
+    assert fake.metadata.ingest_settings_json == '{"spacing_m": 0.004}'
+    seen = []
+    ended = client.wait_for_capture(
+        capture, timeout_s=30, on_progress=lambda c: seen.append(c.ingest.revision)
+    )
+    assert (ended.ingest.state, ended.verdict) == (FitState.SUCCEEDED, "usable")
+    assert seen == [1, 2, 3, 4]
+    assert client.capture_report(CAPTURE) == {"verdict": "usable", "findings": []}
+    client.save_capture_report(CAPTURE, tmp_path / "report.html")
+    assert (tmp_path / "report.html").read_bytes() == b"<!doctype html>"
+    client.export_observation(CAPTURE, tmp_path / "observation.zip")
+    assert (tmp_path / "observation.zip").read_bytes() == b"PKpoints"
+
+
+def test_a_capture_that_cannot_be_fitted_says_why(client, fake):
+    fake.reads = capture_pb2.Ingest.FAILED
+    with pytest.raises(IngestFailed, match="segment it again") as failure:
+        client.wait_for_capture(CAPTURE, timeout_s=30)
+    assert failure.value.reason == "OBJECT_NOT_SEEN"
+    assert client.ingest_capture(CAPTURE, {"spacing_m": 0.01}).ingest.state is FitState.QUEUED
+    assert fake.ingest_request.settings_json == '{"spacing_m": 0.01}'
+    assert client.cancel_ingest(CAPTURE).ingest.state is FitState.CANCELLED
 
 
 def test_errors_carry_category_reason_and_request(client):

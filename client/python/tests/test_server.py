@@ -58,8 +58,11 @@ def twin(client, folder):
     archive = folder / "rope.zip"
     subprocess.run([BINARY, "capture", "make", "rope", archive, "--tiny"], check=True)
     capture = client.upload_capture(archive, request_id="rope")
-    assert client.upload_capture(archive, request_id="rope") == capture
+    assert client.upload_capture(archive, request_id="rope").name == capture.name
     assert [c.name for c in client.captures()] == [capture.name]
+    read = client.wait_for_capture(capture, timeout_s=120)
+    assert read.verdict in ("good", "usable")
+    assert client.capture_report(capture.name)["verdict"] == read.verdict
     seen = []
     fit = client.wait(client.fit(capture.name, SETTINGS), timeout_s=120, on_progress=seen.append)
     assert fit.state is FitState.SUCCEEDED

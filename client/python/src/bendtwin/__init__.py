@@ -13,9 +13,9 @@ with Client("127.0.0.1:7070") as client:
 from bendtwin.actions import CaptureFrame, GivenState, InitialState, Rest
 from bendtwin.client import Client
 from bendtwin.costs import Cost, Keypoints, Smoothness, TargetCloud
-from bendtwin.errors import BendTwinError, Category, FitFailed
+from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.mppi import Mppi
-from bendtwin.resources import Capture, Fault, Fit, FitState, Progress, TwinInfo, Worker
+from bendtwin.resources import Capture, Fault, Fit, FitState, Ingest, Progress, TwinInfo, Worker
 from bendtwin.rollout import Deviation, Diagnostics, Divergence, Returns, RolloutResult, Timing
 from bendtwin.twin import Twin
 
@@ -34,6 +34,8 @@ __all__ = [
     "FitFailed",
     "FitState",
     "GivenState",
+    "Ingest",
+    "IngestFailed",
     "InitialState",
     "Keypoints",
     "Mppi",

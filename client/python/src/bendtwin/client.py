@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import grpc
 
 from bendtwin.archive import archive_of, chunks_of
-from bendtwin.errors import BendTwinError, Category, FitFailed, translated
+from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed, translated
 from bendtwin.resources import Capture, Fit, FitState, TwinInfo, Worker
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
@@ -37,6 +37,7 @@ _CHANNEL_OPTIONS = [
 _RECONNECT_S = 0.2
 
 _Message = TypeVar("_Message")
+_Watched = TypeVar("_Watched")
 
 
 class Client:
@@ -70,15 +71,18 @@ class Client:
         *,
         display_name: str | None = None,
         request_id: str | None = None,
+        ingest: dict[str, Any] | None = None,
     ) -> Capture:
         """Uploads a capture: a ZIP archive, or a folder that is packed first.
 
+        `ingest` says what differs from the default settings of reading it (docs/settings.md).
         The same content under the same `request_id` answers with the capture that exists.
         """
         path = Path(path)
         metadata = capture_pb2.CaptureMetadata(
             display_name=path.stem if display_name is None else display_name,
             request_id=request_id or str(uuid.uuid4()),
+            ingest_settings_json=json.dumps(ingest) if ingest else "",
         )
 
         def messages(archive: Path) -> Iterator[capture_pb2.CreateCaptureRequest]:
@@ -128,6 +132,89 @@ class Client:
         with translated():
             self._captures.DeleteCapture(capture_pb2.DeleteCaptureRequest(name=name))
 
+    # Reading captures
+
+    def ingest_capture(
+        self,
+        name: str,
+        settings: dict[str, Any] | None = None,
+        *,
+        request_id: str | None = None,
+    ) -> Capture:
+        """Has a capture read again, with other settings say (docs/settings.md)."""
+        request = capture_pb2.IngestCaptureRequest(
+            name=name,
+            settings_json=json.dumps(settings) if settings else "",
+            request_id=request_id or str(uuid.uuid4()),
+        )
+        with translated():
+            return Capture.from_proto(self._captures.IngestCapture(request))
+
+    def cancel_ingest(self, name: str) -> Capture:
+        """Asks the ingest of a capture to stop; one that has ended is left as it is."""
+        with translated():
+            request = capture_pb2.CancelIngestRequest(name=name)
+            return Capture.from_proto(self._captures.CancelIngest(request))
+
+    def watch_capture(self, name: str, *, timeout_s: float | None = None) -> Iterator[Capture]:
+        """The capture now and after every change of its ingest, until that has ended.
+
+        Goes on over restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
+        `timeout_s`.
+        """
+
+        def changes(revision: int, left: float | None) -> Iterator[Capture]:
+            request = capture_pb2.WatchIngestRequest(name=name, after_revision=revision)
+            for message in self._captures.WatchIngest(request, timeout=left):
+                yield Capture.from_proto(message)
+
+        def standing(capture: Capture) -> tuple[int, bool]:
+            ingest = capture.ingest
+            return (0, True) if ingest is None else (ingest.revision, ingest.state.has_ended)
+
+        return _watched(changes, standing, timeout_s)
+
+    def wait_for_capture(
+        self,
+        capture: Capture | str,
+        *,
+        timeout_s: float | None = None,
+        on_progress: Callable[[Capture], None] | None = None,
+    ) -> Capture:
+        """Waits until a capture has been read. Raises IngestFailed if it cannot be fitted."""
+        name = capture if isinstance(capture, str) else capture.name
+        last: Capture | None = None
+        for last in self.watch_capture(name, timeout_s=timeout_s):
+            if on_progress is not None:
+                on_progress(last)
+        ended = last if last is not None else self.capture(name)
+        if ended.ingest is not None and ended.ingest.state is not FitState.SUCCEEDED:
+            raise IngestFailed(ended)
+        return ended
+
+    def capture_report(self, name: str) -> dict[str, Any]:
+        """What reading a capture found: verdict, findings and what they rest on."""
+        request = capture_pb2.GetCaptureReportRequest(name=name)
+        with translated():
+            parts = [part.chunk for part in self._captures.GetCaptureReport(request)]
+        report: dict[str, Any] = json.loads(b"".join(parts))
+        return report
+
+    def save_capture_report(self, name: str, path: str | PathLike[str]) -> None:
+        """Writes the report of a capture as a page with pictures, to be opened in a browser."""
+        html = capture_pb2.GetCaptureReportRequest.HTML
+        request = capture_pb2.GetCaptureReportRequest(name=name, format=html)
+        with translated(), open(path, "wb") as file:
+            for part in self._captures.GetCaptureReport(request):
+                file.write(part.chunk)
+
+    def export_observation(self, name: str, path: str | PathLike[str]) -> None:
+        """Writes what fits of a capture work on, tracked points as a bundle (ZIP)."""
+        request = capture_pb2.ExportObservationRequest(name=name)
+        with translated(), open(path, "wb") as file:
+            for part in self._captures.ExportObservation(request):
+                file.write(part.chunk)
+
     # Fits
 
     def fit(
@@ -174,23 +261,13 @@ class Client:
         Goes on over restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
         `timeout_s`.
         """
-        deadline = None if timeout_s is None else time.monotonic() + timeout_s
-        revision = 0
-        while True:
-            left = None if deadline is None else max(0.0, deadline - time.monotonic())
+
+        def changes(revision: int, left: float | None) -> Iterator[Fit]:
             request = fit_pb2.WatchFitRequest(name=name, after_revision=revision)
-            try:
-                with translated():
-                    for message in self._fits.WatchFit(request, timeout=left):
-                        fit = Fit.from_proto(message)
-                        revision = fit.revision
-                        yield fit
-                        if fit.state.has_ended:
-                            return
-            except BendTwinError as error:
-                if error.category is not Category.UNAVAILABLE:
-                    raise
-            time.sleep(_RECONNECT_S)
+            for message in self._fits.WatchFit(request, timeout=left):
+                yield Fit.from_proto(message)
+
+        return _watched(changes, lambda fit: (fit.revision, fit.state.has_ended), timeout_s)
 
     def wait(
         self,
@@ -263,6 +340,33 @@ class Client:
         """The workers that the server knows."""
         pages = _pages(self._workers.ListWorkers, worker_pb2.ListWorkersRequest())
         return (Worker.from_proto(w) for page in pages for w in page.workers)
+
+
+def _watched(
+    changes: Callable[[int, float | None], Iterator[_Watched]],
+    standing: Callable[[_Watched], tuple[int, bool]],
+    timeout_s: float | None,
+) -> Iterator[_Watched]:
+    """Follows changes until one is the last, over restarts of the server.
+
+    `changes` are those after a revision; `standing` tells a state's revision, and whether it is the
+    last.
+    """
+    deadline = None if timeout_s is None else time.monotonic() + timeout_s
+    revision = 0
+    while True:
+        left = None if deadline is None else max(0.0, deadline - time.monotonic())
+        try:
+            with translated():
+                for state in changes(revision, left):
+                    revision, ended = standing(state)
+                    yield state
+                    if ended:
+                        return
+        except BendTwinError as error:
+            if error.category is not Category.UNAVAILABLE:
+                raise
+        time.sleep(_RECONNECT_S)
 
 
 def _pages(call: Callable[[Any], Any], request: Any) -> Iterator[Any]:

@@ -12,7 +12,7 @@ from google.protobuf.message import DecodeError
 from google.rpc import error_details_pb2, status_pb2
 
 if TYPE_CHECKING:
-    from bendtwin.resources import Fit
+    from bendtwin.resources import Capture, Fit
 
 _DETAILS_KEY = "grpc-status-details-bin"
 
@@ -81,6 +81,20 @@ class FitFailed(BendTwinError):
             super().__init__(fit.fault.category, fit.fault.reason, fit.fault.message)
         #: The fit as it ended.
         self.fit = fit
+
+
+class IngestFailed(BendTwinError):
+    """A capture that cannot be fitted, or was not read to its end; its report says more."""
+
+    def __init__(self, capture: Capture) -> None:
+        fault = capture.ingest.fault if capture.ingest else None
+        if fault is None:
+            message = f"the ingest of {capture.name} was cancelled"
+            super().__init__(Category.CANCELLED, "INGEST_CANCELLED", message)
+        else:
+            super().__init__(fault.category, fault.reason, fault.message)
+        #: The capture as its ingest ended.
+        self.capture = capture
 
 
 def from_rpc_error(error: grpc.RpcError) -> BendTwinError:

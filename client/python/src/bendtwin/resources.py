@@ -13,7 +13,7 @@ from bendtwin.v1 import capture_pb2, fault_pb2, fit_pb2, twin_pb2, worker_pb2
 
 
 class FitState(enum.Enum):
-    """Where a fit stands."""
+    """Where a fit stands, or the ingest of a capture: the numbers are the same."""
 
     QUEUED = fit_pb2.Fit.QUEUED
     RUNNING = fit_pb2.Fit.RUNNING
@@ -42,35 +42,12 @@ class Fault:
 
 
 @dataclass(frozen=True)
-class Capture:
-    """A recording of a soft object."""
-
-    name: str
-    display_name: str
-    create_time: datetime | None
-    size_bytes: int
-    #: BLAKE3 of the archive, hex.
-    digest: str
-
-    @classmethod
-    def from_proto(cls, message: capture_pb2.Capture) -> Capture:
-        """Reads the wire form."""
-        return cls(
-            message.name,
-            message.display_name,
-            _time(message, "create_time"),
-            message.size_bytes,
-            message.digest,
-        )
-
-
-@dataclass(frozen=True)
 class Progress:
-    """How far a fit is."""
+    """How far a job is."""
 
     #: ingest, search, refine or evaluate.
     stage: str
-    #: bending or axial.
+    #: bending or axial; of an ingest its step.
     variant: str
     iteration: int
     iterations: int
@@ -94,6 +71,75 @@ class Progress:
             _optional(message, "best_loss"),
             _optional(message, "eta_s"),
             message.note,
+        )
+
+
+@dataclass(frozen=True)
+class Ingest:
+    """The job that reads a capture. There is one for each; running it again replaces it."""
+
+    state: FitState
+    settings: dict[str, Any]
+    progress: Progress | None
+    #: Why it failed. Fits of the capture fail with it.
+    fault: Fault | None
+    attempt_faults: list[Fault] = field(default_factory=list)
+    attempts: int = 0
+    worker: str = ""
+    cancel_requested: bool = False
+    create_time: datetime | None = None
+    start_time: datetime | None = None
+    end_time: datetime | None = None
+    #: Grows with every change, and on from one run to the next.
+    revision: int = 0
+
+    @classmethod
+    def from_proto(cls, message: capture_pb2.Ingest) -> Ingest:
+        """Reads the wire form."""
+        return cls(
+            state=FitState(message.state),
+            settings=_json(message.settings_json),
+            progress=(
+                Progress.from_proto(message.progress) if message.HasField("progress") else None
+            ),
+            fault=Fault.from_proto(message.fault) if message.HasField("fault") else None,
+            attempt_faults=[Fault.from_proto(f) for f in message.attempt_faults],
+            attempts=message.attempts,
+            worker=message.worker,
+            cancel_requested=message.cancel_requested,
+            create_time=_time(message, "create_time"),
+            start_time=_time(message, "start_time"),
+            end_time=_time(message, "end_time"),
+            revision=message.revision,
+        )
+
+
+@dataclass(frozen=True)
+class Capture:
+    """A recording of a soft object."""
+
+    name: str
+    display_name: str
+    create_time: datetime | None
+    size_bytes: int
+    #: BLAKE3 of the archive, hex.
+    digest: str
+    #: How far reading it is; none from servers that do not say.
+    ingest: Ingest | None = None
+    #: The report's: good, usable or unusable; empty until there is a report.
+    verdict: str = ""
+
+    @classmethod
+    def from_proto(cls, message: capture_pb2.Capture) -> Capture:
+        """Reads the wire form."""
+        return cls(
+            message.name,
+            message.display_name,
+            _time(message, "create_time"),
+            message.size_bytes,
+            message.digest,
+            Ingest.from_proto(message.ingest) if message.HasField("ingest") else None,
+            message.verdict,
         )
 
 
@@ -203,6 +249,8 @@ class Worker:
     # Of its device, in use by whomever and in all; zero where it is not known.
     memory_used_bytes: int
     memory_total_bytes: int
+    #: The capture whose ingest is under way, if any.
+    ingest: str = ""
 
     @classmethod
     def from_proto(cls, message: worker_pb2.Worker) -> Worker:
@@ -219,6 +267,7 @@ class Worker:
             message.build,
             message.memory_used_bytes,
             message.memory_total_bytes,
+            message.ingest,
         )
 
 

@@ -2,7 +2,9 @@ import datetime
 
 from google.protobuf import timestamp_pb2 as _timestamp_pb2
 from bendtwin.v1 import fault_pb2 as _fault_pb2
+from bendtwin.v1 import fit_pb2 as _fit_pb2
 from google.protobuf.internal import containers as _containers
+from google.protobuf.internal import enum_type_wrapper as _enum_type_wrapper
 from google.protobuf import descriptor as _descriptor
 from google.protobuf import message as _message
 from collections.abc import Iterable as _Iterable, Mapping as _Mapping
@@ -11,18 +13,64 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Capture(_message.Message):
-    __slots__ = ("name", "display_name", "create_time", "size_bytes", "digest")
+    __slots__ = ("name", "display_name", "create_time", "size_bytes", "digest", "ingest", "verdict")
     NAME_FIELD_NUMBER: _ClassVar[int]
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     CREATE_TIME_FIELD_NUMBER: _ClassVar[int]
     SIZE_BYTES_FIELD_NUMBER: _ClassVar[int]
     DIGEST_FIELD_NUMBER: _ClassVar[int]
+    INGEST_FIELD_NUMBER: _ClassVar[int]
+    VERDICT_FIELD_NUMBER: _ClassVar[int]
     name: str
     display_name: str
     create_time: _timestamp_pb2.Timestamp
     size_bytes: int
     digest: str
-    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ...) -> None: ...
+    ingest: Ingest
+    verdict: str
+    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., ingest: _Optional[_Union[Ingest, _Mapping]] = ..., verdict: _Optional[str] = ...) -> None: ...
+
+class Ingest(_message.Message):
+    __slots__ = ("state", "settings_json", "progress", "fault", "attempt_faults", "attempts", "worker", "cancel_requested", "create_time", "start_time", "end_time", "revision")
+    class State(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+        __slots__ = ()
+        STATE_UNSPECIFIED: _ClassVar[Ingest.State]
+        QUEUED: _ClassVar[Ingest.State]
+        RUNNING: _ClassVar[Ingest.State]
+        SUCCEEDED: _ClassVar[Ingest.State]
+        FAILED: _ClassVar[Ingest.State]
+        CANCELLED: _ClassVar[Ingest.State]
+    STATE_UNSPECIFIED: Ingest.State
+    QUEUED: Ingest.State
+    RUNNING: Ingest.State
+    SUCCEEDED: Ingest.State
+    FAILED: Ingest.State
+    CANCELLED: Ingest.State
+    STATE_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_JSON_FIELD_NUMBER: _ClassVar[int]
+    PROGRESS_FIELD_NUMBER: _ClassVar[int]
+    FAULT_FIELD_NUMBER: _ClassVar[int]
+    ATTEMPT_FAULTS_FIELD_NUMBER: _ClassVar[int]
+    ATTEMPTS_FIELD_NUMBER: _ClassVar[int]
+    WORKER_FIELD_NUMBER: _ClassVar[int]
+    CANCEL_REQUESTED_FIELD_NUMBER: _ClassVar[int]
+    CREATE_TIME_FIELD_NUMBER: _ClassVar[int]
+    START_TIME_FIELD_NUMBER: _ClassVar[int]
+    END_TIME_FIELD_NUMBER: _ClassVar[int]
+    REVISION_FIELD_NUMBER: _ClassVar[int]
+    state: Ingest.State
+    settings_json: str
+    progress: _fit_pb2.Progress
+    fault: _fault_pb2.Fault
+    attempt_faults: _containers.RepeatedCompositeFieldContainer[_fault_pb2.Fault]
+    attempts: int
+    worker: str
+    cancel_requested: bool
+    create_time: _timestamp_pb2.Timestamp
+    start_time: _timestamp_pb2.Timestamp
+    end_time: _timestamp_pb2.Timestamp
+    revision: int
+    def __init__(self, state: _Optional[_Union[Ingest.State, str]] = ..., settings_json: _Optional[str] = ..., progress: _Optional[_Union[_fit_pb2.Progress, _Mapping]] = ..., fault: _Optional[_Union[_fault_pb2.Fault, _Mapping]] = ..., attempt_faults: _Optional[_Iterable[_Union[_fault_pb2.Fault, _Mapping]]] = ..., attempts: _Optional[int] = ..., worker: _Optional[str] = ..., cancel_requested: bool = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., start_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., end_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., revision: _Optional[int] = ...) -> None: ...
 
 class CreateCaptureRequest(_message.Message):
     __slots__ = ("metadata", "chunk")
@@ -33,14 +81,16 @@ class CreateCaptureRequest(_message.Message):
     def __init__(self, metadata: _Optional[_Union[CaptureMetadata, _Mapping]] = ..., chunk: _Optional[bytes] = ...) -> None: ...
 
 class CaptureMetadata(_message.Message):
-    __slots__ = ("display_name", "request_id", "digest")
+    __slots__ = ("display_name", "request_id", "digest", "ingest_settings_json")
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     DIGEST_FIELD_NUMBER: _ClassVar[int]
+    INGEST_SETTINGS_JSON_FIELD_NUMBER: _ClassVar[int]
     display_name: str
     request_id: str
     digest: str
-    def __init__(self, display_name: _Optional[str] = ..., request_id: _Optional[str] = ..., digest: _Optional[str] = ...) -> None: ...
+    ingest_settings_json: str
+    def __init__(self, display_name: _Optional[str] = ..., request_id: _Optional[str] = ..., digest: _Optional[str] = ..., ingest_settings_json: _Optional[str] = ...) -> None: ...
 
 class CreateCaptureResponse(_message.Message):
     __slots__ = ("capture",)
@@ -79,3 +129,61 @@ class DeleteCaptureRequest(_message.Message):
 class DeleteCaptureResponse(_message.Message):
     __slots__ = ()
     def __init__(self) -> None: ...
+
+class IngestCaptureRequest(_message.Message):
+    __slots__ = ("name", "settings_json", "request_id")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    SETTINGS_JSON_FIELD_NUMBER: _ClassVar[int]
+    REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    settings_json: str
+    request_id: str
+    def __init__(self, name: _Optional[str] = ..., settings_json: _Optional[str] = ..., request_id: _Optional[str] = ...) -> None: ...
+
+class CancelIngestRequest(_message.Message):
+    __slots__ = ("name",)
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    def __init__(self, name: _Optional[str] = ...) -> None: ...
+
+class WatchIngestRequest(_message.Message):
+    __slots__ = ("name", "after_revision")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    AFTER_REVISION_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    after_revision: int
+    def __init__(self, name: _Optional[str] = ..., after_revision: _Optional[int] = ...) -> None: ...
+
+class GetCaptureReportRequest(_message.Message):
+    __slots__ = ("name", "format")
+    class Format(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+        __slots__ = ()
+        FORMAT_UNSPECIFIED: _ClassVar[GetCaptureReportRequest.Format]
+        JSON: _ClassVar[GetCaptureReportRequest.Format]
+        HTML: _ClassVar[GetCaptureReportRequest.Format]
+    FORMAT_UNSPECIFIED: GetCaptureReportRequest.Format
+    JSON: GetCaptureReportRequest.Format
+    HTML: GetCaptureReportRequest.Format
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    FORMAT_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    format: GetCaptureReportRequest.Format
+    def __init__(self, name: _Optional[str] = ..., format: _Optional[_Union[GetCaptureReportRequest.Format, str]] = ...) -> None: ...
+
+class GetCaptureReportResponse(_message.Message):
+    __slots__ = ("chunk",)
+    CHUNK_FIELD_NUMBER: _ClassVar[int]
+    chunk: bytes
+    def __init__(self, chunk: _Optional[bytes] = ...) -> None: ...
+
+class ExportObservationRequest(_message.Message):
+    __slots__ = ("name",)
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    def __init__(self, name: _Optional[str] = ...) -> None: ...
+
+class ExportObservationResponse(_message.Message):
+    __slots__ = ("chunk",)
+    CHUNK_FIELD_NUMBER: _ClassVar[int]
+    chunk: bytes
+    def __init__(self, chunk: _Optional[bytes] = ...) -> None: ...

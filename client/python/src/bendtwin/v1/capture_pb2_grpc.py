@@ -26,7 +26,8 @@ if _version_not_supported:
 
 
 class CaptureServiceStub(object):
-    """Recordings of soft objects. The content of a capture never changes.
+    """Recordings of soft objects. The content of a capture never changes. A worker reads each of them (the
+    *ingest*): that gives the observation, which fits work on, and the report.
     """
 
     def __init__(self, channel):
@@ -55,10 +56,36 @@ class CaptureServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_capture__pb2.DeleteCaptureRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_capture__pb2.DeleteCaptureResponse.FromString,
                 _registered_method=True)
+        self.IngestCapture = channel.unary_unary(
+                '/bendtwin.v1.CaptureService/IngestCapture',
+                request_serializer=bendtwin_dot_v1_dot_capture__pb2.IngestCaptureRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_capture__pb2.Capture.FromString,
+                _registered_method=True)
+        self.CancelIngest = channel.unary_unary(
+                '/bendtwin.v1.CaptureService/CancelIngest',
+                request_serializer=bendtwin_dot_v1_dot_capture__pb2.CancelIngestRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_capture__pb2.Capture.FromString,
+                _registered_method=True)
+        self.WatchIngest = channel.unary_stream(
+                '/bendtwin.v1.CaptureService/WatchIngest',
+                request_serializer=bendtwin_dot_v1_dot_capture__pb2.WatchIngestRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_capture__pb2.Capture.FromString,
+                _registered_method=True)
+        self.GetCaptureReport = channel.unary_stream(
+                '/bendtwin.v1.CaptureService/GetCaptureReport',
+                request_serializer=bendtwin_dot_v1_dot_capture__pb2.GetCaptureReportRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_capture__pb2.GetCaptureReportResponse.FromString,
+                _registered_method=True)
+        self.ExportObservation = channel.unary_stream(
+                '/bendtwin.v1.CaptureService/ExportObservation',
+                request_serializer=bendtwin_dot_v1_dot_capture__pb2.ExportObservationRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_capture__pb2.ExportObservationResponse.FromString,
+                _registered_method=True)
 
 
 class CaptureServiceServicer(object):
-    """Recordings of soft objects. The content of a capture never changes.
+    """Recordings of soft objects. The content of a capture never changes. A worker reads each of them (the
+    *ingest*): that gives the observation, which fits work on, and the report.
     """
 
     def CreateCapture(self, request_iterator, context):
@@ -88,6 +115,42 @@ class CaptureServiceServicer(object):
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
+    def IngestCapture(self, request, context):
+        """Runs the ingest again. Refused with FAILED_PRECONDITION while it is under way, and while a fit of the
+        capture is queued or running.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def CancelIngest(self, request, context):
+        """Asks the ingest to stop; one that has ended is returned as it is.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def WatchIngest(self, request, context):
+        """The capture now and after every change of its ingest, until that has ended.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def GetCaptureReport(self, request, context):
+        """What the ingest says of the capture, in chunks.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def ExportObservation(self, request, context):
+        """What the ingest made of the capture, in chunks: a ZIP archive as docs/capture-format.md has it.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
 
 def add_CaptureServiceServicer_to_server(servicer, server):
     rpc_method_handlers = {
@@ -111,6 +174,31 @@ def add_CaptureServiceServicer_to_server(servicer, server):
                     request_deserializer=bendtwin_dot_v1_dot_capture__pb2.DeleteCaptureRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_capture__pb2.DeleteCaptureResponse.SerializeToString,
             ),
+            'IngestCapture': grpc.unary_unary_rpc_method_handler(
+                    servicer.IngestCapture,
+                    request_deserializer=bendtwin_dot_v1_dot_capture__pb2.IngestCaptureRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_capture__pb2.Capture.SerializeToString,
+            ),
+            'CancelIngest': grpc.unary_unary_rpc_method_handler(
+                    servicer.CancelIngest,
+                    request_deserializer=bendtwin_dot_v1_dot_capture__pb2.CancelIngestRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_capture__pb2.Capture.SerializeToString,
+            ),
+            'WatchIngest': grpc.unary_stream_rpc_method_handler(
+                    servicer.WatchIngest,
+                    request_deserializer=bendtwin_dot_v1_dot_capture__pb2.WatchIngestRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_capture__pb2.Capture.SerializeToString,
+            ),
+            'GetCaptureReport': grpc.unary_stream_rpc_method_handler(
+                    servicer.GetCaptureReport,
+                    request_deserializer=bendtwin_dot_v1_dot_capture__pb2.GetCaptureReportRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_capture__pb2.GetCaptureReportResponse.SerializeToString,
+            ),
+            'ExportObservation': grpc.unary_stream_rpc_method_handler(
+                    servicer.ExportObservation,
+                    request_deserializer=bendtwin_dot_v1_dot_capture__pb2.ExportObservationRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_capture__pb2.ExportObservationResponse.SerializeToString,
+            ),
     }
     generic_handler = grpc.method_handlers_generic_handler(
             'bendtwin.v1.CaptureService', rpc_method_handlers)
@@ -120,7 +208,8 @@ def add_CaptureServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class CaptureService(object):
-    """Recordings of soft objects. The content of a capture never changes.
+    """Recordings of soft objects. The content of a capture never changes. A worker reads each of them (the
+    *ingest*): that gives the observation, which fits work on, and the report.
     """
 
     @staticmethod
@@ -221,6 +310,141 @@ class CaptureService(object):
             '/bendtwin.v1.CaptureService/DeleteCapture',
             bendtwin_dot_v1_dot_capture__pb2.DeleteCaptureRequest.SerializeToString,
             bendtwin_dot_v1_dot_capture__pb2.DeleteCaptureResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def IngestCapture(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.CaptureService/IngestCapture',
+            bendtwin_dot_v1_dot_capture__pb2.IngestCaptureRequest.SerializeToString,
+            bendtwin_dot_v1_dot_capture__pb2.Capture.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def CancelIngest(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.CaptureService/CancelIngest',
+            bendtwin_dot_v1_dot_capture__pb2.CancelIngestRequest.SerializeToString,
+            bendtwin_dot_v1_dot_capture__pb2.Capture.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def WatchIngest(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_stream(
+            request,
+            target,
+            '/bendtwin.v1.CaptureService/WatchIngest',
+            bendtwin_dot_v1_dot_capture__pb2.WatchIngestRequest.SerializeToString,
+            bendtwin_dot_v1_dot_capture__pb2.Capture.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def GetCaptureReport(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_stream(
+            request,
+            target,
+            '/bendtwin.v1.CaptureService/GetCaptureReport',
+            bendtwin_dot_v1_dot_capture__pb2.GetCaptureReportRequest.SerializeToString,
+            bendtwin_dot_v1_dot_capture__pb2.GetCaptureReportResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def ExportObservation(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_stream(
+            request,
+            target,
+            '/bendtwin.v1.CaptureService/ExportObservation',
+            bendtwin_dot_v1_dot_capture__pb2.ExportObservationRequest.SerializeToString,
+            bendtwin_dot_v1_dot_capture__pb2.ExportObservationResponse.FromString,
             options,
             channel_credentials,
             insecure,
