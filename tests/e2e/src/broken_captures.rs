@@ -37,7 +37,8 @@ async fn broken_captures_end_their_fits_with_a_reason() {
     for (what, reason, name) in &fits {
         let fit = api.fit_when(name, "over", Duration::from_secs(60), has_ended).await;
         let fault = fit.fault.clone().unwrap_or_default();
-        if fit.state() != State::Failed || fault.reason != *reason || fit.attempts != 1 {
+        // No worker ever had it: the capture's ingest said no.
+        if fit.state() != State::Failed || fault.reason != *reason || fit.attempts != 0 {
             wrong.push(format!("{what}: expected {reason}, got {:?} {fault:?}", fit.state()));
         }
         let told_well = fault.message.len() > 20 && !fault.message.contains("panicked");
@@ -46,6 +47,9 @@ async fn broken_captures_end_their_fits_with_a_reason() {
         }
     }
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+    let captures = api.list_captures().await.unwrap();
+    assert!(captures.iter().all(|c| c.ingest.as_ref().is_some_and(|i| i.attempts == 1)));
+    assert!(captures.iter().all(|c| c.verdict == "unusable"), "there is a report in any case");
     assert_eq!(api.list_twins().await.unwrap(), []);
     println!("{} broken captures explained", fits.len());
 }
@@ -127,7 +131,7 @@ fn set(document: &mut serde_json::Map<String, serde_json::Value>, key: &str, val
     document.insert(key.to_owned(), value.into());
 }
 
-fn unpack(archive: &Bytes) -> BTreeMap<String, Vec<u8>> {
+pub(crate) fn unpack(archive: &Bytes) -> BTreeMap<String, Vec<u8>> {
     let mut archive = ZipArchive::new(Cursor::new(archive)).unwrap();
     let count = archive.len();
     let read = |i| {
@@ -149,7 +153,7 @@ fn with(files: &BTreeMap<String, Vec<u8>>, name: &str, content: Option<Vec<u8>>)
     pack(&files)
 }
 
-fn pack(files: &BTreeMap<String, Vec<u8>>) -> Bytes {
+pub(crate) fn pack(files: &BTreeMap<String, Vec<u8>>) -> Bytes {
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
     for (name, content) in files {

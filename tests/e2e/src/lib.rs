@@ -14,6 +14,8 @@ mod fits;
 #[cfg(test)]
 mod harness;
 #[cfg(test)]
+mod ingests;
+#[cfg(test)]
 mod malformed;
 #[cfg(test)]
 mod over_http;

@@ -34,8 +34,9 @@ async fn a_capture_becomes_a_twin_over_http_and_events_resume_where_they_stopped
     let location = stored.headers()["location"].to_str().unwrap().to_owned();
     let stored: Value = stored.json().await.unwrap();
     let again: Value = upload().body(archive.clone()).send().await.unwrap().json().await.unwrap();
-    assert_eq!(stored, again);
-    assert_eq!(http.get_json(&location).await, stored);
+    // A worker may be reading it by now.
+    assert_eq!((&stored["name"], &stored["digest"]), (&again["name"], &again["digest"]));
+    assert_eq!(http.get_json(&location).await["name"], stored["name"]);
     let content = http.get(&format!("{location}/content")).await.bytes().await.unwrap();
     assert_eq!(content, archive);
 

@@ -66,6 +66,7 @@ impl Api {
             display_name: "e2e".to_owned(),
             request_id: request_id.to_owned(),
             digest: String::new(),
+            ingest_settings_json: String::new(),
         };
         let parts = std::iter::once(Part::Metadata(metadata))
             .chain(chunks(archive).map(Part::Chunk))

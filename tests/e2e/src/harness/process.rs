@@ -35,11 +35,20 @@ impl Processes {
 
     /// Ids of the live worker processes, in no particular order.
     pub(crate) fn workers(&self) -> Vec<u32> {
-        let is_worker = |pid: &u32| {
+        self.running("worker")
+    }
+
+    /// Ids of the live processes that read captures.
+    pub(crate) fn readers(&self) -> Vec<u32> {
+        self.running("ingest-capture")
+    }
+
+    fn running(&self, command: &str) -> Vec<u32> {
+        let runs = |pid: &u32| {
             let arguments = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
-            arguments.split(|b| *b == 0).nth(1) == Some(b"worker")
+            arguments.split(|b| *b == 0).nth(1) == Some(command.as_bytes())
         };
-        self.all().into_iter().filter(is_worker).collect()
+        self.all().into_iter().filter(runs).collect()
     }
 
     fn all(&self) -> Vec<u32> {

@@ -32,11 +32,13 @@ pub(crate) struct Setup {
     pub(crate) lease_s: f64,
     /// Which other worlds may live meanwhile.
     pub(crate) company: Company,
+    /// What the server's own workers are told besides.
+    pub(crate) worker_args: &'static [&'static str],
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { own_workers: 1, lease_s: 2.0, company: Company::Some }
+        Self { own_workers: 1, lease_s: 2.0, company: Company::Some, worker_args: &[] }
     }
 }
 
@@ -143,6 +145,11 @@ impl Server {
         self.processes.workers()
     }
 
+    /// Ids of the processes that read captures.
+    pub(crate) fn reader_pids(&self) -> Vec<u32> {
+        self.processes.readers()
+    }
+
     /// kill -9 of every worker process.
     pub(crate) fn kill_workers(&self) {
         self.worker_pids().into_iter().for_each(kill);
@@ -204,7 +211,8 @@ async fn launch(
 ) -> (Child, String) {
     let (config, port_file) = (folder.join("config.toml"), folder.join("port"));
     std::fs::remove_file(&port_file).ok();
-    let Setup { own_workers, lease_s, .. } = setup;
+    let Setup { own_workers, lease_s, worker_args, .. } = setup;
+    let args: Vec<&str> = ["worker"].iter().chain(*worker_args).copied().collect();
     let text = format!(
         "listen = \"{listen}\"\n\
          data_dir = \"{data}\"\n\
@@ -213,6 +221,7 @@ async fn launch(
          beat_interval_s = {beat:?}\n\
          [workers]\n\
          count = {own_workers}\n\
+         args = {args:?}\n\
          min_backoff_s = 0.02\n\
          max_backoff_s = 0.2\n",
         data = folder.join("data").display(),
