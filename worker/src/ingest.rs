@@ -13,7 +13,6 @@ mod deliver;
 mod observe;
 mod process;
 mod protocol;
-mod report;
 
 use std::{path::PathBuf, time::Duration};
 
@@ -28,9 +27,8 @@ use self::{
     protocol::{ARCHIVE, CHECKPOINT, Request},
 };
 pub use self::{
-    observe::{Observed, observe},
+    observe::{Observed, Watcher, observe},
     process::ingest_capture,
-    report::{Report, Verdict},
 };
 use crate::{
     artifact,

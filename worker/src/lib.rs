@@ -35,6 +35,6 @@ mod scratch;
 
 pub use backend::{BackendChoice, BackendOptions, open_backend};
 pub use error::Error;
-pub use ingest::{Observed, Report, Verdict, ingest_capture, observe};
+pub use ingest::{Observed, Watcher, ingest_capture, observe};
 pub use options::{Limits, Options};
 pub use run::run;

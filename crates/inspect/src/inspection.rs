@@ -3,7 +3,7 @@
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
 
-use crate::{Finding, Verdict, gallery::Gallery};
+use crate::{Finding, Verdict, finding, gallery::Gallery};
 
 /// What was inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -174,6 +174,31 @@ pub struct ObservedReport {
 }
 
 impl Inspection {
+    /// Of a capture that could not be looked at: nothing is known, and nothing found yet.
+    pub fn unread(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            kind: Kind::Observed,
+            fps: None,
+            frame_count: 0,
+            train_frame_count: 0,
+            verdict: Verdict::Good,
+            findings: Vec::new(),
+            scene: Scene::default(),
+            cameras: Vec::new(),
+            pairs: Vec::new(),
+            observed: None,
+            gallery: Gallery::default(),
+        }
+    }
+
+    /// Adds what others found, and judges anew.
+    pub fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
+        self.findings.extend(findings);
+        finding::sort(&mut self.findings);
+        self.verdict = Verdict::of(&self.findings);
+    }
+
     /// What to do first, if anything has to be done.
     pub fn first_step(&self) -> Option<&Finding> {
         self.findings.first().filter(|f| f.severity != bendtwin_capture::Severity::Info)

@@ -10,7 +10,8 @@ use crate::workspace;
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 10] = [
+const PHYSICS: [&str; 11] = [
+    "bendtwin-inspect",
     "bendtwin-ingest",
     "bendtwin-flow",
     "bendtwin-mesh",

@@ -6,7 +6,7 @@ use std::time::Duration;
 use bendtwin_proto::v1::{Capture, GetCaptureRequest, fit, ingest::State};
 use bytes::Bytes;
 use reqwest::{Method, StatusCode};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::broken_captures::{pack, unpack};
 use crate::harness::{
@@ -27,6 +27,7 @@ async fn a_recording_of_cameras_becomes_a_report_and_a_twin_by_command_line() {
     let (url, recording) = (server.url(), server.path("toy_raw.zip"));
     let (page, observation) = (server.path("report.html"), server.path("observation.zip"));
     let (settings, twin) = (server.path("settings.json"), server.path("toy.twin"));
+    let document = server.path("report.json");
     std::fs::write(&settings, SETTINGS).unwrap();
     tokio::task::spawn_blocking(move || {
         let at = ["--server", url.as_str()];
@@ -34,8 +35,9 @@ async fn a_recording_of_cameras_becomes_a_report_and_a_twin_by_command_line() {
         let pushed = run_json(&[&["capture", "push", &recording, "--watch"], &at[..]].concat());
         let name = pushed["name"].as_str().unwrap().to_owned();
         assert_eq!(pushed["ingest"]["state"], "SUCCEEDED", "{pushed}");
-        let report = [&["capture", "report", &name, "--html", &page], &at[..]].concat();
-        let report = run_json(&[&report[..], &["--observation", &observation]].concat());
+        let files = ["--html", &page, "--document", &document, "--observation", &observation];
+        run_ok(&[&["capture", "report", &name], &files[..], &at[..]].concat());
+        let report: Value = serde_json::from_slice(&std::fs::read(&document).unwrap()).unwrap();
         assert_eq!(report["verdict"], pushed["verdict"]);
         assert!(report["findings"].is_array(), "{report}");
         let page = std::fs::read_to_string(&page).unwrap();
@@ -128,7 +130,7 @@ async fn an_ingest_is_stopped_run_again_and_watched() {
     let page = http.get(&format!("{path}/report.html")).await;
     assert!(page.headers()["content-security-policy"].to_str().unwrap().contains("sandbox"));
     let wrong = json!({"settings": {"spacing_m": -1.0}});
-    let ask = async |body: &serde_json::Value| {
+    let ask = async |body: &Value| {
         http.request(Method::POST, &format!("{path}/ingest")).json(body).send().await.unwrap()
     };
     assert_eq!(ask(&wrong).await.status(), StatusCode::BAD_REQUEST);

@@ -7,15 +7,13 @@ use std::{
 };
 
 use bendtwin_core::{Category, Fault};
+use bendtwin_inspect::Verdict;
 use tokio::{
     io::{AsyncBufRead, AsyncBufReadExt as _, AsyncRead, AsyncReadExt as _, BufReader},
     process::Command,
 };
 
-use super::{
-    protocol::{CHECKPOINT, Message},
-    report::Verdict,
-};
+use super::protocol::{CHECKPOINT, Message};
 use crate::job::{checkpoints::Checkpoints, report::Latest};
 
 /// Longest line that is listened to [bytes]; the child writes far shorter ones.

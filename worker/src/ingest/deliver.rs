@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bendtwin_core::{Category, Fault};
+use bendtwin_inspect::Verdict;
 use bendtwin_proto::worker::v1::{EndIngestRequest, IngestWrite, Lease, end_ingest_request::Part};
 use bytes::Bytes;
 use futures::{Stream, StreamExt as _, stream};
@@ -10,9 +11,9 @@ use tokio_util::io::ReaderStream;
 
 use super::{
     child::Ended,
+    observe::unread,
     process::write_report,
     protocol::{OBSERVATION, PAGE, REPORT},
-    report::{Report, Verdict},
 };
 use crate::{
     job::{
@@ -32,7 +33,7 @@ pub(super) async fn deliver(delivery: &Delivery<'_>, folder: &Path, ended: Ended
         Ended::Refused { verdict, fault } => (verdict, Some(fault)),
         Ended::TooMuch { fault } => {
             // The child had no say any more.
-            let report = Report::of_fault(&lease.capture_display_name, &fault);
+            let report = unread(&lease.capture_display_name, &fault).report;
             if let Err(error) = write_report(folder, &report) {
                 tracing::warn!(%error, "no report can be written");
                 return delivery.fail(fault, Failure::Permanent).await;
@@ -85,7 +86,7 @@ async fn measure(
         };
         Ok(IngestWrite {
             job: Some(write),
-            verdict: verdict.as_str().to_owned(),
+            verdict: word(verdict).to_owned(),
             observation_digest: match fault {
                 None => digest(OBSERVATION)?,
                 Some(_) => String::new(),
@@ -118,6 +119,14 @@ fn messages(
     });
     let first = stream::once(std::future::ready(Part::Metadata(made)));
     first.chain(chunks).map(|part| EndIngestRequest { part: Some(part) })
+}
+
+fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Good => "good",
+        Verdict::Usable => "usable",
+        Verdict::Unusable => "unusable",
+    }
 }
 
 fn unreadable(error: &std::io::Error) -> Fault {

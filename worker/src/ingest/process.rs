@@ -8,12 +8,12 @@ use std::{
 
 use bendtwin_capture as capture;
 use bendtwin_core::{Fault, Problem as _, Progress, Stage, settings::ingest::IngestSettings};
-use bendtwin_ingest::{CancelToken, Observer, ObserverError, Step};
+use bendtwin_ingest::{CancelToken, ObserverError};
+use bendtwin_inspect::Report;
 
 use super::{
-    observe::{Observed, observe},
+    observe::{Observed, Watcher, observe},
     protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, REPORT, Request},
-    report::Report,
 };
 
 /// Between two lines of progress.
@@ -49,7 +49,6 @@ fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
         ..standard
     };
     let mut teller = Teller { checkpoint: folder.join(CHECKPOINT), told: None };
-    teller.tell("read", 0.0);
     let checkpoint = std::fs::read(folder.join(CHECKPOINT)).ok();
     let archive = folder.join(ARCHIVE);
     let Observed { capture, report } = observe(
@@ -62,7 +61,7 @@ fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
         &CancelToken::default(),
     )?;
     write_report(folder, &report).map_err(|e| unwritable(REPORT, e))?;
-    let verdict = report.verdict;
+    let verdict = report.inspection().verdict;
     match capture {
         Ok(observed) => {
             capture::write_bundle_file(&observed, &folder.join(OBSERVATION))
@@ -93,8 +92,8 @@ fn end_with_parent() {
 }
 
 pub(super) fn write_report(folder: &Path, report: &Report) -> io::Result<()> {
-    std::fs::write(folder.join(REPORT), report.json()?)?;
-    std::fs::write(folder.join(PAGE), report.html())
+    std::fs::write(folder.join(REPORT), report.to_json())?;
+    std::fs::write(folder.join(PAGE), report.to_html())
 }
 
 fn unwritable(at: &str, source: io::Error) -> Fault {
@@ -109,15 +108,15 @@ fn say(message: &Message) -> io::Result<()> {
     out.flush()
 }
 
-/// Passes on what an ingest reports.
+/// Passes on how the work goes on.
 struct Teller {
     checkpoint: PathBuf,
     /// When progress was told last.
     told: Option<Instant>,
 }
 
-impl Teller {
-    fn tell(&mut self, step: &str, fraction: f64) {
+impl Watcher for Teller {
+    fn progress(&mut self, step: &str, fraction: f64) {
         if self.told.is_some_and(|at| at.elapsed() < EVERY) {
             return;
         }
@@ -135,18 +134,6 @@ impl Teller {
         };
         // A worker that does not listen any more is gone, which the other thread notices.
         let _ = say(&Message::Progress(progress));
-    }
-}
-
-impl Observer for Teller {
-    fn progress(&mut self, progress: bendtwin_ingest::Progress) {
-        let step = match progress.step {
-            Step::Track => "track",
-            Step::Lift => "lift",
-            Step::Assemble => "assemble",
-            Step::Complete => "complete",
-        };
-        self.tell(step, progress.fraction);
     }
 
     fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {

@@ -4,9 +4,8 @@
 use std::{io, path::Path};
 
 use bendtwin_core::{Fault, Progress};
+use bendtwin_inspect::Verdict;
 use serde::{Deserialize, Serialize};
-
-use super::report::Verdict;
 
 /// What the child is to do.
 const REQUEST: &str = "request.json";

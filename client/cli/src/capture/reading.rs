@@ -45,7 +45,7 @@ pub(super) struct Files<'a> {
     /// The report as a page.
     pub(super) html: Option<&'a Path>,
     /// The report as a document.
-    pub(super) json: Option<&'a Path>,
+    pub(super) document: Option<&'a Path>,
     /// What fits work on.
     pub(super) observation: Option<&'a Path>,
 }
@@ -64,7 +64,7 @@ pub(super) async fn report(
         write(path, &client.captures().report_page(name).await?)?;
     }
     let report = client.captures().report(name).await?;
-    if let Some(path) = files.json {
+    if let Some(path) = files.document {
         write(path, &serde_json::to_vec_pretty(&report)?)?;
     }
     output::print(global, &report, || text(&report))

@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     html: Option<PathBuf>,
     /// Write the document for programs
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    document: Option<PathBuf>,
     /// Write what fits of a capture of the server's work on: tracked points as a bundle
     #[arg(long, value_name = "FILE")]
     observation: Option<PathBuf>,
@@ -38,8 +38,8 @@ pub(crate) struct Arguments {
 
 pub(super) async fn run(args: Arguments, global: &Global) -> anyhow::Result<()> {
     if let Some(name) = stored(&args.path) {
-        let (html, json) = (args.html.as_deref(), args.json.as_deref());
-        let files = Files { html, json, observation: args.observation.as_deref() };
+        let (html, document) = (args.html.as_deref(), args.document.as_deref());
+        let files = Files { html, document, observation: args.observation.as_deref() };
         return reading::report(name, files, global).await;
     }
     if args.observation.is_some() {
@@ -53,12 +53,12 @@ pub(super) async fn run(args: Arguments, global: &Global) -> anyhow::Result<()> 
         write(path, &report.to_html())?;
     }
     let document = report.to_json();
-    if let Some(path) = &args.json {
+    if let Some(path) = &args.document {
         write(path, &document)?;
     }
     let value: serde_json::Value = serde_json::from_str(&document)?;
     output::print(global, &value, || {
-        let files: String = [&args.html, &args.json]
+        let files: String = [&args.html, &args.document]
             .into_iter()
             .flatten()
             .map(|path| format!("\nwrote {}", path.display()))
