@@ -25,9 +25,6 @@ use crate::{
     observation,
 };
 
-/// A checkpoint larger than this is not one that a fit wrote [bytes].
-const MAX_CHECKPOINT: u64 = 1 << 30;
-
 /// What fit jobs need of the process.
 #[derive(Clone)]
 pub(crate) struct Fits {
@@ -88,13 +85,7 @@ impl Fits {
         let stop = Stop::default();
         let (progress, reporter) = report::start(job.clone(), stop.clone());
         let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
-        let draining = {
-            let (drain, stop) = (drain.clone(), stop.clone());
-            tokio::spawn(async move {
-                drain.cancelled().await;
-                stop.stop(Reason::Drained);
-            })
-        };
+        let draining = stop.on_drain(drain);
         let compute = Compute { progress, checkpoints, stop: stop.clone() };
         let (outcome, straggler) = match self.begin(&lease, compute).await {
             Err(fault) => (Outcome::Failed(fault), None),
@@ -150,7 +141,7 @@ impl Fits {
             .await
             .map_err(|e| e.fault())?;
         let checkpoint = if lease.has_checkpoint {
-            let fetched = artifact::fetch(&self.link, &lease.job, MAX_CHECKPOINT).await;
+            let fetched = artifact::fetch(&self.link, &lease.job, checkpoints::MAX_BYTES).await;
             Some(fetched.map_err(|e| e.fault())?)
         } else {
             None
@@ -177,23 +168,8 @@ impl Fits {
                 saver.abort();
                 twin::deliver(&delivery, *finished).await;
             }
-            (Outcome::Failed(fault), Some(Reason::Cancelled)) => {
-                saver.abort();
-                tracing::info!("fit cancelled");
-                delivery.fail(fault, deliver::Failure::Cancelled).await;
-            }
-            (Outcome::Failed(fault), Some(Reason::Drained)) => {
-                saver.flush().await;
-                tracing::info!("fit handed back");
-                delivery.fail(fault, deliver::Failure::Released).await;
-            }
-            (Outcome::Failed(fault), _) => {
-                saver.flush().await;
-                tracing::warn!(reason = fault.reason, "fit failed: {fault}");
-                let permanent = fault.category == Category::InvalidArgument;
-                let kind =
-                    if permanent { deliver::Failure::Permanent } else { deliver::Failure::Passing };
-                delivery.fail(fault, kind).await;
+            (Outcome::Failed(fault), stopped) => {
+                delivery.give_up("fit", fault, stopped, saver).await;
             }
             (Outcome::Panicked(text), _) => {
                 saver.flush().await;

@@ -34,16 +34,13 @@ use crate::{
     artifact,
     job::{
         Job, checkpoints,
-        deliver::{Delivery, Failure},
+        deliver::Delivery,
         report as reporting,
         stop::{Reason, Stop},
     },
     leasing::Execute,
     link::Link,
 };
-
-/// A checkpoint larger than this is not one that an ingest wrote [bytes].
-const MAX_CHECKPOINT: u64 = 1 << 30;
 
 /// What ingest jobs need of the process.
 #[derive(Clone)]
@@ -91,13 +88,7 @@ impl Ingests {
         let stop = Stop::default();
         let (progress, reporter) = reporting::start(job.clone(), stop.clone());
         let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
-        let draining = {
-            let (drain, stop) = (drain.clone(), stop.clone());
-            tokio::spawn(async move {
-                drain.cancelled().await;
-                stop.stop(Reason::Drained);
-            })
-        };
+        let draining = stop.on_drain(drain);
         let attempt = async {
             let folder = self.prepare(&lease).await?;
             let child = Child { program: &self.program, folder: folder.path() };
@@ -115,23 +106,7 @@ impl Ingests {
                 tracing::warn!("the job is gone, or another worker has it");
                 saver.abort();
             }
-            (Err(fault), Some(Reason::Cancelled)) => {
-                saver.abort();
-                tracing::info!("ingest cancelled");
-                delivery.fail(fault, Failure::Cancelled).await;
-            }
-            (Err(fault), Some(Reason::Drained)) => {
-                saver.flush().await;
-                tracing::info!("ingest handed back");
-                delivery.fail(fault, Failure::Released).await;
-            }
-            (Err(fault), None) => {
-                saver.flush().await;
-                tracing::warn!(reason = fault.reason, "ingest failed: {fault}");
-                let permanent = fault.category == Category::InvalidArgument;
-                let kind = if permanent { Failure::Permanent } else { Failure::Passing };
-                delivery.fail(fault, kind).await;
-            }
+            (Err(fault), stopped) => delivery.give_up("ingest", fault, stopped, saver).await,
             // What is done is delivered, whoever asks to stop meanwhile.
             (Ok((folder, ended)), _) => {
                 saver.abort();
@@ -157,7 +132,7 @@ impl Ingests {
             .map_err(|e| e.fault())?;
         archive.persist(folder.path().join(ARCHIVE)).map_err(|e| disk(e.error))?;
         if lease.has_checkpoint {
-            let checkpoint = artifact::fetch(&self.link, &lease.job, MAX_CHECKPOINT)
+            let checkpoint = artifact::fetch(&self.link, &lease.job, checkpoints::MAX_BYTES)
                 .await
                 .map_err(|e| e.fault())?;
             std::fs::write(folder.path().join(CHECKPOINT), checkpoint).map_err(disk)?;

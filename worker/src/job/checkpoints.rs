@@ -15,6 +15,8 @@ use super::{
 };
 use crate::link::{Backoff, LinkError};
 
+/// A checkpoint larger than this is none that was saved here [bytes].
+pub(crate) const MAX_BYTES: u64 = 1 << 30;
 /// Between two checkpoints inside a stage.
 const EVERY: Duration = Duration::from_secs(2);
 /// How long the last checkpoint may take when a worker ends.

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use bendtwin_core::Fault;
+use bendtwin_core::{Category, Fault};
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
-use super::Job;
+use super::{Job, checkpoints::Saver, stop::Reason};
 use crate::link::{Backoff, LinkError};
 
 /// How long a worker that is told to end still tries.
@@ -44,6 +44,35 @@ impl Delivery<'_> {
     /// Says that there will be nothing from this attempt.
     pub(crate) async fn fail(&self, fault: Fault, kind: Failure) {
         let _ = self.repeat("the failure", || self.job.fail(&fault, kind)).await;
+    }
+
+    /// Ends an attempt of `work` that made nothing: for the reason it was stopped, or else by whose fault it is. Unless nobody
+    /// wants the job any more, its last checkpoint is kept first.
+    pub(crate) async fn give_up(
+        &self,
+        work: &str,
+        fault: Fault,
+        stopped: Option<Reason>,
+        saver: Saver,
+    ) {
+        let kind = match stopped {
+            Some(Reason::Cancelled) => {
+                saver.abort();
+                tracing::info!("{work} cancelled");
+                return self.fail(fault, Failure::Cancelled).await;
+            }
+            Some(Reason::Drained) => {
+                tracing::info!("{work} handed back");
+                Failure::Released
+            }
+            Some(Reason::Stale) | None => {
+                tracing::warn!(reason = fault.reason, "{work} failed: {fault}");
+                let permanent = fault.category == Category::InvalidArgument;
+                if permanent { Failure::Permanent } else { Failure::Passing }
+            }
+        };
+        saver.flush().await;
+        self.fail(fault, kind).await;
     }
 
     /// Says something until the server has heard it. It must bear being said twice.

@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use bendtwin_engine::backend::CancelToken;
+use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
 /// Why a job is stopped.
@@ -30,6 +31,15 @@ impl Stop {
         let _ = self.reason.set(reason);
         self.token.cancel();
         self.signal.cancel();
+    }
+
+    /// Stops the job when the worker hands its jobs back; it listens until the task is aborted.
+    pub(crate) fn on_drain(&self, drain: &CancellationToken) -> JoinHandle<()> {
+        let (drain, stop) = (drain.clone(), self.clone());
+        tokio::spawn(async move {
+            drain.cancelled().await;
+            stop.stop(Reason::Drained);
+        })
     }
 
     pub(crate) fn reason(&self) -> Option<Reason> {
