@@ -26,6 +26,10 @@ use crate::{Error, structure::validate};
 pub enum Scene {
     /// A foam rope that one hand lifts at its end, waves and shakes: bending above all.
     Rope,
+    /// A bar of foam, twice as wide as thick, that one hand holds at its end and waves.
+    Bar,
+    /// The same bar cut twice as thick: at least as stiff, whatever model is fitted.
+    ThickBar,
     /// A toy-like body with four limbs, lifted by its head and shaken.
     Toy,
     /// A cable clamped at both ends by two grippers: motion capture, several sequences.
@@ -34,12 +38,14 @@ pub enum Scene {
 
 impl Scene {
     /// All scenes.
-    pub const ALL: [Self; 3] = [Self::Rope, Self::Toy, Self::Cable];
+    pub const ALL: [Self; 5] = [Self::Rope, Self::Bar, Self::ThickBar, Self::Toy, Self::Cable];
 
     /// Its name, `rope` say.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rope => "rope",
+            Self::Bar => "bar",
+            Self::ThickBar => "thick_bar",
             Self::Toy => "toy",
             Self::Cable => "cable",
         }
@@ -107,6 +113,10 @@ pub fn make_with(
 ) -> Result<Capture, Error> {
     let capture = match scene {
         Scene::Rope => observe::record(&scene::rope(options), options, backend)?,
+        Scene::Bar => observe::record(&scene::bar::<25>(options, "bar"), options, backend)?,
+        Scene::ThickBar => {
+            observe::record(&scene::bar::<50>(options, "thick_bar"), options, backend)?
+        }
         Scene::Toy => observe::record(&scene::toy(options), options, backend)?,
         Scene::Cable => cable::record(options, backend)?,
     };

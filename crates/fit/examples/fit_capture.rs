@@ -5,7 +5,7 @@
 //! cargo run --release -p bendtwin-fit --example fit_capture -- capture.zip settings.json picture.png
 //! ```
 //!
-//! `made:rope`, `made:toy` and `made:cable` are generated; anything else is a path. Settings not named in the
+//! `made:rope` and the other made scenes are generated; anything else is a path. Settings not named in the
 //! file keep their defaults; without a file (or with `-`), the axial-only model is fitted beside the twin.
 
 use std::{path::Path, time::Instant};
@@ -54,7 +54,8 @@ fn main() -> Result<(), Failure> {
 fn load(source: &str) -> Result<Capture, Failure> {
     match source.strip_prefix("made:") {
         Some(name) => {
-            let scene = make::Scene::from_name(name).ok_or("made: rope, toy or cable")?;
+            let scene =
+                make::Scene::from_name(name).ok_or("made: rope, bar, thick_bar, toy or cable")?;
             Ok(make::make(scene, &make::MakeOptions::full(0))?)
         }
         None => Ok(bendtwin_capture::read(Path::new(source), &Limits::default())?),

@@ -13,7 +13,7 @@ use crate::{args::Global, failure, output};
 
 #[derive(Debug, Args)]
 pub(crate) struct Make {
-    /// What to simulate: rope, toy or cable
+    /// What to simulate: rope, bar, thick_bar, toy or cable
     #[arg(value_parser = scene)]
     scene: Scene,
     /// The ZIP archive to write [default: {scene}.zip, or {scene}_raw.zip]

@@ -97,6 +97,8 @@ pub fn film_with(
     let make = MakeOptions { seed: options.seed, frames: options.frames, tiny: options.tiny };
     let setup = match scene {
         Scene::Rope => scene::rope(&make),
+        Scene::Bar => scene::bar::<25>(&make, "bar"),
+        Scene::ThickBar => scene::bar::<50>(&make, "thick_bar"),
         Scene::Toy => scene::toy(&make),
         Scene::Cable => return Err(Error::NotFilmed(scene.name())),
     };

@@ -1,4 +1,4 @@
-//! The rope and the toy: shape, material, grasp and motion.
+//! The rope, the bars and the toy: shape, material, grasp and motion.
 
 use std::f32::consts::TAU;
 
@@ -89,6 +89,46 @@ pub(super) fn rope(options: &MakeOptions) -> Setup {
 fn rope_distance(p: Point) -> f32 {
     let around = (p[1] * p[1] + (p[2] - ROPE_RADIUS_M).powi(2)).sqrt() - ROPE_RADIUS_M;
     around.max(-p[0]).max(p[0] - ROPE_LENGTH_M)
+}
+
+/// Length and width of the bars [m].
+const BAR_SIZE_M: [f32; 2] = [0.36, 0.05];
+
+/// A bar of foam; bars of any thickness are cut from the same block.
+pub(super) fn bar<const THICKNESS_MM: u32>(options: &MakeOptions, name: &'static str) -> Setup {
+    let spacing = if options.tiny { 0.01 } else { 0.006 };
+    let [length, width] = BAR_SIZE_M;
+    let thickness = THICKNESS_MM as f32 * 1e-3;
+    let high = [length, 0.5 * width, thickness];
+    let body = Body::fill([0.0, -0.5 * width, 0.0], high, spacing, bar_distance::<THICKNESS_MM>);
+    let material = foam(&body, 45.0, 1.5);
+    let pick = |full, tiny| if options.tiny { tiny } else { full };
+    Setup {
+        name,
+        hand: Hand {
+            grasp: [0.012, 0.0, 0.5 * thickness],
+            size: [0.032, 0.036, 0.8 * thickness],
+            forearm: [-1.0, 0.0, 0.5],
+        },
+        body,
+        distance: bar_distance::<THICKNESS_MM>,
+        material,
+        motion: wave,
+        frames: options.frames_or(80, 24),
+        observed: pick(240, 50),
+        completed: pick(150, 30),
+        interior: pick(80, 10),
+        truth: pick(40, 10),
+        controls: pick(24, 8),
+    }
+}
+
+/// A box that lies along x.
+fn bar_distance<const THICKNESS_MM: u32>(p: Point) -> f32 {
+    let [length, width] = BAR_SIZE_M;
+    let half = [0.5 * length, 0.5 * width, 0.5e-3 * THICKNESS_MM as f32];
+    let centre = [half[0], 0.0, half[2]];
+    (0..3).map(|a| (p[a] - centre[a]).abs() - half[a]).fold(f32::MIN, f32::max)
 }
 
 /// Lifts, waves up and down and sideways, then shakes; it goes on in the frames
