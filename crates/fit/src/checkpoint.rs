@@ -8,7 +8,7 @@ use crate::{Error, cmaes::CmaEs, refine::WalkState};
 /// The first bytes of every checkpoint.
 const MAGIC: &[u8; 4] = b"BTFC";
 /// Raised by every change of [`Checkpoint`] or of what a stage computes from it.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// All that changes during a fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

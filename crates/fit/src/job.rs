@@ -100,7 +100,7 @@ struct Run<'a> {
     cancel: &'a CancelToken,
 }
 
-/// A variant whose refinement is done.
+/// A model whose refinement is done.
 struct Finished {
     twin: Twin,
     warnings: Vec<String>,
@@ -177,7 +177,7 @@ impl<'a> Run<'a> {
                 let VariantState::Search(cma) = &states[index] else { continue };
                 let losses = result.losses.iter().copied();
                 let (best, done) = (cma.best().map(|b| b.loss), cma.generation() as u32);
-                let variant = self.variants[index].name;
+                let variant = &self.variants[index].name.clone();
                 self.report(Report {
                     variant,
                     stage: Stage::Search,
@@ -190,29 +190,43 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Passes until all are done.
-    fn refine(&mut self, states: Vec<VariantState>) -> Result<Vec<Finished>, Error> {
+    /// Passes until all are done; the best start of each model comes back.
+    fn refine(&mut self, mut states: Vec<VariantState>) -> Result<Vec<Finished>, Error> {
         let backend = &*self.job.backend;
-        let (mut points, mut walks) = (Vec::new(), Vec::new());
-        for (variant, state) in self.variants.iter().zip(&states) {
-            let (point, walk) = variant.walk(self.task, state, backend)?;
-            points.push(point);
-            walks.push(walk);
+        // Variants whose search found something to refine: of several starts not all have to.
+        let (mut found, mut points, mut walks) = (Vec::new(), Vec::new(), Vec::new());
+        let mut nothing = None;
+        for (index, (variant, state)) in self.variants.iter().zip(&states).enumerate() {
+            match variant.walk(self.task, state, backend) {
+                Ok((point, walk)) => {
+                    found.push(index);
+                    points.push(point);
+                    walks.push(walk);
+                }
+                Err(Error::NothingStable(why)) => nothing = Some(Error::NothingStable(why)),
+                Err(e) => return Err(e),
+            }
+        }
+        let has_found =
+            |v: &Variant| found.iter().any(|&at| self.variants[at].bending == v.bending);
+        if let (Some(nothing), false) = (nothing, self.variants.iter().all(has_found)) {
+            return Err(nothing);
         }
         let mut refinement = Refinement::new(self.task, walks, backend, self.cancel)?;
-        if states.iter().any(|s| matches!(s, VariantState::Search(_))) {
+        if found.iter().any(|&index| matches!(states[index], VariantState::Search(_))) {
             refinement.begin()?;
         }
         let passes = self.job.settings.refine.passes;
         while refinement.walks.iter().any(|w| w.state.pass < passes) {
             self.check_cancelled()?;
             refinement.pass()?;
-            let states = points.iter().zip(&refinement.walks).map(|(point, walk)| {
-                VariantState::Refine { point: point.clone(), walk: walk.state.clone() }
-            });
-            self.keep(states.collect())?;
-            for (index, walk) in refinement.walks.iter_mut().enumerate() {
-                let variant = self.variants[index].name;
+            for ((&index, point), walk) in found.iter().zip(&points).zip(&refinement.walks) {
+                let (point, walk) = (point.clone(), walk.state.clone());
+                states[index] = VariantState::Refine { point, walk };
+            }
+            self.keep(states.clone())?;
+            for (&index, walk) in found.iter().zip(&mut refinement.walks) {
+                let variant = &self.variants[index].name.clone();
                 self.report(Report {
                     variant,
                     stage: Stage::Refine,
@@ -223,11 +237,16 @@ impl<'a> Run<'a> {
                 });
             }
         }
+        let models: Vec<bool> = self.variants.iter().map(|v| v.bending).collect();
         let mut finished = Vec::new();
-        for ((variant, walk), point) in self.variants.iter().zip(&refinement.walks).zip(&points) {
-            let twin = variant.twin(self.job, walk)?;
-            let (fabric, ..) = variant.realise(self.task, point);
-            let warnings = warnings::of_fit(self.task, variant, point, &fabric);
+        for model in models.chunk_by(|a, b| a == b).map(|starts| starts[0]) {
+            let starts = (0..found.len()).filter(|&at| self.variants[found[at]].bending == model);
+            let loss = |at: &usize| refinement.walks[*at].state.best.loss;
+            let Some(best) = starts.min_by(|a, b| loss(a).total_cmp(&loss(b))) else { continue };
+            let variant = &self.variants[found[best]];
+            let twin = variant.twin(self.job, &refinement.walks[best])?;
+            let (fabric, ..) = variant.realise(self.task, &points[best]);
+            let warnings = warnings::of_fit(self.task, variant, &points[best], &fabric);
             finished.push(Finished { twin, warnings });
         }
         Ok(finished)
@@ -236,7 +255,7 @@ impl<'a> Run<'a> {
     /// The quality table, the fast variant, and the end.
     fn evaluate(&mut self, finished: Vec<Finished>) -> Result<Outcome, Error> {
         self.check_cancelled()?;
-        let variant = self.variants[0].name;
+        let variant = if self.variants[0].bending { "bending" } else { "axial" };
         let report = |iteration: u32| Report {
             variant,
             stage: Stage::Evaluate,

@@ -1,4 +1,4 @@
-//! The models that one fit makes: with bending, and the axial-only one beside it.
+//! The models that one fit makes: with bending, and the axial-only one beside it, each as often as it starts.
 
 use std::sync::Arc;
 
@@ -10,21 +10,30 @@ use crate::{
     space::Space, task::Task,
 };
 
-/// Apart from the search's and the schedule's random numbers, each variant has its own.
+/// Between the seeds of searches that start apart; the schedule's random numbers are apart from all of them.
 const SEED_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// One model under way.
 pub(crate) struct Variant {
-    pub(crate) name: &'static str,
+    /// For people: `bending`, or `bending 2/3` where there are several starts.
+    pub(crate) name: String,
+    pub(crate) bending: bool,
+    start: u32,
     pub(crate) space: Space,
     settings: FitSettings,
 }
 
 impl Variant {
-    /// The twin's own variant first, then the one to compare with.
+    /// The twin's own model first, then the one to compare with; of both all starts.
     pub(crate) fn all(task: &Task<'_>) -> Vec<Self> {
-        let one = |bending: bool| Self {
-            name: if bending { "bending" } else { "axial" },
+        let starts = task.settings.search.starts;
+        let one = |bending: bool, start: u32| Self {
+            name: match (if bending { "bending" } else { "axial" }, starts) {
+                (model, 1) => model.to_owned(),
+                (model, _) => format!("{model} {}/{starts}", start + 1),
+            },
+            bending,
+            start,
             space: Space::new(task, bending),
             settings: FitSettings {
                 bending,
@@ -32,17 +41,19 @@ impl Variant {
                 ..task.settings.clone()
             },
         };
-        let mut variants = vec![one(task.settings.bending)];
+        let mut models = vec![task.settings.bending];
         if task.settings.bending && task.settings.compare_axial {
-            variants.push(one(false));
+            models.push(false);
         }
-        variants
+        let all = models.into_iter().flat_map(|bending| (0..starts).map(move |s| (bending, s)));
+        all.map(|(bending, start)| one(bending, start)).collect()
     }
 
     /// A search that has not begun.
     pub(crate) fn begin(&self) -> VariantState {
         let search = &self.settings.search;
-        let seed = self.settings.seed.wrapping_add(SEED_STEP);
+        let steps = u64::from(self.start) + 1;
+        let seed = self.settings.seed.wrapping_add(SEED_STEP.wrapping_mul(steps));
         let start = self.space.start();
         VariantState::Search(CmaEs::new(start, search.sigma, search.population, seed))
     }

@@ -62,7 +62,9 @@ fn a_fit_interrupted_anywhere_ends_in_the_same_twin() {
         (Scene::Cable, GradientWindow::Frames(7)),
     ] {
         let capture = make(scene, &MakeOptions::tiny(2)).unwrap();
-        let job = job(&capture, settings(window));
+        let mut settings = settings(window);
+        settings.search.starts = if scene == Scene::Cable { 2 } else { 1 };
+        let job = job(&capture, settings);
         let mut recorder = Recorder::default();
         let cancel = CancelToken::default();
         let whole = job.run(None, &mut recorder, &cancel).unwrap();
@@ -161,6 +163,41 @@ fn hopeless_limits_are_explained() {
     assert_eq!(error.reason(), "NO_STABLE_CANDIDATE");
     let note = recorder.progress[0].note.clone().unwrap();
     assert!(note.contains("need more substeps"), "{note}");
+}
+
+#[test]
+fn of_several_starts_the_one_with_the_lowest_training_loss_is_the_twin() {
+    let capture = make(Scene::Rope, &MakeOptions::tiny(7)).unwrap();
+    let fit = |starts: u32| {
+        let mut settings = settings(GradientWindow::Pass);
+        settings.search.starts = starts;
+        let mut recorder = Recorder::default();
+        let job = job(&capture, settings);
+        let outcome = job.run(None, &mut recorder, &CancelToken::default()).unwrap();
+        let ends = recorder.progress.into_iter().filter(|p| p.stage == Stage::Refine);
+        let ends = ends.filter(|p| p.iteration == p.iterations);
+        let losses: Vec<_> = ends.map(|p| (p.variant, p.best_loss.unwrap())).collect();
+        (outcome, losses)
+    };
+    let (several, losses) = fit(4);
+    let names: Vec<_> = losses.iter().map(|(name, _)| name.as_str()).collect();
+    let of = |model: &str| [1, 2, 3, 4].map(|start| format!("{model} {start}/4"));
+    assert_eq!(names, [of("bending"), of("axial")].concat());
+    // The first start is what a fit with one start does.
+    let (single, alone) = fit(1);
+    assert_eq!((losses[0].1, losses[4].1), (alone[0].1, alone[1].1));
+    let best = |from: usize| {
+        let own = losses[from..from + 4].iter().enumerate();
+        own.min_by(|a, b| a.1.1.total_cmp(&b.1.1)).unwrap().0
+    };
+    let pairs = [
+        (best(0), &several.twin, &single.twin),
+        (best(4), several.axial.as_ref().unwrap(), single.axial.as_ref().unwrap()),
+    ];
+    for (best, several, single) in pairs {
+        assert_eq!(best == 0, several.params == single.params);
+    }
+    assert!(best(0) > 0 || best(4) > 0, "the first start won twice: the test says little");
 }
 
 #[test]
