@@ -65,13 +65,14 @@ impl FitBar {
     }
 
     fn line(&mut self, stage: &str, progress: &FitProgress, details: &str) {
+        // Models that are fitted side by side take turns; they are one stage all the same.
         let due = match &self.last {
-            Some((last, at)) => last != stage || at.elapsed() >= LINE_EVERY,
+            Some((last, at)) => *last != progress.stage || at.elapsed() >= LINE_EVERY,
             None => true,
         };
         if due && !self.quiet {
             eprintln!("  {stage:<16} {:>3.0}%  {details}", 100.0 * progress.fraction);
-            self.last = Some((stage.to_owned(), Instant::now()));
+            self.last = Some((progress.stage.clone(), Instant::now()));
         }
     }
 }
