@@ -120,8 +120,9 @@ pub struct LossSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchSettings {
-    /// Searches that begin apart, each with a refinement of its own; the twin is the one with the lowest training loss.
-    pub starts: u32,
+    /// Searches that begin apart, each with a refinement of its own; the twin is the one with the lowest training loss. If
+    /// left open, as many as suit the capture: 3 where edges are known, 1 in others.
+    pub starts: Option<u32>,
     /// Generations; 0 skips the stage. If left open, as many as suit the capture: 60 where edges are known, whose few
     /// nodes make them cheap and whose motion branches, 25 in others.
     pub generations: Option<u32>,
@@ -227,7 +228,7 @@ impl Default for LossSettings {
 impl Default for SearchSettings {
     fn default() -> Self {
         Self {
-            starts: 1,
+            starts: None,
             generations: None,
             population: 32,
             sigma: 1.0 / 6.0,
@@ -319,7 +320,7 @@ impl FitSettings {
         within("loss.track_weight", l.track_weight, 0.0, 1e9);
         within("loss.track_beta_m", l.track_beta_m, 1e-9, 1e3);
         within("loss.acceleration_weight", l.acceleration_weight, 0.0, 1e9);
-        within("search.starts", f64::from(self.search.starts), 1.0, 64.0);
+        within("search.starts", f64::from(self.search.starts.unwrap_or(1)), 1.0, 64.0);
         let generations = self.search.generations.unwrap_or_default();
         within("search.generations", f64::from(generations), 0.0, 10_000.0);
         within("search.population", self.search.population as f64, 0.0, 10_000.0);

@@ -109,6 +109,15 @@ impl<'a> Task<'a> {
         set
     }
 
+    /// Searches that begin apart. A cable's training loss tells which of them predicts best, and they are cheap. Without a
+    /// search all would refine the same.
+    pub(crate) fn starts(&self) -> u32 {
+        if self.generations() == 0 {
+            return 1;
+        }
+        self.settings.search.starts.unwrap_or(if self.has_known_edges() { 3 } else { 1 })
+    }
+
     /// Generations of the search. A cable's are cheap, and their optimum is narrow: with 25 the fits of several seeds
     /// differ by a tenth.
     pub(crate) fn generations(&self) -> u32 {

@@ -26,7 +26,7 @@ pub(crate) struct Variant {
 impl Variant {
     /// The twin's own model first, then the one to compare with; of both all starts.
     pub(crate) fn all(task: &Task<'_>) -> Vec<Self> {
-        let starts = task.settings.search.starts;
+        let starts = task.starts();
         let one = |bending: bool, start: u32| Self {
             name: match (if bending { "bending" } else { "axial" }, starts) {
                 (model, 1) => model.to_owned(),

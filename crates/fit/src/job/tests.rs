@@ -63,7 +63,7 @@ fn a_fit_interrupted_anywhere_ends_in_the_same_twin() {
     ] {
         let capture = make(scene, &MakeOptions::tiny(2)).unwrap();
         let mut settings = settings(window);
-        settings.search.starts = if scene == Scene::Cable { 2 } else { 1 };
+        settings.search.starts = Some(if scene == Scene::Cable { 2 } else { 1 });
         let job = job(&capture, settings);
         let mut recorder = Recorder::default();
         let cancel = CancelToken::default();
@@ -170,7 +170,7 @@ fn of_several_starts_the_one_with_the_lowest_training_loss_is_the_twin() {
     let capture = make(Scene::Rope, &MakeOptions::tiny(7)).unwrap();
     let fit = |starts: u32| {
         let mut settings = settings(GradientWindow::Pass);
-        settings.search.starts = starts;
+        settings.search.starts = Some(starts);
         let mut recorder = Recorder::default();
         let job = job(&capture, settings);
         let outcome = job.run(None, &mut recorder, &CancelToken::default()).unwrap();

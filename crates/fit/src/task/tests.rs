@@ -76,6 +76,7 @@ fn nothing_to_train_on_is_said() {
 fn cables_are_fitted_in_their_own_way() {
     let open = FitSettings::default();
     let mut said = open.clone();
+    said.search.starts = Some(2);
     said.search.generations = Some(7);
     said.search.gravity = Some(false);
     said.loss.sequences = Some(SequenceMean::Arithmetic);
@@ -83,11 +84,11 @@ fn cables_are_fitted_in_their_own_way() {
         let capture = make(scene, &MakeOptions::tiny(1)).unwrap();
         let task = Task::new(&capture, settings).unwrap();
         let rods = task.has_rods(&Connectivity::from_settings(&settings.graph, true));
-        (task.generations(), task.searches_gravity(), task.sequence_mean(), rods)
+        (task.starts(), task.generations(), task.searches_gravity(), task.sequence_mean(), rods)
     };
-    assert_eq!(of(Scene::Rope, &open), (25, false, SequenceMean::Arithmetic, false));
-    assert_eq!(of(Scene::Cable, &open), (60, true, SequenceMean::Geometric, true));
-    assert_eq!(of(Scene::Cable, &said), (7, false, SequenceMean::Arithmetic, true));
+    assert_eq!(of(Scene::Rope, &open), (1, 25, false, SequenceMean::Arithmetic, false));
+    assert_eq!(of(Scene::Cable, &open), (3, 60, true, SequenceMean::Geometric, true));
+    assert_eq!(of(Scene::Cable, &said), (2, 7, false, SequenceMean::Arithmetic, true));
     said.graph.twist = false;
-    assert!(!of(Scene::Cable, &said).3);
+    assert!(!of(Scene::Cable, &said).4);
 }
