@@ -4,9 +4,9 @@ use bendtwin_capture::raw::Recording;
 use bendtwin_engine::backend::CancelToken;
 
 use crate::{
-    Error, Finding, Verdict, finding,
+    Error, Finding,
     gallery::Gallery,
-    inspection::{Inspection, Kind, Scene},
+    inspection::{Inspection, Kind},
     judge,
     watch::watch,
 };
@@ -35,8 +35,7 @@ pub fn inspect(
     let logs = watch(recording, cancel, progress)?;
     let record = judge::judge(recording, &logs);
     let mut inspection = blank(recording);
-    inspection.verdict = Verdict::of(&record.findings);
-    inspection.findings = record.findings;
+    inspection.add(record.findings);
     inspection.scene = record.scene;
     inspection.cameras = record.cameras;
     inspection.pairs = record.pairs;
@@ -48,34 +47,23 @@ fn too_long(recording: &Recording, images: usize) -> Inspection {
     let mut inspection = unseen(recording);
     let message = format!("the recording has {images} images (limit {MOST_IMAGES})");
     let finding = Finding::error("RECORDING_TOO_LONG", message).number("images", images as f64);
-    inspection.findings.push(finding);
-    finding::sort(&mut inspection.findings);
-    inspection.verdict = Verdict::Unusable;
+    inspection.add([finding]);
     inspection
 }
 
 /// What can be said of a recording without looking at its frames.
 fn unseen(recording: &Recording) -> Inspection {
     let mut inspection = blank(recording);
-    inspection.findings = judge::judge_unseen(recording);
-    finding::sort(&mut inspection.findings);
-    inspection.verdict = Verdict::of(&inspection.findings);
+    inspection.add(judge::judge_unseen(recording));
     inspection
 }
 
 fn blank(recording: &Recording) -> Inspection {
     Inspection {
-        name: recording.name.clone(),
         kind: Kind::Recording,
         fps: Some(recording.fps).filter(|fps| fps.is_finite()),
         frame_count: recording.frame_count,
         train_frame_count: recording.train_frame_count,
-        verdict: Verdict::Good,
-        findings: Vec::new(),
-        scene: Scene::default(),
-        cameras: Vec::new(),
-        pairs: Vec::new(),
-        observed: None,
-        gallery: Gallery::default(),
+        ..Inspection::unread(&recording.name)
     }
 }

@@ -5,7 +5,7 @@ use bendtwin_core::Capture;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{Error, Finding, Inspection, Verdict, finding, observed, page};
+use crate::{Error, Finding, Inspection, observed, page};
 
 /// Name of the format.
 pub const FORMAT: &str = "bendtwin-capture-report";
@@ -63,11 +63,9 @@ impl Report {
             for finding in told.chain(found) {
                 let known = |f: &Finding| f.code == finding.code && f.message == finding.message;
                 if !inspection.findings.iter().any(known) {
-                    inspection.findings.push(finding);
+                    inspection.add([finding]);
                 }
             }
-            finding::sort(&mut inspection.findings);
-            inspection.verdict = Verdict::of(&inspection.findings);
             inspection.observed = observed::observed(&lifted.capture);
             if observed::is_whole(&lifted.capture) {
                 inspection.gallery.capture = Some(lifted.capture);

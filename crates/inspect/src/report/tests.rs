@@ -2,7 +2,7 @@ use bendtwin_capture::{MakeOptions, Scene, make};
 
 use super::*;
 use crate::{
-    inspect, inspect_observed,
+    Verdict, inspect, inspect_observed,
     testing::{healthy, record},
 };
 
