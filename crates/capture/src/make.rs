@@ -111,14 +111,9 @@ pub fn make_with(
     options: &MakeOptions,
     backend: &dyn Backend,
 ) -> Result<Capture, Error> {
-    let capture = match scene {
-        Scene::Rope => observe::record(&scene::rope(options), options, backend)?,
-        Scene::Bar => observe::record(&scene::bar::<25>(options, "bar"), options, backend)?,
-        Scene::ThickBar => {
-            observe::record(&scene::bar::<50>(options, "thick_bar"), options, backend)?
-        }
-        Scene::Toy => observe::record(&scene::toy(options), options, backend)?,
-        Scene::Cable => cable::record(options, backend)?,
+    let capture = match scene::setup(scene, options) {
+        Some(setup) => observe::record(&setup, options, backend)?,
+        None => cable::record(options, backend)?,
     };
     validate(&capture)?;
     Ok(capture)

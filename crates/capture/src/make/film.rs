@@ -95,13 +95,7 @@ pub fn film_with(
     backend: &dyn Backend,
 ) -> Result<Recording, Error> {
     let make = MakeOptions { seed: options.seed, frames: options.frames, tiny: options.tiny };
-    let setup = match scene {
-        Scene::Rope => scene::rope(&make),
-        Scene::Bar => scene::bar::<25>(&make, "bar"),
-        Scene::ThickBar => scene::bar::<50>(&make, "thick_bar"),
-        Scene::Toy => scene::toy(&make),
-        Scene::Cable => return Err(Error::NotFilmed(scene.name())),
-    };
+    let setup = scene::setup(scene, &make).ok_or(Error::NotFilmed(scene.name()))?;
     let Performance { poses, trajectory } = perform(&setup, backend)?;
     let skin = Skin::of(&setup.body, setup.distance);
     let n = setup.body.node_count().max(1);

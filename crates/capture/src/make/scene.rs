@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use bendtwin_core::Point;
 
 use super::{
-    MakeOptions,
+    MakeOptions, Scene,
     body::Body,
     hand::Hand,
     pose::{Pose, norm, segment_distance, smoothstep, sub},
@@ -31,6 +31,17 @@ pub(super) struct Setup {
     pub(super) controls: usize,
 }
 
+/// What a scene is made of; none where no camera looks at it.
+pub(super) fn setup(scene: Scene, options: &MakeOptions) -> Option<Setup> {
+    match scene {
+        Scene::Rope => Some(rope(options)),
+        Scene::Bar => Some(bar::<25>(options, scene.name())),
+        Scene::ThickBar => Some(bar::<50>(options, scene.name())),
+        Scene::Toy => Some(toy(options)),
+        Scene::Cable => None,
+    }
+}
+
 /// Speed of sound that gives a lattice of this spacing its stiffness, unevenly
 /// over the body as real foam is, and light internal damping.
 fn foam(body: &Body, sound_m_s: f32, drag: f32) -> Material {
@@ -54,7 +65,7 @@ fn foam(body: &Body, sound_m_s: f32, drag: f32) -> Material {
 const ROPE_RADIUS_M: f32 = 0.0125;
 const ROPE_LENGTH_M: f32 = 0.4;
 
-pub(super) fn rope(options: &MakeOptions) -> Setup {
+fn rope(options: &MakeOptions) -> Setup {
     let spacing = if options.tiny { 0.0083 } else { 0.005 };
     let radius = ROPE_RADIUS_M;
     let body = Body::fill(
@@ -95,7 +106,7 @@ fn rope_distance(p: Point) -> f32 {
 const BAR_SIZE_M: [f32; 2] = [0.36, 0.05];
 
 /// A bar of foam; bars of any thickness are cut from the same block.
-pub(super) fn bar<const THICKNESS_MM: u32>(options: &MakeOptions, name: &'static str) -> Setup {
+fn bar<const THICKNESS_MM: u32>(options: &MakeOptions, name: &'static str) -> Setup {
     let spacing = if options.tiny { 0.01 } else { 0.006 };
     let [length, width] = BAR_SIZE_M;
     let thickness = THICKNESS_MM as f32 * 1e-3;
@@ -146,7 +157,7 @@ fn wave(t: f32) -> Pose {
     Pose::new(yaw, pitch, shift)
 }
 
-pub(super) fn toy(options: &MakeOptions) -> Setup {
+fn toy(options: &MakeOptions) -> Setup {
     let spacing = if options.tiny { 0.013 } else { 0.0068 };
     let body = Body::fill([-0.09, -0.11, 0.0], [0.13, 0.11, 0.1], spacing, toy_distance);
     let material = foam(&body, 12.0, 1.3);
