@@ -54,8 +54,9 @@ fn main() -> Result<(), Failure> {
 fn load(source: &str) -> Result<Capture, Failure> {
     match source.strip_prefix("made:") {
         Some(name) => {
-            let scene =
-                make::Scene::from_name(name).ok_or("made: rope, bar, thick_bar, toy or cable")?;
+            let scene = make::Scene::from_name(name).ok_or_else(|| {
+                format!("made: {}", make::Scene::ALL.map(make::Scene::name).join(", "))
+            })?;
             Ok(make::make(scene, &make::MakeOptions::full(0))?)
         }
         None => Ok(bendtwin_capture::read(Path::new(source), &Limits::default())?),

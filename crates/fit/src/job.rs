@@ -17,7 +17,7 @@ use crate::{
     refine::Refinement,
     search::Search,
     task::Task,
-    variant::Variant,
+    variant::{Variant, model_name},
     warnings,
 };
 
@@ -237,10 +237,10 @@ impl<'a> Run<'a> {
                 });
             }
         }
-        let models: Vec<bool> = self.variants.iter().map(|v| v.bending).collect();
         let mut finished = Vec::new();
-        for model in models.chunk_by(|a, b| a == b).map(|starts| starts[0]) {
-            let starts = (0..found.len()).filter(|&at| self.variants[found[at]].bending == model);
+        for starts in self.variants.chunk_by(|a, b| a.bending == b.bending) {
+            let bending = starts[0].bending;
+            let starts = (0..found.len()).filter(|&at| self.variants[found[at]].bending == bending);
             let loss = |at: &usize| refinement.walks[*at].state.best.loss;
             let Some(best) = starts.min_by(|a, b| loss(a).total_cmp(&loss(b))) else { continue };
             let variant = &self.variants[found[best]];
@@ -255,7 +255,7 @@ impl<'a> Run<'a> {
     /// The quality table, the fast variant, and the end.
     fn evaluate(&mut self, finished: Vec<Finished>) -> Result<Outcome, Error> {
         self.check_cancelled()?;
-        let variant = if self.variants[0].bending { "bending" } else { "axial" };
+        let variant = model_name(self.variants[0].bending);
         let report = |iteration: u32| Report {
             variant,
             stage: Stage::Evaluate,

@@ -13,6 +13,11 @@ use crate::{
 /// Between the seeds of searches that start apart; the schedule's random numbers are apart from all of them.
 const SEED_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
+/// What people call a model.
+pub(crate) fn model_name(bending: bool) -> &'static str {
+    if bending { "bending" } else { "axial" }
+}
+
 /// One model under way.
 pub(crate) struct Variant {
     /// For people: `bending`, or `bending 2/3` where there are several starts.
@@ -28,7 +33,7 @@ impl Variant {
     pub(crate) fn all(task: &Task<'_>) -> Vec<Self> {
         let starts = task.starts();
         let one = |bending: bool, start: u32| Self {
-            name: match (if bending { "bending" } else { "axial" }, starts) {
+            name: match (model_name(bending), starts) {
                 (model, 1) => model.to_owned(),
                 (model, _) => format!("{model} {}/{starts}", start + 1),
             },
