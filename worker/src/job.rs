@@ -6,7 +6,7 @@ pub(crate) mod deliver;
 pub(crate) mod report;
 pub(crate) mod stop;
 
-use bendtwin_core::{Fault, Progress, Stage};
+use bendtwin_core::{Fault, Progress};
 use bendtwin_proto::{
     v1,
     worker::v1::{FailJobRequest, JobWrite, Lease, ReportJobRequest},
@@ -80,14 +80,8 @@ impl Job {
 }
 
 fn wire_progress(progress: &Progress) -> v1::Progress {
-    let stage = match progress.stage {
-        Stage::Ingest => "ingest",
-        Stage::Search => "search",
-        Stage::Refine => "refine",
-        Stage::Evaluate => "evaluate",
-    };
     v1::Progress {
-        stage: stage.to_owned(),
+        stage: progress.stage.as_str().to_owned(),
         variant: progress.variant.clone(),
         iteration: progress.iteration,
         iterations: progress.iterations,

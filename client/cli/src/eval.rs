@@ -4,8 +4,7 @@ mod local;
 
 use std::{path::PathBuf, sync::Arc};
 
-use bendtwin_capture::Limits;
-use bendtwin_core::{Capture, Quality, Twin, settings::ingest::IngestSettings};
+use bendtwin_core::{Quality, Twin};
 use bendtwin_engine::{Backend, backend::CancelToken};
 use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, fast_variant, format_table};
 use clap::Args;
@@ -16,7 +15,7 @@ use crate::{
     args::Global,
     backend::BackendArgs,
     failure::{self, Failed, Usage},
-    output, picture, quality,
+    observation, output, picture, quality,
     settings::SettingsArgs,
     signals,
 };
@@ -93,7 +92,7 @@ fn score(
     cancel: &CancelToken,
     quiet: bool,
 ) -> anyhow::Result<Scored> {
-    let capture = read_capture(path, cancel)?;
+    let capture = observation::read(path, cancel, quiet).map_err(Failed)?;
     let (fitted, fit_s) = match &args.twin {
         Some(file) => (Fitted { twin: read_twin(file)?, axial: None }, None),
         None => {
@@ -123,14 +122,6 @@ fn score(
         picture::draw(file, &fitted.twin, axial, &capture, &**backend, cancel)?;
     }
     Ok(Scored { quality, substeps: fitted.twin.timing.substeps, fit_s })
-}
-
-/// As a worker reads it: a fit through a server and one here are of the same points.
-fn read_capture(path: &std::path::Path, cancel: &CancelToken) -> anyhow::Result<Capture> {
-    let (name, settings) = (path.display().to_string(), IngestSettings::default());
-    let limits = Limits::default();
-    let observed = bendtwin_worker::observe(path, &name, &settings, &limits, None, &mut (), cancel);
-    Ok(observed.and_then(|o| o.capture).map_err(Failed)?)
 }
 
 fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {

@@ -10,6 +10,7 @@ mod failure;
 mod fit;
 mod logging;
 mod npy;
+mod observation;
 mod output;
 mod picture;
 mod progress;

@@ -2,7 +2,11 @@
 
 mod board;
 
-use std::{path::PathBuf, sync::Arc, time::Duration};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Duration,
+};
 
 use bendtwin_core::{Category, Fault};
 use bendtwin_engine::backend::CancelToken;
@@ -16,7 +20,7 @@ use crate::{
     args::Global,
     backend::BackendArgs,
     failure::{self, Failed},
-    output, signals,
+    observation, output, signals,
 };
 
 #[derive(Debug, Args)]
@@ -85,7 +89,8 @@ fn work(
         any_build: args.any_build,
         checkpoint_every: Duration::from_secs(args.checkpoint_every),
     };
-    let mut plan = Plan::new(&suite, &folder, options).map_err(failure::failed)?;
+    let read = |path: &Path| observation::read(path, cancel, quiet);
+    let mut plan = Plan::new(&suite, &folder, options, &read).map_err(failure::failed)?;
     let work = if args.table_only { 0 } else { plan.pending() };
     let backends = args.backend.open_several(args.jobs, work)?;
     let result = if args.table_only {

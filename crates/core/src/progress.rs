@@ -16,6 +16,18 @@ pub enum Stage {
     Evaluate,
 }
 
+impl Stage {
+    /// Its name in documents and lines, `search` say.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Ingest => "ingest",
+            Self::Search => "search",
+            Self::Refine => "refine",
+            Self::Evaluate => "evaluate",
+        }
+    }
+}
+
 /// A progress report of a running fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {

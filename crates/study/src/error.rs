@@ -26,6 +26,9 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
+    /// Someone asked to stop while captures were read.
+    #[error("stopped while captures were read: the same command begins anew")]
+    Cancelled,
     /// Another process fills the folder.
     #[error(
         "{}: another process works in this folder: wait for it, or choose another one", .0.display()
@@ -50,6 +53,7 @@ impl Problem for Error {
             Self::File { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
                 Category::NotFound
             }
+            Self::Cancelled => Category::Cancelled,
             Self::Busy(_) => Category::FailedPrecondition,
             Self::File { .. } | Self::Writing(_) => Category::Internal,
         }
@@ -60,6 +64,7 @@ impl Problem for Error {
             Self::Suite { .. } => "INVALID_SUITE",
             Self::Selection(_) => "NO_SUCH_RUN",
             Self::File { .. } => "STUDY_FILE",
+            Self::Cancelled => "CANCELLED",
             Self::Busy(_) => "STUDY_FOLDER_BUSY",
             Self::Writing(_) => "STUDY_NOT_WRITTEN",
         }

@@ -25,7 +25,7 @@ pub use error::Error;
 pub use execute::{Event, Tally};
 pub use folder::Folder;
 pub use picture::draw_pictures;
-pub use plan::{Plan, PlanOptions};
+pub use plan::{Plan, PlanOptions, Read};
 pub use record::{Finished, GraphCounts, Losses, Outcome, Record};
 pub use suite::{CaptureEntry, Comparison, Configuration, Reference, RunId, Selection, Suite};
 pub use table::{Difference, Failure, Figure, Figures, Kind, Row, Size, Table};

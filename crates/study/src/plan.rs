@@ -1,9 +1,13 @@
 //! What is to be done: which runs of a suite have a result that still holds, and which have none.
 
-use std::{collections::HashMap, path::PathBuf, sync::Arc, time::Duration};
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Duration,
+};
 
-use bendtwin_capture::Limits;
-use bendtwin_core::{Capture, Fault, Problem};
+use bendtwin_core::{Capture, Category, Fault};
 
 use crate::{
     Error, digest,
@@ -27,6 +31,9 @@ pub struct PlanOptions {
     /// Checkpoints of a fit are written no more often than this.
     pub checkpoint_every: Duration,
 }
+
+/// Makes of what lies at a path a capture that can be fitted, or says why that cannot be.
+pub type Read<'r> = dyn Fn(&Path) -> Result<Capture, Fault> + 'r;
 
 /// A capture as it was read.
 #[derive(Debug)]
@@ -54,8 +61,13 @@ impl<'a> Plan<'a> {
     /// one that is not there at all is an error now.
     ///
     /// # Errors
-    /// If nothing is selected, or captures are missing.
-    pub fn new(suite: &'a Suite, folder: &'a Folder, options: PlanOptions) -> Result<Self, Error> {
+    /// If nothing is selected, captures are missing, or reading was cancelled.
+    pub fn new(
+        suite: &'a Suite,
+        folder: &'a Folder,
+        options: PlanOptions,
+        read: &Read<'_>,
+    ) -> Result<Self, Error> {
         for only in &options.only {
             if !suite.runs().any(|(id, ..)| only.contains(&id)) {
                 return Err(Error::Selection(nothing(suite, only)));
@@ -63,7 +75,7 @@ impl<'a> Plan<'a> {
         }
         let (work, kept, sources) = (Vec::new(), HashMap::new(), HashMap::new());
         let mut plan = Self { suite, folder, options, work, kept, sources };
-        plan.sources = plan.read_sources()?;
+        plan.sources = plan.read_sources(read)?;
         for (id, capture, configuration) in suite.runs() {
             let record = folder.record(&id);
             let faults = |faults| Error::Suite { file: suite.file.clone(), faults };
@@ -113,7 +125,7 @@ impl<'a> Plan<'a> {
     }
 
     /// The captures that selected runs need.
-    fn read_sources(&self) -> Result<HashMap<&'a str, Arc<Source>>, Error> {
+    fn read_sources(&self, read: &Read<'_>) -> Result<HashMap<&'a str, Arc<Source>>, Error> {
         let needed = |c: &&CaptureEntry| {
             self.suite.runs().any(|(id, ..)| id.capture == c.name && self.is_selected(&id))
         };
@@ -127,20 +139,20 @@ impl<'a> Plan<'a> {
             return Err(Error::Suite { file: self.suite.file.clone(), faults });
         }
         let read = |(c, path): (&&'a CaptureEntry, PathBuf)| {
-            (c.name.as_str(), Arc::new(Source::read(path)))
+            Ok((c.name.as_str(), Arc::new(Source::new(path, read)?)))
         };
-        Ok(needed.iter().zip(paths).map(read).collect())
+        needed.iter().zip(paths).map(read).collect()
     }
 }
 
 impl Source {
-    fn read(path: PathBuf) -> Self {
-        match bendtwin_capture::read_checked(&path, &Limits::default()) {
-            Ok((capture, _)) => {
-                Self { path, digest: bendtwin_capture::digest(&capture), capture: Ok(capture) }
-            }
-            Err(error) => Self { path, digest: String::new(), capture: Err(error.fault()) },
+    fn new(path: PathBuf, read: &Read<'_>) -> Result<Self, Error> {
+        let capture = read(&path);
+        if capture.as_ref().is_err_and(|fault| fault.category == Category::Cancelled) {
+            return Err(Error::Cancelled);
         }
+        let digest = capture.as_ref().map(bendtwin_capture::digest).unwrap_or_default();
+        Ok(Self { path, capture, digest })
     }
 }
 

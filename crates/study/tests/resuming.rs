@@ -2,7 +2,8 @@
 
 use std::{path::Path, sync::Arc, time::Duration};
 
-use bendtwin_capture::{MakeOptions, Scene, make, write_bundle_file};
+use bendtwin_capture::{Limits, MakeOptions, Scene, make, write_bundle_file};
+use bendtwin_core::{Capture, Fault, Problem};
 use bendtwin_engine::{Backend, backend::CancelToken, cpu_with_threads};
 use bendtwin_study::{
     Event, Folder, Invocation, Plan, PlanOptions, Suite, Table, Tally, draw_pictures,
@@ -49,6 +50,11 @@ fn options() -> PlanOptions {
     }
 }
 
+fn read(path: &Path) -> Result<Capture, Fault> {
+    let read = bendtwin_capture::read_checked(path, &Limits::default());
+    read.map(|(capture, _)| capture).map_err(|error| error.fault())
+}
+
 fn backends(count: usize) -> Vec<Arc<dyn Backend>> {
     (0..count).map(|_| cpu_with_threads(1)).collect()
 }
@@ -68,7 +74,7 @@ fn an_interrupted_suite_ends_in_the_same_table() {
     let suite = prepare(place.path());
     let whole = {
         let folder = Folder::open(&place.path().join("whole")).unwrap();
-        let mut plan = Plan::new(&suite, &folder, options()).unwrap();
+        let mut plan = Plan::new(&suite, &folder, options(), &read).unwrap();
         let tally = plan.run(&backends(2), &CancelToken::default(), &mut |_| {}).unwrap();
         // The fits of the broken capture fail, and the hopeless one of the rope at least.
         assert_eq!((tally.finished + tally.failed, tally.left), (9, 0));
@@ -85,7 +91,7 @@ fn an_interrupted_suite_ends_in_the_same_table() {
         starts += 1;
         assert!(starts < 200, "the suite does not end");
         let folder = Folder::open(&place_of_parts).unwrap();
-        let mut plan = Plan::new(&suite, &folder, options()).unwrap();
+        let mut plan = Plan::new(&suite, &folder, options(), &read).unwrap();
         let (cancel, mut seen) = (CancelToken::default(), 0);
         let tally = plan
             .run(&backends(1), &cancel, &mut |event| match event {
@@ -108,13 +114,13 @@ fn an_interrupted_suite_ends_in_the_same_table() {
 
     // What is done stays done, and what was refused stays refused; what another build made is made again.
     let folder = Folder::open(&place_of_parts).unwrap();
-    let plan = Plan::new(&suite, &folder, options()).unwrap();
+    let plan = Plan::new(&suite, &folder, options(), &read).unwrap();
     assert_eq!((plan.pending(), plan.done()), (0, 9));
     assert!(plan.failures().len() >= 4);
     let other = PlanOptions { build: "another".into(), ..options() };
-    assert_eq!(Plan::new(&suite, &folder, other.clone()).unwrap().pending(), 9);
+    assert_eq!(Plan::new(&suite, &folder, other.clone(), &read).unwrap().pending(), 9);
     let kept = PlanOptions { any_build: true, ..other };
-    assert_eq!(Plan::new(&suite, &folder, kept).unwrap().pending(), 0);
+    assert_eq!(Plan::new(&suite, &folder, kept, &read).unwrap().pending(), 0);
 }
 
 #[test]
@@ -124,7 +130,7 @@ fn a_selection_runs_what_it_names() {
     let folder = Folder::open(&place.path().join("out")).unwrap();
     assert!(Folder::open(&place.path().join("out")).is_err(), "one process at a time");
     let only = vec!["cable/bending".parse().unwrap()];
-    let mut plan = Plan::new(&suite, &folder, PlanOptions { only, ..options() }).unwrap();
+    let mut plan = Plan::new(&suite, &folder, PlanOptions { only, ..options() }, &read).unwrap();
     let mut names = Vec::new();
     let tally = plan
         .run(&backends(3), &CancelToken::default(), &mut |event| {
@@ -137,10 +143,10 @@ fn a_selection_runs_what_it_names() {
     assert_eq!(tally, Tally { finished: 1, failed: 0, left: 0 });
     assert_eq!(names, ["cable/bending/0"]);
     let only = vec!["cable/nothing".parse().unwrap()];
-    assert!(Plan::new(&suite, &folder, PlanOptions { only, ..options() }).is_err());
+    assert!(Plan::new(&suite, &folder, PlanOptions { only, ..options() }, &read).is_err());
 
     std::fs::remove_file(place.path().join("rope.zip")).unwrap();
     std::fs::remove_file(place.path().join("broken.zip")).unwrap();
-    let error = Plan::new(&suite, &folder, options()).unwrap_err().to_string();
+    let error = Plan::new(&suite, &folder, options(), &read).unwrap_err().to_string();
     assert!(error.contains("`rope`") && error.contains("`broken`"), "{error}");
 }

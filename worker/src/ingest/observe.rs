@@ -24,20 +24,18 @@ pub trait Watcher {
     /// What is being done, in a word, and the share of the whole that is over, 0..=1.
     fn progress(&mut self, step: &str, fraction: f64);
 
-    /// Called now and then with all that is needed to go on from there in another process.
+    /// Called now and then with all that is needed to go on from there in another process; without one nothing is kept.
     ///
     /// # Errors
     /// If the work should end, because the checkpoint cannot be kept.
-    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError>;
+    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        Ok(())
+    }
 }
 
 /// A watcher that looks away.
 impl Watcher for () {
     fn progress(&mut self, _step: &str, _fraction: f64) {}
-
-    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
-    }
 }
 
 /// Reads the capture at a path, from a checkpoint of the same work if there is one. People call it `name`.

@@ -3,7 +3,7 @@
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_client::FitProgress;
-use bendtwin_core::{Capture, FitSettings, Progress, Stage, Twin};
+use bendtwin_core::{Capture, FitSettings, Progress, Twin};
 use bendtwin_engine::{Backend, backend::CancelToken};
 use bendtwin_fit::{FitJob, Observer, ObserverError};
 
@@ -41,7 +41,7 @@ struct Bar(FitBar);
 impl Observer for Bar {
     fn progress(&mut self, progress: Progress) {
         self.0.show(&FitProgress {
-            stage: stage(progress.stage).to_owned(),
+            stage: progress.stage.as_str().to_owned(),
             variant: progress.variant,
             iteration: progress.iteration,
             iterations: progress.iterations,
@@ -55,14 +55,5 @@ impl Observer for Bar {
 
     fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
         Ok(())
-    }
-}
-
-fn stage(stage: Stage) -> &'static str {
-    match stage {
-        Stage::Ingest => "ingest",
-        Stage::Search => "search",
-        Stage::Refine => "refine",
-        Stage::Evaluate => "evaluate",
     }
 }

@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use bendtwin_core::{Progress, Stage, quality::ErrorSummary};
+use bendtwin_core::{Progress, quality::ErrorSummary};
 use bendtwin_engine::Backend;
 use bendtwin_study::{Event, Outcome, Plan, Record, RunId};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -123,12 +123,7 @@ pub(super) fn counted(runs: usize) -> String {
 
 fn now(run: &RunId, progress: Option<&Progress>) -> String {
     let Some(progress) = progress else { return run.to_string() };
-    let stage = match progress.stage {
-        Stage::Ingest => "ingest",
-        Stage::Search => "search",
-        Stage::Refine => "refine",
-        Stage::Evaluate => "evaluate",
-    };
+    let stage = progress.stage.as_str();
     format!("{run} {stage} {}/{}", progress.iteration, progress.iterations)
 }
 

@@ -1,7 +1,7 @@
 use std::{path::Path, time::Duration};
 
 use bendtwin_core::{
-    Fault, FitSettings, Quality,
+    Category, Fault, FitSettings, Quality,
     quality::{ErrorSummary, Predictor, Score},
 };
 use serde_json::{Value, json};
@@ -98,7 +98,12 @@ fn table(results: &[(&str, Outcome)]) -> Table {
         any_build: false,
         checkpoint_every: Duration::ZERO,
     };
-    let plan = Plan::new(&suite, &folder, options).unwrap();
+    let nothing = Fault {
+        category: Category::InvalidArgument,
+        reason: "EMPTY".into(),
+        message: "it is empty".into(),
+    };
+    let plan = Plan::new(&suite, &folder, options, &|_| Err(nothing.clone())).unwrap();
     let out = Path::new("out").to_owned();
     Table::new(&plan, &Invocation { suite: "suite.json".into(), data: None, out })
 }
