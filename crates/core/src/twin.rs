@@ -32,7 +32,8 @@ pub struct Twin {
 /// capture, settings, build and device give the same twin, byte for byte.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// BLAKE3 digest of the capture's content, hex; empty if made by hand.
+    /// BLAKE3 digest of the content of the capture that was fitted (a raw recording's observation), hex; empty if made by
+    /// hand. The same content has the same digest, whatever file it came in.
     pub capture_digest: String,
     /// The capture's name.
     pub capture_name: String,

@@ -11,7 +11,8 @@ use tonic::Code;
 use crate::harness::{
     Company, Server, Setup,
     api::{fraction, has_ended},
-    reference::{ENDLESS, FIT, SETTINGS, capture},
+    command::run_ok,
+    reference::{ENDLESS, FIT, SETTINGS, capture, reference},
     within,
 };
 
@@ -122,6 +123,25 @@ async fn another_worker_takes_over_from_a_dead_one() {
     println!("with a lease of 1 s the next worker had the job after {:?}", killed.elapsed());
     let fit = api.succeeded(&fit.name, FIT).await;
     assert_eq!(fit.attempts, 2);
+}
+
+#[tokio::test]
+async fn a_fit_through_the_server_is_the_fit_of_eval_byte_for_byte() {
+    let place = tempfile::tempdir().unwrap();
+    let path = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
+    let [archive, settings, twin] = ["rope.zip", "settings.json", "rope.twin"].map(path);
+    std::fs::write(&archive, capture().await).unwrap();
+    std::fs::write(&settings, SETTINGS).unwrap();
+    let file = twin.clone();
+    let eval = move || {
+        run_ok(&["eval", &archive, "--settings", &settings, "--backend", "cpu", "--out", &file])
+    };
+    tokio::task::spawn_blocking(eval).await.unwrap();
+    let read = |bytes: &[u8]| bendtwin_core::Twin::decode(bytes).unwrap();
+    let (mut here, there) = (read(&std::fs::read(&twin).unwrap()), read(&reference().await.file));
+    // On a server a capture is called what its owner calls it.
+    here.provenance.capture_name.clone_from(&there.provenance.capture_name);
+    assert!(here.encode().unwrap() == reference().await.file, "the twins differ");
 }
 
 #[tokio::test]

@@ -62,7 +62,8 @@ impl Compute {
         }
         let job = FitJob {
             capture: &capture,
-            capture_digest: lease.capture_digest,
+            // Of what is fitted, not of the upload: an ingest may run again with other settings.
+            capture_digest: bendtwin_capture::digest(&capture),
             settings,
             backend: Arc::new(device.lane(Priority::Background)),
         };
