@@ -53,10 +53,12 @@ fn start(place: &Path) -> Child {
 fn prepare(place: &Path) {
     let data = place.join("data");
     std::fs::create_dir(&data).unwrap();
-    for scene in ["rope", "cable"] {
+    // One is what cameras recorded, the other points that were tracked already.
+    for (scene, how) in [("rope", Some("--raw")), ("cable", None)] {
         let file = format!("{scene}.zip");
         let made = bendtwin()
             .args(["capture", "make", scene, &file, "--tiny"])
+            .args(how)
             .current_dir(&data)
             .output()
             .unwrap();
