@@ -29,5 +29,5 @@ pub use digest::digest;
 pub use error::Error;
 pub use limits::Limits;
 pub use make::{MakeOptions, Scene, make, make_with};
-pub use read::{Opened, open, read, read_bytes, read_checked};
+pub use read::{Opened, open, read, read_bytes};
 pub use structure::validate;

@@ -6,7 +6,7 @@ use bendtwin_core::Capture;
 
 use crate::{
     Error, Limits, bundle,
-    check::{CheckReport, Finding, Note, check},
+    check::{Finding, Note},
     files::Files,
     mocap, phystwin,
     raw::{self, Recording},
@@ -17,7 +17,7 @@ use crate::{
 /// with its .json beside it.
 ///
 /// The result is structurally sound (lengths agree, indices exist), in metres
-/// with z up. Whether its numbers make sense is for [`check()`].
+/// with z up. Whether its numbers make sense is for [`crate::check()`].
 ///
 /// # Errors
 /// If there is no capture, it is damaged, or it exceeds the limits.
@@ -32,18 +32,6 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Capture, Error> {
 pub fn read_bytes(name: &str, bytes: &[u8], limits: &Limits) -> Result<Capture, Error> {
     let mut files = Files::from_bytes(name, bytes, limits)?;
     read_files(&mut files, &mut Vec::new())
-}
-
-/// Reads a capture and checks that it is fit for fitting.
-///
-/// # Errors
-/// As [`read`], and [`Error::Unusable`] with the first error of the check.
-pub fn read_checked(path: &Path, limits: &Limits) -> Result<(Capture, CheckReport), Error> {
-    let (capture, notes) = read_noting(path, limits)?;
-    let mut report = check(&capture);
-    report.findings.extend(notes.into_iter().map(|n| n.0));
-    report.require()?;
-    Ok((capture, report))
 }
 
 /// What lies at a path: points, or what cameras recorded.

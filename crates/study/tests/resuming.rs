@@ -51,8 +51,7 @@ fn options() -> PlanOptions {
 }
 
 fn read(path: &Path) -> Result<Capture, Fault> {
-    let read = bendtwin_capture::read_checked(path, &Limits::default());
-    read.map(|(capture, _)| capture).map_err(|error| error.fault())
+    bendtwin_capture::read(path, &Limits::default()).map_err(|error| error.fault())
 }
 
 fn backends(count: usize) -> Vec<Arc<dyn Backend>> {

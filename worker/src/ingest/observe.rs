@@ -33,11 +33,6 @@ pub trait Watcher {
     }
 }
 
-/// A watcher that looks away.
-impl Watcher for () {
-    fn progress(&mut self, _step: &str, _fraction: f64) {}
-}
-
 /// Reads the capture at a path, from a checkpoint of the same work if there is one. People call it `name`.
 ///
 /// # Errors
