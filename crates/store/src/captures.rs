@@ -4,12 +4,11 @@ use std::collections::HashMap;
 
 use bendtwin_core::ids::CaptureId;
 use jiff::Timestamp;
-use sqlx::FromRow;
 use uuid::Uuid;
 
 use crate::{
     Content, Digest, Error, Job, Page, PageRequest, Report, Result, Staged, Store,
-    clock::from_micros, failpoint::Failpoint, jobs, observations, uploads,
+    clock::from_micros, failpoint::Failpoint, jobs, observations, row::row, uploads,
 };
 
 /// A stored capture.
@@ -57,13 +56,14 @@ pub struct Captures<'a> {
     pub(crate) store: &'a Store,
 }
 
-#[derive(FromRow)]
-struct Row {
-    id: String,
-    display_name: String,
-    created_at: i64,
-    size_bytes: i64,
-    digest: String,
+row! {
+    struct Row {
+        id: String,
+        display_name: String,
+        created_at: i64,
+        size_bytes: i64,
+        digest: String,
+    }
 }
 
 impl TryFrom<Row> for Capture {

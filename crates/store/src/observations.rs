@@ -3,9 +3,9 @@
 
 use bendtwin_core::ids::CaptureId;
 use jiff::Timestamp;
-use sqlx::{FromRow, Sqlite, Transaction};
+use sqlx::{Sqlite, Transaction};
 
-use crate::{Captures, Content, Digest, Error, Result, clock::from_micros};
+use crate::{Captures, Content, Digest, Error, Result, clock::from_micros, row::row};
 
 /// What the last ingest of a capture that succeeded made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,21 +40,23 @@ pub(crate) struct Made {
     pub(crate) html: Digest,
 }
 
-#[derive(FromRow)]
-struct ObservationRow {
-    capture: String,
-    created_at: i64,
-    size_bytes: i64,
-    digest: String,
+row! {
+    struct ObservationRow {
+        capture: String,
+        created_at: i64,
+        size_bytes: i64,
+        digest: String,
+    }
 }
 
-#[derive(FromRow)]
-struct ReportRow {
-    capture: String,
-    created_at: i64,
-    verdict: String,
-    json_digest: String,
-    html_digest: String,
+row! {
+    struct ReportRow {
+        capture: String,
+        created_at: i64,
+        verdict: String,
+        json_digest: String,
+        html_digest: String,
+    }
 }
 
 fn digest(hex: &str, of: &str, capture: &str) -> Result<Digest> {

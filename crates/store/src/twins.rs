@@ -3,12 +3,12 @@
 
 use bendtwin_core::ids::{CaptureId, FitId, TwinId};
 use jiff::Timestamp;
-use sqlx::{FromRow, Sqlite, Transaction};
+use sqlx::{Sqlite, Transaction};
 use uuid::Uuid;
 
 use crate::{
     Content, Digest, Error, Page, PageRequest, Result, Staged, Store, clock::from_micros,
-    failpoint::Failpoint,
+    failpoint::Failpoint, row::row,
 };
 
 /// What a twin's file says about it, for listings.
@@ -70,22 +70,23 @@ pub struct Twins<'a> {
     pub(crate) store: &'a Store,
 }
 
-#[derive(FromRow)]
-pub(crate) struct Row {
-    id: String,
-    display_name: String,
-    capture: Option<String>,
-    fit: Option<String>,
-    created_at: i64,
-    size_bytes: i64,
-    digest: String,
-    node_count: i64,
-    spring_count: i64,
-    triplet_count: i64,
-    control_count: i64,
-    fps: f64,
-    substeps: i64,
-    quality: String,
+row! {
+    pub(crate) struct Row {
+        id: String,
+        display_name: String,
+        capture: Option<String>,
+        fit: Option<String>,
+        created_at: i64,
+        size_bytes: i64,
+        digest: String,
+        node_count: i64,
+        spring_count: i64,
+        triplet_count: i64,
+        control_count: i64,
+        fps: f64,
+        substeps: i64,
+        quality: String,
+    }
 }
 
 impl TryFrom<Row> for Twin {

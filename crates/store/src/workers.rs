@@ -3,10 +3,9 @@
 
 use bendtwin_core::ids::WorkerId;
 use jiff::Timestamp;
-use sqlx::FromRow;
 use uuid::Uuid;
 
-use crate::{Error, Result, Store, clock::from_micros};
+use crate::{Error, Result, Store, clock::from_micros, row::row};
 
 /// A worker as it registered.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,16 +41,17 @@ pub struct Workers<'a> {
     pub(crate) store: &'a Store,
 }
 
-#[derive(FromRow)]
-struct Row {
-    id: String,
-    endpoint: String,
-    backend: String,
-    device: String,
-    build: String,
-    lanes: i64,
-    supervised: bool,
-    started_at: i64,
+row! {
+    struct Row {
+        id: String,
+        endpoint: String,
+        backend: String,
+        device: String,
+        build: String,
+        lanes: i64,
+        supervised: bool,
+        started_at: i64,
+    }
 }
 
 impl TryFrom<Row> for Worker {

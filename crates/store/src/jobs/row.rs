@@ -1,11 +1,11 @@
 //! A row of `jobs` and what it says.
 
 use bendtwin_core::Progress;
-use sqlx::{FromRow, Sqlite, Transaction};
+use sqlx::{Sqlite, Transaction};
 use uuid::Uuid;
 
 use super::{Job, JobId, Kind, Lease};
-use crate::{Digest, Error, Result, clock::from_micros};
+use crate::{Digest, Error, Result, clock::from_micros, row::row};
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -46,32 +46,33 @@ impl State {
     }
 }
 
-#[derive(FromRow)]
-pub(super) struct Row {
-    pub(super) id: String,
-    kind: String,
-    pub(super) capture: String,
-    state: String,
-    priority: i64,
-    settings: String,
-    pub(super) attempts: i64,
-    pub(super) stalled: i64,
-    pub(super) furthest: f64,
-    pub(super) lease_epoch: i64,
-    lease_until: Option<i64>,
-    pub(super) worker: Option<String>,
-    progress: Option<String>,
-    pub(super) checkpoint: Option<String>,
-    pub(super) cancel_requested: bool,
-    pub(super) twin: Option<String>,
-    fault: Option<String>,
-    pub(super) attempt_faults: String,
-    trace_parent: Option<String>,
-    request_id: Option<String>,
-    created_at: i64,
-    started_at: Option<i64>,
-    ended_at: Option<i64>,
-    pub(super) revision: i64,
+row! {
+    pub(super) struct Row {
+        pub(super) id: String,
+        kind: String,
+        pub(super) capture: String,
+        state: String,
+        priority: i64,
+        settings: String,
+        pub(super) attempts: i64,
+        pub(super) stalled: i64,
+        pub(super) furthest: f64,
+        pub(super) lease_epoch: i64,
+        lease_until: Option<i64>,
+        pub(super) worker: Option<String>,
+        progress: Option<String>,
+        pub(super) checkpoint: Option<String>,
+        pub(super) cancel_requested: bool,
+        pub(super) twin: Option<String>,
+        fault: Option<String>,
+        pub(super) attempt_faults: String,
+        trace_parent: Option<String>,
+        request_id: Option<String>,
+        created_at: i64,
+        started_at: Option<i64>,
+        ended_at: Option<i64>,
+        pub(super) revision: i64,
+    }
 }
 
 impl Row {

@@ -2,10 +2,9 @@
 
 use bendtwin_core::ids::{CaptureId, UploadId};
 use jiff::Timestamp;
-use sqlx::FromRow;
 use uuid::Uuid;
 
-use crate::{Digest, Error, Result, clock::from_micros};
+use crate::{Digest, Error, Result, clock::from_micros, row::row};
 
 /// Where an upload stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,21 +51,22 @@ impl ResumableUpload {
     }
 }
 
-#[derive(FromRow)]
-pub(super) struct Row {
-    id: String,
-    state: String,
-    display_name: String,
-    request_id: Option<String>,
-    expected_digest: Option<String>,
-    metadata: String,
-    length_bytes: Option<i64>,
-    offset_bytes: i64,
-    digest: Option<String>,
-    capture: Option<String>,
-    why: Option<String>,
-    created_at: i64,
-    expires_at: i64,
+row! {
+    pub(super) struct Row {
+        id: String,
+        state: String,
+        display_name: String,
+        request_id: Option<String>,
+        expected_digest: Option<String>,
+        metadata: String,
+        length_bytes: Option<i64>,
+        offset_bytes: i64,
+        digest: Option<String>,
+        capture: Option<String>,
+        why: Option<String>,
+        created_at: i64,
+        expires_at: i64,
+    }
 }
 
 impl TryFrom<Row> for ResumableUpload {
