@@ -12,7 +12,7 @@ use bendtwin_engine::{
         CancelToken, Divergence, Error, Gradient, GradientRequest, Instance, Loss, Memory,
         Recording, Rollout,
     },
-    descent::{Decay, Descent, HostDescent, Start},
+    optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
 
 /// What happens to a rollout.
@@ -130,8 +130,12 @@ impl Backend for Faulty {
     ) -> Result<Vec<Gradient>, Error> {
         self.cpu.gradients(&Self::batch(batch), request, cancel)
     }
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
-        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
+        Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
     fn memory(&self) -> Option<Memory> {
         let total = self.script.room.load(Ordering::SeqCst) as u64;

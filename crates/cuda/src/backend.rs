@@ -10,8 +10,8 @@ use bendtwin_engine::{
         Rollout,
     },
     check,
-    descent::{Decay, Descent, Start},
     model::State,
+    optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
 use crate::{
@@ -378,9 +378,13 @@ impl Backend for CudaBackend {
         Ok(gradients)
     }
 
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
         let normal = Self { queue: self.normal.clone(), ..self.clone() };
-        Ok(Box::new(DeviceDescent::new(normal, starts, decay)?))
+        Ok(Box::new(DeviceDescent::new(normal, inits, decay)?))
     }
 
     fn memory(&self) -> Option<Memory> {

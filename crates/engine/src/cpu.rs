@@ -47,7 +47,7 @@ use crate::{
         Backend, CancelToken, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss,
         Recording, Rollout,
     },
-    descent::{Decay, Descent, HostDescent, Start},
+    optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
 
 /// Runs on the CPU's cores; clones share the threads. Make one with [`cpu`] or [`cpu_with_threads`].
@@ -189,8 +189,12 @@ impl Backend for CpuBackend {
         })
     }
 
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
-        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
+        Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
 }
 

@@ -17,7 +17,7 @@ use bendtwin_engine::{
     backend::{
         CancelToken, Error, Gradient, GradientRequest, Instance, Loss, Memory, Recording, Rollout,
     },
-    descent::{Decay, Descent, Start},
+    optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
 use self::descent::LaneDescent;
@@ -196,8 +196,12 @@ impl Backend for Lane {
         })
     }
 
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
-        Ok(Box::new(LaneDescent::new(self.0.clone(), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
+        Ok(Box::new(LaneDescent::new(self.0.clone(), inits, decay)?))
     }
 
     fn memory(&self) -> Option<Memory> {

@@ -5,7 +5,7 @@ use bendtwin_core::{FitSettings, Params, Progress, Stage, settings::GradientWind
 use bendtwin_engine::{
     Device, Loaded, Model,
     backend::{Error as EngineError, Gradient, Loss, Recording, Rollout},
-    descent::HostDescent,
+    optimizer::HostOptimizer,
 };
 
 use crate::{FitJob, Observer, ObserverError};
@@ -64,8 +64,12 @@ impl Backend for Watched {
         let spoilt = |g: Gradient| Gradient { overflowed: g.overflowed || self.explodes, ..g };
         Ok(gradients.into_iter().map(spoilt).collect())
     }
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, EngineError> {
-        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, EngineError> {
+        Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
 }
 
