@@ -9,8 +9,8 @@ use bendtwin_core::Params;
 use bendtwin_engine::{
     Backend, Device, Loaded, Model,
     backend::{
-        CancelToken, Divergence, Error, Gradient, GradientRequest, Instance, Loss, Memory,
-        Recording, Rollout,
+        CancelToken, Divergence, Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs,
+        Rollout,
     },
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
@@ -100,7 +100,7 @@ impl Backend for Faulty {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
         let mut script = self.script.rollouts.lock().unwrap();
@@ -116,7 +116,7 @@ impl Backend for Faulty {
                 };
                 Ok(vec![nan; batch.len()])
             }
-            None => self.cpu.roll_out(&Self::batch(batch), recording, cancel),
+            None => self.cpu.roll_out(&Self::batch(batch), outputs, cancel),
         }
     }
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {

@@ -11,7 +11,7 @@ use std::sync::{
 use bendtwin_core::Params;
 use bendtwin_engine::{
     Backend, Device, Error, Loaded, Model,
-    backend::{CancelToken, Gradient, GradientRequest, Instance, Loss, Memory, Recording, Rollout},
+    backend::{CancelToken, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
     optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
@@ -130,10 +130,10 @@ impl Backend for Clocked {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        self.clocks.roll_out(batch.len(), || self.inner.roll_out(batch, recording, cancel))
+        self.clocks.roll_out(batch.len(), || self.inner.roll_out(batch, outputs, cancel))
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {

@@ -155,7 +155,7 @@ pub struct Instance {
 
 /// What a rollout should return apart from costs.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Recording {
+pub struct Outputs {
     /// Record the positions of every k-th frame (frames k, 2k, ...); 0 records none of them.
     pub every: usize,
     /// Record frame 0 too.
@@ -295,7 +295,7 @@ pub trait Backend: Send + Sync {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error>;
 

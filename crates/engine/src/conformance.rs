@@ -157,7 +157,7 @@ suite! { ($)
         bend_damping_never_raises_energy;
     objectives:
         losses_match_their_definitions,
-        recordings_are_as_asked,
+        outputs_are_as_asked,
         diagnostics_match_the_state;
     gradients:
         gradients_match_finite_differences,

@@ -45,7 +45,7 @@ use crate::{
     Model,
     backend::{
         Backend, CancelToken, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss,
-        Recording, Rollout,
+        Outputs, Rollout,
     },
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
@@ -146,15 +146,15 @@ impl Backend for CpuBackend {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
         for (index, instance) in batch.iter().enumerate() {
-            check::recording(index, instance, recording)?;
+            check::outputs(index, instance, outputs)?;
         }
         self.each(batch, |case| {
             let mut scorer = Scorer::new(case.objective, case.system.surface);
-            let mut observer = Observer::new(case, recording);
+            let mut observer = Observer::new(case, outputs);
             let diverged = case.run(cancel, |frame, now| {
                 scorer.see(frame, &now.nodes[..case.system.nodes]);
                 observer.see(frame, now);

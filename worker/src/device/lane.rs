@@ -15,7 +15,7 @@ use bendtwin_core::Params;
 use bendtwin_engine::{
     Backend, Device as Description, Loaded, Model,
     backend::{
-        CancelToken, Error, Gradient, GradientRequest, Instance, Loss, Memory, Recording, Rollout,
+        CancelToken, Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout,
     },
     optimizer::{Decay, Optimizer, OptimizerInit},
 };
@@ -168,12 +168,12 @@ impl Backend for Lane {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        let (recording, token) = (recording.clone(), cancel.clone());
+        let (outputs, token) = (outputs.clone(), cancel.clone());
         self.sliced(batch, Way::Forward, cancel, move |backend, slice| {
-            backend.roll_out(slice, &recording, &token)
+            backend.roll_out(slice, &outputs, &token)
         })
     }
 

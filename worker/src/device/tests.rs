@@ -7,7 +7,7 @@ use bendtwin_core::{Environment, Graph, Params, Timing};
 use bendtwin_engine::{
     Loaded, Model, Objective,
     backend::{
-        CancelToken, Error as EngineError, Gradient, GradientRequest, Instance, Loss, Recording,
+        CancelToken, Error as EngineError, Gradient, GradientRequest, Instance, Loss, Outputs,
         Rollout,
     },
     model::State,
@@ -54,7 +54,7 @@ impl Backend for Slow {
     fn roll_out(
         &self,
         batch: &[Instance],
-        _: &Recording,
+        _: &Outputs,
         _: &CancelToken,
     ) -> Result<Vec<Rollout>, EngineError> {
         let costs = self.run(batch).into_iter();
@@ -142,7 +142,7 @@ fn a_rollout_is_answered_while_a_long_fit_batch_runs() {
     let lane = device.lane(Priority::Interactive);
     let started = Instant::now();
     let rollout = instances(&lane, [3]);
-    let costs = lane.roll_out(&rollout, &Recording::default(), &CancelToken::default()).unwrap();
+    let costs = lane.roll_out(&rollout, &Outputs::default(), &CancelToken::default()).unwrap();
     // The whole batch takes two seconds, a slice one round of lanes: 40 ms.
     assert!(started.elapsed() < Duration::from_millis(800), "{:?}", started.elapsed());
     assert_eq!(done.load(Ordering::SeqCst), 0, "the fit must still be running");
@@ -250,7 +250,7 @@ fn two_queues(urgent: Slow) -> (Device, mpsc::UnboundedReceiver<Error>) {
 }
 
 fn roll_out(lane: &Lane) -> Result<Vec<Rollout>, EngineError> {
-    lane.roll_out(&instances(lane, [3]), &Recording::default(), &CancelToken::default())
+    lane.roll_out(&instances(lane, [3]), &Outputs::default(), &CancelToken::default())
 }
 
 #[test]
@@ -309,7 +309,7 @@ fn with_a_second_queue_a_batch_is_cut_alike_every_time() {
     for _ in 0..2 {
         let lane = device.lane(Priority::Interactive);
         let batch = instances(&lane, std::iter::repeat_n(1, 20));
-        lane.roll_out(&batch, &Recording::default(), &cancel).unwrap();
+        lane.roll_out(&batch, &Outputs::default(), &cancel).unwrap();
     }
     assert_eq!(*batches.lock().unwrap(), [20, 20]);
 }

@@ -4,7 +4,7 @@ use bendtwin_capture::{MakeOptions, Scene, make};
 use bendtwin_core::{FitSettings, Params, Progress, Stage, settings::GradientWindow};
 use bendtwin_engine::{
     Device, Loaded, Model,
-    backend::{Error as EngineError, Gradient, Loss, Recording, Rollout},
+    backend::{Error as EngineError, Gradient, Loss, Outputs, Rollout},
     optimizer::HostOptimizer,
 };
 
@@ -44,10 +44,10 @@ impl Backend for Watched {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, EngineError> {
-        self.cpu.roll_out(batch, recording, cancel)
+        self.cpu.roll_out(batch, outputs, cancel)
     }
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, EngineError> {
         self.scored.fetch_add(1, Ordering::Relaxed);
