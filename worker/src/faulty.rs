@@ -9,10 +9,10 @@ use bendtwin_core::Params;
 use bendtwin_engine::{
     Backend, Device, Loaded, Model,
     backend::{
-        CancelToken, Divergence, Error, Gradient, GradientRequest, Instance, Loss, Memory,
-        Recording, Rollout,
+        CancelToken, Divergence, Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs,
+        Rollout,
     },
-    descent::{Decay, Descent, HostDescent, Start},
+    optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
 
 /// What happens to a rollout.
@@ -100,7 +100,7 @@ impl Backend for Faulty {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
         let mut script = self.script.rollouts.lock().unwrap();
@@ -116,7 +116,7 @@ impl Backend for Faulty {
                 };
                 Ok(vec![nan; batch.len()])
             }
-            None => self.cpu.roll_out(&Self::batch(batch), recording, cancel),
+            None => self.cpu.roll_out(&Self::batch(batch), outputs, cancel),
         }
     }
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
@@ -130,8 +130,12 @@ impl Backend for Faulty {
     ) -> Result<Vec<Gradient>, Error> {
         self.cpu.gradients(&Self::batch(batch), request, cancel)
     }
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
-        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
+        Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
     fn memory(&self) -> Option<Memory> {
         let total = self.script.room.load(Ordering::SeqCst) as u64;

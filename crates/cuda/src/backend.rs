@@ -6,12 +6,12 @@ use bendtwin_core::Params;
 use bendtwin_engine::{
     Backend, Device as Description, Error, Loaded, Model,
     backend::{
-        CancelToken, Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Recording,
+        CancelToken, Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Outputs,
         Rollout,
     },
     check,
-    descent::{Decay, Descent, Start},
     model::State,
+    optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
 use crate::{
@@ -173,13 +173,13 @@ impl CudaBackend {
     fn roll_out_chunk(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        let measured = self.score(batch, keeps(batch, recording), cancel)?;
+        let measured = self.score(batch, keeps(batch, outputs), cancel)?;
         let losses = measured.losses()?;
-        let recorded = Recorded::new(&measured.simulation, recording)?;
-        recorded.rollouts(&measured.simulation, recording, losses)
+        let recorded = Recorded::new(&measured.simulation, outputs)?;
+        recorded.rollouts(&measured.simulation, outputs, losses)
     }
 
     fn gradient_chunk(
@@ -333,18 +333,18 @@ impl Backend for CudaBackend {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
         self.check(batch)?;
         for (index, instance) in batch.iter().enumerate() {
-            check::recording(index, instance, recording)?;
+            check::outputs(index, instance, outputs)?;
         }
-        let keep = keeps(batch, recording);
+        let keep = keeps(batch, outputs);
         let bytes = |i: &Instance| simulation::bytes_of(i, keep).saturating_mul(2);
         let mut rollouts = Vec::with_capacity(batch.len());
         for chunk in Self::chunks(batch, self.room(), bytes) {
-            let done = self.roll_out_chunk(&batch[chunk], recording, cancel);
+            let done = self.roll_out_chunk(&batch[chunk], outputs, cancel);
             rollouts.extend(self.settled(done)?);
         }
         Ok(rollouts)
@@ -378,9 +378,13 @@ impl Backend for CudaBackend {
         Ok(gradients)
     }
 
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
         let normal = Self { queue: self.normal.clone(), ..self.clone() };
-        Ok(Box::new(DeviceDescent::new(normal, starts, decay)?))
+        Ok(Box::new(DeviceDescent::new(normal, inits, decay)?))
     }
 
     fn memory(&self) -> Option<Memory> {

@@ -7,7 +7,10 @@ use bendtwin_core::{Params, Timing};
 use bendtwin_engine::{
     Backend, Error, Loaded, Model,
     backend::{CancelToken, GradientRequest, Instance},
-    descent::{Adam, Chart, Decay, Descent, EPSILON, Position, Probe, Scale, Slope, Start},
+    optimizer::{
+        Adam, Decay, EPSILON, GradientNorm, GradientSample, Optimizer, OptimizerInit,
+        Parameterization, Position, Scale,
+    },
 };
 
 use crate::{
@@ -39,7 +42,7 @@ struct Walk {
     resident: Arc<Resident>,
     /// A model of its own at the current point, if somebody has asked for it.
     shown: Option<Loaded>,
-    chart: Chart,
+    parameterization: Parameterization,
     indices: Buffer<u32>,
     rates: Buffer<f64>,
     bounds: Buffer<[f64; 2]>,
@@ -55,10 +58,10 @@ struct Walk {
 impl DeviceDescent {
     pub(crate) fn new(
         backend: CudaBackend,
-        starts: Vec<Start>,
+        starts: Vec<OptimizerInit>,
         decay: Decay,
     ) -> Result<Self, Error> {
-        let begin = |start: Start| {
+        let begin = |start: OptimizerInit| {
             start.check()?;
             Walk::new(&backend.queue, start)
         };
@@ -75,11 +78,11 @@ impl DeviceDescent {
     /// Measures probes and leaves their gradients waiting.
     fn measure_chunk(
         &mut self,
-        probes: &[Probe],
+        probes: &[GradientSample],
         instances: &[Instance],
         request: &GradientRequest,
         cancel: &CancelToken,
-    ) -> Result<Vec<Slope>, Error> {
+    ) -> Result<Vec<GradientNorm>, Error> {
         let (measured, gradients) = self.backend.measure(instances, request, cancel)?;
         let gradients = Arc::new(gradients);
         let losses = measured.losses()?;
@@ -90,17 +93,17 @@ impl DeviceDescent {
                 true => Some(measured.state(i, instances[i].frames)?),
                 false => None,
             };
-            let walk = &mut self.walks[probe.walk];
+            let walk = &mut self.walks[probe.run];
             let address = if ended { gradients.params.at(gradients.starts[i]) } else { 0 };
             walk.waiting.push((gradients.clone(), address));
-            slopes.push(Slope { loss, length: 0.0, final_state });
+            slopes.push(GradientNorm { loss, norm: 0.0, final_state });
         }
         for (w, walk) in self.walks.iter().enumerate() {
-            let own: Vec<usize> = (0..probes.len()).filter(|&i| probes[i].walk == w).collect();
+            let own: Vec<usize> = (0..probes.len()).filter(|&i| probes[i].run == w).collect();
             let newest = &walk.waiting[walk.waiting.len() - own.len()..];
             let lengths = walk.lengths(&self.backend.queue, newest)?;
             for (i, length) in own.into_iter().zip(lengths) {
-                slopes[i].length = length;
+                slopes[i].norm = length;
             }
         }
         Ok(slopes)
@@ -111,7 +114,7 @@ fn unknown(walk: usize, count: usize) -> Error {
     Error::InvalidInput(format!("walk {walk} does not exist: there are {count}"))
 }
 
-impl Descent for DeviceDescent {
+impl Optimizer for DeviceDescent {
     fn loaded(&mut self, walk: usize) -> Result<Loaded, Error> {
         let backend = self.backend.clone();
         let (queue, walk) = self.walk(walk)?;
@@ -125,13 +128,13 @@ impl Descent for DeviceDescent {
 
     fn measure(
         &mut self,
-        batch: &[Probe],
+        batch: &[GradientSample],
         request: &GradientRequest,
         cancel: &CancelToken,
-    ) -> Result<Vec<Slope>, Error> {
-        let here = |probe: &Probe| {
-            let walk = self.walks.get(probe.walk);
-            let walk = walk.ok_or_else(|| unknown(probe.walk, self.walks.len()))?;
+    ) -> Result<Vec<GradientNorm>, Error> {
+        let here = |probe: &GradientSample| {
+            let walk = self.walks.get(probe.run);
+            let walk = walk.ok_or_else(|| unknown(probe.run, self.walks.len()))?;
             Ok(Instance { model: walk.own(), ..probe.instance.clone() })
         };
         let instances = batch.iter().map(here).collect::<Result<Vec<_>, Error>>()?;
@@ -188,30 +191,34 @@ impl Descent for DeviceDescent {
     fn move_to(&mut self, walk: usize, position: &Position, timing: Timing) -> Result<(), Error> {
         let backend = self.backend.clone();
         let (queue, walk) = self.walk(walk)?;
-        walk.chart.check_position(position)?;
-        let params = walk.chart.params(&position.theta);
+        walk.parameterization.check_position(position)?;
+        let params = walk.parameterization.params(&position.theta);
         let model = Model { params, timing, ..Model::clone(&walk.model) };
         let loaded = backend.load(Arc::new(model))?;
-        let start = Start { loaded, chart: walk.chart.clone(), position: position.clone() };
+        let start = OptimizerInit {
+            loaded,
+            parameterization: walk.parameterization.clone(),
+            position: position.clone(),
+        };
         *walk = Walk::new(queue, start)?;
         Ok(())
     }
 }
 
 impl Walk {
-    fn new(queue: &Queue, start: Start) -> Result<Self, Error> {
-        let Start { loaded, chart, position } = start;
+    fn new(queue: &Queue, start: OptimizerInit) -> Result<Self, Error> {
+        let OptimizerInit { loaded, parameterization, position } = start;
         let before = resident(&loaded)?;
-        let params = chart.params(&position.theta);
+        let params = parameterization.params(&position.theta);
         let own = Resident::new(&before.device, &before.graph, &params)?.varying();
         let stream = &queue.stream;
-        let rates: Vec<f64> = chart.rates().collect();
+        let rates: Vec<f64> = parameterization.rates().collect();
         let model = Model { params, ..Model::clone(loaded.model()) };
         Ok(Self {
-            indices: Buffer::of(stream, &indices(&chart, &model))?,
+            indices: Buffer::of(stream, &indices(&parameterization, &model))?,
             rates: Buffer::of(stream, &rates)?,
-            bounds: Buffer::of(stream, chart.bounds())?,
-            start: Buffer::of(stream, &chart.start())?,
+            bounds: Buffer::of(stream, parameterization.bounds())?,
+            start: Buffer::of(stream, &parameterization.start())?,
             theta: Buffer::of(stream, &position.theta)?,
             first: Buffer::of(stream, &position.adam.first)?,
             second: Buffer::of(stream, &position.adam.second)?,
@@ -219,7 +226,7 @@ impl Walk {
             model: Arc::new(model),
             resident: Arc::new(own),
             shown: None,
-            chart,
+            parameterization,
             waiting: Vec::new(),
         })
     }
@@ -307,7 +314,7 @@ impl Walk {
             .with(self.rates.address())
             .with(self.bounds.address())
             .with(self.start.address())
-            .with((decay.home * rate).clamp(0.0, 1.0))
+            .with((decay.prior * rate).clamp(0.0, 1.0))
             .with(rate)
             .with(decay.beta1)
             .with(decay.beta2)
@@ -343,15 +350,15 @@ impl Walk {
 }
 
 /// Where each coordinate's parameter is in the kernels' order.
-fn indices(chart: &Chart, model: &Model) -> Vec<u32> {
-    let lengths: Vec<usize> = bendtwin_engine::descent::Parameter::ALL
+fn indices(parameterization: &Parameterization, model: &Model) -> Vec<u32> {
+    let lengths: Vec<usize> = bendtwin_engine::optimizer::Parameter::ALL
         .iter()
         .map(|p| p.values(&model.params).len())
         .collect();
     debug_assert_eq!(lengths.iter().sum::<usize>(), flatten(&model.params).len());
-    let mut indices = Vec::with_capacity(chart.len());
-    for section in chart.sections() {
-        let all = bendtwin_engine::descent::Parameter::ALL;
+    let mut indices = Vec::with_capacity(parameterization.len());
+    for section in parameterization.sections() {
+        let all = bendtwin_engine::optimizer::Parameter::ALL;
         let at = all.iter().position(|p| *p == section.parameter).unwrap_or(0);
         let first = lengths[..at].iter().sum::<usize>() as u32;
         let mark = if section.scale == Scale::Logarithmic { LOGARITHM } else { 0 };

@@ -2,7 +2,7 @@
 
 use bendtwin_engine::{
     Error,
-    backend::{Diagnostics, Divergence, Instance, Loss, Recording, Rollout},
+    backend::{Diagnostics, Divergence, Instance, Loss, Outputs, Rollout},
     energy,
     model::State,
 };
@@ -29,40 +29,40 @@ pub(crate) struct Recorded {
 }
 
 /// Which states a rollout needs.
-pub(crate) fn keeps(batch: &[Instance], recording: &Recording) -> Keep {
+pub(crate) fn keeps(batch: &[Instance], outputs: &Outputs) -> Keep {
     let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
-    let all = scored || recording.every > 0 || recording.initial || recording.diagnostics;
+    let all = scored || outputs.every > 0 || outputs.initial || outputs.diagnostics;
     if all { Keep::All } else { Keep::Last }
 }
 
 /// Frames that a rollout records.
-fn frames(instance: &Instance, recording: &Recording) -> Vec<u32> {
-    let every = recording.every;
+fn frames(instance: &Instance, outputs: &Outputs) -> Vec<u32> {
+    let every = outputs.every;
     (0..=instance.frames)
-        .filter(|&f| if f == 0 { recording.initial } else { every > 0 && f % every == 0 })
+        .filter(|&f| if f == 0 { outputs.initial } else { every > 0 && f % every == 0 })
         .map(|f| f as u32)
         .collect()
 }
 
 impl Recorded {
     /// Gathers what is to be recorded of instances that have been run.
-    pub(crate) fn new(simulation: &Simulation<'_>, recording: &Recording) -> Result<Self, Error> {
+    pub(crate) fn new(simulation: &Simulation<'_>, outputs: &Outputs) -> Result<Self, Error> {
         let (queue, instances) = (simulation.queue, simulation.instances);
         let stream = &queue.stream;
-        let frames: Vec<Vec<u32>> = instances.iter().map(|i| frames(i, recording)).collect();
+        let frames: Vec<Vec<u32>> = instances.iter().map(|i| frames(i, outputs)).collect();
         let node_count = |i: &Instance| i.model.model().graph.node_count();
-        let nodes = |i: &Instance| recording.nodes.as_ref().map_or(node_count(i), |n| n.len());
+        let nodes = |i: &Instance| outputs.nodes.as_ref().map_or(node_count(i), |n| n.len());
         let (mut starts, mut extreme_starts, mut frame_starts) = (vec![0], vec![0], vec![0]);
         for (instance, frames) in instances.iter().zip(&frames) {
             starts.push(end_of(&starts) + frames.len() * nodes(instance));
-            let measured = if recording.diagnostics { instance.frames } else { 0 };
+            let measured = if outputs.diagnostics { instance.frames } else { 0 };
             extreme_starts.push(end_of(&extreme_starts) + measured);
             frame_starts.push(end_of(&frame_starts) + frames.len());
         }
         let positions = Buffer::empty(stream, end_of(&starts))?;
         let extremes = Buffer::empty(stream, end_of(&extreme_starts))?;
         let all_frames = Buffer::of(stream, &frames.concat())?;
-        let selected = match &recording.nodes {
+        let selected = match &outputs.nodes {
             Some(nodes) => Some(Buffer::of(stream, nodes)?),
             None => None,
         };
@@ -104,7 +104,7 @@ impl Recorded {
             let grid = (most_nodes.div_ceil(THREADS), most_frames as u32, count);
             // SAFETY: the arrays have room for all recorded frames and nodes, which exist.
             unsafe { queue.launch(Source::Record, "record", grid, &arguments)? };
-            if recording.diagnostics {
+            if outputs.diagnostics {
                 let grid = (longest as u32, count, 1);
                 // SAFETY: as above, for every frame.
                 unsafe { queue.launch(Source::Record, "extremes", grid, &arguments)? };
@@ -117,7 +117,7 @@ impl Recorded {
     pub(crate) fn rollouts(
         &self,
         simulation: &Simulation<'_>,
-        recording: &Recording,
+        outputs: &Outputs,
         losses: Vec<Loss>,
     ) -> Result<Vec<Rollout>, Error> {
         let positions = simulation.queue.fetch(&self.positions)?;
@@ -131,13 +131,13 @@ impl Recorded {
             let frames: Vec<usize> = kept.map(|&f| f as usize).collect();
             let own = &positions[self.starts[i]..self.starts[i + 1]];
             let a_frame = own.len() / self.frames[i].len().max(1);
-            let last = match ended && (recording.final_state || recording.diagnostics) {
+            let last = match ended && (outputs.final_state || outputs.diagnostics) {
                 true => Some(simulation.state(i, instance.frames)?),
                 false => None,
             };
             let span = self.extreme_starts[i]..self.extreme_starts[i + 1];
             let diagnostics = match &last {
-                Some(state) if recording.diagnostics => {
+                Some(state) if outputs.diagnostics => {
                     Some(diagnose(instance, state, &extremes[span]))
                 }
                 _ => None,
@@ -147,7 +147,7 @@ impl Recorded {
                 frames,
                 cost: loss.total,
                 group_costs: loss.groups,
-                final_state: last.filter(|_| recording.final_state),
+                final_state: last.filter(|_| outputs.final_state),
                 diagnostics,
                 diverged: loss.diverged,
             });

@@ -7,13 +7,13 @@
 //! device give the same twin, and a fit that went on from a checkpoint ends in the same twin as one
 //! that was never interrupted.
 
-mod chart;
 mod checkpoint;
 pub mod cmaes;
 mod error;
 mod fabric;
 mod job;
 mod meter;
+mod parameterization;
 mod refine;
 mod search;
 mod sequences;

@@ -1,5 +1,5 @@
 //! The first-order stage: Adam on every spring and triplet, all variants side by side in each batch.
-//! Parameters and gradients stay with the backend's [`Descent`]; what comes back are losses and lengths.
+//! Parameters and gradients stay with the backend's [`Optimizer`]; what comes back are losses and lengths.
 
 mod pace;
 mod schedule;
@@ -14,8 +14,8 @@ use std::{
 use bendtwin_engine::{
     Backend,
     backend::{CancelToken, GradientRequest, Instance},
-    descent::{Decay, Descent, Probe, Slope, Start},
     model::State,
+    optimizer::{Decay, GradientNorm, GradientSample, Optimizer, OptimizerInit},
 };
 
 pub(crate) use self::walk::{Walk, WalkState};
@@ -26,7 +26,7 @@ use crate::{Error, submit, task::Task};
 pub(crate) struct Refinement<'a> {
     /// One per variant, in the order of the fit.
     pub(crate) walks: Vec<Walk<'a>>,
-    descent: Box<dyn Descent>,
+    optimizer: Box<dyn Optimizer>,
     windows: Windows,
     task: &'a Task<'a>,
     backend: &'a dyn Backend,
@@ -37,15 +37,15 @@ impl<'a> Refinement<'a> {
     /// Of walks that stand at their starts.
     pub(crate) fn new(
         task: &'a Task<'a>,
-        walks: Vec<(Walk<'a>, Start)>,
+        walks: Vec<(Walk<'a>, OptimizerInit)>,
         backend: &'a dyn Backend,
         cancel: &'a CancelToken,
     ) -> Result<Self, Error> {
         let (walks, starts): (Vec<_>, Vec<_>) = walks.into_iter().unzip();
         let refine = &task.settings.refine;
-        let decay = Decay { beta1: refine.beta1, beta2: refine.beta2, home: refine.prior };
-        let descent = backend.descent(starts, decay)?;
-        Ok(Self { walks, descent, windows: Windows::default(), task, backend, cancel })
+        let decay = Decay { beta1: refine.beta1, beta2: refine.beta2, prior: refine.prior };
+        let optimizer = backend.optimizer(starts, decay)?;
+        Ok(Self { walks, optimizer, windows: Windows::default(), task, backend, cancel })
     }
 
     /// Measures where the variants start, so that none can end worse than it began; left to the first
@@ -80,7 +80,7 @@ impl<'a> Refinement<'a> {
             }
         }
         for (index, walk) in self.walks.iter_mut().enumerate() {
-            walk.arrive(index, &mut *self.descent)?;
+            walk.arrive(index, &mut *self.optimizer)?;
         }
         let is_last = pass + 1 >= self.task.settings.refine.passes;
         if is_last || steps.len() > 1 {
@@ -93,7 +93,7 @@ impl<'a> Refinement<'a> {
     fn run_step(&mut self, states: &mut [Vec<Arc<State>>], step: &Step) -> Result<(), Error> {
         let active = self.active();
         for (index, own) in self.measure(&active, states, step)? {
-            self.walks[index].learn(index, &own, &mut *self.descent)?;
+            self.walks[index].learn(index, &own, &mut *self.optimizer)?;
             for (slope, window) in own.into_iter().zip(&step.windows) {
                 if let Some(state) = slope.final_state {
                     states[index][window.sequence] = Arc::new(state);
@@ -108,11 +108,11 @@ impl<'a> Refinement<'a> {
     fn judge_and_step(&mut self, states: &[Vec<Arc<State>>], step: &Step) -> Result<(), Error> {
         let (active, mut back) = (self.active(), Vec::new());
         for (index, slopes) in self.measure(&active, states, step)? {
-            let (walk, descent) = (&mut self.walks[index], &mut *self.descent);
+            let (walk, optimizer) = (&mut self.walks[index], &mut *self.optimizer);
             let loss = self.task.loss(slopes.iter().map(|s| s.loss.total));
-            walk.judge(index, loss, descent)?;
+            walk.judge(index, loss, optimizer)?;
             if walk.is_active() {
-                walk.learn(index, &slopes, descent)?;
+                walk.learn(index, &slopes, optimizer)?;
             } else {
                 walk.set_out();
                 back.push(index);
@@ -120,7 +120,7 @@ impl<'a> Refinement<'a> {
         }
         back.retain(|&index| self.walks[index].is_active());
         for (index, slopes) in self.measure(&back, states, step)? {
-            self.walks[index].learn(index, &slopes, &mut *self.descent)?;
+            self.walks[index].learn(index, &slopes, &mut *self.optimizer)?;
         }
         Ok(())
     }
@@ -135,7 +135,7 @@ impl<'a> Refinement<'a> {
         walks: &[usize],
         states: &[Vec<Arc<State>>],
         step: &Step,
-    ) -> Result<BTreeMap<usize, Vec<Slope>>, Error> {
+    ) -> Result<BTreeMap<usize, Vec<GradientNorm>>, Error> {
         let mut slopes_of = BTreeMap::new();
         // One batch for all whose gradients reach equally far, as they nearly always do.
         let reaches: BTreeSet<usize> = walks.iter().map(|&walk| self.walks[walk].reach()).collect();
@@ -147,7 +147,10 @@ impl<'a> Refinement<'a> {
                 let model = &self.walks[walk].loaded;
                 batch.extend(step.windows.iter().map(|window| {
                     let from = states[walk][window.sequence].clone();
-                    Probe { walk, instance: self.windows.instance(self.task, model, window, from) }
+                    GradientSample {
+                        run: walk,
+                        instance: self.windows.instance(self.task, model, window, from),
+                    }
                 }));
             }
             let request = GradientRequest {
@@ -156,9 +159,9 @@ impl<'a> Refinement<'a> {
                 ..GradientRequest::default()
             };
             let slice = submit::slice_len(self.backend);
-            let descent = &mut *self.descent;
+            let optimizer = &mut *self.optimizer;
             let slopes = submit::sliced(&batch, slice, self.cancel, |slice| {
-                descent.measure(slice, &request, self.cancel)
+                optimizer.measure(slice, &request, self.cancel)
             })?;
             let mut slopes = slopes.into_iter();
             for walk in members {
@@ -179,7 +182,7 @@ impl<'a> Refinement<'a> {
         let own = losses.chunks(training.len());
         for (index, (walk, own)) in self.walks.iter_mut().zip(own).enumerate() {
             let loss = self.task.loss(own.iter().map(|l| l.total));
-            walk.judge(index, loss, &mut *self.descent)?;
+            walk.judge(index, loss, &mut *self.optimizer)?;
         }
         Ok(())
     }

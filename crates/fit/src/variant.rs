@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bendtwin_core::{Environment, FitSettings, Params, Twin, twin::Provenance};
-use bendtwin_engine::{Backend, descent::Start};
+use bendtwin_engine::{Backend, optimizer::OptimizerInit};
 
 use crate::{
     Error, FitJob, checkpoint::VariantState, cmaes::CmaEs, fabric::Fabric, refine::Walk,
@@ -81,7 +81,7 @@ impl Variant {
         task: &'a Task<'a>,
         state: &VariantState,
         backend: &dyn Backend,
-    ) -> Result<(Vec<f64>, (Walk<'a>, Start)), Error> {
+    ) -> Result<(Vec<f64>, (Walk<'a>, OptimizerInit)), Error> {
         let dimension = self.space.start().len();
         let point = match state {
             VariantState::Search(search) => match search.best() {

@@ -15,9 +15,9 @@ use bendtwin_core::Params;
 use bendtwin_engine::{
     Backend, Device as Description, Loaded, Model,
     backend::{
-        CancelToken, Error, Gradient, GradientRequest, Instance, Loss, Memory, Recording, Rollout,
+        CancelToken, Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout,
     },
-    descent::{Decay, Descent, Start},
+    optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
 use self::descent::LaneDescent;
@@ -168,12 +168,12 @@ impl Backend for Lane {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        let (recording, token) = (recording.clone(), cancel.clone());
+        let (outputs, token) = (outputs.clone(), cancel.clone());
         self.sliced(batch, Way::Forward, cancel, move |backend, slice| {
-            backend.roll_out(slice, &recording, &token)
+            backend.roll_out(slice, &outputs, &token)
         })
     }
 
@@ -196,8 +196,12 @@ impl Backend for Lane {
         })
     }
 
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
-        Ok(Box::new(LaneDescent::new(self.0.clone(), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
+        Ok(Box::new(LaneDescent::new(self.0.clone(), inits, decay)?))
     }
 
     fn memory(&self) -> Option<Memory> {

@@ -7,11 +7,14 @@ use bendtwin_core::{Environment, Graph, Params, Timing};
 use bendtwin_engine::{
     Loaded, Model, Objective,
     backend::{
-        CancelToken, Error as EngineError, Gradient, GradientRequest, Instance, Loss, Recording,
+        CancelToken, Error as EngineError, Gradient, GradientRequest, Instance, Loss, Outputs,
         Rollout,
     },
-    descent::{Chart, Decay, Descent, HostDescent, Parameter, Position, Probe, Scale, Start},
     model::State,
+    optimizer::{
+        Decay, GradientSample, HostOptimizer, Optimizer, OptimizerInit, Parameter,
+        Parameterization, Position, Scale,
+    },
 };
 
 use super::*;
@@ -51,7 +54,7 @@ impl Backend for Slow {
     fn roll_out(
         &self,
         batch: &[Instance],
-        _: &Recording,
+        _: &Outputs,
         _: &CancelToken,
     ) -> Result<Vec<Rollout>, EngineError> {
         let costs = self.run(batch).into_iter();
@@ -77,8 +80,12 @@ impl Backend for Slow {
         };
         Ok(batch.iter().map(one).collect())
     }
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, EngineError> {
-        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, EngineError> {
+        Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
     fn urgent(&self) -> Option<Arc<dyn Backend>> {
         self.urgent.clone().map(|urgent| urgent as _)
@@ -135,7 +142,7 @@ fn a_rollout_is_answered_while_a_long_fit_batch_runs() {
     let lane = device.lane(Priority::Interactive);
     let started = Instant::now();
     let rollout = instances(&lane, [3]);
-    let costs = lane.roll_out(&rollout, &Recording::default(), &CancelToken::default()).unwrap();
+    let costs = lane.roll_out(&rollout, &Outputs::default(), &CancelToken::default()).unwrap();
     // The whole batch takes two seconds, a slice one round of lanes: 40 ms.
     assert!(started.elapsed() < Duration::from_millis(800), "{:?}", started.elapsed());
     assert_eq!(done.load(Ordering::SeqCst), 0, "the fit must still be running");
@@ -197,17 +204,18 @@ fn a_descent_measures_in_slices_and_keeps_the_order_of_its_gradients() {
     let lane = device.lane(Priority::Background);
     let frames: Vec<usize> = (1..=9).map(|i| i * 7 % 11 + 1).collect();
     let instances = instances(&lane, frames.clone());
-    let chart = Chart::new(Params { drag: 1.0, ..Params::default() });
-    let chart = chart.with(Parameter::Drag, Scale::Linear, 1.0, |_| [0.0, 2.0]);
-    let position = Position::at_rest(chart.start());
-    let start = Start { loaded: instances[0].model.clone(), chart, position };
-    let probe = |instance: &Instance| Probe { walk: 0, instance: instance.clone() };
-    let probes: Vec<Probe> = instances.iter().map(probe).collect();
-    let decay = Decay { beta1: 0.9, beta2: 0.99, home: 0.7 };
+    let parameterization = Parameterization::new(Params { drag: 1.0, ..Params::default() });
+    let parameterization =
+        parameterization.with(Parameter::Drag, Scale::Linear, 1.0, |_| [0.0, 2.0]);
+    let position = Position::at_rest(parameterization.start());
+    let start = OptimizerInit { loaded: instances[0].model.clone(), parameterization, position };
+    let probe = |instance: &Instance| GradientSample { run: 0, instance: instance.clone() };
+    let probes: Vec<GradientSample> = instances.iter().map(probe).collect();
+    let decay = Decay { beta1: 0.9, beta2: 0.99, prior: 0.7 };
     // A gradient in the wrong place would change the moments.
     let weights: Vec<f64> = frames.iter().enumerate().map(|(i, f)| i as f64 / *f as f64).collect();
     let walk = |backend: &dyn Backend| {
-        let mut descent = backend.descent(vec![start.clone()], decay).unwrap();
+        let mut descent = backend.optimizer(vec![start.clone()], decay).unwrap();
         let request = GradientRequest::default();
         let slopes = descent.measure(&probes, &request, &CancelToken::default()).unwrap();
         descent.step(0, &weights, 0.1).unwrap();
@@ -216,7 +224,7 @@ fn a_descent_measures_in_slices_and_keeps_the_order_of_its_gradients() {
     let through_lane = walk(&lane);
     assert!(batches.lock().unwrap().len() > 1, "one slice is no test");
     assert_eq!(through_lane, walk(&direct));
-    let lengths: Vec<f64> = through_lane.0.iter().map(|s| s.length).collect();
+    let lengths: Vec<f64> = through_lane.0.iter().map(|s| s.norm).collect();
     assert_eq!(lengths, frames.iter().map(|f| *f as f64).collect::<Vec<_>>());
     assert!(lane.compute() > Duration::ZERO);
 }
@@ -226,9 +234,10 @@ fn a_descent_is_dropped_on_the_device_thread() {
     let (device, _died) = device(Slow::default());
     let lane = device.lane(Priority::Background);
     let loaded = instances(&lane, [1])[0].model.clone();
-    let chart = Chart::new(Params::default());
-    let start = Start { loaded, chart, position: Position::default() };
-    let descent = lane.descent(vec![start], Decay { beta1: 0.9, beta2: 0.99, home: 0.7 }).unwrap();
+    let parameterization = Parameterization::new(Params::default());
+    let start = OptimizerInit { loaded, parameterization, position: Position::default() };
+    let descent =
+        lane.optimizer(vec![start], Decay { beta1: 0.9, beta2: 0.99, prior: 0.7 }).unwrap();
     drop(descent);
     // Jobs of one priority run in order, so by now it is gone, and the device still works.
     assert_eq!(lane.losses(&instances(&lane, [5]), &CancelToken::default()).unwrap()[0].total, 5.0);
@@ -241,7 +250,7 @@ fn two_queues(urgent: Slow) -> (Device, mpsc::UnboundedReceiver<Error>) {
 }
 
 fn roll_out(lane: &Lane) -> Result<Vec<Rollout>, EngineError> {
-    lane.roll_out(&instances(lane, [3]), &Recording::default(), &CancelToken::default())
+    lane.roll_out(&instances(lane, [3]), &Outputs::default(), &CancelToken::default())
 }
 
 #[test]
@@ -300,7 +309,7 @@ fn with_a_second_queue_a_batch_is_cut_alike_every_time() {
     for _ in 0..2 {
         let lane = device.lane(Priority::Interactive);
         let batch = instances(&lane, std::iter::repeat_n(1, 20));
-        lane.roll_out(&batch, &Recording::default(), &cancel).unwrap();
+        lane.roll_out(&batch, &Outputs::default(), &cancel).unwrap();
     }
     assert_eq!(*batches.lock().unwrap(), [20, 20]);
 }

@@ -10,7 +10,7 @@ use std::{
 use bendtwin_core::{Capture, Point, Twin, ids::CaptureId, ids::TwinId};
 use bendtwin_engine::{
     Backend as _, Objective,
-    backend::{CancelToken, Instance, Recording},
+    backend::{CancelToken, Instance, Outputs},
     model::State,
 };
 use bendtwin_eval::{check_capture, initial_state};
@@ -194,8 +194,8 @@ fn replay(
         frames,
         objective: Objective::default(),
     };
-    let recording = Recording { final_state: true, ..Recording::default() };
-    let rollout = lane.roll_out(&[instance], &recording, cancel)?.into_iter().next();
+    let outputs = Outputs { final_state: true, ..Outputs::default() };
+    let rollout = lane.roll_out(&[instance], &outputs, cancel)?.into_iter().next();
     let rollout = rollout.unwrap_or_default();
     if let Some(divergence) = rollout.diverged {
         return Err(Error::ReplayDiverged { frame: motion.start_frame + divergence.frame });

@@ -4,8 +4,8 @@ use bendtwin_capture::{MakeOptions, Scene, make};
 use bendtwin_core::{FitSettings, Params, Progress, Stage, settings::GradientWindow};
 use bendtwin_engine::{
     Device, Loaded, Model,
-    backend::{Error as EngineError, Gradient, Loss, Recording, Rollout},
-    descent::HostDescent,
+    backend::{Error as EngineError, Gradient, Loss, Outputs, Rollout},
+    optimizer::HostOptimizer,
 };
 
 use crate::{FitJob, Observer, ObserverError};
@@ -44,10 +44,10 @@ impl Backend for Watched {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, EngineError> {
-        self.cpu.roll_out(batch, recording, cancel)
+        self.cpu.roll_out(batch, outputs, cancel)
     }
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, EngineError> {
         self.scored.fetch_add(1, Ordering::Relaxed);
@@ -64,8 +64,12 @@ impl Backend for Watched {
         let spoilt = |g: Gradient| Gradient { overflowed: g.overflowed || self.explodes, ..g };
         Ok(gradients.into_iter().map(spoilt).collect())
     }
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, EngineError> {
-        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, EngineError> {
+        Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
 }
 

@@ -1,20 +1,19 @@
-//! One variant's walk: where it was best, how long its steps are, when it goes back. The descent takes the
+//! One variant's walk: where it was best, how long its steps are, when it goes back. The optimizer takes the
 //! steps and knows where the walk is.
 
 use std::sync::Arc;
 
 use bendtwin_core::{Environment, Graph, Params, Timing, settings::Substeps};
 use bendtwin_engine::{
-    Backend, Loaded, backend,
-    descent::{Chart, Descent, Position, Slope, Start},
-    enough_substeps,
+    Backend, Loaded, backend, enough_substeps,
+    optimizer::{GradientNorm, Optimizer, OptimizerInit, Parameterization, Position},
 };
 use serde::{Deserialize, Serialize};
 
 use crate::{
     Error,
-    chart::chart,
     fabric::{Refusal, load, model},
+    parameterization::parameterization,
     refine::pace::Pace,
     sequences,
     task::Task,
@@ -49,11 +48,11 @@ pub(crate) struct Best {
 pub(crate) struct Walk<'a> {
     pub(crate) state: WalkState,
     pub(crate) graph: Arc<Graph>,
-    /// The model where the walk last arrived; while a pass goes on, the descent is ahead of it.
+    /// The model where the walk last arrived; while a pass goes on, the optimizer is ahead of it.
     pub(crate) loaded: Loaded,
     /// Something that happened in the last pass and that a person should know.
     pub(crate) note: Option<String>,
-    chart: Chart,
+    parameterization: Parameterization,
     sits_out: bool,
     task: &'a Task<'a>,
 }
@@ -66,11 +65,11 @@ impl<'a> Walk<'a> {
         params: Params,
         environment: Environment,
         backend: &dyn Backend,
-    ) -> Result<(Self, Start), Error> {
-        let chart = chart(task, params);
-        let position = Position::at_rest(chart.start());
-        let model =
-            model(task, &graph, chart.params(&position.theta), environment).map_err(too_stiff)?;
+    ) -> Result<(Self, OptimizerInit), Error> {
+        let parameterization = parameterization(task, params);
+        let position = Position::at_rest(parameterization.start());
+        let model = model(task, &graph, parameterization.params(&position.theta), environment)
+            .map_err(too_stiff)?;
         let substeps = model.timing.substeps;
         let loaded = load(backend, model)?.map_err(too_stiff)?;
         let best = Best { theta: position.theta.clone(), substeps, loss: f64::INFINITY };
@@ -82,7 +81,7 @@ impl<'a> Walk<'a> {
             loss: f64::INFINITY,
             best,
         };
-        Ok(Self::at(task, graph, loaded, chart, state))
+        Ok(Self::at(task, graph, loaded, parameterization, state))
     }
 
     /// Where a checkpoint left off; `params` are those that the search found.
@@ -93,32 +92,34 @@ impl<'a> Walk<'a> {
         environment: Environment,
         state: WalkState,
         backend: &dyn Backend,
-    ) -> Result<(Self, Start), Error> {
-        let chart = chart(task, params);
+    ) -> Result<(Self, OptimizerInit), Error> {
+        let parameterization = parameterization(task, params);
         let best = Position::at_rest(state.best.theta.clone());
         for position in [&state.position, &best] {
-            chart.check_position(position).map_err(|e| Error::Checkpoint(e.to_string()))?;
+            parameterization
+                .check_position(position)
+                .map_err(|e| Error::Checkpoint(e.to_string()))?;
         }
-        let params = chart.params(&state.position.theta);
+        let params = parameterization.params(&state.position.theta);
         let mut model = model(task, &graph, params, environment).map_err(too_stiff)?;
         model.timing.substeps = state.substeps;
         let loaded = load(backend, model)?.map_err(too_stiff)?;
-        Ok(Self::at(task, graph, loaded, chart, state))
+        Ok(Self::at(task, graph, loaded, parameterization, state))
     }
 
     fn at(
         task: &'a Task<'a>,
         graph: Arc<Graph>,
         loaded: Loaded,
-        chart: Chart,
+        parameterization: Parameterization,
         state: WalkState,
-    ) -> (Self, Start) {
-        let start = Start {
+    ) -> (Self, OptimizerInit) {
+        let start = OptimizerInit {
             loaded: loaded.clone(),
-            chart: chart.clone(),
+            parameterization: parameterization.clone(),
             position: state.position.clone(),
         };
-        (Self { state, graph, loaded, note: None, chart, sits_out: false, task }, start)
+        (Self { state, graph, loaded, note: None, parameterization, sits_out: false, task }, start)
     }
 
     /// Whether it takes part in the steps of this pass.
@@ -148,24 +149,24 @@ impl<'a> Walk<'a> {
     /// The best parameters and the substeps that they were scored with.
     pub(crate) fn best(&self) -> (Params, Timing) {
         let best = &self.state.best;
-        (self.chart.params(&best.theta), self.timing(best.substeps))
+        (self.parameterization.params(&best.theta), self.timing(best.substeps))
     }
 
     fn timing(&self, substeps: u32) -> Timing {
         Timing { fps: self.task.capture.fps, substeps }
     }
 
-    /// Moves the descent, in which this walk has this index, here and below.
+    /// Moves the optimizer, in which this walk has this index, here and below.
     fn move_to(
         &mut self,
         index: usize,
         position: Position,
         substeps: u32,
-        descent: &mut dyn Descent,
+        optimizer: &mut dyn Optimizer,
     ) -> Result<Result<(), Refusal>, Error> {
-        match descent.move_to(index, &position, self.timing(substeps)) {
+        match optimizer.move_to(index, &position, self.timing(substeps)) {
             Ok(()) => {
-                self.loaded = descent.loaded(index)?;
+                self.loaded = optimizer.loaded(index)?;
                 (self.state.position, self.state.substeps) = (position, substeps);
                 Ok(Ok(()))
             }
@@ -185,38 +186,45 @@ impl<'a> Walk<'a> {
     pub(crate) fn learn(
         &mut self,
         index: usize,
-        slopes: &[Slope],
-        descent: &mut dyn Descent,
+        slopes: &[GradientNorm],
+        optimizer: &mut dyn Optimizer,
     ) -> Result<(), Error> {
         if let Some(d) = slopes.iter().find_map(|s| s.loss.diverged) {
             let why = format!("the simulation diverged in frame {}", d.frame);
             let change = self.state.pace.slow_down();
-            return self.go_back(index, &why, &change, descent);
+            return self.go_back(index, &why, &change, optimizer);
         }
-        if slopes.iter().any(|s| !(s.length.is_finite() && s.loss.total.is_finite())) {
+        if slopes.iter().any(|s| !(s.norm.is_finite() && s.loss.total.is_finite())) {
             let change = self.state.pace.overflow();
-            return self.go_back(index, "the gradient is not finite", &change, descent);
+            return self.go_back(index, "the gradient is not finite", &change, optimizer);
         }
         let losses: Vec<f64> = slopes.iter().map(|s| s.loss.total).collect();
         let pulls = sequences::pulls(self.task.sequence_mean(), &losses);
-        let lengths: Vec<f64> =
-            slopes.iter().zip(&pulls).map(|(s, pull)| pull * s.length).collect();
+        let lengths: Vec<f64> = slopes.iter().zip(&pulls).map(|(s, pull)| pull * s.norm).collect();
         let mut weights = weights(&lengths);
         let length = lengths.iter().zip(&weights).map(|(length, weight)| length * weight).sum();
         let by = self.state.pace.shorten(length);
         weights.iter_mut().zip(&pulls).for_each(|(weight, pull)| *weight *= pull * by);
-        Ok(descent.step(index, &weights, self.learning_rate())?)
+        Ok(optimizer.step(index, &weights, self.learning_rate())?)
     }
 
     /// Takes over where the steps of a pass led.
-    pub(crate) fn arrive(&mut self, index: usize, descent: &mut dyn Descent) -> Result<(), Error> {
-        self.loaded = descent.loaded(index)?;
-        self.state.position = descent.position(index)?;
-        self.settle_substeps(index, descent)
+    pub(crate) fn arrive(
+        &mut self,
+        index: usize,
+        optimizer: &mut dyn Optimizer,
+    ) -> Result<(), Error> {
+        self.loaded = optimizer.loaded(index)?;
+        self.state.position = optimizer.position(index)?;
+        self.settle_substeps(index, optimizer)
     }
 
     /// Adds substeps where stiffness has grown; backs off where there are none to add.
-    fn settle_substeps(&mut self, index: usize, descent: &mut dyn Descent) -> Result<(), Error> {
+    fn settle_substeps(
+        &mut self,
+        index: usize,
+        optimizer: &mut dyn Optimizer,
+    ) -> Result<(), Error> {
         let current = self.loaded.model();
         let margin = match self.task.settings.substeps {
             Substeps::Auto { safety, .. } => safety.min(THIN_MARGIN),
@@ -232,7 +240,7 @@ impl<'a> Walk<'a> {
             Ok(model) if model.timing.substeps <= self.state.substeps => return Ok(()),
             Ok(model) => {
                 let position = self.state.position.clone();
-                self.move_to(index, position, model.timing.substeps, descent)?
+                self.move_to(index, position, model.timing.substeps, optimizer)?
             }
             Err(refusal) => Err(refusal),
         };
@@ -247,7 +255,7 @@ impl<'a> Walk<'a> {
                     index,
                     &format!("it would need {n} substeps a frame"),
                     &change,
-                    descent,
+                    optimizer,
                 )
             }
         }
@@ -259,7 +267,7 @@ impl<'a> Walk<'a> {
         &mut self,
         index: usize,
         loss: f64,
-        descent: &mut dyn Descent,
+        optimizer: &mut dyn Optimizer,
     ) -> Result<(), Error> {
         self.state.loss = loss;
         if loss < self.state.best.loss {
@@ -271,12 +279,12 @@ impl<'a> Walk<'a> {
         let passes = self.task.settings.refine.passes;
         if !loss.is_finite() {
             let change = self.state.pace.slow_down();
-            self.go_back(index, "the simulation diverged", &change, descent)?;
+            self.go_back(index, "the simulation diverged", &change, optimizer)?;
         } else if !self.sits_out
             && let Some(patience) = self.state.pace.no_gain(passes)
         {
             let change = self.state.pace.fail();
-            self.go_back(index, &format!("no gain in {patience} passes"), &change, descent)?;
+            self.go_back(index, &format!("no gain in {patience} passes"), &change, optimizer)?;
         }
         Ok(())
     }
@@ -295,11 +303,11 @@ impl<'a> Walk<'a> {
         index: usize,
         why: &str,
         change: &str,
-        descent: &mut dyn Descent,
+        optimizer: &mut dyn Optimizer,
     ) -> Result<(), Error> {
         let best = &self.state.best;
         let (position, substeps) = (Position::at_rest(best.theta.clone()), best.substeps);
-        self.move_to(index, position, substeps, descent)?.map_err(too_stiff)?;
+        self.move_to(index, position, substeps, optimizer)?.map_err(too_stiff)?;
         self.sits_out = true;
         self.say(format!("{why}: went back to the best parameters, {change}"));
         Ok(())

@@ -1,4 +1,4 @@
-//! A [`Descent`] that lives on the device thread; its batches are cut into slices like a lane's.
+//! A [`Optimizer`] that lives on the device thread; its batches are cut into slices like a lane's.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -6,13 +6,13 @@ use bendtwin_core::Timing;
 use bendtwin_engine::{
     Backend, Loaded,
     backend::{CancelToken, Error, GradientRequest},
-    descent::{Decay, Descent, Position, Probe, Slope, Start},
+    optimizer::{Decay, GradientNorm, GradientSample, Optimizer, OptimizerInit, Position},
 };
 
 use super::{Access, Way, instance_work};
 
 /// The backend's own descent; only jobs on the device thread open the slot.
-type Slot = Arc<Mutex<Option<Box<dyn Descent>>>>;
+type Slot = Arc<Mutex<Option<Box<dyn Optimizer>>>>;
 
 /// The descent as its owner sees it.
 pub(super) struct LaneDescent {
@@ -23,27 +23,27 @@ pub(super) struct LaneDescent {
 impl LaneDescent {
     pub(super) fn new(
         access: Arc<Access>,
-        starts: Vec<Start>,
+        starts: Vec<OptimizerInit>,
         decay: Decay,
     ) -> Result<Self, Error> {
-        let (descent, _) = access.call(move |backend| backend.descent(starts.clone(), decay))?;
+        let (descent, _) = access.call(move |backend| backend.optimizer(starts.clone(), decay))?;
         Ok(Self { access, slot: Arc::new(Mutex::new(Some(descent))) })
     }
 
     fn call<R: Send + 'static>(
         &self,
-        job: impl FnOnce(&mut dyn Descent) -> Result<R, Error> + Send + 'static,
+        job: impl FnOnce(&mut dyn Optimizer) -> Result<R, Error> + Send + 'static,
     ) -> Result<R, Error> {
         Ok(self.access.call_once(on(&self.slot, job))?.0)
     }
 }
 
-fn open(slot: &Slot) -> MutexGuard<'_, Option<Box<dyn Descent>>> {
+fn open(slot: &Slot) -> MutexGuard<'_, Option<Box<dyn Optimizer>>> {
     slot.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A job for the device thread that opens the slot.
-fn on<R, J: FnOnce(&mut dyn Descent) -> Result<R, Error> + Send>(
+fn on<R, J: FnOnce(&mut dyn Optimizer) -> Result<R, Error> + Send>(
     slot: &Slot,
     job: J,
 ) -> impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + use<R, J> {
@@ -66,7 +66,7 @@ impl Drop for LaneDescent {
     }
 }
 
-impl Descent for LaneDescent {
+impl Optimizer for LaneDescent {
     fn loaded(&mut self, walk: usize) -> Result<Loaded, Error> {
         self.call(move |descent| descent.loaded(walk))
     }
@@ -74,10 +74,10 @@ impl Descent for LaneDescent {
     /// Slices keep the batch's order, for it is the order in which gradients wait.
     fn measure(
         &mut self,
-        batch: &[Probe],
+        batch: &[GradientSample],
         request: &GradientRequest,
         cancel: &CancelToken,
-    ) -> Result<Vec<Slope>, Error> {
+    ) -> Result<Vec<GradientNorm>, Error> {
         let work: Vec<f64> = batch.iter().map(|p| instance_work(&p.instance)).collect();
         let order: Vec<usize> = (0..batch.len()).collect();
         self.access.in_slices(batch, &work, &order, Way::Backward, cancel, |slice| {

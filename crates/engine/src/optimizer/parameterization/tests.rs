@@ -14,8 +14,8 @@ fn base() -> Params {
 }
 
 /// Every parameter, positive ones by their logarithm.
-fn chart() -> Chart {
-    Parameter::ALL.into_iter().fold(Chart::new(base()), |chart, parameter| {
+fn parameterization() -> Parameterization {
+    Parameter::ALL.into_iter().fold(Parameterization::new(base()), |parameterization, parameter| {
         let scale = match parameter {
             Parameter::SpringStiffness | Parameter::RestLength | Parameter::Drag => {
                 Scale::Logarithmic
@@ -23,15 +23,15 @@ fn chart() -> Chart {
             Parameter::SpringDashpot => Scale::Logarithmic,
             _ => Scale::Linear,
         };
-        chart.with(parameter, scale, 1.0, |x| [x - 1.0, x + 1.0])
+        parameterization.with(parameter, scale, 1.0, |x| [x - 1.0, x + 1.0])
     })
 }
 
 #[test]
 fn parameters_survive_the_way_to_coordinates_and_back() {
-    let theta = chart().start();
-    assert_eq!(theta.len(), chart().len());
-    let back = chart().params(&theta);
+    let theta = parameterization().start();
+    assert_eq!(theta.len(), parameterization().len());
+    let back = parameterization().params(&theta);
     let pairs = [
         (&back.spring_stiffness, &base().spring_stiffness),
         (&back.rest_angles_rad, &base().rest_angles_rad),
@@ -46,20 +46,20 @@ fn parameters_survive_the_way_to_coordinates_and_back() {
 
 #[test]
 fn the_chain_rule_matches_finite_differences() {
-    let chart = chart();
-    let theta: Vec<f64> = chart.start().iter().map(|x| x - 0.01).collect();
+    let parameterization = parameterization();
+    let theta: Vec<f64> = parameterization.start().iter().map(|x| x - 0.01).collect();
     // A loss whose gradient by parameter is known: the sum of all squares.
     let loss = |theta: &[f64]| {
-        let p = chart.params(theta);
+        let p = parameterization.params(theta);
         let values = Parameter::ALL.iter().flat_map(|parameter| parameter.values(&p).to_vec());
         values.map(|x| f64::from(x).powi(2)).sum::<f64>()
     };
-    let p = chart.params(&theta);
-    let mut slope = p.clone();
+    let p = parameterization.params(&theta);
+    let mut norm = p.clone();
     for parameter in Parameter::ALL {
-        parameter.values_mut(&mut slope).iter_mut().for_each(|x| *x *= 2.0);
+        parameter.values_mut(&mut norm).iter_mut().for_each(|x| *x *= 2.0);
     }
-    let gradient = chart.gradient(&p, &slope);
+    let gradient = parameterization.gradient(&p, &norm);
     for i in 0..theta.len() {
         let step = |h: f64| {
             let mut moved = theta.clone();
@@ -78,32 +78,38 @@ fn the_chain_rule_matches_finite_differences() {
 
 #[test]
 fn sections_follow_each_other_and_bounds_hold_the_start() {
-    let chart = chart().with(Parameter::Drag, Scale::Linear, 5.0, |_| [7.0, 8.0]);
+    let parameterization =
+        parameterization().with(Parameter::Drag, Scale::Linear, 5.0, |_| [7.0, 8.0]);
     let mut end = 0;
-    for section in chart.sections() {
+    for section in parameterization.sections() {
         assert_eq!(section.range.start, end);
         end = section.range.end;
     }
     assert_eq!(
-        (end, chart.rates().count()),
-        (chart.len(), chart.len()),
+        (end, parameterization.rates().count()),
+        (parameterization.len(), parameterization.len()),
         "a second time is ignored"
     );
     // However wrong the wish.
-    let odd = Chart::new(base()).with(Parameter::Drag, Scale::Linear, 1.0, |_| [7.0, -3.0]);
+    let odd =
+        Parameterization::new(base()).with(Parameter::Drag, Scale::Linear, 1.0, |_| [7.0, -3.0]);
     assert_eq!(odd.bounds(), [[1.5, 1.5]]);
-    let odd = Chart::new(base()).with(Parameter::Drag, Scale::Linear, 1.0, |_| [f64::NAN; 2]);
+    let odd =
+        Parameterization::new(base()).with(Parameter::Drag, Scale::Linear, 1.0, |_| [f64::NAN; 2]);
     assert_eq!(odd.bounds(), [[1.5, 1.5]]);
 }
 
 #[test]
 fn positions_of_other_charts_are_refused() {
-    let chart = chart();
-    assert_eq!(chart.check_position(&Position::at_rest(chart.start())), Ok(()));
-    let mut wrong = chart.start();
+    let parameterization = parameterization();
+    assert_eq!(
+        parameterization.check_position(&Position::at_rest(parameterization.start())),
+        Ok(())
+    );
+    let mut wrong = parameterization.start();
     wrong.pop();
-    assert!(chart.check_position(&Position::at_rest(wrong)).is_err());
-    let mut wrong = Position::at_rest(chart.start());
+    assert!(parameterization.check_position(&Position::at_rest(wrong)).is_err());
+    let mut wrong = Position::at_rest(parameterization.start());
     wrong.adam.second[3] = f64::NAN;
-    assert!(chart.check_position(&wrong).is_err());
+    assert!(parameterization.check_position(&wrong).is_err());
 }

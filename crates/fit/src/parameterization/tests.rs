@@ -1,6 +1,6 @@
 use bendtwin_capture::{MakeOptions, Scene, make};
 use bendtwin_core::FitSettings;
-use bendtwin_engine::descent::{Adam, Decay, Ground};
+use bendtwin_engine::optimizer::{Adam, Bounds, Decay};
 
 use super::*;
 
@@ -28,8 +28,8 @@ fn base() -> Params {
 fn the_rest_shape_moves_only_if_asked_for() {
     for rest_shape in [false, true] {
         with_task(rest_shape, |task| {
-            let chart = chart(task, base());
-            let moves = |p| chart.sections().iter().any(|s| s.parameter == p);
+            let parameterization = parameterization(task, base());
+            let moves = |p| parameterization.sections().iter().any(|s| s.parameter == p);
             assert!(moves(Parameter::SpringStiffness) && moves(Parameter::Drag));
             assert_eq!(moves(Parameter::RestLength), rest_shape);
             assert_eq!(moves(Parameter::RestAngle), rest_shape);
@@ -40,17 +40,18 @@ fn the_rest_shape_moves_only_if_asked_for() {
 #[test]
 fn steps_end_at_the_bounds() {
     with_task(true, |task| {
-        let chart = chart(task, base());
-        let mut theta = chart.start();
-        let mut adam = Adam::new(chart.len());
-        let decay = Decay { beta1: 0.0, beta2: 0.0, home: 0.0 };
+        let parameterization = parameterization(task, base());
+        let mut theta = parameterization.start();
+        let mut adam = Adam::new(parameterization.len());
+        let decay = Decay { beta1: 0.0, beta2: 0.0, prior: 0.0 };
         let uphill = vec![-1.0; theta.len()];
-        let (rates, start): (Vec<f64>, _) = (chart.rates().collect(), chart.start());
+        let (rates, start): (Vec<f64>, _) =
+            (parameterization.rates().collect(), parameterization.start());
         for _ in 0..100 {
-            let ground = Ground { rates: &rates, bounds: chart.bounds(), start: &start };
+            let ground = Bounds { rates: &rates, bounds: parameterization.bounds(), start: &start };
             adam.step(&mut theta, &uphill, 1.0, ground, decay);
         }
-        let p = chart.params(&theta);
+        let p = parameterization.params(&theta);
         assert!(p.spring_stiffness.iter().all(|&k| (k - MAX_SPRING_STIFFNESS).abs() < 1.0));
         assert!(p.rest_angles_rad.iter().all(|&a| a <= std::f32::consts::PI));
         assert!(p.rest_lengths_m[0] < 0.0123, "{}", p.rest_lengths_m[0]);

@@ -14,8 +14,8 @@ pub struct Decay {
     pub beta2: f64,
     /// Share of its way from the start that a coordinate takes back in a step, per unit of learning rate (Loshchilov and
     /// Hutter, arXiv 1711.05101, around the start instead of zero); 0 for none. Gradients whose mean is a share s
-    /// of their size hold a coordinate `s / home` times its relative rate away.
-    pub home: f64,
+    /// of their size hold a coordinate `s / prior` times its relative rate away.
+    pub prior: f64,
 }
 
 /// The moments. They want the range of f64: squares of small gradients are nothing in f32, and
@@ -32,12 +32,12 @@ pub struct Adam {
 
 /// Where the steps are taken; all of one length.
 #[derive(Clone, Copy, Debug)]
-pub struct Ground<'a> {
+pub struct Bounds<'a> {
     /// Each coordinate's step relative to the learning rate.
     pub rates: &'a [f64],
     /// Least and greatest of each coordinate.
     pub bounds: &'a [[f64; 2]],
-    /// Where the walk began.
+    /// Where the run began.
     pub start: &'a [f64],
 }
 
@@ -60,15 +60,15 @@ impl Adam {
         theta: &mut [f64],
         gradient: &[f64],
         rate: f64,
-        ground: Ground<'_>,
+        bounds: Bounds<'_>,
         decay: Decay,
     ) {
         self.steps += 1;
         let [unbias_first, unbias_second] = Self::unbias(self.steps, decay);
         let moments = self.first.iter_mut().zip(&mut self.second);
-        let Ground { rates, bounds, start } = ground;
+        let Bounds { rates, bounds, start } = bounds;
         let constants = gradient.iter().zip(rates).zip(bounds.iter().zip(start));
-        let back = (decay.home * rate).clamp(0.0, 1.0);
+        let back = (decay.prior * rate).clamp(0.0, 1.0);
         for ((x, (m, v)), ((&g, &relative), (&[low, high], &start))) in
             theta.iter_mut().zip(moments).zip(constants)
         {

@@ -1,4 +1,4 @@
-//! A descent that notes how long each kind of call takes.
+//! An optimizer that notes how long each kind of call takes.
 
 use std::sync::Arc;
 
@@ -6,28 +6,28 @@ use bendtwin_core::Timing;
 use bendtwin_engine::{
     Error, Loaded,
     backend::{CancelToken, GradientRequest},
-    descent::{Descent, Position, Probe, Slope},
+    optimizer::{GradientNorm, GradientSample, Optimizer, Position},
 };
 
 use super::{Clocks, Kind};
 
-/// Passes every call on to another descent.
-pub(super) struct ClockedDescent {
-    pub(super) inner: Box<dyn Descent>,
+/// Passes every call on to another optimizer.
+pub(super) struct ClockedOptimizer {
+    pub(super) inner: Box<dyn Optimizer>,
     pub(super) clocks: Arc<Clocks>,
 }
 
-impl Descent for ClockedDescent {
+impl Optimizer for ClockedOptimizer {
     fn loaded(&mut self, walk: usize) -> Result<Loaded, Error> {
         self.clocks.time(Kind::Params, || self.inner.loaded(walk))
     }
 
     fn measure(
         &mut self,
-        batch: &[Probe],
+        batch: &[GradientSample],
         request: &GradientRequest,
         cancel: &CancelToken,
-    ) -> Result<Vec<Slope>, Error> {
+    ) -> Result<Vec<GradientNorm>, Error> {
         self.clocks.time(Kind::Gradient, || self.inner.measure(batch, request, cancel))
     }
 

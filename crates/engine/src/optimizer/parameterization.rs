@@ -1,4 +1,4 @@
-//! A chart of parameter space: which parameters a walk may change, and the
+//! A parameterization of parameter space: which parameters a run may change, and the
 //! coordinates it sees them in. Logarithms suit what is positive and of unknown scale.
 
 use std::ops::Range;
@@ -62,13 +62,13 @@ pub struct Section {
 
 /// The coordinates of one graph's parameters. What no section covers keeps its base value.
 #[derive(Clone, Debug)]
-pub struct Chart {
+pub struct Parameterization {
     base: Params,
     sections: Vec<Section>,
     bounds: Vec<[f64; 2]>,
 }
 
-impl Chart {
+impl Parameterization {
     /// Without coordinates yet, around these parameters.
     pub fn new(base: Params) -> Self {
         Self { base, sections: Vec::new(), bounds: Vec::new() }
@@ -147,12 +147,12 @@ impl Chart {
 
     /// d loss / d theta at `params`, from d loss / d params; shape [len].
     pub fn gradient(&self, params: &Params, gradient: &Params) -> Vec<f64> {
-        let mut slopes = Vec::with_capacity(self.len());
+        let mut norms = Vec::with_capacity(self.len());
         for Section { parameter, scale, .. } in &self.sections {
             let pairs = parameter.values(gradient).iter().zip(parameter.values(params));
-            slopes.extend(pairs.map(|(&s, &value)| f64::from(s) * scale.derivative(value)));
+            norms.extend(pairs.map(|(&s, &value)| f64::from(s) * scale.derivative(value)));
         }
-        slopes
+        norms
     }
 
     /// Checks that the base parameters fit a graph.
@@ -163,7 +163,7 @@ impl Chart {
         self.base.check(graph).map_err(Error::InvalidModel)
     }
 
-    /// Checks that a position has this chart's length and finite numbers.
+    /// Checks that a position has this parameterization's length and finite numbers.
     ///
     /// # Errors
     /// The first contradiction.
@@ -176,7 +176,7 @@ impl Chart {
         for (what, values) in arrays {
             if values.len() != self.len() {
                 return Err(Error::InvalidInput(format!(
-                    "a position has {} {what}, its chart {}",
+                    "a position has {} {what}, its parameterization {}",
                     values.len(),
                     self.len()
                 )));

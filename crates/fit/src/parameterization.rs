@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use bendtwin_core::{Params, params::MAX_SPRING_STIFFNESS, settings::Substeps};
-use bendtwin_engine::descent::{Chart, Parameter, Scale};
+use bendtwin_engine::optimizer::{Parameter, Parameterization, Scale};
 
 use crate::task::Task;
 
@@ -22,7 +22,7 @@ const REST_TWIST_SPAN: f64 = 2.0 * PI;
 const REST_TWIST_RATE: f64 = 1.0;
 
 /// The coordinates of one graph's parameters, which start at `base`.
-pub(crate) fn chart(task: &Task<'_>, base: Params) -> Chart {
+pub(crate) fn parameterization(task: &Task<'_>, base: Params) -> Parameterization {
     let mut parameters = vec![
         Parameter::SpringStiffness,
         Parameter::SpringDashpot,
@@ -42,9 +42,9 @@ pub(crate) fn chart(task: &Task<'_>, base: Params) -> Chart {
         parameters.extend([Parameter::ObjectRestitution, Parameter::ObjectFriction]);
     }
     let per_second = f64::from(max_substeps(task)) * task.capture.fps;
-    parameters.into_iter().fold(Chart::new(base), |chart, parameter| {
+    parameters.into_iter().fold(Parameterization::new(base), |parameterization, parameter| {
         let bounds = |start| bounds(parameter, start, task.spacing_m, per_second);
-        chart.with(parameter, scale(parameter), rate(parameter), bounds)
+        parameterization.with(parameter, scale(parameter), rate(parameter), bounds)
     })
 }
 
