@@ -6,7 +6,7 @@ use bendtwin_core::{Category, Problem};
 use bytes::{Bytes, BytesMut};
 use tempfile::NamedTempFile;
 
-use crate::link::{Link, LinkError};
+use crate::server_client::{Link, LinkError};
 
 /// Why content could not be fetched.
 #[derive(Debug, thiserror::Error)]

@@ -5,8 +5,8 @@
 //! slices of a fit a rollout gets its turn. Where [`Backend::urgent`] gives a second one, rollouts have
 //! a thread of their own and run while fits do.
 
-mod lane;
 mod queue;
+mod queued;
 mod thread;
 
 use std::{
@@ -20,8 +20,8 @@ use bendtwin_engine::{
 };
 use tokio::sync::mpsc;
 
-pub(crate) use self::lane::Lane;
 pub(crate) use self::queue::Priority;
+pub(crate) use self::queued::Lane;
 use self::{
     queue::{Broken, Queue},
     thread::{Opened, Threads},

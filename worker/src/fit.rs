@@ -21,8 +21,8 @@ use crate::{
         stop::{Reason, Stop},
     },
     leasing::Execute,
-    link::Link,
     observation,
+    server_client::Link,
 };
 
 /// What fit jobs need of the process.

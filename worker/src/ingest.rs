@@ -39,7 +39,7 @@ use crate::{
         stop::{Reason, Stop},
     },
     leasing::Execute,
-    link::Link,
+    server_client::Link,
 };
 
 /// What ingest jobs need of the process.

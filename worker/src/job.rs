@@ -14,7 +14,7 @@ use bendtwin_proto::{
 use bytes::Bytes;
 
 use self::deliver::Failure;
-use crate::link::{Link, LinkError};
+use crate::server_client::{Link, LinkError};
 
 /// A leased job: every write carries the lease's epoch.
 #[derive(Clone)]

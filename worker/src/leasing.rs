@@ -8,8 +8,8 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     Error,
-    link::{Backoff, Link, LinkError},
-    presence::{Presence, is_unknown},
+    registration::{Presence, is_unknown},
+    server_client::{Backoff, Link, LinkError},
 };
 
 /// How long the server may hold a call for a job.

@@ -25,13 +25,13 @@ mod fit;
 mod ingest;
 mod job;
 mod leasing;
-mod link;
 mod observation;
 mod options;
-mod presence;
+mod registration;
 mod rollout;
 mod run;
 mod scratch;
+mod server_client;
 
 pub use backend::{BackendChoice, BackendOptions, open_backend};
 pub use error::Error;

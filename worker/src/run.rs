@@ -19,10 +19,10 @@ use crate::{
     fit::Fits,
     ingest::Ingests,
     leasing::{self, Until},
-    link::Link,
-    presence::Presence,
+    registration::Presence,
     rollout::{self, Replays, Rollouts, WarmTwins},
     scratch::Scratch,
+    server_client::Link,
 };
 
 /// How long rollouts and last words may take once the worker is to end.

@@ -3,14 +3,14 @@
 
 mod candidates;
 mod host;
-mod story;
+mod steps;
 
 use std::path::PathBuf;
 
 use clap::Args;
 use tempfile::TempDir;
 
-use self::story::Story;
+use self::steps::Story;
 use crate::{args::Global, backend::BackendArgs, signals};
 
 #[derive(Debug, Args)]

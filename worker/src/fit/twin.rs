@@ -9,7 +9,7 @@ use crate::{
         Job,
         deliver::{Delivery, Failure, Undelivered},
     },
-    link::LinkError,
+    server_client::LinkError,
 };
 
 /// Stores the twin, which ends the job. Sending it twice is safe: the second answer is the

@@ -20,7 +20,7 @@ use crate::{
         Job,
         deliver::{Delivery, Failure, Undelivered},
     },
-    link::LinkError,
+    server_client::LinkError,
 };
 
 /// Bytes of one chunk: large enough to be cheap, well below any message limit.

@@ -13,7 +13,7 @@ use super::{
     Job,
     stop::{Reason, Stop},
 };
-use crate::link::{Backoff, LinkError};
+use crate::server_client::{Backoff, LinkError};
 
 /// A checkpoint larger than this is none that was saved here [bytes].
 pub(crate) const MAX_BYTES: u64 = 1 << 30;

@@ -7,7 +7,7 @@ use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use super::{Job, checkpoints::Saver, stop::Reason};
-use crate::link::{Backoff, LinkError};
+use crate::server_client::{Backoff, LinkError};
 
 /// How long a worker that is told to end still tries.
 const DRAIN_PATIENCE: Duration = Duration::from_secs(10);

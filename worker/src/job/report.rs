@@ -13,7 +13,7 @@ use super::{
     Job,
     stop::{Reason, Stop},
 };
-use crate::link::LinkError;
+use crate::server_client::LinkError;
 
 /// Between two reports. A lease lasts tens of seconds, so many may be missed.
 const EVERY: Duration = Duration::from_millis(500);

@@ -21,7 +21,7 @@ use super::{
     lru::Lru,
     warm::Warm,
 };
-use crate::{Limits, artifact, device::Lane, link::Link, observation};
+use crate::{Limits, artifact, device::Lane, observation, server_client::Link};
 
 /// Captures whose controls are kept, and replayed states that are kept.
 const KEPT_MOTIONS: usize = 8;

@@ -9,7 +9,7 @@ use bytes::Bytes;
 use tokio::sync::OnceCell;
 
 use super::{error::Error, lru::Lru};
-use crate::{Limits, artifact, device::Device, device::Priority, link::Link};
+use crate::{Limits, artifact, device::Device, device::Priority, server_client::Link};
 
 /// Memory of a loaded twin and its fast variant [times the file's size, estimated].
 const LOADED_FACTOR: u64 = 6;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::*;
 use crate::{
     job::{Job, checkpoints, report},
-    link::Link,
+    server_client::Link,
 };
 use bendtwin_proto::worker::v1::Lease;
 

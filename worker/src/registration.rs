@@ -16,8 +16,8 @@ use tokio_util::sync::CancellationToken;
 use crate::{
     Error,
     device::Device,
-    link::{Backoff, Link, LinkError},
     rollout::Rollouts,
+    server_client::{Backoff, Link, LinkError},
 };
 
 /// The worker's entry in the server's list.
