@@ -2,7 +2,6 @@
 //! are checked here, so that both refuse the same things with the same words.
 
 mod captures;
-mod error;
 mod fits;
 mod ingests;
 mod jobs;
@@ -19,10 +18,10 @@ use bendtwin_store::Store;
 use serde::de::DeserializeOwned;
 use tokio_util::sync::CancellationToken;
 
+pub(crate) use crate::failure::{Error, Result};
 use crate::{dispatch::Dispatch, metrics::Metrics, options::Options, tokens::Tokens};
 
 pub(crate) use captures::CaptureUpload;
-pub(crate) use error::{Error, Result};
 pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{Attempt, Leased};
 pub(crate) use twins::TwinUpload;

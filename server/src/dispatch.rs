@@ -17,7 +17,7 @@ use bendtwin_store::{Job, Kind, Store, Twin, Worker};
 use tokio::time::Instant;
 
 use crate::{
-    app::{Error, Result},
+    failure::{Error, Result},
     metrics::Metrics,
     options::{Limits, Options},
     tokens::Child,

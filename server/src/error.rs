@@ -15,7 +15,10 @@ use tonic::Status;
 use tonic_types::{ErrorDetails, StatusExt as _};
 use utoipa::ToSchema;
 
-use crate::context::{self, Context};
+use crate::{
+    context::{self, Context},
+    failure,
+};
 
 /// The HTTP status of a category. The gRPC code is
 /// [`bendtwin_proto::fault::code`]; a test holds the two together.
@@ -113,8 +116,8 @@ impl Refusal {
 }
 
 /// Every error of the application, at the last step.
-impl From<crate::app::Error> for Refusal {
-    fn from(error: crate::app::Error) -> Self {
+impl From<failure::Error> for Refusal {
+    fn from(error: failure::Error) -> Self {
         let retry_after = error.retry_after();
         Self::new(error.fault()).retry_after(retry_after)
     }
@@ -122,7 +125,7 @@ impl From<crate::app::Error> for Refusal {
 
 impl From<bendtwin_store::Error> for Refusal {
     fn from(error: bendtwin_store::Error) -> Self {
-        crate::app::Error::from(error).into()
+        failure::Error::from(error).into()
     }
 }
 

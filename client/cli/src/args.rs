@@ -1,12 +1,10 @@
-//! The arguments that all commands share, and the list of commands.
+//! The command line as a whole: shared options and the list of commands.
 
-use bendtwin_client::Client;
-use clap::{Args, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 
-use crate::{bench, capture, demo, eval, fit, logging, rollout, server, suite, twin, worker};
-
-/// Where a server listens unless told otherwise.
-pub(crate) const DEFAULT_SERVER: &str = "http://127.0.0.1:7070";
+use crate::{
+    bench, capture, demo, eval, fit, global::Global, logging, rollout, server, suite, twin, worker,
+};
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to them.
 ///
@@ -20,24 +18,6 @@ pub(crate) struct Arguments {
     pub(crate) logging: logging::Options,
     #[command(subcommand)]
     pub(crate) command: Command,
-}
-
-/// What every command understands.
-#[derive(Clone, Debug, Args)]
-pub(crate) struct Global {
-    /// Address of the server
-    #[arg(long, global = true, env = "BENDTWIN_SERVER", value_name = "URL", default_value = DEFAULT_SERVER)]
-    pub(crate) server: String,
-    /// Print results as JSON, for scripts
-    #[arg(long, global = true)]
-    pub(crate) json: bool,
-}
-
-impl Global {
-    /// Connects to the server.
-    pub(crate) async fn connect(&self) -> anyhow::Result<Client> {
-        Ok(Client::connect(&self.server).await?)
-    }
 }
 
 #[derive(Debug, Subcommand)]

@@ -10,7 +10,7 @@ use bendtwin_bench::{FitPlan, Plan, Report, SceneName, Scheme, Subject};
 use bendtwin_engine::{Backend, backend::CancelToken};
 use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
 
-use crate::{args::Global, backend::BackendArgs, failure, output, signals};
+use crate::{backend::BackendArgs, failure, global::Global, output, signals};
 
 /// More instances than any planner asks for at once.
 const MOST_INSTANCES: u64 = 16_384;

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use bendtwin_client::CaptureId;
 use clap::{Args, Subcommand};
 
-use crate::{args::Global, output, table::Table};
+use crate::{global::Global, output, table::Table};
 
 #[derive(Debug, Args)]
 pub(crate) struct Capture {

@@ -11,7 +11,7 @@ use clap::Args;
 use tempfile::TempDir;
 
 use self::steps::Story;
-use crate::{args::Global, backend::BackendArgs, signals};
+use crate::{backend::BackendArgs, global::Global, signals};
 
 #[derive(Debug, Args)]
 pub(crate) struct Demo {

@@ -12,9 +12,9 @@ use serde_json::json;
 
 use self::local::{Fitted, fit};
 use crate::{
-    args::Global,
     backend::BackendArgs,
     failure::{self, Failed, Usage},
+    global::Global,
     observation, output, picture, quality,
     settings::SettingsArgs,
     signals,

@@ -7,7 +7,7 @@ use bendtwin_client::{CaptureId, FitId};
 use clap::{Args, Subcommand};
 
 pub(crate) use self::watch::{ended_well, watch};
-use crate::{args::Global, output, table::Table};
+use crate::{global::Global, output, table::Table};
 
 #[derive(Debug, Args)]
 pub(crate) struct Fit {

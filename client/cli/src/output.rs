@@ -4,7 +4,7 @@ use std::io::Write as _;
 
 use serde::Serialize;
 
-use crate::args::Global;
+use crate::global::Global;
 
 /// Prints a result as JSON or, for people, as `text` says.
 pub(crate) fn print<T: Serialize>(

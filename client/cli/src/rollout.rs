@@ -10,8 +10,8 @@ use serde_json::json;
 
 use self::actions::Actions;
 use crate::{
-    args::Global,
     failure::Usage,
+    global::Global,
     npy::{self, Array},
     output,
     table::Table,

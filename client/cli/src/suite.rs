@@ -17,9 +17,9 @@ use clap::{Args, builder::RangedU64ValueParser};
 
 use self::board::{Board, counted};
 use crate::{
-    args::Global,
     backend::BackendArgs,
     failure::{self, Failed},
+    global::Global,
     observation, output, signals,
 };
 

@@ -8,7 +8,7 @@ use bendtwin_eval::{TableStyle, format_table};
 use clap::{Args, Subcommand};
 use serde_json::json;
 
-use crate::{args::Global, output, quality, table::Table};
+use crate::{global::Global, output, quality, table::Table};
 
 #[derive(Debug, Args)]
 pub(crate) struct Twin {

@@ -5,7 +5,7 @@ use std::{net::SocketAddr, path::PathBuf};
 use bendtwin_worker::{Limits, Options};
 use clap::Args;
 
-use crate::{args::Global, backend::BackendArgs, failure, signals};
+use crate::{backend::BackendArgs, failure, global::Global, signals};
 
 /// Options of a worker. The address of the server is `--server`.
 #[derive(Debug, Args)]

@@ -24,7 +24,7 @@ use tonic::{
 
 use super::route::Candidate;
 use crate::{
-    app::{Error, Result},
+    failure::{Error, Result},
     options::Limits,
     tokens::Child,
 };

@@ -8,7 +8,7 @@ use bendtwin_capture::{
 use bendtwin_core::Problem as _;
 use bendtwin_engine::backend::CancelToken;
 
-use crate::{args::Global, failure, output};
+use crate::{failure, global::Global, output};
 
 /// The code of what is raw and not processed.
 const RAW_CAPTURE: &str = "RAW_CAPTURE";

@@ -9,7 +9,7 @@ use bendtwin_capture::{
 use clap::Args;
 use serde_json::json;
 
-use crate::{args::Global, failure, output};
+use crate::{failure, global::Global, output};
 
 #[derive(Debug, Args)]
 pub(crate) struct Make {

@@ -17,7 +17,7 @@ use super::{
     check::{check_locally, text},
     reading::follow,
 };
-use crate::{args::Global, failure, output, progress, signals};
+use crate::{failure, global::Global, output, progress, signals};
 
 #[derive(Debug, Args)]
 pub(crate) struct Push {

@@ -11,7 +11,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::check;
-use crate::{args::Global, failure::Failed, output, progress::FitBar};
+use crate::{failure::Failed, global::Global, output, progress::FitBar};
 
 /// What is shown of a report without its page.
 #[derive(Deserialize)]

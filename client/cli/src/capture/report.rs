@@ -15,8 +15,8 @@ use super::{
     reading::{self, Files},
 };
 use crate::{
-    args::Global,
     failure::{self, Usage},
+    global::Global,
     output,
 };
 

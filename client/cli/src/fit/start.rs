@@ -4,7 +4,7 @@ use bendtwin_client::CaptureId;
 use clap::Args;
 
 use super::{ended_well, shown, watch};
-use crate::{args::Global, output, settings::SettingsArgs};
+use crate::{global::Global, output, settings::SettingsArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct Start {

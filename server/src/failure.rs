@@ -1,4 +1,4 @@
-//! Why a use case was refused or failed.
+//! The error of use cases and of dispatch, below both. It knows no transport: `error.rs` turns it into one.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use bendtwin_core::{Category, Fault, Problem, ids::InvalidName};
 /// Result with this module's [`Error`].
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// An error of a use case.
+/// An error of a use case, or of the routing below it.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
     #[error(transparent)]
