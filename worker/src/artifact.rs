@@ -6,7 +6,7 @@ use bendtwin_core::{Category, Problem};
 use bytes::{Bytes, BytesMut};
 use tempfile::NamedTempFile;
 
-use crate::server_client::{Link, LinkError};
+use crate::server_client::{CallError, ServerClient};
 
 /// Why content could not be fetched.
 #[derive(Debug, thiserror::Error)]
@@ -72,18 +72,22 @@ impl Problem for FetchError {
     }
 }
 
-fn server(name: &str, error: LinkError) -> FetchError {
+fn server_error(name: &str, error: CallError) -> FetchError {
     match error {
-        LinkError::Stale => FetchError::Stale,
+        CallError::Stale => FetchError::Stale,
         other => FetchError::Server { name: name.to_owned(), fault: other.fault() },
     }
 }
 
 /// Fetches content into memory, up to `limit` bytes.
-pub(crate) async fn fetch(link: &Link, name: &str, limit: u64) -> Result<Bytes, FetchError> {
-    let mut download = link.download(name.to_owned()).await.map_err(|e| server(name, e))?;
+pub(crate) async fn fetch(
+    server: &ServerClient,
+    name: &str,
+    limit: u64,
+) -> Result<Bytes, FetchError> {
+    let mut download = server.download(name.to_owned()).await.map_err(|e| server_error(name, e))?;
     let mut content = BytesMut::new();
-    while let Some(chunk) = download.next().await.map_err(|e| server(name, e))? {
+    while let Some(chunk) = download.next().await.map_err(|e| server_error(name, e))? {
         if (content.len() + chunk.len()) as u64 > limit {
             return Err(FetchError::TooLarge { name: name.to_owned(), limit });
         }
@@ -94,7 +98,7 @@ pub(crate) async fn fetch(link: &Link, name: &str, limit: u64) -> Result<Bytes, 
 
 /// Fetches content into a temporary file in `dir` and checks its digest where one is known.
 pub(crate) async fn fetch_file(
-    link: &Link,
+    server: &ServerClient,
     name: &str,
     digest: Option<&str>,
     dir: &Path,
@@ -106,9 +110,9 @@ pub(crate) async fn fetch_file(
         .tempfile_in(dir)
         .map_err(disk)?;
     let mut hasher = blake3::Hasher::new();
-    let mut download = link.download(name.to_owned()).await.map_err(|e| server(name, e))?;
+    let mut download = server.download(name.to_owned()).await.map_err(|e| server_error(name, e))?;
     // Chunks are small and go to the page cache, so writing in place blocks no one for long.
-    while let Some(chunk) = download.next().await.map_err(|e| server(name, e))? {
+    while let Some(chunk) = download.next().await.map_err(|e| server_error(name, e))? {
         hasher.update(&chunk);
         file.write_all(&chunk).map_err(disk)?;
     }

@@ -1,5 +1,5 @@
 //! The compute device: OS threads that own the backend, each behind a queue. Callers see a
-//! [`Backend`] again, a [`Lane`], which cuts their batches into slices.
+//! [`Backend`] again, a [`QueuedBackend`], which cuts their batches into slices.
 //!
 //! Most devices have one queue: then one thread does everything, with two priorities, and between two
 //! slices of a fit a rollout gets its turn. Where [`Backend::urgent`] gives a second one, rollouts have
@@ -21,7 +21,7 @@ use bendtwin_engine::{
 use tokio::sync::mpsc;
 
 pub(crate) use self::queue::Priority;
-pub(crate) use self::queued::Lane;
+pub(crate) use self::queued::QueuedBackend;
 use self::{
     queue::{Broken, Queue},
     thread::{Opened, Threads},
@@ -49,7 +49,7 @@ pub(crate) struct Device {
 impl Device {
     /// Starts the threads and opens the backend on them.
     ///
-    /// A panic in a job is caught: its caller gets an error, the device takes no more work, and `fatal`
+    /// A panic in a task is caught: its caller gets an error, the device takes no more work, and `fatal`
     /// is told, for the state of a device is unknown then. [`backend::Error::Device`] ends it alike: a
     /// failed launch leaves a CUDA context that does not heal.
     pub(crate) fn spawn<F>(open: F, fatal: mpsc::UnboundedSender<Error>) -> Result<Self, Error>
@@ -70,34 +70,34 @@ impl Device {
         &self.description
     }
 
-    /// The device's memory as of its last job, give or take a second; never waits.
+    /// The device's memory as of its last task, give or take a second; never waits.
     pub(crate) fn memory(&self) -> Option<Memory> {
         self.threads.memory()
     }
 
-    /// Looks at the memory before the next job asks.
+    /// Looks at the memory before the next task asks.
     #[cfg(test)]
-    pub(crate) fn look_now(&self) {
-        let memory = self.lane(Priority::Interactive).memory();
+    pub(crate) fn sample_memory_now(&self) {
+        let memory = self.backend(Priority::Interactive).memory();
         self.threads.set_memory(memory);
     }
 
     /// A backend whose calls run on the device with this priority.
-    pub(crate) fn lane(&self, priority: Priority) -> Lane {
-        Lane::new(self.clone(), priority)
+    pub(crate) fn backend(&self, priority: Priority) -> QueuedBackend {
+        QueuedBackend::new(self.clone(), priority)
     }
 
-    /// Says how the device's users give up memory that they can spare: about so many bytes, or nothing and
-    /// false. The first word counts.
-    pub(crate) fn on_shortage(&self, spare: impl Fn(u64) -> bool + Send + Sync + 'static) {
-        self.threads.on_shortage(Box::new(spare));
+    /// Sets how memory is freed on a shortage. `reclaim` frees about so many bytes, or returns false if there is
+    /// nothing to free. Only the first call has an effect.
+    pub(crate) fn on_shortage(&self, reclaim: impl Fn(u64) -> bool + Send + Sync + 'static) {
+        self.threads.on_shortage(Box::new(reclaim));
     }
 
     fn reclaim(&self, bytes: u64) -> bool {
         self.threads.reclaim(bytes)
     }
 
-    /// Ends the threads once their current jobs are done; waiting and later callers get an error.
+    /// Ends the threads once their current tasks are done; waiting and later callers get an error.
     pub(crate) fn close(&self) {
         self.threads.close();
     }
@@ -119,16 +119,16 @@ impl Device {
         }
     }
 
-    /// Runs a job on the device and waits for it. Also says how long it ran.
+    /// Runs a task on the device and waits for it. Also says how long it ran.
     fn call<R: Send + 'static>(
         &self,
         priority: Priority,
-        job: impl FnOnce(&dyn Backend) -> Result<R, backend::Error> + Send + 'static,
+        task: impl FnOnce(&dyn Backend) -> Result<R, backend::Error> + Send + 'static,
     ) -> Result<(R, Duration), backend::Error> {
         let (reply, result) = std::sync::mpsc::sync_channel(1);
-        let job = move |backend: &dyn Backend| {
+        let task = move |backend: &dyn Backend| {
             let started = Instant::now();
-            let value = job(backend);
+            let value = task(backend);
             let took = started.elapsed();
             let broken = match &value {
                 Err(backend::Error::Device(why)) => Err(Broken(why.clone())),
@@ -138,7 +138,7 @@ impl Device {
             let _ = reply.send(value.map(|value| (value, took)));
             broken
         };
-        self.queue(priority).push(priority, Box::new(job));
+        self.queue(priority).push(priority, Box::new(task));
         result.recv().unwrap_or_else(|_| {
             let why = "it failed in other work, or the worker ends: try again";
             Err(backend::Error::Device(why.to_owned()))

@@ -39,13 +39,13 @@ use crate::{
         stop::{Reason, Stop},
     },
     leasing::Execute,
-    server_client::Link,
+    server_client::ServerClient,
 };
 
 /// What ingest jobs need of the process.
 #[derive(Clone)]
 pub(crate) struct Ingests {
-    pub(crate) link: Link,
+    pub(crate) server: ServerClient,
     /// workers/{uuid}
     pub(crate) worker: String,
     /// Where captures are put while they are read.
@@ -61,8 +61,8 @@ pub(crate) struct Ingests {
 impl Execute for Ingests {
     const KIND: Kind = Kind::Ingest;
 
-    fn link(&self) -> &Link {
-        &self.link
+    fn server(&self) -> &ServerClient {
+        &self.server
     }
 
     fn worker(&self) -> &str {
@@ -84,7 +84,7 @@ impl Execute for Ingests {
 impl Ingests {
     async fn execute_in_span(&self, lease: Lease, drain: &CancellationToken) {
         tracing::info!(resumed = lease.has_checkpoint, "ingest leased");
-        let job = Job::new(self.link.clone(), self.worker.clone(), &lease);
+        let job = Job::new(self.server.clone(), self.worker.clone(), &lease);
         let stop = Stop::default();
         let (progress, reporter) = reporting::start(job.clone(), stop.clone());
         let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
@@ -127,12 +127,12 @@ impl Ingests {
         let folder =
             tempfile::Builder::new().prefix("ingest-").tempdir_in(&self.dir).map_err(disk)?;
         let digest = Some(lease.capture_digest.as_str());
-        let archive = artifact::fetch_file(&self.link, &lease.capture, digest, folder.path())
+        let archive = artifact::fetch_file(&self.server, &lease.capture, digest, folder.path())
             .await
             .map_err(|e| e.fault())?;
         archive.persist(folder.path().join(ARCHIVE)).map_err(|e| disk(e.error))?;
         if lease.has_checkpoint {
-            let checkpoint = artifact::fetch(&self.link, &lease.job, checkpoints::MAX_BYTES)
+            let checkpoint = artifact::fetch(&self.server, &lease.job, checkpoints::MAX_BYTES)
                 .await
                 .map_err(|e| e.fault())?;
             std::fs::write(folder.path().join(CHECKPOINT), checkpoint).map_err(disk)?;

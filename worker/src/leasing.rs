@@ -8,8 +8,8 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     Error,
-    registration::{Presence, is_unknown},
-    server_client::{Backoff, Link, LinkError},
+    registration::{Registration, is_unknown},
+    server_client::{Backoff, CallError, ServerClient},
 };
 
 /// How long the server may hold a call for a job.
@@ -17,7 +17,7 @@ const WAIT: Duration = Duration::from_secs(20);
 
 /// When to stop.
 #[derive(Clone, Debug)]
-pub(crate) struct Until {
+pub(crate) struct StopSignals {
     /// No further job is leased.
     pub(crate) closed: CancellationToken,
     /// The job under way is handed back, too.
@@ -29,7 +29,7 @@ pub(crate) trait Execute: Send + Sync {
     /// The jobs that it works on.
     const KIND: Kind;
 
-    fn link(&self) -> &Link;
+    fn server(&self) -> &ServerClient;
 
     /// workers/{uuid}
     fn worker(&self) -> &str;
@@ -44,23 +44,23 @@ pub(crate) trait Execute: Send + Sync {
 /// If the server refuses this worker for good.
 pub(crate) async fn lease<E: Execute>(
     executor: &E,
-    presence: &Presence,
-    until: &Until,
+    registration: &Registration,
+    stop: &StopSignals,
 ) -> Result<(), Error> {
     let mut backoff = Backoff::default();
-    while !until.closed.is_cancelled() {
+    while !stop.closed.is_cancelled() {
         let leased = tokio::select! {
-            leased = executor.link().lease_job(E::KIND, executor.worker().to_owned(), WAIT) => leased,
-            () = until.closed.cancelled() => return Ok(()),
+            leased = executor.server().lease_job(E::KIND, executor.worker().to_owned(), WAIT) => leased,
+            () = stop.closed.cancelled() => return Ok(()),
         };
         match leased {
             Ok(lease) => {
                 backoff = Backoff::default();
                 if let Some(lease) = lease {
-                    executor.execute(lease, &until.drained).await;
+                    executor.execute(lease, &stop.drained).await;
                 }
             }
-            Err(LinkError::Refused(fault))
+            Err(CallError::Refused(fault))
                 if matches!(
                     fault.category,
                     Category::Unauthenticated | Category::PermissionDenied
@@ -70,13 +70,13 @@ pub(crate) async fn lease<E: Execute>(
             }
             Err(error) => {
                 if is_unknown(&error) {
-                    presence.register_again().await;
+                    registration.register_again().await;
                 } else {
                     tracing::debug!("no job: {}", error.fault());
                 }
                 tokio::select! {
                     () = backoff.wait() => {}
-                    () = until.closed.cancelled() => return Ok(()),
+                    () = stop.closed.cancelled() => return Ok(()),
                 }
             }
         }

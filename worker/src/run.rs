@@ -18,11 +18,11 @@ use crate::{
     device::Device,
     fit::Fits,
     ingest::Ingests,
-    leasing::{self, Until},
-    registration::Presence,
+    leasing::{self, StopSignals},
+    registration::Registration,
     rollout::{self, Replays, Rollouts, WarmTwins},
     scratch::Scratch,
-    server_client::Link,
+    server_client::ServerClient,
 };
 
 /// How long rollouts and last words may take once the worker is to end.
@@ -56,32 +56,32 @@ async fn run_on(
 ) -> Result<(), Error> {
     let id = WorkerId::generate();
     let limits = options.limits;
-    let link = Link::new(&options.server, &options.token)?;
+    let server = ServerClient::new(&options.server, &options.token)?;
     let base = options.cache_dir.clone().unwrap_or_else(std::env::temp_dir);
     let scratch = Scratch::new(&base)
         .map_err(|source| Error::System { what: "make a folder for captures", source })?;
     let dir = scratch.path().to_owned();
 
-    let twins = WarmTwins::new(link.clone(), device.clone(), limits);
-    let replays = Replays::new(link.clone(), dir.clone(), limits);
+    let twins = WarmTwins::new(server.clone(), device.clone(), limits);
+    let replays = Replays::new(server.clone(), dir.clone(), limits);
     let rollouts = Rollouts::new(id.to_string(), device.clone(), twins, replays, limits);
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
-    let registration = registration(id, &endpoint, device);
-    let presence = Presence::new(link.clone(), registration, rollouts, device.clone());
+    let request = register_request(id, &endpoint, device);
+    let registration = Registration::new(server.clone(), request, rollouts, device.clone());
     tokio::select! {
-        registered = presence.register(options.patience) => registered?,
+        registered = registration.register(options.patience) => registered?,
         () = shutdown.cancelled() => return Ok(()),
     }
     let name = &device.description().name;
     tracing::info!(worker = %id, endpoint, device = name, "worker ready");
-    let beating = tokio::spawn(presence.clone().beat(shutdown.clone()));
+    let heartbeat = tokio::spawn(registration.clone().heartbeat(shutdown.clone()));
 
     // Leasing ends before the job under way does: the job of a worker that must die is not
     // handed back as unharmed, or it would kill one worker after another.
-    let until = Until { closed: shutdown.child_token(), drained: shutdown.clone() };
+    let stop = StopSignals { closed: shutdown.child_token(), drained: shutdown.clone() };
     let fits = Fits {
-        link: link.clone(),
+        server: server.clone(),
         device: device.clone(),
         worker: id.to_string(),
         dir: dir.clone(),
@@ -90,22 +90,22 @@ async fn run_on(
         fatal,
     };
     let ingests = Ingests {
-        link,
+        server,
         worker: id.to_string(),
         dir,
         program: options.ingest_program.clone().unwrap_or_else(this_program),
         memory_bytes: limits.ingest_bytes,
         patience: options.patience,
     };
-    let (leases, ends) = (options.fits, until.clone());
+    let (leases, ends) = (options.fits, stop.clone());
     let mut leasing = tokio::spawn(async move {
         if !leases {
             return pending().await;
         }
         // Side by side: whoever uploads a capture should not wait for others' fits to hear what is wrong with it.
         tokio::try_join!(
-            leasing::lease(&fits, &presence, &ends),
-            leasing::lease(&ingests, &presence, &ends)
+            leasing::lease(&fits, &registration, &ends),
+            leasing::lease(&ingests, &registration, &ends)
         )
         .map(drop)
     });
@@ -114,13 +114,13 @@ async fn run_on(
         error = died.recv() => error.map_or(Ok(()), Err),
         () = shutdown.cancelled() => Ok(()),
     };
-    until.closed.cancel();
+    stop.closed.cancel();
     if leases && !leasing.is_finished() && tokio::time::timeout(GRACE, &mut leasing).await.is_err()
     {
         tracing::warn!("the jobs under way did not end in time: their leases will run out");
     }
     leasing.abort();
-    beating.abort();
+    heartbeat.abort();
     serving.stop().await;
     tracing::info!("worker ended");
     result
@@ -146,7 +146,7 @@ async fn open_device(
         .map_err(|e| Error::Panicked(e.to_string()))?
 }
 
-fn registration(id: WorkerId, endpoint: &str, device: &Device) -> RegisterRequest {
+fn register_request(id: WorkerId, endpoint: &str, device: &Device) -> RegisterRequest {
     let description = device.description();
     RegisterRequest {
         worker: id.to_string(),

@@ -36,7 +36,7 @@ const MAX_MESSAGE: usize = 32 << 20;
 
 /// What became of a call about a job.
 #[derive(Debug)]
-pub(crate) enum LinkError {
+pub(crate) enum CallError {
     /// Another worker has the job by now: stop at once, write nothing more.
     Stale,
     /// The server cannot be reached or asks to try again.
@@ -45,7 +45,7 @@ pub(crate) enum LinkError {
     Refused(Fault),
 }
 
-impl LinkError {
+impl CallError {
     /// What went wrong.
     pub(crate) fn fault(self) -> Fault {
         match self {
@@ -59,7 +59,7 @@ impl LinkError {
     }
 }
 
-impl From<Status> for LinkError {
+impl From<Status> for CallError {
     fn from(status: Status) -> Self {
         let fault = fault::fault(&status);
         match fault.category {
@@ -79,7 +79,7 @@ impl From<Status> for LinkError {
 
 /// The server as a worker sees it. Clones share one connection.
 #[derive(Clone)]
-pub(crate) struct Link {
+pub(crate) struct ServerClient {
     client: WorkerLinkClient<InterceptedService<Channel, Credentials>>,
 }
 
@@ -94,7 +94,7 @@ impl Interceptor for Credentials {
     }
 }
 
-impl Link {
+impl ServerClient {
     /// Prepares the connection; it is made with the first call and again whenever it breaks.
     pub(crate) fn new(server: &str, token: &str) -> Result<Self, Error> {
         let address = || Error::Address { url: server.to_owned() };
@@ -117,12 +117,12 @@ impl Link {
     pub(crate) async fn register(
         &self,
         request: RegisterRequest,
-    ) -> Result<RegisterResponse, LinkError> {
+    ) -> Result<RegisterResponse, CallError> {
         let call = within(request, CALL_TIMEOUT);
         Ok(self.client.clone().register(call).await?.into_inner())
     }
 
-    pub(crate) async fn beat(&self, request: BeatRequest) -> Result<BeatResponse, LinkError> {
+    pub(crate) async fn heartbeat(&self, request: BeatRequest) -> Result<BeatResponse, CallError> {
         let call = within(request, CALL_TIMEOUT);
         Ok(self.client.clone().beat(call).await?.into_inner())
     }
@@ -133,7 +133,7 @@ impl Link {
         kind: Kind,
         worker: String,
         wait: Duration,
-    ) -> Result<Option<Lease>, LinkError> {
+    ) -> Result<Option<Lease>, CallError> {
         let request = LeaseJobRequest { worker, wait_s: wait.as_secs_f64(), kind: kind.into() };
         let call = within(request, wait + CALL_TIMEOUT);
         Ok(self.client.clone().lease_job(call).await?.into_inner().lease)
@@ -142,12 +142,12 @@ impl Link {
     pub(crate) async fn report_job(
         &self,
         request: ReportJobRequest,
-    ) -> Result<ReportJobResponse, LinkError> {
+    ) -> Result<ReportJobResponse, CallError> {
         let call = within(request, CALL_TIMEOUT);
         Ok(self.client.clone().report_job(call).await?.into_inner())
     }
 
-    pub(crate) async fn fail_job(&self, request: FailJobRequest) -> Result<(), LinkError> {
+    pub(crate) async fn fail_job(&self, request: FailJobRequest) -> Result<(), CallError> {
         let call = within(request, CALL_TIMEOUT);
         self.client.clone().fail_job(call).await?;
         Ok(())
@@ -157,7 +157,7 @@ impl Link {
     pub(crate) async fn end_ingest(
         &self,
         messages: impl Stream<Item = EndIngestRequest> + Send + 'static,
-    ) -> Result<(), LinkError> {
+    ) -> Result<(), CallError> {
         // Gigabytes, perhaps: what matters is that it moves, and the server sees to that.
         self.client.clone().end_ingest(Request::new(messages)).await?;
         Ok(())
@@ -168,7 +168,7 @@ impl Link {
         &self,
         job: JobWrite,
         content: Bytes,
-    ) -> Result<(), LinkError> {
+    ) -> Result<(), CallError> {
         use bendtwin_proto::worker::v1::save_checkpoint_request::Part;
         let parts = upload::parts(
             SaveCheckpointRequest { part: Some(Part::Metadata(job)) },
@@ -184,7 +184,7 @@ impl Link {
         &self,
         twin: TwinWrite,
         content: Bytes,
-    ) -> Result<String, LinkError> {
+    ) -> Result<String, CallError> {
         use bendtwin_proto::worker::v1::complete_fit_request::Part;
         let parts = upload::parts(
             CompleteFitRequest { part: Some(Part::Metadata(twin)) },
@@ -196,7 +196,7 @@ impl Link {
     }
 
     /// The content of a capture, an observation, a twin or a job's checkpoint, in chunks.
-    pub(crate) async fn download(&self, name: String) -> Result<Download, LinkError> {
+    pub(crate) async fn download(&self, name: String) -> Result<Download, CallError> {
         let call = Request::new(DownloadRequest { name });
         Ok(Download(self.client.clone().download(call).await?.into_inner()))
     }
@@ -207,7 +207,7 @@ pub(crate) struct Download(Streaming<bendtwin_proto::worker::v1::DownloadRespons
 
 impl Download {
     /// The next chunk; none at the end. A server that says nothing for a while counts as gone.
-    pub(crate) async fn next(&mut self) -> Result<Option<Bytes>, LinkError> {
+    pub(crate) async fn next(&mut self) -> Result<Option<Bytes>, CallError> {
         match tokio::time::timeout(CALL_TIMEOUT, self.0.message()).await {
             Ok(message) => Ok(message?.map(|m| m.chunk)),
             Err(_) => Err(Status::deadline_exceeded("the download stalled").into()),

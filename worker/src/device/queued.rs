@@ -20,41 +20,41 @@ use bendtwin_engine::{
     descent::{Decay, Descent, Start},
 };
 
-use self::descent::LaneDescent;
+use self::descent::QueuedDescent;
 
 use super::{Device, Priority};
 
-/// Which way through the frames, for a gradient costs several times a rollout.
+/// Which pass through the frames, for a gradient costs several times a rollout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum Pass {
     Forward,
     Backward,
 }
 
-/// Device time that a lane has used.
+/// Device time that a backend has used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Usage {
-    /// Time in which the device computed for this lane.
+    /// Time in which the device computed for this backend.
     pub(crate) compute: Duration,
     /// Work done in it, in element substeps.
     work: f64,
 }
 
 /// The device as one caller sees it.
-pub(crate) struct Lane(Arc<Access>);
+pub(crate) struct QueuedBackend(Arc<Shared>);
 
-/// What a lane and its descents share.
-struct Access {
+/// What a backend and its descents share.
+struct Shared {
     device: Device,
     priority: Priority,
     forward: Mutex<Usage>,
     backward: Mutex<Usage>,
 }
 
-impl Lane {
+impl QueuedBackend {
     pub(super) fn new(device: Device, priority: Priority) -> Self {
         let (forward, backward) = (Mutex::default(), Mutex::default());
-        Self(Arc::new(Access { device, priority, forward, backward }))
+        Self(Arc::new(Shared { device, priority, forward, backward }))
     }
 
     /// Device time used so far.
@@ -65,7 +65,7 @@ impl Lane {
     fn sliced<R: Send + 'static>(
         &self,
         batch: &[Instance],
-        way: Way,
+        pass: Pass,
         cancel: &CancelToken,
         run: impl Fn(&dyn Backend, &[Instance]) -> Result<Vec<R>, Error> + Clone + Send + 'static,
     ) -> Result<Vec<R>, Error> {
@@ -73,45 +73,45 @@ impl Lane {
         let mut order: Vec<usize> = (0..batch.len()).collect();
         // Stable, so that equal instances keep their order.
         order.sort_by(|a, b| work[*b].total_cmp(&work[*a]));
-        self.0.in_slices(batch, &work, &order, way, cancel, |instances| {
+        self.0.in_slices(batch, &work, &order, pass, cancel, |instances| {
             let (instances, run) = (Arc::new(instances), run.clone());
             self.0.call(move |backend| run(backend, &instances))
         })
     }
 }
 
-impl Access {
-    /// Runs a job on the device. If it lacks memory, what can be spared there is given up and the job
+impl Shared {
+    /// Runs a task on the device. If it lacks memory, what can be spared there is given up and the task
     /// runs again: first as much as was lacking, by estimate, then everything.
     fn call<R: Send + 'static>(
         &self,
-        job: impl Fn(&dyn Backend) -> Result<R, Error> + Clone + Send + 'static,
+        task: impl Fn(&dyn Backend) -> Result<R, Error> + Clone + Send + 'static,
     ) -> Result<(R, Duration), Error> {
-        let mut result = self.call_once(job.clone());
+        let mut result = self.call_once(task.clone());
         for all in [false, true] {
             let Err(Error::OutOfMemory { needed, available }) = result else { break };
             let lacking = if all { u64::MAX } else { needed.saturating_sub(available) };
             let hopeless = self.device.memory().is_some_and(|m| needed > m.total);
             if !hopeless && self.device.reclaim(lacking) {
-                result = self.call_once(job.clone());
+                result = self.call_once(task.clone());
             }
         }
         result
     }
 
-    fn usage(&self, way: Way) -> &Mutex<Usage> {
-        match way {
-            Way::Forward => &self.forward,
-            Way::Backward => &self.backward,
+    fn usage(&self, pass: Pass) -> &Mutex<Usage> {
+        match pass {
+            Pass::Forward => &self.forward,
+            Pass::Backward => &self.backward,
         }
     }
 
-    /// Runs a job that cannot run twice.
+    /// Runs a task that cannot run twice.
     fn call_once<R: Send + 'static>(
         &self,
-        job: impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + 'static,
+        task: impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + 'static,
     ) -> Result<(R, Duration), Error> {
-        self.device.call(self.priority, job)
+        self.device.call(self.priority, task)
     }
 
     /// Runs a batch in slices, in this order; `run` takes a slice to the device. Results come in the batch's order.
@@ -120,11 +120,11 @@ impl Access {
         batch: &[T],
         work: &[f64],
         order: &[usize],
-        way: Way,
+        pass: Pass,
         cancel: &CancelToken,
         run: impl Fn(Vec<T>) -> Result<(Vec<R>, Duration), Error>,
     ) -> Result<Vec<R>, Error> {
-        let usage = self.usage(way);
+        let usage = self.usage(pass);
         let mut results: Vec<Option<R>> = batch.iter().map(|_| None).collect();
         let mut rest = order;
         while !rest.is_empty() {
@@ -151,7 +151,7 @@ impl Access {
     }
 }
 
-impl Backend for Lane {
+impl Backend for QueuedBackend {
     fn device(&self) -> Description {
         self.0.device.description().clone()
     }
@@ -172,14 +172,14 @@ impl Backend for Lane {
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
         let (recording, token) = (recording.clone(), cancel.clone());
-        self.sliced(batch, Way::Forward, cancel, move |backend, slice| {
+        self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
             backend.roll_out(slice, &recording, &token)
         })
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
         let token = cancel.clone();
-        self.sliced(batch, Way::Forward, cancel, move |backend, slice| {
+        self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
             backend.losses(slice, &token)
         })
     }
@@ -191,13 +191,13 @@ impl Backend for Lane {
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
         let (request, token) = (request.clone(), cancel.clone());
-        self.sliced(batch, Way::Backward, cancel, move |backend, slice| {
+        self.sliced(batch, Pass::Backward, cancel, move |backend, slice| {
             backend.gradients(slice, &request, &token)
         })
     }
 
     fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
-        Ok(Box::new(LaneDescent::new(self.0.clone(), starts, decay)?))
+        Ok(Box::new(QueuedDescent::new(self.0.clone(), starts, decay)?))
     }
 
     fn memory(&self) -> Option<Memory> {

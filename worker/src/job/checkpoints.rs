@@ -13,14 +13,14 @@ use super::{
     Job,
     stop::{Reason, Stop},
 };
-use crate::server_client::{Backoff, LinkError};
+use crate::server_client::{Backoff, CallError};
 
 /// A checkpoint larger than this is none that was saved here [bytes].
 pub(crate) const MAX_BYTES: u64 = 1 << 30;
 /// Between two checkpoints inside a stage.
-const EVERY: Duration = Duration::from_secs(2);
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(2);
 /// How long the last checkpoint may take when a worker ends.
-const FLUSH: Duration = Duration::from_secs(10);
+const FLUSH_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Where whoever works leaves checkpoints.
 #[derive(Clone)]
@@ -78,7 +78,7 @@ impl Slot {
     }
 
     /// What was taken is done with.
-    fn settle(&self) {
+    fn acknowledge(&self) {
         *self.sending.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 }
@@ -106,7 +106,8 @@ impl Saver {
         // What it was sending is sent again at worst.
         let _ = self.task.await;
         if let Some(content) = self.slot.take() {
-            let saved = tokio::time::timeout(FLUSH, self.job.save_checkpoint(content)).await;
+            let saved =
+                tokio::time::timeout(FLUSH_TIMEOUT, self.job.save_checkpoint(content)).await;
             if !matches!(saved, Ok(Ok(()))) {
                 tracing::warn!("the last checkpoint was not saved: the one before it counts");
             }
@@ -130,18 +131,18 @@ async fn run(slot: Arc<Slot>, job: Job, stop: Stop) {
             let bytes = content.len();
             match job.save_checkpoint(content).await {
                 Ok(()) => tracing::debug!(bytes, "checkpoint saved"),
-                Err(LinkError::Stale) => return stop.stop(Reason::Stale),
-                Err(LinkError::Refused(fault)) => {
+                Err(CallError::Stale) => return stop.stop(Reason::Stale),
+                Err(CallError::Refused(fault)) => {
                     tracing::warn!(reason = fault.reason, "checkpoint refused: {fault}");
                 }
-                Err(LinkError::Unavailable(fault)) => {
+                Err(CallError::Unavailable(fault)) => {
                     tracing::debug!("cannot save a checkpoint yet: {fault}");
                     backoff.wait().await;
                     continue;
                 }
             }
-            slot.settle();
+            slot.acknowledge();
         }
-        next = Instant::now() + EVERY;
+        next = Instant::now() + CHECKPOINT_INTERVAL;
     }
 }

@@ -7,7 +7,7 @@ use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use super::{Job, checkpoints::Saver, stop::Reason};
-use crate::server_client::{Backoff, LinkError};
+use crate::server_client::{Backoff, CallError};
 
 /// How long a worker that is told to end still tries.
 const DRAIN_PATIENCE: Duration = Duration::from_secs(10);
@@ -43,7 +43,7 @@ pub(crate) struct Delivery<'a> {
 impl Delivery<'_> {
     /// Says that there will be nothing from this attempt.
     pub(crate) async fn fail(&self, fault: Fault, kind: Failure) {
-        let _ = self.repeat("the failure", || self.job.fail(&fault, kind)).await;
+        let _ = self.send_until_acknowledged("the failure", || self.job.fail(&fault, kind)).await;
     }
 
     /// Ends an attempt of `work` that made nothing: for the reason it was stopped, or else by whose fault it is. Unless nobody
@@ -76,13 +76,13 @@ impl Delivery<'_> {
     }
 
     /// Says something until the server has heard it. It must bear being said twice.
-    pub(crate) async fn repeat<T, F>(
+    pub(crate) async fn send_until_acknowledged<T, F>(
         &self,
         what: &str,
         send: impl Fn() -> F,
     ) -> Result<T, Undelivered>
     where
-        F: Future<Output = Result<T, LinkError>>,
+        F: Future<Output = Result<T, CallError>>,
     {
         let started = Instant::now();
         let mut drain_since: Option<Instant> = None;
@@ -90,15 +90,15 @@ impl Delivery<'_> {
         loop {
             match send().await {
                 Ok(answer) => return Ok(answer),
-                Err(LinkError::Stale) => {
+                Err(CallError::Stale) => {
                     tracing::warn!("the lease is stale: {what} is dropped");
                     return Err(Undelivered::GivenUp);
                 }
-                Err(LinkError::Refused(fault)) => {
+                Err(CallError::Refused(fault)) => {
                     tracing::error!(reason = fault.reason, "the server refuses {what}: {fault}");
                     return Err(Undelivered::Refused(fault));
                 }
-                Err(LinkError::Unavailable(fault)) => {
+                Err(CallError::Unavailable(fault)) => {
                     tracing::warn!("cannot deliver {what} yet: {fault}");
                 }
             }

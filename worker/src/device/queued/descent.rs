@@ -1,4 +1,4 @@
-//! A [`Descent`] that lives on the device thread; its batches are cut into slices like a lane's.
+//! A [`Descent`] that lives on the device thread; its batches are cut into slices like a backend's.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -9,32 +9,32 @@ use bendtwin_engine::{
     descent::{Decay, Descent, Position, Probe, Slope, Start},
 };
 
-use super::{Access, Way, instance_work};
+use super::{Pass, Shared, instance_work};
 
-/// The backend's own descent; only jobs on the device thread open the slot.
+/// The backend's own descent; only tasks on the device thread open the slot.
 type Slot = Arc<Mutex<Option<Box<dyn Descent>>>>;
 
 /// The descent as its owner sees it.
-pub(super) struct LaneDescent {
-    access: Arc<Access>,
+pub(super) struct QueuedDescent {
+    shared: Arc<Shared>,
     slot: Slot,
 }
 
-impl LaneDescent {
+impl QueuedDescent {
     pub(super) fn new(
-        access: Arc<Access>,
+        shared: Arc<Shared>,
         starts: Vec<Start>,
         decay: Decay,
     ) -> Result<Self, Error> {
-        let (descent, _) = access.call(move |backend| backend.descent(starts.clone(), decay))?;
-        Ok(Self { access, slot: Arc::new(Mutex::new(Some(descent))) })
+        let (descent, _) = shared.call(move |backend| backend.descent(starts.clone(), decay))?;
+        Ok(Self { shared, slot: Arc::new(Mutex::new(Some(descent))) })
     }
 
     fn call<R: Send + 'static>(
         &self,
-        job: impl FnOnce(&mut dyn Descent) -> Result<R, Error> + Send + 'static,
+        task: impl FnOnce(&mut dyn Descent) -> Result<R, Error> + Send + 'static,
     ) -> Result<R, Error> {
-        Ok(self.access.call_once(on(&self.slot, job))?.0)
+        Ok(self.shared.call_once(on(&self.slot, task))?.0)
     }
 }
 
@@ -42,19 +42,19 @@ fn open(slot: &Slot) -> MutexGuard<'_, Option<Box<dyn Descent>>> {
     slot.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A job for the device thread that opens the slot.
+/// A task for the device thread that opens the slot.
 fn on<R, J: FnOnce(&mut dyn Descent) -> Result<R, Error> + Send>(
     slot: &Slot,
-    job: J,
+    task: J,
 ) -> impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + use<R, J> {
     let slot = Arc::clone(slot);
     move |_: &dyn Backend| match open(&slot).as_mut() {
-        Some(descent) => job(&mut **descent),
+        Some(descent) => task(&mut **descent),
         None => Err(Error::Device("the descent has ended".into())),
     }
 }
 
-impl Drop for LaneDescent {
+impl Drop for QueuedDescent {
     /// What belongs to the device is freed on its thread; nobody waits for it.
     fn drop(&mut self) {
         let slot = self.slot.clone();
@@ -62,11 +62,11 @@ impl Drop for LaneDescent {
             drop(open(&slot).take());
             Ok(())
         };
-        self.access.device.queue(self.access.priority).push(self.access.priority, Box::new(free));
+        self.shared.device.queue(self.shared.priority).push(self.shared.priority, Box::new(free));
     }
 }
 
-impl Descent for LaneDescent {
+impl Descent for QueuedDescent {
     fn loaded(&mut self, walk: usize) -> Result<Loaded, Error> {
         self.call(move |descent| descent.loaded(walk))
     }
@@ -80,14 +80,14 @@ impl Descent for LaneDescent {
     ) -> Result<Vec<Slope>, Error> {
         let work: Vec<f64> = batch.iter().map(|p| instance_work(&p.instance)).collect();
         let order: Vec<usize> = (0..batch.len()).collect();
-        self.access.in_slices(batch, &work, &order, Way::Backward, cancel, |slice| {
+        self.shared.in_slices(batch, &work, &order, Pass::Backward, cancel, |slice| {
             let (request, token) = (request.clone(), cancel.clone());
-            let job = on(&self.slot, move |descent| descent.measure(&slice, &request, &token));
+            let task = on(&self.slot, move |descent| descent.measure(&slice, &request, &token));
             // Never twice: after an error some of the slice's gradients may wait.
-            let result = self.access.call_once(job);
+            let result = self.shared.call_once(task);
             if let Err(Error::OutOfMemory { .. }) = result {
                 // The next attempt at the fit goes on from its checkpoint, and finds room.
-                self.access.device.reclaim(u64::MAX);
+                self.shared.device.reclaim(u64::MAX);
             }
             result
         })
