@@ -70,7 +70,7 @@ impl App {
 /// Runs a change of the store to its end even if the caller goes away. Half-way, between a blob and
 /// the row that refers to it or between the last look for such rows and the unlinking, dropping
 /// the work would open the gate that keeps the two apart while files and database still change.
-async fn to_the_end<T: Send + 'static>(
+async fn run_to_completion<T: Send + 'static>(
     change: impl Future<Output = bendtwin_store::Result<T>> + Send + 'static,
 ) -> Result<T> {
     match tokio::spawn(change).await {

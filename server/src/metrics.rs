@@ -17,7 +17,7 @@ const SECONDS: [f64; 14] =
 static METADATA: Metadata<'static> = Metadata::new("bendtwin_server", Level::INFO, None);
 
 /// What is so at the moment of a rendering.
-pub(crate) struct Now {
+pub(crate) struct Gauges {
     pub(crate) workers: usize,
     /// Rollouts under way or waiting.
     pub(crate) rollouts: usize,
@@ -91,7 +91,7 @@ impl Metrics {
     }
 
     /// All metrics as text, after setting those that are a state and no event.
-    pub(crate) fn render(&self, depth: &QueueDepth, now: &Now) -> String {
+    pub(crate) fn render(&self, depth: &QueueDepth, gauges: &Gauges) -> String {
         use bendtwin_store::State::{Cancelled, Failed, Queued, Running, Succeeded};
         for (kind, jobs, oldest) in [
             (Kind::Ingest, "bendtwin_ingests", "bendtwin_oldest_queued_ingest_seconds"),
@@ -103,11 +103,11 @@ impl Metrics {
             }
             self.gauge(oldest, Vec::new(), depth.oldest(kind).as_secs_f64());
         }
-        self.gauge("bendtwin_workers", Vec::new(), now.workers as f64);
-        self.gauge("bendtwin_rollouts_in_flight", Vec::new(), now.rollouts as f64);
-        self.gauge("bendtwin_uploads", Vec::new(), now.uploads.count as f64);
-        self.gauge("bendtwin_uploads_bytes", Vec::new(), now.uploads.bytes as f64);
-        let memory = [("used", now.memory.used), ("total", now.memory.total)];
+        self.gauge("bendtwin_workers", Vec::new(), gauges.workers as f64);
+        self.gauge("bendtwin_rollouts_in_flight", Vec::new(), gauges.rollouts as f64);
+        self.gauge("bendtwin_uploads", Vec::new(), gauges.uploads.count as f64);
+        self.gauge("bendtwin_uploads_bytes", Vec::new(), gauges.uploads.bytes as f64);
+        let memory = [("used", gauges.memory.used), ("total", gauges.memory.total)];
         for (state, bytes) in memory {
             let label = Label::new("state", state);
             self.gauge("bendtwin_device_memory_bytes", vec![label], bytes as f64);

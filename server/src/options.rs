@@ -27,7 +27,8 @@ pub struct Options {
     /// How long a job stays a worker's without a sign of life [s].
     pub lease_s: f64,
     /// How often workers give signs of life [s].
-    pub beat_interval_s: f64,
+    #[serde(alias = "beat_interval_s")]
+    pub heartbeat_interval_s: f64,
     /// How long an upload that can be resumed is kept without further bytes, and remembered after its end [s].
     pub upload_expiry_s: f64,
     /// How long a shutdown waits for requests and workers to end [s].
@@ -96,7 +97,7 @@ impl Default for Options {
             workers: WorkerPolicy::default(),
             limits: Limits::default(),
             lease_s: 30.0,
-            beat_interval_s: 5.0,
+            heartbeat_interval_s: 5.0,
             upload_expiry_s: 7.0 * 86_400.0,
             shutdown_grace_s: 10.0,
         }
@@ -162,7 +163,7 @@ impl Options {
             }
         };
         within("lease_s", self.lease_s, 0.1, 86_400.0);
-        within("beat_interval_s", self.beat_interval_s, 0.01, 3_600.0);
+        within("heartbeat_interval_s", self.heartbeat_interval_s, 0.01, 3_600.0);
         within("upload_expiry_s", self.upload_expiry_s, 1.0, 365.0 * 86_400.0);
         within("shutdown_grace_s", self.shutdown_grace_s, 0.0, 3_600.0);
         let workers = &self.workers;
@@ -184,10 +185,10 @@ impl Options {
         within("limits.upload_idle_s", limits.upload_idle_s, 0.1, 86_400.0);
         within("limits.uploads", limits.uploads as f64, 1.0, 1e6);
         within("limits.uploads_bytes", limits.uploads_bytes as f64, 1.0, large);
-        if self.beat_interval_s > self.lease_s / 2.0 {
+        if self.heartbeat_interval_s > self.lease_s / 2.0 {
             faults.push(format!(
-                "beat_interval_s is {}: it must be at most half of lease_s ({})",
-                self.beat_interval_s, self.lease_s
+                "heartbeat_interval_s is {}: it must be at most half of lease_s ({})",
+                self.heartbeat_interval_s, self.lease_s
             ));
         }
         if let Some(token) = &self.worker_token
@@ -211,8 +212,8 @@ impl Options {
         Duration::from_secs_f64(self.lease_s)
     }
 
-    pub(crate) fn beat_interval(&self) -> Duration {
-        Duration::from_secs_f64(self.beat_interval_s)
+    pub(crate) fn heartbeat_interval(&self) -> Duration {
+        Duration::from_secs_f64(self.heartbeat_interval_s)
     }
 
     pub(crate) fn upload_expiry(&self) -> Duration {

@@ -60,9 +60,9 @@ impl Problem for StartError {
 }
 
 /// How often uploads are looked through for those that have expired or that a crash left whole.
-const UPLOADS_EVERY: Duration = Duration::from_secs(60);
+const UPLOAD_SWEEP_INTERVAL: Duration = Duration::from_secs(60);
 /// How often unused content is looked for; the store also does so when it opens.
-const COLLECT_EVERY: Duration = Duration::from_secs(3600);
+const GARBAGE_COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
 
 /// A server to be started.
 #[derive(Debug)]
@@ -102,14 +102,14 @@ impl Service {
         let grace = options.shutdown_grace();
         let app = App::new(options, store);
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
-        let outer = http::outer::Outer {
+        let root_service = http::root_service::RootService {
             http: http::router(&app),
             grpc: grpc::router(&app).await?,
             metrics: app.metrics.clone(),
             loopback: address.ip().is_loopback(),
         };
         let (close, cut) = (CancellationToken::new(), CancellationToken::new());
-        let serving = listen::serve(socket, outer, close.clone(), cut.clone());
+        let serving = listen::serve(socket, root_service, close.clone(), cut.clone());
         let listener = tokio::spawn(serving);
         let sweeper = tokio::spawn(sweep(app.clone()));
         let uploads = tokio::spawn(sweep_uploads(app.clone()));
@@ -151,7 +151,7 @@ impl Handle {
 async fn sweep(app: App) {
     let every = (app.options.lease() / 10).clamp(Duration::from_millis(20), Duration::from_secs(1));
     // Leases that ran out while the server was down: their workers first get a chance to report.
-    let first = tokio::time::Instant::now() + 2 * app.options.beat_interval();
+    let first = tokio::time::Instant::now() + 2 * app.options.heartbeat_interval();
     let mut tick = tokio::time::interval_at(first, every);
     let mut collected = tokio::time::Instant::now();
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
@@ -160,7 +160,7 @@ async fn sweep(app: App) {
         if let Err(error) = app.sweep().await {
             tracing::error!(%error, "sweeping failed; trying again");
         }
-        if collected.elapsed() >= COLLECT_EVERY {
+        if collected.elapsed() >= GARBAGE_COLLECTION_INTERVAL {
             collected = tokio::time::Instant::now();
             if let Err(error) = app.store.collect_garbage().await {
                 tracing::error!(%error, "cannot remove unused content; trying again");
@@ -171,7 +171,7 @@ async fn sweep(app: App) {
 
 /// Finishes uploads that a crash left whole, at once and then now and again, and gives up those that have expired.
 async fn sweep_uploads(app: App) {
-    let every = UPLOADS_EVERY.min(app.options.upload_expiry());
+    let every = UPLOAD_SWEEP_INTERVAL.min(app.options.upload_expiry());
     let mut tick = tokio::time::interval(every);
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     loop {

@@ -39,7 +39,7 @@ pub(crate) struct Supervisor {
 
 /// What to run, for every child alike.
 #[derive(Clone, Debug)]
-struct Recipe {
+struct SpawnOptions {
     program: PathBuf,
     args: Vec<OsString>,
     server: String,
@@ -50,7 +50,7 @@ struct Recipe {
     max_backoff: Duration,
 }
 
-impl Recipe {
+impl SpawnOptions {
     /// The device of the worker in a slot, if any were named.
     fn device(&self, slot: u32) -> Option<u32> {
         let turn = (slot as usize).checked_rem(self.devices.len())?;
@@ -73,7 +73,7 @@ pub(crate) fn start(app: &App, address: SocketAddr) -> Result<Supervisor, StartE
         Some(program) => program.clone(),
         None => std::env::current_exe().map_err(StartError::Program)?,
     };
-    let recipe = Recipe {
+    let spawn_options = SpawnOptions {
         program,
         args: policy.args.iter().map(OsString::from).collect(),
         server: format!("http://{}", reachable(address)),
@@ -84,8 +84,14 @@ pub(crate) fn start(app: &App, address: SocketAddr) -> Result<Supervisor, StartE
     };
     for slot in 0..policy.count {
         let (stop, kill) = (supervisor.stop.clone(), supervisor.kill.clone());
-        let keeper = Keeper { app: app.clone(), recipe: recipe.clone(), slot, stop, kill };
-        supervisor.tasks.spawn(keeper.run());
+        let slot_supervisor = SlotSupervisor {
+            app: app.clone(),
+            spawn_options: spawn_options.clone(),
+            slot,
+            stop,
+            kill,
+        };
+        supervisor.tasks.spawn(slot_supervisor.run());
     }
     Ok(supervisor)
 }
@@ -115,58 +121,58 @@ impl Supervisor {
 }
 
 /// Keeps one slot filled.
-struct Keeper {
+struct SlotSupervisor {
     app: App,
-    recipe: Recipe,
+    spawn_options: SpawnOptions,
     slot: u32,
     stop: CancellationToken,
     kill: CancellationToken,
 }
 
-impl Keeper {
+impl SlotSupervisor {
     async fn run(self) {
-        let mut backoff = self.recipe.min_backoff;
+        let mut backoff = self.spawn_options.min_backoff;
         let mut generation = 0u32;
         while !self.stop.is_cancelled() {
             let child = Child(u64::from(generation) << 32 | u64::from(self.slot));
             generation = generation.wrapping_add(1);
             let started = Instant::now();
             match self.spawn(child) {
-                Ok(process) => self.attend(child, process).await,
+                Ok(process) => self.wait_for_exit(child, process).await,
                 Err(error) => {
-                    let program = self.recipe.program.display();
+                    let program = self.spawn_options.program.display();
                     tracing::error!(%error, %program, "cannot start a worker");
                 }
             }
             self.clean_up(child).await;
             if started.elapsed() >= HEALTHY_AFTER {
-                backoff = self.recipe.min_backoff;
+                backoff = self.spawn_options.min_backoff;
             }
             let () = tokio::select! {
                 () = self.stop.cancelled() => (),
                 () = tokio::time::sleep(backoff) => (),
             };
-            backoff = (backoff * 2).min(self.recipe.max_backoff);
+            backoff = (backoff * 2).min(self.spawn_options.max_backoff);
         }
     }
 
     fn spawn(&self, child: Child) -> std::io::Result<Process> {
-        let mut command = Command::new(&self.recipe.program);
-        if let Some(device) = self.recipe.device(self.slot) {
+        let mut command = Command::new(&self.spawn_options.program);
+        if let Some(device) = self.spawn_options.device(self.slot) {
             command.env(DEVICE_VARIABLE, device.to_string());
         }
         command
-            .args(&self.recipe.args)
-            .env(SERVER_VARIABLE, &self.recipe.server)
+            .args(&self.spawn_options.args)
+            .env(SERVER_VARIABLE, &self.spawn_options.server)
             .env(TOKEN_VARIABLE, self.app.tokens.issue(child))
-            .env(BACKEND_VARIABLE, &self.recipe.backend)
+            .env(BACKEND_VARIABLE, &self.spawn_options.backend)
             .stdin(Stdio::piped())
             .kill_on_drop(true)
             .spawn()
     }
 
     /// Waits until the process ends, by itself or because it is told to.
-    async fn attend(&self, child: Child, mut process: Process) {
+    async fn wait_for_exit(&self, child: Child, mut process: Process) {
         tracing::info!(slot = self.slot, pid = process.id(), "worker started");
         // Dropping it ends the child's standard input.
         let stdin = process.stdin.take();

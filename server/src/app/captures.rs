@@ -40,7 +40,8 @@ impl App {
     ) -> Result<Overview> {
         let new = NewCapture { display_name, request_id, content, ingest };
         let store = self.store.clone();
-        let capture = super::to_the_end(async move { store.captures().create(new).await }).await?;
+        let capture =
+            super::run_to_completion(async move { store.captures().create(new).await }).await?;
         tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");
         Ok(self.store.captures().overview(capture.id).await?)
     }
@@ -60,7 +61,7 @@ impl App {
     pub(crate) async fn delete_capture(&self, name: &str) -> Result<()> {
         let id: CaptureId = super::name(name)?;
         let store = self.store.clone();
-        super::to_the_end(async move { store.captures().delete(id).await }).await?;
+        super::run_to_completion(async move { store.captures().delete(id).await }).await?;
         tracing::info!(capture = %id, "capture deleted");
         Ok(())
     }

@@ -47,7 +47,7 @@ impl App {
     pub(crate) async fn delete_fit(&self, name: &str) -> Result<()> {
         let id: FitId = super::name(name)?;
         let store = self.store.clone();
-        super::to_the_end(async move { store.jobs().delete(id).await }).await
+        super::run_to_completion(async move { store.jobs().delete(id).await }).await
     }
 }
 

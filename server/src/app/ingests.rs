@@ -106,8 +106,8 @@ impl App {
         };
         let store = self.store.clone();
         let end = async move { store.jobs().end_ingest(attempt.lease, result).await };
-        let job = super::to_the_end(end).await?;
-        self.ended(attempt.worker, &job);
+        let job = super::run_to_completion(end).await?;
+        self.record_end(attempt.worker, &job);
         Ok(())
     }
 

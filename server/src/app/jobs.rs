@@ -63,7 +63,7 @@ impl App {
         worker: WorkerId,
         wait: Duration,
     ) -> Result<Option<Leased>> {
-        self.known(worker)?;
+        self.require_known(worker)?;
         let jobs = self.store.jobs();
         let claimed = jobs.claim_within(kind, worker, self.options.lease(), wait.min(LONGEST_WAIT));
         let claimed = tokio::select! {
@@ -72,13 +72,13 @@ impl App {
         };
         let Some(job) = claimed else { return Ok(None) };
         // Whoever ends from here on without having told the worker gives the job back.
-        let mut unsent = Unsent { app: self.clone(), lease: Some(lease_of(&job)) };
+        let mut guard = LeaseGuard { app: self.clone(), lease: Some(lease_of(&job)) };
         // A process that ended while it waited must not hold the job until the lease runs out:
         // its registration was dropped before its leases were.
-        self.known(worker)?;
+        self.require_known(worker)?;
         let capture = self.store.captures().get(job.capture).await?;
         let observation = self.store.captures().observation(job.capture).await?;
-        unsent.lease = None;
+        guard.lease = None;
         let queued = job.created.duration_until(self.store.now()).as_secs_f64();
         self.metrics.job_leased(kind, queued);
         self.dispatch.set_job(worker, kind, Some(&job));
@@ -106,7 +106,7 @@ impl App {
         let limit = self.options.limits.checkpoint_bytes;
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
         let (store, renew) = (self.store.clone(), self.options.lease());
-        super::to_the_end(async move {
+        super::run_to_completion(async move {
             store.jobs().save_checkpoint(attempt.lease, content, renew).await
         })
         .await
@@ -130,7 +130,7 @@ impl App {
         let store = self.store.clone();
         let complete =
             async move { store.jobs().complete_fit(attempt.lease, &facts, content).await };
-        let twin = super::to_the_end(complete).await?;
+        let twin = super::run_to_completion(complete).await?;
         self.dispatch.set_job(attempt.worker, Kind::Fit, None);
         self.metrics.job_ended(Kind::Fit, "succeeded");
         tracing::info!(fit = %attempt.lease.job, %twin, "fit succeeded");
@@ -140,8 +140,8 @@ impl App {
     pub(crate) async fn end_attempt(&self, attempt: Attempt, end: AttemptEnd) -> Result<()> {
         let store = self.store.clone();
         let change = async move { store.jobs().end_attempt(attempt.lease, end).await };
-        let job = super::to_the_end(change).await?;
-        self.ended(attempt.worker, &job);
+        let job = super::run_to_completion(change).await?;
+        self.record_end(attempt.worker, &job);
         Ok(())
     }
 
@@ -180,7 +180,7 @@ impl App {
         Ok(())
     }
 
-    pub(crate) fn known(&self, worker: WorkerId) -> Result<()> {
+    pub(crate) fn require_known(&self, worker: WorkerId) -> Result<()> {
         if self.dispatch.knows(worker) {
             return Ok(());
         }
@@ -188,7 +188,7 @@ impl App {
     }
 
     /// A worker has said its last word on a job.
-    pub(super) fn ended(&self, worker: WorkerId, job: &Job) {
+    pub(super) fn record_end(&self, worker: WorkerId, job: &Job) {
         self.dispatch.set_job(worker, job.id.kind(), None);
         self.note_end(job);
     }
@@ -207,12 +207,12 @@ fn lease_of(job: &Job) -> Lease {
 }
 
 /// Gives a job back that its claimant never heard of.
-struct Unsent {
+struct LeaseGuard {
     app: App,
     lease: Option<Lease>,
 }
 
-impl Drop for Unsent {
+impl Drop for LeaseGuard {
     fn drop(&mut self) {
         let Some(lease) = self.lease.take() else { return };
         let app = self.app.clone();

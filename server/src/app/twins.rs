@@ -35,7 +35,7 @@ impl App {
         .map_err(|e| Error::Internal(format!("reading an imported twin: {e}")))??;
         let new = NewTwin { display_name, request_id, facts, content };
         let store = self.store.clone();
-        super::to_the_end(async move { store.twins().create(new).await }).await
+        super::run_to_completion(async move { store.twins().create(new).await }).await
     }
 
     pub(crate) async fn twin(&self, name: &str) -> Result<Twin> {
@@ -53,7 +53,7 @@ impl App {
     pub(crate) async fn delete_twin(&self, name: &str) -> Result<()> {
         let id: TwinId = super::name(name)?;
         let store = self.store.clone();
-        super::to_the_end(async move { store.twins().delete(id).await }).await?;
+        super::run_to_completion(async move { store.twins().delete(id).await }).await?;
         self.dispatch.forget_twin(id);
         Ok(())
     }

@@ -20,9 +20,9 @@ pub(crate) use checksum::{ALGORITHMS, Checksum};
 use metadata::Metadata;
 
 /// How long a request waits for the one before it to make room.
-const PATIENCE: Duration = Duration::from_secs(10);
+const CLAIM_TIMEOUT: Duration = Duration::from_secs(10);
 /// Bytes after which what has arrived is made to last.
-const COMMIT_EVERY: u64 = 32 << 20;
+const COMMIT_BYTES: u64 = 32 << 20;
 
 /// An upload to be begun, as asked for.
 pub(crate) struct NewUpload {
@@ -74,7 +74,7 @@ impl App {
     pub(crate) async fn resume_upload(&self, name: &str) -> Result<ResumableUpload> {
         let (app, id) = (self.clone(), super::name(name)?);
         in_a_task(async move {
-            let writer = app.store.uploads().claim(id, PATIENCE).await?;
+            let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
             app.finish_if_whole(writer).await
         })
         .await
@@ -88,7 +88,7 @@ impl App {
     ) -> Result<ResumableUpload> {
         let (app, id) = (self.clone(), super::name(name)?);
         in_a_task(async move {
-            let mut writer = app.store.uploads().claim(id, PATIENCE).await?;
+            let mut writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
             app.append(&mut writer, append).await?;
             app.finish_if_whole(writer).await
         })
@@ -99,7 +99,7 @@ impl App {
     pub(crate) async fn terminate_upload(&self, name: &str) -> Result<()> {
         let (app, id) = (self.clone(), super::name(name)?);
         in_a_task(async move {
-            let writer = app.store.uploads().claim(id, PATIENCE).await?;
+            let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
             writer.end("it was terminated: begin a new one", app.options.upload_expiry()).await?;
             tracing::info!(upload = %id, "upload terminated");
             Ok(())
@@ -199,7 +199,7 @@ impl App {
                 checksum.update(&chunk);
             }
             writer.write(&chunk).await.map_err(lost)?;
-            if checksum.is_none() && writer.pending() >= COMMIT_EVERY {
+            if checksum.is_none() && writer.pending() >= COMMIT_BYTES {
                 let pending = writer.pending();
                 writer.commit(keep).await.map_err(lost)?;
                 self.metrics.upload_bytes(pending);

@@ -10,7 +10,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Result;
-use crate::{app::App, error::ProblemDocument, metrics::Now};
+use crate::{app::App, error::ProblemDocument, metrics::Gauges};
 
 /// Whether the server can do its work.
 #[derive(Serialize, ToSchema)]
@@ -48,7 +48,7 @@ pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
     let depth = app.store.jobs().depth().await?;
     let uploads = app.store.uploads().in_use().await?;
     let (workers, rollouts) = app.dispatch.counts();
-    let now = Now { workers, rollouts, memory: app.dispatch.memory(), uploads };
-    let text = app.metrics.render(&depth, &now);
+    let gauges = Gauges { workers, rollouts, memory: app.dispatch.memory(), uploads };
+    let text = app.metrics.render(&depth, &gauges);
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response())
 }

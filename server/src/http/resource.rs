@@ -266,18 +266,18 @@ pub(super) struct Worker {
 
 impl From<WorkerView> for Worker {
     fn from(view: WorkerView) -> Self {
-        let said = view.worker.registration;
+        let registration = view.worker.registration;
         Self {
-            name: said.id.to_string(),
-            backend: said.backend,
-            device: said.device,
+            name: registration.id.to_string(),
+            backend: registration.backend,
+            device: registration.device,
             start_time: view.worker.started.to_string(),
             last_seen_time: view.last_seen.to_string(),
             fit: view.fit.map(|f: ids::FitId| f.to_string()),
             ingest: view.ingest.map(|c| c.to_string()),
             warm_twins: view.warm.iter().map(ToString::to_string).collect(),
             rollouts_in_flight: view.in_flight,
-            build: said.build,
+            build: registration.build,
             memory_used_bytes: view.memory.map(|m| m.used),
             memory_total_bytes: view.memory.map(|m| m.total),
         }

@@ -25,7 +25,7 @@ use crate::{
     error::{ProblemDocument, Refusal},
 };
 
-pub(crate) use protocol::with_its_method;
+pub(crate) use protocol::with_overridden_method;
 use protocol::{
     BENDTWIN_CAPTURE, EXTENSIONS, TUS_CHECKSUM_ALGORITHM, TUS_EXTENSION, TUS_MAX_SIZE, TUS_VERSION,
     UPLOAD_DEFER_LENGTH, UPLOAD_EXPIRES, UPLOAD_LENGTH, UPLOAD_METADATA, UPLOAD_OFFSET, VERSION,
@@ -79,7 +79,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(options, create))
         .routes(routes!(head, append, terminate, get))
-        .route_layer(axum::middleware::from_fn(protocol::versioned))
+        .route_layer(axum::middleware::from_fn(protocol::require_version))
 }
 
 /// What of tus is understood

@@ -46,7 +46,9 @@ pub(super) const BENDTWIN_CAPTURE: HeaderName = HeaderName::from_static("bendtwi
 const METHOD_OVERRIDE: HeaderName = HeaderName::from_static("x-http-method-override");
 
 /// A request with the method that it means: clients that cannot send PATCH or DELETE name it in a header.
-pub(crate) fn with_its_method<B>(mut request: axum::http::Request<B>) -> axum::http::Request<B> {
+pub(crate) fn with_overridden_method<B>(
+    mut request: axum::http::Request<B>,
+) -> axum::http::Request<B> {
     let path = request.uri().path();
     let is_ours =
         path.strip_prefix(PATH).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
@@ -61,7 +63,7 @@ pub(crate) fn with_its_method<B>(mut request: axum::http::Request<B>) -> axum::h
 
 /// Refuses other versions of the protocol, and says in every answer which one is spoken. OPTIONS is how clients find
 /// out, and GET is no part of the protocol.
-pub(super) async fn versioned(request: Request, next: Next) -> Response {
+pub(super) async fn require_version(request: Request, next: Next) -> Response {
     let free = [Method::OPTIONS, Method::GET].contains(request.method());
     let version = request.headers().get(TUS_RESUMABLE);
     let mut response = if free || version.is_some_and(|v| v == VERSION) {

@@ -19,7 +19,7 @@ use crate::{context::Context, error::Refusal, metrics::Metrics};
 
 /// Both transports behind one service.
 #[derive(Clone)]
-pub(crate) struct Outer {
+pub(crate) struct RootService {
     pub(crate) http: axum::Router,
     pub(crate) grpc: axum::Router,
     pub(crate) metrics: Metrics,
@@ -27,7 +27,7 @@ pub(crate) struct Outer {
     pub(crate) loopback: bool,
 }
 
-impl Outer {
+impl RootService {
     /// Answers one request.
     pub(crate) async fn answer(self, request: Request<Body>) -> Result<Response<Body>, Infallible> {
         let started = Instant::now();
@@ -48,7 +48,7 @@ impl Outer {
             if origin::is_foreign(request.headers()) || loopback && origin::is_rebound(&request) {
                 return Ok(origin::refusal().into_response());
             }
-            let request = uploads::with_its_method(request);
+            let request = uploads::with_overridden_method(request);
             let caught = AssertUnwindSafe(router.oneshot(request)).catch_unwind().await;
             caught.unwrap_or_else(|_| Ok(panicked(is_grpc)))
         });
