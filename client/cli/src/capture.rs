@@ -64,7 +64,7 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
                 for c in &captures {
                     let size = output::bytes(c.size_bytes);
                     let created = format!("{:.0}", c.create_time);
-                    let read = reading::in_a_word(c);
+                    let read = reading::status(c);
                     table.row([c.name.to_string(), created, size, read, c.display_name.clone()]);
                 }
                 table.text()
@@ -94,7 +94,7 @@ fn shown(capture: &bendtwin_client::Capture) -> String {
         capture.create_time,
         output::bytes(capture.size_bytes),
         capture.digest,
-        reading::in_a_word(capture),
+        reading::status(capture),
         fault.map(|f| format!("\n  because  {f}")).unwrap_or_default()
     )
 }

@@ -2,7 +2,7 @@
 //! does the same by hand.
 
 mod candidates;
-mod host;
+mod server;
 mod steps;
 
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use clap::Args;
 use tempfile::TempDir;
 
-use self::steps::Story;
+use self::steps::DemoRun;
 use crate::{backend::BackendArgs, global::Global, signals};
 
 #[derive(Debug, Args)]
@@ -31,20 +31,20 @@ pub(crate) struct Demo {
 pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
     let shutdown = signals::shutdown();
     let folder = Folder::new(args.keep)?;
-    let mut story = Story::new(global.json, args.seed, args.out, folder.path().to_owned());
-    let mut host = story.start_server(&args.backend).await?;
-    let site = host.site.clone();
-    let told = tokio::select! {
+    let mut demo = DemoRun::new(global.json, args.seed, args.out, folder.path().to_owned());
+    let mut server = demo.start_server(&args.backend).await?;
+    let connection = server.connection.clone();
+    let outcome = tokio::select! {
         // Ctrl-C reaches the server as well: its end is no fault then.
         biased;
         () = shutdown.cancelled() => Err(anyhow::anyhow!("interrupted; everything was stopped")),
-        told = story.tell(&site) => told,
-        fault = host.ended() => Err(fault),
+        outcome = demo.run(&connection) => outcome,
+        fault = server.ended() => Err(fault),
     };
     // In good order whatever happened: no process and no half-written folder stays behind.
-    host.stop().await;
-    told?;
-    story.conclude(folder.is_kept())
+    server.stop().await;
+    outcome?;
+    demo.conclude(folder.is_kept())
 }
 
 /// A folder that goes away afterwards, or one that the user wants to keep.

@@ -81,9 +81,12 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
                 fits.push(client.fits().cancel(name).await?);
             }
             output::print(global, &fits, || {
-                let lines = fits.iter().map(|f| match f.state.has_ended() {
-                    true => format!("{} has ended ({})\n", f.name, f.state.as_str()),
-                    false => format!("{} stops\n", f.name),
+                let lines = fits.iter().map(|f| {
+                    if f.state.has_ended() {
+                        format!("{} has ended ({})\n", f.name, f.state.as_str())
+                    } else {
+                        format!("{} stops\n", f.name)
+                    }
                 });
                 lines.collect()
             })

@@ -32,7 +32,7 @@ impl FitBar {
     }
 
     /// Says something that is not progress.
-    pub(crate) fn say(&self, text: &str) {
+    pub(crate) fn print(&self, text: &str) {
         if self.quiet {
         } else if self.bar.is_hidden() {
             eprintln!("  {text}");
@@ -44,7 +44,7 @@ impl FitBar {
     /// Shows how far the fit is.
     pub(crate) fn show(&mut self, progress: &FitProgress) {
         if !progress.note.is_empty() && progress.note != self.last_note {
-            self.say(&format!("note: {}", progress.note));
+            self.print(&format!("note: {}", progress.note));
             self.last_note.clone_from(&progress.note);
         }
         let stage = stage(progress);

@@ -1,6 +1,6 @@
 //! `bendtwin suite`: fits every capture of a list under every configuration, and compares.
 
-mod board;
+mod progress;
 
 use std::{
     path::{Path, PathBuf},
@@ -15,7 +15,7 @@ use bendtwin_study::{
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
-use self::board::{Board, counted};
+use self::progress::{SuiteProgress, counted};
 use crate::{
     backend::BackendArgs,
     failure::{self, Failed},
@@ -96,9 +96,9 @@ fn work(
     let result = if args.table_only {
         Ok(Tally::default())
     } else {
-        let mut board = Board::new(&plan, &backends, quiet);
-        let result = plan.run(&backends, cancel, &mut |event| board.show(&event));
-        board.finish();
+        let mut bar = SuiteProgress::new(&plan, &backends, quiet);
+        let result = plan.run(&backends, cancel, &mut |event| bar.show(&event));
+        bar.finish();
         result
     };
     // What was found before a failure is told too.
@@ -130,7 +130,7 @@ fn build() -> String {
 }
 
 fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
-    let told = |category, reason: &str, message| {
+    let failed_with = |category, reason: &str, message| {
         Err(Failed(Fault { category, reason: reason.to_owned(), message }).into())
     };
     match (failed, left) {
@@ -138,11 +138,11 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
         (0, _) => {
             let message =
                 format!("not all is done, {} left: the same command goes on", counted(left));
-            told(Category::Cancelled, "CANCELLED", message)
+            failed_with(Category::Cancelled, "CANCELLED", message)
         }
         _ => {
             let place = args.out.join("table.md").display().to_string();
-            told(
+            failed_with(
                 Category::Aborted,
                 "RUNS_FAILED",
                 format!("{} failed: {place} says why", counted(failed)),

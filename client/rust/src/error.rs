@@ -73,7 +73,7 @@ impl Error {
     }
 
     /// Every byte is at the server, which does not make a capture of them.
-    pub(crate) fn stuck(url: &str) -> Self {
+    pub(crate) fn not_stored(url: &str) -> Self {
         let message = format!(
             "the server at {url} takes no more bytes of the upload and makes no capture of it: try again later"
         );

@@ -33,9 +33,9 @@ const SLICE: usize = 256 << 10;
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 const LONGEST_PAUSE: Duration = Duration::from_secs(10);
 /// How long nothing may get through before the upload is given up. It can be taken up again later.
-const PATIENCE: Duration = Duration::from_secs(120);
+const RETRY_TIMEOUT: Duration = Duration::from_secs(120);
 /// Silence after which a request is given up; the server's hashing of gigabytes at the end takes its time.
-const ANSWER: Duration = Duration::from_secs(300);
+const STALL_TIMEOUT: Duration = Duration::from_secs(300);
 
 /// One file on its way to the server.
 pub(crate) struct Sender<'a> {
@@ -48,7 +48,7 @@ pub(crate) struct Sender<'a> {
 }
 
 /// An upload as an answer tells of it.
-struct Told {
+struct UploadState {
     offset: u64,
     capture: Option<CaptureId>,
 }
@@ -77,45 +77,45 @@ impl<'a> Sender<'a> {
         &self,
         sent: &(impl Fn(u64) + Clone + Send + Sync + 'static),
     ) -> Result<CaptureId, Error> {
-        let mut patience = Patience::new();
+        let mut retries = RetryBudget::new();
         // None while it is to be begun, or found.
         let mut url: Option<String> = None;
         let mut offset = None;
         loop {
             let step = match (&url, offset) {
                 (None, _) => match self.begin().await {
-                    Ok((location, told)) => {
+                    Ok((location, state)) => {
                         url = Some(location);
-                        Ok(told)
+                        Ok(state)
                     }
                     Err(error) => Err(error),
                 },
-                (Some(url), None) => self.ask(url).await,
+                (Some(url), None) => self.fetch_state(url).await,
                 (Some(url), Some(offset)) => self.send_part(url, offset, sent.clone()).await,
             };
             match step {
-                Ok(Told { capture: Some(capture), .. }) => {
+                Ok(UploadState { capture: Some(capture), .. }) => {
                     sent(self.length);
                     return Ok(capture);
                 }
-                Ok(told) => {
+                Ok(state) => {
                     // Whole and no capture: ask again, the server is about to make it.
-                    let stuck = told.offset >= self.length || offset == Some(told.offset);
-                    offset = Some(told.offset).filter(|_| told.offset < self.length);
-                    sent(told.offset);
-                    if stuck {
-                        patience.wait(&Error::stuck(self.server)).await?;
+                    let stalled = state.offset >= self.length || offset == Some(state.offset);
+                    offset = Some(state.offset).filter(|_| state.offset < self.length);
+                    sent(state.offset);
+                    if stalled {
+                        retries.wait(&Error::not_stored(self.server)).await?;
                     } else {
-                        patience.renew();
+                        retries.reset();
                     }
                 }
                 Err(error) if is_gone(&error) && url.is_some() => {
                     // It expired, or was terminated: begin anew.
-                    patience.wait(&error).await?;
+                    retries.wait(&error).await?;
                     (url, offset) = (None, None);
                 }
                 Err(error) if is_worth_another_try(&error) => {
-                    patience.wait(&error).await?;
+                    retries.wait(&error).await?;
                     offset = None;
                 }
                 Err(error) => return Err(error),
@@ -123,7 +123,7 @@ impl<'a> Sender<'a> {
         }
     }
 
-    async fn begin(&self) -> Result<(String, Told), Error> {
+    async fn begin(&self) -> Result<(String, UploadState), Error> {
         let request = self
             .request(Method::POST, &format!("{}/v1/uploads", self.server))
             .header("upload-length", self.length)
@@ -133,15 +133,16 @@ impl<'a> Sender<'a> {
         let url = reqwest::Url::parse(self.server).and_then(|base| base.join(&location));
         let url = url.map_err(Error::malformed)?.to_string();
         // The answer to a creation need not tell the offset.
-        let told = match response.headers().contains_key("upload-offset") {
-            true => told(&response)?,
-            false => self.ask(&url).await?,
+        let state = if response.headers().contains_key("upload-offset") {
+            state_of(&response)?
+        } else {
+            self.fetch_state(&url).await?
         };
-        Ok((url, told))
+        Ok((url, state))
     }
 
-    async fn ask(&self, url: &str) -> Result<Told, Error> {
-        told(&self.answer(self.request(Method::HEAD, url)).await?)
+    async fn fetch_state(&self, url: &str) -> Result<UploadState, Error> {
+        state_of(&self.answer(self.request(Method::HEAD, url)).await?)
     }
 
     async fn send_part(
@@ -149,16 +150,16 @@ impl<'a> Sender<'a> {
         url: &str,
         offset: u64,
         sent: impl Fn(u64) + Send + Sync + 'static,
-    ) -> Result<Told, Error> {
+    ) -> Result<UploadState, Error> {
         let part = self.read(offset).await?;
         let checksum = BASE64_STANDARD.encode(blake3::hash(&part).as_bytes());
         let size = part.len();
-        let pulse = Pulse::default();
-        let beat = pulse.clone();
+        let clock = ProgressClock::default();
+        let progressed = clock.clone();
         let slices = (0..size.div_ceil(SLICE)).map(move |i| {
             let end = ((i + 1) * SLICE).min(size);
-            beat.beat();
-            // Told when the connection asks for the next slice, so a little early.
+            progressed.touch();
+            // Reported when the connection asks for the next slice, so a little early.
             sent(offset + (i * SLICE) as u64);
             Ok::<Bytes, std::io::Error>(part.slice(i * SLICE..end))
         });
@@ -169,7 +170,7 @@ impl<'a> Sender<'a> {
             .header("upload-offset", offset)
             .header("upload-checksum", format!("blake3 {checksum}"))
             .body(reqwest::Body::wrap_stream(futures::stream::iter(slices)));
-        told(&self.answer_to(request, &pulse).await?)
+        state_of(&self.answer_to(request, &clock).await?)
     }
 
     async fn read(&self, offset: u64) -> Result<Bytes, Error> {
@@ -191,28 +192,33 @@ impl<'a> Sender<'a> {
     }
 
     async fn answer(&self, request: RequestBuilder) -> Result<Response, Error> {
-        self.answer_to(request, &Pulse::default()).await
+        self.answer_to(request, &ProgressClock::default()).await
     }
 
     /// Waits for the answer for as long as the request makes progress. A deadline for the whole would fail those whose
     /// connection is slow, and none at all those whose connection died without a word.
-    async fn answer_to(&self, request: RequestBuilder, pulse: &Pulse) -> Result<Response, Error> {
+    async fn answer_to(
+        &self,
+        request: RequestBuilder,
+        clock: &ProgressClock,
+    ) -> Result<Response, Error> {
         let response = tokio::select! {
             response = request.send() => response.map_err(|e| Error::unreachable(self.server, e))?,
-            () = pulse.stops() => return Err(Error::unreachable(self.server, "it fell silent")),
+            () = clock.stalled() => return Err(Error::unreachable(self.server, "it fell silent")),
         };
         problem::success(response).await
     }
 }
 
-fn told(response: &Response) -> Result<Told, Error> {
+fn state_of(response: &Response) -> Result<UploadState, Error> {
     let headers = response.headers();
     let offset = text(headers, "upload-offset")?.parse().map_err(Error::malformed)?;
-    let capture = match headers.contains_key("bendtwin-capture") {
-        true => Some(text(headers, "bendtwin-capture")?.parse().map_err(Error::malformed)?),
-        false => None,
+    let capture = if headers.contains_key("bendtwin-capture") {
+        Some(text(headers, "bendtwin-capture")?.parse().map_err(Error::malformed)?)
+    } else {
+        None
     };
-    Ok(Told { offset, capture })
+    Ok(UploadState { offset, capture })
 }
 
 fn text<'h>(headers: &'h HeaderMap, name: &str) -> Result<&'h str, Error> {
@@ -240,44 +246,44 @@ fn is_worth_another_try(error: &Error) -> bool {
 
 /// When a request last made progress.
 #[derive(Clone)]
-struct Pulse(Arc<Mutex<Instant>>);
+struct ProgressClock(Arc<Mutex<Instant>>);
 
-impl Default for Pulse {
+impl Default for ProgressClock {
     fn default() -> Self {
         Self(Arc::new(Mutex::new(Instant::now())))
     }
 }
 
-impl Pulse {
-    fn beat(&self) {
+impl ProgressClock {
+    fn touch(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
     }
 
     /// Returns when there has been no beat for too long.
-    async fn stops(&self) {
+    async fn stalled(&self) {
         loop {
             let last = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            if last.elapsed() >= ANSWER {
+            if last.elapsed() >= STALL_TIMEOUT {
                 return;
             }
-            tokio::time::sleep_until(last + ANSWER).await;
+            tokio::time::sleep_until(last + STALL_TIMEOUT).await;
         }
     }
 }
 
 /// How long to go on without anything getting through.
-struct Patience {
+struct RetryBudget {
     ends: Instant,
     pause: Duration,
 }
 
-impl Patience {
+impl RetryBudget {
     fn new() -> Self {
-        Self { ends: Instant::now() + PATIENCE, pause: FIRST_PAUSE }
+        Self { ends: Instant::now() + RETRY_TIMEOUT, pause: FIRST_PAUSE }
     }
 
     /// Something got through.
-    fn renew(&mut self) {
+    fn reset(&mut self) {
         *self = Self::new();
     }
 

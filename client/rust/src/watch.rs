@@ -13,9 +13,9 @@ use tonic::{Status, Streaming};
 use crate::{Capture, Error, Fit};
 
 /// How long a server may be away.
-const PATIENCE: Duration = Duration::from_secs(60);
+const RECONNECT_TIMEOUT: Duration = Duration::from_secs(60);
 /// Between two attempts to reach it.
-const PAUSE: Duration = Duration::from_millis(500);
+const RETRY_INTERVAL: Duration = Duration::from_millis(500);
 
 /// The states of a job, from now until it has ended: of a [`Fit`], or of a [`Capture`] that is being read.
 pub struct Watch<T = Fit>(BoxStream<'static, Result<T, Error>>);
@@ -46,12 +46,12 @@ impl<T: Send + 'static> Watch<T> {
 }
 
 /// What has revisions and an end.
-pub(crate) trait Watched: Send + 'static {
+pub(crate) trait Revisioned: Send + 'static {
     fn revision(&self) -> u64;
     fn has_ended(&self) -> bool;
 }
 
-impl Watched for Fit {
+impl Revisioned for Fit {
     fn revision(&self) -> u64 {
         self.revision
     }
@@ -60,7 +60,7 @@ impl Watched for Fit {
     }
 }
 
-impl Watched for Capture {
+impl Revisioned for Capture {
     fn revision(&self) -> u64 {
         self.ingest.revision
     }
@@ -73,7 +73,7 @@ impl Watched for Capture {
 type Open<W> = Box<dyn Fn(u64) -> BoxFuture<'static, Result<Streaming<W>, Status>> + Send>;
 
 /// Where a watch stands.
-struct Position<T, W> {
+struct WatchState<T, W> {
     open: Open<W>,
     after_revision: u64,
     stream: Option<Streaming<W>>,
@@ -88,10 +88,10 @@ pub(crate) fn start<T, W>(
     open: impl Fn(u64) -> BoxFuture<'static, Result<Streaming<W>, Status>> + Send + 'static,
 ) -> Watch<T>
 where
-    T: Watched + TryFrom<W, Error = Error>,
+    T: Revisioned + TryFrom<W, Error = Error>,
     W: Send + 'static,
 {
-    let position = Position {
+    let watch = WatchState {
         open: Box::new(open),
         after_revision: 0,
         stream: None,
@@ -100,18 +100,18 @@ where
         item: PhantomData,
     };
     Watch(
-        futures::stream::unfold(position, |mut position| async move {
-            let item = position.next().await?;
-            Some((item, position))
+        futures::stream::unfold(watch, |mut watch| async move {
+            let item = watch.next().await?;
+            Some((item, watch))
         })
         .boxed(),
     )
 }
 
-impl<T: Watched + TryFrom<W, Error = Error>, W: Send + 'static> Position<T, W> {
+impl<T: Revisioned + TryFrom<W, Error = Error>, W: Send + 'static> WatchState<T, W> {
     async fn next(&mut self) -> Option<Result<T, Error>> {
         while !self.ended {
-            match self.advance().await {
+            match self.next_message().await {
                 Ok(Some(state)) => {
                     self.silent_since = None;
                     self.after_revision = state.revision();
@@ -123,18 +123,18 @@ impl<T: Watched + TryFrom<W, Error = Error>, W: Send + 'static> Position<T, W> {
                 Err(error) => {
                     self.stream = None;
                     let since = *self.silent_since.get_or_insert_with(Instant::now);
-                    if !error.is_transient() || since.elapsed() > PATIENCE {
+                    if !error.is_transient() || since.elapsed() > RECONNECT_TIMEOUT {
                         self.ended = true;
                         return Some(Err(error));
                     }
                 }
             }
-            tokio::time::sleep(PAUSE).await;
+            tokio::time::sleep(RETRY_INTERVAL).await;
         }
         None
     }
 
-    async fn advance(&mut self) -> Result<Option<T>, Error> {
+    async fn next_message(&mut self) -> Result<Option<T>, Error> {
         let stream = match &mut self.stream {
             Some(stream) => stream,
             None => {

@@ -96,7 +96,7 @@ fn sentence(verdict: &str) -> String {
 }
 
 /// How far reading a capture is, and what came of it.
-pub(super) fn in_a_word(capture: &Capture) -> String {
+pub(super) fn status(capture: &Capture) -> String {
     let state = capture.ingest.state;
     match (&capture.verdict, state, &capture.ingest.progress) {
         (_, JobState::Running, Some(p)) => format!("running {:.0} %", 100.0 * p.fraction),
@@ -117,7 +117,7 @@ pub(super) async fn watch(
     while let Some(capture) = states.next().await {
         let capture = capture?;
         if capture.ingest.state == JobState::Queued && last.is_none() {
-            bar.say("waiting for a worker");
+            bar.print("waiting for a worker");
         }
         if let Some(progress) = &capture.ingest.progress {
             bar.show(progress);

@@ -16,9 +16,9 @@ pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::
         let fit = fit?;
         let before = last.as_ref().map(|f| (f.state, f.attempts));
         match fit.state {
-            FitState::Queued if before.is_none() => bar.say("waiting for a worker"),
+            FitState::Queued if before.is_none() => bar.print("waiting for a worker"),
             FitState::Queued if before.is_some_and(|(state, _)| state == FitState::Running) => {
-                bar.say("the worker is gone; waiting for another one");
+                bar.print("the worker is gone; waiting for another one");
             }
             _ => {}
         }

@@ -20,22 +20,22 @@ const STOP: Duration = Duration::from_secs(20);
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// A running server with one worker.
-pub(super) struct Host {
+pub(super) struct DemoServer {
     child: Child,
     /// Held open as long as the server shall run; kept apart because waiting for a child closes its own.
     stdin: Option<ChildStdin>,
     log: PathBuf,
-    pub(super) site: Site,
+    pub(super) connection: Connection,
 }
 
 /// Where the server is.
 #[derive(Clone)]
-pub(super) struct Site {
+pub(super) struct Connection {
     pub(super) url: String,
     pub(super) client: Client,
 }
 
-impl Host {
+impl DemoServer {
     /// Starts a server in a folder and waits until its worker has registered.
     pub(super) async fn start(folder: &Path, backend: &BackendArgs) -> anyhow::Result<Self> {
         let (port_file, log) = (folder.join("port"), folder.join("server.log"));
@@ -83,7 +83,7 @@ impl Host {
             tokio::time::sleep(PAUSE).await;
         }
         let stdin = child.stdin.take();
-        Ok(Self { child, stdin, log, site: Site { url, client } })
+        Ok(Self { child, stdin, log, connection: Connection { url, client } })
     }
 
     /// Waits until the server ends by itself, which it should not.
