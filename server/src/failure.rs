@@ -50,7 +50,7 @@ pub(crate) enum Error {
     Deadline,
     #[error("the server is stopping: retry")]
     Stopping,
-    /// What a worker answered, as it said it.
+    /// The answer of a worker, unchanged.
     #[error("{0}")]
     Worker(Fault),
     #[error("{0}")]
@@ -62,7 +62,7 @@ impl Error {
         Self::Invalid { field, fault: fault.into() }
     }
 
-    /// When trying again makes sense, if it does.
+    /// Delay after which another attempt makes sense, if it does.
     pub(crate) fn retry_after(&self) -> Option<Duration> {
         match self {
             Self::Busy { .. } | Self::WorkerLost => Some(Duration::from_millis(250)),

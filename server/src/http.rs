@@ -101,7 +101,7 @@ fn download(content: Content, media_type: &'static str, file_name: &str) -> Resp
     (disposition, inline(content, media_type)).into_response()
 }
 
-/// Content to be shown. It is what it is said to be: no browser is to guess.
+/// Content to be shown. Browsers must not guess another type than the given one.
 fn inline(content: Content, media_type: &'static str) -> Response {
     let headers = [
         (header::CONTENT_TYPE, media_type.to_owned()),

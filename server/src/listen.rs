@@ -20,15 +20,15 @@ use crate::http::root_service::RootService;
 /// Stream and connection windows: a rollout of megabytes should not wait for updates.
 const WINDOW: u32 = 4 << 20;
 const MAX_STREAMS: u32 = 1024;
-/// How long a client may take to send the headers of a request.
+/// Longest time for the headers of a request.
 const HEADERS_TIMEOUT: Duration = Duration::from_secs(30);
-/// Idle HTTP/2 connections are asked whether they live.
+/// Time after which an idle HTTP/2 connection is pinged.
 const PING_INTERVAL: Duration = Duration::from_secs(20);
-/// Open connections; further ones wait in the system's backlog.
+/// Most open connections; further ones wait in the system's backlog.
 const MAX_CONNECTIONS: usize = 4096;
 
-/// Accepts connections until told to stop; then lets the requests under way
-/// finish, until told to cut them off, and returns when none is left.
+/// Accepts connections until `stop`; then lets the requests under way finish, until `cut`, and
+/// returns when none is left.
 pub(crate) async fn serve(
     listener: TcpListener,
     root_service: RootService,

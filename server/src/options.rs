@@ -1,54 +1,56 @@
-//! What an operator may choose about a server. Every field has a default,
-//! unknown fields are refused, and [`Options::validate`] reports all faults at once.
+//! Options of a server. Every field has a default, unknown fields are refused, and
+//! [`Options::validate`] reports all faults at once.
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use serde::{Deserialize, Serialize};
 
-/// What workers can be told to compute on.
+/// Backends that workers can use.
 const BACKENDS: [&str; 3] = ["auto", "cpu", "cuda"];
 
 /// Options of a server.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Where to listen for HTTP and gRPC; port 0 takes a free one. There is no
-    /// authentication of users yet, so anything but loopback trusts its network.
+    /// Address for HTTP and gRPC; port 0 takes a free one. There is no authentication of users yet,
+    /// so any address but loopback trusts its network.
     pub listen: SocketAddr,
     /// The folder of the database and the blobs; made if missing.
     pub data_dir: PathBuf,
-    /// The token that workers started by others must show; without one, only
-    /// the server's own workers are let in.
+    /// The token of workers that others start; without one, only the server's own workers may
+    /// connect.
     pub worker_token: Option<String>,
     /// The server's own worker processes.
     pub workers: WorkerPolicy,
-    /// Bounds on what one request may ask.
+    /// Bounds on one request.
     pub limits: Limits,
-    /// How long a job stays a worker's without a sign of life [s].
+    /// Time for which a worker keeps a job without reporting [s].
     pub lease_s: f64,
-    /// How often workers give signs of life [s].
+    /// Interval at which workers send heartbeats [s].
     #[serde(alias = "beat_interval_s")]
     pub heartbeat_interval_s: f64,
-    /// How long an upload that can be resumed is kept without further bytes, and remembered after its end [s].
+    /// Time for which a resumable upload is kept without further bytes, and remembered after its
+    /// end [s].
     pub upload_expiry_s: f64,
-    /// How long a shutdown waits for requests and workers to end [s].
+    /// Longest wait of a shutdown for requests and workers to end [s].
     pub shutdown_grace_s: f64,
 }
 
-/// Which worker processes the server starts, and how it restarts them.
+/// Worker processes that the server starts and restarts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WorkerPolicy {
-    /// How many; 0 leaves it to others to start workers.
+    /// Number of workers; 0 leaves it to others to start workers.
     pub count: u32,
-    /// The program; none means this very program.
+    /// The program; this very program if none.
     pub program: Option<PathBuf>,
     /// Its arguments.
     pub args: Vec<String>,
-    /// What they compute on: `auto`, `cpu` or `cuda`. They are told in their environment, over which
-    /// `args` win; so they are of `devices`.
+    /// Backend of the workers: `auto`, `cpu` or `cuda`. Passed in their environment, so that `args`
+    /// take precedence; the same holds for `devices`.
     pub backend: String,
-    /// CUDA devices, as CUDA counts them: the workers take them in turn. Without any, each takes device 0.
+    /// CUDA devices by number, assigned to the workers in turn. If empty, every worker takes device
+    /// 0.
     pub devices: Vec<u32>,
     /// Wait before the first restart [s]; it doubles up to `max_backoff_s`.
     pub min_backoff_s: f64,

@@ -1,10 +1,9 @@
 //! The server's own worker processes: started, restarted when they end, and
 //! ended with the server.
 //!
-//! A child is told the server's address and a token of its own in its
-//! environment. Its standard input is a pipe that the server holds open: when
-//! it ends, by a shutdown or because the server died, the child is to exit.
-//! When a child ends, its jobs go back to the queue at once.
+//! A child gets the server's address and a token of its own in its environment. Its standard input
+//! is a pipe that the server holds open; the child exits when that ends, by a shutdown or because
+//! the server died. When a child ends, its jobs go back to the queue at once.
 
 use std::{ffi::OsString, net::SocketAddr, path::PathBuf, process::Stdio, time::Duration};
 
@@ -16,28 +15,28 @@ use tokio_util::{sync::CancellationToken, task::TaskTracker};
 
 use crate::{app::App, service::StartError, tokens::Child};
 
-/// The environment variable with the server's address, `http://127.0.0.1:7070` say.
+/// The environment variable with the server's address, for example `http://127.0.0.1:7070`.
 pub const SERVER_VARIABLE: &str = "BENDTWIN_SERVER";
 /// The environment variable with the worker token.
 pub const TOKEN_VARIABLE: &str = "BENDTWIN_WORKER_TOKEN";
-/// The environment variable with what computes: `auto`, `cpu` or `cuda`.
+/// The environment variable with the backend: `auto`, `cpu` or `cuda`.
 pub const BACKEND_VARIABLE: &str = "BENDTWIN_BACKEND";
 /// The environment variable with the number of the CUDA device.
 pub const DEVICE_VARIABLE: &str = "BENDTWIN_DEVICE";
 
-/// A child that lived so long was healthy: the next restart is quick again.
+/// Lifetime from which a child counts as healthy: the next restart is quick again.
 const HEALTHY_AFTER: Duration = Duration::from_secs(3);
 
 /// The supervisor of all children.
 #[derive(Debug)]
 pub(crate) struct Supervisor {
     stop: CancellationToken,
-    /// Past the grace: kill.
+    /// Cancelled after the grace period: children are killed.
     kill: CancellationToken,
     tasks: TaskTracker,
 }
 
-/// What to run, for every child alike.
+/// Program, arguments and environment of every child.
 #[derive(Clone, Debug)]
 struct SpawnOptions {
     program: PathBuf,
@@ -96,7 +95,7 @@ pub(crate) fn start(app: &App, address: SocketAddr) -> Result<Supervisor, StartE
     Ok(supervisor)
 }
 
-/// The address as this machine's processes reach it.
+/// The address at which processes on this machine reach the server.
 fn reachable(address: SocketAddr) -> SocketAddr {
     let mut address = address;
     if address.ip().is_unspecified() {
@@ -109,7 +108,7 @@ fn reachable(address: SocketAddr) -> SocketAddr {
 }
 
 impl Supervisor {
-    /// Ends all children: asked first, killed after the grace.
+    /// Ends all children: asked first, killed after the grace period.
     pub(crate) async fn stop(self, grace: Duration) {
         self.stop.cancel();
         self.tasks.close();
@@ -120,7 +119,7 @@ impl Supervisor {
     }
 }
 
-/// Keeps one slot filled.
+/// Supervisor of one slot: starts a child whenever there is none.
 struct SlotSupervisor {
     app: App,
     spawn_options: SpawnOptions,
@@ -171,7 +170,7 @@ impl SlotSupervisor {
             .spawn()
     }
 
-    /// Waits until the process ends, by itself or because it is told to.
+    /// Waits until the process ends, by itself or on request.
     async fn wait_for_exit(&self, child: Child, mut process: Process) {
         tracing::info!(slot = self.slot, pid = process.id(), "worker started");
         // Dropping it ends the child's standard input.
@@ -205,7 +204,7 @@ impl SlotSupervisor {
         }
     }
 
-    /// No call with the child's token gets through any more; its jobs go back.
+    /// Revokes the child's token, so that no further call gets through, and gives its jobs back.
     async fn clean_up(&self, child: Child) {
         self.app.tokens.revoke(child);
         for worker in self.app.dispatch.of_child(child) {

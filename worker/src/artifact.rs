@@ -8,15 +8,15 @@ use tempfile::NamedTempFile;
 
 use crate::server_client::{CallError, ServerClient};
 
-/// Why content could not be fetched.
+/// Reason for which content could not be fetched.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum FetchError {
     /// The server did not give it.
     #[error("cannot fetch {name}: {}", fault.message)]
     Server {
-        /// What was wanted.
+        /// Name of the content.
         name: String,
-        /// What the server said.
+        /// The server's error.
         fault: bendtwin_core::Fault,
     },
     /// Another worker has the job.
@@ -27,15 +27,15 @@ pub(crate) enum FetchError {
         "{name} is larger than {limit} bytes, the most that this worker takes: raise its limit"
     )]
     TooLarge {
-        /// What was wanted.
+        /// Name of the content.
         name: String,
         /// The limit.
         limit: u64,
     },
-    /// What arrived is not what was stored.
+    /// The content has another digest than the stored one.
     #[error("{name} has digest {found} where {expected} was stored: the stored file is damaged")]
     Digest {
-        /// What was wanted.
+        /// Name of the content.
         name: String,
         /// Digest of what arrived.
         found: String,
@@ -45,9 +45,9 @@ pub(crate) enum FetchError {
     /// The temporary file cannot be written.
     #[error("cannot keep {name} in a temporary file: {source}; free disk space or set --cache-dir")]
     Disk {
-        /// What was wanted.
+        /// Name of the content.
         name: String,
-        /// Why.
+        /// The system's error.
         source: std::io::Error,
     },
 }

@@ -1,5 +1,4 @@
-//! One fit job from lease to twin: fetches what the ingest made of the capture and
-//! computes on a thread of its own.
+//! One fit job from lease to twin: fetches the observation and computes on a thread of its own.
 
 mod compute;
 mod twin;
@@ -25,29 +24,30 @@ use crate::{
     server_client::ServerClient,
 };
 
-/// What fit jobs need of the process.
+/// Executor of fit jobs.
 #[derive(Clone)]
 pub(crate) struct Fits {
     pub(crate) server: ServerClient,
     pub(crate) device: Device,
     /// workers/{uuid}
     pub(crate) worker: String,
-    /// Where observations are put while they are read.
+    /// Folder for observations while they are read.
     pub(crate) dir: PathBuf,
     pub(crate) limits: Limits,
-    /// How long a result is held on to while the server is gone.
+    /// Time for which a result is kept while the server cannot be reached.
     pub(crate) patience: Duration,
-    /// Told when the process must restart.
+    /// Channel for errors after which the process must restart.
     pub(crate) fatal: mpsc::UnboundedSender<Error>,
 }
 
-/// How long a fit that nobody wants any more may take to hear so. Reading a capture hears nothing.
+/// Time for which a stopped fit may go on before it is abandoned. Reading a capture does not check
+/// for cancellation.
 const CANCEL_GRACE: Duration = Duration::from_millis(500);
 
-/// What the fit's thread will say at its end.
+/// The outcome that the fit's thread will send.
 type Thread = oneshot::Receiver<Outcome>;
 
-/// How the work on a job ended.
+/// Outcome of the work on a job.
 enum Outcome {
     Finished(Box<Finished>),
     Failed(Fault),
@@ -104,7 +104,7 @@ impl Fits {
         }
     }
 
-    /// Fetches what is needed and starts the thread that makes the twin.
+    /// Fetches the inputs and starts the thread that computes.
     async fn begin(&self, lease: &Lease, compute: Compute) -> Result<Thread, Fault> {
         let stop = compute.stop.clone();
         let inputs = tokio::select! {
@@ -149,7 +149,7 @@ impl Fits {
         Ok(Inputs { lease: lease.clone(), settings, observation, checkpoint })
     }
 
-    /// Tells the server how it ended.
+    /// Reports the outcome to the server.
     async fn conclude(
         &self,
         job: &Job,
@@ -188,8 +188,8 @@ impl Fits {
     }
 }
 
-/// Waits for the thread's outcome; if nobody wants it any more, not for long: then the thread is
-/// given back as well.
+/// Waits for the thread's outcome. If the job is stopped, the wait is short, and the thread that
+/// still runs is returned as well.
 async fn finish(mut thread: Thread, stop: &Stop) -> (Outcome, Option<Thread>) {
     let abandoned = async {
         stop.stopped().await;

@@ -1,12 +1,13 @@
-//! One ingest job from lease to observation and report. The capture is a stranger's file, so it is read
-//! in a process of its own, under a memory limit: whatever it does to that one, worker and server live.
+//! One ingest job from lease to observation and report. Captures are untrusted files, so each is
+//! read in a process of its own under a memory limit: whatever happens to that process, worker and
+//! server are unharmed.
 //!
 //! ```text
 //!   server ◄── lease, progress, checkpoints, result ──► worker ◄── lines, files ──► child
 //! ```
 //!
-//! [`protocol`] is what the two say to each other, `child` the worker's side of it, `process` the
-//! child's, and [`observe()`] what is done in there; `deliver` takes the result to the server.
+//! [`protocol`] defines the messages between the two, `child` is the worker's side, `process` the
+//! child's, and [`observe()`] the work itself; `deliver` takes the result to the server.
 
 mod child;
 mod deliver;
@@ -42,19 +43,19 @@ use crate::{
     server_client::ServerClient,
 };
 
-/// What ingest jobs need of the process.
+/// Executor of ingest jobs.
 #[derive(Clone)]
 pub(crate) struct Ingests {
     pub(crate) server: ServerClient,
     /// workers/{uuid}
     pub(crate) worker: String,
-    /// Where captures are put while they are read.
+    /// Folder for captures while they are read.
     pub(crate) dir: PathBuf,
-    /// The program whose `ingest-capture` reads them.
+    /// The program whose command `ingest-capture` reads them.
     pub(crate) program: PathBuf,
-    /// Memory that it may take [bytes].
+    /// Memory that the child may take [bytes].
     pub(crate) memory_bytes: u64,
-    /// How long a result is held on to while the server is gone.
+    /// Time for which a result is kept while the server cannot be reached.
     pub(crate) patience: Duration,
 }
 
@@ -117,7 +118,7 @@ impl Ingests {
         reporter.abort();
     }
 
-    /// Puts into a folder of its own what the child needs.
+    /// Prepares a folder for the child: archive, checkpoint and request.
     async fn prepare(&self, lease: &Lease) -> Result<TempDir, Fault> {
         let disk = |source: std::io::Error| Fault {
             category: Category::ResourceExhausted,

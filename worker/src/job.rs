@@ -1,5 +1,5 @@
-//! A leased job of either kind, and what surrounds the work on it: the lease is renewed, progress reported,
-//! checkpoints saved and the last word delivered from tasks that no computation can hold up.
+//! A leased job of either kind. Its lease is renewed, progress reported, checkpoints saved and the
+//! result delivered by tasks of their own, which no computation can hold up.
 
 pub(crate) mod checkpoints;
 pub(crate) mod deliver;
@@ -31,7 +31,7 @@ impl Job {
         Self { server, worker, name: lease.job.clone(), epoch: lease.epoch }
     }
 
-    /// Renews the lease and stores progress. Says whether cancellation is wanted.
+    /// Renews the lease and stores progress. Returns true if the job has been asked to stop.
     pub(crate) async fn report(&self, progress: Option<&Progress>) -> Result<bool, CallError> {
         let request = ReportJobRequest {
             worker: self.worker.clone(),
@@ -63,12 +63,12 @@ impl Job {
         self.server.fail_job(request).await
     }
 
-    /// What a write of this content says of itself.
+    /// Header of a write of this content.
     pub(crate) fn write_of(&self, content: &[u8]) -> JobWrite {
         JobWrite { digest: blake3::hash(content).to_hex().to_string(), ..self.write() }
     }
 
-    /// What a write of several contents says of itself.
+    /// Header of a write of several contents.
     pub(crate) fn write(&self) -> JobWrite {
         JobWrite {
             worker: self.worker.clone(),

@@ -1,4 +1,4 @@
-//! Asks the server for jobs of a kind, one after another.
+//! Leases jobs of one kind from the server, one after another.
 
 use std::time::Duration;
 
@@ -12,10 +12,10 @@ use crate::{
     server_client::{Backoff, CallError, ServerClient},
 };
 
-/// How long the server may hold a call for a job.
+/// Longest time for which the server may hold a call for a job.
 const WAIT: Duration = Duration::from_secs(20);
 
-/// When to stop.
+/// Signals to stop leasing.
 #[derive(Clone, Debug)]
 pub(crate) struct StopSignals {
     /// No further job is leased.
@@ -24,9 +24,9 @@ pub(crate) struct StopSignals {
     pub(crate) drained: CancellationToken,
 }
 
-/// Whoever works on jobs of a kind.
+/// Executor of jobs of one kind.
 pub(crate) trait Execute: Send + Sync {
-    /// The jobs that it works on.
+    /// The kind of jobs.
     const KIND: Kind;
 
     fn server(&self) -> &ServerClient;

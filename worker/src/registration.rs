@@ -1,4 +1,4 @@
-//! Makes the worker known to the server, and keeps it so.
+//! Registration of the worker with the server, kept up by heartbeats.
 
 use std::{
     sync::{
@@ -20,14 +20,14 @@ use crate::{
     server_client::{Backoff, CallError, ServerClient},
 };
 
-/// The worker's entry in the server's list.
+/// This worker's entry in the server's list.
 #[derive(Clone)]
 pub(crate) struct Registration {
     server: ServerClient,
     request: Arc<RegisterRequest>,
     rollouts: Rollouts,
     device: Device,
-    /// As the server asked for [ms].
+    /// Interval that the server asked for [ms].
     heartbeat_interval_ms: Arc<AtomicU64>,
 }
 
@@ -64,8 +64,8 @@ impl Registration {
         }
     }
 
-    /// Says that the worker lives, until the task is aborted. A server that asks the worker to
-    /// end cancels `drain`.
+    /// Sends heartbeats until the task is aborted. A server that asks the worker to end cancels
+    /// `drain`.
     pub(crate) async fn heartbeat(self, drain: CancellationToken) {
         loop {
             let every = Duration::from_millis(self.heartbeat_interval_ms.load(Ordering::Relaxed));
@@ -90,7 +90,8 @@ impl Registration {
         }
     }
 
-    /// After the server has forgotten the worker (it was away for long, say).
+    /// Registers after the server has forgotten the worker, for example because it was away for
+    /// long.
     pub(crate) async fn register_again(&self) {
         tracing::info!("the server does not know this worker: registering again");
         if let Err(error) = self.register(Duration::ZERO).await {
@@ -99,7 +100,7 @@ impl Registration {
     }
 }
 
-/// Whether the server says that it does not know this worker.
+/// True if the server answered that it does not know this worker.
 pub(crate) fn is_unknown(error: &CallError) -> bool {
     matches!(error, CallError::Refused(fault)
         if matches!(fault.category, Category::NotFound | Category::FailedPrecondition))

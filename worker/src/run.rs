@@ -25,7 +25,7 @@ use crate::{
     server_client::ServerClient,
 };
 
-/// How long rollouts and last words may take once the worker is to end.
+/// Longest time for rollouts and final reports once the worker has to end.
 const GRACE: Duration = Duration::from_secs(15);
 
 /// Runs a worker until `shutdown` (jobs under way are handed back with their
@@ -126,7 +126,8 @@ async fn run_on(
     result
 }
 
-/// This very program, even if its file has been replaced since it was started: worker and child are of one build.
+/// This very program, even if its file has been replaced since the start: worker and child are of
+/// one build.
 fn this_program() -> PathBuf {
     let running = Path::new("/proc/self/exe");
     if cfg!(target_os = "linux") && running.exists() {
@@ -158,13 +159,13 @@ fn register_request(id: WorkerId, endpoint: &str, device: &Device) -> RegisterRe
     }
 }
 
-/// The rollout service under way.
+/// A rollout service under way.
 struct Serving {
     stop: CancellationToken,
     task: JoinHandle<()>,
 }
 
-/// Binds the address and answers rollouts there; also returns where that is.
+/// Binds the address and answers rollouts there. Also returns the endpoint.
 async fn serve(options: &Options, rollouts: Rollouts) -> Result<(String, Serving), Error> {
     let failed = |source| Error::Listen { address: options.listen.to_string(), source };
     let listener = TcpListener::bind(options.listen).await.map_err(failed)?;
@@ -185,7 +186,7 @@ async fn serve(options: &Options, rollouts: Rollouts) -> Result<(String, Serving
 }
 
 impl Serving {
-    /// Finishes the rollouts under way, within reason.
+    /// Finishes the rollouts under way, for a limited time.
     async fn stop(mut self) {
         self.stop.cancel();
         if tokio::time::timeout(GRACE, &mut self.task).await.is_err() {

@@ -1,4 +1,4 @@
-//! The connection to the server: typed calls, and what to do when it is gone.
+//! Client of the server: typed calls, and errors that tell whether another attempt makes sense.
 
 mod retry;
 mod upload;
@@ -27,14 +27,14 @@ use tonic::{
 pub(crate) use self::retry::Backoff;
 use crate::Error;
 
-/// How long an ordinary call may take.
+/// Longest time of an ordinary call.
 const CALL_TIMEOUT: Duration = Duration::from_secs(20);
-/// How long an upload of a checkpoint or a twin may take.
+/// Longest time of an upload of a checkpoint or a twin.
 const UPLOAD_TIMEOUT: Duration = Duration::from_secs(300);
 /// Longest reply that is accepted [bytes]; chunks are far smaller.
 const MAX_MESSAGE: usize = 32 << 20;
 
-/// What became of a call about a job.
+/// Failure of a call about a job.
 #[derive(Debug)]
 pub(crate) enum CallError {
     /// Another worker has the job by now: stop at once, write nothing more.
@@ -46,7 +46,7 @@ pub(crate) enum CallError {
 }
 
 impl CallError {
-    /// What went wrong.
+    /// The fault behind the failure.
     pub(crate) fn fault(self) -> Fault {
         match self {
             Self::Stale => Fault {
@@ -83,7 +83,7 @@ pub(crate) struct ServerClient {
     client: WorkerLinkClient<InterceptedService<Channel, Credentials>>,
 }
 
-/// Adds the worker token to every call.
+/// Interceptor that adds the worker token to every call.
 #[derive(Clone)]
 pub(crate) struct Credentials(AsciiMetadataValue);
 
@@ -153,7 +153,7 @@ impl ServerClient {
         Ok(())
     }
 
-    /// Stores what an ingest made, as these messages have it, and ends its job.
+    /// Stores the result of an ingest, given as messages, and ends its job.
     pub(crate) async fn end_ingest(
         &self,
         messages: impl Stream<Item = EndIngestRequest> + Send + 'static,
@@ -206,7 +206,7 @@ impl ServerClient {
 pub(crate) struct Download(Streaming<bendtwin_proto::worker::v1::DownloadResponse>);
 
 impl Download {
-    /// The next chunk; none at the end. A server that says nothing for a while counts as gone.
+    /// The next chunk; none at the end. A server that sends nothing for a while counts as gone.
     pub(crate) async fn next(&mut self) -> Result<Option<Bytes>, CallError> {
         match tokio::time::timeout(CALL_TIMEOUT, self.0.message()).await {
             Ok(message) => Ok(message?.map(|m| m.chunk)),

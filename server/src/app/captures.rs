@@ -1,11 +1,11 @@
-//! Captures: what was recorded. Their content is opaque here; workers read it.
+//! Captures. Their content is opaque here; workers read it.
 
 use bendtwin_core::ids::CaptureId;
 use bendtwin_store::{Capture, Content, NewCapture, Overview, Page, PageRequest, Staged};
 
 use super::{App, Body, Error, Result};
 
-/// A capture to be uploaded, as asked for.
+/// A requested upload of a capture.
 pub(crate) struct CaptureUpload {
     pub(crate) display_name: String,
     pub(crate) request_id: String,
@@ -30,7 +30,8 @@ impl App {
         self.keep_capture(display_name, request_id, ingest, content).await
     }
 
-    /// Makes a capture of content that is here: the end of every upload. `ingest` are settings in force.
+    /// Makes a capture of received content, the last step of every upload. `ingest` are the
+    /// settings in force.
     pub(super) async fn keep_capture(
         &self,
         display_name: String,

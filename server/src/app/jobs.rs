@@ -19,7 +19,7 @@ pub(crate) struct Attempt {
     pub(crate) lease: Lease,
 }
 
-/// What workers may download.
+/// Contents that workers may download.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Downloadable {
     Capture(CaptureId),
@@ -44,7 +44,7 @@ impl std::str::FromStr for Downloadable {
     }
 }
 
-/// A job that went to a worker, with what it is about.
+/// A job that was leased to a worker, with its capture and observation.
 #[derive(Clone, Debug)]
 pub(crate) struct Leased {
     pub(crate) job: Job,
@@ -52,7 +52,7 @@ pub(crate) struct Leased {
     pub(crate) observation: Option<Observation>,
 }
 
-/// Longest that a worker may wait for a job in one call.
+/// Longest wait for a job in one call.
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
 
 impl App {
@@ -86,7 +86,7 @@ impl App {
         Ok(Some(Leased { job, capture, observation }))
     }
 
-    /// Renews a lease; whether the job has been asked to stop.
+    /// Renews a lease. Returns true if the job has been asked to stop.
     pub(crate) async fn report_job(
         &self,
         attempt: Attempt,
@@ -145,7 +145,7 @@ impl App {
         Ok(())
     }
 
-    /// Opens what a worker asks for.
+    /// Opens the content that a worker asks for.
     pub(crate) async fn download(&self, what: Downloadable) -> Result<Content> {
         Ok(match what {
             Downloadable::Capture(id) => self.store.captures().content(id).await?.1,
@@ -155,8 +155,8 @@ impl App {
         })
     }
 
-    /// A worker process has ended: its jobs go back at once. Where the server
-    /// itself ended it, that says nothing about them and does not count.
+    /// Ends the attempts of a worker process that has ended: its jobs go back at once. If the
+    /// server itself ended it, the attempts do not count.
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
         self.dispatch.remove(worker);
         let counts = !self.stopping.is_cancelled();
@@ -187,7 +187,7 @@ impl App {
         Err(Error::WorkerUnknown(worker.to_string()))
     }
 
-    /// A worker has said its last word on a job.
+    /// Records the end of a worker's attempt.
     pub(super) fn record_end(&self, worker: WorkerId, job: &Job) {
         self.dispatch.set_job(worker, job.id.kind(), None);
         self.note_end(job);
@@ -206,7 +206,7 @@ fn lease_of(job: &Job) -> Lease {
     Lease { job: job.id, epoch: job.lease_epoch }
 }
 
-/// Gives a job back that its claimant never heard of.
+/// Gives a leased job back when dropped, unless the lease has been handed to the worker.
 struct LeaseGuard {
     app: App,
     lease: Option<Lease>,

@@ -1,4 +1,4 @@
-//! Jobs as they change: now, after every change, until they have ended.
+//! Watching jobs: the current state, then every change, until the job has ended.
 
 use bendtwin_core::ids::{CaptureId, FitId};
 use bendtwin_store::{Job, JobId, Overview};
@@ -17,8 +17,8 @@ struct Watch {
 }
 
 impl App {
-    /// The revisions of a fit above `after`, newest only where several come at
-    /// once. Ends after the terminal state, or with [`Error::Stopping`].
+    /// The revisions of a fit above `after`; only the newest where several come at once. Ends after
+    /// the terminal state, or with [`Error::Stopping`].
     pub(crate) async fn watch_fit(
         &self,
         name: &str,

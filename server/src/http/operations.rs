@@ -1,4 +1,4 @@
-//! `/healthz`, `/readyz`, `/metrics`: for those who run the server.
+//! `/healthz`, `/readyz`, `/metrics`: for operators.
 
 use axum::{
     Json,
@@ -12,25 +12,25 @@ use utoipa::ToSchema;
 use super::Result;
 use crate::{app::App, error::ProblemDocument, metrics::Gauges};
 
-/// Whether the server can do its work.
+/// State of the server as `/readyz` reports it.
 #[derive(Serialize, ToSchema)]
 pub(super) struct Readiness {
-    /// Whether the store answers and the server is not stopping.
+    /// True if the store answers and the server is not stopping.
     ready: bool,
-    /// Workers that are there; fits and rollouts wait while there is none.
+    /// Connected workers; fits and rollouts wait while there is none.
     workers: usize,
     /// Rollouts under way or waiting.
     rollouts: usize,
 }
 
-/// Whether the process lives
+/// Liveness
 #[utoipa::path(get, path = "/healthz", tag = "operations",
     responses((status = 200, body = String, content_type = "text/plain")))]
 pub(super) async fn healthz() -> &'static str {
     "ok\n"
 }
 
-/// Whether the server can do its work
+/// Readiness
 #[utoipa::path(get, path = "/readyz", tag = "operations",
     responses((status = 200, body = Readiness), (status = 503, body = Readiness)))]
 pub(super) async fn readyz(State(app): State<App>) -> Response {

@@ -1,5 +1,5 @@
-//! What surrounds every request of either transport: its id, its span, its
-//! metrics, and the net under handlers that panic.
+//! The service around every request of either transport: request id, tracing span, metrics, and an
+//! answer for handlers that panic.
 
 use std::{convert::Infallible, panic::AssertUnwindSafe, time::Instant};
 
@@ -23,7 +23,7 @@ pub(crate) struct RootService {
     pub(crate) http: axum::Router,
     pub(crate) grpc: axum::Router,
     pub(crate) metrics: Metrics,
-    /// Whether only this machine can reach the server.
+    /// True if only this machine can reach the server.
     pub(crate) loopback: bool,
 }
 
@@ -73,11 +73,11 @@ impl RootService {
     }
 }
 
-/// The matched pattern, handed out with the response.
+/// The matched route pattern, passed on with the response.
 #[derive(Clone)]
 struct Route(String);
 
-/// Notes which route answered; a layer of the HTTP router.
+/// Records which route answered; a layer of the HTTP router.
 pub(crate) async fn note_route(
     matched: Option<MatchedPath>,
     request: axum::extract::Request,

@@ -11,14 +11,14 @@ use bendtwin_engine::Backend;
 /// Work for a device thread.
 pub(super) type Task = Box<dyn FnOnce(&dyn Backend) -> Result<(), Broken> + Send>;
 
-/// Why a device is of no use any more.
+/// Reason for which a device cannot be used any more.
 pub(super) struct Broken(pub(super) String);
 
 /// A background task that has waited this long goes first once, so that a
 /// stream of rollouts slows a fit down but never stops it.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Whose work goes first.
+/// Priority of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Priority {
     /// A person or a robot waits for it.
@@ -70,7 +70,7 @@ impl Queue {
         }
     }
 
-    /// Takes no more tasks and drops those that wait, which wakes their callers.
+    /// Accepts no more tasks and drops those that wait, which wakes their callers.
     pub(super) fn close(&self) {
         let mut tasks = self.lock();
         tasks.closed = true;

@@ -1,8 +1,9 @@
-//! A [`Backend`] that sends its batches to the device thread in slices.
+//! A [`Backend`] that queues its batches for the device thread in slices.
 //!
-//! Instances are independent, so a batch may be cut anywhere and run in any
-//! order without changing a bit of any result. Slices are cut by estimated
-//! work: instances of like size run side by side, so that no core idles long.
+//! Instances are independent, so a batch may be cut anywhere and run in any order. On the CPU that
+//! does not change a bit of any result. On a GPU the last bits depend on the number of instances in
+//! a slice, so rollouts of a device with an urgent queue are cut by work alone, never by measured
+//! time. Instances of similar work share a slice, so that no core idles long.
 
 mod descent;
 
@@ -24,7 +25,7 @@ use self::descent::QueuedDescent;
 
 use super::{Device, Priority};
 
-/// Which pass through the frames, for a gradient costs several times a rollout.
+/// Direction of a pass through the frames: a gradient costs several times a rollout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pass {
     Forward,
@@ -40,10 +41,10 @@ pub(crate) struct Usage {
     work: f64,
 }
 
-/// The device as one caller sees it.
+/// A backend whose calls are queued for the device with one priority.
 pub(crate) struct QueuedBackend(Arc<Shared>);
 
-/// What a backend and its descents share.
+/// State that the backend and its descents share.
 struct Shared {
     device: Device,
     priority: Priority,
@@ -81,8 +82,8 @@ impl QueuedBackend {
 }
 
 impl Shared {
-    /// Runs a task on the device. If it lacks memory, what can be spared there is given up and the task
-    /// runs again: first as much as was lacking, by estimate, then everything.
+    /// Runs a task on the device. If memory is lacking, other users of the device free some and the
+    /// task runs again: first the estimated amount, then everything.
     fn call<R: Send + 'static>(
         &self,
         task: impl Fn(&dyn Backend) -> Result<R, Error> + Clone + Send + 'static,
@@ -106,7 +107,7 @@ impl Shared {
         }
     }
 
-    /// Runs a task that cannot run twice.
+    /// Runs a task that cannot be repeated.
     fn call_once<R: Send + 'static>(
         &self,
         task: impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + 'static,
@@ -114,7 +115,8 @@ impl Shared {
         self.device.call(self.priority, task)
     }
 
-    /// Runs a batch in slices, in this order; `run` takes a slice to the device. Results come in the batch's order.
+    /// Runs a batch in slices, in this order; `run` takes a slice to the device. Results are in the
+    /// batch's order.
     fn in_slices<T: Clone, R>(
         &self,
         batch: &[T],
@@ -216,15 +218,15 @@ impl Usage {
         self.work += work;
     }
 
-    /// Work a second, once there was any.
+    /// Work per second, once there was any.
     fn speed(&self) -> Option<f64> {
         let seconds = self.compute.as_secs_f64();
         (seconds > 0.0).then(|| self.work / seconds)
     }
 }
 
-/// How many of the instances in `rest` the next slice takes: whole rounds of lanes while they fit the
-/// budget, and one round at least: where no speed is known yet, it is found out with that.
+/// Number of instances in `rest` that the next slice takes: whole rounds of SIMD lanes while they
+/// fit the budget, and at least one round. The first round measures the speed where none is known.
 fn slice_len(rest: &[usize], work: &[f64], budget: f64, lanes: usize) -> usize {
     let lanes = lanes.max(1);
     let mut taken = lanes.min(rest.len());

@@ -15,26 +15,26 @@ use super::{
 };
 use crate::Error;
 
-/// Between two looks at the device's memory; a look may wait for the driver.
+/// Time between two samples of the device's memory; a sample may wait for the driver.
 const MEMORY_SAMPLE_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Gives up about so many bytes of the device's memory; false if there is nothing to give up.
+/// Frees about so many bytes of the device's memory; false if there is nothing to free.
 type Reclaim = Box<dyn Fn(u64) -> bool + Send + Sync>;
 
-/// What an opened backend says of itself.
+/// Properties of an opened backend.
 pub(super) struct Opened {
     pub(super) description: Description,
-    /// Its second queue.
+    /// The second queue of the backend.
     pub(super) urgent: Option<Arc<dyn Backend>>,
 }
 
-/// The queues and what their threads share.
+/// The queues, and the state that their threads share.
 pub(super) struct Threads {
     pub(super) main: Queue,
     pub(super) urgent: Queue,
     memory: Mutex<Option<Memory>>,
     reclaim: OnceLock<Reclaim>,
-    /// Told why the process must restart.
+    /// Channel for errors after which the process must restart.
     fatal: mpsc::UnboundedSender<Error>,
 }
 
@@ -81,13 +81,13 @@ impl Threads {
         started
     }
 
-    /// Takes no more tasks and drops those that wait, which wakes their callers.
+    /// Accepts no more tasks and drops those that wait, which wakes their callers.
     pub(super) fn close(&self) {
         self.main.close();
         self.urgent.close();
     }
 
-    /// The memory as last seen.
+    /// The memory as last sampled.
     pub(super) fn memory(&self) -> Option<Memory> {
         *self.memory.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -15,18 +15,18 @@ use crate::{
     observation,
 };
 
-/// Where the fit's thread reports to.
+/// The computation of a fit and the channels on which it reports.
 pub(super) struct Compute {
     pub(super) progress: LatestProgress,
     pub(super) checkpoints: Checkpoints,
     pub(super) stop: Stop,
 }
 
-/// What to compute.
+/// Inputs of a fit.
 pub(super) struct Inputs {
     pub(super) lease: Lease,
     pub(super) settings: FitSettings,
-    /// What its capture's ingest made.
+    /// The bundle that the ingest of the capture made.
     pub(super) observation: NamedTempFile,
     pub(super) checkpoint: Option<Bytes>,
 }
@@ -82,10 +82,10 @@ impl Compute {
     }
 }
 
-/// Passes on what a fit reports.
+/// Passes on progress and checkpoints of a fit.
 struct JobObserver {
     compute: Compute,
-    /// Whether the last iteration reported was a stage's last.
+    /// True if the last iteration reported was a stage's last.
     stage_ended: bool,
 }
 

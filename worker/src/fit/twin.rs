@@ -1,4 +1,4 @@
-//! A finished twin on its way to the server.
+//! Delivery of a finished twin to the server.
 
 use bendtwin_core::Category;
 use bendtwin_proto::worker::v1::TwinWrite;
@@ -12,8 +12,8 @@ use crate::{
     server_client::CallError,
 };
 
-/// Stores the twin, which ends the job. Sending it twice is safe: the second answer is the
-/// same, or says that the lease is stale.
+/// Stores the twin, which ends the job. Sending it twice is safe: the second answer is the same, or
+/// reports a stale lease.
 pub(super) async fn deliver(delivery: &Delivery<'_>, finished: Finished) {
     match delivery.send_until_acknowledged("the twin", || send(delivery.job, &finished)).await {
         Ok(twin) => tracing::info!(twin, bytes = finished.file.len(), "fit succeeded"),

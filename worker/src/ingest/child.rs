@@ -1,5 +1,5 @@
-//! The worker's side of the child process: started, listened to, killed when nobody wants it any more,
-//! and its end explained.
+//! The worker's side of the child process: starts it, reads its messages, kills it when the job is
+//! stopped, and explains its end.
 
 use std::{
     path::Path,
@@ -16,30 +16,31 @@ use tokio::{
 use super::protocol::{CHECKPOINT, Message};
 use crate::job::{checkpoints::Checkpoints, report::LatestProgress};
 
-/// Longest line that is listened to [bytes]; the child writes far shorter ones.
+/// Longest message line that is accepted [bytes]; the child writes far shorter ones.
 const LINE: u64 = 1 << 20;
-/// How much of the end of its standard error is kept [bytes].
+/// Size of the tail of its standard error that is kept [bytes].
 const TAIL: usize = 4 << 10;
-/// Each thread has a stack and an arena of its own, which count as the child's memory.
+/// Most threads of the child. Each has a stack and an arena of its own, which count as the child's
+/// memory.
 const MOST_THREADS: usize = 8;
 
-/// What Rust's runtime says when memory cannot be had before it aborts, and what it and the system call such an error.
+/// Words for lack of memory in messages of Rust's runtime, which then aborts, and of the system.
 const NO_MEMORY: [&str; 3] = ["memory allocation of", "Cannot allocate memory", "out of memory"];
 
-/// How to start the child.
+/// The command of the child.
 pub(super) struct Child<'a> {
     pub(super) program: &'a Path,
     pub(super) folder: &'a Path,
 }
 
-/// What the child's work came to.
+/// Outcome of the child's work.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Ended {
     /// Observation and report lie in the folder.
     Observed { verdict: Verdict },
     /// The report lies in the folder.
     Refused { verdict: Verdict, fault: Fault },
-    /// It was too much for the memory that it may take: the fault says so, nothing lies in the folder.
+    /// The work needs more memory than it may take. The fault says so; the folder has no results.
     OutOfMemory { fault: Fault },
 }
 
@@ -47,7 +48,7 @@ impl Child<'_> {
     /// Runs the child to its end. Dropping the future kills it.
     ///
     /// # Errors
-    /// If it cannot be started, or ended without a last word.
+    /// If the child cannot be started, or ended without a final message.
     pub(super) async fn run(
         &self,
         progress: &LatestProgress,
@@ -85,7 +86,7 @@ impl Child<'_> {
         }
     }
 
-    /// Passes on what the child says; returns its last word.
+    /// Passes on progress and checkpoints; returns the final message.
     async fn read_messages(
         &self,
         mut lines: impl AsyncBufRead + Unpin,
@@ -114,7 +115,7 @@ impl Child<'_> {
     }
 }
 
-/// Passes on what the child logs; returns the end of it.
+/// Copies the child's log to the worker's; returns the end of it.
 async fn tail_of(mut stderr: impl AsyncRead + Unpin) -> String {
     let mut tail = Vec::new();
     let mut chunk = [0; TAIL];

@@ -1,4 +1,5 @@
-//! What an ingest made on its way to the server: streamed from files, again and again until it has arrived.
+//! Delivery of an ingest's result: streamed from files, and repeated until the server has
+//! acknowledged it.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +27,7 @@ use crate::{
 /// Bytes of one chunk: large enough to be cheap, well below any message limit.
 const CHUNK: usize = 256 << 10;
 
-/// Sends the results that lie in the folder, which ends the job.
+/// Sends the results in the folder, which ends the job.
 pub(super) async fn deliver(delivery: &Delivery<'_>, folder: &Path, ended: Ended, lease: &Lease) {
     let (verdict, fault) = match ended {
         Ended::Observed { verdict } => (verdict, None),
@@ -111,7 +112,8 @@ async fn send(job: &Job, made: &IngestWrite, parts: &[(PathBuf, Wrap)]) -> Resul
     job.server().end_ingest(messages(made.clone(), files)).await
 }
 
-/// Metadata, then each file. One that cannot be read any more cuts the upload short, which its digest tells.
+/// Metadata, then each file. A file that cannot be read any more cuts the upload short, which the
+/// digest reveals.
 fn messages(
     made: IngestWrite,
     files: Vec<(tokio::fs::File, Wrap)>,

@@ -16,11 +16,11 @@ use super::{
     protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, REPORT, Request},
 };
 
-/// Between two lines of progress.
+/// Least time between two progress messages.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(200);
 
-/// Reads the capture in a folder that a worker prepared, says on standard output how it goes on, and leaves the
-/// results there. What the capture does wrong is a result, too.
+/// Reads the capture in a folder that a worker prepared, writes progress to standard output, and
+/// leaves the results in the folder. A fault of the capture is a result, too.
 ///
 /// # Errors
 /// If the folder is not as a worker prepares it, or this process cannot limit its memory.
@@ -72,7 +72,7 @@ fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
     }
 }
 
-/// Limits what this process may allocate. Beyond it, allocations fail and the process aborts.
+/// Limits the memory of this process. Beyond the limit, allocations fail and the process aborts.
 fn limit_memory(memory_bytes: u64) -> io::Result<()> {
     // Data, not address space: what is reserved and never touched costs nobody anything.
     #[cfg(any(target_os = "linux", target_os = "android"))]
@@ -82,7 +82,7 @@ fn limit_memory(memory_bytes: u64) -> io::Result<()> {
     resource.set(memory_bytes, memory_bytes)
 }
 
-/// Ends this process when its standard input does: the worker, who holds the pipe, is gone.
+/// Ends this process when its standard input ends: the worker, which holds the pipe, is gone.
 fn end_with_parent() {
     std::thread::spawn(|| {
         let mut buffer = [0; 64];

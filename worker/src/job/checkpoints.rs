@@ -1,5 +1,5 @@
-//! Saves checkpoints durably without holding up the work: the latest one wins,
-//! not more than one in a while, but always at the end of a stage.
+//! Durable checkpoints that do not hold up the work. The latest one wins; one is saved every few
+//! seconds, and always at the end of a stage.
 
 use std::{
     sync::{Arc, Mutex, PoisonError},
@@ -15,14 +15,14 @@ use super::{
 };
 use crate::server_client::{Backoff, CallError};
 
-/// A checkpoint larger than this is none that was saved here [bytes].
+/// Largest checkpoint that is accepted [bytes].
 pub(crate) const MAX_BYTES: u64 = 1 << 30;
-/// Between two checkpoints inside a stage.
+/// Least time between two checkpoints inside a stage.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(2);
-/// How long the last checkpoint may take when a worker ends.
+/// Longest time for the last checkpoint when a worker ends.
 const FLUSH_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Where whoever works leaves checkpoints.
+/// The work's end of the slot, where it leaves checkpoints.
 #[derive(Clone)]
 pub(crate) struct Checkpoints(Arc<Slot>);
 
@@ -77,7 +77,7 @@ impl Slot {
         sending.clone()
     }
 
-    /// What was taken is done with.
+    /// Marks the content that was taken as saved.
     fn acknowledge(&self) {
         *self.sending.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
@@ -95,12 +95,13 @@ pub(crate) fn start(job: Job, stop: Stop) -> (Checkpoints, Saver) {
 }
 
 impl Saver {
-    /// Drops what waits: nobody needs it any more.
+    /// Drops the checkpoint that waits: it is not needed any more.
     pub(crate) fn abort(self) {
         self.task.abort();
     }
 
-    /// Saves what waits, so that the next worker loses nothing, if that goes quickly.
+    /// Saves the checkpoint that waits, so that the next worker loses nothing, unless that takes
+    /// too long.
     pub(crate) async fn flush(self) {
         self.task.abort();
         // What it was sending is sent again at worst.

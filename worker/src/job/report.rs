@@ -1,5 +1,5 @@
-//! Renews a job's lease, reports progress and hears of cancellation, from a
-//! task of its own. Often enough that a cancelled job ends within a second.
+//! Renews a job's lease, reports progress and learns of cancellation, in a task of its own and
+//! often enough that a cancelled job ends within a second.
 
 use std::{
     sync::{Arc, Mutex, PoisonError},
@@ -15,10 +15,10 @@ use super::{
 };
 use crate::server_client::CallError;
 
-/// Between two reports. A lease lasts tens of seconds, so many may be missed.
+/// Time between two reports. A lease lasts tens of seconds, so many may be missed.
 const REPORT_INTERVAL: Duration = Duration::from_millis(500);
 
-/// The latest progress, written by whoever works.
+/// The latest progress, set by the work and read by the reporting task.
 #[derive(Clone, Default)]
 pub(crate) struct LatestProgress(Arc<Mutex<Option<Progress>>>);
 
@@ -32,7 +32,7 @@ impl LatestProgress {
     }
 }
 
-/// Starts reporting; it goes on until the task is aborted.
+/// Starts reporting, which goes on until the task is aborted.
 pub(crate) fn start(job: Job, stop: Stop) -> (LatestProgress, JoinHandle<()>) {
     let latest = LatestProgress::default();
     let task = tokio::spawn(run(job, stop, latest.clone()));

@@ -1,4 +1,5 @@
-//! A [`Descent`] that lives on the device thread; its batches are cut into slices like a backend's.
+//! A [`Descent`] that lives on the device thread; its batches are cut into slices like those of the
+//! backend.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -14,7 +15,7 @@ use super::{Pass, Shared, instance_work};
 /// The backend's own descent; only tasks on the device thread open the slot.
 type Slot = Arc<Mutex<Option<Box<dyn Descent>>>>;
 
-/// The descent as its owner sees it.
+/// Handle of the descent for its owner.
 pub(super) struct QueuedDescent {
     shared: Arc<Shared>,
     slot: Slot,
@@ -55,7 +56,8 @@ fn on<R, J: FnOnce(&mut dyn Descent) -> Result<R, Error> + Send>(
 }
 
 impl Drop for QueuedDescent {
-    /// What belongs to the device is freed on its thread; nobody waits for it.
+    /// The descent is freed on the device's thread, for it belongs to the device; nobody waits for
+    /// it.
     fn drop(&mut self) {
         let slot = self.slot.clone();
         let free = move |_: &dyn Backend| {

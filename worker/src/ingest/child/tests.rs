@@ -1,4 +1,4 @@
-//! Children are played by shells.
+//! Shell scripts stand in for the child.
 
 use std::path::PathBuf;
 

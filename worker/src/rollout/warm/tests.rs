@@ -55,7 +55,7 @@ async fn what_never_fits_unloads_nothing() {
     load(&twins, a).await.unwrap();
     // The device says that it is smaller than any model.
     script.room.store(0, std::sync::atomic::Ordering::SeqCst);
-    twins.device.look_now();
+    twins.device.sample_memory_now();
     assert!(load(&twins, TwinId::generate()).await.is_err());
     assert_eq!(twins.ids(), [a]);
 }
