@@ -22,26 +22,26 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// See the whole system at work in a few minutes: server, fit, comparison, rollouts, picture
+    /// Show the whole system at work in a few minutes: server, fit, comparison, rollouts, picture
     Demo(demo::Demo),
     /// Run the server, with its own workers
     Server(server::Server),
     /// Run a worker process for a server
     Worker(worker::Worker),
-    /// Read a capture for a worker, which starts this itself
+    /// Read a capture; workers start this themselves
     #[command(hide = true)]
     IngestCapture(worker::IngestCapture),
     /// Make, check, upload and list captures
     Capture(capture::Capture),
     /// Fit captures: start, watch, list, cancel
     Fit(fit::Fit),
-    /// List, inspect, export and import twins
+    /// List, show, export, import and delete twins
     Twin(twin::Twin),
     /// Predict what actions do to a twin
     Rollout(rollout::Rollout),
-    /// Fit and score captures here, without a server
+    /// Fit and score captures on this machine, without a server
     Eval(eval::Eval),
-    /// Fit and compare a whole list of captures and configurations, without a server
+    /// Fit and compare a list of captures and configurations, without a server
     Suite(suite::SuiteArgs),
     /// Time the physics on this machine, on named scenes
     Bench(bench::Bench),

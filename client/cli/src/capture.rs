@@ -1,4 +1,4 @@
-//! `bendtwin capture`: make, check, upload, list, and what reading them on the server gave.
+//! `bendtwin capture`: make, check, upload, list and read captures.
 
 mod archive;
 mod check;
@@ -23,14 +23,14 @@ pub(crate) struct Capture {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Make a small capture of a simulated object, to try things out
+    /// Make a small capture of a simulated object, for trying things out
     Make(make::Make),
-    /// Say in plain words what is wrong with a capture, without a server
+    /// Check a capture and explain its faults, without a server
     Check {
         /// A folder, a ZIP archive, or motion capture as .npz with its .json
         path: PathBuf,
     },
-    /// Measure a capture or raw recording and write the report: a page with pictures, a document
+    /// Measure a capture or raw recording and write the report as a page with pictures or as JSON
     Report(report::Arguments),
     /// Check a capture and upload it
     Push(push::Push),
@@ -41,7 +41,7 @@ enum Command {
         /// captures/{uuid}
         name: CaptureId,
     },
-    /// Have the server read a capture again, with other settings say
+    /// Have the server read a capture again, for example with other settings
     Ingest(ingest::IngestArgs),
     /// Delete captures; their twins stay
     Delete {

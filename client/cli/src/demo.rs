@@ -1,5 +1,4 @@
-//! `bendtwin demo`: the whole system at work, each step with the command that
-//! does the same by hand.
+//! `bendtwin demo`: the whole system at work, with the command for each step.
 
 mod candidates;
 mod server;
@@ -15,10 +14,10 @@ use crate::{backend::BackendArgs, global::Global, signals};
 
 #[derive(Debug, Args)]
 pub(crate) struct Demo {
-    /// Keep the server's folder, the capture and the twins here
+    /// Keep the server's folder, the capture and the twins in this folder
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
-    /// Where to write the picture
+    /// Picture to write
     #[arg(long, value_name = "FILE", default_value = "bendtwin-demo.png")]
     out: PathBuf,
     /// Seed of the capture and of the fits
@@ -47,7 +46,7 @@ pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
     demo.conclude(folder.is_kept())
 }
 
-/// A folder that goes away afterwards, or one that the user wants to keep.
+/// The demo's folder, removed afterwards unless the user keeps it.
 enum Folder {
     Temporary(TempDir),
     Kept(PathBuf),

@@ -1,5 +1,5 @@
-//! How a command fails: what happened and what to do on stderr, 2 for wrong
-//! usage and 1 for everything else.
+//! Errors of commands: the message with the action to take on stderr; exit code 2 for wrong usage,
+//! 1 for everything else.
 
 use std::process::ExitCode;
 
@@ -28,7 +28,7 @@ pub(crate) fn failed(error: impl Problem) -> anyhow::Error {
     Failed(error.fault()).into()
 }
 
-/// Tells the user; returns the exit code.
+/// Prints the error; returns the exit code.
 pub(crate) fn report(error: &anyhow::Error, json: bool) -> ExitCode {
     let report = ErrorReport::of(error);
     if json {

@@ -26,7 +26,7 @@ enum Command {
     },
     /// List fits
     List {
-        /// Only those of this capture
+        /// List only fits of this capture
         #[arg(long, value_name = "NAME")]
         capture: Option<CaptureId>,
     },
@@ -41,7 +41,7 @@ enum Command {
         #[arg(required = true)]
         names: Vec<FitId>,
     },
-    /// Forget fits that have ended; their twins stay
+    /// Delete fits that have ended; their twins stay
     Delete {
         /// fits/{uuid}
         #[arg(required = true)]

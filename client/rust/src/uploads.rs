@@ -1,10 +1,9 @@
 //! Uploads over tus 1.0.0 that survive broken connections, restarts of the server
 //! and restarts of their own process.
 //!
-//! There is no file of state: the upload is found again by its request id, which
-//! is made of the content's digest and of what is said about it. So the same
-//! file under the same name goes on where it stopped, from whatever process or
-//! folder, and a file that is on the server already is not sent again.
+//! There is no state file: the upload is found again by its request id, which is derived from the
+//! content's digest and the metadata. So the same file under the same name is resumed from any
+//! process or folder, and a file that is on the server already is not sent again.
 
 use std::{
     io::SeekFrom,
@@ -25,19 +24,20 @@ use tokio::{
 
 use crate::{Error, problem};
 
-/// Bytes of one request: what a damaged checksum or a dead server costs at most.
+/// Bytes of one request: the most that a wrong checksum or a dead server costs.
 const PART: u64 = 16 << 20;
 /// Bytes between two reports of progress.
 const SLICE: usize = 256 << 10;
 /// Wait before trying again; it doubles up to the longest.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 const LONGEST_PAUSE: Duration = Duration::from_secs(10);
-/// How long nothing may get through before the upload is given up. It can be taken up again later.
+/// Time without progress after which the upload fails. It can be resumed later.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(120);
-/// Silence after which a request is given up; the server's hashing of gigabytes at the end takes its time.
+/// Time without progress after which a request is abandoned; at the end the server hashes gigabytes
+/// before it answers.
 const STALL_TIMEOUT: Duration = Duration::from_secs(300);
 
-/// One file on its way to the server.
+/// Upload of one file.
 pub(crate) struct Sender<'a> {
     http: &'a reqwest::Client,
     /// Of the server, without a slash at the end.
@@ -47,14 +47,14 @@ pub(crate) struct Sender<'a> {
     metadata: String,
 }
 
-/// An upload as an answer tells of it.
+/// State of an upload as the server reports it.
 struct UploadState {
     offset: u64,
     capture: Option<CaptureId>,
 }
 
 impl<'a> Sender<'a> {
-    /// For a file of that digest [BLAKE3, hex].
+    /// An upload of a file with that digest [BLAKE3, hex].
     pub(crate) async fn new(
         http: &'a reqwest::Client,
         server: &'a str,
@@ -72,7 +72,8 @@ impl<'a> Sender<'a> {
         Ok(Self { http, server, path, length, metadata: pairs.join(",") })
     }
 
-    /// Sends what is missing and returns the capture that it became. `sent` is told how much is there.
+    /// Sends the missing bytes and returns the capture made of them. `sent` gets the number of
+    /// bytes on the server.
     pub(crate) async fn send(
         &self,
         sent: &(impl Fn(u64) + Clone + Send + Sync + 'static),
@@ -195,8 +196,8 @@ impl<'a> Sender<'a> {
         self.answer_to(request, &ProgressClock::default()).await
     }
 
-    /// Waits for the answer for as long as the request makes progress. A deadline for the whole would fail those whose
-    /// connection is slow, and none at all those whose connection died without a word.
+    /// Waits for the response as long as the request makes progress. A deadline for the whole
+    /// request would fail slow connections and notice dead ones late.
     async fn answer_to(
         &self,
         request: RequestBuilder,
@@ -226,7 +227,8 @@ fn text<'h>(headers: &'h HeaderMap, name: &str) -> Result<&'h str, Error> {
     value.ok_or_else(|| Error::malformed(format!("there is no header {name}")))
 }
 
-/// An answer to HEAD has no body that would say the reason: its status decides.
+/// True if the upload does not exist any more. A response to HEAD has no body with a reason, so the
+/// status decides.
 fn is_gone(error: &Error) -> bool {
     error.category() == Category::NotFound
 }
@@ -244,7 +246,7 @@ fn is_worth_another_try(error: &Error) -> bool {
     transient || ["CHECKSUM_MISMATCH", "UPLOAD_IDLE", "UPLOAD_BROKEN"].contains(&error.reason())
 }
 
-/// When a request last made progress.
+/// Time of a request's last progress.
 #[derive(Clone)]
 struct ProgressClock(Arc<Mutex<Instant>>);
 
@@ -259,7 +261,7 @@ impl ProgressClock {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
     }
 
-    /// Returns when there has been no beat for too long.
+    /// Returns when there has been no progress for too long.
     async fn stalled(&self) {
         loop {
             let last = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -271,7 +273,7 @@ impl ProgressClock {
     }
 }
 
-/// How long to go on without anything getting through.
+/// Time left for retries without progress.
 struct RetryBudget {
     ends: Instant,
     pause: Duration,
@@ -282,12 +284,12 @@ impl RetryBudget {
         Self { ends: Instant::now() + RETRY_TIMEOUT, pause: FIRST_PAUSE }
     }
 
-    /// Something got through.
+    /// Starts anew after progress.
     fn reset(&mut self) {
         *self = Self::new();
     }
 
-    /// Waits before the next try, unless it is too late for one.
+    /// Waits before the next attempt, unless the time for retries is over.
     async fn wait(&mut self, error: &Error) -> Result<(), Error> {
         if Instant::now() + self.pause >= self.ends {
             return Err(error.clone());

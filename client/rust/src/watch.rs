@@ -12,12 +12,13 @@ use tonic::{Status, Streaming};
 
 use crate::{Capture, Error, Fit};
 
-/// How long a server may be away.
+/// Longest time for which a server may be unreachable.
 const RECONNECT_TIMEOUT: Duration = Duration::from_secs(60);
-/// Between two attempts to reach it.
+/// Time between two attempts to reach it.
 const RETRY_INTERVAL: Duration = Duration::from_millis(500);
 
-/// The states of a job, from now until it has ended: of a [`Fit`], or of a [`Capture`] that is being read.
+/// The states of a job, from now until it has ended: of a [`Fit`], or of a [`Capture`] that is
+/// being read.
 pub struct Watch<T = Fit>(BoxStream<'static, Result<T, Error>>);
 
 impl<T> std::fmt::Debug for Watch<T> {
@@ -35,7 +36,7 @@ impl<T> Stream for Watch<T> {
 }
 
 impl<T: Send + 'static> Watch<T> {
-    /// Waits for the end; the last state.
+    /// Waits for the end; returns the last state.
     pub(crate) async fn last(mut self) -> Result<T, Error> {
         let mut last = None;
         while let Some(state) = self.next().await {
@@ -45,7 +46,7 @@ impl<T: Send + 'static> Watch<T> {
     }
 }
 
-/// What has revisions and an end.
+/// A resource with revisions and a final state.
 pub(crate) trait Revisioned: Send + 'static {
     fn revision(&self) -> u64;
     fn has_ended(&self) -> bool;
@@ -69,21 +70,21 @@ impl Revisioned for Capture {
     }
 }
 
-/// Asks for the revisions after one.
+/// Opens the stream of revisions after one.
 type Open<W> = Box<dyn Fn(u64) -> BoxFuture<'static, Result<Streaming<W>, Status>> + Send>;
 
-/// Where a watch stands.
+/// State of a watch.
 struct WatchState<T, W> {
     open: Open<W>,
     after_revision: u64,
     stream: Option<Streaming<W>>,
-    /// Since when nothing was heard.
+    /// Start of the silence, if the server cannot be reached.
     silent_since: Option<Instant>,
     ended: bool,
     item: PhantomData<fn() -> T>,
 }
 
-/// A watch whose calls `open` makes.
+/// A watch that opens its streams with `open`.
 pub(crate) fn start<T, W>(
     open: impl Fn(u64) -> BoxFuture<'static, Result<Streaming<W>, Status>> + Send + 'static,
 ) -> Watch<T>

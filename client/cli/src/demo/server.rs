@@ -1,4 +1,4 @@
-//! The demo's server: a real process of this very program, that ends with it.
+//! The demo's server: a process of this very program, which ends with it.
 
 use std::{
     path::{Path, PathBuf},
@@ -12,23 +12,24 @@ use tokio::process::{Child, ChildStdin, Command};
 
 use crate::backend::BackendArgs;
 
-/// How long server and worker may take to start.
+/// Longest time for the start of server and worker.
 const START: Duration = Duration::from_secs(60);
-/// How long they may take to end.
+/// Longest time for their end.
 const STOP: Duration = Duration::from_secs(20);
-/// Between two looks.
+/// Time between two polls.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// A running server with one worker.
 pub(super) struct DemoServer {
     child: Child,
-    /// Held open as long as the server shall run; kept apart because waiting for a child closes its own.
+    /// Held open as long as the server should run; kept here because waiting for a child closes the
+    /// child's own.
     stdin: Option<ChildStdin>,
     log: PathBuf,
     pub(super) connection: Connection,
 }
 
-/// Where the server is.
+/// The server's address, and a client of it.
 #[derive(Clone)]
 pub(super) struct Connection {
     pub(super) url: String,
@@ -94,7 +95,7 @@ impl DemoServer {
         }
     }
 
-    /// Ends server and worker in good order.
+    /// Ends server and worker in order.
     pub(super) async fn stop(mut self) {
         // The end of its standard input asks the server to shut down.
         drop(self.stdin.take());

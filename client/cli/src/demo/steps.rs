@@ -1,4 +1,4 @@
-//! The demo's steps, and what is said about them.
+//! The demo's steps and their texts.
 
 use std::{path::PathBuf, time::Instant};
 
@@ -21,9 +21,9 @@ const CANDIDATES: usize = 64;
 /// Their horizon [frames].
 const HORIZON: u32 = 30;
 
-/// Nodes of the demo's twin: coarse graphs are what planners want, and where bending matters most.
+/// Nodes of the demo's twin: planners need coarse graphs, where bending matters most.
 const NODES: usize = 60;
-/// Most springs that a node of it opens.
+/// Most springs from one node.
 const NEIGHBOURS: usize = 8;
 
 /// The settings of the demo's fits.
@@ -34,7 +34,7 @@ fn settings(seed: u64) -> FitSettings {
     settings
 }
 
-/// The same for the command line.
+/// The same settings as flags of the command line.
 fn flags() -> String {
     format!("--set graph.max_nodes={NODES} --set graph.max_neighbours={NEIGHBOURS}")
 }
@@ -47,7 +47,7 @@ pub(super) struct DemoRun {
     folder: PathBuf,
     started: Instant,
     steps: u32,
-    /// What `--json` prints at the end.
+    /// The document of `--json`, printed at the end.
     report: serde_json::Map<String, serde_json::Value>,
 }
 
@@ -249,7 +249,7 @@ impl DemoRun {
         Ok(())
     }
 
-    /// The last words, once everything has stopped.
+    /// Prints the summary, once everything has stopped.
     pub(super) fn conclude(mut self, kept: bool) -> anyhow::Result<()> {
         let took = self.started.elapsed().as_secs_f64();
         self.report.insert("seconds".to_owned(), json!(took));

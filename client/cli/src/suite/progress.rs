@@ -1,4 +1,4 @@
-//! How a suite goes on: a line for each run that starts or ends, and one line that changes.
+//! Progress of a suite: a line for each run that starts or ends, and one line that changes.
 
 use std::{
     sync::Arc,
@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output;
 
-/// Between two lines where there is no terminal.
+/// Time between two lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(30);
 /// Positions of the bar for each run.
 const STEPS: f64 = 1000.0;
@@ -78,7 +78,7 @@ impl SuiteProgress {
         self.refresh();
     }
 
-    /// Takes the line away.
+    /// Removes the bar.
     pub(super) fn finish(self) {
         self.bar.finish_and_clear();
     }
@@ -117,7 +117,7 @@ impl SuiteProgress {
     }
 }
 
-/// A number of runs, as people say it.
+/// A number of runs for people.
 pub(super) fn counted(runs: usize) -> String {
     format!("{runs} run{}", if runs == 1 { "" } else { "s" })
 }
@@ -128,7 +128,7 @@ fn run_status(run: &RunId, progress: Option<&Progress>) -> String {
     format!("{run} {stage} {}/{}", progress.iteration, progress.iterations)
 }
 
-/// A run's end in a line: its headline errors on future frames, or why there are none.
+/// The end of a run in a line: its headline errors on future frames, or its fault.
 fn result(record: &Record) -> String {
     let finished = match &record.outcome {
         Outcome::Finished(finished) => finished,

@@ -1,4 +1,4 @@
-//! Against a server of a few lines that does what each test needs.
+//! Tests against a small scripted server.
 
 use std::{
     collections::VecDeque,
@@ -14,7 +14,8 @@ use super::*;
 
 const NAME: &str = "captures/0190a000-0000-7000-8000-000000000001";
 
-/// One answer: to which method, at which offset of the client, what. An empty one closes the connection.
+/// One expected request, by method and offset, and the response to it. An empty response closes the
+/// connection.
 type Exchange = (&'static str, Option<u64>, String);
 
 fn answer(status: &str, headers: &str) -> String {
@@ -23,7 +24,7 @@ fn answer(status: &str, headers: &str) -> String {
     )
 }
 
-/// Plays the exchanges in turn, a connection each; returns the address.
+/// Serves the exchanges in order, one connection each; returns the address.
 async fn serve_script(exchanges: Vec<Exchange>) -> (String, Arc<Mutex<VecDeque<Exchange>>>) {
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let url = format!("http://{}", listener.local_addr().unwrap());
