@@ -1,17 +1,17 @@
-//! Why a worker process ends.
+//! Errors that end a worker process.
 
 use bendtwin_core::{Category, Problem};
 
-/// Why a worker could not start or go on.
+/// Reason for which a worker could not start or go on.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// An option cannot work.
     #[error("{0}")]
     Options(String),
-    /// The server's address is none.
+    /// The server's address is not a URL.
     #[error("`{url}` is not a server address: give one like http://127.0.0.1:7070")]
     Address {
-        /// What was given.
+        /// The address as given.
         url: String,
     },
     /// The address for rollouts cannot be bound.
@@ -19,7 +19,7 @@ pub enum Error {
     Listen {
         /// The address.
         address: String,
-        /// Why.
+        /// The system's error.
         source: std::io::Error,
     },
     /// CUDA was asked for and cannot be used.
@@ -32,9 +32,9 @@ pub enum Error {
     /// A thread or directory cannot be made.
     #[error("cannot {what}: {source}")]
     System {
-        /// What was tried.
+        /// The operation that failed.
         what: &'static str,
-        /// Why it failed.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The server refuses this worker.

@@ -1,4 +1,4 @@
-//! A backend for tests that fails as devices do, when it is told to. Everything else is the CPU's.
+//! A backend for tests that fails on request, as devices do. Everything else is the CPU's.
 
 use std::sync::{
     Arc, Mutex,
@@ -15,7 +15,7 @@ use bendtwin_engine::{
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
 
-/// What happens to a rollout.
+/// A fault injected into a rollout.
 #[derive(Clone, Debug)]
 pub(crate) enum Injected {
     Fails(Error),
@@ -23,13 +23,13 @@ pub(crate) enum Injected {
     Diverges,
 }
 
-/// What the test knows and decides.
+/// State shared with the test.
 #[derive(Default)]
 pub(crate) struct Script {
-    /// So many models have room at once, each a byte.
+    /// Number of models that have room at once, one byte each.
     pub(crate) room: AtomicUsize,
     resident: AtomicUsize,
-    /// What happens to the next rollouts, in order.
+    /// Faults of the next rollouts, in order.
     pub(crate) rollouts: Mutex<Vec<Injected>>,
 }
 

@@ -1,5 +1,5 @@
-//! What fits on this machine are made of: any capture as a worker reads it, so that a fit through a server and one here are
-//! of the same points.
+//! The input of fits on this machine: any capture, read as a worker reads it, so that a fit through
+//! a server and one here use the same points.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::progress::FitBar;
 /// Reads the capture at a path; a raw recording is lifted, with a progress bar unless `quiet`.
 ///
 /// # Errors
-/// If there is none, nothing can be fitted to it, or `cancel` asked to stop.
+/// If there is no capture, nothing can be fitted to it, or `cancel` was set.
 pub(crate) fn read(path: &Path, cancel: &CancelToken, quiet: bool) -> Result<Capture, Fault> {
     let (name, settings) = (path.display().to_string(), IngestSettings::default());
     let mut bar = Bar { quiet, shown: None };
@@ -27,7 +27,7 @@ pub(crate) fn read(path: &Path, cancel: &CancelToken, quiet: bool) -> Result<Cap
     observed.and_then(|o| o.capture)
 }
 
-/// Comes up once there is more to do than to read.
+/// Progress bar, shown only if there is more to do than to read.
 struct Bar {
     quiet: bool,
     shown: Option<FitBar>,

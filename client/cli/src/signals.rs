@@ -1,10 +1,10 @@
-//! What tells a process to end.
+//! Signals that end a process.
 
 use std::{io::Read as _, time::Duration};
 
 use tokio_util::sync::CancellationToken;
 
-/// Signals so soon after the first one are the same one.
+/// Time within which a second signal counts as the same one.
 const ECHO: Duration = Duration::from_secs(1);
 
 /// A token that the first Ctrl-C or SIGTERM cancels; the second one ends the process at once.
@@ -22,7 +22,7 @@ pub(crate) fn shutdown() -> CancellationToken {
     token
 }
 
-/// Cancels the token when the standard input ends: the parent, who holds the pipe, is gone.
+/// Cancels the token when the standard input ends: the parent, which holds the pipe, is gone.
 pub(crate) fn end_with_parent(token: CancellationToken) {
     // A thread, because a blocking read cannot be cancelled.
     std::thread::spawn(move || {

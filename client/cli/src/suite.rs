@@ -1,6 +1,6 @@
 //! `bendtwin suite`: fits every capture of a list under every configuration, and compares.
 
-mod board;
+mod progress;
 
 use std::{
     path::{Path, PathBuf},
@@ -15,11 +15,11 @@ use bendtwin_study::{
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
-use self::board::{Board, counted};
+use self::progress::{SuiteProgress, counted};
 use crate::{
-    args::Global,
     backend::BackendArgs,
     failure::{self, Failed},
+    global::Global,
     observation, output, signals,
 };
 
@@ -30,25 +30,26 @@ was interrupted goes on from its checkpoint. Ctrl-C keeps what is finished. docs
 pub(crate) struct SuiteArgs {
     /// The suite, a JSON file
     suite: PathBuf,
-    /// The folder for results: table.md, table.json, runs/, twins/, pictures/
+    /// Folder for results: table.md, table.json, runs/, twins/, pictures/
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Where captures lie, by their paths in the suite or by their file names alone [default: beside the suite]
+    /// Folder of the captures, found by their paths in the suite or by their file names alone
+    /// [default: the suite's folder]
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Only these runs; `*` and what is left out at the end stand for all; may be repeated
+    /// Run only these; `*` and omitted trailing parts match all; may be repeated
     #[arg(long, value_name = "CAPTURE/CONFIGURATION/SEED")]
     only: Vec<Selection>,
-    /// Runs side by side. On the CPU they share the cores [default: as many as there are cores]; on a GPU each has queues
-    /// and a share of the memory of its own, and they run at once as far as the device has room [default: 4]
+    /// Number of runs side by side. On the CPU they share the cores [default: number of cores]. On
+    /// a GPU each has its own queues and share of memory, as far as there is room [default: 4]
     #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..=256))]
     jobs: Option<usize>,
     #[command(flatten)]
     backend: BackendArgs,
-    /// Keep results of other builds too
+    /// Also keep results of other builds
     #[arg(long)]
     any_build: bool,
-    /// Run nothing: write the table and the pictures of what there is
+    /// Run nothing; write the table and the pictures of the results in the folder
     #[arg(long)]
     table_only: bool,
     /// Draw no pictures
@@ -74,7 +75,8 @@ pub(crate) async fn run(args: SuiteArgs, global: &Global) -> anyhow::Result<()> 
     verdict(failed, left, &args)
 }
 
-/// Runs what is to be done; returns the table of all there is, and how many runs failed and are left.
+/// Executes the pending runs. Returns the table of all results, and the numbers of failed and
+/// unfinished runs.
 fn work(
     args: &SuiteArgs,
     cancel: &CancelToken,
@@ -96,9 +98,9 @@ fn work(
     let result = if args.table_only {
         Ok(Tally::default())
     } else {
-        let mut board = Board::new(&plan, &backends, quiet);
-        let result = plan.run(&backends, cancel, &mut |event| board.show(&event));
-        board.finish();
+        let mut bar = SuiteProgress::new(&plan, &backends, quiet);
+        let result = plan.run(&backends, cancel, &mut |event| bar.show(&event));
+        bar.finish();
         result
     };
     // What was found before a failure is told too.
@@ -130,7 +132,7 @@ fn build() -> String {
 }
 
 fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
-    let told = |category, reason: &str, message| {
+    let failed_with = |category, reason: &str, message| {
         Err(Failed(Fault { category, reason: reason.to_owned(), message }).into())
     };
     match (failed, left) {
@@ -138,11 +140,11 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
         (0, _) => {
             let message =
                 format!("not all is done, {} left: the same command goes on", counted(left));
-            told(Category::Cancelled, "CANCELLED", message)
+            failed_with(Category::Cancelled, "CANCELLED", message)
         }
         _ => {
             let place = args.out.join("table.md").display().to_string();
-            told(
+            failed_with(
                 Category::Aborted,
                 "RUNS_FAILED",
                 format!("{} failed: {place} says why", counted(failed)),

@@ -1,4 +1,4 @@
-//! The connection.
+//! The connection to a server.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use crate::{Captures, Error, Fits, Rollouts, Twins, Workers};
 
 /// Longest message that is accepted: the largest reply of a rollout [bytes].
 const MAX_MESSAGE: usize = 1 << 30;
-/// How long connecting may take.
+/// Longest time for connecting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// A connection to a server. Clones share it; it reconnects by itself.
@@ -26,10 +26,10 @@ pub struct Client {
 }
 
 impl Client {
-    /// Connects to a server, `http://127.0.0.1:7070` say.
+    /// Connects to a server, for example `http://127.0.0.1:7070`.
     ///
     /// # Errors
-    /// If the address is none, or if nobody answers there.
+    /// If the address is not a URL, or nothing answers there.
     pub async fn connect(url: &str) -> Result<Self, Error> {
         let url = url.trim_end_matches('/');
         let invalid = || {
@@ -56,7 +56,7 @@ impl Client {
         Ok(Self { url: url.to_owned(), channel, http })
     }
 
-    /// The address that was connected to.
+    /// The address of the server.
     pub fn url(&self) -> &str {
         &self.url
     }

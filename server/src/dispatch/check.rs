@@ -9,7 +9,7 @@ use bendtwin_proto::{
 use bendtwin_store::TwinFacts;
 
 use crate::{
-    app::{Error, Result},
+    failure::{Error, Result},
     options::Limits,
 };
 

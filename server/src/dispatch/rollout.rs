@@ -20,8 +20,8 @@ use super::{
     registry::{Entry, Place},
 };
 use crate::{
-    app::{self, Error, Result},
     context::Context,
+    failure::{Error, Result},
     metrics::Metrics,
 };
 
@@ -79,7 +79,7 @@ impl Dispatch {
     /// The reply in the parts that the worker sends. The first has come when this returns.
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<Parts> {
         let RollOut { request, timeout, in_parts } = rollout;
-        let id: TwinId = app::name(&request.twin)?;
+        let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twin(id).await?;
         check::check(&request, &twin.facts, &self.limits)?;
         let best = request.returns.as_ref().is_some_and(|r| r.best > 0);

@@ -20,9 +20,9 @@ pub(super) struct Capture {
     size_bytes: u64,
     /// BLAKE3 of the archive, hex.
     digest: String,
-    /// How far reading it is.
+    /// State of the job that reads it.
     ingest: Ingest,
-    /// The report's verdict in a word, once there is a report.
+    /// The report's verdict: good, usable or unusable. Null until there is a report.
     verdict: Option<String>,
 }
 
@@ -51,10 +51,10 @@ pub(super) struct Ingest {
     settings: Box<RawValue>,
     #[schema(value_type = Option<Object>)]
     progress: Option<Progress>,
-    /// Why it failed: category, reason, message. Fits of the capture fail with it.
+    /// Reason for a failure: category, reason, message. Fits of the capture fail with it.
     #[schema(value_type = Option<Object>)]
     fault: Option<Fault>,
-    /// Why earlier attempts ended.
+    /// Faults of earlier attempts.
     #[schema(value_type = Vec<Object>)]
     attempt_faults: Vec<Fault>,
     attempts: u32,
@@ -64,7 +64,7 @@ pub(super) struct Ingest {
     create_time: String,
     start_time: Option<String>,
     end_time: Option<String>,
-    /// Grows with every change, and on from one run to the next.
+    /// Grows with every change, and from one run to the next.
     revision: u64,
 }
 
@@ -92,7 +92,7 @@ impl From<store::Job> for Ingest {
 #[derive(Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct NewIngest {
-    /// What differs from the default settings.
+    /// Settings that differ from the defaults.
     #[schema(value_type = Option<Object>)]
     pub(super) settings: Option<Box<RawValue>>,
 }
@@ -121,14 +121,14 @@ pub(super) struct Fit {
     progress: Option<Progress>,
     /// `twins/{uuid}` once it has succeeded.
     twin: Option<String>,
-    /// Why it failed: category, reason, message.
+    /// Reason for a failure: category, reason, message.
     #[schema(value_type = Option<Object>)]
     fault: Option<Fault>,
-    /// Why earlier attempts ended.
+    /// Faults of earlier attempts.
     #[schema(value_type = Vec<Object>)]
     attempt_faults: Vec<Fault>,
     attempts: u32,
-    /// Higher runs earlier.
+    /// Jobs of higher priority run earlier.
     priority: i32,
     /// `workers/{uuid}` while it runs.
     worker: Option<String>,
@@ -178,10 +178,10 @@ pub(super) struct Fits {
 pub(super) struct NewFit {
     /// `captures/{uuid}`
     pub(super) capture: String,
-    /// What differs from the default settings.
+    /// Settings that differ from the defaults.
     #[schema(value_type = Option<Object>)]
     pub(super) settings: Option<Box<RawValue>>,
-    /// Higher runs earlier, -100..=100.
+    /// Jobs of higher priority run earlier, -100..=100.
     #[serde(default)]
     pub(super) priority: i32,
 }
@@ -259,25 +259,25 @@ pub(super) struct Worker {
     warm_twins: Vec<String>,
     rollouts_in_flight: u32,
     build: String,
-    /// Memory of its device in use, by whomever, and in all [bytes]; absent where it is not known.
+    /// Memory of its device in use by all processes, and in total [bytes]; absent if unknown.
     memory_used_bytes: Option<u64>,
     memory_total_bytes: Option<u64>,
 }
 
 impl From<WorkerView> for Worker {
     fn from(view: WorkerView) -> Self {
-        let said = view.worker.registration;
+        let registration = view.worker.registration;
         Self {
-            name: said.id.to_string(),
-            backend: said.backend,
-            device: said.device,
+            name: registration.id.to_string(),
+            backend: registration.backend,
+            device: registration.device,
             start_time: view.worker.started.to_string(),
             last_seen_time: view.last_seen.to_string(),
             fit: view.fit.map(|f: ids::FitId| f.to_string()),
             ingest: view.ingest.map(|c| c.to_string()),
             warm_twins: view.warm.iter().map(ToString::to_string).collect(),
             rollouts_in_flight: view.in_flight,
-            build: said.build,
+            build: registration.build,
             memory_used_bytes: view.memory.map(|m| m.used),
             memory_total_bytes: view.memory.map(|m| m.total),
         }
@@ -292,7 +292,7 @@ pub(super) struct Workers {
     pub(super) next_page_token: String,
 }
 
-/// Which page.
+/// Selection of a page.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -300,7 +300,7 @@ pub(super) struct Paging {
     /// At most 1000; 0 means 50.
     #[serde(default)]
     page_size: u32,
-    /// From the page before.
+    /// `next_page_token` of the previous page.
     #[serde(default)]
     page_token: String,
 }
@@ -311,7 +311,7 @@ impl From<Paging> for store::PageRequest {
     }
 }
 
-/// Which page, of one capture or of all.
+/// Selection of a page, of one capture or of all.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -319,10 +319,10 @@ pub(super) struct PagingByCapture {
     /// At most 1000; 0 means 50.
     #[serde(default)]
     page_size: u32,
-    /// From the page before.
+    /// `next_page_token` of the previous page.
     #[serde(default)]
     page_token: String,
-    /// Only of this capture.
+    /// Restricts the list to this capture.
     #[serde(default)]
     capture: String,
 }
@@ -338,26 +338,26 @@ impl PagingByCapture {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct UploadParams {
-    /// A person's name for it.
+    /// Display name.
     #[serde(default)]
     pub(super) display_name: String,
-    /// BLAKE3 of the body, hex; checked. Headers say the same.
+    /// BLAKE3 of the body, hex; checked. Headers may give it instead.
     #[serde(default)]
     pub(super) digest: String,
 }
 
-/// The name of a capture, and how it is to be read.
+/// The name of a capture, and the settings for reading it.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct CaptureParams {
-    /// A person's name for it.
+    /// Display name.
     #[serde(default)]
     pub(super) display_name: String,
-    /// BLAKE3 of the body, hex; checked. Headers say the same.
+    /// BLAKE3 of the body, hex; checked. Headers may give it instead.
     #[serde(default)]
     pub(super) digest: String,
-    /// What differs from the default settings of the ingest, as JSON.
+    /// Settings of the ingest that differ from the defaults, as JSON.
     #[serde(default)]
     pub(super) ingest: String,
 }

@@ -94,7 +94,7 @@ async fn cancellation_and_failure_reach_the_user() {
 async fn a_silent_worker_loses_its_job_and_is_forgotten() {
     let server = Server::start_with(|o| {
         o.lease_s = 0.3;
-        o.beat_interval_s = 0.1;
+        o.heartbeat_interval_s = 0.1;
     })
     .await;
     let fit = server.fit().await;

@@ -14,7 +14,7 @@ use crate::{
     Broken,
     Expected::{Damaged, Found, Refused},
     Make, Sample, broken,
-    footage::{Footage, Reel, healthy},
+    footage::{CameraFrames, Footage, healthy},
 };
 
 /// Content of files by their name inside the recording.
@@ -60,7 +60,7 @@ fn exported(recording: &Recording) -> FileMap {
 pub(crate) fn redescribe(files: &mut FileMap, change: impl Fn(&mut Recording)) {
     let mut about = healthy().about;
     change(&mut about);
-    let blank = Footage { reels: vec![Reel::default(); about.cameras.len()], about };
+    let blank = Footage { reels: vec![CameraFrames::default(); about.cameras.len()], about };
     files.extend(exported(&blank.recording()));
 }
 

@@ -14,12 +14,12 @@ pub struct Footage {
     /// Everything but the frames.
     pub about: Recording,
     /// The frames of each camera.
-    pub reels: Vec<Reel>,
+    pub reels: Vec<CameraFrames>,
 }
 
 /// The frames of one camera, each shape [T].
 #[derive(Clone, Debug, Default)]
-pub struct Reel {
+pub struct CameraFrames {
     /// Colour images.
     pub color: Vec<Option<Arc<ColorImage>>>,
     /// Depth images.
@@ -53,9 +53,9 @@ impl Footage {
     /// # Errors
     /// If one is damaged.
     pub fn of(recording: &Recording) -> Result<Self, Error> {
-        let reel = |camera| -> Result<Reel, Error> {
+        let reel = |camera| -> Result<CameraFrames, Error> {
             let mut frames = recording.source.frames(camera)?;
-            let mut reel = Reel { tracks: frames.tracks()?, ..Reel::default() };
+            let mut reel = CameraFrames { tracks: frames.tracks()?, ..CameraFrames::default() };
             for frame in 0..recording.frame_count {
                 reel.color.push(frames.color(frame)?.map(Arc::new));
                 reel.depth.push(frames.depth(frame)?.map(Arc::new));
@@ -70,7 +70,7 @@ impl Footage {
 
     /// As a reader would give it.
     pub fn recording(self) -> Recording {
-        Recording { source: Arc::new(Film(self.reels)), ..self.about }
+        Recording { source: Arc::new(MemorySource(self.reels)), ..self.about }
     }
 
     /// Changes every depth of a camera.
@@ -118,14 +118,14 @@ impl Footage {
 }
 
 #[derive(Debug)]
-struct Film(Vec<Reel>);
+struct MemorySource(Vec<CameraFrames>);
 
-struct Reader<'a>(&'a Reel);
+struct MemoryReader<'a>(&'a CameraFrames);
 
-impl Source for Film {
+impl Source for MemorySource {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
         let reel = self.0.get(camera).ok_or(Error::NoCamera(camera))?;
-        Ok(Box::new(Reader(reel)))
+        Ok(Box::new(MemoryReader(reel)))
     }
 }
 
@@ -133,7 +133,7 @@ fn shown<T: Clone>(images: &[Option<Arc<T>>], frame: usize) -> Option<T> {
     Some(T::clone(images.get(frame)?.as_ref()?))
 }
 
-impl Frames for Reader<'_> {
+impl Frames for MemoryReader<'_> {
     fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
         Ok(shown(&self.0.color, frame))
     }

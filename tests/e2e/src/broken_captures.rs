@@ -12,7 +12,7 @@ use bytes::Bytes;
 use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use crate::harness::{
-    Server,
+    TestCluster,
     api::has_ended,
     reference::{SETTINGS, capture},
 };
@@ -24,7 +24,7 @@ type Case = (&'static str, Bytes, &'static str);
 
 #[tokio::test]
 async fn broken_captures_end_their_fits_with_a_reason() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let cases = cases(&capture().await);
     let mut fits = Vec::new();

@@ -24,6 +24,8 @@ mod resumable;
 #[cfg(test)]
 mod rollouts;
 #[cfg(test)]
+mod rust_code;
+#[cfg(test)]
 mod suites;
 #[cfg(test)]
 mod survival;

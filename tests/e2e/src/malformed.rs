@@ -8,7 +8,7 @@ mod rollouts;
 use bendtwin_proto::v1::Twin;
 use bytes::Bytes;
 
-use crate::harness::{Server, reference::reference};
+use crate::harness::{TestCluster, reference::reference};
 
 /// Names that are none, or of nothing that exists.
 fn bad_names(collection: &str) -> Vec<String> {
@@ -36,16 +36,16 @@ fn bad_names(collection: &str) -> Vec<String> {
 }
 
 /// A world with a twin in it, for requests that are almost right.
-struct World {
-    server: Server,
+struct Fixture {
+    server: TestCluster,
     twin: Twin,
     file: Bytes,
 }
 
-impl World {
+impl Fixture {
     async fn new() -> Self {
         let file = reference().await.file;
-        let server = Server::ordinary().await;
+        let server = TestCluster::ordinary().await;
         let twin = server.api().import(&file).await.unwrap();
         Self { server, twin, file }
     }

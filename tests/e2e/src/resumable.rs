@@ -7,11 +7,11 @@ use futures::StreamExt as _;
 use reqwest::{Body, Method, RequestBuilder, StatusCode};
 
 use crate::harness::{
-    Server, Setup,
+    Setup, TestCluster,
     command::{bendtwin, run_json, run_ok},
     http::Http,
+    stalling_proxy::StallingProxy,
     until,
-    wire::Wire,
 };
 
 const MIB: u64 = 1 << 20;
@@ -86,16 +86,16 @@ impl Drop for Killed {
 
 #[tokio::test]
 async fn a_push_goes_on_over_deaths_of_server_and_client() {
-    let mut server = Server::start(no_workers()).await;
+    let mut server = TestCluster::start(no_workers()).await;
     let size = 40 * MIB;
     let file = server.path("rope.zip");
     std::fs::write(&file, content(0, size)).unwrap();
     let push = ["capture", "push", &file, "--no-check"];
 
     // The first part arrives, the second gets stuck; then both sides die.
-    let wire = Wire::to(&server.url(), PART + 4 * MIB).await;
+    let proxy = StallingProxy::to(&server.url(), PART + 4 * MIB).await;
     let mut command = bendtwin();
-    command.args(push).args(["--json", "--server", wire.url()]);
+    command.args(push).args(["--json", "--server", proxy.url()]);
     let client = Killed(command.spawn().unwrap());
     received_at_least(&server.http(), PART).await;
     server.kill();
@@ -116,7 +116,7 @@ async fn a_push_goes_on_over_deaths_of_server_and_client() {
 
 #[tokio::test]
 async fn a_server_killed_in_mid_request_keeps_what_it_saved_and_its_memory_stays_flat() {
-    let mut server = Server::start(no_workers()).await;
+    let mut server = TestCluster::start(no_workers()).await;
     let http = server.http();
     let size = 160 * MIB;
     let begun = tus(&http, "POST", "/v1/uploads").header("upload-length", size);
@@ -157,7 +157,7 @@ async fn a_server_killed_in_mid_request_keeps_what_it_saved_and_its_memory_stays
 
 #[tokio::test]
 async fn a_folder_is_pushed_as_it_is() {
-    let server = Server::start(no_workers()).await;
+    let server = TestCluster::start(no_workers()).await;
     let (archive, folder) = (server.path("rope.zip"), server.path("rope"));
     run_ok(&["capture", "make", "rope", &archive, "--tiny"]);
     zip::ZipArchive::new(std::fs::File::open(&archive).unwrap()).unwrap().extract(&folder).unwrap();

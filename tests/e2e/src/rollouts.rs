@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
 };
 
 use crate::harness::{
-    Api, Company, Server, Setup,
+    Api, Isolation, Setup, TestCluster,
     api::{fraction, has_ended},
     reference::{ENDLESS, capture, reference},
 };
@@ -62,7 +62,7 @@ async fn imported(api: &Api) -> (Twin, Vec<[f32; 3]>) {
 
 #[tokio::test]
 async fn a_fast_rollout_says_what_answered_and_how_far_it_strays() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let exact = api.roll_out(request(&twin, &rest)).await.unwrap();
@@ -87,7 +87,7 @@ async fn a_fast_rollout_says_what_answered_and_how_far_it_strays() {
 
 #[tokio::test]
 async fn a_batch_is_answered_and_repeats_bit_for_bit_on_every_worker() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let request = request(&twin, &rest);
@@ -111,7 +111,7 @@ async fn a_batch_is_answered_and_repeats_bit_for_bit_on_every_worker() {
 
 #[tokio::test]
 async fn a_streamed_batch_is_the_unary_one_in_parts() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let request = request(&twin, &rest);
@@ -128,7 +128,7 @@ async fn a_streamed_batch_is_the_unary_one_in_parts() {
 
 #[tokio::test]
 async fn a_gripper_that_does_not_turn_is_a_translation() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let step = |frame: usize| 2e-3 * frame as f32;
@@ -163,7 +163,8 @@ async fn a_gripper_that_does_not_turn_is_a_translation() {
 
 #[tokio::test]
 async fn rollouts_are_answered_while_a_fit_runs() {
-    let server = Server::start(Setup { company: Company::None, ..Setup::default() }).await;
+    let server =
+        TestCluster::start(Setup { isolation: Isolation::Exclusive, ..Setup::default() }).await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let request = request(&twin, &rest);

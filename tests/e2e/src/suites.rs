@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use crate::harness::{
     command::{bendtwin, binary},
-    pace, until,
+    until, waiting,
 };
 
 /// Fits of a second or so, two at a time; one configuration has too few substeps for anything.
@@ -107,7 +107,7 @@ fn ended_with_failures(output: &Output) {
 
 #[tokio::test]
 async fn a_suite_that_was_killed_ends_in_the_same_table() {
-    let _turn = pace::turn().await;
+    let _slots = waiting::shared_slot().await;
     let peace = tempfile::tempdir().unwrap();
     let war = tempfile::tempdir().unwrap();
     prepare(peace.path());

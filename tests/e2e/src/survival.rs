@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use tokio::sync::OnceCell;
 
 use crate::harness::{
-    Api, Server,
+    Api, TestCluster,
     api::{fraction, has_ended},
     reference::{FIT, Reference, capture, undisturbed},
 };
@@ -53,14 +53,14 @@ async fn a_fit_survives_deaths_of_both_in_turn() {
 async fn disturb(seed: u64, victims: &[Victim]) {
     static EXPECTED: OnceCell<Reference> = OnceCell::const_new();
     let expected = EXPECTED.get_or_init(|| undisturbed(SETTINGS)).await;
-    let mut server = Server::ordinary().await;
+    let mut server = TestCluster::ordinary().await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
 
-    let mut moments = Moments::new(seed, victims.len());
+    let mut schedule = KillSchedule::new(seed, victims.len());
     for victim in victims {
-        moments.wait_for_next(&api, &fit.name).await;
+        schedule.wait_for_next(&api, &fit.name).await;
         match victim {
             Victim::Worker => server.kill_workers(),
             Victim::Server => {
@@ -79,44 +79,48 @@ async fn disturb(seed: u64, victims: &[Victim]) {
     println!(
         "{} kills at {:?}, {} attempts: the same twin",
         victims.len(),
-        moments.struck.iter().map(|f| (f * 100.0).round() / 100.0).collect::<Vec<_>>(),
+        schedule.killed_at.iter().map(|f| (f * 100.0).round() / 100.0).collect::<Vec<_>>(),
         ended.attempts
     );
 }
 
-/// When to kill: at random moments that spread over the run. A job fails after three attempts
+/// Random moments at which to kill, spread over the run. A job fails after three attempts
 /// without progress, so at most every other kill comes before new progress.
-struct Moments {
+struct KillSchedule {
     random: ChaCha8Rng,
     /// Fractions of the job at which kills are due, ascending.
     due: std::vec::IntoIter<f64>,
     /// The fractions at which it happened.
-    struck: Vec<f64>,
+    killed_at: Vec<f64>,
     /// Who ran the job at the last kill.
     last_worker: String,
 }
 
-impl Moments {
+impl KillSchedule {
     fn new(seed: u64, count: usize) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let moment = |i| SPREAD * (i as f64 + random.random_range(0.0..1.0)) / count as f64;
         let due: Vec<f64> = (0..count).map(moment).collect();
-        Self { random, due: due.into_iter(), struck: Vec::new(), last_worker: String::new() }
+        Self { random, due: due.into_iter(), killed_at: Vec::new(), last_worker: String::new() }
     }
 
     async fn wait_for_next(&mut self, api: &Api, fit: &str) {
         let due = self.due.next().unwrap();
-        let impatient = self.struck.len() % 3 == 2;
-        let before = self.struck.last().copied().unwrap_or(-1.0);
+        let impatient = self.killed_at.len() % 3 == 2;
+        let before = self.killed_at.last().copied().unwrap_or(-1.0);
         let ready = |fit: &Fit| {
             let taken_over = fit.state() == State::Running && fit.worker != self.last_worker;
             let progressed = fraction(fit) > before && fraction(fit) >= due;
             has_ended(fit) || (taken_over && (impatient || progressed))
         };
-        let what = format!("under way for kill {}", self.struck.len() + 1);
+        let what = format!("under way for kill {}", self.killed_at.len() + 1);
         let fit = api.fit_when(fit, &what, FIT, ready).await;
-        assert!(!has_ended(&fit), "the fit ended before kill {}: {fit:?}", self.struck.len() + 1);
-        self.struck.push(fraction(&fit).max(before));
+        assert!(
+            !has_ended(&fit),
+            "the fit ended before kill {}: {fit:?}",
+            self.killed_at.len() + 1
+        );
+        self.killed_at.push(fraction(&fit).max(before));
         self.last_worker = fit.worker;
         let delay = self.random.random_range(0..150);
         tokio::time::sleep(Duration::from_millis(delay)).await;

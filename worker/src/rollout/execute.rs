@@ -9,13 +9,13 @@ use bendtwin_engine::{
 use bendtwin_proto::v1::{RollOutResponse, roll_out_response::Timing};
 
 use super::{error::Error, initial::Starts, plan::Plan, reply};
-use crate::device::Lane;
+use crate::device::QueuedBackend;
 
 /// A plan being carried out.
 pub(super) struct Execution<'a> {
     pub(super) plan: &'a Plan,
     pub(super) starts: &'a Starts,
-    pub(super) lane: &'a Lane,
+    pub(super) backend: &'a QueuedBackend,
     pub(super) cancel: &'a CancelToken,
     /// When the request arrived.
     pub(super) arrived: Instant,
@@ -92,7 +92,7 @@ impl Execution<'_> {
         let mut rollouts = Vec::with_capacity(indices.len());
         for chunk in indices.chunks(self.plan.chunk) {
             let batch: Vec<_> = chunk.iter().map(|i| self.plan.instance(*i, self.starts)).collect();
-            rollouts.extend(self.lane.roll_out(&batch, outputs, self.cancel)?);
+            rollouts.extend(self.backend.roll_out(&batch, outputs, self.cancel)?);
         }
         Ok(rollouts)
     }
@@ -105,7 +105,7 @@ impl Execution<'_> {
         let mut gradients = Vec::with_capacity(indices.len());
         for chunk in indices.chunks(self.plan.chunk) {
             let batch: Vec<_> = chunk.iter().map(|i| self.plan.instance(*i, self.starts)).collect();
-            let results = self.lane.gradients(&batch, &request, self.cancel)?;
+            let results = self.backend.gradients(&batch, &request, self.cancel)?;
             // Per-spring gradients are not returned: let go of them at once.
             gradients.extend(results.into_iter().map(|g| g.controls));
         }
@@ -114,7 +114,7 @@ impl Execution<'_> {
     }
 
     fn signed(&self, mut part: RollOutResponse) -> RollOutResponse {
-        let compute = self.lane.compute();
+        let compute = self.backend.compute();
         let queue = self.arrived.elapsed().saturating_sub(compute);
         part.timing =
             Some(Timing { queue_s: queue.as_secs_f64(), compute_s: compute.as_secs_f64() });

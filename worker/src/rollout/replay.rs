@@ -21,7 +21,7 @@ use super::{
     lru::Lru,
     warm::Warm,
 };
-use crate::{Limits, artifact, device::Lane, link::Link, observation};
+use crate::{Limits, artifact, device::QueuedBackend, observation, server_client::ServerClient};
 
 /// Captures whose controls are kept, and replayed states that are kept.
 const KEPT_MOTIONS: usize = 8;
@@ -43,7 +43,7 @@ type Motions = Arc<Vec<Motion>>;
 
 /// Replays captures, and remembers.
 pub(crate) struct Replays {
-    link: Link,
+    server: ServerClient,
     dir: PathBuf,
     limits: Limits,
     motions: Mutex<Lru<(TwinId, CaptureId), Motions>>,
@@ -53,9 +53,9 @@ pub(crate) struct Replays {
 }
 
 impl Replays {
-    pub(crate) fn new(link: Link, dir: PathBuf, limits: Limits) -> Self {
+    pub(crate) fn new(server: ServerClient, dir: PathBuf, limits: Limits) -> Self {
         Self {
-            link,
+            server,
             dir,
             limits,
             motions: Mutex::new(Lru::new(KEPT_MOTIONS, KEPT_BYTES)),
@@ -69,20 +69,21 @@ impl Replays {
         &self,
         warm: &Arc<Warm>,
         at: CaptureFrame,
-        lane: &Arc<Lane>,
+        backend: &Arc<QueuedBackend>,
         cancel: &CancelToken,
     ) -> Result<Start, Error> {
         if let Some(start) = lock(&self.starts).get(&(warm.id, at)) {
             return Ok(start);
         }
         let motions = self.motions(warm, at.capture).await?;
-        let (warm, lane, cancel) = (Arc::clone(warm), Arc::clone(lane), cancel.clone());
+        let (warm, backend, cancel) = (Arc::clone(warm), Arc::clone(backend), cancel.clone());
         let limit = self.limits.rollout_work;
         let id = warm.id;
-        let start =
-            tokio::task::spawn_blocking(move || replay(&warm, &motions, at, limit, &lane, &cancel))
-                .await
-                .map_err(|_| Error::Panicked)??;
+        let start = tokio::task::spawn_blocking(move || {
+            replay(&warm, &motions, at, limit, &backend, &cancel)
+        })
+        .await
+        .map_err(|_| Error::Panicked)??;
         let size = 24 * start.state.positions.len() + 12 * start.controls.len();
         lock(&self.starts).insert((id, at), start.clone(), size as u64);
         Ok(start)
@@ -97,9 +98,13 @@ impl Replays {
         if let Some(motions) = lock(&self.motions).get(&key) {
             return Ok(motions);
         }
-        let file =
-            artifact::fetch_file(&self.link, &observation::name(&id.to_string()), None, &self.dir)
-                .await?;
+        let file = artifact::fetch_file(
+            &self.server,
+            &observation::name(&id.to_string()),
+            None,
+            &self.dir,
+        )
+        .await?;
         let (warm, limits) = (Arc::clone(warm), self.limits);
         let motions = tokio::task::spawn_blocking(move || {
             let capture = observation::read(file.path(), &limits)
@@ -147,7 +152,7 @@ fn replay(
     motions: &[Motion],
     at: CaptureFrame,
     work_limit: u64,
-    lane: &Lane,
+    backend: &QueuedBackend,
     cancel: &CancelToken,
 ) -> Result<Start, Error> {
     let Some(motion) = motions.get(at.sequence) else {
@@ -195,7 +200,7 @@ fn replay(
         objective: Objective::default(),
     };
     let outputs = Outputs { final_state: true, ..Outputs::default() };
-    let rollout = lane.roll_out(&[instance], &outputs, cancel)?.into_iter().next();
+    let rollout = backend.roll_out(&[instance], &outputs, cancel)?.into_iter().next();
     let rollout = rollout.unwrap_or_default();
     if let Some(divergence) = rollout.diverged {
         return Err(Error::ReplayDiverged { frame: motion.start_frame + divergence.frame });

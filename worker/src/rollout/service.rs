@@ -174,7 +174,7 @@ impl Call {
         let fidelity = serve::read(wire.fidelity)?;
         let warm = inner.twins.get(id).await?;
         let served = Served::choose(Arc::clone(&warm), fidelity, &inner.device).await?;
-        let lane = Arc::new(inner.device.lane(Priority::Interactive));
+        let backend = Arc::new(inner.device.backend(Priority::Interactive));
         let limits = inner.limits;
         // Reading and checking a hundred megabytes of actions takes a while.
         let (plan, wanted) = tokio::task::spawn_blocking(move || {
@@ -185,7 +185,7 @@ impl Call {
         let starts = match wanted {
             Wanted::Ready(starts) => starts,
             Wanted::Frame(at) => {
-                let start = inner.replays.start(&warm, at, &lane, &self.cancel).await?;
+                let start = inner.replays.start(&warm, at, &backend, &self.cancel).await?;
                 Starts::Shared(start)
             }
         };
@@ -198,7 +198,7 @@ impl Call {
             let execution = Execution {
                 plan: &plan,
                 starts: &starts,
-                lane: &lane,
+                backend: &backend,
                 cancel: &cancel,
                 arrived,
                 worker: &worker,

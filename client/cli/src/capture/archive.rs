@@ -1,5 +1,5 @@
-//! A folder as a ZIP archive, the same bytes whenever the folder has the same
-//! files: so that an upload that broke off is found again by its content.
+//! Packing a folder as a ZIP archive. The same files give the same bytes, so that an interrupted
+//! upload is found again by its content.
 
 use std::{
     fs::File,
@@ -12,7 +12,8 @@ use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
 use crate::failure::Usage;
 
-/// Contents that are compressed already: deflating them again costs time and saves nothing.
+/// Extensions of files that are compressed already: deflating them again costs time and saves
+/// nothing.
 const STORED: [&str; 16] = [
     "png",
     "jpg",
@@ -31,23 +32,23 @@ const STORED: [&str; 16] = [
     "pth",
     "safetensors",
 ];
-/// From this size on an entry needs the long form of its header [bytes].
+/// Size from which an entry needs the long form of its header [bytes].
 const LONG: u64 = u32::MAX as u64;
 const CHUNK: usize = 256 << 10;
 
-/// The files of a folder, in the order in which they are packed.
+/// The files of a folder, in the order of packing.
 pub(super) struct Listing {
     root: PathBuf,
-    /// The folder's own name, under which they stand in the archive.
+    /// Name of the folder, the prefix of entries in the archive.
     name: String,
     /// Names relative to the root, with their sizes [bytes].
     files: Vec<(String, u64)>,
-    /// Links and other things that are no regular files, left out.
+    /// Number of links and other entries that are no regular files; they are left out.
     pub(super) skipped: usize,
 }
 
 impl Listing {
-    /// Lists all regular files under a folder but hidden ones.
+    /// Lists all regular files under a folder except hidden ones.
     pub(super) fn of(root: &Path) -> anyhow::Result<Self> {
         let full = root.canonicalize().with_context(|| root.display().to_string())?;
         let name = full.file_name().and_then(|n| n.to_str()).map(str::to_owned);
@@ -95,7 +96,7 @@ impl Listing {
         Ok(())
     }
 
-    /// Writes the archive; `packed` is told how many bytes of the files are in it.
+    /// Writes the archive; `packed` gets the number of bytes of files in it so far.
     pub(super) fn pack(&self, into: impl Write + Seek, packed: impl Fn(u64)) -> anyhow::Result<()> {
         let mut archive = ZipWriter::new(into);
         let (mut total, mut chunk) = (0, vec![0; CHUNK]);

@@ -9,13 +9,13 @@ use bendtwin_fit::{FitJob, Observer, ObserverError};
 
 use crate::{failure, progress::FitBar};
 
-/// What a fit made.
+/// The twins that a fit made.
 pub(super) struct Fitted {
     pub(super) twin: Twin,
     pub(super) axial: Option<Twin>,
 }
 
-/// Fits a capture; also says how long that took.
+/// Fits a capture; also returns the time it took.
 pub(super) fn fit(
     capture: &Capture,
     settings: FitSettings,

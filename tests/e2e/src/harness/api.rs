@@ -17,7 +17,7 @@ use tonic::{
     transport::{Channel, Endpoint},
 };
 
-use super::pace::until;
+use super::waiting::until;
 
 const CHUNK: usize = 256 * 1024;
 

@@ -1,12 +1,12 @@
 //! One small capture and the twin that an undisturbed fit makes of it, made once
-//! for all stories.
+//! for all tests.
 
 use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use tokio::sync::OnceCell;
 
-use super::{Company, Server, Setup, command::run_ok};
+use super::{Isolation, Setup, TestCluster, command::run_ok};
 
 /// How long a small fit may take, however often it is disturbed.
 pub(crate) const FIT: Duration = Duration::from_secs(300);
@@ -59,7 +59,8 @@ pub(crate) async fn reference() -> Reference {
 /// Fits [`capture`] in peace.
 pub(crate) async fn undisturbed(settings: &str) -> Reference {
     // Whoever asks may have taken a turn already.
-    let server = Server::start(Setup { company: Company::Any, ..Setup::default() }).await;
+    let server =
+        TestCluster::start(Setup { isolation: Isolation::Nested, ..Setup::default() }).await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
     let started = Instant::now();

@@ -1,5 +1,5 @@
-//! What surrounds every request of either transport: its id, its span, its
-//! metrics, and the net under handlers that panic.
+//! The service around every request of either transport: request id, tracing span, metrics, and an
+//! answer for handlers that panic.
 
 use std::{convert::Infallible, panic::AssertUnwindSafe, time::Instant};
 
@@ -19,15 +19,15 @@ use crate::{context::Context, error::Refusal, metrics::Metrics};
 
 /// Both transports behind one service.
 #[derive(Clone)]
-pub(crate) struct Outer {
+pub(crate) struct RootService {
     pub(crate) http: axum::Router,
     pub(crate) grpc: axum::Router,
     pub(crate) metrics: Metrics,
-    /// Whether only this machine can reach the server.
+    /// True if only this machine can reach the server.
     pub(crate) loopback: bool,
 }
 
-impl Outer {
+impl RootService {
     /// Answers one request.
     pub(crate) async fn answer(self, request: Request<Body>) -> Result<Response<Body>, Infallible> {
         let started = Instant::now();
@@ -48,7 +48,7 @@ impl Outer {
             if origin::is_foreign(request.headers()) || loopback && origin::is_rebound(&request) {
                 return Ok(origin::refusal().into_response());
             }
-            let request = uploads::with_its_method(request);
+            let request = uploads::with_overridden_method(request);
             let caught = AssertUnwindSafe(router.oneshot(request)).catch_unwind().await;
             caught.unwrap_or_else(|_| Ok(panicked(is_grpc)))
         });
@@ -73,11 +73,11 @@ impl Outer {
     }
 }
 
-/// The matched pattern, handed out with the response.
+/// The matched route pattern, passed on with the response.
 #[derive(Clone)]
 struct Route(String);
 
-/// Notes which route answered; a layer of the HTTP router.
+/// Records which route answered; a layer of the HTTP router.
 pub(crate) async fn note_route(
     matched: Option<MatchedPath>,
     request: axum::extract::Request,

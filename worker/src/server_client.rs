@@ -1,4 +1,4 @@
-//! The connection to the server: typed calls, and what to do when it is gone.
+//! Client of the server: typed calls, and errors that tell whether another attempt makes sense.
 
 mod retry;
 mod upload;
@@ -27,16 +27,16 @@ use tonic::{
 pub(crate) use self::retry::Backoff;
 use crate::Error;
 
-/// How long an ordinary call may take.
+/// Longest time of an ordinary call.
 const CALL_TIMEOUT: Duration = Duration::from_secs(20);
-/// How long an upload of a checkpoint or a twin may take.
+/// Longest time of an upload of a checkpoint or a twin.
 const UPLOAD_TIMEOUT: Duration = Duration::from_secs(300);
 /// Longest reply that is accepted [bytes]; chunks are far smaller.
 const MAX_MESSAGE: usize = 32 << 20;
 
-/// What became of a call about a job.
+/// Failure of a call about a job.
 #[derive(Debug)]
-pub(crate) enum LinkError {
+pub(crate) enum CallError {
     /// Another worker has the job by now: stop at once, write nothing more.
     Stale,
     /// The server cannot be reached or asks to try again.
@@ -45,8 +45,8 @@ pub(crate) enum LinkError {
     Refused(Fault),
 }
 
-impl LinkError {
-    /// What went wrong.
+impl CallError {
+    /// The fault behind the failure.
     pub(crate) fn fault(self) -> Fault {
         match self {
             Self::Stale => Fault {
@@ -59,7 +59,7 @@ impl LinkError {
     }
 }
 
-impl From<Status> for LinkError {
+impl From<Status> for CallError {
     fn from(status: Status) -> Self {
         let fault = fault::fault(&status);
         match fault.category {
@@ -79,11 +79,11 @@ impl From<Status> for LinkError {
 
 /// The server as a worker sees it. Clones share one connection.
 #[derive(Clone)]
-pub(crate) struct Link {
+pub(crate) struct ServerClient {
     client: WorkerLinkClient<InterceptedService<Channel, Credentials>>,
 }
 
-/// Adds the worker token to every call.
+/// Interceptor that adds the worker token to every call.
 #[derive(Clone)]
 pub(crate) struct Credentials(AsciiMetadataValue);
 
@@ -94,7 +94,7 @@ impl Interceptor for Credentials {
     }
 }
 
-impl Link {
+impl ServerClient {
     /// Prepares the connection; it is made with the first call and again whenever it breaks.
     pub(crate) fn new(server: &str, token: &str) -> Result<Self, Error> {
         let address = || Error::Address { url: server.to_owned() };
@@ -117,12 +117,12 @@ impl Link {
     pub(crate) async fn register(
         &self,
         request: RegisterRequest,
-    ) -> Result<RegisterResponse, LinkError> {
+    ) -> Result<RegisterResponse, CallError> {
         let call = within(request, CALL_TIMEOUT);
         Ok(self.client.clone().register(call).await?.into_inner())
     }
 
-    pub(crate) async fn beat(&self, request: BeatRequest) -> Result<BeatResponse, LinkError> {
+    pub(crate) async fn heartbeat(&self, request: BeatRequest) -> Result<BeatResponse, CallError> {
         let call = within(request, CALL_TIMEOUT);
         Ok(self.client.clone().beat(call).await?.into_inner())
     }
@@ -133,7 +133,7 @@ impl Link {
         kind: Kind,
         worker: String,
         wait: Duration,
-    ) -> Result<Option<Lease>, LinkError> {
+    ) -> Result<Option<Lease>, CallError> {
         let request = LeaseJobRequest { worker, wait_s: wait.as_secs_f64(), kind: kind.into() };
         let call = within(request, wait + CALL_TIMEOUT);
         Ok(self.client.clone().lease_job(call).await?.into_inner().lease)
@@ -142,22 +142,22 @@ impl Link {
     pub(crate) async fn report_job(
         &self,
         request: ReportJobRequest,
-    ) -> Result<ReportJobResponse, LinkError> {
+    ) -> Result<ReportJobResponse, CallError> {
         let call = within(request, CALL_TIMEOUT);
         Ok(self.client.clone().report_job(call).await?.into_inner())
     }
 
-    pub(crate) async fn fail_job(&self, request: FailJobRequest) -> Result<(), LinkError> {
+    pub(crate) async fn fail_job(&self, request: FailJobRequest) -> Result<(), CallError> {
         let call = within(request, CALL_TIMEOUT);
         self.client.clone().fail_job(call).await?;
         Ok(())
     }
 
-    /// Stores what an ingest made, as these messages have it, and ends its job.
+    /// Stores the result of an ingest, given as messages, and ends its job.
     pub(crate) async fn end_ingest(
         &self,
         messages: impl Stream<Item = EndIngestRequest> + Send + 'static,
-    ) -> Result<(), LinkError> {
+    ) -> Result<(), CallError> {
         // Gigabytes, perhaps: what matters is that it moves, and the server sees to that.
         self.client.clone().end_ingest(Request::new(messages)).await?;
         Ok(())
@@ -168,7 +168,7 @@ impl Link {
         &self,
         job: JobWrite,
         content: Bytes,
-    ) -> Result<(), LinkError> {
+    ) -> Result<(), CallError> {
         use bendtwin_proto::worker::v1::save_checkpoint_request::Part;
         let parts = upload::parts(
             SaveCheckpointRequest { part: Some(Part::Metadata(job)) },
@@ -184,7 +184,7 @@ impl Link {
         &self,
         twin: TwinWrite,
         content: Bytes,
-    ) -> Result<String, LinkError> {
+    ) -> Result<String, CallError> {
         use bendtwin_proto::worker::v1::complete_fit_request::Part;
         let parts = upload::parts(
             CompleteFitRequest { part: Some(Part::Metadata(twin)) },
@@ -196,7 +196,7 @@ impl Link {
     }
 
     /// The content of a capture, an observation, a twin or a job's checkpoint, in chunks.
-    pub(crate) async fn download(&self, name: String) -> Result<Download, LinkError> {
+    pub(crate) async fn download(&self, name: String) -> Result<Download, CallError> {
         let call = Request::new(DownloadRequest { name });
         Ok(Download(self.client.clone().download(call).await?.into_inner()))
     }
@@ -206,8 +206,8 @@ impl Link {
 pub(crate) struct Download(Streaming<bendtwin_proto::worker::v1::DownloadResponse>);
 
 impl Download {
-    /// The next chunk; none at the end. A server that says nothing for a while counts as gone.
-    pub(crate) async fn next(&mut self) -> Result<Option<Bytes>, LinkError> {
+    /// The next chunk; none at the end. A server that sends nothing for a while counts as gone.
+    pub(crate) async fn next(&mut self) -> Result<Option<Bytes>, CallError> {
         match tokio::time::timeout(CALL_TIMEOUT, self.0.message()).await {
             Ok(message) => Ok(message?.map(|m| m.chunk)),
             Err(_) => Err(Status::deadline_exceeded("the download stalled").into()),

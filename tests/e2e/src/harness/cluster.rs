@@ -1,4 +1,4 @@
-//! A server in a temporary folder, with its own workers or with workers of the story's own.
+//! A server in a temporary folder, with its own workers or with workers of the test's own.
 
 use std::{
     path::{Path, PathBuf},
@@ -14,74 +14,74 @@ use super::{
     Api,
     command::bendtwin,
     http::Http,
-    pace::{self, until},
     process::{Processes, kill},
+    waiting::{self, until},
 };
 
 /// How long a process may take to start on a busy machine.
 pub(crate) const START: Duration = Duration::from_secs(60);
-/// The token of workers that the story starts itself.
+/// The token of workers that the test starts itself.
 const TOKEN: &str = "end-to-end-worker-token";
 
-/// What a world is like.
+/// What a cluster is like.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     /// Workers that the server starts and restarts itself.
     pub(crate) own_workers: u32,
     /// How long a dead worker's job waits for the next one, where nobody saw the worker die [s].
     pub(crate) lease_s: f64,
-    /// Which other worlds may live meanwhile.
-    pub(crate) company: Company,
+    /// Which other clusters may live meanwhile.
+    pub(crate) isolation: Isolation,
     /// What the server's own workers are told besides.
     pub(crate) worker_args: &'static [&'static str],
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { own_workers: 1, lease_s: 2.0, company: Company::Some, worker_args: &[] }
+        Self { own_workers: 1, lease_s: 2.0, isolation: Isolation::Shared, worker_args: &[] }
     }
 }
 
-/// Which other worlds may live beside one.
+/// Which other clusters may live beside one.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Company {
+pub(crate) enum Isolation {
     /// As many as the machine bears.
-    Some,
+    Shared,
     /// None: time is measured.
-    None,
-    /// Any: another world waits for this one.
-    Any,
+    Exclusive,
+    /// Any: another cluster waits for this one.
+    Nested,
 }
 
-/// A world with a running server.
-pub(crate) struct Server {
+/// A cluster with a running server.
+pub(crate) struct TestCluster {
     setup: Setup,
     child: Child,
     address: String,
-    own: Vec<Child>,
+    started: Vec<Child>,
     processes: Processes,
     folder: TempDir,
-    _turn: Option<SemaphorePermit<'static>>,
+    _slots: Option<SemaphorePermit<'static>>,
 }
 
-impl Server {
-    /// Makes a world and waits until its server is ready.
+impl TestCluster {
+    /// Makes a cluster and waits until its server is ready.
     pub(crate) async fn start(setup: Setup) -> Self {
-        let turn = match setup.company {
-            Company::Some => Some(pace::turn().await),
-            Company::None => Some(pace::alone().await),
-            Company::Any => None,
+        let slots = match setup.isolation {
+            Isolation::Shared => Some(waiting::shared_slot().await),
+            Isolation::Exclusive => Some(waiting::all_slots().await),
+            Isolation::Nested => None,
         };
         let folder = tempfile::Builder::new().prefix("bendtwin-e2e-").tempdir().unwrap();
         let processes = Processes::new(folder.path());
         let (child, address) = launch(&processes, folder.path(), &setup, "127.0.0.1:0").await;
         let server =
-            Self { setup, child, address, own: Vec::new(), processes, folder, _turn: turn };
+            Self { setup, child, address, started: Vec::new(), processes, folder, _slots: slots };
         server.workers_ready(server.setup.own_workers as usize).await;
         server
     }
 
-    /// A world in which nothing is out of the ordinary.
+    /// A cluster in which nothing is out of the ordinary.
     pub(crate) async fn ordinary() -> Self {
         Self::start(Setup::default()).await
     }
@@ -106,7 +106,7 @@ impl Server {
         self.folder.path().join("data")
     }
 
-    /// A place for a story's files.
+    /// A place for a test's files.
     pub(crate) fn path(&self, name: &str) -> String {
         self.folder.path().join(name).to_string_lossy().into_owned()
     }
@@ -122,7 +122,7 @@ impl Server {
         self.child.wait().unwrap();
     }
 
-    /// Starts the server again after [`Server::kill`], at the same address.
+    /// Starts the server again after [`TestCluster::kill`], at the same address.
     pub(crate) async fn start_again(&mut self) {
         let (child, address) =
             launch(&self.processes, self.folder.path(), &self.setup, &self.address).await;
@@ -160,16 +160,16 @@ impl Server {
         let before: Vec<_> = self.known_workers().await.into_iter().map(|w| w.name).collect();
         let mut command = bendtwin();
         command.args(["worker", "--server", &self.url()]).env("BENDTWIN_WORKER_TOKEN", TOKEN);
-        self.own.push(self.processes.start(&mut command, &self.folder.path().join("log")));
+        self.started.push(self.processes.start(&mut command, &self.folder.path().join("log")));
         until("a new worker", START, async || {
             self.known_workers().await.into_iter().find(|w| !before.contains(&w.name))
         })
         .await
     }
 
-    /// kill -9 of a worker that the story started, oldest first.
+    /// kill -9 of a worker that the test started, oldest first.
     pub(crate) fn kill_own_worker(&mut self) {
-        let mut worker = self.own.remove(0);
+        let mut worker = self.started.remove(0);
         worker.kill().unwrap();
         worker.wait().unwrap();
     }
@@ -187,7 +187,7 @@ impl Server {
     }
 }
 
-impl Drop for Server {
+impl Drop for TestCluster {
     fn drop(&mut self) {
         if std::thread::panicking() {
             let log = self.log();
@@ -196,7 +196,7 @@ impl Drop for Server {
             tail.into_iter().rev().for_each(|line| eprintln!("  {line}"));
         }
         // Reaps the children; what they started ends with `processes`.
-        for child in self.own.iter_mut().chain([&mut self.child]) {
+        for child in self.started.iter_mut().chain([&mut self.child]) {
             child.kill().ok();
             child.wait().ok();
         }
@@ -218,14 +218,14 @@ async fn launch(
          data_dir = \"{data}\"\n\
          worker_token = \"{TOKEN}\"\n\
          lease_s = {lease_s:?}\n\
-         beat_interval_s = {beat:?}\n\
+         heartbeat_interval_s = {heartbeat:?}\n\
          [workers]\n\
          count = {own_workers}\n\
          args = {args:?}\n\
          min_backoff_s = 0.02\n\
          max_backoff_s = 0.2\n",
         data = folder.join("data").display(),
-        beat = lease_s / 4.0,
+        heartbeat = lease_s / 4.0,
     );
     std::fs::write(&config, text).unwrap();
     let mut command = bendtwin();

@@ -1,4 +1,4 @@
-//! The demo's server: a real process of this very program, that ends with it.
+//! The demo's server: a process of this very program, which ends with it.
 
 use std::{
     path::{Path, PathBuf},
@@ -12,30 +12,31 @@ use tokio::process::{Child, ChildStdin, Command};
 
 use crate::backend::BackendArgs;
 
-/// How long server and worker may take to start.
+/// Longest time for the start of server and worker.
 const START: Duration = Duration::from_secs(60);
-/// How long they may take to end.
+/// Longest time for their end.
 const STOP: Duration = Duration::from_secs(20);
-/// Between two looks.
+/// Time between two polls.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// A running server with one worker.
-pub(super) struct Host {
+pub(super) struct DemoServer {
     child: Child,
-    /// Held open as long as the server shall run; kept apart because waiting for a child closes its own.
+    /// Held open as long as the server should run; kept here because waiting for a child closes the
+    /// child's own.
     stdin: Option<ChildStdin>,
     log: PathBuf,
-    pub(super) site: Site,
+    pub(super) connection: Connection,
 }
 
-/// Where the server is.
+/// The server's address, and a client of it.
 #[derive(Clone)]
-pub(super) struct Site {
+pub(super) struct Connection {
     pub(super) url: String,
     pub(super) client: Client,
 }
 
-impl Host {
+impl DemoServer {
     /// Starts a server in a folder and waits until its worker has registered.
     pub(super) async fn start(folder: &Path, backend: &BackendArgs) -> anyhow::Result<Self> {
         let (port_file, log) = (folder.join("port"), folder.join("server.log"));
@@ -83,7 +84,7 @@ impl Host {
             tokio::time::sleep(PAUSE).await;
         }
         let stdin = child.stdin.take();
-        Ok(Self { child, stdin, log, site: Site { url, client } })
+        Ok(Self { child, stdin, log, connection: Connection { url, client } })
     }
 
     /// Waits until the server ends by itself, which it should not.
@@ -94,7 +95,7 @@ impl Host {
         }
     }
 
-    /// Ends server and worker in good order.
+    /// Ends server and worker in order.
     pub(super) async fn stop(mut self) {
         // The end of its standard input asks the server to shut down.
         drop(self.stdin.take());

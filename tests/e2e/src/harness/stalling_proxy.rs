@@ -12,13 +12,13 @@ use tokio::{
 
 const CHUNK: usize = 64 << 10;
 
-/// The way to a server for clients of a story.
-pub(crate) struct Wire {
+/// The way to a server for clients of a test.
+pub(crate) struct StallingProxy {
     url: String,
     accepting: tokio::task::JoinHandle<()>,
 }
 
-impl Wire {
+impl StallingProxy {
     /// To `server` (`http://host:port`), for so many bytes in that direction, on all connections together.
     pub(crate) async fn to(server: &str, bytes: u64) -> Self {
         let server = server.strip_prefix("http://").unwrap().to_owned();
@@ -40,7 +40,7 @@ impl Wire {
     }
 }
 
-impl Drop for Wire {
+impl Drop for StallingProxy {
     fn drop(&mut self) {
         self.accepting.abort();
     }

@@ -1,4 +1,4 @@
-//! The demo's steps, and what is said about them.
+//! The demo's steps and their texts.
 
 use std::{path::PathBuf, time::Instant};
 
@@ -12,7 +12,7 @@ use serde_json::json;
 
 use super::{
     candidates::{KNOTS, candidates, displacement},
-    host::{Host, Site},
+    server::{Connection, DemoServer},
 };
 use crate::{backend::BackendArgs, capture, failure, fit, output, picture, quality};
 
@@ -21,9 +21,9 @@ const CANDIDATES: usize = 64;
 /// Their horizon [frames].
 const HORIZON: u32 = 30;
 
-/// Nodes of the demo's twin: coarse graphs are what planners want, and where bending matters most.
+/// Nodes of the demo's twin: planners need coarse graphs, where bending matters most.
 const NODES: usize = 60;
-/// Most springs that a node of it opens.
+/// Most springs from one node.
 const NEIGHBOURS: usize = 8;
 
 /// The settings of the demo's fits.
@@ -34,56 +34,61 @@ fn settings(seed: u64) -> FitSettings {
     settings
 }
 
-/// The same for the command line.
+/// The same settings as flags of the command line.
 fn flags() -> String {
     format!("--set graph.max_nodes={NODES} --set graph.max_neighbours={NEIGHBOURS}")
 }
 
 /// The demo under way.
-pub(super) struct Story {
+pub(super) struct DemoRun {
     quiet: bool,
     seed: u64,
     picture: PathBuf,
     folder: PathBuf,
     started: Instant,
     steps: u32,
-    /// What `--json` prints at the end.
+    /// The document of `--json`, printed at the end.
     report: serde_json::Map<String, serde_json::Value>,
 }
 
 /// The two fits of the same nodes.
-struct Pair {
+struct FittedPair {
     bending: TwinModel,
     axial: TwinModel,
     name: TwinId,
 }
 
-impl Story {
+impl DemoRun {
     pub(super) fn new(quiet: bool, seed: u64, picture: PathBuf, folder: PathBuf) -> Self {
         let report = serde_json::Map::new();
         Self { quiet, seed, picture, folder, started: Instant::now(), steps: 0, report }
     }
 
     /// Step 1: a server with a worker.
-    pub(super) async fn start_server(&mut self, backend: &BackendArgs) -> anyhow::Result<Host> {
-        self.say("BendTwin turns a recording of a soft object into a physical twin and predicts");
-        self.say("what robot actions do to it. This is the whole system at work on this machine.");
+    pub(super) async fn start_server(
+        &mut self,
+        backend: &BackendArgs,
+    ) -> anyhow::Result<DemoServer> {
+        self.print("BendTwin turns a recording of a soft object into a physical twin and predicts");
+        self.print(
+            "what robot actions do to it. This is the whole system at work on this machine.",
+        );
         self.step("Start a server; it starts its own worker process", "bendtwin server");
-        let host = Host::start(&self.folder, backend).await?;
-        self.say(&format!("  it answers HTTP and gRPC at {}", host.site.url));
-        Ok(host)
+        let server = DemoServer::start(&self.folder, backend).await?;
+        self.print(&format!("  it answers HTTP and gRPC at {}", server.connection.url));
+        Ok(server)
     }
 
     /// Steps 2 to 7.
-    pub(super) async fn tell(&mut self, site: &Site) -> anyhow::Result<()> {
-        let (observed, capture) = self.record(site).await?;
-        let pair = self.fit(site, capture).await?;
+    pub(super) async fn run(&mut self, connection: &Connection) -> anyhow::Result<()> {
+        let (observed, capture) = self.record(connection).await?;
+        let pair = self.fit(connection, capture).await?;
         self.compare(&pair, &observed).await?;
-        self.plan(site, &pair, &observed).await?;
+        self.plan(connection, &pair, &observed).await?;
         self.draw(pair, observed).await
     }
 
-    async fn record(&mut self, site: &Site) -> anyhow::Result<(Capture, CaptureId)> {
+    async fn record(&mut self, connection: &Connection) -> anyhow::Result<(Capture, CaptureId)> {
         self.step(
             "Record a rope that a robot hand moves (simulated far more finely than the twin will be,\n   \
              with noise and occlusion)",
@@ -94,17 +99,22 @@ impl Story {
         let observed = capture::make::write(Scene::Rope, options, &path).await?;
         let (frames, train) =
             observed.sequences.first().map_or((0, 0), |s| (s.frame_count, s.train_frame_count));
-        self.say(&format!(
+        self.print(&format!(
             "  {} points over {frames} frames; the fit sees the first {train}, the others are its exam",
             observed.object.point_count
         ));
         self.step("Upload it over HTTP", "bendtwin capture push rope.zip");
-        let stored = capture::push::upload(&site.client, &path, "demo rope", self.quiet).await?;
-        self.say(&format!("  {} ({})", stored.name, output::bytes(stored.size_bytes)));
+        let stored =
+            capture::push::upload(&connection.client, &path, "demo rope", self.quiet).await?;
+        self.print(&format!("  {} ({})", stored.name, output::bytes(stored.size_bytes)));
         Ok((observed, stored.name))
     }
 
-    async fn fit(&mut self, site: &Site, capture: CaptureId) -> anyhow::Result<Pair> {
+    async fn fit(
+        &mut self,
+        connection: &Connection,
+        capture: CaptureId,
+    ) -> anyhow::Result<FittedPair> {
         let settings = settings(self.seed);
         self.step(
             &format!(
@@ -113,38 +123,42 @@ impl Story {
             ),
             &format!("bendtwin fit start {capture} {} --watch", flags()),
         );
-        let bending = self.one_fit(site, capture, &settings, "fit_s").await?;
+        let bending = self.one_fit(connection, capture, &settings, "fit_s").await?;
         self.step(
             "Fit the same nodes once more without bending, for comparison",
             &format!("bendtwin fit start {capture} {} --set bending=false --watch", flags()),
         );
         let without = FitSettings { bending: false, ..settings };
-        let axial = self.one_fit(site, capture, &without, "axial_fit_s").await?;
-        let twins = site.client.twins();
+        let axial = self.one_fit(connection, capture, &without, "axial_fit_s").await?;
+        let twins = connection.client.twins();
         let name = bending.twin.context("the fit has no twin")?;
         let axial = axial.twin.context("the fit has no twin")?;
-        Ok(Pair { bending: twins.download(name).await?, axial: twins.download(axial).await?, name })
+        Ok(FittedPair {
+            bending: twins.download(name).await?,
+            axial: twins.download(axial).await?,
+            name,
+        })
     }
 
     async fn one_fit(
         &mut self,
-        site: &Site,
+        connection: &Connection,
         capture: CaptureId,
         settings: &FitSettings,
         key: &str,
     ) -> anyhow::Result<Fit> {
         let started = Instant::now();
-        let job = site.client.fits().create(capture, settings, 0).await?;
-        let fit = fit::watch(&site.client, job.name, self.quiet).await?;
+        let job = connection.client.fits().create(capture, settings, 0).await?;
+        let fit = fit::watch(&connection.client, job.name, self.quiet).await?;
         fit::ended_well(&fit)?;
         let took = started.elapsed().as_secs_f64();
         self.report.insert(key.to_owned(), json!(took));
         let twin = fit.twin.map(|t| t.to_string()).unwrap_or_default();
-        self.say(&format!("  {twin} after {}", output::duration(took)));
+        self.print(&format!("  {twin} after {}", output::duration(took)));
         Ok(fit)
     }
 
-    async fn compare(&mut self, pair: &Pair, observed: &Capture) -> anyhow::Result<()> {
+    async fn compare(&mut self, pair: &FittedPair, observed: &Capture) -> anyhow::Result<()> {
         self.step(
             "How good is it? Errors in mm against what was recorded; `future` frames were never seen",
             &format!("bendtwin eval rope.zip --axial {}", flags()),
@@ -157,16 +171,21 @@ impl Story {
         });
         let quality: Quality = scored.await?.map_err(failure::failed)?;
         for line in format_table(&quality, TableStyle::Plain).lines() {
-            self.say(&format!("  {line}"));
+            self.print(&format!("  {line}"));
         }
         if let Some(sentence) = quality::summary(&quality) {
-            self.say(&format!("  {sentence}"));
+            self.print(&format!("  {sentence}"));
         }
         self.report.insert("quality".to_owned(), serde_json::to_value(&quality)?);
         Ok(())
     }
 
-    async fn plan(&mut self, site: &Site, pair: &Pair, observed: &Capture) -> anyhow::Result<()> {
+    async fn plan(
+        &mut self,
+        connection: &Connection,
+        pair: &FittedPair,
+        observed: &Capture,
+    ) -> anyhow::Result<()> {
         self.step(
             &format!(
                 "Plan with it: {CANDIDATES} robot actions in one gRPC call, scored by where they bring the rope's end"
@@ -184,7 +203,7 @@ impl Story {
         let end = farthest(&graph.rest_positions, &graph.control_rest);
         let end = end.context("the twin has no nodes")?;
         let still = from_now().trajectories([1, 2, hands.len()], [hands, hands].concat());
-        let reply = site.client.rollouts().run(still.final_state()).await?;
+        let reply = connection.client.rollouts().run(still.final_state()).await?;
         let idle = reply.final_positions.get(end).context("the reply has no final state")?;
         let goal = idle.map(|x| x + 0.06);
         let batch = candidates(hands, CANDIDATES);
@@ -194,18 +213,18 @@ impl Story {
             .cost(Cost::keypoints("end of the rope", 1.0, &[end as u32], &[goal]))
             .diagnostics();
         let started = Instant::now();
-        let reply = site.client.rollouts().run(request).await?;
+        let reply = connection.client.rollouts().run(request).await?;
         let took = started.elapsed().as_secs_f64();
         let best = reply.best().context("the reply is empty")?;
         let worst = reply.costs.iter().copied().filter(|c| c.is_finite()).fold(0.0, f64::max);
         let [x, y, z] = displacement(hands, &batch, best).map(|d| 100.0 * d);
-        self.say(&format!(
+        self.print(&format!(
             "  best: action {best}, hands by ({x:.1}, {y:.1}, {z:.1}) cm; the end of the rope comes within {:.1} cm of its goal (worst action: {:.1} cm)",
             100.0 * reply.costs.get(best).copied().unwrap_or_default(),
             100.0 * worst
         ));
         let frames = CANDIDATES as f64 * f64::from(HORIZON);
-        self.say(&format!(
+        self.print(&format!(
             "  {CANDIDATES} rollouts of {HORIZON} frames in {took:.2} s: {:.0} frames a second",
             frames / took
         ));
@@ -214,7 +233,7 @@ impl Story {
         Ok(())
     }
 
-    async fn draw(&mut self, pair: Pair, observed: Capture) -> anyhow::Result<()> {
+    async fn draw(&mut self, pair: FittedPair, observed: Capture) -> anyhow::Result<()> {
         let path = self.picture.clone();
         let command =
             format!("bendtwin eval rope.zip --axial {} --picture {}", flags(), path.display());
@@ -225,29 +244,29 @@ impl Story {
             picture::draw(&path, &pair.bending, axial, &observed, &*backend, &token)
         })
         .await??;
-        self.say(&format!("  {}", self.picture.display()));
+        self.print(&format!("  {}", self.picture.display()));
         self.report.insert("picture".to_owned(), json!(self.picture));
         Ok(())
     }
 
-    /// The last words, once everything has stopped.
+    /// Prints the summary, once everything has stopped.
     pub(super) fn conclude(mut self, kept: bool) -> anyhow::Result<()> {
         let took = self.started.elapsed().as_secs_f64();
         self.report.insert("seconds".to_owned(), json!(took));
         if self.quiet {
             return output::line(&serde_json::Value::Object(self.report).to_string());
         }
-        self.say("");
-        self.say(&format!("Done in {}; server and worker are stopped.", output::duration(took)));
+        self.print("");
+        self.print(&format!("Done in {}; server and worker are stopped.", output::duration(took)));
         if kept {
             let data = self.folder.join("data");
-            self.say(&format!(
+            self.print(&format!(
                 "Everything is in {}; go on with `bendtwin server --data-dir {}`.",
                 self.folder.display(),
                 data.display()
             ));
         } else {
-            self.say(
+            self.print(
                 "Next: `bendtwin server`, then the commands above with a capture of your own.",
             );
         }
@@ -256,10 +275,10 @@ impl Story {
 
     fn step(&mut self, what: &str, command: &str) {
         self.steps += 1;
-        self.say(&format!("\n{}. {what}\n   $ {command}", self.steps));
+        self.print(&format!("\n{}. {what}\n   $ {command}", self.steps));
     }
 
-    fn say(&self, text: &str) {
+    fn print(&self, text: &str) {
         if !self.quiet {
             // A reader that has gone is told at the end, if at all.
             let _ = output::line(text);

@@ -1,10 +1,11 @@
-//! A [`Backend`] that sends its batches to the device thread in slices.
+//! A [`Backend`] that queues its batches for the device thread in slices.
 //!
-//! Instances are independent, so a batch may be cut anywhere and run in any
-//! order without changing a bit of any result. Slices are cut by estimated
-//! work: instances of like size run side by side, so that no core idles long.
+//! Instances are independent, so a batch may be cut anywhere and run in any order. On the CPU that
+//! does not change a bit of any result. On a GPU the last bits depend on the number of instances in
+//! a slice, so rollouts of a device with an urgent queue are cut by work alone, never by measured
+//! time. Instances of similar work share a slice, so that no core idles long.
 
-mod descent;
+mod optimizer;
 
 use std::{
     sync::{Arc, Mutex, PoisonError},
@@ -20,41 +21,41 @@ use bendtwin_engine::{
     optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
-use self::descent::LaneDescent;
+use self::optimizer::QueuedOptimizer;
 
 use super::{Device, Priority};
 
-/// Which way through the frames, for a gradient costs several times a rollout.
+/// Direction of a pass through the frames: a gradient costs several times a rollout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum Pass {
     Forward,
     Backward,
 }
 
-/// Device time that a lane has used.
+/// Device time that a backend has used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Usage {
-    /// Time in which the device computed for this lane.
+    /// Time in which the device computed for this backend.
     pub(crate) compute: Duration,
     /// Work done in it, in element substeps.
     work: f64,
 }
 
-/// The device as one caller sees it.
-pub(crate) struct Lane(Arc<Access>);
+/// A backend whose calls are queued for the device with one priority.
+pub(crate) struct QueuedBackend(Arc<Shared>);
 
-/// What a lane and its descents share.
-struct Access {
+/// State that the backend and its descents share.
+struct Shared {
     device: Device,
     priority: Priority,
     forward: Mutex<Usage>,
     backward: Mutex<Usage>,
 }
 
-impl Lane {
+impl QueuedBackend {
     pub(super) fn new(device: Device, priority: Priority) -> Self {
         let (forward, backward) = (Mutex::default(), Mutex::default());
-        Self(Arc::new(Access { device, priority, forward, backward }))
+        Self(Arc::new(Shared { device, priority, forward, backward }))
     }
 
     /// Device time used so far.
@@ -65,7 +66,7 @@ impl Lane {
     fn sliced<R: Send + 'static>(
         &self,
         batch: &[Instance],
-        way: Way,
+        pass: Pass,
         cancel: &CancelToken,
         run: impl Fn(&dyn Backend, &[Instance]) -> Result<Vec<R>, Error> + Clone + Send + 'static,
     ) -> Result<Vec<R>, Error> {
@@ -73,58 +74,59 @@ impl Lane {
         let mut order: Vec<usize> = (0..batch.len()).collect();
         // Stable, so that equal instances keep their order.
         order.sort_by(|a, b| work[*b].total_cmp(&work[*a]));
-        self.0.in_slices(batch, &work, &order, way, cancel, |instances| {
+        self.0.in_slices(batch, &work, &order, pass, cancel, |instances| {
             let (instances, run) = (Arc::new(instances), run.clone());
             self.0.call(move |backend| run(backend, &instances))
         })
     }
 }
 
-impl Access {
-    /// Runs a job on the device. If it lacks memory, what can be spared there is given up and the job
-    /// runs again: first as much as was lacking, by estimate, then everything.
+impl Shared {
+    /// Runs a task on the device. If memory is lacking, other users of the device free some and the
+    /// task runs again: first the estimated amount, then everything.
     fn call<R: Send + 'static>(
         &self,
-        job: impl Fn(&dyn Backend) -> Result<R, Error> + Clone + Send + 'static,
+        task: impl Fn(&dyn Backend) -> Result<R, Error> + Clone + Send + 'static,
     ) -> Result<(R, Duration), Error> {
-        let mut result = self.call_once(job.clone());
+        let mut result = self.call_once(task.clone());
         for all in [false, true] {
             let Err(Error::OutOfMemory { needed, available }) = result else { break };
             let lacking = if all { u64::MAX } else { needed.saturating_sub(available) };
             let hopeless = self.device.memory().is_some_and(|m| needed > m.total);
             if !hopeless && self.device.reclaim(lacking) {
-                result = self.call_once(job.clone());
+                result = self.call_once(task.clone());
             }
         }
         result
     }
 
-    fn usage(&self, way: Way) -> &Mutex<Usage> {
-        match way {
-            Way::Forward => &self.forward,
-            Way::Backward => &self.backward,
+    fn usage(&self, pass: Pass) -> &Mutex<Usage> {
+        match pass {
+            Pass::Forward => &self.forward,
+            Pass::Backward => &self.backward,
         }
     }
 
-    /// Runs a job that cannot run twice.
+    /// Runs a task that cannot be repeated.
     fn call_once<R: Send + 'static>(
         &self,
-        job: impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + 'static,
+        task: impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + 'static,
     ) -> Result<(R, Duration), Error> {
-        self.device.call(self.priority, job)
+        self.device.call(self.priority, task)
     }
 
-    /// Runs a batch in slices, in this order; `run` takes a slice to the device. Results come in the batch's order.
+    /// Runs a batch in slices, in this order; `run` takes a slice to the device. Results are in the
+    /// batch's order.
     fn in_slices<T: Clone, R>(
         &self,
         batch: &[T],
         work: &[f64],
         order: &[usize],
-        way: Way,
+        pass: Pass,
         cancel: &CancelToken,
         run: impl Fn(Vec<T>) -> Result<(Vec<R>, Duration), Error>,
     ) -> Result<Vec<R>, Error> {
-        let usage = self.usage(way);
+        let usage = self.usage(pass);
         let mut results: Vec<Option<R>> = batch.iter().map(|_| None).collect();
         let mut rest = order;
         while !rest.is_empty() {
@@ -151,7 +153,7 @@ impl Access {
     }
 }
 
-impl Backend for Lane {
+impl Backend for QueuedBackend {
     fn device(&self) -> Description {
         self.0.device.description().clone()
     }
@@ -172,14 +174,14 @@ impl Backend for Lane {
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
         let (outputs, token) = (outputs.clone(), cancel.clone());
-        self.sliced(batch, Way::Forward, cancel, move |backend, slice| {
+        self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
             backend.roll_out(slice, &outputs, &token)
         })
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
         let token = cancel.clone();
-        self.sliced(batch, Way::Forward, cancel, move |backend, slice| {
+        self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
             backend.losses(slice, &token)
         })
     }
@@ -191,7 +193,7 @@ impl Backend for Lane {
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
         let (request, token) = (request.clone(), cancel.clone());
-        self.sliced(batch, Way::Backward, cancel, move |backend, slice| {
+        self.sliced(batch, Pass::Backward, cancel, move |backend, slice| {
             backend.gradients(slice, &request, &token)
         })
     }
@@ -201,7 +203,7 @@ impl Backend for Lane {
         inits: Vec<OptimizerInit>,
         decay: Decay,
     ) -> Result<Box<dyn Optimizer>, Error> {
-        Ok(Box::new(LaneDescent::new(self.0.clone(), inits, decay)?))
+        Ok(Box::new(QueuedOptimizer::new(self.0.clone(), inits, decay)?))
     }
 
     fn memory(&self) -> Option<Memory> {
@@ -220,15 +222,15 @@ impl Usage {
         self.work += work;
     }
 
-    /// Work a second, once there was any.
+    /// Work per second, once there was any.
     fn speed(&self) -> Option<f64> {
         let seconds = self.compute.as_secs_f64();
         (seconds > 0.0).then(|| self.work / seconds)
     }
 }
 
-/// How many of the instances in `rest` the next slice takes: whole rounds of lanes while they fit the
-/// budget, and one round at least: where no speed is known yet, it is found out with that.
+/// Number of instances in `rest` that the next slice takes: whole rounds of SIMD lanes while they
+/// fit the budget, and at least one round. The first round measures the speed where none is known.
 fn slice_len(rest: &[usize], work: &[f64], budget: f64, lanes: usize) -> usize {
     let lanes = lanes.max(1);
     let mut taken = lanes.min(rest.len());

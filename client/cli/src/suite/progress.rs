@@ -1,4 +1,4 @@
-//! How a suite goes on: a line for each run that starts or ends, and one line that changes.
+//! Progress of a suite: a line for each run that starts or ends, and one line that changes.
 
 use std::{
     sync::Arc,
@@ -12,12 +12,12 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output;
 
-/// Between two lines where there is no terminal.
+/// Time between two lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(30);
 /// Positions of the bar for each run.
 const STEPS: f64 = 1000.0;
 
-pub(super) struct Board {
+pub(super) struct SuiteProgress {
     bar: ProgressBar,
     quiet: bool,
     total: usize,
@@ -27,13 +27,14 @@ pub(super) struct Board {
     last_line: Instant,
 }
 
-impl Board {
+impl SuiteProgress {
     /// `quiet` shows nothing (for `--json`).
     pub(super) fn new(plan: &Plan<'_>, backends: &[Arc<dyn Backend>], quiet: bool) -> Self {
         let total = plan.pending();
-        let bar = match quiet || total == 0 {
-            true => ProgressBar::hidden(),
-            false => ProgressBar::new(total as u64 * STEPS as u64),
+        let bar = if quiet || total == 0 {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(total as u64 * STEPS as u64)
         };
         let style = ProgressStyle::with_template("  [{bar:20}] {percent:>3}%  {wide_msg}");
         if let Ok(style) = style {
@@ -41,15 +42,15 @@ impl Board {
         }
         let now = Instant::now();
         let (ended, running) = (0, Vec::new());
-        let board = Self { bar, quiet, total, ended, running, began: now, last_line: now };
+        let bar = Self { bar, quiet, total, ended, running, began: now, last_line: now };
         let device = backends.first().map(|b| b.device().name).unwrap_or_default();
-        board.say(&format!(
+        bar.print(&format!(
             "{}, {} at a time ({device} each); {} are done already",
             counted(total),
             backends.len(),
             plan.done()
         ));
-        board
+        bar
     }
 
     pub(super) fn show(&mut self, event: &Event<'_>) {
@@ -57,7 +58,7 @@ impl Board {
             Event::Started { run, resumed } => {
                 self.running.push(((*run).clone(), None));
                 let how = if *resumed { "goes on" } else { "starts" };
-                self.say(&format!("{run} {how}"));
+                self.print(&format!("{run} {how}"));
             }
             Event::Progress { run, progress } => {
                 if let Some(entry) = self.running.iter_mut().find(|(id, _)| id == *run) {
@@ -65,28 +66,28 @@ impl Board {
                 }
             }
             Event::Ended(record) => {
-                self.leave(&record.run);
+                self.remove(&record.run);
                 self.ended += 1;
-                self.say(&format!("[{}/{}] {}", self.ended, self.total, result(record)));
+                self.print(&format!("[{}/{}] {}", self.ended, self.total, result(record)));
             }
             Event::Interrupted(run) => {
-                self.leave(run);
-                self.say(&format!("{run} stops; it can go on"));
+                self.remove(run);
+                self.print(&format!("{run} stops; it can go on"));
             }
         }
         self.refresh();
     }
 
-    /// Takes the line away.
+    /// Removes the bar.
     pub(super) fn finish(self) {
         self.bar.finish_and_clear();
     }
 
-    fn leave(&mut self, run: &RunId) {
+    fn remove(&mut self, run: &RunId) {
         self.running.retain(|(id, _)| id != run);
     }
 
-    fn say(&self, text: &str) {
+    fn print(&self, text: &str) {
         if self.quiet {
         } else if self.bar.is_hidden() {
             eprintln!("  {text}");
@@ -100,7 +101,7 @@ impl Board {
             |p: &Option<Progress>| p.as_ref().map_or(0.0, |p| p.fraction.clamp(0.0, 1.0));
         let done: f64 =
             self.ended as f64 + self.running.iter().map(|(_, p)| fraction(p)).sum::<f64>();
-        let running = self.running.iter().map(|(id, p)| now(id, p.as_ref()));
+        let running = self.running.iter().map(|(id, p)| run_status(id, p.as_ref()));
         let mut text = running.collect::<Vec<_>>().join(", ");
         if done > 0.0 {
             let left = self.began.elapsed().as_secs_f64() / done * (self.total as f64 - done);
@@ -111,23 +112,23 @@ impl Board {
             self.bar.set_message(text);
         } else if self.last_line.elapsed() >= LINE_EVERY {
             self.last_line = Instant::now();
-            self.say(&format!("{} of {} done; {text}", self.ended, self.total));
+            self.print(&format!("{} of {} done; {text}", self.ended, self.total));
         }
     }
 }
 
-/// A number of runs, as people say it.
+/// A number of runs for people.
 pub(super) fn counted(runs: usize) -> String {
     format!("{runs} run{}", if runs == 1 { "" } else { "s" })
 }
 
-fn now(run: &RunId, progress: Option<&Progress>) -> String {
+fn run_status(run: &RunId, progress: Option<&Progress>) -> String {
     let Some(progress) = progress else { return run.to_string() };
     let stage = progress.stage.as_str();
     format!("{run} {stage} {}/{}", progress.iteration, progress.iterations)
 }
 
-/// A run's end in a line: its headline errors on future frames, or why there are none.
+/// The end of a run in a line: its headline errors on future frames, or its fault.
 fn result(record: &Record) -> String {
     let finished = match &record.outcome {
         Outcome::Finished(finished) => finished,

@@ -1,4 +1,5 @@
-//! A [`Optimizer`] that lives on the device thread; its batches are cut into slices like a lane's.
+//! An [`Optimizer`] that lives on the device thread; its batches are cut into slices like those of the
+//! backend.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -9,32 +10,32 @@ use bendtwin_engine::{
     optimizer::{Decay, GradientNorm, GradientSample, Optimizer, OptimizerInit, Position},
 };
 
-use super::{Access, Way, instance_work};
+use super::{Pass, Shared, instance_work};
 
-/// The backend's own descent; only jobs on the device thread open the slot.
+/// The backend's own optimizer; only tasks on the device thread open the slot.
 type Slot = Arc<Mutex<Option<Box<dyn Optimizer>>>>;
 
-/// The descent as its owner sees it.
-pub(super) struct LaneDescent {
-    access: Arc<Access>,
+/// Handle of the optimizer for its owner.
+pub(super) struct QueuedOptimizer {
+    shared: Arc<Shared>,
     slot: Slot,
 }
 
-impl LaneDescent {
+impl QueuedOptimizer {
     pub(super) fn new(
-        access: Arc<Access>,
-        starts: Vec<OptimizerInit>,
+        shared: Arc<Shared>,
+        inits: Vec<OptimizerInit>,
         decay: Decay,
     ) -> Result<Self, Error> {
-        let (descent, _) = access.call(move |backend| backend.optimizer(starts.clone(), decay))?;
-        Ok(Self { access, slot: Arc::new(Mutex::new(Some(descent))) })
+        let (optimizer, _) = shared.call(move |backend| backend.optimizer(inits.clone(), decay))?;
+        Ok(Self { shared, slot: Arc::new(Mutex::new(Some(optimizer))) })
     }
 
     fn call<R: Send + 'static>(
         &self,
-        job: impl FnOnce(&mut dyn Optimizer) -> Result<R, Error> + Send + 'static,
+        task: impl FnOnce(&mut dyn Optimizer) -> Result<R, Error> + Send + 'static,
     ) -> Result<R, Error> {
-        Ok(self.access.call_once(on(&self.slot, job))?.0)
+        Ok(self.shared.call_once(on(&self.slot, task))?.0)
     }
 }
 
@@ -42,33 +43,34 @@ fn open(slot: &Slot) -> MutexGuard<'_, Option<Box<dyn Optimizer>>> {
     slot.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A job for the device thread that opens the slot.
+/// A task for the device thread that opens the slot.
 fn on<R, J: FnOnce(&mut dyn Optimizer) -> Result<R, Error> + Send>(
     slot: &Slot,
-    job: J,
+    task: J,
 ) -> impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + use<R, J> {
     let slot = Arc::clone(slot);
     move |_: &dyn Backend| match open(&slot).as_mut() {
-        Some(descent) => job(&mut **descent),
-        None => Err(Error::Device("the descent has ended".into())),
+        Some(optimizer) => task(&mut **optimizer),
+        None => Err(Error::Device("the optimizer has ended".into())),
     }
 }
 
-impl Drop for LaneDescent {
-    /// What belongs to the device is freed on its thread; nobody waits for it.
+impl Drop for QueuedOptimizer {
+    /// The optimizer is freed on the device's thread, for it belongs to the device; nobody waits for
+    /// it.
     fn drop(&mut self) {
         let slot = self.slot.clone();
         let free = move |_: &dyn Backend| {
             drop(open(&slot).take());
             Ok(())
         };
-        self.access.device.queue(self.access.priority).push(self.access.priority, Box::new(free));
+        self.shared.device.queue(self.shared.priority).push(self.shared.priority, Box::new(free));
     }
 }
 
-impl Optimizer for LaneDescent {
+impl Optimizer for QueuedOptimizer {
     fn loaded(&mut self, walk: usize) -> Result<Loaded, Error> {
-        self.call(move |descent| descent.loaded(walk))
+        self.call(move |optimizer| optimizer.loaded(walk))
     }
 
     /// Slices keep the batch's order, for it is the order in which gradients wait.
@@ -80,14 +82,14 @@ impl Optimizer for LaneDescent {
     ) -> Result<Vec<GradientNorm>, Error> {
         let work: Vec<f64> = batch.iter().map(|p| instance_work(&p.instance)).collect();
         let order: Vec<usize> = (0..batch.len()).collect();
-        self.access.in_slices(batch, &work, &order, Way::Backward, cancel, |slice| {
+        self.shared.in_slices(batch, &work, &order, Pass::Backward, cancel, |slice| {
             let (request, token) = (request.clone(), cancel.clone());
-            let job = on(&self.slot, move |descent| descent.measure(&slice, &request, &token));
+            let task = on(&self.slot, move |optimizer| optimizer.measure(&slice, &request, &token));
             // Never twice: after an error some of the slice's gradients may wait.
-            let result = self.access.call_once(job);
+            let result = self.shared.call_once(task);
             if let Err(Error::OutOfMemory { .. }) = result {
                 // The next attempt at the fit goes on from its checkpoint, and finds room.
-                self.access.device.reclaim(u64::MAX);
+                self.shared.device.reclaim(u64::MAX);
             }
             result
         })
@@ -95,19 +97,19 @@ impl Optimizer for LaneDescent {
 
     fn step(&mut self, walk: usize, weights: &[f64], rate: f64) -> Result<(), Error> {
         let weights = weights.to_vec();
-        self.call(move |descent| descent.step(walk, &weights, rate))
+        self.call(move |optimizer| optimizer.step(walk, &weights, rate))
     }
 
     fn discard(&mut self, walk: usize) -> Result<(), Error> {
-        self.call(move |descent| descent.discard(walk))
+        self.call(move |optimizer| optimizer.discard(walk))
     }
 
     fn position(&self, walk: usize) -> Result<Position, Error> {
-        self.call(move |descent| descent.position(walk))
+        self.call(move |optimizer| optimizer.position(walk))
     }
 
     fn move_to(&mut self, walk: usize, position: &Position, timing: Timing) -> Result<(), Error> {
         let position = position.clone();
-        self.call(move |descent| descent.move_to(walk, &position, timing))
+        self.call(move |optimizer| optimizer.move_to(walk, &position, timing))
     }
 }

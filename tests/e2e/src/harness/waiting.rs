@@ -1,4 +1,4 @@
-//! Waiting for states instead of sleeping, and not too many worlds at a time.
+//! Waiting for states instead of sleeping, and not too many clusters at a time.
 
 use std::time::Duration;
 
@@ -10,17 +10,17 @@ use tokio::{
 const POLL: Duration = Duration::from_millis(10);
 
 /// Worlds that may live at once: fits want the cores for themselves.
-const WORLDS: u32 = 2;
-static SLOTS: Semaphore = Semaphore::const_new(WORLDS as usize);
+const CLUSTERS: u32 = 2;
+static SLOTS: Semaphore = Semaphore::const_new(CLUSTERS as usize);
 
-/// Waits for this world's turn.
-pub(crate) async fn turn() -> SemaphorePermit<'static> {
+/// Waits for this cluster's slots.
+pub(crate) async fn shared_slot() -> SemaphorePermit<'static> {
     SLOTS.acquire().await.unwrap()
 }
 
-/// Waits until no other world lives: for stories in which time is measured.
-pub(crate) async fn alone() -> SemaphorePermit<'static> {
-    SLOTS.acquire_many(WORLDS).await.unwrap()
+/// Waits until no other cluster lives: for tests in which time is measured.
+pub(crate) async fn all_slots() -> SemaphorePermit<'static> {
+    SLOTS.acquire_many(CLUSTERS).await.unwrap()
 }
 
 /// Asks again and again until there is an answer; fails the test after `deadline`.

@@ -1,4 +1,4 @@
-//! Why a use case was refused or failed.
+//! The error of use cases and of dispatch, below both. It knows no transport: `error.rs` turns it into one.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use bendtwin_core::{Category, Fault, Problem, ids::InvalidName};
 /// Result with this module's [`Error`].
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// An error of a use case.
+/// An error of a use case, or of the routing below it.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
     #[error(transparent)]
@@ -50,7 +50,7 @@ pub(crate) enum Error {
     Deadline,
     #[error("the server is stopping: retry")]
     Stopping,
-    /// What a worker answered, as it said it.
+    /// The answer of a worker, unchanged.
     #[error("{0}")]
     Worker(Fault),
     #[error("{0}")]
@@ -62,7 +62,7 @@ impl Error {
         Self::Invalid { field, fault: fault.into() }
     }
 
-    /// When trying again makes sense, if it does.
+    /// Delay after which another attempt makes sense, if it does.
     pub(crate) fn retry_after(&self) -> Option<Duration> {
         match self {
             Self::Busy { .. } | Self::WorkerLost => Some(Duration::from_millis(250)),

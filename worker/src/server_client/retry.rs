@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 
-const FIRST: Duration = Duration::from_millis(200);
-const LONGEST: Duration = Duration::from_secs(5);
+const FIRST_WAIT: Duration = Duration::from_millis(200);
+const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
 /// The waits between attempts of one call.
 #[derive(Debug, Default)]
@@ -20,7 +20,7 @@ impl Backoff {
 
     /// The length of the next wait.
     fn next(&mut self) -> Duration {
-        let full = FIRST.saturating_mul(1 << self.attempts.min(10)).min(LONGEST);
+        let full = FIRST_WAIT.saturating_mul(1 << self.attempts.min(10)).min(LONGEST_WAIT);
         self.attempts = self.attempts.saturating_add(1);
         // The random bits of a fresh UUID spare this crate a generator.
         let share = f64::from(uuid::Uuid::new_v4().as_fields().0) / f64::from(u32::MAX);
@@ -36,8 +36,8 @@ mod tests {
     fn waits_grow_and_stay_bounded() {
         let mut backoff = Backoff::default();
         let waits: Vec<_> = (0..40).map(|_| backoff.next()).collect();
-        assert!(waits[0] <= FIRST);
-        assert!(waits.iter().all(|w| *w >= FIRST / 2 && *w <= LONGEST));
-        assert!(waits[39] >= LONGEST / 2);
+        assert!(waits[0] <= FIRST_WAIT);
+        assert!(waits.iter().all(|w| *w >= FIRST_WAIT / 2 && *w <= LONGEST_WAIT));
+        assert!(waits[39] >= LONGEST_WAIT / 2);
     }
 }
