@@ -1,5 +1,16 @@
 //! A device: its context, what it is able to, its memory, and the kernels loaded on it.
 
+pub(crate) mod cache;
+pub(crate) mod compile;
+pub(crate) mod job;
+pub(crate) mod kernel;
+pub(crate) mod launch;
+pub(crate) mod memo;
+pub(crate) mod memory;
+pub(crate) mod pace;
+pub(crate) mod queue;
+pub(crate) mod staging;
+
 use std::sync::Arc;
 
 use bendtwin_engine::{Error, backend::Memory};
@@ -8,15 +19,13 @@ use cudarc::driver::{
     sys::{self, CUdevice_attribute as Attribute},
 };
 
-use crate::{
-    Options,
+use self::{
     cache::Cache,
-    compile, fault,
     kernel::{Meeting, Source, Variant},
     launch::Function,
     memo::Memo,
-    team::Team,
 };
+use crate::{Options, fault, plan::team::Team};
 
 /// First architecture with clusters and distributed shared memory.
 const CLUSTERS_FROM: u32 = 90;

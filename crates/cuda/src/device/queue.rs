@@ -6,13 +6,15 @@ use bendtwin_engine::Error;
 use cudarc::driver::{CudaEvent, CudaStream};
 
 use crate::{
-    device::Device,
+    device::{
+        Device,
+        kernel::{Meeting, Source},
+        launch::Arguments,
+        staging::Staging,
+    },
     fault,
-    kernel::{Meeting, Source},
-    launch::Arguments,
-    objective::Objectives,
-    staging::Staging,
-    team::Team,
+    plan::team::Team,
+    run::objective::Objectives,
 };
 
 /// One of a device's two queues.
@@ -100,7 +102,7 @@ impl Queue {
     /// Launches a kernel that is not specialised.
     ///
     /// # Safety
-    /// As [`crate::launch::Function::launch`].
+    /// As [`crate::device::launch::Function::launch`].
     pub(crate) unsafe fn launch(
         &self,
         source: Source,

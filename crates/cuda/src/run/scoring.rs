@@ -8,12 +8,13 @@ use bendtwin_engine::{
 };
 
 use crate::{
-    job::Measure,
-    kernel::{Source, THREADS},
-    launch::{Arguments, MOST_BLOCKS},
-    memory::{Buffer, end_of},
-    objective::DeviceObjective,
-    simulation::Simulation,
+    device::{
+        job::Measure,
+        kernel::{Source, THREADS},
+        launch::{Arguments, MOST_BLOCKS},
+        memory::{Buffer, end_of},
+    },
+    run::{objective::DeviceObjective, simulation::Simulation},
 };
 
 /// Objectives of all instances of a simulation.

@@ -2,22 +2,22 @@
 
 use std::fmt::Write as _;
 
-use crate::job::{Job, Measure, Record, Share, Start, Term, Topology};
+use crate::device::job::{Job, Measure, Record, Share, Start, Term, Topology};
 
 /// Threads of a block of the small kernels.
 pub(crate) const THREADS: u32 = 256;
 
 const HEADERS: &[(&str, &str)] = &[
-    ("vector.cuh", include_str!("../kernels/vector.cuh")),
-    ("spring.cuh", include_str!("../kernels/spring.cuh")),
-    ("bend.cuh", include_str!("../kernels/bend.cuh")),
-    ("rod.cuh", include_str!("../kernels/rod.cuh")),
-    ("impulse.cuh", include_str!("../kernels/impulse.cuh")),
-    ("ground.cuh", include_str!("../kernels/ground.cuh")),
-    ("job.cuh", include_str!("../kernels/job.cuh")),
-    ("team.cuh", include_str!("../kernels/team.cuh")),
-    ("contact.cuh", include_str!("../kernels/contact.cuh")),
-    ("share.cuh", include_str!("../kernels/share.cuh")),
+    ("vector.cuh", include_str!("../../kernels/vector.cuh")),
+    ("spring.cuh", include_str!("../../kernels/spring.cuh")),
+    ("bend.cuh", include_str!("../../kernels/bend.cuh")),
+    ("rod.cuh", include_str!("../../kernels/rod.cuh")),
+    ("impulse.cuh", include_str!("../../kernels/impulse.cuh")),
+    ("ground.cuh", include_str!("../../kernels/ground.cuh")),
+    ("job.cuh", include_str!("../../kernels/job.cuh")),
+    ("team.cuh", include_str!("../../kernels/team.cuh")),
+    ("contact.cuh", include_str!("../../kernels/contact.cuh")),
+    ("share.cuh", include_str!("../../kernels/share.cuh")),
 ];
 
 /// A source file of kernels.
@@ -53,18 +53,18 @@ impl Source {
     /// Its files, the last one with the kernels.
     fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
-            Self::Start => &[("start.cu", include_str!("../kernels/start.cu"))],
-            Self::Integrate => &[("integrate.cu", include_str!("../kernels/integrate.cu"))],
+            Self::Start => &[("start.cu", include_str!("../../kernels/start.cu"))],
+            Self::Integrate => &[("integrate.cu", include_str!("../../kernels/integrate.cu"))],
             Self::Adjoint => &[
-                ("adjoint_state.cuh", include_str!("../kernels/adjoint_state.cuh")),
-                ("adjoint_forces.cuh", include_str!("../kernels/adjoint_forces.cuh")),
-                ("adjoint.cu", include_str!("../kernels/adjoint.cu")),
+                ("adjoint_state.cuh", include_str!("../../kernels/adjoint_state.cuh")),
+                ("adjoint_forces.cuh", include_str!("../../kernels/adjoint_forces.cuh")),
+                ("adjoint.cu", include_str!("../../kernels/adjoint.cu")),
             ],
-            Self::Partners => &[("partners.cu", include_str!("../kernels/partners.cu"))],
-            Self::Loss => &[("loss.cu", include_str!("../kernels/loss.cu"))],
-            Self::Params => &[("params.cu", include_str!("../kernels/params.cu"))],
-            Self::Descent => &[("descent.cu", include_str!("../kernels/descent.cu"))],
-            Self::Record => &[("record.cu", include_str!("../kernels/record.cu"))],
+            Self::Partners => &[("partners.cu", include_str!("../../kernels/partners.cu"))],
+            Self::Loss => &[("loss.cu", include_str!("../../kernels/loss.cu"))],
+            Self::Params => &[("params.cu", include_str!("../../kernels/params.cu"))],
+            Self::Descent => &[("descent.cu", include_str!("../../kernels/descent.cu"))],
+            Self::Record => &[("record.cu", include_str!("../../kernels/record.cu"))],
         }
     }
 }

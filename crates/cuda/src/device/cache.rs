@@ -8,7 +8,7 @@ use std::{
 
 use bendtwin_engine::Error;
 
-use crate::{
+use crate::device::{
     compile,
     kernel::{Variant, options},
 };

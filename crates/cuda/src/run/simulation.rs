@@ -15,16 +15,20 @@ use cudarc::driver::CudaStream;
 use rayon::prelude::*;
 
 use crate::{
-    group::{Group, Jobs, Stretch},
-    job::{Job, Start},
-    kernel::{Source, THREADS, Variant},
-    launch::{Arguments, MOST_BLOCKS},
-    memory::{Buffer, end_of},
-    pace::Pace,
-    queue::Queue,
-    resident::{Packed, has_contact, resident},
-    tape::Kept,
-    team::{Fitted, Purpose, choose},
+    device::{
+        job::{Job, Start},
+        kernel::{Source, THREADS, Variant},
+        launch::{Arguments, MOST_BLOCKS},
+        memory::{Buffer, end_of},
+        pace::Pace,
+        queue::Queue,
+    },
+    plan::{
+        resident::{Packed, has_contact, resident},
+        tape::Kept,
+        team::{Fitted, Purpose, choose},
+    },
+    run::group::{Group, Jobs, Stretch},
 };
 
 /// A node keeps its nearest so many contact candidates.

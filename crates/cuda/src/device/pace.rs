@@ -4,7 +4,7 @@
 use bendtwin_engine::Error;
 use cudarc::driver::CudaEvent;
 
-use crate::{fault, queue::Queue};
+use crate::{device::queue::Queue, fault};
 
 /// What was launched last.
 #[derive(Default)]

@@ -7,8 +7,8 @@ use bytemuck::Pod;
 use cudarc::driver::{CudaFunction, CudaStream, sys};
 
 use crate::{
+    device::kernel::{Meeting, Variant},
     fault,
-    kernel::{Meeting, Variant},
 };
 
 /// Most blocks of a grid's second and third dimension.

@@ -7,7 +7,10 @@ use bendtwin_engine::Error;
 use bytemuck::Pod;
 use cudarc::driver::{CudaEvent, PinnedHostSlice, result};
 
-use crate::{fault, memory::Buffer, queue::Queue};
+use crate::{
+    device::{memory::Buffer, queue::Queue},
+    fault,
+};
 
 /// Bytes of each half.
 const HALF_BYTES: usize = 8 << 20;

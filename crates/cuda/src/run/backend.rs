@@ -15,17 +15,20 @@ use bendtwin_engine::{
 };
 
 use crate::{
-    backward::{self, Gradients, Way},
-    descent::DeviceDescent,
-    device::Device,
-    graphs::Graphs,
-    queue::Queue,
-    recording::{Recorded, keeps},
-    resident::{Resident, resident, unflatten},
-    scoring::{Scores, loss, refuse_too_long},
-    simulation::{self, Keep, Simulation},
-    tape::Kept,
-    team::{Purpose, choose},
+    device::{Device, queue::Queue},
+    plan::{
+        graphs::Graphs,
+        resident::{Resident, resident, unflatten},
+        tape::Kept,
+        team::{Purpose, choose},
+    },
+    run::{
+        backward::{self, Gradients, Way},
+        descent::DeviceDescent,
+        recording::{Recorded, keeps},
+        scoring::{Scores, loss, refuse_too_long},
+        simulation::{self, Keep, Simulation},
+    },
 };
 
 /// Share of the budget that a batch's working memory may take.

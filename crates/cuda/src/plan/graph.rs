@@ -6,11 +6,13 @@ use bendtwin_core::Graph;
 use bendtwin_engine::Error;
 
 use crate::{
-    device::Device,
-    job::{self, LocalPin, Share, Triplet},
-    layout::Layout,
-    memo::Memo,
-    memory::Buffer,
+    device::{
+        Device,
+        job::{self, LocalPin, Share, Triplet},
+        memo::Memo,
+        memory::Buffer,
+    },
+    plan::layout::Layout,
 };
 
 /// How a graph is cut: into so many blocks for about so many threads each.

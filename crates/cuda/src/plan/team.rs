@@ -5,11 +5,15 @@ use bendtwin_core::Graph;
 use bendtwin_engine::{Error, Model};
 
 use crate::{
-    device::Ability,
-    graph::{Cut, CutGraph},
-    kernel::{Meeting, Source, Variant},
-    layout::Layout,
-    resident::{Resident, has_contact},
+    device::{
+        Ability,
+        kernel::{Meeting, Source, Variant},
+    },
+    plan::{
+        graph::{Cut, CutGraph},
+        layout::Layout,
+        resident::{Resident, has_contact},
+    },
 };
 
 /// What a team is for.
