@@ -10,22 +10,24 @@ pub(crate) mod memory;
 pub(crate) mod pace;
 pub(crate) mod queue;
 pub(crate) mod staging;
+pub(crate) mod team;
 
 use std::sync::Arc;
 
 use bendtwin_engine::{Error, backend::Memory};
 use cudarc::driver::{
-    CudaContext, CudaModule, CudaStream,
+    CudaContext, CudaModule, CudaStream, DriverError,
     sys::{self, CUdevice_attribute as Attribute},
 };
 
 use self::{
     cache::Cache,
-    kernel::{Meeting, Source, Variant},
+    kernel::{Source, Variant},
     launch::Function,
     memo::Memo,
+    team::{Meeting, Team},
 };
-use crate::{Options, fault, plan::team::Team};
+use crate::Options;
 
 /// First architecture with clusters and distributed shared memory.
 const CLUSTERS_FROM: u32 = 90;
@@ -233,4 +235,14 @@ fn keep_freed_memory(context: &CudaContext, bytes: u64) -> Result<(), Error> {
         })
     }
     .map_err(|e| fault("the memory pool", e))
+}
+
+/// Driver error, with what was being done.
+pub(crate) fn fault(what: &str, error: DriverError) -> Error {
+    Error::Device(format!("{what}: {error}"))
+}
+
+/// Waits for a stream's work.
+pub(crate) fn synchronize(stream: &CudaStream) -> Result<(), Error> {
+    stream.synchronize().map_err(|e| fault("the device's work", e))
 }

@@ -17,7 +17,6 @@ mod run;
 use std::{path::PathBuf, sync::Arc};
 
 use bendtwin_engine::{Backend, Error};
-use cudarc::driver::{CudaStream, DriverError};
 
 /// How to use a device.
 #[derive(Clone, Debug, Default)]
@@ -40,14 +39,4 @@ pub struct Options {
 pub fn cuda(options: &Options) -> Result<Arc<dyn Backend>, Error> {
     let device = device::Device::open(options)?;
     Ok(Arc::new(run::backend::CudaBackend::new(&device)))
-}
-
-/// An error of the driver, with what was being done.
-fn fault(what: &str, error: DriverError) -> Error {
-    Error::Device(format!("{what}: {error}"))
-}
-
-/// Waits for a stream's work.
-fn synchronize(stream: &CudaStream) -> Result<(), Error> {
-    stream.synchronize().map_err(|e| fault("the device's work", e))
 }

@@ -2,7 +2,10 @@
 
 use std::fmt::Write as _;
 
-use crate::device::job::{Job, Measure, Record, Share, Start, Term, Topology};
+use super::{
+    job::{Job, Measure, Record, Share, Start, Term, Topology},
+    team::Meeting,
+};
 
 /// Threads of a block of the small kernels.
 pub(crate) const THREADS: u32 = 256;
@@ -67,17 +70,6 @@ impl Source {
             Self::Record => &[("record.cu", include_str!("../../kernels/record.cu"))],
         }
     }
-}
-
-/// How a team's blocks meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Meeting {
-    /// One block.
-    Block = 0,
-    /// A cluster of blocks through distributed shared memory.
-    Cluster = 1,
-    /// Any blocks through global memory.
-    Grid = 2,
 }
 
 /// What a kernel is compiled for.

@@ -79,7 +79,7 @@ impl Resident {
         let bends = Buffer::empty(stream, cut.triplet_of.len())?;
         let packed = Packed { cut, rates, others, dashpots, bends };
         self.fill(&packed)?;
-        crate::synchronize(stream)?;
+        crate::device::synchronize(stream)?;
         Ok(packed)
     }
 

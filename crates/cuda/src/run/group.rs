@@ -8,14 +8,14 @@ use cudarc::driver::CudaStream;
 use crate::{
     device::{
         job::{Address, Job},
-        kernel::Meeting,
         launch::Arguments,
         memory::Buffer,
         queue::Queue,
+        team::Meeting,
     },
     plan::{
+        choice::{Fitted, Purpose},
         resident::Packed,
-        team::{Fitted, Purpose},
     },
 };
 

@@ -24,9 +24,10 @@ use crate::{
         queue::Queue,
     },
     plan::{
+        choice::{Fitted, Purpose, choose},
+        graph::Cut,
         resident::{Packed, has_contact, resident},
         tape::Kept,
-        team::{Fitted, Purpose, choose},
     },
     run::group::{Group, Jobs, Stretch},
 };
@@ -255,7 +256,7 @@ impl<'a> Simulation<'a> {
             let key = std::ptr::from_ref(resident) as usize;
             let (batch, alike) = (members.len(), alike[&key].1);
             let fit = choose(&device.ability, resident, model, purpose, batch, alike)?;
-            Ok((key, (fit, resident.packed(fit.team.cut())?)))
+            Ok((key, (fit, resident.packed(Cut::of(&fit.team))?)))
         })?;
         let known: HashMap<usize, (Fitted, Arc<Packed>)> = fitted.into_iter().collect();
         let variants: HashSet<Variant> = known.values().map(|(fit, _)| fit.variant).collect();

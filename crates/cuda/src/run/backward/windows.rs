@@ -13,7 +13,7 @@ use crate::{
         memory::Buffer,
         pace::Pace,
     },
-    plan::{layout::PAIR_SUMS, resident::LAWS, team::Purpose},
+    plan::{choice::Purpose, layout::PAIR_SUMS, resident::LAWS},
     run::{
         group::{Group, Jobs, Stretch},
         simulation::Simulation,
