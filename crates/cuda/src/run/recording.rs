@@ -8,12 +8,14 @@ use bendtwin_engine::{
 };
 
 use crate::{
-    job::Record,
-    kernel::{Source, THREADS},
-    launch::{Arguments, MOST_BLOCKS},
-    memory::{Buffer, end_of},
-    resident::resident,
-    simulation::{Keep, Simulation},
+    device::{
+        job::Record,
+        kernel::{Source, THREADS},
+        launch::{Arguments, MOST_BLOCKS},
+        memory::{Buffer, end_of},
+    },
+    plan::resident::resident,
+    run::simulation::{Keep, Simulation},
 };
 
 /// Nodes lower than this above the ground [m] stand on it.

@@ -6,13 +6,17 @@ use bendtwin_engine::Error;
 use cudarc::driver::CudaStream;
 
 use crate::{
-    job::{Address, Job},
-    kernel::Meeting,
-    launch::Arguments,
-    memory::Buffer,
-    queue::Queue,
-    resident::Packed,
-    team::{Fitted, Purpose},
+    device::{
+        job::{Address, Job},
+        launch::Arguments,
+        memory::Buffer,
+        queue::Queue,
+        team::Meeting,
+    },
+    plan::{
+        choice::{Fitted, Purpose},
+        resident::Packed,
+    },
 };
 
 /// Jobs on the device, one after the other.
@@ -65,7 +69,7 @@ type Exchange = (Buffer<[f32; 4]>, Buffer<[f32; 2]>);
 /// Jobs of instances that one launch serves.
 pub(crate) struct Group {
     pub(crate) fitted: Fitted,
-    /// Whose each job is, by the index that [`crate::simulation::Simulation::groups`] was given; jobs that only
+    /// Whose each job is, by the index that [`crate::run::simulation::Simulation::groups`] was given; jobs that only
     /// fill up a team are nobody's.
     pub(crate) members: Vec<usize>,
     jobs: Vec<Job>,

@@ -5,7 +5,10 @@ use std::sync::{Arc, Mutex, Weak};
 use bendtwin_core::Graph;
 use bendtwin_engine::Error;
 
-use crate::{device::Device, graph::DeviceGraph, memo::lock};
+use crate::{
+    device::{Device, memo::lock},
+    plan::graph::DeviceGraph,
+};
 
 /// Graphs while they are in use.
 #[derive(Default)]

@@ -14,13 +14,14 @@ use bendtwin_engine::{
 };
 
 use crate::{
-    backend::CudaBackend,
-    backward::Gradients,
-    kernel::{Source, THREADS},
-    launch::Arguments,
-    memory::Buffer,
-    queue::Queue,
-    resident::{LAWS, Resident, flatten, resident, unflatten},
+    device::{
+        kernel::{Source, THREADS},
+        launch::Arguments,
+        memory::Buffer,
+        queue::Queue,
+    },
+    plan::resident::{LAWS, Resident, flatten, resident, unflatten},
+    run::{backend::CudaBackend, backward::Gradients},
 };
 
 /// Blocks that add up a gradient's length.

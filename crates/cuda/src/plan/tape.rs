@@ -6,7 +6,7 @@ use bendtwin_core::Graph;
 use bendtwin_engine::{Error, backend::Instance};
 use cudarc::driver::CudaStream;
 
-use crate::{
+use crate::device::{
     job::{Address, Job},
     memory::Buffer,
 };

@@ -7,12 +7,12 @@ use bendtwin_engine::Error;
 
 use super::Backward;
 use crate::{
-    job::Job,
-    launch::MOST_BLOCKS,
-    memory::Buffer,
-    resident::LAWS,
-    simulation::{Contact, contact_nodes},
-    tape::{self, Entries, Tape},
+    device::{job::Job, launch::MOST_BLOCKS, memory::Buffer},
+    plan::{
+        resident::LAWS,
+        tape::{self, Entries, Tape},
+    },
+    run::simulation::{Contact, contact_nodes},
 };
 
 /// Bytes that contact takes a node.

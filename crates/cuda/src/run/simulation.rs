@@ -15,16 +15,21 @@ use cudarc::driver::CudaStream;
 use rayon::prelude::*;
 
 use crate::{
-    group::{Group, Jobs, Stretch},
-    job::{Job, Start},
-    kernel::{Source, THREADS, Variant},
-    launch::{Arguments, MOST_BLOCKS},
-    memory::{Buffer, end_of},
-    pace::Pace,
-    queue::Queue,
-    resident::{Packed, has_contact, resident},
-    tape::Kept,
-    team::{Fitted, Purpose, choose},
+    device::{
+        job::{Job, Start},
+        kernel::{Source, THREADS, Variant},
+        launch::{Arguments, MOST_BLOCKS},
+        memory::{Buffer, end_of},
+        pace::Pace,
+        queue::Queue,
+    },
+    plan::{
+        choice::{Fitted, Purpose, choose},
+        graph::Cut,
+        resident::{Packed, has_contact, resident},
+        tape::Kept,
+    },
+    run::group::{Group, Jobs, Stretch},
 };
 
 /// A node keeps its nearest so many contact candidates.
@@ -251,7 +256,7 @@ impl<'a> Simulation<'a> {
             let key = std::ptr::from_ref(resident) as usize;
             let (batch, alike) = (members.len(), alike[&key].1);
             let fit = choose(&device.ability, resident, model, purpose, batch, alike)?;
-            Ok((key, (fit, resident.packed(fit.team.cut())?)))
+            Ok((key, (fit, resident.packed(Cut::of(&fit.team))?)))
         })?;
         let known: HashMap<usize, (Fitted, Arc<Packed>)> = fitted.into_iter().collect();
         let variants: HashSet<Variant> = known.values().map(|(fit, _)| fit.variant).collect();

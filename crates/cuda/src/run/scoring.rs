@@ -8,12 +8,16 @@ use bendtwin_engine::{
 };
 
 use crate::{
-    job::Measure,
-    kernel::{Source, THREADS},
-    launch::{Arguments, MOST_BLOCKS},
-    memory::{Buffer, end_of},
-    objective::DeviceObjective,
-    simulation::Simulation,
+    device::{
+        job::Measure,
+        kernel::{Source, THREADS},
+        launch::{Arguments, MOST_BLOCKS},
+        memory::{Buffer, end_of},
+    },
+    run::{
+        objective::{DeviceObjective, Objectives},
+        simulation::Simulation,
+    },
 };
 
 /// Objectives of all instances of a simulation.
@@ -45,16 +49,18 @@ pub(crate) fn refuse_too_long(instances: &[Instance]) -> Result<(), Error> {
 
 impl Scores {
     /// Scores all instances, whose frames have been run and kept. With `cut_every` also finds
-    /// what seeds their adjoints, cut at every so many frames; see [`refuse_too_long`].
+    /// what seeds their adjoints, cut at every so many frames; see [`refuse_too_long`]. `known` has
+    /// the objectives that are on the device already.
     pub(crate) fn new(
         simulation: &Simulation<'_>,
+        known: &Objectives,
         cut_every: Option<usize>,
     ) -> Result<Self, Error> {
         let (queue, instances) = (simulation.queue, simulation.instances);
         let stream = &queue.stream;
         let objectives = instances
             .iter()
-            .map(|i| queue.objectives.get(stream, &i.objective, i.frames))
+            .map(|i| known.get(stream, &i.objective, i.frames))
             .collect::<Result<Vec<_>, Error>>()?;
         let (mut nearest_starts, mut value_starts, mut seed_starts) = (vec![0], vec![0], vec![0]);
         for (instance, objective) in instances.iter().zip(&objectives) {

@@ -15,17 +15,21 @@ use bendtwin_engine::{
 };
 
 use crate::{
-    backward::{self, Gradients, Way},
-    descent::DeviceDescent,
-    device::Device,
-    graphs::Graphs,
-    queue::Queue,
-    recording::{Recorded, keeps},
-    resident::{Resident, resident, unflatten},
-    scoring::{Scores, loss, refuse_too_long},
-    simulation::{self, Keep, Simulation},
-    tape::Kept,
-    team::{Purpose, choose},
+    device::{Device, queue::Queue},
+    plan::{
+        choice::{Purpose, choose},
+        graphs::Graphs,
+        resident::{Resident, resident, unflatten},
+        tape::Kept,
+    },
+    run::{
+        backward::{self, Gradients, Way},
+        descent::DeviceDescent,
+        objective::Objectives,
+        recording::{Recorded, keeps},
+        scoring::{Scores, loss, refuse_too_long},
+        simulation::{self, Keep, Simulation},
+    },
 };
 
 /// Share of the budget that a batch's working memory may take.
@@ -33,13 +37,18 @@ const WORKING_SHARE: u64 = 2;
 /// Most rods of a graph: their twists are among the static variables of a block.
 const MAX_RODS: usize = 16;
 
+/// A queue with the objectives that have been sent through it.
+type Channel = (Arc<Queue>, Arc<Objectives>);
+
 /// One queue of a device.
 #[derive(Clone)]
 pub(crate) struct CudaBackend {
     device: Arc<Device>,
     pub(crate) queue: Arc<Queue>,
-    normal: Arc<Queue>,
-    urgent: Arc<Queue>,
+    /// On the device through this queue.
+    objectives: Arc<Objectives>,
+    normal: Channel,
+    urgent: Channel,
     graphs: Arc<Graphs>,
 }
 
@@ -52,10 +61,16 @@ pub(crate) struct Measured<'a> {
 
 impl CudaBackend {
     pub(crate) fn new(device: &Arc<Device>) -> Self {
-        let normal = Arc::new(Queue::normal(device));
-        let urgent = Arc::new(Queue::urgent(device));
-        let (device, queue) = (device.clone(), normal.clone());
-        Self { device, queue, normal, urgent, graphs: Arc::default() }
+        let normal: Channel = (Arc::new(Queue::normal(device)), Arc::default());
+        let urgent: Channel = (Arc::new(Queue::urgent(device)), Arc::default());
+        let (queue, objectives) = normal.clone();
+        let (device, graphs) = (device.clone(), Arc::default());
+        Self { device, queue, objectives, normal, urgent, graphs }
+    }
+
+    /// The same backend on another queue.
+    fn on(&self, (queue, objectives): &Channel) -> Self {
+        Self { queue: queue.clone(), objectives: objectives.clone(), ..self.clone() }
     }
 
     /// Memory that batches may work with [bytes].
@@ -139,7 +154,7 @@ impl CudaBackend {
             None
         };
         simulation.run(tape.as_mut(), cancel)?;
-        let scores = Scores::new(&simulation, Some(request.cut_every))?;
+        let scores = Scores::new(&simulation, &self.objectives, Some(request.cut_every))?;
         let way = Way { simulation: &simulation, scores: &scores, kept: tape.as_ref() };
         let gradients = Gradients::new(&way, request, room, cancel)?;
         let divergences = simulation.divergences()?;
@@ -157,7 +172,8 @@ impl CudaBackend {
         let simulation = Simulation::new(&self.queue, batch, keep)?;
         simulation.run(None, cancel)?;
         let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
-        let scores = if scored { Some(Scores::new(&simulation, None)?) } else { None };
+        let scores =
+            if scored { Some(Scores::new(&simulation, &self.objectives, None)?) } else { None };
         let divergences = simulation.divergences()?;
         Ok(Measured { simulation, scores, divergences })
     }
@@ -316,7 +332,7 @@ impl Backend for CudaBackend {
         let resident = Resident::new(&self.device, &graph, &model.params)?;
         // One shape is made now, so that what cannot run is refused here.
         choose(&self.device.ability, &resident, &model, Purpose::Forward, 1, 1)?;
-        crate::synchronize(&self.device.normal)?;
+        crate::device::synchronize(&self.device.normal)?;
         Ok(Loaded::new(model, Arc::new(resident)))
     }
 
@@ -326,7 +342,7 @@ impl Backend for CudaBackend {
         let model = Model { params, ..Model::clone(loaded.model()) };
         model.params.check(&model.graph).map_err(Error::InvalidModel)?;
         let resident = Resident::new(&self.device, &before.graph, &model.params)?;
-        crate::synchronize(&self.device.normal)?;
+        crate::device::synchronize(&self.device.normal)?;
         Ok(Loaded::new(Arc::new(model), Arc::new(resident)))
     }
 
@@ -383,7 +399,7 @@ impl Backend for CudaBackend {
         inits: Vec<OptimizerInit>,
         decay: Decay,
     ) -> Result<Box<dyn Optimizer>, Error> {
-        let normal = Self { queue: self.normal.clone(), ..self.clone() };
+        let normal = self.on(&self.normal);
         Ok(Box::new(DeviceDescent::new(normal, inits, decay)?))
     }
 
@@ -392,7 +408,7 @@ impl Backend for CudaBackend {
     }
 
     fn urgent(&self) -> Option<Arc<dyn Backend>> {
-        Some(Arc::new(Self { queue: self.urgent.clone(), ..self.clone() }))
+        Some(Arc::new(self.on(&self.urgent)))
     }
 
     fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {

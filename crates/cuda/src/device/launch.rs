@@ -6,10 +6,7 @@ use bendtwin_engine::Error;
 use bytemuck::Pod;
 use cudarc::driver::{CudaFunction, CudaStream, sys};
 
-use crate::{
-    fault,
-    kernel::{Meeting, Variant},
-};
+use super::{fault, kernel::Variant, team::Meeting};
 
 /// Most blocks of a grid's second and third dimension.
 pub(crate) const MOST_BLOCKS: usize = 65_535;

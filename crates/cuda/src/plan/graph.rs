@@ -6,11 +6,14 @@ use bendtwin_core::Graph;
 use bendtwin_engine::Error;
 
 use crate::{
-    device::Device,
-    job::{self, LocalPin, Share, Triplet},
-    layout::Layout,
-    memo::Memo,
-    memory::Buffer,
+    device::{
+        Device,
+        job::{self, LocalPin, Share, Triplet},
+        memo::Memo,
+        memory::Buffer,
+        team::Team,
+    },
+    plan::layout::Layout,
 };
 
 /// How a graph is cut: into so many blocks for about so many threads each.
@@ -18,6 +21,13 @@ use crate::{
 pub(crate) struct Cut {
     pub(crate) blocks: u32,
     pub(crate) threads: u32,
+}
+
+impl Cut {
+    /// The cut for a team.
+    pub(crate) fn of(team: &Team) -> Self {
+        Self { blocks: team.blocks, threads: team.threads }
+    }
 }
 
 /// A graph on the device.
@@ -157,7 +167,7 @@ impl DeviceGraph {
         let sum_of = Buffer::of(stream, &layout.sum_of)?;
         let tape_slots = Buffer::of(stream, &layout.tape_slots())?;
         // The urgent stream may use it next.
-        crate::synchronize(stream)?;
+        crate::device::synchronize(stream)?;
         Ok(CutGraph {
             topology,
             springs,
@@ -190,7 +200,7 @@ impl DeviceGraph {
                 starts: Buffer::of(&device.normal, &starts)?,
                 nodes: Buffer::of(&device.normal, &all)?,
             };
-            crate::synchronize(&device.normal)?;
+            crate::device::synchronize(&device.normal)?;
             Ok(Arc::new(made))
         })
     }

@@ -15,13 +15,19 @@ use self::{
     windows::{SideBySide, Window},
 };
 use crate::{
-    kernel::{Source, THREADS},
-    launch::Arguments,
-    memory::{Buffer, end_of},
-    resident::{LAWS, resident},
-    scoring::Scores,
-    simulation::{Simulation, contact_nodes},
-    tape::Kept,
+    device::{
+        kernel::{Source, THREADS},
+        launch::Arguments,
+        memory::{Buffer, end_of},
+    },
+    plan::{
+        resident::{LAWS, resident},
+        tape::Kept,
+    },
+    run::{
+        scoring::Scores,
+        simulation::{Simulation, contact_nodes},
+    },
 };
 
 /// Gradients of a simulation's instances, on the device.
@@ -45,7 +51,7 @@ pub(crate) fn bytes_of(simulated: &bendtwin_engine::backend::Instance) -> u64 {
     let graph = &simulated.model.model().graph;
     let (n, elements) = (graph.node_count() as u64, (graph.springs.len() + hinges(graph)) as u64);
     // The gradient and its sums, what seeds it, and d loss / d initial state.
-    24 * elements + crate::scoring::seed_bytes(simulated.frames, n as usize) + 32 * n
+    24 * elements + crate::run::scoring::seed_bytes(simulated.frames, n as usize) + 32 * n
 }
 
 /// Triplets and rods: elements with three parameters each whose gradients are summed as they are.

@@ -2,22 +2,25 @@
 
 use std::fmt::Write as _;
 
-use crate::job::{Job, Measure, Record, Share, Start, Term, Topology};
+use super::{
+    job::{Job, Measure, Record, Share, Start, Term, Topology},
+    team::Meeting,
+};
 
 /// Threads of a block of the small kernels.
 pub(crate) const THREADS: u32 = 256;
 
 const HEADERS: &[(&str, &str)] = &[
-    ("vector.cuh", include_str!("../kernels/vector.cuh")),
-    ("spring.cuh", include_str!("../kernels/spring.cuh")),
-    ("bend.cuh", include_str!("../kernels/bend.cuh")),
-    ("rod.cuh", include_str!("../kernels/rod.cuh")),
-    ("impulse.cuh", include_str!("../kernels/impulse.cuh")),
-    ("ground.cuh", include_str!("../kernels/ground.cuh")),
-    ("job.cuh", include_str!("../kernels/job.cuh")),
-    ("team.cuh", include_str!("../kernels/team.cuh")),
-    ("contact.cuh", include_str!("../kernels/contact.cuh")),
-    ("share.cuh", include_str!("../kernels/share.cuh")),
+    ("vector.cuh", include_str!("../../kernels/vector.cuh")),
+    ("spring.cuh", include_str!("../../kernels/spring.cuh")),
+    ("bend.cuh", include_str!("../../kernels/bend.cuh")),
+    ("rod.cuh", include_str!("../../kernels/rod.cuh")),
+    ("impulse.cuh", include_str!("../../kernels/impulse.cuh")),
+    ("ground.cuh", include_str!("../../kernels/ground.cuh")),
+    ("job.cuh", include_str!("../../kernels/job.cuh")),
+    ("team.cuh", include_str!("../../kernels/team.cuh")),
+    ("contact.cuh", include_str!("../../kernels/contact.cuh")),
+    ("share.cuh", include_str!("../../kernels/share.cuh")),
 ];
 
 /// A source file of kernels.
@@ -53,31 +56,20 @@ impl Source {
     /// Its files, the last one with the kernels.
     fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
-            Self::Start => &[("start.cu", include_str!("../kernels/start.cu"))],
-            Self::Integrate => &[("integrate.cu", include_str!("../kernels/integrate.cu"))],
+            Self::Start => &[("start.cu", include_str!("../../kernels/start.cu"))],
+            Self::Integrate => &[("integrate.cu", include_str!("../../kernels/integrate.cu"))],
             Self::Adjoint => &[
-                ("adjoint_state.cuh", include_str!("../kernels/adjoint_state.cuh")),
-                ("adjoint_forces.cuh", include_str!("../kernels/adjoint_forces.cuh")),
-                ("adjoint.cu", include_str!("../kernels/adjoint.cu")),
+                ("adjoint_state.cuh", include_str!("../../kernels/adjoint_state.cuh")),
+                ("adjoint_forces.cuh", include_str!("../../kernels/adjoint_forces.cuh")),
+                ("adjoint.cu", include_str!("../../kernels/adjoint.cu")),
             ],
-            Self::Partners => &[("partners.cu", include_str!("../kernels/partners.cu"))],
-            Self::Loss => &[("loss.cu", include_str!("../kernels/loss.cu"))],
-            Self::Params => &[("params.cu", include_str!("../kernels/params.cu"))],
-            Self::Descent => &[("descent.cu", include_str!("../kernels/descent.cu"))],
-            Self::Record => &[("record.cu", include_str!("../kernels/record.cu"))],
+            Self::Partners => &[("partners.cu", include_str!("../../kernels/partners.cu"))],
+            Self::Loss => &[("loss.cu", include_str!("../../kernels/loss.cu"))],
+            Self::Params => &[("params.cu", include_str!("../../kernels/params.cu"))],
+            Self::Descent => &[("descent.cu", include_str!("../../kernels/descent.cu"))],
+            Self::Record => &[("record.cu", include_str!("../../kernels/record.cu"))],
         }
     }
-}
-
-/// How a team's blocks meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Meeting {
-    /// One block.
-    Block = 0,
-    /// A cluster of blocks through distributed shared memory.
-    Cluster = 1,
-    /// Any blocks through global memory.
-    Grid = 2,
 }
 
 /// What a kernel is compiled for.

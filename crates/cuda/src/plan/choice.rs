@@ -5,11 +5,16 @@ use bendtwin_core::Graph;
 use bendtwin_engine::{Error, Model};
 
 use crate::{
-    device::Ability,
-    graph::{Cut, CutGraph},
-    kernel::{Meeting, Source, Variant},
-    layout::Layout,
-    resident::{Resident, has_contact},
+    device::{
+        Ability,
+        kernel::{Source, Variant},
+        team::{BLOCK_THREADS, Meeting, TEAM_THREADS, Team},
+    },
+    plan::{
+        graph::{Cut, CutGraph},
+        layout::Layout,
+        resident::{Resident, has_contact},
+    },
 };
 
 /// What a team is for.
@@ -33,91 +38,6 @@ impl Purpose {
     }
 }
 
-/// A team of blocks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Team {
-    pub(crate) meeting: Meeting,
-    pub(crate) blocks: u32,
-    /// Threads that a block may have.
-    pub(crate) threads: u32,
-    /// Instances of one model that it simulates together.
-    pub(crate) instances: u32,
-}
-
-/// How a named team is written: `block`, `block4` (instances), `cluster16` or `grid66` (blocks), each perhaps
-/// with the threads of a block: `cluster16@256`.
-impl std::str::FromStr for Team {
-    type Err = String;
-    fn from_str(s: &str) -> Result<Self, String> {
-        let (s, given) = match s.split_once('@') {
-            Some((s, threads)) => (s, threads.parse::<u32>().ok()),
-            None => (s, None),
-        };
-        let digits = s.trim_start_matches(|c: char| !c.is_ascii_digit());
-        let name = &s[..s.len() - digits.len()];
-        let number = match digits {
-            "" => Ok(1),
-            digits => digits.parse::<u32>().map_err(|e| format!("`{s}`: {e}")),
-        }?;
-        let team = |meeting, blocks, threads, instances| {
-            let threads = given.unwrap_or(threads).clamp(64, 1024).next_multiple_of(32);
-            Self { meeting, blocks, threads, instances }
-        };
-        match (name, number) {
-            ("block", 1 | 2 | 4) => Ok(team(Meeting::Block, 1, BLOCK_THREADS, number)),
-            ("cluster", 2 | 4 | 8 | 16) => Ok(team(Meeting::Cluster, number, BLOCK_THREADS, 1)),
-            ("grid", 1..=1024) => Ok(team(Meeting::Grid, number, TEAM_THREADS, 1)),
-            _ => Err(format!(
-                "`{s}` is no team: use block, block2, block4, cluster2 to cluster16 or grid1 to grid1024"
-            )),
-        }
-    }
-}
-
-impl Team {
-    /// Makes one block of a team of several.
-    fn keep_together(&mut self) {
-        if self.meeting != Meeting::Block {
-            (self.meeting, self.blocks, self.threads) = (Meeting::Block, 1, BLOCK_THREADS);
-        }
-    }
-
-    /// The same team for another purpose.
-    fn for_purpose(self, purpose: Purpose) -> Self {
-        let instances = if purpose == Purpose::Forward { self.instances } else { 1 };
-        Self { instances, ..self }
-    }
-
-    /// Whether a device has room for such a team, and if not, why.
-    pub(crate) fn check(&self, ability: &Ability) -> Result<(), String> {
-        let most = match self.meeting {
-            Meeting::Block => 1,
-            Meeting::Cluster => ability.cluster,
-            Meeting::Grid => ability.processors,
-        };
-        if self.blocks > most {
-            return Err(format!("{self}: this device has room for {most} blocks"));
-        }
-        Ok(())
-    }
-
-    pub(crate) fn cut(&self) -> Cut {
-        Cut { blocks: self.blocks, threads: self.threads }
-    }
-}
-
-impl std::fmt::Display for Team {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { meeting, blocks, instances, .. } = self;
-        match (meeting, instances) {
-            (Meeting::Block, 1) => write!(f, "a block per instance"),
-            (Meeting::Block, n) => write!(f, "{n} instances interleaved in a block"),
-            (Meeting::Cluster, _) => write!(f, "a cluster of {blocks} blocks per instance"),
-            (Meeting::Grid, _) => write!(f, "a grid of {blocks} blocks per instance"),
-        }
-    }
-}
-
 /// A kernel of a team for a model: the variant, and its dynamic shared memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitted {
@@ -130,9 +50,6 @@ pub(crate) struct Fitted {
     pub(crate) substep_us: f64,
 }
 
-/// Threads of a block that is a team of its own, and of one among several.
-const BLOCK_THREADS: u32 = 1024;
-const TEAM_THREADS: u32 = 512;
 /// Microseconds of a substep that do not shrink with more blocks: latencies of a node's update and of meetings.
 const BLOCK_US: f64 = 0.1;
 const CLUSTER_US: f64 = 0.62;
@@ -161,7 +78,7 @@ pub(crate) fn choose(
     alike: usize,
 ) -> Result<Fitted, Error> {
     let mut candidates = match resident.device.team {
-        Some(team) => vec![(BLOCK_US, team.for_purpose(purpose))],
+        Some(team) => vec![(BLOCK_US, for_purpose(team, purpose))],
         None => candidates(ability, &model.graph, purpose, batch, alike),
     };
     if !model.graph.rods.is_empty() {
@@ -200,6 +117,12 @@ pub(crate) fn choose(
             ability.shared_bytes
         ))
     })
+}
+
+/// The same team for another purpose.
+fn for_purpose(team: Team, purpose: Purpose) -> Team {
+    let instances = if purpose == Purpose::Forward { team.instances } else { 1 };
+    Team { instances, ..team }
 }
 
 /// Teams with the microseconds that a substep of the whole batch takes at least.
@@ -258,7 +181,7 @@ pub(crate) fn fit(
     purpose: Purpose,
     team: Team,
 ) -> Result<Result<Fitted, u64>, Error> {
-    let cut = match resident.graph.cut(&resident.device, team.cut()) {
+    let cut = match resident.graph.cut(&resident.device, Cut::of(&team)) {
         Ok(cut) => cut,
         // Too many local nodes for this cut: another may do.
         Err(Error::InvalidModel(_)) => return Ok(Err(u64::MAX)),

@@ -13,8 +13,8 @@ use self::{
     rows::{Rows, lanes_for},
 };
 use crate::{
-    job::{LocalPin, Share, Triplet},
-    partition::partition,
+    device::job::{LocalPin, Share, Triplet},
+    plan::partition::partition,
 };
 
 /// Floats between the sums of a half-spring, and those of a pair of slots: each sum of a warp stands together.

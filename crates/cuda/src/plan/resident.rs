@@ -7,13 +7,15 @@ use bendtwin_core::{Params, environment::ControlVelocity};
 use bendtwin_engine::{Error, Loaded, Model};
 
 use crate::{
-    device::Device,
-    graph::{Cut, CutGraph, DeviceGraph},
-    job::Job,
-    kernel::{Source, THREADS, Variant},
-    launch::Arguments,
-    memo::Memo,
-    memory::Buffer,
+    device::{
+        Device,
+        job::Job,
+        kernel::{Source, THREADS, Variant},
+        launch::Arguments,
+        memo::Memo,
+        memory::Buffer,
+    },
+    plan::graph::{Cut, CutGraph, DeviceGraph},
 };
 
 /// Numbers behind the arrays of elements: drag, and restitution and friction of ground and objects.
@@ -77,7 +79,7 @@ impl Resident {
         let bends = Buffer::empty(stream, cut.triplet_of.len())?;
         let packed = Packed { cut, rates, others, dashpots, bends };
         self.fill(&packed)?;
-        crate::synchronize(stream)?;
+        crate::device::synchronize(stream)?;
         Ok(packed)
     }
 

@@ -6,7 +6,7 @@ use bendtwin_engine::Error;
 use bytemuck::Pod;
 use cudarc::driver::{CudaStream, result, sys};
 
-use crate::{fault, job::Address};
+use super::{fault, job::Address};
 
 /// Where arrays that follow each other end, from where each starts and the last one ends.
 pub(crate) fn end_of(starts: &[usize]) -> usize {

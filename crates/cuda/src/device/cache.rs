@@ -8,7 +8,7 @@ use std::{
 
 use bendtwin_engine::Error;
 
-use crate::{
+use super::{
     compile,
     kernel::{Variant, options},
 };

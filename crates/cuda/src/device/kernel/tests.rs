@@ -1,7 +1,7 @@
 //! The kernels go through NVRTC wherever it is, with or without a GPU.
 
 use super::*;
-use crate::compile;
+use crate::device::compile;
 
 /// Set where NVRTC has been installed for these tests.
 const REQUIRED: &str = "BENDTWIN_NVRTC";

@@ -5,21 +5,19 @@ use std::sync::Arc;
 use bendtwin_engine::Error;
 use cudarc::driver::{CudaEvent, CudaStream};
 
-use crate::{
-    device::Device,
-    fault,
-    kernel::{Meeting, Source},
+use super::{
+    Device, fault,
+    kernel::Source,
     launch::Arguments,
-    objective::Objectives,
     staging::Staging,
-    team::Team,
+    synchronize,
+    team::{Meeting, Team},
 };
 
 /// One of a device's two queues.
 pub(crate) struct Queue {
     pub(crate) device: Arc<Device>,
     pub(crate) stream: Arc<CudaStream>,
-    pub(crate) objectives: Objectives,
     pub(crate) staging: Staging,
     /// Its callers wait for nobody else's work, on the host neither.
     pub(crate) is_urgent: bool,
@@ -62,7 +60,6 @@ impl Queue {
             device: device.clone(),
             stream: stream.clone(),
             sides: sides.to_vec(),
-            objectives: Objectives::default(),
             staging: Staging::default(),
             is_urgent,
         }
@@ -100,7 +97,7 @@ impl Queue {
     /// Launches a kernel that is not specialised.
     ///
     /// # Safety
-    /// As [`crate::launch::Function::launch`].
+    /// As [`crate::device::launch::Function::launch`].
     pub(crate) unsafe fn launch(
         &self,
         source: Source,
@@ -115,7 +112,7 @@ impl Queue {
 
     /// Waits for all work.
     pub(crate) fn synchronize(&self) -> Result<(), Error> {
-        crate::synchronize(&self.stream)
+        synchronize(&self.stream)
     }
 
     /// Marks what has been launched so far.

@@ -6,16 +6,18 @@ use bendtwin_engine::Error;
 
 use super::{Backward, Slots};
 use crate::{
-    group::{Group, Jobs, Stretch},
-    job::{Address, Job, Topology},
-    kernel::{Source, THREADS},
-    launch::Arguments,
-    layout::PAIR_SUMS,
-    memory::Buffer,
-    pace::Pace,
-    resident::LAWS,
-    simulation::Simulation,
-    team::Purpose,
+    device::{
+        job::{Address, Job, Topology},
+        kernel::{Source, THREADS},
+        launch::Arguments,
+        memory::Buffer,
+        pace::Pace,
+    },
+    plan::{choice::Purpose, layout::PAIR_SUMS, resident::LAWS},
+    run::{
+        group::{Group, Jobs, Stretch},
+        simulation::Simulation,
+    },
 };
 
 /// Frames that the host is ahead of the device.

@@ -7,7 +7,7 @@ use bendtwin_engine::Error;
 use bytemuck::Pod;
 use cudarc::driver::{CudaEvent, PinnedHostSlice, result};
 
-use crate::{fault, memory::Buffer, queue::Queue};
+use super::{fault, memory::Buffer, queue::Queue};
 
 /// Bytes of each half.
 const HALF_BYTES: usize = 8 << 20;

@@ -4,7 +4,7 @@
 use bendtwin_engine::Error;
 use cudarc::driver::CudaEvent;
 
-use crate::{fault, queue::Queue};
+use super::{fault, queue::Queue};
 
 /// What was launched last.
 #[derive(Default)]

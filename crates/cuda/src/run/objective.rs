@@ -8,7 +8,7 @@ use std::{
 use bendtwin_engine::{Error, Objective, PointLoss, Term, objective::WeightedTerm};
 use cudarc::driver::CudaStream;
 
-use crate::{
+use crate::device::{
     job::{self, Measure},
     memory::Buffer,
 };
