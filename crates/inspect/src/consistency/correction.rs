@@ -1,63 +1,68 @@
 //! The rigid motion of one camera that best fits it to the others: point-to-plane registration with correspondences by
 //! projection, and weights that fade with distance.
 //!
-//! With q the place and n the normal of what another camera measured where a spot p appears, the motion `x -> Ωx + t`
+//! With q the place and n the normal of what another camera measured where a surfel p appears, the motion `x -> Ωx + t`
 //! minimises the weighted sum of `(n · (p + ω × (p - c) + t - q))²`; see Chen and Medioni, *Object modelling by registration
 //! of multiple range images* (1992), and for the correspondences Blais and Levine (1995).
 
 use nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
 
 use super::{
-    Court, Seen,
-    meet::{APART_M, place},
-    setup::{Motion, Setup},
+    SampledCrop, ViewSet,
+    hypothesis::{Hypothesis, Motion},
+    reprojection::{MAX_APART_M, place},
 };
 use crate::vector::{Vector, add, cross, dot, pixel_of, scaled, sub, to_camera, to_world, turn};
 
+/// Gauss-Newton steps, each with new correspondences.
 const ITERATIONS: usize = 20;
-/// Weights fade to zero over this distance at first and at last [m].
-const REACH_M: [f64; 2] = [APART_M, 0.012];
+/// Distance at which a correspondence has no weight, in the first and in the last iteration [m].
+const REACH_M: [f64; 2] = [MAX_APART_M, 0.012];
 /// Least correspondences for six unknowns.
-const LEAST: usize = 60;
+const MIN_MATCHES: usize = 60;
 /// Stiffness against moving along what the surface does not determine, as a share of the trace.
 const DAMPING: f64 = 1e-4;
-/// Least cosine between the two cameras' normals of one spot.
-const ALIKE: f64 = 0.6;
+/// Least cosine between the two cameras' normals of one surfel.
+const MIN_NORMAL_COSINE: f64 = 0.6;
 
-/// How a camera would have to move.
+/// The rigid motion that would fit one camera to the others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Correction {
     pub(crate) motion: Motion,
     /// Angle of its rotation [rad].
     pub(crate) angle: f64,
-    /// How far the middle of what the camera sees of the object moves [m].
+    /// Distance by which the motion moves the middle of what the camera sees of the object [m].
     pub(crate) shift_m: f64,
 }
 
-/// A spot, and the plane on which another camera sees it.
+/// A surfel, and the plane on which another camera sees it.
 struct Match {
     at: Vector,
     plane: Vector,
     normal: Vector,
 }
 
-/// Fits witness `which` to all the others. `None` if they have too little in common.
-pub(crate) fn correct(court: &Court<'_>, setup: &Setup, which: usize) -> Option<Correction> {
+/// Fits view `which` to all the others. `None` if they have too little in common.
+pub(crate) fn correct(
+    set: &ViewSet<'_>,
+    hypothesis: &Hypothesis,
+    which: usize,
+) -> Option<Correction> {
     let mut total = Motion { rotation: IDENTITY, translation: [0.0; 3] };
     let mut pivot = None;
     for iteration in 0..ITERATIONS {
         let share = iteration as f64 / (ITERATIONS - 1) as f64;
         let reach = REACH_M[0] * (REACH_M[1] / REACH_M[0]).powf(share);
-        let moved = setup.with(which, |s| s.moved = Some(total));
-        let matches = matches(court, &moved, which);
-        if matches.len() < LEAST {
+        let moved = hypothesis.with(which, |s| s.moved = Some(total));
+        let matches = matches(set, &moved, which);
+        if matches.len() < MIN_MATCHES {
             return None;
         }
         let middle = scaled(
             matches.iter().fold([0.0; 3], |sum, m| add(sum, m.at)),
             1.0 / matches.len() as f64,
         );
-        // Where the spots were before anything moved.
+        // The surfels' middle before anything moved.
         pivot.get_or_insert(middle);
         let step = solve(&matches, middle, reach)?;
         total = step.after(&total);
@@ -82,28 +87,28 @@ impl Motion {
     }
 }
 
-fn matches(court: &Court<'_>, setup: &Setup, which: usize) -> Vec<Match> {
+fn matches(set: &ViewSet<'_>, hypothesis: &Hypothesis, which: usize) -> Vec<Match> {
     let mut found = Vec::new();
-    let Some(own) = court.witnesses.get(which) else { return found };
-    for view in own.views.iter().filter(|v| court.frames.contains(&v.sketch.frame)) {
-        let frame = view.sketch.frame;
-        let Some(stand) = setup.stand(&court.witnesses, which, frame) else { continue };
-        for (index, other) in court.witnesses.iter().enumerate().filter(|(i, _)| *i != which) {
-            let same = |seen: &&Seen<'_>| seen.sketch.frame == frame;
-            let Some(seen) = other.views.iter().find(same) else { continue };
-            let Some(other_stand) = setup.stand(&court.witnesses, index, frame) else { continue };
-            for spot in &view.spots {
-                let at = place(spot, &stand);
-                let Some(pixel) = pixel_of(other.camera, to_camera(&other_stand.pose, at)) else {
+    let Some(own) = set.views.get(which) else { return found };
+    for sampled in own.crops.iter().filter(|s| set.frames.contains(&s.crop.frame)) {
+        let frame = sampled.crop.frame;
+        let Some(posed) = hypothesis.posed(&set.views, which, frame) else { continue };
+        for (index, other) in set.views.iter().enumerate().filter(|(i, _)| *i != which) {
+            let same = |s: &&SampledCrop<'_>| s.crop.frame == frame;
+            let Some(seen) = other.crops.iter().find(same) else { continue };
+            let Some(other_posed) = hypothesis.posed(&set.views, index, frame) else { continue };
+            for surfel in &sampled.surfels {
+                let at = place(surfel, &posed);
+                let Some(pixel) = pixel_of(other.camera, to_camera(&other_posed.pose, at)) else {
                     continue;
                 };
-                let Some(cell) = seen.sketch.cell(pixel) else { continue };
-                let Some(normal) = seen.sketch.normal(other.camera, cell) else { continue };
-                let Some(surface) = seen.sketch.place(other.camera, cell) else { continue };
-                let surface = scaled(surface, other_stand.depth_scale);
-                let normal = turn(&other_stand.pose.rotation, normal);
-                if dot(normal, turn(&stand.pose.rotation, spot.normal)) > ALIKE {
-                    found.push(Match { at, plane: to_world(&other_stand.pose, surface), normal });
+                let Some(cell) = seen.crop.cell(pixel) else { continue };
+                let Some(normal) = seen.crop.normal(other.camera, cell) else { continue };
+                let Some(surface) = seen.crop.place(other.camera, cell) else { continue };
+                let surface = scaled(surface, other_posed.depth_scale);
+                let normal = turn(&other_posed.pose.rotation, normal);
+                if dot(normal, turn(&posed.pose.rotation, surfel.normal)) > MIN_NORMAL_COSINE {
+                    found.push(Match { at, plane: to_world(&other_posed.pose, surface), normal });
                 }
             }
         }

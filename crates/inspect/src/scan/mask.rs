@@ -1,4 +1,4 @@
-//! What a mask shows in one image: its area, how much of it has depth, where that lies.
+//! Measurements of a mask in one image: its area, the share of it with depth, the place of that in space.
 
 use bendtwin_capture::raw::{Camera, DepthImage, Mask};
 
@@ -7,16 +7,17 @@ use crate::{
     vector::{Upright, Vector, distance, seen_at, to_world},
 };
 
-/// Pixels with depth that are looked at in space.
-const SAMPLE: usize = 3000;
-/// What lies farther behind or before the middle than the patch is large (but at least this) belongs to something else [m].
+/// Pixels with depth whose place in space is measured.
+const MAX_POINTS: usize = 3000;
+/// Points that are farther behind or in front of the middle than the surface is large (but at least this) belong to something
+/// else [m].
 const APART_M: f64 = 0.15;
-/// So far below the ground, noise puts no point [m].
+/// Height below which a point is below the ground not by noise alone [m].
 const BELOW_M: f64 = -0.02;
 
 /// A mask and the surface that it shows.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Patch {
+pub(crate) struct MaskStats {
     pub(crate) area_px: usize,
     /// Pixels of it with depth.
     pub(crate) depth_px: usize,
@@ -25,7 +26,7 @@ pub(crate) struct Patch {
     pub(crate) surface: Option<Surface>,
 }
 
-/// Where the pixels of a mask lie in space.
+/// Place of a mask's pixels in space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface {
     /// Median in the camera's axes [m].
@@ -42,20 +43,20 @@ pub(crate) struct Surface {
     pub(crate) below: f64,
 }
 
-/// A patch and some of its points in the camera's axes [m].
-pub(crate) fn look(
+/// The measurements of a mask, and some of its points in the camera's axes [m].
+pub(crate) fn measure(
     camera: &Camera,
     frame: usize,
     upright: &Upright,
     mask: &Mask,
     depth: Option<&DepthImage>,
-) -> (Patch, Vec<Vector>) {
-    let mut patch = Patch::default();
+) -> (MaskStats, Vec<Vector>) {
+    let mut stats = MaskStats::default();
     let mut sum = [0.0; 2];
     let mut known: Vec<(u32, u32, f32)> = Vec::new();
     for row in 0..mask.height {
         for (column, _) in mask.row(row).iter().enumerate().filter(|(_, m)| **m) {
-            patch.area_px += 1;
+            stats.area_px += 1;
             sum = [sum[0] + column as f64, sum[1] + row as f64];
             let metres = depth.and_then(|d| d.get(column, row)).unwrap_or(0.0);
             if metres > 0.0 && metres.is_finite() {
@@ -63,16 +64,16 @@ pub(crate) fn look(
             }
         }
     }
-    patch.depth_px = known.len();
-    if patch.area_px > 0 {
-        patch.middle_px = sum.map(|s| s / patch.area_px as f64);
+    stats.depth_px = known.len();
+    if stats.area_px > 0 {
+        stats.middle_px = sum.map(|s| s / stats.area_px as f64);
     }
-    let step = known.len().div_ceil(SAMPLE).max(1);
+    let step = known.len().div_ceil(MAX_POINTS).max(1);
     let point =
         |&(c, r, d): &(u32, u32, f32)| seen_at(camera, [f64::from(c), f64::from(r)], f64::from(d));
     let points: Vec<Vector> = known.iter().step_by(step).map(point).collect();
-    patch.surface = surface(&points, camera, frame, upright);
-    (patch, points)
+    stats.surface = surface(&points, camera, frame, upright);
+    (stats, points)
 }
 
 fn surface(points: &[Vector], camera: &Camera, frame: usize, upright: &Upright) -> Option<Surface> {
@@ -103,12 +104,14 @@ fn surface(points: &[Vector], camera: &Camera, frame: usize, upright: &Upright) 
 
 /// The smallest distance between two clouds [m]; both are thinned out.
 pub(crate) fn gap(object: &[Vector], manipulator: &[Vector]) -> Option<f64> {
-    const MOST: [usize; 2] = [600, 250];
+    const MAX_OBJECT_POINTS: usize = 600;
+    const MAX_MANIPULATOR_POINTS: usize = 250;
     let thin = |points: &[Vector], most: usize| {
         let step = points.len().div_ceil(most).max(1);
         points.iter().step_by(step).copied().collect::<Vec<_>>()
     };
-    let (object, manipulator) = (thin(object, MOST[0]), thin(manipulator, MOST[1]));
+    let (object, manipulator) =
+        (thin(object, MAX_OBJECT_POINTS), thin(manipulator, MAX_MANIPULATOR_POINTS));
     let nearest = |m: &Vector| object.iter().map(|o| distance(*o, *m)).min_by(f64::total_cmp);
     let mut gaps: Vec<f64> = manipulator.iter().filter_map(nearest).collect();
     // One flying pixel between the two is no contact.

@@ -1,22 +1,22 @@
-//! Length, frame rate, split, damaged files, number of cameras.
+//! Judge of the recording as a whole: length, frame rate, split, damaged files, number of cameras.
 
-use super::{Case, Record, named};
-use crate::{Finding, watch::COMPARED_CAMERAS};
+use super::{Assessment, Context, named};
+use crate::{Finding, scan::COMPARED_CAMERAS};
 
 const FEW_FRAMES: usize = 15;
 const USUAL_FPS: std::ops::RangeInclusive<f64> = 5.0..=1000.0;
 
-pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
-    let recording = case.recording;
-    let findings = &mut record.findings;
+pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
+    let recording = context.recording;
+    let findings = &mut assessment.findings;
     length(recording.frame_count, recording.train_frame_count, findings);
     frame_rate(recording.fps, findings);
-    for (index, log) in case.logs.iter().enumerate() {
-        if let Some(report) = record.cameras.get_mut(index) {
-            report.damaged_files = log.damage_count;
+    for (index, scan) in context.scans.iter().enumerate() {
+        if let Some(report) = assessment.cameras.get_mut(index) {
+            report.damaged_files = scan.damaged_file_count;
         }
-        damage(case, index, log, findings);
-        let usable = log.glances.iter().any(|g| g.color.is_some() && g.depth.is_some());
+        damage(context, index, scan, findings);
+        let usable = scan.frames.iter().any(|g| g.color.is_some() && g.depth.is_some());
         if !usable && recording.frame_count > 0 {
             let name = named(recording, index);
             let message = format!("{name} has no frame with both colour and depth");
@@ -70,14 +70,19 @@ fn frame_rate(fps: f64, findings: &mut Vec<Finding>) {
     }
 }
 
-fn damage(case: &Case<'_>, index: usize, log: &crate::watch::Log, findings: &mut Vec<Finding>) {
-    let Some(first) = log.damages.first() else { return };
-    let files = log.damage_count;
-    let frames = case.recording.frame_count;
+fn damage(
+    context: &Context<'_>,
+    index: usize,
+    scan: &crate::scan::CameraScan,
+    findings: &mut Vec<Finding>,
+) {
+    let Some(first) = scan.damaged_files.first() else { return };
+    let files = scan.damaged_file_count;
+    let frames = context.recording.frame_count;
     let message = format!(
         "{files} file{} of {} cannot be read; the first ({}): {}",
         if files == 1 { "" } else { "s" },
-        named(case.recording, index),
+        named(context.recording, index),
         first.reason,
         first.message
     );
@@ -85,7 +90,7 @@ fn damage(case: &Case<'_>, index: usize, log: &crate::watch::Log, findings: &mut
     findings.push(
         finding
             .cameras([index])
-            .frames(log.damages.iter().map(|d| d.frame))
+            .frames(scan.damaged_files.iter().map(|d| d.frame))
             .number("files", files as f64),
     );
 }

@@ -1,16 +1,16 @@
-//! What is kept of an image for later: the part that the masks show, on a coarser grid if it is large. Cameras are
-//! compared by sketches of a few frames, and pictures are drawn from them, so memory does not grow with a recording.
+//! The part of an image that the masks show, on a coarser grid if it is large. Cameras are compared by crops of a few frames,
+//! and pictures are drawn from them, so memory does not grow with a recording.
 
 use bendtwin_capture::raw::{Camera, ColorImage, DepthImage, Mask};
 
 use crate::vector::{Vector, cross, distance, dot, scaled, seen_at, sub, unit};
 
-/// Most cells of a sketch.
-const CELLS: usize = 60_000;
-/// Neighbours farther apart than this share of their depth are not on one surface.
-const RIM: f64 = 0.02;
+/// Most cells of a crop.
+const MAX_CELLS: usize = 60_000;
+/// Neighbours that are farther apart than this share of their depth, per pixel between them, are not on one surface.
+const MAX_STEP_SHARE: f64 = 0.02;
 
-/// What a cell shows.
+/// Content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Label {
     Nothing,
@@ -20,7 +20,7 @@ pub(crate) enum Label {
 
 /// Masks, depth and colour of one camera in one frame.
 #[derive(Clone, Debug)]
-pub(crate) struct Sketch {
+pub(crate) struct Crop {
     pub(crate) frame: usize,
     /// Pixels from cell to cell.
     pub(crate) stride: usize,
@@ -36,7 +36,7 @@ pub(crate) struct Sketch {
     pub(crate) color: Vec<[u8; 3]>,
 }
 
-/// A spot of a surface as one camera saw it.
+/// A spot of a surface as one camera saw it: place, normal, colour.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surfel {
     pub(crate) label: Label,
@@ -47,7 +47,7 @@ pub(crate) struct Surfel {
     pub(crate) color: [u8; 3],
 }
 
-impl Sketch {
+impl Crop {
     /// `None` if the masks are empty.
     pub(crate) fn of(
         frame: usize,
@@ -79,9 +79,9 @@ impl Sketch {
             return None;
         }
         let (columns, rows) = (high[0] - low[0] + 1, high[1] - low[1] + 1);
-        let stride = ((columns * rows) as f64 / CELLS as f64).sqrt().ceil().max(1.0) as usize;
+        let stride = ((columns * rows) as f64 / MAX_CELLS as f64).sqrt().ceil().max(1.0) as usize;
         let (width, height) = (columns.div_ceil(stride), rows.div_ceil(stride));
-        let mut sketch = Self {
+        let mut crop = Self {
             frame,
             stride,
             origin: low,
@@ -94,14 +94,14 @@ impl Sketch {
         for y in 0..height {
             for x in 0..width {
                 let (column, row) = (low[0] + x * stride, low[1] + y * stride);
-                sketch.labels.push(label(column, row));
+                crop.labels.push(label(column, row));
                 let metres = depth.get(column, row).filter(|d| d.is_finite() && *d > 0.0);
-                sketch.depth.push(metres.unwrap_or(0.0));
+                crop.depth.push(metres.unwrap_or(0.0));
                 let pixel = color.and_then(|c| c.get(column, row));
-                sketch.color.push(pixel.unwrap_or([128; 3]));
+                crop.color.push(pixel.unwrap_or([128; 3]));
             }
         }
-        Some(sketch)
+        Some(crop)
     }
 
     /// The pixel at the middle of a cell.
@@ -142,7 +142,7 @@ impl Sketch {
         Some(seen_at(camera, self.pixel(cell), depth))
     }
 
-    /// At most so many spots, evenly taken.
+    /// At most so many surfels, evenly taken.
     pub(crate) fn surfels(&self, camera: &Camera, most: usize) -> Vec<Surfel> {
         let known: Vec<usize> =
             (0..self.labels.len()).filter(|&c| self.surface(c).is_some()).collect();
@@ -168,7 +168,7 @@ impl Sketch {
         let here = self.place(camera, cell)?;
         let neighbour = |c: usize| {
             let there = self.place(camera, c)?;
-            let limit = RIM * here[2] * (reach * self.stride) as f64;
+            let limit = MAX_STEP_SHARE * here[2] * (reach * self.stride) as f64;
             (distance(here, there) < limit.max(0.01)).then_some(there)
         };
         let across = sub(neighbour(cell + reach)?, neighbour(cell - reach)?);

@@ -1,13 +1,13 @@
-//! How the cameras would stand if a suspicion were true.
+//! Hypotheses about calibrations: the cameras as they would stand if a certain mistake had been made and were undone.
 
 use bendtwin_capture::raw::{Camera, Pose};
 
-use super::Witness;
+use super::View;
 use crate::vector::{Vector, add, turn};
 
 /// A change of one camera's calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Change {
+pub(crate) enum PoseChange {
     /// As declared.
     None,
     /// World-to-camera was written for camera-to-world.
@@ -26,13 +26,13 @@ pub(crate) enum Change {
     Units(f64),
 }
 
-/// One camera's place in a supposition.
+/// The supposed calibration of one camera.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Supposition {
-    /// Whose calibration it has, an index into the witnesses.
+pub(crate) struct CameraHypothesis {
+    /// The view whose declared calibration it has, an index into the views.
     pub(crate) calibration: usize,
-    pub(crate) change: Change,
-    /// What its depth is multiplied by.
+    pub(crate) change: PoseChange,
+    /// Factor that its depth is multiplied by.
     pub(crate) depth_scale: f64,
     /// Moves the camera after all that: rotation about a pivot, then translation.
     pub(crate) moved: Option<Motion>,
@@ -52,53 +52,54 @@ impl Motion {
     }
 }
 
-/// A supposition for every witness.
+/// A supposed calibration for every view.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Setup(pub(crate) Vec<Supposition>);
+pub(crate) struct Hypothesis(pub(crate) Vec<CameraHypothesis>);
 
-/// A camera, where it stands and what its depth is multiplied by.
+/// A camera with its supposed pose and the factor for its depth.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stand<'a> {
+pub(crate) struct PosedCamera<'a> {
     pub(crate) camera: &'a Camera,
     pub(crate) pose: Pose,
     pub(crate) depth_scale: f64,
 }
 
-impl Setup {
+impl Hypothesis {
     /// Everything as declared.
     pub(crate) fn declared(count: usize) -> Self {
-        let one = |calibration| Supposition {
+        let one = |calibration| CameraHypothesis {
             calibration,
-            change: Change::None,
+            change: PoseChange::None,
             depth_scale: 1.0,
             moved: None,
         };
         Self((0..count).map(one).collect())
     }
 
-    /// The same with one supposition changed.
-    pub(crate) fn with(&self, witness: usize, change: impl FnOnce(&mut Supposition)) -> Self {
+    /// The same with the calibration of one view changed.
+    pub(crate) fn with(&self, view: usize, change: impl FnOnce(&mut CameraHypothesis)) -> Self {
         let mut other = self.clone();
-        other.0.get_mut(witness).into_iter().for_each(change_once(change));
+        other.0.get_mut(view).into_iter().for_each(change_once(change));
         other
     }
 
-    /// The same with every supposition changed.
-    pub(crate) fn with_all(&self, change: impl Fn(&mut Supposition)) -> Self {
+    /// The same with every calibration changed.
+    pub(crate) fn with_all(&self, change: impl Fn(&mut CameraHypothesis)) -> Self {
         let mut other = self.clone();
         other.0.iter_mut().for_each(change);
         other
     }
 
-    pub(crate) fn stand<'a>(
+    /// A view's camera as supposed, in a frame; `None` if there is no such view.
+    pub(crate) fn posed<'a>(
         &self,
-        witnesses: &[Witness<'a>],
-        witness: usize,
+        views: &[View<'a>],
+        view: usize,
         frame: usize,
-    ) -> Option<Stand<'a>> {
-        let supposed = self.0.get(witness)?;
-        let camera = witnesses.get(witness)?.camera;
-        let declared = witnesses.get(supposed.calibration)?.camera.pose(frame);
+    ) -> Option<PosedCamera<'a>> {
+        let supposed = self.0.get(view)?;
+        let camera = views.get(view)?.camera;
+        let declared = views.get(supposed.calibration)?.camera.pose(frame);
         let mut pose = supposed.change.apply(declared);
         if let Some(moved) = &supposed.moved {
             let columns: [Vector; 3] =
@@ -106,14 +107,14 @@ impl Setup {
             pose.rotation = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
             pose.translation = moved.apply(pose.translation);
         }
-        Some(Stand { camera, pose, depth_scale: supposed.depth_scale })
+        Some(PosedCamera { camera, pose, depth_scale: supposed.depth_scale })
     }
 }
 
 /// `for_each` wants a function that can be called often; this one is called once at most.
 fn change_once<'a>(
-    change: impl FnOnce(&mut Supposition) + 'a,
-) -> impl FnMut(&mut Supposition) + 'a {
+    change: impl FnOnce(&mut CameraHypothesis) + 'a,
+) -> impl FnMut(&mut CameraHypothesis) + 'a {
     let mut change = Some(change);
     move |supposed| {
         if let Some(change) = change.take() {
@@ -122,7 +123,7 @@ fn change_once<'a>(
     }
 }
 
-impl Change {
+impl PoseChange {
     pub(crate) fn apply(self, pose: &Pose) -> Pose {
         let Pose { rotation: r, translation: t } = *pose;
         let transposed = std::array::from_fn(|i| std::array::from_fn(|j| r[j][i]));
