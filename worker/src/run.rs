@@ -153,7 +153,7 @@ fn registration(id: WorkerId, endpoint: &str, device: &Device) -> RegisterReques
         endpoint: endpoint.to_owned(),
         backend: description.kind.clone(),
         device: description.name.clone(),
-        build: concat!("bendtwin ", env!("CARGO_PKG_VERSION")).to_owned(),
+        build: bendtwin_core::BUILD.to_owned(),
         lanes: u32::try_from(description.lanes).unwrap_or(u32::MAX),
     }
 }

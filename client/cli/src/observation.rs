@@ -5,8 +5,7 @@ use std::path::Path;
 
 use bendtwin_capture::Limits;
 use bendtwin_client::FitProgress;
-use bendtwin_core::{Capture, Fault, Stage, settings::ingest::IngestSettings};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Capture, Fault, Stage, settings::ingest::IngestSettings};
 use bendtwin_worker::Watcher;
 
 use crate::progress::FitBar;

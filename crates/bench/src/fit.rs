@@ -6,11 +6,11 @@ mod target;
 use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{
-    FitSettings, Progress, Stage,
+    CancelToken, FitSettings, Progress, Stage,
     environment::ControlVelocity,
     settings::{GradientWindow, RefineSettings, SearchSettings},
 };
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_engine::Backend;
 use bendtwin_fit::{FitJob, Observer, ObserverError};
 use serde::Serialize;
 

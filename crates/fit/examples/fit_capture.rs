@@ -11,8 +11,7 @@
 use std::{path::Path, time::Instant};
 
 use bendtwin_capture::{Limits, digest, make};
-use bendtwin_core::{Capture, FitSettings, Progress, Stage, Twin, quality::Predictor};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Capture, FitSettings, Progress, Stage, Twin, quality::Predictor};
 use bendtwin_eval::{
     TableStyle, Trajectory, format_table,
     picture::{Model, Picture},

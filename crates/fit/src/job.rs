@@ -2,11 +2,8 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, FitSettings, Progress, Stage, Twin, quality::Predictor};
-use bendtwin_engine::{
-    Backend,
-    backend::{self, CancelToken},
-};
+use bendtwin_core::{CancelToken, Capture, FitSettings, Progress, Stage, Twin, quality::Predictor};
+use bendtwin_engine::{Backend, backend};
 use bendtwin_eval::{EvaluateOptions, evaluate, fast_variant};
 
 use crate::{
@@ -117,7 +114,7 @@ impl<'a> Run<'a> {
         let identity = Identity {
             capture_digest: job.capture_digest.clone(),
             settings: job.settings.clone(),
-            build: crate::BUILD.to_owned(),
+            build: bendtwin_core::BUILD.to_owned(),
             backend: job.backend.device().kind,
         };
         let search_frames = task.search_set().iter().map(|t| t.frames).sum();

@@ -13,8 +13,8 @@ use bendtwin_capture::{
     make::{FilmOptions, Scene, film},
     raw, write_bundle_file,
 };
-use bendtwin_core::{Capture, settings::ingest::IngestSettings};
-use bendtwin_ingest::{CancelToken, Observer, ObserverError, Progress, ingest, score};
+use bendtwin_core::{CancelToken, Capture, settings::ingest::IngestSettings};
+use bendtwin_ingest::{Observer, ObserverError, Progress, ingest, score};
 
 type Failure = Box<dyn std::error::Error>;
 

@@ -1,11 +1,11 @@
 //! What an ingest needs to go on in another process: a magic word, a version, then postcard.
 
 use bendtwin_capture::raw::{self, Recording};
-use bendtwin_core::settings::ingest::IngestSettings;
+use bendtwin_core::{BUILD, settings::ingest::IngestSettings};
 use bendtwin_flow::{CameraTracks, TrackerQuality};
 use serde::{Deserialize, Serialize};
 
-use crate::{BUILD, Error, survey::Surveyed};
+use crate::{Error, survey::Surveyed};
 
 /// The first bytes of every checkpoint.
 const MAGIC: &[u8; 4] = b"BTIC";

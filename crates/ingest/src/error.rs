@@ -1,7 +1,6 @@
 //! Why a recording cannot become a capture, in words that tell its owner what to do.
 
-use bendtwin_core::{Category, Problem};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Category, Problem};
 
 /// What an observer answers when it cannot keep a checkpoint.
 pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;

@@ -6,7 +6,7 @@ mod gather;
 mod refuse;
 
 use bendtwin_capture::raw::{Recording, Tracks};
-use bendtwin_core::{Capture, settings::ingest::IngestSettings};
+use bendtwin_core::{CancelToken, Capture, settings::ingest::IngestSettings};
 use bendtwin_flow::FlowSettings;
 use rayon::prelude::*;
 
@@ -16,7 +16,7 @@ use self::{
     gather::Assembly,
 };
 use crate::{
-    CancelToken, Error, Evidence, Observer, Progress, Step,
+    Error, Evidence, Observer, Progress, Step,
     checkpoint::{Checkpoint, Identity, Tracked},
     error::check,
     survey::{Unit, survey, units},

@@ -31,15 +31,11 @@ mod survey;
 mod thin;
 mod tracks;
 
-pub use bendtwin_engine::backend::CancelToken;
 pub use error::{Error, ObserverError};
 pub use evidence::Evidence;
 pub use job::{Observation, ingest};
 pub use observer::{Observer, Progress, Step};
 pub use score::{Score, score};
-
-/// What checkpoints say of the software that made them.
-pub const BUILD: &str = concat!("bendtwin ", env!("CARGO_PKG_VERSION"));
 
 #[cfg(test)]
 mod testing;

@@ -1,7 +1,7 @@
 //! From a recording to what is wrong with it.
 
 use bendtwin_capture::raw::Recording;
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::CancelToken;
 
 use crate::{
     Error, Finding,

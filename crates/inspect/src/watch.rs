@@ -6,8 +6,7 @@ pub(crate) mod sketch;
 pub(crate) mod tracked;
 
 use bendtwin_capture::raw::{Camera, ColorImage, Frames, Recording, Region, Tracks};
-use bendtwin_core::Problem as _;
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Problem as _};
 use rayon::prelude::*;
 
 use self::{patch::Patch, sketch::Sketch, tracked::Tracked};

@@ -6,8 +6,8 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::{Capture, Category, Fault, FitSettings, Problem, Progress};
-use bendtwin_engine::{Backend, Model, backend::CancelToken, stable_substeps};
+use bendtwin_core::{CancelToken, Capture, Category, Fault, FitSettings, Problem, Progress};
+use bendtwin_engine::{Backend, Model, stable_substeps};
 use bendtwin_fit::{Error as FitError, FitJob, Outcome as Fitted};
 
 use crate::{

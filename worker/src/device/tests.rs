@@ -3,12 +3,11 @@ use std::sync::{
     atomic::{AtomicUsize, Ordering},
 };
 
-use bendtwin_core::{Environment, Graph, Params, Timing};
+use bendtwin_core::{CancelToken, Environment, Graph, Params, Timing};
 use bendtwin_engine::{
     Loaded, Model, Objective,
     backend::{
-        CancelToken, Error as EngineError, Gradient, GradientRequest, Instance, Loss, Recording,
-        Rollout,
+        Error as EngineError, Gradient, GradientRequest, Instance, Loss, Recording, Rollout,
     },
     descent::{Chart, Decay, Descent, HostDescent, Parameter, Position, Probe, Scale, Start},
     model::State,

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use bendtwin_capture::{self as capture, Limits, Opened, raw::Recording};
-use bendtwin_core::{Capture, Fault, Problem, settings::ingest::IngestSettings};
-use bendtwin_ingest::{CancelToken, Error, Observer, ObserverError, Progress, Step};
+use bendtwin_core::{CancelToken, Capture, Fault, Problem, settings::ingest::IngestSettings};
+use bendtwin_ingest::{Error, Observer, ObserverError, Progress, Step};
 use bendtwin_inspect::{Inspection, Lifted, Report, inspect, inspect_observed};
 
 /// Share of the work on a raw recording that is over when it has been inspected.

@@ -7,8 +7,10 @@ use std::{
 };
 
 use bendtwin_capture as capture;
-use bendtwin_core::{Fault, Problem as _, Progress, Stage, settings::ingest::IngestSettings};
-use bendtwin_ingest::{CancelToken, ObserverError};
+use bendtwin_core::{
+    CancelToken, Fault, Problem as _, Progress, Stage, settings::ingest::IngestSettings,
+};
+use bendtwin_ingest::ObserverError;
 use bendtwin_inspect::Report;
 
 use super::{

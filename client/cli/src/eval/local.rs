@@ -3,8 +3,8 @@
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_client::FitProgress;
-use bendtwin_core::{Capture, FitSettings, Progress, Twin};
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::{CancelToken, Capture, FitSettings, Progress, Twin};
+use bendtwin_engine::Backend;
 use bendtwin_fit::{FitJob, Observer, ObserverError};
 
 use crate::{failure, progress::FitBar};

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::Timing;
+use bendtwin_core::{CancelToken, Timing};
 
 use super::{Chart, Decay, Descent, Ground, Position, Probe, Slope, Start};
 use crate::{
     Model,
-    backend::{Backend, CancelToken, Error, GradientRequest, Instance, Loaded},
+    backend::{Backend, Error, GradientRequest, Instance, Loaded},
 };
 
 /// What the CPU walks with, and the definition of correct for others.
