@@ -6,11 +6,10 @@
 //! ```
 //!
 //! [`protocol`] is what the two say to each other, `child` the worker's side of it, `process` the
-//! child's, and [`observe()`] what is done in there; `deliver` takes the result to the server.
+//! child's, and [`bendtwin_ingest::ingest()`] what is done in there; `deliver` takes the result to the server.
 
 mod child;
 mod deliver;
-mod observe;
 mod process;
 mod protocol;
 
@@ -22,13 +21,10 @@ use tempfile::TempDir;
 use tokio_util::sync::CancellationToken;
 use tracing::Instrument as _;
 
+pub use self::process::ingest_capture;
 use self::{
     child::Child,
     protocol::{ARCHIVE, CHECKPOINT, Request},
-};
-pub use self::{
-    observe::{Observed, Watcher, observe},
-    process::ingest_capture,
 };
 use crate::{
     artifact,

@@ -16,7 +16,6 @@
 //! last checkpoint.
 
 mod artifact;
-mod backend;
 mod device;
 mod error;
 #[cfg(test)]
@@ -33,8 +32,7 @@ mod rollout;
 mod run;
 mod scratch;
 
-pub use backend::{BackendChoice, BackendOptions, open_backend};
 pub use error::Error;
-pub use ingest::{Observed, Watcher, ingest_capture, observe};
+pub use ingest::ingest_capture;
 pub use options::{Limits, Options};
 pub use run::run;

@@ -2,7 +2,9 @@
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
-use crate::{BackendOptions, Error};
+use bendtwin_backends as backends;
+
+use crate::Error;
 
 /// The process that reads a capture takes about so much before it has read anything [bytes].
 const LEAST_INGEST_BYTES: u64 = 64 << 20;
@@ -15,7 +17,7 @@ pub struct Options {
     /// The token that server and workers share.
     pub token: String,
     /// What computes.
-    pub backend: BackendOptions,
+    pub backend: backends::Options,
     /// Where rollouts are answered; port 0 takes a free one.
     pub listen: SocketAddr,
     /// The `http://host:port` at which the server reaches `listen`, where that differs (a container, say).
@@ -94,7 +96,7 @@ impl Options {
         Self {
             server: server.into(),
             token: token.into(),
-            backend: BackendOptions::default(),
+            backend: backends::Options::default(),
             listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             advertise: None,
             cache_dir: None,

@@ -14,7 +14,7 @@ use tokio_util::sync::CancellationToken;
 use tonic::transport::server::TcpIncoming;
 
 use crate::{
-    Error, Options, backend,
+    Error, Options,
     device::Device,
     fit::Fits,
     ingest::Ingests,
@@ -140,7 +140,7 @@ async fn open_device(
     fatal: mpsc::UnboundedSender<Error>,
 ) -> Result<Device, Error> {
     let backend = options.backend.clone();
-    let open = move || backend::open_backend(&backend);
+    let open = move || Ok(bendtwin_backends::open(&backend)?);
     tokio::task::spawn_blocking(move || Device::spawn(open, fatal))
         .await
         .map_err(|e| Error::Panicked(e.to_string()))?

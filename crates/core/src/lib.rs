@@ -7,11 +7,13 @@
 
 pub mod cancel;
 pub mod capture;
+pub mod checkpoint;
 pub mod environment;
 pub mod error;
 pub mod fidelity;
 pub mod graph;
 pub mod ids;
+pub mod observer;
 pub mod params;
 pub mod progress;
 pub mod quality;
@@ -24,6 +26,7 @@ pub use environment::{Environment, Plane, Timing};
 pub use error::{Category, Fault, Problem};
 pub use fidelity::{FastVariant, Fidelity};
 pub use graph::{Graph, NodeKind, Pin};
+pub use observer::{Observer, ObserverError};
 pub use params::{Contact, Params};
 pub use progress::{Progress, Stage};
 pub use quality::Quality;

@@ -23,5 +23,5 @@ mod task;
 mod variant;
 mod warnings;
 
-pub use error::{Error, ObserverError};
-pub use job::{FitJob, Observer, Outcome};
+pub use error::Error;
+pub use job::{FitJob, Outcome};
