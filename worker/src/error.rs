@@ -22,9 +22,9 @@ pub enum Error {
         /// The system's error.
         source: std::io::Error,
     },
-    /// CUDA was asked for and cannot be used.
-    #[error("CUDA cannot be used: {0}")]
-    NoCuda(String),
+    /// The chosen backend cannot be opened.
+    #[error(transparent)]
+    Backend(#[from] bendtwin_backends::Error),
     /// The compute device failed. A device that has failed once may fail or lie from then on, so the
     /// process must restart.
     #[error("the compute device failed ({0}); this worker ends so that a fresh one can start")]
@@ -50,7 +50,7 @@ impl Problem for Error {
         match self {
             Self::Options(_) | Self::Address { .. } => Category::InvalidArgument,
             Self::Listen { .. } | Self::System { .. } => Category::Unavailable,
-            Self::NoCuda(_) => Category::FailedPrecondition,
+            Self::Backend(e) => e.category(),
             Self::Refused(_) => Category::PermissionDenied,
             Self::DeviceFailed(_) | Self::Panicked(_) => Category::Internal,
         }
@@ -61,7 +61,7 @@ impl Problem for Error {
             Self::Address { .. } => "INVALID_SERVER_ADDRESS",
             Self::Listen { .. } => "CANNOT_LISTEN",
             Self::System { .. } => "SYSTEM_REFUSED",
-            Self::NoCuda(_) => "NO_CUDA",
+            Self::Backend(e) => e.reason(),
             Self::DeviceFailed(_) => "DEVICE_FAILED",
             Self::Refused(_) => "WORKER_REFUSED",
             Self::Panicked(_) => "JOB_PANICKED",

@@ -5,12 +5,11 @@ use std::sync::{
     atomic::{AtomicUsize, Ordering},
 };
 
-use bendtwin_core::Params;
+use bendtwin_core::{CancelToken, Params};
 use bendtwin_engine::{
     Backend, Device, Loaded, Model,
     backend::{
-        CancelToken, Divergence, Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs,
-        Rollout,
+        Divergence, Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout,
     },
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };

@@ -120,7 +120,9 @@ impl Fits {
             let outcome = match caught {
                 Ok(Ok(finished)) => Outcome::Finished(Box::new(finished)),
                 Ok(Err(fault)) => Outcome::Failed(fault),
-                Err(panic) => Outcome::Panicked(crate::device::panic_text(&*panic)),
+                Err(panic) => {
+                    Outcome::Panicked(bendtwin_core::error::panic_text(&*panic).to_owned())
+                }
             };
             let _ = done.send(outcome);
         });

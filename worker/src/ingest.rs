@@ -7,11 +7,10 @@
 //! ```
 //!
 //! [`protocol`] defines the messages between the two, `child` is the worker's side, `process` the
-//! child's, and [`observe()`] the work itself; `deliver` takes the result to the server.
+//! child's, and [`bendtwin_ingest::ingest()`] the work itself; `deliver` takes the result to the server.
 
 mod child;
 mod deliver;
-mod observe;
 mod process;
 mod protocol;
 
@@ -23,13 +22,10 @@ use tempfile::TempDir;
 use tokio_util::sync::CancellationToken;
 use tracing::Instrument as _;
 
+pub use self::process::ingest_capture;
 use self::{
     child::Child,
     protocol::{ARCHIVE, CHECKPOINT, Request},
-};
-pub use self::{
-    observe::{Observed, Watcher, observe},
-    process::ingest_capture,
 };
 use crate::{
     artifact,

@@ -15,7 +15,6 @@
 //! from the last checkpoint.
 
 mod artifact;
-mod backend;
 mod device;
 mod error;
 #[cfg(test)]
@@ -32,8 +31,7 @@ mod run;
 mod scratch;
 mod server_client;
 
-pub use backend::{BackendChoice, BackendOptions, open_backend};
 pub use error::Error;
-pub use ingest::{Observed, Watcher, ingest_capture, observe};
+pub use ingest::ingest_capture;
 pub use options::{Limits, Options};
 pub use run::run;

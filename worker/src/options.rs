@@ -2,7 +2,9 @@
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
-use crate::{BackendOptions, Error};
+use bendtwin_backends as backends;
+
+use crate::Error;
 
 /// Approximate memory of the process that reads a capture before it has read anything [bytes].
 const LEAST_INGEST_BYTES: u64 = 64 << 20;
@@ -15,7 +17,7 @@ pub struct Options {
     /// The token that server and workers share.
     pub token: String,
     /// Backend and device to compute on.
-    pub backend: BackendOptions,
+    pub backend: backends::Options,
     /// Address at which rollouts are answered; port 0 takes a free one.
     pub listen: SocketAddr,
     /// URL `http://host:port` at which the server reaches `listen`, where that differs (in a
@@ -95,7 +97,7 @@ impl Options {
         Self {
             server: server.into(),
             token: token.into(),
-            backend: BackendOptions::default(),
+            backend: backends::Options::default(),
             listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             advertise: None,
             cache_dir: None,

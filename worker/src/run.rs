@@ -14,7 +14,7 @@ use tokio_util::sync::CancellationToken;
 use tonic::transport::server::TcpIncoming;
 
 use crate::{
-    Error, Options, backend,
+    Error, Options,
     device::Device,
     fit::Fits,
     ingest::Ingests,
@@ -141,7 +141,7 @@ async fn open_device(
     fatal: mpsc::UnboundedSender<Error>,
 ) -> Result<Device, Error> {
     let backend = options.backend.clone();
-    let open = move || backend::open_backend(&backend);
+    let open = move || Ok(bendtwin_backends::open(&backend)?);
     tokio::task::spawn_blocking(move || Device::spawn(open, fatal))
         .await
         .map_err(|e| Error::Panicked(e.to_string()))?
@@ -154,7 +154,7 @@ fn register_request(id: WorkerId, endpoint: &str, device: &Device) -> RegisterRe
         endpoint: endpoint.to_owned(),
         backend: description.kind.clone(),
         device: description.name.clone(),
-        build: concat!("bendtwin ", env!("CARGO_PKG_VERSION")).to_owned(),
+        build: bendtwin_core::BUILD.to_owned(),
         lanes: u32::try_from(description.lanes).unwrap_or(u32::MAX),
     }
 }

@@ -2,8 +2,8 @@
 
 use std::{path::PathBuf, sync::Arc};
 
+use bendtwin_backends as backends;
 use bendtwin_engine::Backend;
-use bendtwin_worker::{BackendChoice, BackendOptions, open_backend};
 use clap::Args;
 
 use crate::failure;
@@ -16,7 +16,7 @@ const GPU_JOBS: usize = 4;
 pub(crate) struct BackendArgs {
     /// Backend: auto (CUDA if this machine has it), cpu or cuda
     #[arg(long, env = "BENDTWIN_BACKEND", value_name = "BACKEND", default_value = "auto")]
-    backend: BackendChoice,
+    backend: backends::Choice,
     /// CUDA device, counted from 0
     #[arg(long, env = "BENDTWIN_DEVICE", value_name = "N", default_value_t = 0)]
     device: usize,
@@ -26,9 +26,9 @@ pub(crate) struct BackendArgs {
 }
 
 impl BackendArgs {
-    /// The options for the worker crate; compiled kernels are kept in `kernel_dir`.
-    pub(crate) fn options(&self, kernel_dir: Option<PathBuf>) -> BackendOptions {
-        BackendOptions {
+    /// Options for opening a backend; compiled kernels are kept in `kernel_dir`.
+    pub(crate) fn options(&self, kernel_dir: Option<PathBuf>) -> backends::Options {
+        backends::Options {
             choice: self.backend,
             device: self.device,
             device_memory: self.device_memory_mib.map(|mib| mib.saturating_mul(1 << 20)),
@@ -38,7 +38,7 @@ impl BackendArgs {
 
     /// Opens it in this process.
     pub(crate) fn open(&self) -> anyhow::Result<Arc<dyn Backend>> {
-        open_backend(&self.options(None)).map_err(failure::failed)
+        backends::open(&self.options(None)).map_err(failure::failed)
     }
 
     /// Opens one backend for each job side by side: `jobs` of them, or as many as suit the device,
@@ -65,9 +65,9 @@ impl BackendArgs {
         let free = first.memory().map(|m| m.total.saturating_sub(m.used) / 10 * 9);
         options.device_memory = options.device_memory.or(free).map(|bytes| bytes / jobs as u64);
         // What was found once must not be something else the second time.
-        options.choice = BackendChoice::Cuda;
+        options.choice = backends::Choice::Cuda;
         // The first one holds the device open meanwhile, and goes.
-        (0..jobs).map(|_| open_backend(&options).map_err(failure::failed)).collect()
+        (0..jobs).map(|_| backends::open(&options).map_err(failure::failed)).collect()
     }
 
     /// The same choice as environment variables, for a server's workers.

@@ -7,7 +7,8 @@ use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use anyhow::Context as _;
 use bendtwin_bench::{FitPlan, Plan, Report, SceneName, Scheme, Subject};
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::CancelToken;
+use bendtwin_engine::Backend;
 use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
 
 use crate::{backend::BackendArgs, failure, global::Global, output, signals};

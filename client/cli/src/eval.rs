@@ -4,8 +4,8 @@ mod local;
 
 use std::{path::PathBuf, sync::Arc};
 
-use bendtwin_core::{Quality, Twin};
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::{CancelToken, Quality, Twin};
+use bendtwin_engine::Backend;
 use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, fast_variant, format_table};
 use clap::Args;
 use serde_json::json;

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use bendtwin_capture::Limits;
 use bendtwin_client::FitProgress;
-use bendtwin_core::{Capture, Fault, Stage, settings::ingest::IngestSettings};
-use bendtwin_engine::backend::CancelToken;
-use bendtwin_worker::Watcher;
+use bendtwin_core::{
+    CancelToken, Capture, Fault, Observer, Stage, settings::ingest::IngestSettings,
+};
+use bendtwin_ingest::{Progress, Step, ingest};
 
 use crate::progress::FitBar;
 
@@ -19,8 +20,7 @@ pub(crate) fn read(path: &Path, cancel: &CancelToken, quiet: bool) -> Result<Cap
     let (name, settings) = (path.display().to_string(), IngestSettings::default());
     let mut bar = Bar { quiet, shown: None };
     let limits = Limits::default();
-    let observed =
-        bendtwin_worker::observe(path, &name, &settings, &limits, None, &mut bar, cancel);
+    let observed = ingest(path, &name, &settings, &limits, None, &mut bar, cancel);
     if let Some(bar) = bar.shown {
         bar.finish();
     }
@@ -33,12 +33,12 @@ struct Bar {
     shown: Option<FitBar>,
 }
 
-impl Watcher for Bar {
-    fn progress(&mut self, step: &str, fraction: f64) {
-        if step == "read" {
+impl Observer<Progress> for Bar {
+    fn progress(&mut self, Progress { step, fraction }: Progress) {
+        if step == Step::Read {
             return;
         }
-        let stage = format!("{} {step}", Stage::Ingest.as_str());
+        let stage = format!("{} {}", Stage::Ingest.as_str(), step.as_str());
         let bar = self.shown.get_or_insert_with(|| FitBar::new(self.quiet));
         bar.show(&FitProgress { stage, fraction, ..FitProgress::default() });
     }

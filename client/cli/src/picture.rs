@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::Context as _;
-use bendtwin_core::{Capture, Twin, quality::Predictor};
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::{CancelToken, Capture, Twin, quality::Predictor};
+use bendtwin_engine::Backend;
 use bendtwin_eval::{
     picture::{Model, Picture},
     predict, predictor_name,

@@ -5,8 +5,8 @@ mod options;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use bendtwin_backends as backends;
 use bendtwin_server::Service;
-use bendtwin_worker::BackendChoice;
 use clap::Args;
 
 use crate::{failure, output, signals};
@@ -29,7 +29,7 @@ pub(crate) struct Server {
     workers: Option<u32>,
     /// Backend of these workers: auto (CUDA if this machine has it), cpu or cuda [default: auto]
     #[arg(long, env = "BENDTWIN_BACKEND", value_name = "BACKEND")]
-    backend: Option<BackendChoice>,
+    backend: Option<backends::Choice>,
     /// CUDA devices of these workers, assigned in turn, counted from 0 [default: 0]
     #[arg(long, env = "BENDTWIN_DEVICES", value_name = "N,...", value_delimiter = ',')]
     devices: Option<Vec<u32>>,

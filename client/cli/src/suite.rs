@@ -8,8 +8,7 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::{Category, Fault};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Category, Fault};
 use bendtwin_study::{
     Folder, Invocation, Plan, PlanOptions, Selection, Suite, Table, Tally, draw_pictures,
 };
@@ -126,8 +125,8 @@ fn build() -> String {
         std::io::Result::Ok(hasher.finalize().to_hex())
     };
     match digest() {
-        Ok(digest) => format!("{} ({})", bendtwin_fit::BUILD, &digest[..12]),
-        Err(_) => bendtwin_fit::BUILD.to_owned(),
+        Ok(digest) => format!("{} ({})", bendtwin_core::BUILD, &digest[..12]),
+        Err(_) => bendtwin_core::BUILD.to_owned(),
     }
 }
 

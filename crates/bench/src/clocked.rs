@@ -8,10 +8,10 @@ use std::sync::{
     atomic::{AtomicU64, Ordering},
 };
 
-use bendtwin_core::Params;
+use bendtwin_core::{CancelToken, Params};
 use bendtwin_engine::{
     Backend, Device, Error, Loaded, Model,
-    backend::{CancelToken, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
+    backend::{Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
     optimizer::{Decay, Optimizer, OptimizerInit},
 };
 

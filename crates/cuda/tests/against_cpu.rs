@@ -3,11 +3,11 @@
 
 use std::sync::{Arc, OnceLock};
 
-use bendtwin_core::Params;
+use bendtwin_core::{CancelToken, Params};
 use bendtwin_cuda::{Options, cuda};
 use bendtwin_engine::{
     Backend, Model, Objective, PointLoss, Term,
-    backend::{CancelToken, GradientRequest, Instance, Outputs},
+    backend::{GradientRequest, Instance, Outputs},
     conformance::{RandomOptions, random_model, random_motion},
     cpu,
     objective::WeightedTerm,

@@ -3,15 +3,9 @@
 //! Batch-first: one rollout is a batch of one. Instances of a batch may have
 //! different graphs. Same input, build and device: bit-identical output.
 
-use std::{
-    any::Any,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
-};
+use std::{any::Any, sync::Arc};
 
-use bendtwin_core::{Category, Params, Point, Problem};
+use bendtwin_core::{CancelToken, Category, Params, Point, Problem};
 
 use crate::{
     model::{Model, State},
@@ -90,21 +84,6 @@ pub struct Divergence {
     pub frame: usize,
     /// First node concerned.
     pub node: usize,
-}
-
-/// Stops a batch early; checked between frames. Clones share the flag.
-#[derive(Clone, Debug, Default)]
-pub struct CancelToken(Arc<AtomicBool>);
-
-impl CancelToken {
-    /// Asks the work to stop.
-    pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-    /// Whether stopping was asked for.
-    pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
 }
 
 /// A model on the device. Cheap to clone.

@@ -31,7 +31,7 @@ pub(crate) mod system;
 
 use std::sync::Arc;
 
-use bendtwin_core::Params;
+use bendtwin_core::{CancelToken, Params};
 use rayon::prelude::*;
 
 use self::{
@@ -44,8 +44,7 @@ use self::{
 use crate::{
     Model,
     backend::{
-        Backend, CancelToken, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss,
-        Outputs, Rollout,
+        Backend, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss, Outputs, Rollout,
     },
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };

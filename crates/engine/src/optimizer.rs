@@ -7,7 +7,7 @@ mod host;
 mod parameter;
 mod parameterization;
 
-use bendtwin_core::Timing;
+use bendtwin_core::{CancelToken, Timing};
 use serde::{Deserialize, Serialize};
 
 pub use self::{
@@ -17,7 +17,7 @@ pub use self::{
     parameterization::{Parameterization, Scale, Section},
 };
 use crate::{
-    backend::{CancelToken, Error, GradientRequest, Instance, Loaded, Loss},
+    backend::{Error, GradientRequest, Instance, Loaded, Loss},
     model::State,
 };
 

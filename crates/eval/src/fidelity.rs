@@ -9,10 +9,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, FastVariant, Point, Sequence, Twin};
+use bendtwin_core::{CancelToken, Capture, FastVariant, Point, Sequence, Twin};
 use bendtwin_engine::{
     Backend, Model, Objective,
-    backend::{self, CancelToken, Instance, Outputs},
+    backend::{self, Instance, Outputs},
     fidelity::Reduction,
     stable_substeps,
 };

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, Graph, Point, Sequence, Twin};
+use bendtwin_core::{CancelToken, Capture, Graph, Point, Sequence, Twin};
 use bendtwin_engine::{
     Backend, Loaded, Model, Objective,
-    backend::{CancelToken, Divergence, Instance, Outputs},
+    backend::{Divergence, Instance, Outputs},
     model::State,
 };
 

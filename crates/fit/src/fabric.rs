@@ -3,10 +3,9 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Environment, Graph, Params, Timing, settings::Substeps};
+use bendtwin_core::{CancelToken, Environment, Graph, Params, Timing, settings::Substeps};
 use bendtwin_engine::{
-    Backend, Loaded, Model,
-    backend::{self, CancelToken},
+    Backend, Loaded, Model, backend,
     build::{Connectivity, MIN_REST_LENGTH_M, Notes, connect_with_notes, rest_geometry},
     enough_substeps, stable_substeps,
 };

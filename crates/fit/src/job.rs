@@ -2,15 +2,14 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, FitSettings, Progress, Stage, Twin, quality::Predictor};
-use bendtwin_engine::{
-    Backend,
-    backend::{self, CancelToken},
+use bendtwin_core::{
+    CancelToken, Capture, FitSettings, Observer, Progress, Stage, Twin, quality::Predictor,
 };
+use bendtwin_engine::{Backend, backend};
 use bendtwin_eval::{EvaluateOptions, evaluate, fast_variant};
 
 use crate::{
-    Error, ObserverError,
+    Error,
     checkpoint::{Checkpoint, Identity, VariantState},
     cmaes::default_population,
     meter::{Meter, Report},
@@ -34,27 +33,6 @@ pub struct FitJob<'a> {
     pub backend: Arc<dyn Backend>,
 }
 
-/// Who is told how a fit goes on.
-pub trait Observer {
-    /// Called after every iteration.
-    fn progress(&mut self, progress: Progress);
-
-    /// Called after every iteration with all that is needed to go on from there in another process.
-    ///
-    /// # Errors
-    /// If the fit should end, because the checkpoint cannot be kept.
-    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError>;
-}
-
-/// An observer that looks away.
-impl Observer for () {
-    fn progress(&mut self, _progress: Progress) {}
-
-    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
-    }
-}
-
 /// What a fit makes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
@@ -74,7 +52,7 @@ impl FitJob<'_> {
     pub fn run(
         &self,
         checkpoint: Option<&[u8]>,
-        observer: &mut dyn Observer,
+        observer: &mut dyn Observer<Progress>,
         cancel: &CancelToken,
     ) -> Result<Outcome, Error> {
         let task = Task::new(self.capture, &self.settings)?;
@@ -96,7 +74,7 @@ struct Run<'a> {
     variants: Vec<Variant>,
     identity: Identity,
     meter: Meter,
-    observer: &'a mut dyn Observer,
+    observer: &'a mut dyn Observer<Progress>,
     cancel: &'a CancelToken,
 }
 
@@ -110,14 +88,13 @@ impl<'a> Run<'a> {
     fn new(
         job: &'a FitJob<'a>,
         task: &'a Task<'a>,
-        observer: &'a mut dyn Observer,
+        observer: &'a mut dyn Observer<Progress>,
         cancel: &'a CancelToken,
     ) -> Self {
         let variants = Variant::all(task);
         let identity = Identity {
             capture_digest: job.capture_digest.clone(),
             settings: job.settings.clone(),
-            build: crate::BUILD.to_owned(),
             backend: job.backend.device().kind,
         };
         let search_frames = task.search_set().iter().map(|t| t.frames).sum();
@@ -139,8 +116,8 @@ impl<'a> Run<'a> {
     }
 
     fn keep(&mut self, variants: Vec<VariantState>) -> Result<(), Error> {
-        let checkpoint = Checkpoint { identity: self.identity.clone(), variants };
-        self.observer.checkpoint(checkpoint.to_bytes()?).map_err(Error::Observer)
+        let checkpoint = Checkpoint { variants }.to_bytes(&self.identity)?;
+        self.observer.checkpoint(checkpoint).map_err(Error::Observer)
     }
 
     fn report(&mut self, report: Report<'_>) {

@@ -23,8 +23,5 @@ mod task;
 mod variant;
 mod warnings;
 
-pub use error::{Error, ObserverError};
-pub use job::{FitJob, Observer, Outcome};
-
-/// What twins and checkpoints say of the software that made them.
-pub const BUILD: &str = concat!("bendtwin ", env!("CARGO_PKG_VERSION"));
+pub use error::Error;
+pub use job::{FitJob, Outcome};

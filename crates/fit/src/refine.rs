@@ -11,9 +11,10 @@ use std::{
     sync::Arc,
 };
 
+use bendtwin_core::CancelToken;
 use bendtwin_engine::{
     Backend,
-    backend::{CancelToken, GradientRequest, Instance},
+    backend::{GradientRequest, Instance},
     model::State,
     optimizer::{Decay, GradientNorm, GradientSample, Optimizer, OptimizerInit},
 };

@@ -3,10 +3,8 @@
 
 use std::sync::Arc;
 
-use bendtwin_engine::{
-    Backend, Loaded,
-    backend::{self, CancelToken},
-};
+use bendtwin_core::CancelToken;
+use bendtwin_engine::{Backend, Loaded, backend};
 use rayon::prelude::*;
 
 use crate::{

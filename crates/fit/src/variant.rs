@@ -125,7 +125,7 @@ impl Variant {
                 capture_digest: job.capture_digest.clone(),
                 capture_name: job.capture.name.clone(),
                 settings: Some(self.settings.clone()),
-                build: crate::BUILD.to_owned(),
+                build: bendtwin_core::BUILD.to_owned(),
                 backend: job.backend.device().kind,
                 source_to_world: job.capture.source_to_world,
             },

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use bendtwin_capture::{MakeOptions, Scene, digest, make};
-use bendtwin_core::{FitSettings, Twin};
+use bendtwin_core::{CancelToken, FitSettings, Twin};
 use bendtwin_engine::{
     Model, Objective,
-    backend::{CancelToken, Instance, Outputs},
+    backend::{Instance, Outputs},
     model::State,
 };
 use bendtwin_fit::FitJob;

@@ -1,7 +1,7 @@
 //! Inspection of a recording: scan, judgement, pictures.
 
 use bendtwin_capture::raw::Recording;
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::CancelToken;
 
 use crate::{
     Error, Finding,

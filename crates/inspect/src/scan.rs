@@ -6,8 +6,7 @@ pub(crate) mod mask;
 pub(crate) mod tracks;
 
 use bendtwin_capture::raw::{Camera, ColorImage, Frames, Recording, Region, Tracks};
-use bendtwin_core::Problem as _;
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Problem as _};
 use rayon::prelude::*;
 
 use self::{crop::Crop, mask::MaskStats, tracks::TrackCounts};

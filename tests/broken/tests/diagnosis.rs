@@ -2,8 +2,7 @@
 
 use bendtwin_broken::{Expected, Sample, all, archives, files, footage};
 use bendtwin_capture::{Limits, Severity, raw};
-use bendtwin_core::{Fault, Problem};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Fault, Problem};
 use bendtwin_inspect::{Inspection, Verdict, inspect};
 
 const MAX_BYTES: u64 = 1_000_000_000;

@@ -12,7 +12,7 @@ const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "objec
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
 const PHYSICS: [&str; 11] = [
     "bendtwin-inspect",
-    "bendtwin-ingest",
+    "bendtwin-lift",
     "bendtwin-flow",
     "bendtwin-mesh",
     "bendtwin-engine",
@@ -48,7 +48,7 @@ const RULES: [Rule; 7] = [
             "bendtwin-fit",
             "bendtwin-eval",
             "bendtwin-capture",
-            "bendtwin-ingest",
+            "bendtwin-lift",
             "bendtwin-inspect",
             "bendtwin-bench",
         ],

@@ -12,12 +12,10 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::Params;
+use bendtwin_core::{CancelToken, Params};
 use bendtwin_engine::{
     Backend, Device as Description, Loaded, Model,
-    backend::{
-        CancelToken, Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout,
-    },
+    backend::{Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
     optimizer::{Decay, Optimizer, OptimizerInit},
 };
 

@@ -3,13 +3,10 @@ use std::sync::{
     atomic::{AtomicUsize, Ordering},
 };
 
-use bendtwin_core::{Environment, Graph, Params, Timing};
+use bendtwin_core::{CancelToken, Environment, Graph, Params, Timing};
 use bendtwin_engine::{
     Loaded, Model, Objective,
-    backend::{
-        CancelToken, Error as EngineError, Gradient, GradientRequest, Instance, Loss, Outputs,
-        Rollout,
-    },
+    backend::{Error as EngineError, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
     model::State,
     optimizer::{
         Decay, GradientSample, HostOptimizer, Optimizer, OptimizerInit, Parameter,

@@ -6,13 +6,11 @@ use std::{
     time::{Duration, Instant},
 };
 
+use bendtwin_core::error::panic_text;
 use bendtwin_engine::{Backend, Device as Description, backend::Memory};
 use tokio::sync::mpsc;
 
-use super::{
-    panic_text,
-    queue::{Broken, Queue},
-};
+use super::queue::{Broken, Queue};
 use crate::Error;
 
 /// Time between two samples of the device's memory; a sample may wait for the driver.
@@ -107,7 +105,7 @@ impl Threads {
             let error = match catch_unwind(AssertUnwindSafe(|| task(backend))) {
                 Ok(Ok(())) => None,
                 Ok(Err(Broken(why))) => Some(Error::DeviceFailed(why)),
-                Err(panic) => Some(Error::Panicked(panic_text(&*panic))),
+                Err(panic) => Some(Error::Panicked(panic_text(&*panic).to_owned())),
             };
             if let Some(error) = error {
                 // Both queues: what one thread broke, the other must not use.

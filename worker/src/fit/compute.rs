@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Fault, FitSettings, Problem as _, Progress, Stage, Twin};
-use bendtwin_fit::{FitJob, Observer, ObserverError};
+use bendtwin_core::{
+    Fault, FitSettings, Observer, ObserverError, Problem as _, Progress, Stage, Twin,
+};
+use bendtwin_fit::FitJob;
 use bendtwin_proto::worker::v1::Lease;
 use bytes::Bytes;
 use tempfile::NamedTempFile;
@@ -89,7 +91,7 @@ struct JobObserver {
     stage_ended: bool,
 }
 
-impl Observer for JobObserver {
+impl Observer<Progress> for JobObserver {
     fn progress(&mut self, progress: Progress) {
         self.stage_ended = progress.iteration >= progress.iterations;
         self.compute.progress.set(progress);

@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use bendtwin_core::{Category, Fault};
+use bendtwin_ingest::unread;
 use bendtwin_inspect::Verdict;
 use bendtwin_proto::worker::v1::{EndIngestRequest, IngestWrite, Lease, end_ingest_request::Part};
 use bytes::Bytes;
@@ -12,7 +13,6 @@ use tokio_util::io::ReaderStream;
 
 use super::{
     child::Ended,
-    observe::unread,
     process::write_report,
     protocol::{OBSERVATION, PAGE, REPORT},
 };

@@ -7,14 +7,14 @@ use std::{
 };
 
 use bendtwin_capture as capture;
-use bendtwin_core::{Fault, Problem as _, Progress, Stage, settings::ingest::IngestSettings};
-use bendtwin_ingest::{CancelToken, ObserverError};
+use bendtwin_core::{
+    CancelToken, Fault, Observer, ObserverError, Problem as _, Progress, Stage,
+    settings::ingest::IngestSettings,
+};
+use bendtwin_ingest::{Error, Observed, ingest};
 use bendtwin_inspect::Report;
 
-use super::{
-    observe::{Observed, Watcher, observe},
-    protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, REPORT, Request},
-};
+use super::protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, REPORT, Request};
 
 /// Least time between two progress messages.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(200);
@@ -38,8 +38,9 @@ pub fn ingest_capture(folder: &Path) -> io::Result<()> {
 fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
     let settings: IngestSettings = match request.settings.trim() {
         "" => IngestSettings::default(),
-        json => serde_json::from_str(json)
-            .map_err(|e| bendtwin_ingest::Error::Settings(vec![e.to_string()]).fault())?,
+        json => {
+            serde_json::from_str(json).map_err(|e| Error::Settings(vec![e.to_string()]).fault())?
+        }
     };
     // What is known to need more is refused with a reason before it is tried.
     let standard = capture::Limits::default();
@@ -51,7 +52,7 @@ fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
     let mut reporter = StdoutReporter { checkpoint: folder.join(CHECKPOINT), reported_at: None };
     let checkpoint = std::fs::read(folder.join(CHECKPOINT)).ok();
     let archive = folder.join(ARCHIVE);
-    let Observed { capture, report } = observe(
+    let Observed { capture, report } = ingest(
         &archive,
         &request.name,
         &settings,
@@ -115,18 +116,18 @@ struct StdoutReporter {
     reported_at: Option<Instant>,
 }
 
-impl Watcher for StdoutReporter {
-    fn progress(&mut self, step: &str, fraction: f64) {
+impl Observer<bendtwin_ingest::Progress> for StdoutReporter {
+    fn progress(&mut self, progress: bendtwin_ingest::Progress) {
         if self.reported_at.is_some_and(|at| at.elapsed() < PROGRESS_INTERVAL) {
             return;
         }
         self.reported_at = Some(Instant::now());
         let progress = Progress {
             stage: Stage::Ingest,
-            variant: step.to_owned(),
+            variant: progress.step.as_str().to_owned(),
             iteration: 0,
             iterations: 0,
-            fraction,
+            fraction: progress.fraction,
             loss: None,
             best_loss: None,
             eta_s: None,

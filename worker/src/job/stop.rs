@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::CancelToken;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 

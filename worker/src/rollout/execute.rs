@@ -2,9 +2,10 @@
 
 use std::{ops::Range, time::Instant};
 
+use bendtwin_core::CancelToken;
 use bendtwin_engine::{
     Backend as _,
-    backend::{CancelToken, GradientRequest, Outputs, Rollout},
+    backend::{GradientRequest, Outputs, Rollout},
 };
 use bendtwin_proto::v1::{RollOutResponse, roll_out_response::Timing};
 

@@ -7,10 +7,13 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use bendtwin_core::{Capture, Point, Twin, ids::CaptureId, ids::TwinId};
+use bendtwin_core::{
+    CancelToken, Capture, Point, Twin,
+    ids::{CaptureId, TwinId},
+};
 use bendtwin_engine::{
     Backend as _, Objective,
-    backend::{CancelToken, Instance, Outputs},
+    backend::{Instance, Outputs},
     model::State,
 };
 use bendtwin_eval::{check_capture, initial_state};

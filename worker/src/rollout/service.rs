@@ -8,8 +8,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use bendtwin_core::{Problem as _, ids::TwinId};
-use bendtwin_engine::backend::{self, CancelToken};
+use bendtwin_core::{CancelToken, Problem as _, ids::TwinId};
+use bendtwin_engine::backend;
 use bendtwin_proto::{
     deadline::timeout,
     fault,

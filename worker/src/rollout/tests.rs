@@ -6,10 +6,10 @@ mod fidelity;
 use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{
-    Category, Contact, Environment, Graph, NodeKind, Params, Problem as _, Quality, Timing, Twin,
-    environment::ControlVelocity, ids::TwinId, twin::Provenance,
+    CancelToken, Category, Contact, Environment, Graph, NodeKind, Params, Problem as _, Quality,
+    Timing, Twin, environment::ControlVelocity, ids::TwinId, twin::Provenance,
 };
-use bendtwin_engine::{Backend, Model, backend::CancelToken};
+use bendtwin_engine::{Backend, Model};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, InitialState, Returns, RollOutRequest, RollOutResponse, Tensor,
     cost::{Keypoints, Kind, Smoothness, TargetCloud, When},

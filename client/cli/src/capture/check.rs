@@ -5,8 +5,7 @@ use std::path::Path;
 use bendtwin_capture::{
     CheckReport, Finding, Limits, Opened, Severity, check_path, raw::Recording,
 };
-use bendtwin_core::Problem as _;
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Problem as _};
 
 use crate::{failure, global::Global, output};
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use bendtwin_capture::{Limits, Opened};
 use bendtwin_client::CaptureId;
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::CancelToken;
 use bendtwin_inspect::{Inspection, Report, inspect, inspect_observed};
 use clap::Args;
 

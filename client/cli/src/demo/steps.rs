@@ -5,8 +5,7 @@ use std::{path::PathBuf, time::Instant};
 use anyhow::Context as _;
 use bendtwin_capture::make::{MakeOptions, Scene};
 use bendtwin_client::{CaptureId, Cost, Fit, Rollout, TwinId, TwinModel};
-use bendtwin_core::{Capture, FitSettings, Quality};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Capture, FitSettings, Quality};
 use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, format_table};
 use serde_json::json;
 

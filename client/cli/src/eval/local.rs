@@ -3,9 +3,9 @@
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_client::FitProgress;
-use bendtwin_core::{Capture, FitSettings, Progress, Twin};
-use bendtwin_engine::{Backend, backend::CancelToken};
-use bendtwin_fit::{FitJob, Observer, ObserverError};
+use bendtwin_core::{CancelToken, Capture, FitSettings, Observer, Progress, Twin};
+use bendtwin_engine::Backend;
+use bendtwin_fit::FitJob;
 
 use crate::{failure, progress::FitBar};
 
@@ -38,7 +38,7 @@ pub(super) fn fit(
 
 struct Bar(FitBar);
 
-impl Observer for Bar {
+impl Observer<Progress> for Bar {
     fn progress(&mut self, progress: Progress) {
         self.0.show(&FitProgress {
             stage: progress.stage.as_str().to_owned(),
@@ -51,9 +51,5 @@ impl Observer for Bar {
             eta_s: progress.eta_s,
             note: progress.note.unwrap_or_default(),
         });
-    }
-
-    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
     }
 }

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::Timing;
+use bendtwin_core::{CancelToken, Timing};
 use bendtwin_engine::{
     Error, Loaded,
-    backend::{CancelToken, GradientRequest},
+    backend::GradientRequest,
     optimizer::{GradientNorm, GradientSample, Optimizer, Position},
 };
 

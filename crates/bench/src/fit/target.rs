@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, NodeKind, Sequence};
+use bendtwin_core::{CancelToken, Capture, NodeKind, Sequence};
 use bendtwin_engine::{
     Backend, Model,
-    backend::{CancelToken, Instance, Outputs},
+    backend::{Instance, Outputs},
     model::State,
 };
 use rand::{RngExt, SeedableRng};

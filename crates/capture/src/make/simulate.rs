@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Pin, Point, Timing, environment::ControlVelocity,
+    CancelToken, Contact, Environment, Graph, NodeKind, Params, Pin, Point, Timing,
+    environment::ControlVelocity,
 };
 use bendtwin_engine::{
     Backend, Model, Objective,
-    backend::{CancelToken, Instance, Outputs},
+    backend::{Instance, Outputs},
     model::State,
     stable_substeps,
 };

@@ -2,13 +2,10 @@
 
 use std::{ops::Range, sync::Arc};
 
-use bendtwin_core::Params;
+use bendtwin_core::{CancelToken, Params};
 use bendtwin_engine::{
     Backend, Device as Description, Error, Loaded, Model,
-    backend::{
-        CancelToken, Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Outputs,
-        Rollout,
-    },
+    backend::{Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
     check,
     model::State,
     optimizer::{Decay, Optimizer, OptimizerInit},

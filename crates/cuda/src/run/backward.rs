@@ -4,11 +4,8 @@
 mod slots;
 mod windows;
 
-use bendtwin_core::Graph;
-use bendtwin_engine::{
-    Error,
-    backend::{CancelToken, GradientRequest},
-};
+use bendtwin_core::{CancelToken, Graph};
+use bendtwin_engine::{Error, backend::GradientRequest};
 
 use self::{
     slots::Slots,

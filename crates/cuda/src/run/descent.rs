@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Params, Timing};
+use bendtwin_core::{CancelToken, Params, Timing};
 use bendtwin_engine::{
     Backend, Error, Loaded, Model,
-    backend::{CancelToken, GradientRequest, Instance},
+    backend::{GradientRequest, Instance},
     optimizer::{
         Adam, Decay, EPSILON, GradientNorm, GradientSample, Optimizer, OptimizerInit,
         Parameterization, Position, Scale,

@@ -5,10 +5,10 @@ use std::{
     sync::Arc,
 };
 
-use bendtwin_core::{Point, environment::ControlVelocity};
+use bendtwin_core::{CancelToken, Point, environment::ControlVelocity};
 use bendtwin_engine::{
     Error, Model,
-    backend::{CancelToken, Divergence, Instance},
+    backend::{Divergence, Instance},
     model::State,
 };
 use cudarc::driver::CudaStream;

@@ -5,9 +5,11 @@ use super::{
     random::{RandomOptions, random_model, random_motion, random_objective},
     scene::{Scene, only},
 };
+use bendtwin_core::CancelToken;
+
 use crate::{
     Backend, Error,
-    backend::{CancelToken, GradientRequest, Instance, Outputs},
+    backend::{GradientRequest, Instance, Outputs},
 };
 
 /// Scenes of different sizes, lengths and features.

@@ -8,9 +8,11 @@ use super::{
     random::{RandomOptions, random_model, random_motion, random_objective},
     scene::Scene,
 };
+use bendtwin_core::CancelToken;
+
 use crate::{
     Backend, PointLoss, Term,
-    backend::{CancelToken, Gradient, GradientRequest, Outputs},
+    backend::{Gradient, GradientRequest, Outputs},
     objective::WeightedTerm,
 };
 

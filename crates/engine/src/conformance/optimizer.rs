@@ -10,12 +10,13 @@ use super::{
 };
 use crate::{
     Backend, Error, PointLoss, Term,
-    backend::{CancelToken, GradientRequest},
+    backend::GradientRequest,
     objective::WeightedTerm,
     optimizer::{
         GradientNorm, GradientSample, OptimizerInit, Parameter, Parameterization, Position, Scale,
     },
 };
+use bendtwin_core::CancelToken;
 
 /// Losses, lengths and final states are those of `gradients` through the chain rule: to 1e-5, which leaves
 /// room for a sum in f32 and another order.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Pin, Plane, environment::ControlVelocity};
+use bendtwin_core::{CancelToken, Pin, Plane, environment::ControlVelocity};
 
 use super::{
     expect::{Outcome, ensure},
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     Backend, Error, Loaded, PointLoss, Term,
-    backend::{CancelToken, GradientRequest, Instance, Outputs},
+    backend::{GradientRequest, Instance, Outputs},
     objective::WeightedTerm,
 };
 

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
+    CancelToken, Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
     environment::ControlVelocity,
 };
 
 use crate::{
     Backend, Error, Loaded, Model, Objective,
-    backend::{CancelToken, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
+    backend::{Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
     build::{NodeSample, rest_geometry},
     model::State,
 };

@@ -82,9 +82,11 @@ fn overdamped_models_lose_damping_first() {
 
 #[test]
 fn the_backend_takes_every_variant_and_it_does_not_diverge() {
+    use bendtwin_core::CancelToken;
+
     use crate::{
         Objective,
-        backend::{CancelToken, Instance, Outputs},
+        backend::{Instance, Outputs},
         model::State,
     };
     let backend = crate::cpu_with_threads(1);

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::Timing;
+use bendtwin_core::{CancelToken, Timing};
 
 use super::{
     Bounds, Decay, GradientNorm, GradientSample, Optimizer, OptimizerInit, Parameterization,
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     Model,
-    backend::{Backend, CancelToken, Error, GradientRequest, Instance, Loaded},
+    backend::{Backend, Error, GradientRequest, Instance, Loaded},
 };
 
 /// The CPU backend's optimizer, and the reference that others are compared with.

@@ -1,14 +1,14 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use bendtwin_capture::{MakeOptions, Scene, make};
-use bendtwin_core::{FitSettings, Params, Progress, Stage, settings::GradientWindow};
+use bendtwin_core::{FitSettings, Observer, Params, Progress, Stage, settings::GradientWindow};
 use bendtwin_engine::{
     Device, Loaded, Model,
     backend::{Error as EngineError, Gradient, Loss, Outputs, Rollout},
     optimizer::HostOptimizer,
 };
 
-use crate::{FitJob, Observer, ObserverError};
+use crate::FitJob;
 
 use super::*;
 
@@ -76,14 +76,11 @@ impl Backend for Watched {
 #[derive(Default)]
 struct Passes(Vec<Progress>);
 
-impl Observer for Passes {
+impl Observer<Progress> for Passes {
     fn progress(&mut self, progress: Progress) {
         if progress.stage == Stage::Refine {
             self.0.push(progress);
         }
-    }
-    fn checkpoint(&mut self, _: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
     }
 }
 
@@ -187,13 +184,10 @@ struct Counting {
     after_passes: Vec<usize>,
 }
 
-impl Observer for Counting {
+impl Observer<Progress> for Counting {
     fn progress(&mut self, progress: Progress) {
         if progress.stage == Stage::Refine {
             self.after_passes.push(self.scored.load(Ordering::Relaxed));
         }
-    }
-    fn checkpoint(&mut self, _: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
     }
 }

@@ -274,7 +274,7 @@ fn one_frame_and_none() {
 #[test]
 fn a_request_to_stop_is_heard() {
     let (_, recording) = healthy();
-    let cancel = bendtwin_engine::backend::CancelToken::default();
+    let cancel = bendtwin_core::CancelToken::default();
     let stop = cancel.clone();
     let error = inspect(&recording, &cancel, &mut |_| stop.cancel()).unwrap_err();
     assert!(matches!(error, crate::Error::Cancelled));

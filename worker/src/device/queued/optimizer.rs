@@ -3,10 +3,10 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use bendtwin_core::Timing;
+use bendtwin_core::{CancelToken, Timing};
 use bendtwin_engine::{
     Backend, Loaded,
-    backend::{CancelToken, Error, GradientRequest},
+    backend::{Error, GradientRequest},
     optimizer::{Decay, GradientNorm, GradientSample, Optimizer, OptimizerInit, Position},
 };
 

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use bendtwin_core::CancelToken;
+
 use crate::{
     Backend,
-    backend::{CancelToken, GradientRequest},
+    backend::GradientRequest,
     conformance::{
         random::{RandomOptions, random_model, random_motion, random_objective},
         scene::Scene,

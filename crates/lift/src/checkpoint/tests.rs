@@ -8,9 +8,9 @@ fn identity() -> Identity {
 
 #[test]
 fn a_checkpoint_is_read_back() {
-    let mut checkpoint = Checkpoint::new(identity());
+    let mut checkpoint = Checkpoint::default();
     checkpoint.units.push(Surveyed { missing_frames: 3, ..Surveyed::default() });
-    let bytes = checkpoint.to_bytes().unwrap();
+    let bytes = checkpoint.to_bytes(&identity()).unwrap();
     assert_eq!(Checkpoint::from_bytes(&bytes, &identity(), 2, 4).unwrap(), checkpoint);
     for wrong in [&bytes[..bytes.len() - 1], &bytes[..3], &bytes[..6], b"other"] {
         let error = Checkpoint::from_bytes(wrong, &identity(), 2, 4).unwrap_err();

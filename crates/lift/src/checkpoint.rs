@@ -1,34 +1,27 @@
-//! What an ingest needs to go on in another process: a magic word, a version, then postcard.
+//! What lifting needs to resume in another process: postcard in the envelope that all checkpoints share.
 
 use bendtwin_capture::raw::{self, Recording};
-use bendtwin_core::settings::ingest::IngestSettings;
+use bendtwin_core::{checkpoint::Kind, settings::ingest::IngestSettings};
 use bendtwin_flow::{CameraTracks, TrackerQuality};
 use serde::{Deserialize, Serialize};
 
-use crate::{BUILD, Error, survey::Surveyed};
+use crate::{Error, survey::Surveyed};
 
-/// The first bytes of every checkpoint.
-const MAGIC: &[u8; 4] = b"BTIC";
-/// Raised by every change of [`Checkpoint`] or of what a unit computes.
-const VERSION: u32 = 1;
+/// Checkpoints of lifting. The version rises with every change of [`Checkpoint`] or of what a unit computes.
+const KIND: Kind = Kind { name: "ingest", magic: *b"BTIC", version: 2 };
 
 /// All that takes long.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
-    identity: Identity,
     /// What the built-in tracker found, by camera; empty before, or if it is not needed.
     pub(crate) tracked: Vec<Tracked>,
     /// Units that are done, in the order of [`crate::survey::units`].
     pub(crate) units: Vec<Surveyed>,
 }
 
-/// Which ingest a checkpoint belongs to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Identity {
-    recording: [u8; 32],
-    settings: IngestSettings,
-    build: String,
-}
+/// The work that a checkpoint belongs to: a digest of recording and settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Identity([u8; 32]);
 
 /// Tracks of a camera that the built-in tracker made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,49 +69,30 @@ impl Identity {
             let visible: Vec<u8> = tracks.visible.iter().map(|v| u8::from(*v)).collect();
             digest.update(&visible);
         }
-        Self {
-            recording: *digest.finalize().as_bytes(),
-            settings: settings.clone(),
-            build: BUILD.to_owned(),
-        }
+        digest.update(format!("{settings:?}").as_bytes());
+        Self(*digest.finalize().as_bytes())
     }
 }
 
 impl Checkpoint {
-    pub(crate) fn new(identity: Identity) -> Self {
-        Self { identity, tracked: Vec::new(), units: Vec::new() }
+    /// The checkpoint of the work `identity` as bytes.
+    pub(crate) fn to_bytes(&self, identity: &Identity) -> Result<Vec<u8>, Error> {
+        let content = postcard::to_stdvec(self).map_err(|e| Error::Checkpoint(e.to_string()))?;
+        Ok(KIND.seal(&identity.0, &content))
     }
 
-    pub(crate) fn to_bytes(&self) -> Result<Vec<u8>, Error> {
-        let head = [MAGIC.as_slice(), &VERSION.to_le_bytes()].concat();
-        postcard::to_extend(self, head).map_err(|e| Error::Checkpoint(e.to_string()))
-    }
-
-    /// Reads a checkpoint of the ingest `identity`, of a recording with so many cameras and units.
+    /// Reads a checkpoint of the work `identity`, of a recording with so many cameras and units.
     pub(crate) fn from_bytes(
         bytes: &[u8],
         identity: &Identity,
         cameras: usize,
         units: usize,
     ) -> Result<Self, Error> {
-        let damaged = |why: &str| Error::Checkpoint(why.to_owned());
-        let rest =
-            bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("it is no ingest checkpoint"))?;
-        let (version, content) =
-            rest.split_first_chunk().ok_or_else(|| damaged("it is cut short"))?;
-        let version = u32::from_le_bytes(*version);
-        if version != VERSION {
-            return Err(Error::Checkpoint(format!(
-                "it has version {version}, this build reads {VERSION}"
-            )));
-        }
+        let content = KIND.open(bytes, &identity.0)?;
         let checkpoint: Self =
             postcard::from_bytes(content).map_err(|e| Error::Checkpoint(e.to_string()))?;
-        if checkpoint.identity != *identity {
-            return Err(Error::OtherCheckpoint);
-        }
         if ![0, cameras].contains(&checkpoint.tracked.len()) || checkpoint.units.len() > units {
-            return Err(damaged("its parts do not fit together"));
+            return Err(Error::Checkpoint("its parts do not fit together".to_owned()));
         }
         Ok(checkpoint)
     }

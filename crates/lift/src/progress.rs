@@ -1,8 +1,6 @@
-//! Who is told how an ingest goes on.
+//! Progress of lifting.
 
 use serde::{Deserialize, Serialize};
-
-use crate::ObserverError;
 
 /// What an ingest is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -25,25 +23,4 @@ pub struct Progress {
     pub step: Step,
     /// Share of the whole ingest that is done, 0..=1.
     pub fraction: f64,
-}
-
-/// Who is told how an ingest goes on.
-pub trait Observer {
-    /// Called after every unit of work.
-    fn progress(&mut self, progress: Progress);
-
-    /// Called after every unit of work with all that is needed to go on from there in another process.
-    ///
-    /// # Errors
-    /// If the ingest should end, because the checkpoint cannot be kept.
-    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError>;
-}
-
-/// An observer that looks away.
-impl Observer for () {
-    fn progress(&mut self, _progress: Progress) {}
-
-    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
-    }
 }

@@ -5,8 +5,7 @@
 //! the next, one that is off has a motion that is not valid. PhysTwin compares a motion with the mean of its
 //! neighbours'; a rigid fit also gives turns their due.
 
-use bendtwin_core::{Point, settings::ingest::MotionSettings};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Point, settings::ingest::MotionSettings};
 use rayon::prelude::*;
 
 use crate::{Error, error::check, grid::Grid, rigid, tracks::Tracks};

@@ -1,5 +1,5 @@
 //! Lifts a raw recording and says how near its tracks are to the clean ones:
-//! `cargo run --release -p bendtwin-ingest --example score -- RECORDING [--observation OUT.zip] [--settings JSON]`
+//! `cargo run --release -p bendtwin-lift --example score -- RECORDING [--observation OUT.zip] [--settings JSON]`
 //!
 //! With `--lifted` the path is a capture that is lifted already. With `--judged-by CAPTURE` what is written has only the start
 //! and the control points of the recording, and what the capture observed after that: `bendtwin eval OUT.zip --twin TWIN` then
@@ -13,8 +13,8 @@ use bendtwin_capture::{
     make::{FilmOptions, Scene, film},
     raw, write_bundle_file,
 };
-use bendtwin_core::{Capture, settings::ingest::IngestSettings};
-use bendtwin_ingest::{CancelToken, Observer, ObserverError, Progress, ingest, score};
+use bendtwin_core::{CancelToken, Capture, Observer, settings::ingest::IngestSettings};
+use bendtwin_lift::{Progress, lift, score};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -32,13 +32,9 @@ struct Request {
 /// Says how far it is.
 struct Console;
 
-impl Observer for Console {
+impl Observer<Progress> for Console {
     fn progress(&mut self, progress: Progress) {
         eprint!("\r{:?} {:.0} %   ", progress.step, 100.0 * progress.fraction);
-    }
-
-    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
     }
 }
 
@@ -55,7 +51,7 @@ fn main() -> Result<(), Failure> {
         let recording = raw::open(&request.path, &limits)?;
         let start = Instant::now();
         let lifted =
-            ingest(&recording, &request.settings, None, &mut Console, &CancelToken::default())?;
+            lift(&recording, &request.settings, None, &mut Console, &CancelToken::default())?;
         eprintln!("\nlifted in {:.1} s", start.elapsed().as_secs_f64());
         println!("{}", serde_json::to_string_pretty(&lifted.evidence)?);
         lifted.capture

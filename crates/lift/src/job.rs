@@ -6,7 +6,7 @@ mod gather;
 mod refuse;
 
 use bendtwin_capture::raw::{Recording, Tracks};
-use bendtwin_core::{Capture, settings::ingest::IngestSettings};
+use bendtwin_core::{CancelToken, Capture, Observer, settings::ingest::IngestSettings};
 use bendtwin_flow::FlowSettings;
 use rayon::prelude::*;
 
@@ -16,7 +16,7 @@ use self::{
     gather::Assembly,
 };
 use crate::{
-    CancelToken, Error, Evidence, Observer, Progress, Step,
+    Error, Evidence, Progress, Step,
     checkpoint::{Checkpoint, Identity, Tracked},
     error::check,
     survey::{Unit, survey, units},
@@ -44,11 +44,11 @@ pub struct Observation {
 /// # Errors
 /// If settings, recording or checkpoint are wrong, frames cannot be read, there is nothing to lift, the observer asks to
 /// stop, or `cancel` is set (within a second).
-pub fn ingest(
+pub fn lift(
     recording: &Recording,
     settings: &IngestSettings,
     checkpoint: Option<&[u8]>,
-    observer: &mut dyn Observer,
+    observer: &mut dyn Observer<Progress>,
     cancel: &CancelToken,
 ) -> Result<Observation, Error> {
     settings.validate().map_err(Error::Settings)?;
@@ -59,9 +59,9 @@ pub fn ingest(
     let all = units(recording);
     let mut done = match checkpoint {
         Some(bytes) => Checkpoint::from_bytes(bytes, &identity, cameras, all.len())?,
-        None => Checkpoint::new(identity),
+        None => Checkpoint::default(),
     };
-    let mut run = Run { recording, settings, observer, cancel };
+    let mut run = Run { recording, settings, identity, observer, cancel };
     let made_here: Vec<bool> = supplied.iter().map(Option::is_none).collect();
     let tracks = run.track(supplied, &mut done)?;
     run.survey(&tracks, &all, &mut done)?;
@@ -95,7 +95,8 @@ fn supplied_tracks(recording: &Recording) -> Result<Vec<Option<Tracks>>, Error> 
 struct Run<'a> {
     recording: &'a Recording,
     settings: &'a IngestSettings,
-    observer: &'a mut dyn Observer,
+    identity: Identity,
+    observer: &'a mut dyn Observer<Progress>,
     cancel: &'a CancelToken,
 }
 
@@ -105,7 +106,7 @@ impl Run<'_> {
     }
 
     fn keep(&mut self, done: &Checkpoint) -> Result<(), Error> {
-        self.observer.checkpoint(done.to_bytes()?).map_err(Error::Observer)
+        self.observer.checkpoint(done.to_bytes(&self.identity)?).map_err(Error::Observer)
     }
 
     /// Tracks of every camera: those supplied, or else made here.

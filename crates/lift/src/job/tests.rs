@@ -1,9 +1,8 @@
 use bendtwin_capture::raw::Distortion;
-use bendtwin_core::{Problem, settings::ingest::IngestSettings};
+use bendtwin_core::{ObserverError, Problem, settings::ingest::IngestSettings};
 
 use super::*;
 use crate::{
-    ObserverError,
     rigid::distance,
     score,
     testing::{Story, hand_middle, place, point},
@@ -11,7 +10,7 @@ use crate::{
 
 fn run(story: Story) -> Result<Observation, Error> {
     let recording = story.recording();
-    ingest(&recording, &IngestSettings::default(), None, &mut (), &CancelToken::default())
+    lift(&recording, &IngestSettings::default(), None, &mut (), &CancelToken::default())
 }
 
 /// Keeps the checkpoints, and gives up after so many.
@@ -27,7 +26,7 @@ impl Keeper {
     }
 }
 
-impl Observer for Keeper {
+impl Observer<Progress> for Keeper {
     fn progress(&mut self, progress: Progress) {
         self.fractions.push(progress.fraction);
     }
@@ -127,22 +126,22 @@ fn it_goes_on_from_any_checkpoint_to_the_same_observation() {
     let settings = IngestSettings::default();
     let cancel = CancelToken::default();
     let mut keeper = Keeper::new(usize::MAX);
-    let whole = ingest(&story(), &settings, None, &mut keeper, &cancel).unwrap();
+    let whole = lift(&story(), &settings, None, &mut keeper, &cancel).unwrap();
     assert!(keeper.kept.len() > 1);
     assert!(keeper.fractions.is_sorted());
     assert_eq!(keeper.fractions.last(), Some(&1.0));
     for most in [0, 1] {
         let mut stopped = Keeper::new(most);
-        let error = ingest(&story(), &settings, None, &mut stopped, &cancel).unwrap_err();
+        let error = lift(&story(), &settings, None, &mut stopped, &cancel).unwrap_err();
         assert_eq!(error.reason(), "CHECKPOINT_NOT_KEPT");
         let from = stopped.kept.last().map(Vec::as_slice);
-        assert_eq!(ingest(&story(), &settings, from, &mut (), &cancel).unwrap(), whole);
+        assert_eq!(lift(&story(), &settings, from, &mut (), &cancel).unwrap(), whole);
     }
     let last = keeper.kept.last().unwrap();
     let other = IngestSettings { spacing_m: 0.004, ..settings.clone() };
-    let error = ingest(&story(), &other, Some(last), &mut (), &cancel).unwrap_err();
+    let error = lift(&story(), &other, Some(last), &mut (), &cancel).unwrap_err();
     assert_eq!(error.reason(), "CHECKPOINT_OF_ANOTHER_INGEST");
-    let error = ingest(&story(), &settings, Some(&last[..40]), &mut (), &cancel).unwrap_err();
+    let error = lift(&story(), &settings, Some(&last[..40]), &mut (), &cancel).unwrap_err();
     assert_eq!(error.reason(), "CHECKPOINT_UNREADABLE");
 }
 
@@ -175,8 +174,7 @@ fn what_cannot_be_lifted_is_said_in_words() {
     let stopped = CancelToken::default();
     stopped.cancel();
     let recording = Story::default().recording();
-    let error =
-        ingest(&recording, &IngestSettings::default(), None, &mut (), &stopped).unwrap_err();
+    let error = lift(&recording, &IngestSettings::default(), None, &mut (), &stopped).unwrap_err();
     assert_eq!(error.reason(), "CANCELLED");
 }
 
@@ -201,7 +199,7 @@ fn recordings_that_contradict_themselves_are_refused() {
         let mut recording = Story::default().recording();
         change(&mut recording);
         let settings = IngestSettings::default();
-        let error = ingest(&recording, &settings, None, &mut (), &CancelToken::default());
+        let error = lift(&recording, &settings, None, &mut (), &CancelToken::default());
         assert_eq!(error.unwrap_err().reason(), "RECORDING_INCONSISTENT");
     };
     refused(|r| r.cameras.clear());
@@ -236,7 +234,7 @@ fn without_tracks_the_built_in_tracker_makes_them_once() {
     let story = || Story { tracked: false, frames: 5, ..Story::default() }.recording();
     let (settings, cancel) = (IngestSettings::default(), CancelToken::default());
     let mut keeper = Keeper::new(usize::MAX);
-    let whole = ingest(&story(), &settings, None, &mut keeper, &cancel).unwrap();
+    let whole = lift(&story(), &settings, None, &mut keeper, &cancel).unwrap();
     assert!(keeper.fractions.is_sorted());
     assert!(whole.evidence.cameras.iter().all(|c| c.tracker.is_some() && c.tracks > 50));
     let sequence = &whole.capture.sequences[0];
@@ -250,6 +248,6 @@ fn without_tracks_the_built_in_tracker_makes_them_once() {
     }
     let from = keeper.kept.first().map(Vec::as_slice);
     let mut again = Keeper::new(usize::MAX);
-    assert_eq!(ingest(&story(), &settings, from, &mut again, &cancel).unwrap(), whole);
+    assert_eq!(lift(&story(), &settings, from, &mut again, &cancel).unwrap(), whole);
     assert!(again.fractions[0] > TRACKED, "what was tracked is not tracked again");
 }

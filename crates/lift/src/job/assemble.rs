@@ -1,8 +1,9 @@
 //! From what all units saw to one capture.
 
 use bendtwin_capture::{Finding, Severity};
-use bendtwin_core::{Capture, Sequence, capture::Object, settings::ingest::IngestSettings};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{
+    CancelToken, Capture, Sequence, capture::Object, settings::ingest::IngestSettings,
+};
 use bendtwin_flow::Texture;
 
 use super::{

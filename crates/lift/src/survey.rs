@@ -1,11 +1,11 @@
 //! Reading frames: a unit of work is a block of frames of one camera, whose masks are cleaned and whose tracks are lifted.
 
 use bendtwin_capture::raw::{self, Camera, ColorImage, Frames, Recording, Region};
-use bendtwin_core::{Point, settings::ingest::IngestSettings};
+use bendtwin_core::{CancelToken, Point, settings::ingest::IngestSettings};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    CancelToken, Error,
+    Error,
     clean::{Label, clean},
     error::check,
     evidence::{LiftCounts, MaskCounts},

@@ -1,5 +1,5 @@
-//! Which backend computes, and how it is opened. The only place that knows of more than one: workers,
-//! `bendtwin eval` and `bendtwin bench` all come here.
+//! The choice of the backend, and how it is opened. The only crate that knows more than one backend:
+//! workers and all commands with physics in them open theirs here.
 
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
@@ -8,13 +8,12 @@ use std::{
     sync::Arc,
 };
 
+use bendtwin_core::{Category, Problem, error::panic_text};
 use bendtwin_engine::{self as engine, Backend};
 
-use crate::{Error, device::panic_text};
-
-/// Which backend computes.
+/// Choice of the backend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum BackendChoice {
+pub enum Choice {
     /// CUDA if this machine has it, else the CPU.
     #[default]
     Auto,
@@ -24,7 +23,7 @@ pub enum BackendChoice {
     Cuda,
 }
 
-impl FromStr for BackendChoice {
+impl FromStr for Choice {
     type Err = String;
     fn from_str(s: &str) -> Result<Self, String> {
         match s {
@@ -36,7 +35,7 @@ impl FromStr for BackendChoice {
     }
 }
 
-impl std::fmt::Display for BackendChoice {
+impl std::fmt::Display for Choice {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Auto => "auto",
@@ -46,25 +45,43 @@ impl std::fmt::Display for BackendChoice {
     }
 }
 
-/// What computes, and what of it may be used.
+/// Backend and the part of its device that may be used.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct BackendOptions {
-    /// Which backend.
-    pub choice: BackendChoice,
-    /// Which CUDA device, as CUDA counts them.
+pub struct Options {
+    /// Choice of the backend.
+    pub choice: Choice,
+    /// Index of the CUDA device, as CUDA counts them.
     pub device: usize,
     /// CUDA memory that may be used [bytes]; nine tenths of what is free if none.
     pub device_memory: Option<u64>,
-    /// Where compiled kernels are kept between runs; the user's cache folder if none.
+    /// Folder in which compiled kernels are kept between runs; the user's cache folder if none.
     pub kernel_dir: Option<PathBuf>,
 }
 
-/// Opens the backend that was chosen. With [`BackendChoice::Auto`] a machine without CUDA computes on
+/// CUDA was asked for and cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("CUDA cannot be used: {0}")]
+pub struct Error(
+    /// Message of the driver or of the CUDA backend.
+    pub String,
+);
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        Category::FailedPrecondition
+    }
+
+    fn reason(&self) -> &'static str {
+        "NO_CUDA"
+    }
+}
+
+/// Opens the backend that was chosen. With [`Choice::Auto`] a machine without CUDA computes on
 /// its CPU, and one line of the log says why.
 ///
 /// # Errors
 /// If CUDA was asked for and cannot be used.
-pub fn open_backend(options: &BackendOptions) -> Result<Arc<dyn Backend>, Error> {
+pub fn open(options: &Options) -> Result<Arc<dyn Backend>, Error> {
     let cuda = || {
         bendtwin_cuda::cuda(&bendtwin_cuda::Options {
             ordinal: options.device,
@@ -77,21 +94,21 @@ pub fn open_backend(options: &BackendOptions) -> Result<Arc<dyn Backend>, Error>
 }
 
 fn choose(
-    choice: BackendChoice,
+    choice: Choice,
     cuda: impl FnOnce() -> Result<Arc<dyn Backend>, engine::Error>,
     cpu: impl FnOnce() -> Arc<dyn Backend>,
 ) -> Result<Arc<dyn Backend>, Error> {
     let refusal = match choice {
-        BackendChoice::Cpu => return Ok(cpu()),
+        Choice::Cpu => return Ok(cpu()),
         // A driver without a function that is looked for ends in a panic.
-        BackendChoice::Auto | BackendChoice::Cuda => match caught(cuda) {
+        Choice::Auto | Choice::Cuda => match caught(cuda) {
             Ok(backend) => return Ok(backend),
             Err(engine::Error::Device(why)) => why,
             Err(other) => other.to_string(),
         },
     };
     match choice {
-        BackendChoice::Cuda => Err(Error::NoCuda(refusal)),
+        Choice::Cuda => Err(Error(refusal)),
         _ => {
             tracing::info!("computing on the CPU, for CUDA cannot be used: {refusal}");
             Ok(cpu())
@@ -99,9 +116,9 @@ fn choose(
     }
 }
 
-fn caught<T>(open: impl FnOnce() -> Result<T, engine::Error>) -> Result<T, engine::Error> {
-    catch_unwind(AssertUnwindSafe(open))
-        .unwrap_or_else(|panic| Err(engine::Error::Device(panic_text(&*panic))))
+fn caught<T>(opening: impl FnOnce() -> Result<T, engine::Error>) -> Result<T, engine::Error> {
+    catch_unwind(AssertUnwindSafe(opening))
+        .unwrap_or_else(|panic| Err(engine::Error::Device(panic_text(&*panic).to_owned())))
 }
 
 #[cfg(test)]

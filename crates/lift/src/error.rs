@@ -1,10 +1,6 @@
 //! Why a recording cannot become a capture, in words that tell its owner what to do.
 
-use bendtwin_core::{Category, Problem};
-use bendtwin_engine::backend::CancelToken;
-
-/// What an observer answers when it cannot keep a checkpoint.
-pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
+use bendtwin_core::{CancelToken, Category, ObserverError, Problem, checkpoint::Refusal};
 
 /// Why an ingest fails.
 #[derive(Debug, thiserror::Error)]
@@ -123,6 +119,15 @@ impl From<bendtwin_flow::Error> for Error {
             bendtwin_flow::Error::Cancelled => Self::Cancelled,
             bendtwin_flow::Error::Recording(error) => Self::Recording(error),
             other => Self::Tracker(other),
+        }
+    }
+}
+
+impl From<Refusal> for Error {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::OtherWork => Self::OtherCheckpoint,
+            other => Self::Checkpoint(other.to_string()),
         }
     }
 }
