@@ -3,7 +3,7 @@
 use bendtwin_core::FitSettings;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, cmaes::CmaEs, refine::WalkState};
+use crate::{Error, cmaes::CmaEs, refine::RunState};
 
 /// The first bytes of every checkpoint.
 const MAGIC: &[u8; 4] = b"BTFC";
@@ -15,8 +15,8 @@ const VERSION: u32 = 5;
 pub(crate) struct Checkpoint {
     /// What it belongs to.
     pub(crate) identity: Identity,
-    /// Where each variant is, in the order of the fit.
-    pub(crate) variants: Vec<VariantState>,
+    /// The state of each model's fit, in the order of the fit.
+    pub(crate) models: Vec<ModelFitState>,
 }
 
 /// Which fit a checkpoint belongs to.
@@ -28,17 +28,17 @@ pub(crate) struct Identity {
     pub(crate) backend: String,
 }
 
-/// Where a variant is.
+/// The state of one model's fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum VariantState {
+pub(crate) enum ModelFitState {
     /// In the search, after a generation.
     Search(CmaEs),
     /// In the refinement, after a pass.
     Refine {
-        /// What the search found, in the unit cube.
+        /// Best point of the search, in the unit cube.
         point: Vec<f64>,
-        /// The walk from there.
-        walk: WalkState,
+        /// The optimizer run from there.
+        run: RunState,
     },
 }
 

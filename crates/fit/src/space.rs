@@ -13,7 +13,7 @@ use bendtwin_core::{
 };
 use bendtwin_engine::build::Connectivity;
 
-use crate::{fabric::Fabric, task::Task};
+use crate::{built_graph::BuiltGraph, task::Task};
 
 /// Steps of searched radii [m]: finer ones would only make graphs that are equal in all but name.
 const RADIUS_STEP_M: f64 = 5e-4;
@@ -265,10 +265,10 @@ impl Candidate {
         Environment { gravity, ..said }
     }
 
-    /// Parameters of a fabric: the same for every spring, every triplet and every rod.
-    pub(crate) fn params(&self, fabric: &Fabric) -> Params {
-        let Fabric { rest_lengths_m, rest_angles_rad, .. } = fabric;
-        let (e, t, r) = (rest_lengths_m.len(), rest_angles_rad.len(), fabric.graph.rods.len());
+    /// Parameters of a graph: the same for every spring, every triplet and every rod.
+    pub(crate) fn params(&self, built: &BuiltGraph) -> Params {
+        let BuiltGraph { rest_lengths_m, rest_angles_rad, .. } = built;
+        let (e, t, r) = (rest_lengths_m.len(), rest_angles_rad.len(), built.graph.rods.len());
         Params {
             spring_stiffness: vec![self.stiffness as f32; e],
             spring_dashpot: vec![self.dashpot as f32; e],

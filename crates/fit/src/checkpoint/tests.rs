@@ -14,7 +14,7 @@ fn identity(digest: &str) -> Identity {
 
 fn checkpoint() -> Checkpoint {
     let search = CmaEs::new(vec![0.5; 3], 0.2, 0, 7);
-    Checkpoint { identity: identity("a"), variants: vec![VariantState::Search(search)] }
+    Checkpoint { identity: identity("a"), models: vec![ModelFitState::Search(search)] }
 }
 
 #[test]
