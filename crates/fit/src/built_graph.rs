@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Environment, Graph, Params, Timing, settings::Substeps};
+use bendtwin_core::{Environment, Graph, Params, Timing, capture::Subject, settings::Substeps};
 use bendtwin_engine::{
     Backend, Loaded, Model,
     backend::{self, CancelToken},
@@ -31,7 +31,7 @@ impl BuiltGraph {
     pub(crate) fn new(task: &Task<'_>, connectivity: &Connectivity) -> Self {
         let (graph, notes) = connect_with_notes(&task.sample, connectivity);
         let (mut rest_lengths_m, rest_angles_rad) = rest_geometry(&graph, &task.sample);
-        if task.sample.edges.is_some() {
+        if task.subject() == Subject::Cable {
             measure_lengths(task, &graph, &mut rest_lengths_m);
         }
         Self { graph: Arc::new(graph), rest_lengths_m, rest_angles_rad, notes }

@@ -19,6 +19,7 @@ mod refine;
 mod search;
 mod sequences;
 mod space;
+mod subject;
 mod submit;
 mod task;
 mod warnings;
