@@ -3,7 +3,7 @@
 use bendtwin_core::{FitSettings, checkpoint::Kind};
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, cmaes::CmaEs, refine::WalkState};
+use crate::{Error, cmaes::CmaEs, refine::RunState};
 
 /// Checkpoints of fits. The version rises with every change of [`Checkpoint`] or of what a stage computes from it.
 const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 6 };
@@ -11,8 +11,8 @@ const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 6 };
 /// All that changes during a fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
-    /// Where each variant is, in the order of the fit.
-    pub(crate) variants: Vec<VariantState>,
+    /// The state of each model's fit, in the order of the fit.
+    pub(crate) models: Vec<ModelFitState>,
 }
 
 /// The fit that a checkpoint belongs to.
@@ -23,17 +23,17 @@ pub(crate) struct Identity {
     pub(crate) backend: String,
 }
 
-/// Where a variant is.
+/// The state of one model's fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum VariantState {
+pub(crate) enum ModelFitState {
     /// In the search, after a generation.
     Search(CmaEs),
     /// In the refinement, after a pass.
     Refine {
-        /// What the search found, in the unit cube.
+        /// Best point of the search, in the unit cube.
         point: Vec<f64>,
-        /// The walk from there.
-        walk: WalkState,
+        /// The optimizer run from there.
+        run: RunState,
     },
 }
 

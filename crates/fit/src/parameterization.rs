@@ -1,5 +1,5 @@
-//! The space in which the refinement walks: logarithms of stiffnesses, dashpots, dampings, drag and rest lengths
-//! (positive, and their scale is unknown), rest angles, rest twists and contact ratios as they are.
+//! The coordinates of the refinement: logarithms of stiffnesses, dashpots, dampings, drag and rest
+//! lengths (positive, of unknown scale); rest angles, rest twists and contact ratios as they are.
 
 use std::f64::consts::PI;
 
@@ -8,15 +8,15 @@ use bendtwin_engine::optimizer::{Parameter, Parameterization, Scale};
 
 use crate::task::Task;
 
-/// How far rest lengths may move from where they started (a factor, as a logarithm).
+/// Largest change of a rest length, as the logarithm of a factor.
 const REST_LENGTH_SPAN: f64 = 0.2;
-/// How far rest angles may move from where they started [rad].
+/// Largest change of a rest angle [rad].
 const REST_ANGLE_SPAN: f64 = 0.6;
-/// A rest length that moves by a percent says as much as a stiffness that moves by a quarter.
+/// Rest lengths per unit of learning rate: one percent matters as much as a quarter of a stiffness.
 const REST_LENGTH_RATE: f64 = 0.04;
 /// Rest angles [rad] per unit of learning rate.
 const REST_ANGLE_RATE: f64 = 0.05;
-/// How far rest twists may move from where they started [rad].
+/// Largest change of a rest twist [rad].
 const REST_TWIST_SPAN: f64 = 2.0 * PI;
 /// Rest twists [rad] per unit of learning rate: a rod turns by more than any one of its angles.
 const REST_TWIST_RATE: f64 = 1.0;
@@ -85,7 +85,7 @@ fn max_substeps(task: &Task<'_>) -> u32 {
     }
 }
 
-/// Where a coordinate that starts at `start` may go, when a second is divided into so many substeps.
+/// Bounds of a coordinate that starts at `start`, with `per_second` substeps a second.
 fn bounds(parameter: Parameter, start: f64, spacing_m: f64, per_second: f64) -> [f64; 2] {
     let square = spacing_m * spacing_m;
     let logs = |low: f64, high: f64| [low.ln(), high.ln()];
@@ -98,8 +98,8 @@ fn bounds(parameter: Parameter, start: f64, spacing_m: f64, per_second: f64) -> 
             let stiffest = (per_second * per_second / 36.0).min(1e6);
             logs(1e-3 * square, stiffest * square)
         }
-        // Explicit damping is stable up to a rate of two per substep; a node takes part in a dozen triplets, which
-        // act on it by up to six times their damping over a square arm.
+        // Explicit damping is stable up to a rate of two per substep; a node takes part in a dozen
+        // triplets, which act on it by up to six times their damping over a square arm.
         Parameter::BendDamping => logs(1e-4 * square, per_second / 36.0 * square),
         Parameter::RestAngle => {
             [(start - REST_ANGLE_SPAN).max(0.0), (start + REST_ANGLE_SPAN).min(PI)]

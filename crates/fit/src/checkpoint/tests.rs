@@ -13,7 +13,7 @@ fn identity(digest: &str) -> Identity {
 
 fn checkpoint() -> Checkpoint {
     let search = CmaEs::new(vec![0.5; 3], 0.2, 0, 7);
-    Checkpoint { variants: vec![VariantState::Search(search)] }
+    Checkpoint { models: vec![ModelFitState::Search(search)] }
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! One variant's walk: where it was best, how long its steps are, when it goes back. The optimizer takes the
-//! steps and knows where the walk is.
+//! The refinement of one model: its best parameters, the length of its steps, and when it returns to
+//! the best parameters. The engine's optimizer takes the steps and holds the current position.
 
 use std::sync::Arc;
 
@@ -12,26 +12,27 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Error,
-    fabric::{Refusal, load, model},
+    built_graph::{Refusal, build_model, load},
     parameterization::parameterization,
-    refine::pace::Pace,
+    refine::step_control::StepControl,
     sequences,
     task::Task,
 };
 
 /// Margin of stability below which substeps are added.
-const THIN_MARGIN: f64 = 1.15;
+const MIN_MARGIN: f64 = 1.15;
 
-/// What a checkpoint keeps of a walk.
+/// The part of a run that a checkpoint keeps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct WalkState {
+pub(crate) struct RunState {
     /// Passes that are done.
     pub(crate) pass: u32,
-    /// Where the last pass led.
+    /// Position after the last pass.
     position: Position,
     substeps: u32,
-    pace: Pace,
-    /// The loss that was judged last: where the last pass began if it was a single step, otherwise where it led.
+    step_control: StepControl,
+    /// The last loss measured over all training frames: at the start of the last pass if that was a
+    /// single step, otherwise at its end.
     pub(crate) loss: f64,
     pub(crate) best: Best,
 }
@@ -44,22 +45,26 @@ pub(crate) struct Best {
     pub(crate) loss: f64,
 }
 
-/// A walk under way.
-pub(crate) struct Walk<'a> {
-    pub(crate) state: WalkState,
+/// The optimizer run that refines one model.
+pub(crate) struct OptimizerRun<'a> {
+    /// Index of the model in the fit.
+    pub(crate) model: usize,
+    pub(crate) state: RunState,
     pub(crate) graph: Arc<Graph>,
-    /// The model where the walk last arrived; while a pass goes on, the optimizer is ahead of it.
+    /// The model as of the last call of [`OptimizerRun::sync`]; within a pass the optimizer is ahead
+    /// of it.
     pub(crate) loaded: Loaded,
-    /// Something that happened in the last pass and that a person should know.
+    /// A message for people about the last pass.
     pub(crate) note: Option<String>,
     parameterization: Parameterization,
-    sits_out: bool,
+    paused: bool,
     task: &'a Task<'a>,
 }
 
-impl<'a> Walk<'a> {
-    /// At the parameters that the search found.
-    pub(crate) fn start(
+impl<'a> OptimizerRun<'a> {
+    /// A run from the parameters that the search found.
+    pub(crate) fn new(
+        model: usize,
         task: &'a Task<'a>,
         graph: Arc<Graph>,
         params: Params,
@@ -68,29 +73,30 @@ impl<'a> Walk<'a> {
     ) -> Result<(Self, OptimizerInit), Error> {
         let parameterization = parameterization(task, params);
         let position = Position::at_rest(parameterization.start());
-        let model = model(task, &graph, parameterization.params(&position.theta), environment)
-            .map_err(too_stiff)?;
-        let substeps = model.timing.substeps;
-        let loaded = load(backend, model)?.map_err(too_stiff)?;
+        let params = parameterization.params(&position.theta);
+        let initial = build_model(task, &graph, params, environment).map_err(too_stiff)?;
+        let substeps = initial.timing.substeps;
+        let loaded = load(backend, initial)?.map_err(too_stiff)?;
         let best = Best { theta: position.theta.clone(), substeps, loss: f64::INFINITY };
-        let state = WalkState {
+        let state = RunState {
             pass: 0,
             position,
             substeps,
-            pace: Pace::new(task.settings.refine.reach),
+            step_control: StepControl::new(task.settings.refine.reach),
             loss: f64::INFINITY,
             best,
         };
-        Ok(Self::at(task, graph, loaded, parameterization, state))
+        Ok(Self::at(model, task, graph, loaded, parameterization, state))
     }
 
-    /// Where a checkpoint left off; `params` are those that the search found.
-    pub(crate) fn resume(
+    /// A run from a checkpoint; `params` are those that the search found.
+    pub(crate) fn restore(
+        model: usize,
         task: &'a Task<'a>,
         graph: Arc<Graph>,
         params: Params,
         environment: Environment,
-        state: WalkState,
+        state: RunState,
         backend: &dyn Backend,
     ) -> Result<(Self, OptimizerInit), Error> {
         let parameterization = parameterization(task, params);
@@ -101,52 +107,54 @@ impl<'a> Walk<'a> {
                 .map_err(|e| Error::Checkpoint(e.to_string()))?;
         }
         let params = parameterization.params(&state.position.theta);
-        let mut model = model(task, &graph, params, environment).map_err(too_stiff)?;
-        model.timing.substeps = state.substeps;
-        let loaded = load(backend, model)?.map_err(too_stiff)?;
-        Ok(Self::at(task, graph, loaded, parameterization, state))
+        let mut current = build_model(task, &graph, params, environment).map_err(too_stiff)?;
+        current.timing.substeps = state.substeps;
+        let loaded = load(backend, current)?.map_err(too_stiff)?;
+        Ok(Self::at(model, task, graph, loaded, parameterization, state))
     }
 
     fn at(
+        model: usize,
         task: &'a Task<'a>,
         graph: Arc<Graph>,
         loaded: Loaded,
         parameterization: Parameterization,
-        state: WalkState,
+        state: RunState,
     ) -> (Self, OptimizerInit) {
-        let start = OptimizerInit {
+        let init = OptimizerInit {
             loaded: loaded.clone(),
             parameterization: parameterization.clone(),
             position: state.position.clone(),
         };
-        (Self { state, graph, loaded, note: None, parameterization, sits_out: false, task }, start)
+        let (note, paused) = (None, false);
+        (Self { model, state, graph, loaded, note, parameterization, paused, task }, init)
     }
 
     /// Whether it takes part in the steps of this pass.
     pub(crate) fn is_active(&self) -> bool {
-        !self.sits_out
+        !self.paused
     }
 
-    /// How far gradients of this walk reach back.
+    /// How far gradients of this run reach back.
     pub(crate) fn reach(&self) -> usize {
-        self.state.pace.reach()
+        self.state.step_control.reach()
     }
 
     pub(crate) fn begin_pass(&mut self) {
         self.note = None;
-        self.set_out();
+        self.resume();
     }
 
-    /// Takes part again after a back-off, unless its steps have become too short to matter.
-    pub(crate) fn set_out(&mut self) {
-        self.sits_out = !self.state.pace.goes_on();
+    /// Ends a pause after a rollback, unless steps have become too short to matter.
+    pub(crate) fn resume(&mut self) {
+        self.paused = !self.state.step_control.can_continue();
     }
 
     pub(crate) fn end_pass(&mut self) {
         self.state.pass += 1;
     }
 
-    /// The best parameters and the substeps that they were scored with.
+    /// The best parameters, and the timing that they were scored with.
     pub(crate) fn best(&self) -> (Params, Timing) {
         let best = &self.state.best;
         (self.parameterization.params(&best.theta), self.timing(best.substeps))
@@ -156,7 +164,7 @@ impl<'a> Walk<'a> {
         Timing { fps: self.task.capture.fps, substeps }
     }
 
-    /// Moves the optimizer, in which this walk has this index, here and below.
+    /// Moves this run, which has this index in the optimizer, to a position.
     fn move_to(
         &mut self,
         index: usize,
@@ -175,68 +183,69 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Rate of the current pass.
+    /// Learning rate of the current pass.
     fn learning_rate(&self) -> f64 {
         let refine = &self.task.settings.refine;
         let steps = self.state.position.adam.steps;
-        refine.learning_rate * self.state.pace.rate(self.state.pass, refine.passes, steps)
+        refine.learning_rate * self.state.step_control.rate(self.state.pass, refine.passes, steps)
     }
 
-    /// One step down the mean of the gradients that were just measured.
-    pub(crate) fn learn(
+    /// One optimizer step down the mean of the gradients that were just measured.
+    pub(crate) fn step(
         &mut self,
         index: usize,
-        slopes: &[GradientNorm],
+        gradients: &[GradientNorm],
         optimizer: &mut dyn Optimizer,
     ) -> Result<(), Error> {
-        if let Some(d) = slopes.iter().find_map(|s| s.loss.diverged) {
+        if let Some(d) = gradients.iter().find_map(|g| g.loss.diverged) {
             let why = format!("the simulation diverged in frame {}", d.frame);
-            let change = self.state.pace.slow_down();
-            return self.go_back(index, &why, &change, optimizer);
+            let change = self.state.step_control.halve_rate();
+            return self.rollback(index, &why, &change, optimizer);
         }
-        if slopes.iter().any(|s| !(s.norm.is_finite() && s.loss.total.is_finite())) {
-            let change = self.state.pace.overflow();
-            return self.go_back(index, "the gradient is not finite", &change, optimizer);
+        if gradients.iter().any(|g| !(g.norm.is_finite() && g.loss.total.is_finite())) {
+            let change = self.state.step_control.shorten_reach();
+            return self.rollback(index, "the gradient is not finite", &change, optimizer);
         }
-        let losses: Vec<f64> = slopes.iter().map(|s| s.loss.total).collect();
-        let pulls = sequences::pulls(self.task.sequence_mean(), &losses);
-        let lengths: Vec<f64> = slopes.iter().zip(&pulls).map(|(s, pull)| pull * s.norm).collect();
-        let mut weights = weights(&lengths);
-        let length = lengths.iter().zip(&weights).map(|(length, weight)| length * weight).sum();
-        let by = self.state.pace.shorten(length);
-        weights.iter_mut().zip(&pulls).for_each(|(weight, pull)| *weight *= pull * by);
+        let losses: Vec<f64> = gradients.iter().map(|g| g.loss.total).collect();
+        let scales = sequences::gradient_scales(self.task.sequence_mean(), &losses);
+        let norms: Vec<f64> =
+            gradients.iter().zip(&scales).map(|(g, scale)| scale * g.norm).collect();
+        let mut weights = weights(&norms);
+        let norm = norms.iter().zip(&weights).map(|(norm, weight)| norm * weight).sum();
+        let clip = self.state.step_control.clip_factor(norm);
+        weights.iter_mut().zip(&scales).for_each(|(weight, scale)| *weight *= scale * clip);
         Ok(optimizer.step(index, &weights, self.learning_rate())?)
     }
 
-    /// Takes over where the steps of a pass led.
-    pub(crate) fn arrive(
+    /// Takes over the optimizer's position after the steps of a pass.
+    pub(crate) fn sync(
         &mut self,
         index: usize,
         optimizer: &mut dyn Optimizer,
     ) -> Result<(), Error> {
         self.loaded = optimizer.loaded(index)?;
         self.state.position = optimizer.position(index)?;
-        self.settle_substeps(index, optimizer)
+        self.raise_substeps(index, optimizer)
     }
 
-    /// Adds substeps where stiffness has grown; backs off where there are none to add.
-    fn settle_substeps(
-        &mut self,
-        index: usize,
-        optimizer: &mut dyn Optimizer,
-    ) -> Result<(), Error> {
+    /// Adds substeps where stiffness has grown; rolls back where the limit is reached.
+    fn raise_substeps(&mut self, index: usize, optimizer: &mut dyn Optimizer) -> Result<(), Error> {
         let current = self.loaded.model();
         let margin = match self.task.settings.substeps {
-            Substeps::Auto { safety, .. } => safety.min(THIN_MARGIN),
+            Substeps::Auto { safety, .. } => safety.min(MIN_MARGIN),
             Substeps::Fixed(_) => 1.0,
         };
         let with_margin = (f64::from(self.state.substeps) / margin) as u32;
         if enough_substeps(current, with_margin).is_ok() {
             return Ok(());
         }
-        let moved = match model(self.task, &self.graph, current.params.clone(), current.environment)
-        {
-            // At the limit the margin has to give way.
+        let moved = match build_model(
+            self.task,
+            &self.graph,
+            current.params.clone(),
+            current.environment,
+        ) {
+            // At the limit the margin is reduced.
             Ok(model) if model.timing.substeps <= self.state.substeps => return Ok(()),
             Ok(model) => {
                 let position = self.state.position.clone();
@@ -246,12 +255,12 @@ impl<'a> Walk<'a> {
         };
         match moved {
             Ok(()) => {
-                self.say(format!("raised to {} substeps a frame", self.state.substeps));
+                self.note(format!("raised to {} substeps a frame", self.state.substeps));
                 Ok(())
             }
             Err(Refusal::TooStiff(n)) => {
-                let change = self.state.pace.slow_down();
-                self.go_back(
+                let change = self.state.step_control.halve_rate();
+                self.rollback(
                     index,
                     &format!("it would need {n} substeps a frame"),
                     &change,
@@ -261,9 +270,9 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Takes the loss over all training frames of the parameters where it is: keeps them if they are the best,
-    /// goes back to the best after too many that were not.
-    pub(crate) fn judge(
+    /// Records the loss of the current parameters over all training frames: keeps them if they are
+    /// the best so far, returns to the best after too many passes without a gain.
+    pub(crate) fn record_loss(
         &mut self,
         index: usize,
         loss: f64,
@@ -273,32 +282,33 @@ impl<'a> Walk<'a> {
         if loss < self.state.best.loss {
             let (theta, substeps) = (self.state.position.theta.clone(), self.state.substeps);
             self.state.best = Best { theta, substeps, loss };
-            self.state.pace.gain();
+            self.state.step_control.record_gain();
             return Ok(());
         }
         let passes = self.task.settings.refine.passes;
         if !loss.is_finite() {
-            let change = self.state.pace.slow_down();
-            self.go_back(index, "the simulation diverged", &change, optimizer)?;
-        } else if !self.sits_out
-            && let Some(patience) = self.state.pace.no_gain(passes)
+            let change = self.state.step_control.halve_rate();
+            self.rollback(index, "the simulation diverged", &change, optimizer)?;
+        } else if !self.paused
+            && let Some(patience) = self.state.step_control.record_no_gain(passes)
         {
-            let change = self.state.pace.fail();
-            self.go_back(index, &format!("no gain in {patience} passes"), &change, optimizer)?;
+            let change = self.state.step_control.back_off();
+            self.rollback(index, &format!("no gain in {patience} passes"), &change, optimizer)?;
         }
         Ok(())
     }
 
-    /// Notes what happened in this pass, after what has happened in it already.
-    fn say(&mut self, what: String) {
+    /// Appends to the message about this pass.
+    fn note(&mut self, what: String) {
         match &mut self.note {
             Some(note) => note.extend(["; ", &what]),
             None => self.note = Some(what),
         }
     }
 
-    /// Back to the best parameters, without momentum, until the next pass; says why and what changes.
-    fn go_back(
+    /// Returns to the best parameters, without momentum, and pauses until the next pass. `why` and
+    /// `change` go into the message about this pass.
+    fn rollback(
         &mut self,
         index: usize,
         why: &str,
@@ -308,22 +318,22 @@ impl<'a> Walk<'a> {
         let best = &self.state.best;
         let (position, substeps) = (Position::at_rest(best.theta.clone()), best.substeps);
         self.move_to(index, position, substeps, optimizer)?.map_err(too_stiff)?;
-        self.sits_out = true;
-        self.say(format!("{why}: went back to the best parameters, {change}"));
+        self.paused = true;
+        self.note(format!("{why}: went back to the best parameters, {change}"));
         Ok(())
     }
 }
 
-/// Weights of the gradients of a batch. A long rollout now and then comes near a point where the motion branches,
-/// and its gradient is larger than all others by orders of magnitude without saying more: none counts
-/// with more than the median length.
-fn weights(lengths: &[f64]) -> Vec<f64> {
-    // Sequences that say nothing must not silence the others.
-    let mut sorted: Vec<f64> = lengths.iter().copied().filter(|l| *l > 0.0).collect();
+/// Weights of the gradients of a batch, from their norms. A long rollout occasionally comes near a
+/// bifurcation of the motion, and its gradient is larger than all others by orders of magnitude
+/// without carrying more information: no gradient counts with more than the median norm.
+fn weights(norms: &[f64]) -> Vec<f64> {
+    // Sequences without a gradient must not lower the median.
+    let mut sorted: Vec<f64> = norms.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
-    let even = 1.0 / lengths.len().max(1) as f64;
-    let Some(&median) = sorted.get(sorted.len() / 2) else { return vec![even; lengths.len()] };
-    lengths.iter().map(|&l| if l > median { even * median / l } else { even }).collect()
+    let even = 1.0 / norms.len().max(1) as f64;
+    let Some(&median) = sorted.get(sorted.len() / 2) else { return vec![even; norms.len()] };
+    norms.iter().map(|&l| if l > median { even * median / l } else { even }).collect()
 }
 
 fn too_stiff(refusal: Refusal) -> Error {

@@ -1,4 +1,4 @@
-//! How far a fit is, in units of simulated frames, and when it will probably end.
+//! Progress of a fit in units of simulated frames, and the estimated time to its end.
 
 use std::time::Instant;
 
@@ -6,33 +6,33 @@ use bendtwin_core::{Progress, Stage};
 
 use crate::task::Task;
 
-/// A frame with its gradient costs as much as so many frames without, scoring included.
+/// Cost of a frame with its gradient, relative to a frame without, scoring included.
 const GRADIENT_COST: f64 = 5.0;
 /// Share of the job that evaluation takes.
 const EVALUATION_SHARE: f64 = 0.02;
 
-/// Knows the planned work and the work done.
-pub(crate) struct Meter {
+/// The planned work of a fit, to estimate progress by.
+pub(crate) struct ProgressEstimator {
     generation_frames: f64,
     pass_frames: f64,
     generations: u32,
     passes: u32,
-    /// When and where this process began.
+    /// Time and fraction done at this process's first report.
     origin: Option<(Instant, f64)>,
 }
 
-/// Where a variant is.
-pub(crate) struct Report<'a> {
-    pub(crate) variant: &'a str,
+/// Progress of one model.
+pub(crate) struct ModelProgress {
+    pub(crate) model: String,
     pub(crate) stage: Stage,
-    /// Iterations of the stage that are done.
+    /// Completed iterations of the stage.
     pub(crate) iteration: u32,
     pub(crate) loss: Option<f64>,
     pub(crate) best_loss: Option<f64>,
     pub(crate) note: Option<String>,
 }
 
-impl Meter {
+impl ProgressEstimator {
     pub(crate) fn new(task: &Task<'_>, search_frames: usize, population: usize) -> Self {
         let frames: usize = task.training.iter().map(|t| t.frames).sum();
         Self {
@@ -61,8 +61,8 @@ impl Meter {
         if stage == Stage::Ingest { 0.0 } else { share * (1.0 - EVALUATION_SHARE) }
     }
 
-    /// The report of a variant, with the share done and the time left.
-    pub(crate) fn progress(&mut self, report: Report<'_>) -> Progress {
+    /// A model's progress with the fraction of the whole fit that is done, and the time left.
+    pub(crate) fn progress(&mut self, report: ModelProgress) -> Progress {
         let fraction = self.fraction(report.stage, report.iteration);
         let (began, from) = *self.origin.get_or_insert_with(|| (Instant::now(), fraction));
         let gained = fraction - from;
@@ -70,7 +70,7 @@ impl Meter {
             .then(|| began.elapsed().as_secs_f64() / gained * (1.0 - fraction).max(0.0));
         Progress {
             stage: report.stage,
-            variant: report.variant.to_owned(),
+            variant: report.model,
             iteration: report.iteration,
             iterations: match report.stage {
                 Stage::Search => self.generations,

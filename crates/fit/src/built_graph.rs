@@ -1,9 +1,11 @@
-//! From a candidate to a model on the device: its graph (kept, since candidates often share one), its
-//! substeps, its parameters.
+//! From a candidate to a model on the device: its graph (cached, since candidates often share one),
+//! its substeps, its parameters.
 
 use std::sync::Arc;
 
-use bendtwin_core::{CancelToken, Environment, Graph, Params, Timing, settings::Substeps};
+use bendtwin_core::{
+    CancelToken, Environment, Graph, Params, Timing, capture::Subject, settings::Substeps,
+};
 use bendtwin_engine::{
     Backend, Loaded, Model, backend,
     build::{Connectivity, MIN_REST_LENGTH_M, Notes, connect_with_notes, rest_geometry},
@@ -13,45 +15,45 @@ use rayon::prelude::*;
 
 use crate::task::Task;
 
-/// Graphs kept at a time: as many as two generations of candidates need.
-const KEPT: usize = 32;
+/// Number of cached graphs: as many as two generations of candidates need.
+const CACHE_SIZE: usize = 32;
 
 /// A graph with its rest geometry.
 #[derive(Debug)]
-pub(crate) struct Fabric {
+pub(crate) struct BuiltGraph {
     pub(crate) graph: Arc<Graph>,
     pub(crate) rest_lengths_m: Vec<f32>,
     pub(crate) rest_angles_rad: Vec<f32>,
     pub(crate) notes: Notes,
 }
 
-impl Fabric {
-    /// The graph of a connectivity.
+impl BuiltGraph {
+    /// Builds the graph of a connectivity.
     pub(crate) fn new(task: &Task<'_>, connectivity: &Connectivity) -> Self {
         let (graph, notes) = connect_with_notes(&task.sample, connectivity);
         let (mut rest_lengths_m, rest_angles_rad) = rest_geometry(&graph, &task.sample);
-        if task.sample.edges.is_some() {
+        if task.subject() == Subject::Cable {
             measure_lengths(task, &graph, &mut rest_lengths_m);
         }
         Self { graph: Arc::new(graph), rest_lengths_m, rest_angles_rad, notes }
     }
 }
 
-/// Graphs by connectivity, the least recently made forgotten first.
+/// Graphs by connectivity; the least recently built are dropped first.
 #[derive(Default)]
-pub(crate) struct Fabrics {
-    kept: Vec<(Connectivity, Arc<Fabric>)>,
+pub(crate) struct GraphCache {
+    kept: Vec<(Connectivity, Arc<BuiltGraph>)>,
 }
 
-impl Fabrics {
-    /// The fabrics of these connectivities, in their order. Those that are not kept yet are made side by
-    /// side, each once.
+impl GraphCache {
+    /// The graphs of these connectivities, in their order. Missing ones are built in parallel, each
+    /// once.
     pub(crate) fn all(
         &mut self,
         task: &Task<'_>,
         wanted: &[Connectivity],
         cancel: &CancelToken,
-    ) -> Result<Vec<Arc<Fabric>>, backend::Error> {
+    ) -> Result<Vec<Arc<BuiltGraph>>, backend::Error> {
         let mut missing: Vec<Connectivity> = Vec::new();
         for connectivity in wanted {
             let is_kept = self.kept.iter().any(|(c, _)| c == connectivity);
@@ -59,21 +61,23 @@ impl Fabrics {
                 missing.push(*connectivity);
             }
         }
-        let make = |connectivity: Connectivity| match cancel.is_cancelled() {
-            true => Err(backend::Error::Cancelled),
-            false => Ok((connectivity, Arc::new(Fabric::new(task, &connectivity)))),
+        let make = |connectivity: Connectivity| {
+            if cancel.is_cancelled() {
+                return Err(backend::Error::Cancelled);
+            }
+            Ok((connectivity, Arc::new(BuiltGraph::new(task, &connectivity))))
         };
         let made = missing.into_par_iter().map(make).collect::<Result<Vec<_>, _>>()?;
         self.kept.extend(made);
         let find = |wanted: &Connectivity| self.kept.iter().find(|(c, _)| c == wanted);
-        let found = wanted.iter().filter_map(find).map(|(_, fabric)| fabric.clone()).collect();
-        self.kept.drain(..self.kept.len().saturating_sub(KEPT));
+        let found = wanted.iter().filter_map(find).map(|(_, built)| built.clone()).collect();
+        self.kept.drain(..self.kept.len().saturating_sub(CACHE_SIZE));
         Ok(found)
     }
 }
 
-/// A cable hardly stretches: its edges are as long as they were seen to be, on average over the
-/// training frames, which knows more than one measurement of the undeformed cable.
+/// Sets the rest lengths of a cable's edges to their mean observed length over the training frames. A
+/// cable hardly stretches, and the mean is more accurate than one measurement of the undeformed cable.
 fn measure_lengths(task: &Task<'_>, graph: &Graph, lengths_m: &mut [f32]) {
     let n = graph.node_count();
     let springs = graph.springs.iter().zip(lengths_m);
@@ -100,15 +104,15 @@ fn measure_lengths(task: &Task<'_>, graph: &Graph, lengths_m: &mut [f32]) {
     }
 }
 
-/// Why a candidate cannot be simulated.
+/// The reason why a candidate cannot be simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    /// It needs so many substeps, more than the settings allow.
+    /// The number of substeps that it needs, more than the settings allow.
     TooStiff(u32),
 }
 
-/// The model of a graph with parameters, with as many substeps as it needs.
-pub(crate) fn model(
+/// A model of a graph with these parameters and as many substeps as it needs.
+pub(crate) fn build_model(
     task: &Task<'_>,
     graph: &Arc<Graph>,
     params: Params,
@@ -133,7 +137,7 @@ pub(crate) fn substeps(model: &Model, setting: Substeps) -> Result<u32, Refusal>
             Err(needs) => Err(Refusal::TooStiff(needs.needed)),
         },
         Substeps::Auto { safety, max } => match stable_substeps(model).needed {
-            // Up to the limit the margin is a wish; the stability itself is not.
+            // The margin is cut at the limit; stability itself is required.
             needed if needed <= max => {
                 Ok(((f64::from(needed) * safety).ceil() as u32).clamp(1, max))
             }
@@ -142,7 +146,8 @@ pub(crate) fn substeps(model: &Model, setting: Substeps) -> Result<u32, Refusal>
     }
 }
 
-/// Loads a model; one that the backend finds unstable is refused like one that needs too many substeps.
+/// Loads a model. One that the backend finds unstable is refused like one that needs too many
+/// substeps.
 pub(crate) fn load(
     backend: &dyn Backend,
     model: Model,
