@@ -1,5 +1,5 @@
-//! A capture that cannot be fitted ends its fit with the reason that its owner
-//! needs, at the first attempt, and harms nothing else.
+//! A capture that cannot be fitted ends its fit at the first attempt, with a reason that its owner
+//! can act on, and harms nothing else.
 
 use std::{
     collections::BTreeMap,
@@ -19,7 +19,7 @@ use crate::harness::{
 
 const MANIFEST: &str = "capture.json";
 
-/// What is wrong, the archive, the reason that is told.
+/// The fault, the archive, the expected reason.
 type Case = (&'static str, Bytes, &'static str);
 
 #[tokio::test]

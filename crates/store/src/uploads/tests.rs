@@ -76,7 +76,7 @@ async fn what_is_committed_survives_and_what_is_not_is_cut_off() {
     assert!(bench.store.blobs().partials().await.unwrap().is_empty(), "renamed, not copied");
 }
 
-/// A crash at any point between the last byte and the capture: the rest is done again, once.
+/// A crash at any point between the last byte and the capture: the remaining steps run again, once.
 #[tokio::test]
 async fn whole_content_becomes_one_capture_whatever_crashes() {
     for point in Failpoint::ALL {

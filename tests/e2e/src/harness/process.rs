@@ -1,5 +1,5 @@
-//! Processes of a cluster, found and killed by a mark in their environment that
-//! children inherit, so that nothing outlives a test.
+//! Processes of a cluster, found and killed by an environment variable that children inherit, so
+//! that nothing outlives a test.
 
 use std::{
     path::Path,

@@ -157,7 +157,7 @@ async fn captures_from_before_get_their_ingest_at_the_next_start() {
     assert_eq!(bench.store.jobs().depth().await.unwrap().count(Kind::Ingest, State::Queued), 1);
 }
 
-/// A crash at any point of an ingest's end: the worker asks again, and all of it is there.
+/// A crash at any point of an ingest's end: the worker repeats its call, and all of it is stored.
 #[tokio::test]
 async fn an_ingests_end_survives_crashes() {
     for point in Failpoint::ALL {
