@@ -33,7 +33,7 @@ pub(crate) fn http_status(category: Category) -> StatusCode {
             StatusCode::CONFLICT
         }
         Category::ResourceExhausted => StatusCode::TOO_MANY_REQUESTS,
-        // The client went away; nobody reads this.
+        // The client went away, so the response is not read.
         Category::Cancelled => StatusCode::from_u16(499).unwrap_or(StatusCode::BAD_REQUEST),
         Category::DataLoss | Category::Internal => StatusCode::INTERNAL_SERVER_ERROR,
         Category::Unavailable => StatusCode::SERVICE_UNAVAILABLE,

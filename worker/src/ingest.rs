@@ -108,7 +108,7 @@ impl Ingests {
                 saver.abort();
             }
             (Err(fault), stopped) => delivery.give_up("ingest", fault, stopped, saver).await,
-            // What is done is delivered, whoever asks to stop meanwhile.
+            // A finished result is delivered even if the job was asked to stop meanwhile.
             (Ok((folder, ended)), _) => {
                 saver.abort();
                 deliver::deliver(&delivery, folder.path(), ended, &lease).await;

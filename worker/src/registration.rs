@@ -49,7 +49,7 @@ impl Registration {
         loop {
             match self.server.register((*self.request).clone()).await {
                 Ok(answer) => {
-                    // A server's nonsense must not make this worker spin or fall silent.
+                    // An absurd answer must not make this worker spin or fall silent.
                     let every = answer.beat_interval_s;
                     let every = if every.is_finite() { every.clamp(0.05, 60.0) } else { 5.0 };
                     self.heartbeat_interval_ms.store((every * 1000.0) as u64, Ordering::Relaxed);

@@ -102,7 +102,7 @@ async fn run_on(
         if !leases {
             return pending().await;
         }
-        // Side by side: whoever uploads a capture should not wait for others' fits to hear what is wrong with it.
+        // Side by side: the report of an uploaded capture should not wait for the fits of others.
         tokio::try_join!(
             leasing::lease(&fits, &registration, &ends),
             leasing::lease(&ingests, &registration, &ends)

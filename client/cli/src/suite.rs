@@ -103,7 +103,7 @@ fn work(
         bar.finish();
         result
     };
-    // What was found before a failure is told too.
+    // Results from before a failure are reported, too.
     let invocation =
         Invocation { suite: args.suite.clone(), data: args.data.clone(), out: args.out.clone() };
     let table = Table::new(&plan, &invocation);
@@ -139,7 +139,7 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
         (0, 0) => Ok(()),
         (0, _) => {
             let message =
-                format!("not all is done, {} left: the same command goes on", counted(left));
+                format!("not all is done, {} left: repeat the command to continue", counted(left));
             failed_with(Category::Cancelled, "CANCELLED", message)
         }
         _ => {
@@ -147,7 +147,7 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
             failed_with(
                 Category::Aborted,
                 "RUNS_FAILED",
-                format!("{} failed: {place} says why", counted(failed)),
+                format!("{} failed: see {place} for the reasons", counted(failed)),
             )
         }
     }

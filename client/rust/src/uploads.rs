@@ -111,7 +111,7 @@ impl<'a> Sender<'a> {
                     }
                 }
                 Err(error) if is_gone(&error) && url.is_some() => {
-                    // It expired, or was terminated: begin anew.
+                    // It expired, or was terminated: create another one.
                     retries.wait(&error).await?;
                     (url, offset) = (None, None);
                 }
@@ -133,7 +133,7 @@ impl<'a> Sender<'a> {
         let location = text(response.headers(), "location")?.to_owned();
         let url = reqwest::Url::parse(self.server).and_then(|base| base.join(&location));
         let url = url.map_err(Error::malformed)?.to_string();
-        // The answer to a creation need not tell the offset.
+        // The response to a creation need not have the offset.
         let state = if response.headers().contains_key("upload-offset") {
             state_of(&response)?
         } else {
@@ -205,7 +205,7 @@ impl<'a> Sender<'a> {
     ) -> Result<Response, Error> {
         let response = tokio::select! {
             response = request.send() => response.map_err(|e| Error::unreachable(self.server, e))?,
-            () = clock.stalled() => return Err(Error::unreachable(self.server, "it fell silent")),
+            () = clock.stalled() => return Err(Error::unreachable(self.server, "it stopped responding")),
         };
         problem::success(response).await
     }
@@ -234,8 +234,8 @@ fn is_gone(error: &Error) -> bool {
 }
 
 fn is_worth_another_try(error: &Error) -> bool {
-    // Whoever hears this has a connection that lives: another process sends the same, and two would
-    // take it from each other for ever.
+    // This connection is alive, so another process sends the same content, and the two would take
+    // the upload from each other forever.
     if error.reason() == "UPLOAD_TAKEN_OVER" {
         return false;
     }

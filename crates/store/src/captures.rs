@@ -231,7 +231,7 @@ impl Captures<'_> {
                 .await?;
         let digest = digest.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         let mut obsolete = vec![digest];
-        // A worker that is at it hears that its job is gone, and stops.
+        // Its worker learns that the job is gone, and stops.
         let ingest = jobs::dequeue(&mut tx, &key).await?;
         obsolete.extend(ingest.iter().filter_map(|i| i.checkpoint).map(|d| d.to_hex().to_string()));
         obsolete.extend(observations::forget(&mut tx, &key).await?);

@@ -82,7 +82,7 @@ impl App {
         let verdict = upload.verdict.clone();
         let is_word = |b: u8| b.is_ascii_lowercase() || b == b'_';
         if verdict.is_empty() || verdict.len() > VERDICT || !verdict.bytes().all(is_word) {
-            return Err(Error::invalid("verdict", "is not a lower-case word"));
+            return Err(Error::invalid("verdict", "must be one lower-case word"));
         }
         let fault = upload.fault.clone();
         let (observation, json, html) = self.receive_parts(upload).await?;

@@ -111,7 +111,7 @@ impl App {
     /// Ends expired uploads, and finishes those that a crash left complete.
     pub(crate) async fn sweep_uploads(&self) -> Result<()> {
         for id in self.store.uploads().whole().await? {
-            // Whoever sent the last byte may be at it.
+            // The request with the last byte may be finishing it.
             match self.store.uploads().claim(id, Duration::ZERO).await {
                 Ok(writer) => drop(self.finish_if_whole(writer).await),
                 Err(error) => tracing::debug!(upload = %id, %error, "not finished now"),

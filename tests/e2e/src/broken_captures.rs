@@ -37,7 +37,7 @@ async fn broken_captures_end_their_fits_with_a_reason() {
     for (what, reason, name) in &fits {
         let fit = api.fit_when(name, "over", Duration::from_secs(60), has_ended).await;
         let fault = fit.fault.clone().unwrap_or_default();
-        // No worker ever had it: the capture's ingest said no.
+        // No worker ever had the fit: the capture's ingest failed.
         if fit.state() != State::Failed || fault.reason != *reason || fit.attempts != 0 {
             wrong.push(format!("{what}: expected {reason}, got {:?} {fault:?}", fit.state()));
         }

@@ -83,7 +83,7 @@ async fn killed_readers_and_workers_are_survived() {
     let second = reader_pid(&server).await;
     assert_ne!(second, reader);
     server.kill_workers();
-    // It hears of its worker's end by itself.
+    // It notices its worker's end by itself.
     until("the reader to end with its worker", SOON, async || {
         (!server.reader_pids().contains(&second)).then_some(())
     })

@@ -185,7 +185,7 @@ async fn rollouts_are_answered_while_a_fit_runs() {
         "{BATCH} x {FRAMES} frames of {} nodes: {idle:?} idle, {busy:?} beside a fit (medians)",
         twin.node_count
     );
-    // Generous, for slow machines: what matters is that nobody waits for the fit to end.
+    // Generous, for slow machines: what matters is that no rollout waits for the end of the fit.
     assert!(busy < Duration::from_secs(5));
     api.cancel(&fit.name).await.unwrap();
     api.fit_when(&fit.name, "cancelled", STATE, has_ended).await;

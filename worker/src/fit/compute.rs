@@ -74,8 +74,8 @@ impl Compute {
             e @ (bendtwin_fit::Error::Checkpoint(_) | bendtwin_fit::Error::OtherCheckpoint),
         ) = &result
         {
-            // From a build before an update, say: the work is lost, the job is not.
-            tracing::warn!("starting the fit anew: {e}");
+            // From a build before an update, for example: the work is lost, the job is not.
+            tracing::warn!("restarting the fit from the beginning: {e}");
             result = job.run(None, &mut observer, &token);
         }
         finished(&result.map_err(|e| e.fault())?.twin)

@@ -59,7 +59,7 @@ impl Child<'_> {
             .arg("ingest-capture")
             .arg(self.folder)
             .env("RAYON_NUM_THREADS", threads.min(MOST_THREADS).to_string())
-            // Held open: its end tells the child that the worker is gone.
+            // Held open: the child exits when it ends, because the worker is gone then.
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -109,7 +109,7 @@ impl Child<'_> {
                     }
                 }
                 Ok(message) => last = Some(message),
-                Err(error) => tracing::warn!(%error, "the ingest said what nobody understands"),
+                Err(error) => tracing::warn!(%error, "the ingest process sent an invalid message"),
             }
         }
     }

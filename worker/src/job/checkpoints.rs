@@ -127,7 +127,7 @@ async fn run(slot: Arc<Slot>, job: Job, stop: Stop) {
             }
         }
         let mut backoff = Backoff::default();
-        // Taken anew for each attempt: a newer one may have come in the meantime.
+        // Taken again for each attempt: a newer one may have come in the meantime.
         while let Some(content) = slot.take() {
             let bytes = content.len();
             match job.save_checkpoint(content).await {

@@ -57,7 +57,7 @@ impl SuiteProgress {
         match event {
             Event::Started { run, resumed } => {
                 self.running.push(((*run).clone(), None));
-                let how = if *resumed { "goes on" } else { "starts" };
+                let how = if *resumed { "resumes" } else { "starts" };
                 self.print(&format!("{run} {how}"));
             }
             Event::Progress { run, progress } => {
@@ -72,7 +72,7 @@ impl SuiteProgress {
             }
             Event::Interrupted(run) => {
                 self.remove(run);
-                self.print(&format!("{run} stops; it can go on"));
+                self.print(&format!("{run} stops; it can be resumed"));
             }
         }
         self.refresh();

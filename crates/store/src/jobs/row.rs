@@ -106,7 +106,7 @@ impl TryFrom<Row> for Job {
         let state = row.state()?;
         let mut progress: Option<Progress> = row.json(&row.progress)?;
         if state == State::Succeeded {
-            // The worker's last report came before its last word.
+            // The worker's last report came before the end of its attempt.
             progress.iter_mut().for_each(|p| (p.fraction, p.eta_s) = (1.0, Some(0.0)));
         }
         Ok(Self {

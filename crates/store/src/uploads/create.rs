@@ -164,6 +164,6 @@ async fn made_before(
         let (request_id, name) = (request_id.to_owned(), format!("captures/{id}"));
         return Err(Error::RequestIdTaken { request_id, name });
     }
-    // Without a digest only the content itself can tell.
+    // Without a digest only the content itself could be compared.
     Ok(given.map(|_| (id, size)))
 }

@@ -57,7 +57,7 @@ pub(crate) async fn reference() -> Reference {
 
 /// Fits [`capture`] without disturbances.
 pub(crate) async fn undisturbed(settings: &str) -> Reference {
-    // Whoever asks may have taken a turn already.
+    // The caller may hold a slot already.
     let server =
         TestCluster::start(Setup { isolation: Isolation::Nested, ..Setup::default() }).await;
     let api = server.api();

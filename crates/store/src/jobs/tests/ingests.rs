@@ -41,7 +41,7 @@ async fn a_capture_is_made_with_its_ingest_and_fits_wait_for_it() {
 
     let ended = observe(&bench, lease_of(&ingest), "seen").await.unwrap();
     assert_eq!(ended.state, State::Succeeded);
-    // The reply was lost, say.
+    // As if the reply was lost.
     assert_eq!(observe(&bench, lease_of(&ingest), "seen").await.unwrap(), ended);
     let other = observe(&bench, lease_of(&ingest), "other").await;
     assert!(matches!(other, Err(Error::StaleLease { .. })));
