@@ -30,9 +30,7 @@ pub(crate) enum Error {
     UploadOffset { given: u64, offset: u64 },
     #[error("the upload would be longer than {limit} bytes, which is its length or the limit")]
     UploadTooLong { limit: u64 },
-    #[error(
-        "another request has taken over the upload: wait for its end, then resume"
-    )]
+    #[error("another request has taken over the upload: wait for its end, then resume")]
     UploadTakenOver,
     #[error("the checksum does not match the bytes received: send them again")]
     ChecksumMismatch,

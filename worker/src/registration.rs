@@ -43,7 +43,7 @@ impl Registration {
     }
 
     /// Registers, trying again while the server cannot be reached.
-    pub(crate) async fn register(&self, patience: Duration) -> Result<(), Error> {
+    pub(crate) async fn register(&self, timeout: Duration) -> Result<(), Error> {
         let started = Instant::now();
         let mut backoff = Backoff::default();
         loop {
@@ -55,7 +55,7 @@ impl Registration {
                     self.heartbeat_interval_ms.store((every * 1000.0) as u64, Ordering::Relaxed);
                     return Ok(());
                 }
-                Err(CallError::Unavailable(fault)) if started.elapsed() < patience => {
+                Err(CallError::Unavailable(fault)) if started.elapsed() < timeout => {
                     tracing::info!("waiting for the server: {fault}");
                     backoff.wait().await;
                 }

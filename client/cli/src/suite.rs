@@ -15,7 +15,7 @@ use bendtwin_study::{
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
-use self::progress::{SuiteProgress, counted};
+use self::progress::{SuiteProgress, run_count};
 use crate::{
     backend::BackendArgs,
     failure::{self, Failed},
@@ -138,8 +138,10 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
     match (failed, left) {
         (0, 0) => Ok(()),
         (0, _) => {
-            let message =
-                format!("not all is done, {} left: repeat the command to continue", counted(left));
+            let message = format!(
+                "not all is done, {} left: repeat the command to continue",
+                run_count(left)
+            );
             failed_with(Category::Cancelled, "CANCELLED", message)
         }
         _ => {
@@ -147,7 +149,7 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
             failed_with(
                 Category::Aborted,
                 "RUNS_FAILED",
-                format!("{} failed: see {place} for the reasons", counted(failed)),
+                format!("{} failed: see {place} for the reasons", run_count(failed)),
             )
         }
     }

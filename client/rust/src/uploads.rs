@@ -29,8 +29,8 @@ const PART: u64 = 16 << 20;
 /// Bytes between two reports of progress.
 const SLICE: usize = 256 << 10;
 /// Wait before trying again; it doubles up to the longest.
-const FIRST_PAUSE: Duration = Duration::from_millis(200);
-const LONGEST_PAUSE: Duration = Duration::from_secs(10);
+const FIRST_WAIT: Duration = Duration::from_millis(200);
+const LONGEST_WAIT: Duration = Duration::from_secs(10);
 /// Time without progress after which the upload fails. It can be resumed later.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(120);
 /// Time without progress after which a request is abandoned; at the end the server hashes gigabytes
@@ -115,7 +115,7 @@ impl<'a> Sender<'a> {
                     retries.wait(&error).await?;
                     (url, offset) = (None, None);
                 }
-                Err(error) if is_worth_another_try(&error) => {
+                Err(error) if is_retryable(&error) => {
                     retries.wait(&error).await?;
                     offset = None;
                 }
@@ -233,7 +233,7 @@ fn is_gone(error: &Error) -> bool {
     error.category() == Category::NotFound
 }
 
-fn is_worth_another_try(error: &Error) -> bool {
+fn is_retryable(error: &Error) -> bool {
     // This connection is alive, so another process sends the same content, and the two would take
     // the upload from each other forever.
     if error.reason() == "UPLOAD_TAKEN_OVER" {
@@ -281,7 +281,7 @@ struct RetryBudget {
 
 impl RetryBudget {
     fn new() -> Self {
-        Self { ends: Instant::now() + RETRY_TIMEOUT, pause: FIRST_PAUSE }
+        Self { ends: Instant::now() + RETRY_TIMEOUT, pause: FIRST_WAIT }
     }
 
     /// Starts anew after progress.
@@ -297,7 +297,7 @@ impl RetryBudget {
         // Clients that lost the same server should not all come back at once.
         let jitter = f64::from(uuid::Uuid::new_v4().as_bytes()[0]) / 255.0;
         tokio::time::sleep(self.pause.mul_f64(0.5 + 0.5 * jitter)).await;
-        self.pause = (2 * self.pause).min(LONGEST_PAUSE);
+        self.pause = (2 * self.pause).min(LONGEST_WAIT);
         Ok(())
     }
 }

@@ -52,7 +52,7 @@ impl Compute {
         limits: &Limits,
     ) -> Result<Finished, Fault> {
         let Inputs { lease, settings, observation, checkpoint } = inputs;
-        self.progress.set(reading());
+        self.progress.set(reading_progress());
         let mut capture = observation::read(observation.path(), limits).map_err(|e| e.fault())?;
         // It may be gigabytes, and everything is in memory now.
         drop(observation);
@@ -96,12 +96,12 @@ impl Observer for JobObserver {
     }
 
     fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        self.compute.checkpoints.offer(checkpoint, self.stage_ended);
+        self.compute.checkpoints.submit(checkpoint, self.stage_ended);
         Ok(())
     }
 }
 
-fn reading() -> Progress {
+fn reading_progress() -> Progress {
     Progress {
         stage: Stage::Ingest,
         variant: String::new(),

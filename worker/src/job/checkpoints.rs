@@ -48,7 +48,7 @@ pub(crate) struct Saver {
 
 impl Checkpoints {
     /// Leaves a checkpoint to be saved in place of any that still waits.
-    pub(crate) fn offer(&self, content: Vec<u8>, stage_ended: bool) {
+    pub(crate) fn submit(&self, content: Vec<u8>, stage_ended: bool) {
         self.0.put(Waiting { content: content.into(), urgent: stage_ended });
     }
 }

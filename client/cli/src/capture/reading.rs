@@ -89,7 +89,9 @@ fn text(report: &Value) -> String {
 fn sentence(verdict: &str) -> String {
     match verdict {
         "good" => "This capture can be fitted.".to_owned(),
-        "usable" => "This capture can be fitted; the warnings name what limits the result.".to_owned(),
+        "usable" => {
+            "This capture can be fitted; the warnings name what limits the result.".to_owned()
+        }
         "unusable" => "This capture cannot be fitted as it is.".to_owned(),
         other => format!("Verdict: {other}."),
     }

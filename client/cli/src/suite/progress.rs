@@ -46,7 +46,7 @@ impl SuiteProgress {
         let device = backends.first().map(|b| b.device().name).unwrap_or_default();
         bar.print(&format!(
             "{}, {} at a time ({device} each); {} are done already",
-            counted(total),
+            run_count(total),
             backends.len(),
             plan.done()
         ));
@@ -118,7 +118,7 @@ impl SuiteProgress {
 }
 
 /// A number of runs for people.
-pub(super) fn counted(runs: usize) -> String {
+pub(super) fn run_count(runs: usize) -> String {
     format!("{runs} run{}", if runs == 1 { "" } else { "s" })
 }
 

@@ -103,8 +103,9 @@ pub(super) fn number(headers: &HeaderMap, name: &HeaderName) -> Result<Option<u6
 
 /// Offset at which the body begins.
 pub(super) fn offset(headers: &HeaderMap) -> Result<u64> {
-    number(headers, &UPLOAD_OFFSET)?
-        .ok_or_else(|| invalid(&UPLOAD_OFFSET, "is missing: send the offset at which the body begins"))
+    number(headers, &UPLOAD_OFFSET)?.ok_or_else(|| {
+        invalid(&UPLOAD_OFFSET, "is missing: send the offset at which the body begins")
+    })
 }
 
 /// The length of a new upload, or none if it is declared to be unknown yet.
