@@ -91,9 +91,12 @@ pub(crate) fn optional_name<T: FromStr<Err = InvalidName>>(text: &str) -> Result
 
 /// Checks a display name.
 fn display_name(text: String) -> Result<String> {
-    const LONGEST: usize = 200;
-    if text.chars().count() > LONGEST {
-        return Err(Error::invalid("display_name", format!("is longer than {LONGEST} characters")));
+    const MAX_LENGTH: usize = 200;
+    if text.chars().count() > MAX_LENGTH {
+        return Err(Error::invalid(
+            "display_name",
+            format!("is longer than {MAX_LENGTH} characters"),
+        ));
     }
     if text.chars().any(char::is_control) {
         return Err(Error::invalid("display_name", "has control characters"));
@@ -103,12 +106,12 @@ fn display_name(text: String) -> Result<String> {
 
 /// Checks an idempotency key; empty means none.
 fn request_id(text: String) -> Result<Option<String>> {
-    const LONGEST: usize = 128;
+    const MAX_LENGTH: usize = 128;
     if text.is_empty() {
         return Ok(None);
     }
-    if text.chars().count() > LONGEST || text.chars().any(char::is_control) {
-        let rule = format!("must be up to {LONGEST} characters without control characters");
+    if text.chars().count() > MAX_LENGTH || text.chars().any(char::is_control) {
+        let rule = format!("must be up to {MAX_LENGTH} characters without control characters");
         return Err(Error::invalid("request_id", rule));
     }
     Ok(Some(text))

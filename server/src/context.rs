@@ -63,7 +63,7 @@ fn is_trace_parent(text: &str) -> bool {
 
 /// The part of a fault that a client may see. Details of defects and of damaged data are for the
 /// log only.
-pub(crate) fn public(fault: Fault, request_id: &str) -> Fault {
+pub(crate) fn redact(fault: Fault, request_id: &str) -> Fault {
     match fault.category {
         Category::Internal | Category::DataLoss => {
             tracing::error!(reason = fault.reason, request_id, "{}", fault.message);

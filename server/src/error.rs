@@ -33,7 +33,7 @@ pub(crate) fn http_status(category: Category) -> StatusCode {
             StatusCode::CONFLICT
         }
         Category::ResourceExhausted => StatusCode::TOO_MANY_REQUESTS,
-        // The client went away; nobody reads this.
+        // The client went away, so the response is not read.
         Category::Cancelled => StatusCode::from_u16(499).unwrap_or(StatusCode::BAD_REQUEST),
         Category::DataLoss | Category::Internal => StatusCode::INTERNAL_SERVER_ERROR,
         Category::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
@@ -96,7 +96,7 @@ impl Refusal {
     }
 
     /// With the statuses of tus.
-    pub(crate) fn over_tus(self) -> Self {
+    pub(crate) fn with_tus_status(self) -> Self {
         Self { status: tus_status(&self.fault.reason).unwrap_or(self.status), ..self }
     }
 
@@ -106,7 +106,7 @@ impl Refusal {
 
     /// The gRPC form, for the request of that context.
     pub(crate) fn into_status(self, context: &Context) -> Status {
-        let fault = context::public(self.fault, &context.request_id);
+        let fault = context::redact(self.fault, &context.request_id);
         let mut details = ErrorDetails::with_error_info(&fault.reason, ERROR_DOMAIN, []);
         details.set_request_info(&context.request_id, "");
         if self.retry_after.is_some() {
@@ -139,7 +139,7 @@ impl From<Refusal> for Status {
 impl IntoResponse for Refusal {
     fn into_response(self) -> Response {
         let request_id = Context::current().request_id;
-        let fault = context::public(self.fault, &request_id);
+        let fault = context::redact(self.fault, &request_id);
         let document = ProblemDocument {
             kind: format!("urn:bendtwin:error:{}", fault.reason),
             title: category_name(fault.category).to_owned(),

@@ -20,21 +20,19 @@ pub(crate) enum Error {
     Settings(Vec<String>),
     #[error(transparent)]
     TwinFile(#[from] bendtwin_core::twin::format::FormatError),
-    #[error("the upload broke off: {0}")]
+    #[error("the upload was interrupted: {0}")]
     UploadBroken(String),
     #[error("the upload was silent for {} s: send it again", .0.as_secs())]
     UploadIdle(Duration),
     #[error(
-        "the upload goes on at byte {offset}, not at {given}: ask for its offset and send from there"
+        "the upload continues at byte {offset}, not at {given}: query its offset and send from there"
     )]
     UploadOffset { given: u64, offset: u64 },
     #[error("the upload would be longer than {limit} bytes, which is its length or the limit")]
     UploadTooLong { limit: u64 },
-    #[error(
-        "another request has taken the upload over: it goes on there, or here once it has ended"
-    )]
+    #[error("another request has taken over the upload: wait for its end, then resume")]
     UploadTakenOver,
-    #[error("the checksum is not that of the bytes that came: send them again")]
+    #[error("the checksum does not match the bytes received: send them again")]
     ChecksumMismatch,
     #[error("the worker token is missing or unknown")]
     BadToken,
@@ -42,7 +40,7 @@ pub(crate) enum Error {
     WorkerUnknown(String),
     #[error("no worker is ready for rollouts: retry, or start one")]
     NoWorker,
-    #[error("the worker broke down during the rollout and no other could take over: retry")]
+    #[error("the worker failed during the rollout and no other could take over: retry")]
     WorkerLost,
     #[error("{waiting} rollouts wait for each worker already: retry later, or start more workers")]
     Busy { waiting: usize },

@@ -61,7 +61,7 @@ pub(crate) async fn serve(
                 });
             }
             Err(error) => {
-                // Out of file descriptors, say: others may close theirs.
+                // Out of file descriptors, for example: other connections may close theirs.
                 tracing::warn!(%error, "cannot accept");
                 tokio::time::sleep(Duration::from_millis(50)).await;
             }

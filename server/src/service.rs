@@ -33,7 +33,7 @@ pub enum StartError {
     #[error("descriptors of the API: {0}")]
     Descriptors(String),
     /// The state that the last run left cannot be taken up.
-    #[error("cannot take up what the last run left: {0}")]
+    #[error("cannot recover the state of the last run: {0}")]
     Recovery(String),
 }
 
@@ -130,7 +130,7 @@ impl Handle {
     pub async fn shutdown(self) {
         tracing::info!("stopping");
         self.app.stopping.cancel();
-        // Workers need the socket to say goodbye.
+        // Workers need the socket to give their jobs back.
         self.workers.stop(self.grace).await;
         self.close.cancel();
         let mut listener = self.listener;

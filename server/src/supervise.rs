@@ -200,7 +200,7 @@ impl SlotSupervisor {
             Ok(status) => {
                 tracing::warn!(slot = self.slot, %status, ?child, "worker ended, restarting");
             }
-            Err(error) => tracing::error!(slot = self.slot, %error, "worker lost from sight"),
+            Err(error) => tracing::error!(slot = self.slot, %error, "cannot wait for the worker"),
         }
     }
 

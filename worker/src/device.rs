@@ -108,7 +108,7 @@ impl Device {
         match (self.has_urgent, priority) {
             (false, _) => speed.unwrap_or(0.0) * SHARED_SLICE.as_secs_f64(),
             (true, Priority::Interactive) => URGENT_WORK,
-            // Nobody waits for it; such a backend hears of cancellations while it computes.
+            // Nothing waits for it, and such a backend checks for cancellation while it computes.
             (true, Priority::Background) => f64::INFINITY,
         }
     }

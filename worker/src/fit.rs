@@ -35,7 +35,7 @@ pub(crate) struct Fits {
     pub(crate) dir: PathBuf,
     pub(crate) limits: Limits,
     /// Time for which a result is kept while the server cannot be reached.
-    pub(crate) patience: Duration,
+    pub(crate) delivery_timeout: Duration,
     /// Channel for errors after which the process must restart.
     pub(crate) fatal: mpsc::UnboundedSender<Error>,
 }
@@ -164,14 +164,14 @@ impl Fits {
             tracing::warn!("the lease is stale: another worker has the job");
             return saver.abort();
         }
-        let delivery = deliver::Delivery { job, drain, patience: self.patience };
+        let delivery = deliver::Delivery { job, drain, delivery_timeout: self.delivery_timeout };
         match (outcome, stop.reason()) {
             (Outcome::Finished(finished), _) => {
                 saver.abort();
                 twin::deliver(&delivery, *finished).await;
             }
             (Outcome::Failed(fault), stopped) => {
-                delivery.give_up("fit", fault, stopped, saver).await;
+                delivery.fail_unfinished("fit", fault, stopped, saver).await;
             }
             (Outcome::Panicked(text), _) => {
                 saver.flush().await;

@@ -52,7 +52,7 @@ pub(crate) struct Ingests {
     /// Memory that the child may take [bytes].
     pub(crate) memory_bytes: u64,
     /// Time for which a result is kept while the server cannot be reached.
-    pub(crate) patience: Duration,
+    pub(crate) delivery_timeout: Duration,
 }
 
 impl Execute for Ingests {
@@ -97,14 +97,16 @@ impl Ingests {
             // Dropping the attempt kills the child.
             () = stop.stopped() => Err(stopped()),
         };
-        let delivery = Delivery { job: &job, drain, patience: self.patience };
+        let delivery = Delivery { job: &job, drain, delivery_timeout: self.delivery_timeout };
         match (outcome, stop.reason()) {
             (_, Some(Reason::Stale)) => {
                 tracing::warn!("the job is gone, or another worker has it");
                 saver.abort();
             }
-            (Err(fault), stopped) => delivery.give_up("ingest", fault, stopped, saver).await,
-            // What is done is delivered, whoever asks to stop meanwhile.
+            (Err(fault), stopped) => {
+                delivery.fail_unfinished("ingest", fault, stopped, saver).await
+            }
+            // A finished result is delivered even if the job was asked to stop meanwhile.
             (Ok((folder, ended)), _) => {
                 saver.abort();
                 deliver::deliver(&delivery, folder.path(), ended, &lease).await;

@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// Longest time for which the server may hold a call for a job.
-const WAIT: Duration = Duration::from_secs(20);
+const LEASE_WAIT: Duration = Duration::from_secs(20);
 
 /// Signals to stop leasing.
 #[derive(Clone, Debug)]
@@ -50,7 +50,7 @@ pub(crate) async fn lease<E: Execute>(
     let mut backoff = Backoff::default();
     while !stop.closed.is_cancelled() {
         let leased = tokio::select! {
-            leased = executor.server().lease_job(E::KIND, executor.worker().to_owned(), WAIT) => leased,
+            leased = executor.server().lease_job(E::KIND, executor.worker().to_owned(), LEASE_WAIT) => leased,
             () = stop.closed.cancelled() => return Ok(()),
         };
         match leased {

@@ -32,7 +32,7 @@ pub struct Options {
     /// Bounds on the work of one worker.
     pub limits: Limits,
     /// Time for which a finished result is kept while the server cannot be reached.
-    pub patience: Duration,
+    pub delivery_timeout: Duration,
 }
 
 impl std::fmt::Debug for Options {
@@ -104,7 +104,7 @@ impl Options {
             fits: true,
             ingest_program: None,
             limits: Limits::default(),
-            patience: Duration::from_secs(600),
+            delivery_timeout: Duration::from_secs(600),
         }
     }
 

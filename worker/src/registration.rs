@@ -43,19 +43,19 @@ impl Registration {
     }
 
     /// Registers, trying again while the server cannot be reached.
-    pub(crate) async fn register(&self, patience: Duration) -> Result<(), Error> {
+    pub(crate) async fn register(&self, timeout: Duration) -> Result<(), Error> {
         let started = Instant::now();
         let mut backoff = Backoff::default();
         loop {
             match self.server.register((*self.request).clone()).await {
                 Ok(answer) => {
-                    // A server's nonsense must not make this worker spin or fall silent.
+                    // An absurd answer must not make this worker spin or fall silent.
                     let every = answer.beat_interval_s;
                     let every = if every.is_finite() { every.clamp(0.05, 60.0) } else { 5.0 };
                     self.heartbeat_interval_ms.store((every * 1000.0) as u64, Ordering::Relaxed);
                     return Ok(());
                 }
-                Err(CallError::Unavailable(fault)) if started.elapsed() < patience => {
+                Err(CallError::Unavailable(fault)) if started.elapsed() < timeout => {
                     tracing::info!("waiting for the server: {fault}");
                     backoff.wait().await;
                 }

@@ -26,7 +26,7 @@ use crate::{
 };
 
 /// Longest time for rollouts and final reports once the worker has to end.
-const GRACE: Duration = Duration::from_secs(15);
+const SHUTDOWN_GRACE: Duration = Duration::from_secs(15);
 
 /// Runs a worker until `shutdown` (jobs under way are handed back with their
 /// latest checkpoints, rollouts are finished) or until the server drains it.
@@ -70,7 +70,7 @@ async fn run_on(
     let request = register_request(id, &endpoint, device);
     let registration = Registration::new(server.clone(), request, rollouts, device.clone());
     tokio::select! {
-        registered = registration.register(options.patience) => registered?,
+        registered = registration.register(options.delivery_timeout) => registered?,
         () = shutdown.cancelled() => return Ok(()),
     }
     let name = &device.description().name;
@@ -86,7 +86,7 @@ async fn run_on(
         worker: id.to_string(),
         dir: dir.clone(),
         limits,
-        patience: options.patience,
+        delivery_timeout: options.delivery_timeout,
         fatal,
     };
     let ingests = Ingests {
@@ -95,14 +95,14 @@ async fn run_on(
         dir,
         program: options.ingest_program.clone().unwrap_or_else(this_program),
         memory_bytes: limits.ingest_bytes,
-        patience: options.patience,
+        delivery_timeout: options.delivery_timeout,
     };
     let (leases, ends) = (options.fits, stop.clone());
     let mut leasing = tokio::spawn(async move {
         if !leases {
             return pending().await;
         }
-        // Side by side: whoever uploads a capture should not wait for others' fits to hear what is wrong with it.
+        // Side by side: the report of an uploaded capture should not wait for the fits of others.
         tokio::try_join!(
             leasing::lease(&fits, &registration, &ends),
             leasing::lease(&ingests, &registration, &ends)
@@ -115,7 +115,9 @@ async fn run_on(
         () = shutdown.cancelled() => Ok(()),
     };
     stop.closed.cancel();
-    if leases && !leasing.is_finished() && tokio::time::timeout(GRACE, &mut leasing).await.is_err()
+    if leases
+        && !leasing.is_finished()
+        && tokio::time::timeout(SHUTDOWN_GRACE, &mut leasing).await.is_err()
     {
         tracing::warn!("the jobs under way did not end in time: their leases will run out");
     }
@@ -189,7 +191,7 @@ impl Serving {
     /// Finishes the rollouts under way, for a limited time.
     async fn stop(mut self) {
         self.stop.cancel();
-        if tokio::time::timeout(GRACE, &mut self.task).await.is_err() {
+        if tokio::time::timeout(SHUTDOWN_GRACE, &mut self.task).await.is_err() {
             self.task.abort();
         }
     }

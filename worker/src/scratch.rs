@@ -58,7 +58,7 @@ fn sweep(base: &Path) -> io::Result<()> {
             }
             Err(TryLockError::WouldBlock) => {}
             Err(TryLockError::Error(error)) => {
-                tracing::debug!(path = %path.display(), "cannot tell whose this is: {error}");
+                tracing::debug!(path = %path.display(), "cannot find out whether this folder is in use: {error}");
             }
         }
     }

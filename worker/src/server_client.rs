@@ -106,8 +106,9 @@ impl ServerClient {
             .keep_alive_timeout(Duration::from_secs(10))
             .keep_alive_while_idle(true)
             .connect_lazy();
-        let mut header = AsciiMetadataValue::try_from(format!("Bearer {token}"))
-            .map_err(|_| Error::Options("the worker token is no header value".to_owned()))?;
+        let mut header = AsciiMetadataValue::try_from(format!("Bearer {token}")).map_err(|_| {
+            Error::Options("the worker token has characters that a header cannot carry".to_owned())
+        })?;
         header.set_sensitive(true);
         let client = WorkerLinkClient::with_interceptor(channel, Credentials(header))
             .max_decoding_message_size(MAX_MESSAGE);

@@ -164,7 +164,7 @@ pub(crate) async fn run(args: Bench, global: &Global) -> anyhow::Result<()> {
         anyhow::Ok(measure(&plan, &backend, &cancel, quiet))
     })
     .await??;
-    // What was measured before a failure is told too.
+    // Measurements from before a failure are reported, too.
     if let Some(path) = &args.out {
         let json = serde_json::to_string_pretty(&report)?;
         std::fs::write(path, json).with_context(|| format!("cannot write {}", path.display()))?;

@@ -13,7 +13,7 @@ use self::actions::Actions;
 use crate::{failure::Usage, global::Global, npy, output, table::Table};
 
 /// Most rows of a batch that are printed.
-const SHOWN: usize = 10;
+const ROWS_SHOWN: usize = 10;
 
 #[derive(Debug, Args)]
 pub(crate) struct Rollout {
@@ -164,7 +164,7 @@ fn text(reply: &Reply, instances: usize, out: Option<&PathBuf>) -> String {
     let mut order: Vec<usize> = (0..reply.costs.len()).collect();
     order.sort_by(|a, b| reply.costs[*a].total_cmp(&reply.costs[*b]));
     let mut table = Table::new(["INSTANCE", "COST", "MAX STRAIN", "MAX SPEED", "ON THE GROUND"]);
-    for i in order.iter().take(SHOWN) {
+    for i in order.iter().take(ROWS_SHOWN) {
         let d = reply.diagnostics.get(*i).copied().unwrap_or_default();
         let cost = if reply.cost_names.is_empty() {
             "-".to_owned()
@@ -180,8 +180,8 @@ fn text(reply: &Reply, instances: usize, out: Option<&PathBuf>) -> String {
         ]);
     }
     let mut text = table.text();
-    if instances > SHOWN {
-        text += &format!("\n... and {} more", instances - SHOWN);
+    if instances > ROWS_SHOWN {
+        text += &format!("\n... and {} more", instances - ROWS_SHOWN);
     }
     for d in &reply.diverged {
         text +=

@@ -40,7 +40,9 @@ impl SettingsArgs {
         }
         for text in &self.overrides {
             let (key, given) = text.split_once('=').ok_or_else(|| {
-                Usage::error(format!("--set {text}: write key=value, `graph.max_nodes=400` say"))
+                Usage::error(format!(
+                    "--set {text}: write key=value, for example `graph.max_nodes=400`"
+                ))
             })?;
             set(&mut value, key.trim(), parse(given.trim()))?;
         }

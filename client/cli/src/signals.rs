@@ -5,7 +5,7 @@ use std::{io::Read as _, time::Duration};
 use tokio_util::sync::CancellationToken;
 
 /// Time within which a second signal counts as the same one.
-const ECHO: Duration = Duration::from_secs(1);
+const SIGNAL_DEBOUNCE: Duration = Duration::from_secs(1);
 
 /// A token that the first Ctrl-C or SIGTERM cancels; the second one ends the process at once.
 pub(crate) fn shutdown() -> CancellationToken {
@@ -15,7 +15,7 @@ pub(crate) fn shutdown() -> CancellationToken {
         interrupted().await;
         cancel.cancel();
         // A terminal and a process manager may both pass on the same Ctrl-C.
-        tokio::time::sleep(ECHO).await;
+        tokio::time::sleep(SIGNAL_DEBOUNCE).await;
         interrupted().await;
         std::process::exit(130);
     });

@@ -14,7 +14,7 @@ use bendtwin_study::{
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
-use self::progress::{SuiteProgress, counted};
+use self::progress::{SuiteProgress, run_count};
 use crate::{
     backend::BackendArgs,
     failure::{self, Failed},
@@ -102,7 +102,7 @@ fn work(
         bar.finish();
         result
     };
-    // What was found before a failure is told too.
+    // Results from before a failure are reported, too.
     let invocation =
         Invocation { suite: args.suite.clone(), data: args.data.clone(), out: args.out.clone() };
     let table = Table::new(&plan, &invocation);
@@ -137,8 +137,10 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
     match (failed, left) {
         (0, 0) => Ok(()),
         (0, _) => {
-            let message =
-                format!("not all is done, {} left: the same command goes on", counted(left));
+            let message = format!(
+                "not all is done, {} left: repeat the command to continue",
+                run_count(left)
+            );
             failed_with(Category::Cancelled, "CANCELLED", message)
         }
         _ => {
@@ -146,7 +148,7 @@ fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
             failed_with(
                 Category::Aborted,
                 "RUNS_FAILED",
-                format!("{} failed: {place} says why", counted(failed)),
+                format!("{} failed: see {place} for the reasons", run_count(failed)),
             )
         }
     }

@@ -26,7 +26,7 @@ use crate::{
 /// Most attempts at an upload.
 const ATTEMPTS: u32 = 3;
 /// Time between two attempts.
-const PAUSE: Duration = Duration::from_secs(1);
+const RETRY_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Calls about captures.
 #[derive(Clone, Debug)]
@@ -79,7 +79,7 @@ impl Captures {
                 Ok(name) => return self.get(name).await,
                 Err(error) if error.is_transient() && attempt < ATTEMPTS => {
                     attempt += 1;
-                    tokio::time::sleep(PAUSE).await;
+                    tokio::time::sleep(RETRY_INTERVAL).await;
                 }
                 Err(error) => return Err(error),
             }
@@ -110,7 +110,7 @@ impl Captures {
                 // The server may have been restarted since; the connection notices by failing.
                 Err(error) if error.is_transient() && attempt < ATTEMPTS => {
                     attempt += 1;
-                    tokio::time::sleep(PAUSE).await;
+                    tokio::time::sleep(RETRY_INTERVAL).await;
                 }
                 got => return got,
             }

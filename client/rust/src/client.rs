@@ -48,7 +48,8 @@ impl Client {
             // Rollouts send and receive megabytes: windows of 64 KiB would wait for the round trip.
             .initial_stream_window_size(8 << 20)
             .initial_connection_window_size(16 << 20);
-        let channel = endpoint.connect().await.map_err(|e| Error::unreachable(url, root(&e)))?;
+        let channel =
+            endpoint.connect().await.map_err(|e| Error::unreachable(url, innermost_cause(&e)))?;
         let http = reqwest::Client::builder()
             .connect_timeout(CONNECT_TIMEOUT)
             .build()
@@ -91,6 +92,8 @@ impl Client {
 }
 
 /// The innermost cause, which says more than `transport error`.
-fn root<'a>(error: &'a (dyn std::error::Error + 'static)) -> &'a (dyn std::error::Error + 'static) {
+fn innermost_cause<'a>(
+    error: &'a (dyn std::error::Error + 'static),
+) -> &'a (dyn std::error::Error + 'static) {
     std::iter::successors(Some(error), |e| e.source()).last().unwrap_or(error)
 }

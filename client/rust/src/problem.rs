@@ -33,7 +33,7 @@ fn of(status: reqwest::StatusCode, body: &[u8]) -> Error {
             Error::new(category, &document.reason, document.detail)
                 .with_request_id(Some(document.request_id))
         }
-        // A proxy's page, say, or an answer to HEAD, which has no body.
+        // A proxy's page, for example, or a response to HEAD, which has no body.
         Err(_) => {
             let category = match status.as_u16() {
                 502..=504 => Category::Unavailable,

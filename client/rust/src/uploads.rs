@@ -29,8 +29,8 @@ const PART: u64 = 16 << 20;
 /// Bytes between two reports of progress.
 const SLICE: usize = 256 << 10;
 /// Wait before trying again; it doubles up to the longest.
-const FIRST_PAUSE: Duration = Duration::from_millis(200);
-const LONGEST_PAUSE: Duration = Duration::from_secs(10);
+const FIRST_WAIT: Duration = Duration::from_millis(200);
+const LONGEST_WAIT: Duration = Duration::from_secs(10);
 /// Time without progress after which the upload fails. It can be resumed later.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(120);
 /// Time without progress after which a request is abandoned; at the end the server hashes gigabytes
@@ -111,11 +111,11 @@ impl<'a> Sender<'a> {
                     }
                 }
                 Err(error) if is_gone(&error) && url.is_some() => {
-                    // It expired, or was terminated: begin anew.
+                    // It expired, or was terminated: create another one.
                     retries.wait(&error).await?;
                     (url, offset) = (None, None);
                 }
-                Err(error) if is_worth_another_try(&error) => {
+                Err(error) if is_retryable(&error) => {
                     retries.wait(&error).await?;
                     offset = None;
                 }
@@ -133,7 +133,7 @@ impl<'a> Sender<'a> {
         let location = text(response.headers(), "location")?.to_owned();
         let url = reqwest::Url::parse(self.server).and_then(|base| base.join(&location));
         let url = url.map_err(Error::malformed)?.to_string();
-        // The answer to a creation need not tell the offset.
+        // The response to a creation need not have the offset.
         let state = if response.headers().contains_key("upload-offset") {
             state_of(&response)?
         } else {
@@ -205,7 +205,7 @@ impl<'a> Sender<'a> {
     ) -> Result<Response, Error> {
         let response = tokio::select! {
             response = request.send() => response.map_err(|e| Error::unreachable(self.server, e))?,
-            () = clock.stalled() => return Err(Error::unreachable(self.server, "it fell silent")),
+            () = clock.stalled() => return Err(Error::unreachable(self.server, "it stopped responding")),
         };
         problem::success(response).await
     }
@@ -233,9 +233,9 @@ fn is_gone(error: &Error) -> bool {
     error.category() == Category::NotFound
 }
 
-fn is_worth_another_try(error: &Error) -> bool {
-    // Whoever hears this has a connection that lives: another process sends the same, and two would
-    // take it from each other for ever.
+fn is_retryable(error: &Error) -> bool {
+    // This connection is alive, so another process sends the same content, and the two would take
+    // the upload from each other forever.
     if error.reason() == "UPLOAD_TAKEN_OVER" {
         return false;
     }
@@ -281,7 +281,7 @@ struct RetryBudget {
 
 impl RetryBudget {
     fn new() -> Self {
-        Self { ends: Instant::now() + RETRY_TIMEOUT, pause: FIRST_PAUSE }
+        Self { ends: Instant::now() + RETRY_TIMEOUT, pause: FIRST_WAIT }
     }
 
     /// Starts anew after progress.
@@ -297,7 +297,7 @@ impl RetryBudget {
         // Clients that lost the same server should not all come back at once.
         let jitter = f64::from(uuid::Uuid::new_v4().as_bytes()[0]) / 255.0;
         tokio::time::sleep(self.pause.mul_f64(0.5 + 0.5 * jitter)).await;
-        self.pause = (2 * self.pause).min(LONGEST_PAUSE);
+        self.pause = (2 * self.pause).min(LONGEST_WAIT);
         Ok(())
     }
 }

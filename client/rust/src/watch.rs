@@ -42,7 +42,7 @@ impl<T: Send + 'static> Watch<T> {
         while let Some(state) = self.next().await {
             last = Some(state?);
         }
-        last.ok_or_else(|| Error::malformed("the server ended the watch without a word"))
+        last.ok_or_else(|| Error::malformed("the server ended the watch without a state"))
     }
 }
 

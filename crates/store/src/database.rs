@@ -1,5 +1,5 @@
-//! What is SQLite's own: the files, the pragmas, one writer beside many
-//! readers, and the lock that keeps a second server off the folder.
+//! The parts that are specific to SQLite: the files, the pragmas, one writer beside many readers,
+//! and the lock that keeps a second server off the folder.
 
 use std::{
     fs::{File, TryLockError},
@@ -23,7 +23,7 @@ const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(20);
 pub(crate) struct Database {
     writer: SqlitePool,
     readers: SqlitePool,
-    /// Held for as long as the database is open; the system drops it with the process.
+    /// Lock, held for as long as the database is open; the system releases it with the process.
     _lock: File,
 }
 
@@ -60,7 +60,7 @@ impl Database {
         &self.readers
     }
 
-    /// A transaction that holds the write lock from its start, so what it read stays true.
+    /// A transaction that holds the write lock from its start, so that its reads stay valid.
     pub(crate) async fn write(&self) -> Result<Transaction<'static, Sqlite>> {
         Ok(self.writer.begin_with("begin immediate").await?)
     }

@@ -27,12 +27,12 @@ impl App {
         if content.size_bytes() == 0 {
             return Err(Error::invalid("content", "is empty: send the capture archive"));
         }
-        self.keep_capture(display_name, request_id, ingest, content).await
+        self.store_capture(display_name, request_id, ingest, content).await
     }
 
     /// Makes a capture of received content, the last step of every upload. `ingest` are the
     /// settings in force.
-    pub(super) async fn keep_capture(
+    pub(super) async fn store_capture(
         &self,
         display_name: String,
         request_id: Option<String>,

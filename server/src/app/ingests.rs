@@ -13,7 +13,7 @@ use super::{App, Attempt, Error, Result};
 use crate::context::Context;
 
 /// Longest verdict.
-const VERDICT: usize = 32;
+const MAX_VERDICT: usize = 32;
 
 /// A chunk of an ingest's result.
 #[derive(Debug)]
@@ -81,8 +81,8 @@ impl App {
     pub(crate) async fn end_ingest(&self, attempt: Attempt, upload: IngestUpload) -> Result<()> {
         let verdict = upload.verdict.clone();
         let is_word = |b: u8| b.is_ascii_lowercase() || b == b'_';
-        if verdict.is_empty() || verdict.len() > VERDICT || !verdict.bytes().all(is_word) {
-            return Err(Error::invalid("verdict", "is not a lower-case word"));
+        if verdict.is_empty() || verdict.len() > MAX_VERDICT || !verdict.bytes().all(is_word) {
+            return Err(Error::invalid("verdict", "must be one lower-case word"));
         }
         let fault = upload.fault.clone();
         let (observation, json, html) = self.receive_parts(upload).await?;

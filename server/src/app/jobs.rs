@@ -71,7 +71,7 @@ impl App {
             claimed = claimed => claimed?,
         };
         let Some(job) = claimed else { return Ok(None) };
-        // Whoever ends from here on without having told the worker gives the job back.
+        // From here on, every return without an answer to the worker gives the job back.
         let mut guard = LeaseGuard { app: self.clone(), lease: Some(lease_of(&job)) };
         // A process that ended while it waited must not hold the job until the lease runs out:
         // its registration was dropped before its leases were.
@@ -218,7 +218,7 @@ impl Drop for LeaseGuard {
         let app = self.app.clone();
         tokio::spawn(async move {
             if let Err(error) = app.store.jobs().end_attempt(lease, AttemptEnd::Released).await {
-                tracing::warn!(%error, "a job that nobody heard of stays until its lease ends");
+                tracing::warn!(%error, "cannot give back a job that no worker received: it waits for its lease to end");
             }
         });
     }

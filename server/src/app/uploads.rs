@@ -73,7 +73,7 @@ impl App {
     /// connection may be dead. Makes the capture if only that is missing.
     pub(crate) async fn resume_upload(&self, name: &str) -> Result<ResumableUpload> {
         let (app, id) = (self.clone(), super::name(name)?);
-        in_a_task(async move {
+        run_detached(async move {
             let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
             app.finish_if_whole(writer).await
         })
@@ -88,7 +88,7 @@ impl App {
         append: Append,
     ) -> Result<ResumableUpload> {
         let (app, id) = (self.clone(), super::name(name)?);
-        in_a_task(async move {
+        run_detached(async move {
             let mut writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
             app.append(&mut writer, append).await?;
             app.finish_if_whole(writer).await
@@ -99,7 +99,7 @@ impl App {
     /// Terminates an upload and frees its storage; a capture that it made stays.
     pub(crate) async fn terminate_upload(&self, name: &str) -> Result<()> {
         let (app, id) = (self.clone(), super::name(name)?);
-        in_a_task(async move {
+        run_detached(async move {
             let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
             writer.end("it was terminated: begin a new one", app.options.upload_expiry()).await?;
             tracing::info!(upload = %id, "upload terminated");
@@ -111,7 +111,7 @@ impl App {
     /// Ends expired uploads, and finishes those that a crash left complete.
     pub(crate) async fn sweep_uploads(&self) -> Result<()> {
         for id in self.store.uploads().whole().await? {
-            // Whoever sent the last byte may be at it.
+            // The request with the last byte may be finishing it.
             match self.store.uploads().claim(id, Duration::ZERO).await {
                 Ok(writer) => drop(self.finish_if_whole(writer).await),
                 Err(error) => tracing::debug!(upload = %id, %error, "not finished now"),
@@ -239,7 +239,7 @@ impl App {
         let ingest = self.ingest_settings(&Metadata::parse(&upload.metadata)?.ingest)?;
         let content = writer.stage().await?;
         let (name, request_id) = (upload.display_name.clone(), upload.request_id.clone());
-        self.keep_capture(name, request_id, ingest, content).await?;
+        self.store_capture(name, request_id, ingest, content).await?;
         Ok(())
     }
 
@@ -266,7 +266,7 @@ struct Interrupted {
 }
 
 /// Runs the work to its end even if the client goes away: bytes that have arrived by then are kept.
-async fn in_a_task<T: Send + 'static>(
+async fn run_detached<T: Send + 'static>(
     work: impl Future<Output = Result<T>> + Send + 'static,
 ) -> Result<T> {
     match tokio::spawn(work.in_current_span()).await {

@@ -92,7 +92,7 @@ impl Watch {
             };
             match changed {
                 Ok(id) if id != self.id => continue,
-                // Too many changes of others to keep: look for oneself.
+                // Too many changes of other jobs to keep: read this one.
                 Ok(_) | Err(RecvError::Lagged(_)) => {}
                 Err(RecvError::Closed) => return Err(Error::Stopping),
             }

@@ -59,7 +59,7 @@ impl App {
             match &self.options.worker_token {
                 Some(token) if !worker.registration.supervised => {
                     if let Err(error) = self.dispatch.add(worker, None, token) {
-                        // It registers anew if it lives.
+                        // It registers again if it is alive.
                         tracing::warn!(worker = %id, %error, "cannot take a worker up again");
                         self.store.jobs().forfeit(id, false).await?;
                         self.store.workers().forget(id).await?;

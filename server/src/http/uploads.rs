@@ -243,5 +243,5 @@ fn state_of(upload: &ResumableUpload) -> HeaderMap {
 }
 
 fn refused(error: app::Error) -> Refusal {
-    Refusal::from(error).over_tus()
+    Refusal::from(error).with_tus_status()
 }

@@ -144,7 +144,7 @@ async fn the_link_is_for_token_holders() {
     assert_eq!(link.lease_job(request).await.unwrap_err().code(), Code::InvalidArgument);
 }
 
-/// A worker started by others outlives the server and goes on with its job.
+/// A worker started by others outlives the server and continues its job.
 #[tokio::test]
 async fn workers_of_others_outlive_the_server() {
     let server = Server::start().await;

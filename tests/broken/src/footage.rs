@@ -1,4 +1,4 @@
-//! What cameras recorded, in memory and easy to change.
+//! Camera data in memory, easy to change.
 
 use std::sync::{Arc, LazyLock};
 
@@ -11,7 +11,7 @@ use bendtwin_capture::{
 /// A recording whose frames lie in memory.
 #[derive(Clone, Debug)]
 pub struct Footage {
-    /// Everything but the frames.
+    /// The recording without its frames.
     pub about: Recording,
     /// The frames of each camera.
     pub reels: Vec<CameraFrames>,
@@ -32,7 +32,7 @@ pub struct CameraFrames {
     pub tracks: Option<Tracks>,
 }
 
-/// Frames of the healthy recording.
+/// Number of frames of the healthy recording.
 pub const FRAMES: usize = 36;
 
 static HEALTHY: LazyLock<Footage> = LazyLock::new(|| {
@@ -68,7 +68,7 @@ impl Footage {
         Ok(Self { about: recording.clone(), reels })
     }
 
-    /// As a reader would give it.
+    /// The recording as a reader would return it.
     pub fn recording(self) -> Recording {
         Recording { source: Arc::new(MemorySource(self.reels)), ..self.about }
     }
@@ -93,7 +93,7 @@ impl Footage {
         }
     }
 
-    /// Lets a camera show in frame f what it saw in frame `moment(f)`; nothing if that is `None`.
+    /// Shows in frame f what the camera saw in frame `moment(f)`; nothing if that is `None`.
     pub fn retime(&mut self, camera: usize, moment: impl Fn(usize) -> Option<usize>) {
         let reel = &mut self.reels[camera];
         let moments: Vec<Option<usize>> = (0..self.about.frame_count).map(moment).collect();

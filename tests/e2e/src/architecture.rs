@@ -1,5 +1,5 @@
-//! The dependency rules of ARCHITECTURE.md, read off `cargo metadata`: what a crate must not reach,
-//! directly or through others. Dependencies of tests do not count.
+//! The dependency rules of ARCHITECTURE.md, checked with `cargo metadata`: crates that others must
+//! not reach, directly or indirectly. Dependencies of tests do not count.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -25,7 +25,7 @@ const PHYSICS: [&str; 11] = [
 ];
 
 struct Rule {
-    /// Crates that the rule is about.
+    /// Crates that the rule applies to.
     of: &'static [&'static str],
     because: &'static str,
     never: &'static [&'static [&'static str]],
@@ -136,7 +136,7 @@ fn only_the_cuda_crate_is_unsafe() {
     assert!(found.is_empty(), "only crates/cuda may, where a kernel is launched: {found:?}");
 }
 
-/// Who depends on whom, tests apart.
+/// Dependencies between crates, without those of tests.
 struct Graph {
     names: BTreeMap<PackageId, String>,
     edges: BTreeMap<PackageId, Vec<PackageId>>,
@@ -164,7 +164,7 @@ impl Graph {
         Self { names, edges }
     }
 
-    /// Who names a crate among its own dependencies.
+    /// Crates that depend on a crate directly.
     fn users(&self, of: &str) -> Vec<&str> {
         let uses = |to: &Vec<PackageId>| to.iter().any(|id| self.names[id] == of);
         let users = self.edges.iter().filter(|(_, to)| uses(to));

@@ -1,4 +1,4 @@
-//! What a newcomer types: make a capture, push it, fit it, roll the twin out.
+//! The first commands of a new user: make a capture, push it, fit it, roll the twin out.
 
 use serde_json::Value;
 

@@ -158,7 +158,7 @@ async fn watching_shows_every_stage_and_resumes_after_a_revision() {
     assert!(fractions.is_sorted(), "{fractions:?}");
     let last = seen.last().unwrap();
     assert_eq!(last.state(), State::Succeeded);
-    // Who comes back having seen everything but the end is told the end.
+    // A client that has seen everything but the end gets the end.
     let rest = watch(&server, &fit.name, last.revision - 1).await;
     assert_eq!(rest.len(), 1);
     assert_eq!(rest[0].revision, last.revision);

@@ -1,4 +1,4 @@
-//! A small world for a story: real processes in a temporary folder, and typed calls to them.
+//! A test cluster: real processes in a temporary folder, and typed calls to them.
 
 pub(crate) mod api;
 pub(crate) mod cluster;

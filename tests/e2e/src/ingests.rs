@@ -1,5 +1,5 @@
-//! A capture is read before it is fitted: by a process of its own, which may die, be killed or run out of
-//! memory without harm to anything else.
+//! Ingests of captures, each in a process of its own, which may die, be killed or run out of memory
+//! without harm to anything else.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ use crate::harness::{
     until,
 };
 
-/// How long reading a small capture may take on a busy machine.
+/// Longest time for reading a small capture on a busy machine.
 const SOON: Duration = Duration::from_secs(120);
 
 #[tokio::test]
@@ -83,7 +83,7 @@ async fn killed_readers_and_workers_are_survived() {
     let second = reader_pid(&server).await;
     assert_ne!(second, reader);
     server.kill_workers();
-    // It hears of its worker's end by itself.
+    // It notices its worker's end by itself.
     until("the reader to end with its worker", SOON, async || {
         (!server.reader_pids().contains(&second)).then_some(())
     })
@@ -150,7 +150,7 @@ async fn an_ingest_is_stopped_run_again_and_watched() {
     .unwrap();
 }
 
-/// The capture with so many frames and points, the coordinates of all of them zero.
+/// The capture with that many frames and points, all coordinates zero.
 fn large(small: &Bytes, frames: usize, points: usize) -> Bytes {
     let mut files = unpack(small);
     files.retain(|name, _| name == "capture.json" || name.ends_with("control_points.npy"));
@@ -169,7 +169,7 @@ fn large(small: &Bytes, frames: usize, points: usize) -> Bytes {
     pack(&files)
 }
 
-/// The process that reads a capture at the moment.
+/// Id of the process that reads a capture at the moment.
 async fn reader_pid(server: &TestCluster) -> u32 {
     until("a capture to be read", SOON, async || server.reader_pids().first().copied()).await
 }

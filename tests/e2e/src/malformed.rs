@@ -1,4 +1,4 @@
-//! Requests that no sane client sends: each is refused with a client's error, and the process lives.
+//! Malformed requests: each is refused with a client error, and the process survives.
 
 mod fields;
 mod grpc;
@@ -10,7 +10,7 @@ use bytes::Bytes;
 
 use crate::harness::{TestCluster, reference::reference};
 
-/// Names that are none, or of nothing that exists.
+/// Names that are invalid, or of nothing that exists.
 fn bad_names(collection: &str) -> Vec<String> {
     const NONE: &str = "0190a000-0000-7000-8000-00000000dead";
     let other = if collection == "twins" { "fits" } else { "twins" };
@@ -35,7 +35,7 @@ fn bad_names(collection: &str) -> Vec<String> {
     names
 }
 
-/// A world with a twin in it, for requests that are almost right.
+/// A cluster with a twin, for requests that are almost valid.
 struct Fixture {
     server: TestCluster,
     twin: Twin,
@@ -50,7 +50,7 @@ impl Fixture {
         Self { server, twin, file }
     }
 
-    /// Fails the test unless every request was refused and the world is as it was.
+    /// Fails the test unless every request was refused and the cluster is unchanged.
     async fn still_stands(mut self, requests: usize, wrong: &[String]) {
         assert!(
             wrong.is_empty(),

@@ -1,4 +1,4 @@
-//! The HTTP form of the API, as a lab's script uses it, and what operators look at.
+//! The HTTP form of the API as a script uses it, and the endpoints for operators.
 
 use std::time::Duration;
 
@@ -154,7 +154,7 @@ async fn watch(http: &Http, path: &str, after: Option<u64>, most: usize) -> Vec<
     events
 }
 
-/// Comments keep the connection alive and are no events.
+/// Comments, which keep the connection alive, are no events.
 fn parse(event: &str) -> Option<Event> {
     let field = |name: &str| event.lines().find_map(|line| line.strip_prefix(name)).map(str::trim);
     let data = serde_json::from_str(field("data:")?).unwrap();

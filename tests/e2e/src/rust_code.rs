@@ -67,7 +67,7 @@ fn literals_and_comments_are_blank() {
         ("f('\"', g)", "f(   , g)"),
         ("f('\\'', g)", "f(    , g)"),
         ("fn f<'a>(x: &'a str)", "fn f<'a>(x: &'a str)"),
-        ("r#\"b \" c\"# d", "            d"),
+        ("r#\"b \" c\"# d", "           d"),
         ("for r in \"é\"", "for r in    "),
         ("\"b \\\n c\" d", "    \n    d"),
     ] {

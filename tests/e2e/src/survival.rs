@@ -1,5 +1,4 @@
-//! A fit survives the death of any process, at any moment, and ends in the twin
-//! that it would have ended in otherwise.
+//! A fit survives the death of any process at any moment, and ends in the same twin.
 
 use std::time::Duration;
 
@@ -14,15 +13,15 @@ use crate::harness::{
     reference::{FIT, Reference, capture, undisturbed},
 };
 
-/// A fit of several seconds on an idle machine, so that twenty kills hit different moments. Most of it is search: passes
-/// of a walk that has come to rest take no time.
+/// A fit of several seconds on an idle machine, so that twenty kills hit different moments. Most of
+/// it is search: once refinement has converged, further passes take no time.
 const SETTINGS: &str = r#"{
     "seed": 11,
     "graph": {"max_nodes": 40},
     "search": {"generations": 500, "population": 8},
     "refine": {"passes": 40}
 }"#;
-/// The share of a fit over which kills are spread.
+/// Fraction of a fit over which kills are spread.
 const SPREAD: f64 = 0.75;
 
 const WORKER_KILLS: usize = 20;
@@ -49,7 +48,7 @@ async fn a_fit_survives_deaths_of_both_in_turn() {
     disturb(3, &[Victim::Worker, Victim::Server].repeat(SERVER_KILLS)).await;
 }
 
-/// Runs a fit, kills as listed, spread over the run, and compares the twin.
+/// Runs a fit with the listed kills spread over it, and compares the twin.
 async fn disturb(seed: u64, victims: &[Victim]) {
     static EXPECTED: OnceCell<Reference> = OnceCell::const_new();
     let expected = EXPECTED.get_or_init(|| undisturbed(SETTINGS)).await;
@@ -84,15 +83,15 @@ async fn disturb(seed: u64, victims: &[Victim]) {
     );
 }
 
-/// Random moments at which to kill, spread over the run. A job fails after three attempts
-/// without progress, so at most every other kill comes before new progress.
+/// Random moments at which to kill, spread over the run. A job fails after three attempts without
+/// progress, so at most every other kill comes before new progress.
 struct KillSchedule {
     random: ChaCha8Rng,
     /// Fractions of the job at which kills are due, ascending.
     due: std::vec::IntoIter<f64>,
-    /// The fractions at which it happened.
+    /// Fractions of the job at which kills happened.
     killed_at: Vec<f64>,
-    /// Who ran the job at the last kill.
+    /// The worker of the job at the last kill.
     last_worker: String,
 }
 

@@ -1,4 +1,4 @@
-//! What was acknowledged stays, what was not leaves nothing behind.
+//! Uploads: acknowledged ones survive, others leave nothing behind.
 
 use std::{path::Path, time::Duration};
 

@@ -16,7 +16,7 @@ pub(super) struct Broken(pub(super) String);
 
 /// A background task that has waited this long goes first once, so that a
 /// stream of rollouts slows a fit down but never stops it.
-const PATIENCE: Duration = Duration::from_secs(2);
+const STARVATION_LIMIT: Duration = Duration::from_secs(2);
 
 /// Priority of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +89,8 @@ impl Queue {
 
 impl Tasks {
     fn take(&mut self) -> Option<Task> {
-        let starving = self.background.front().is_some_and(|(since, _)| since.elapsed() > PATIENCE);
+        let starving =
+            self.background.front().is_some_and(|(since, _)| since.elapsed() > STARVATION_LIMIT);
         if starving || self.interactive.is_empty() {
             return self.background.pop_front().map(|(_, task)| task);
         }

@@ -54,7 +54,7 @@ impl Compute {
         limits: &Limits,
     ) -> Result<Finished, Fault> {
         let Inputs { lease, settings, observation, checkpoint } = inputs;
-        self.progress.set(reading());
+        self.progress.set(reading_progress());
         let mut capture = observation::read(observation.path(), limits).map_err(|e| e.fault())?;
         // It may be gigabytes, and everything is in memory now.
         drop(observation);
@@ -76,8 +76,8 @@ impl Compute {
             e @ (bendtwin_fit::Error::Checkpoint(_) | bendtwin_fit::Error::OtherCheckpoint),
         ) = &result
         {
-            // From a build before an update, say: the work is lost, the job is not.
-            tracing::warn!("starting the fit anew: {e}");
+            // From a build before an update, for example: the work is lost, the job is not.
+            tracing::warn!("restarting the fit from the beginning: {e}");
             result = job.run(None, &mut observer, &token);
         }
         finished(&result.map_err(|e| e.fault())?.twin)
@@ -98,12 +98,12 @@ impl Observer<Progress> for JobObserver {
     }
 
     fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        self.compute.checkpoints.offer(checkpoint, self.stage_ended);
+        self.compute.checkpoints.submit(checkpoint, self.stage_ended);
         Ok(())
     }
 }
 
-fn reading() -> Progress {
+fn reading_progress() -> Progress {
     Progress {
         stage: Stage::Ingest,
         variant: String::new(),

@@ -17,7 +17,7 @@ use crate::{
 pub(super) async fn deliver(delivery: &Delivery<'_>, finished: Finished) {
     match delivery.send_until_acknowledged("the twin", || send(delivery.job, &finished)).await {
         Ok(twin) => tracing::info!(twin, bytes = finished.file.len(), "fit succeeded"),
-        // Too large, say: another attempt would make the same twin and be refused alike.
+        // Too large, for example: another attempt would make the same twin and be refused, too.
         Err(Undelivered::Refused(fault)) if fault.category == Category::InvalidArgument => {
             delivery.fail(fault, Failure::Permanent).await;
         }

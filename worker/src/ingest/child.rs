@@ -17,15 +17,16 @@ use super::protocol::{CHECKPOINT, Message};
 use crate::job::{checkpoints::Checkpoints, report::LatestProgress};
 
 /// Longest message line that is accepted [bytes]; the child writes far shorter ones.
-const LINE: u64 = 1 << 20;
+const MAX_LINE: u64 = 1 << 20;
 /// Size of the tail of its standard error that is kept [bytes].
-const TAIL: usize = 4 << 10;
+const TAIL_BYTES: usize = 4 << 10;
 /// Most threads of the child. Each has a stack and an arena of its own, which count as the child's
 /// memory.
 const MOST_THREADS: usize = 8;
 
 /// Words for lack of memory in messages of Rust's runtime, which then aborts, and of the system.
-const NO_MEMORY: [&str; 3] = ["memory allocation of", "Cannot allocate memory", "out of memory"];
+const OUT_OF_MEMORY_TEXTS: [&str; 3] =
+    ["memory allocation of", "Cannot allocate memory", "out of memory"];
 
 /// The command of the child.
 pub(super) struct Child<'a> {
@@ -59,7 +60,7 @@ impl Child<'_> {
             .arg("ingest-capture")
             .arg(self.folder)
             .env("RAYON_NUM_THREADS", threads.min(MOST_THREADS).to_string())
-            // Held open: its end tells the child that the worker is gone.
+            // Held open: the child exits when it ends, because the worker is gone then.
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -71,7 +72,7 @@ impl Child<'_> {
             return Err(crashed("its output cannot be read"));
         };
         let reading = self.read_messages(BufReader::new(stdout), progress, checkpoints);
-        let (last, tail) = tokio::join!(reading, tail_of(stderr));
+        let (last, tail) = tokio::join!(reading, copy_log(stderr));
         let status = child.wait().await.map_err(|e| crashed(&e.to_string()))?;
         match last {
             Some(Message::Observed { verdict }) => Ok(Ended::Observed { verdict }),
@@ -82,7 +83,7 @@ impl Child<'_> {
             Some(Message::Refused { verdict, fault }) => Ok(Ended::Refused { verdict, fault }),
             Some(Message::Failed(fault)) => Err(fault),
             _ if is_out_of_memory(&tail) => Ok(Ended::OutOfMemory { fault: out_of_memory() }),
-            _ => Err(crashed(&explain(status))),
+            _ => Err(crashed(&describe_exit(status))),
         }
     }
 
@@ -96,7 +97,7 @@ impl Child<'_> {
         let mut last = None;
         loop {
             let mut line = Vec::new();
-            match (&mut lines).take(LINE).read_until(b'\n', &mut line).await {
+            match (&mut lines).take(MAX_LINE).read_until(b'\n', &mut line).await {
                 Ok(0) | Err(_) => return last,
                 Ok(_) => {}
             }
@@ -104,33 +105,33 @@ impl Child<'_> {
                 Ok(Message::Progress(reported)) => progress.set(reported),
                 Ok(Message::Checkpoint) => {
                     match tokio::fs::read(self.folder.join(CHECKPOINT)).await {
-                        Ok(checkpoint) => checkpoints.offer(checkpoint, false),
+                        Ok(checkpoint) => checkpoints.submit(checkpoint, false),
                         Err(error) => tracing::warn!(%error, "a checkpoint cannot be read"),
                     }
                 }
                 Ok(message) => last = Some(message),
-                Err(error) => tracing::warn!(%error, "the ingest said what nobody understands"),
+                Err(error) => tracing::warn!(%error, "the ingest process sent an invalid message"),
             }
         }
     }
 }
 
 /// Copies the child's log to the worker's; returns the end of it.
-async fn tail_of(mut stderr: impl AsyncRead + Unpin) -> String {
+async fn copy_log(mut stderr: impl AsyncRead + Unpin) -> String {
     let mut tail = Vec::new();
-    let mut chunk = [0; TAIL];
+    let mut chunk = [0; TAIL_BYTES];
     while let Ok(read) = stderr.read(&mut chunk).await {
         let Some(text) = chunk.get(..read).filter(|t| !t.is_empty()) else { break };
         eprint!("{}", String::from_utf8_lossy(text));
         tail.extend_from_slice(text);
-        let surplus = tail.len().saturating_sub(TAIL);
+        let surplus = tail.len().saturating_sub(TAIL_BYTES);
         tail.drain(..surplus);
     }
     String::from_utf8_lossy(&tail).into_owned()
 }
 
 fn is_out_of_memory(text: &str) -> bool {
-    NO_MEMORY.iter().any(|words| text.contains(words))
+    OUT_OF_MEMORY_TEXTS.iter().any(|words| text.contains(words))
 }
 
 fn out_of_memory() -> Fault {
@@ -156,7 +157,7 @@ fn crashed(how: &str) -> Fault {
 }
 
 #[cfg(unix)]
-fn explain(status: ExitStatus) -> String {
+fn describe_exit(status: ExitStatus) -> String {
     use std::os::unix::process::ExitStatusExt as _;
     match status.signal() {
         Some(signal) => format!("killed by signal {signal}"),
@@ -165,7 +166,7 @@ fn explain(status: ExitStatus) -> String {
 }
 
 #[cfg(not(unix))]
-fn explain(status: ExitStatus) -> String {
+fn describe_exit(status: ExitStatus) -> String {
     status.to_string()
 }
 

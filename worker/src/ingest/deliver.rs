@@ -33,7 +33,7 @@ pub(super) async fn deliver(delivery: &Delivery<'_>, folder: &Path, ended: Ended
         Ended::Observed { verdict } => (verdict, None),
         Ended::Refused { verdict, fault } => (verdict, Some(fault)),
         Ended::OutOfMemory { fault } => {
-            // The child had no say any more.
+            // The child could not write a report.
             let report = unread(&lease.capture_display_name, &fault).report;
             if let Err(error) = write_report(folder, &report) {
                 tracing::warn!(%error, "no report can be written");
@@ -57,7 +57,7 @@ pub(super) async fn deliver(delivery: &Delivery<'_>, folder: &Path, ended: Ended
         .await
     {
         Ok(()) => tracing::info!(verdict = made.verdict, "ingest ended"),
-        // Too large, say: another attempt would make the same and be refused alike.
+        // Too large, for example: another attempt would have the same result and be refused, too.
         Err(Undelivered::Refused(fault)) if fault.category == Category::InvalidArgument => {
             delivery.fail(fault, Failure::Permanent).await;
         }

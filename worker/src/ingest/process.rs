@@ -75,7 +75,7 @@ fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
 
 /// Limits the memory of this process. Beyond the limit, allocations fail and the process aborts.
 fn limit_memory(memory_bytes: u64) -> io::Result<()> {
-    // Data, not address space: what is reserved and never touched costs nobody anything.
+    // Data, not address space: memory that is reserved and never touched costs nothing.
     #[cfg(any(target_os = "linux", target_os = "android"))]
     let resource = rlimit::Resource::DATA;
     #[cfg(not(any(target_os = "linux", target_os = "android")))]

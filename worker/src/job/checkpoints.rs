@@ -48,7 +48,7 @@ pub(crate) struct Saver {
 
 impl Checkpoints {
     /// Leaves a checkpoint to be saved in place of any that still waits.
-    pub(crate) fn offer(&self, content: Vec<u8>, stage_ended: bool) {
+    pub(crate) fn submit(&self, content: Vec<u8>, stage_ended: bool) {
         self.0.put(Waiting { content: content.into(), urgent: stage_ended });
     }
 }
@@ -127,7 +127,7 @@ async fn run(slot: Arc<Slot>, job: Job, stop: Stop) {
             }
         }
         let mut backoff = Backoff::default();
-        // Taken anew for each attempt: a newer one may have come in the meantime.
+        // Taken again for each attempt: a newer one may have come in the meantime.
         while let Some(content) = slot.take() {
             let bytes = content.len();
             match job.save_checkpoint(content).await {

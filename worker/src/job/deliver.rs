@@ -10,7 +10,7 @@ use super::{Job, checkpoints::Saver, stop::Reason};
 use crate::server_client::{Backoff, CallError};
 
 /// Time for which a worker that has to end still tries.
-const DRAIN_PATIENCE: Duration = Duration::from_secs(10);
+const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Kind of a job's end without a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub(crate) enum Undelivered {
 pub(crate) struct Delivery<'a> {
     pub(crate) job: &'a Job,
     pub(crate) drain: &'a CancellationToken,
-    pub(crate) patience: Duration,
+    pub(crate) delivery_timeout: Duration,
 }
 
 impl Delivery<'_> {
@@ -49,7 +49,7 @@ impl Delivery<'_> {
     /// Ends an attempt of `work` without a result. The kind of failure follows from `stopped`, else
     /// from the category of the fault. The last checkpoint is saved first, unless the job was
     /// cancelled.
-    pub(crate) async fn give_up(
+    pub(crate) async fn fail_unfinished(
         &self,
         work: &str,
         fault: Fault,
@@ -106,8 +106,8 @@ impl Delivery<'_> {
             if self.drain.is_cancelled() {
                 drain_since.get_or_insert_with(Instant::now);
             }
-            let given_up = drain_since.is_some_and(|since| since.elapsed() > DRAIN_PATIENCE)
-                || started.elapsed() > self.patience;
+            let given_up = drain_since.is_some_and(|since| since.elapsed() > DRAIN_TIMEOUT)
+                || started.elapsed() > self.delivery_timeout;
             if given_up {
                 tracing::error!("gave up delivering {what}: the job is done again elsewhere");
                 return Err(Undelivered::GivenUp);

@@ -53,14 +53,14 @@ async fn run(job: Job, stop: Stop, latest: LatestProgress) {
                 }
             }
             Err(CallError::Stale) => return stop.stop(Reason::Stale),
-            // Deleted, or never known to this server: nobody wants the result.
+            // Deleted, or never known to this server: the result is not needed.
             Err(CallError::Refused(fault)) => {
                 tracing::warn!(reason = fault.reason, "the server refuses this job: {fault}");
                 return stop.stop(Reason::Stale);
             }
             Err(CallError::Unavailable(fault)) => {
                 if std::mem::replace(&mut reachable, false) {
-                    tracing::warn!("cannot report ({fault}); the work goes on");
+                    tracing::warn!("cannot report ({fault}); the work continues");
                 }
             }
         }

@@ -55,8 +55,8 @@ fn finding(severity: Severity, code: &str, message: String) -> Finding {
 pub(super) fn text(report: &CheckReport) -> String {
     let verdict = match (report.is_usable(), report.of(Severity::Warning).count()) {
         (false, _) => "This capture cannot be fitted as it is.",
-        (true, 0) => "This capture is fit for fitting.",
-        (true, _) => "This capture can be fitted; the warnings say what holds it back.",
+        (true, 0) => "This capture can be fitted.",
+        (true, _) => "This capture can be fitted; the warnings name what limits the result.",
     };
     lines(&report.findings) + verdict
 }

@@ -50,7 +50,7 @@ pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
     let capture = tokio::select! {
         capture = upload(&client, &args.path, &name, global.json) => capture?,
         () = signals::shutdown().cancelled_owned() => {
-            anyhow::bail!("interrupted: push it again, and the upload goes on where it is now")
+            anyhow::bail!("interrupted: push it again to resume the upload")
         }
     };
     if args.watch {

@@ -88,8 +88,10 @@ fn text(report: &Value) -> String {
 
 fn sentence(verdict: &str) -> String {
     match verdict {
-        "good" => "This capture is fit for fitting.".to_owned(),
-        "usable" => "This capture can be fitted; the warnings say what holds it back.".to_owned(),
+        "good" => "This capture can be fitted.".to_owned(),
+        "usable" => {
+            "This capture can be fitted; the warnings name what limits the result.".to_owned()
+        }
         "unusable" => "This capture cannot be fitted as it is.".to_owned(),
         other => format!("Verdict: {other}."),
     }
@@ -125,7 +127,7 @@ pub(super) async fn watch(
         last = Some(capture);
     }
     bar.finish();
-    last.context("the server said nothing about the capture")
+    last.context("the server sent no state of the capture")
 }
 
 /// Follows the ingest of a capture and prints its result. The command fails if the capture cannot

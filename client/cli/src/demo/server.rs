@@ -13,11 +13,11 @@ use tokio::process::{Child, ChildStdin, Command};
 use crate::backend::BackendArgs;
 
 /// Longest time for the start of server and worker.
-const START: Duration = Duration::from_secs(60);
+const START_TIMEOUT: Duration = Duration::from_secs(60);
 /// Longest time for their end.
-const STOP: Duration = Duration::from_secs(20);
+const STOP_TIMEOUT: Duration = Duration::from_secs(20);
 /// Time between two polls.
-const PAUSE: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// A running server with one worker.
 pub(super) struct DemoServer {
@@ -74,14 +74,18 @@ impl DemoServer {
             if let Ok(port) = text.trim().parse::<u16>() {
                 break port;
             }
-            anyhow::ensure!(started.elapsed() < START, "the server does not start{}", tail(&log));
-            tokio::time::sleep(PAUSE).await;
+            anyhow::ensure!(
+                started.elapsed() < START_TIMEOUT,
+                "the server does not start{}",
+                tail(&log)
+            );
+            tokio::time::sleep(POLL_INTERVAL).await;
         };
         let url = format!("http://127.0.0.1:{port}");
         let client = Client::connect(&url).await?;
         while client.workers().all().await?.is_empty() {
-            anyhow::ensure!(started.elapsed() < START, "no worker starts{}", tail(&log));
-            tokio::time::sleep(PAUSE).await;
+            anyhow::ensure!(started.elapsed() < START_TIMEOUT, "no worker starts{}", tail(&log));
+            tokio::time::sleep(POLL_INTERVAL).await;
         }
         let stdin = child.stdin.take();
         Ok(Self { child, stdin, log, connection: Connection { url, client } })
@@ -99,7 +103,7 @@ impl DemoServer {
     pub(super) async fn stop(mut self) {
         // The end of its standard input asks the server to shut down.
         drop(self.stdin.take());
-        if tokio::time::timeout(STOP, self.child.wait()).await.is_err() {
+        if tokio::time::timeout(STOP_TIMEOUT, self.child.wait()).await.is_err() {
             let _ = self.child.kill().await;
         }
     }

@@ -260,7 +260,7 @@ impl DemoRun {
         if kept {
             let data = self.folder.join("data");
             self.print(&format!(
-                "Everything is in {}; go on with `bendtwin server --data-dir {}`.",
+                "Everything is in {}; continue with `bendtwin server --data-dir {}`.",
                 self.folder.display(),
                 data.display()
             ));
@@ -279,7 +279,7 @@ impl DemoRun {
 
     fn print(&self, text: &str) {
         if !self.quiet {
-            // A reader that has gone is told at the end, if at all.
+            // A closed standard output is reported at the end, if at all.
             let _ = output::line(text);
         }
     }

@@ -23,7 +23,7 @@ pub(super) fn fit(
     cancel: &CancelToken,
     quiet: bool,
 ) -> anyhow::Result<(Fitted, Duration)> {
-    let mut bar = Bar(FitBar::new(quiet));
+    let mut bar = BarObserver(FitBar::new(quiet));
     let job = FitJob {
         capture,
         capture_digest: bendtwin_capture::digest(capture),
@@ -36,9 +36,9 @@ pub(super) fn fit(
     Ok((Fitted { twin: outcome.twin, axial: outcome.axial }, took))
 }
 
-struct Bar(FitBar);
+struct BarObserver(FitBar);
 
-impl Observer<Progress> for Bar {
+impl Observer<Progress> for BarObserver {
     fn progress(&mut self, progress: Progress) {
         self.0.show(&FitProgress {
             stage: progress.stage.as_str().to_owned(),

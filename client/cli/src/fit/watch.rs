@@ -28,7 +28,7 @@ pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::
         last = Some(fit);
     }
     bar.finish();
-    last.context("the server said nothing about the fit")
+    last.context("the server sent no state of the fit")
 }
 
 /// Fails unless the fit has a twin.

@@ -46,7 +46,7 @@ impl SuiteProgress {
         let device = backends.first().map(|b| b.device().name).unwrap_or_default();
         bar.print(&format!(
             "{}, {} at a time ({device} each); {} are done already",
-            counted(total),
+            run_count(total),
             backends.len(),
             plan.done()
         ));
@@ -57,7 +57,7 @@ impl SuiteProgress {
         match event {
             Event::Started { run, resumed } => {
                 self.running.push(((*run).clone(), None));
-                let how = if *resumed { "goes on" } else { "starts" };
+                let how = if *resumed { "resumes" } else { "starts" };
                 self.print(&format!("{run} {how}"));
             }
             Event::Progress { run, progress } => {
@@ -72,7 +72,7 @@ impl SuiteProgress {
             }
             Event::Interrupted(run) => {
                 self.remove(run);
-                self.print(&format!("{run} stops; it can go on"));
+                self.print(&format!("{run} stops; it can be resumed"));
             }
         }
         self.refresh();
@@ -118,7 +118,7 @@ impl SuiteProgress {
 }
 
 /// A number of runs for people.
-pub(super) fn counted(runs: usize) -> String {
+pub(super) fn run_count(runs: usize) -> String {
     format!("{runs} run{}", if runs == 1 { "" } else { "s" })
 }
 

@@ -33,7 +33,7 @@ impl Checksum {
             "blake3" => (Hasher::Blake3(Box::default()), 32),
             _ => {
                 let known = ALGORITHMS.join(", ");
-                return Err(invalid(format!("has an algorithm that is none of {known}")));
+                return Err(invalid(format!("has an unknown algorithm: use one of {known}")));
             }
         };
         let declared = BASE64_STANDARD.decode(value.trim()).ok().filter(|v| v.len() == size);

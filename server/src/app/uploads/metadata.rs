@@ -6,7 +6,7 @@ use base64::{Engine as _, prelude::BASE64_STANDARD};
 use super::super::{Error, Result};
 
 /// Longest metadata that is kept [bytes].
-const LONGEST: usize = 4096;
+const MAX_LENGTH: usize = 4096;
 
 /// The pairs with a meaning here; empty if not given.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -23,8 +23,8 @@ pub(super) struct Metadata {
 impl Metadata {
     pub(super) fn parse(text: &str) -> Result<Self> {
         let invalid = |fault: &str| Error::invalid("upload-metadata", fault);
-        if text.len() > LONGEST {
-            return Err(invalid(&format!("is longer than {LONGEST} bytes")));
+        if text.len() > MAX_LENGTH {
+            return Err(invalid(&format!("is longer than {MAX_LENGTH} bytes")));
         }
         let (mut metadata, mut seen) = (Self::default(), Vec::new());
         for pair in text.split(',').map(str::trim).filter(|_| !text.trim().is_empty()) {

@@ -69,7 +69,7 @@ pub(super) async fn require_version(request: Request, next: Next) -> Response {
     let mut response = if free || version.is_some_and(|v| v == VERSION) {
         next.run(request).await
     } else {
-        let message = "send `Tus-Resumable: 1.0.0`: no other version of tus is spoken here";
+        let message = "send `Tus-Resumable: 1.0.0`, the only version of tus that is supported";
         let status = StatusCode::PRECONDITION_FAILED;
         let mut response =
             Refusal::http_only(status, "TUS_VERSION_UNSUPPORTED", message).into_response();
@@ -103,8 +103,9 @@ pub(super) fn number(headers: &HeaderMap, name: &HeaderName) -> Result<Option<u6
 
 /// Offset at which the body begins.
 pub(super) fn offset(headers: &HeaderMap) -> Result<u64> {
-    number(headers, &UPLOAD_OFFSET)?
-        .ok_or_else(|| invalid(&UPLOAD_OFFSET, "is missing: say where the body begins"))
+    number(headers, &UPLOAD_OFFSET)?.ok_or_else(|| {
+        invalid(&UPLOAD_OFFSET, "is missing: send the offset at which the body begins")
+    })
 }
 
 /// The length of a new upload, or none if it is declared to be unknown yet.

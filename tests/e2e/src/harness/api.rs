@@ -153,7 +153,7 @@ impl Api {
         Ok(self.workers().list_workers(request).await?.into_inner().workers)
     }
 
-    /// Waits until a fit is as wanted; calls that fail are repeated.
+    /// Waits until a fit is in the wanted state; failed calls are repeated.
     pub(crate) async fn fit_when(
         &self,
         name: &str,
@@ -175,12 +175,12 @@ impl Api {
     }
 }
 
-/// Whether nothing about a fit will change any more.
+/// True if the state of a fit is final.
 pub(crate) fn has_ended(fit: &Fit) -> bool {
     !matches!(fit.state(), State::Queued | State::Running)
 }
 
-/// How far a fit is, 0..=1.
+/// Progress of a fit, 0..=1.
 pub(crate) fn fraction(fit: &Fit) -> f64 {
     fit.progress.as_ref().map_or(0.0, |p| p.fraction)
 }

@@ -1,4 +1,4 @@
-//! A server in a temporary folder, with its own workers or with workers of the test's own.
+//! A server with workers in a temporary folder: the server's own, or some that the test starts.
 
 use std::{
     path::{Path, PathBuf},
@@ -18,21 +18,22 @@ use super::{
     waiting::{self, until},
 };
 
-/// How long a process may take to start on a busy machine.
+/// Longest time for the start of a process on a busy machine.
 pub(crate) const START: Duration = Duration::from_secs(60);
 /// The token of workers that the test starts itself.
 const TOKEN: &str = "end-to-end-worker-token";
 
-/// What a cluster is like.
+/// Options of a cluster.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     /// Workers that the server starts and restarts itself.
     pub(crate) own_workers: u32,
-    /// How long a dead worker's job waits for the next one, where nobody saw the worker die [s].
+    /// Time after which a dead worker's job goes to the next one, where the server did not see the
+    /// worker die [s].
     pub(crate) lease_s: f64,
-    /// Which other clusters may live meanwhile.
+    /// Other clusters that may run at the same time.
     pub(crate) isolation: Isolation,
-    /// What the server's own workers are told besides.
+    /// Additional arguments of the server's own workers.
     pub(crate) worker_args: &'static [&'static str],
 }
 
@@ -42,18 +43,18 @@ impl Default for Setup {
     }
 }
 
-/// Which other clusters may live beside one.
+/// Other clusters that may run at the same time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Isolation {
-    /// As many as the machine bears.
+    /// As many as the machine can take.
     Shared,
-    /// None: time is measured.
+    /// None, because time is measured.
     Exclusive,
-    /// Any: another cluster waits for this one.
+    /// Any number: the caller holds a slot already.
     Nested,
 }
 
-/// A cluster with a running server.
+/// A server with its workers and its folder.
 pub(crate) struct TestCluster {
     setup: Setup,
     child: Child,
@@ -65,7 +66,7 @@ pub(crate) struct TestCluster {
 }
 
 impl TestCluster {
-    /// Makes a cluster and waits until its server is ready.
+    /// Starts a cluster and waits until it is ready.
     pub(crate) async fn start(setup: Setup) -> Self {
         let slots = match setup.isolation {
             Isolation::Shared => Some(waiting::shared_slot().await),
@@ -81,7 +82,7 @@ impl TestCluster {
         server
     }
 
-    /// A cluster in which nothing is out of the ordinary.
+    /// A cluster with default options.
     pub(crate) async fn ordinary() -> Self {
         Self::start(Setup::default()).await
     }
@@ -106,17 +107,17 @@ impl TestCluster {
         self.folder.path().join("data")
     }
 
-    /// A place for a test's files.
+    /// A path for a file of the test.
     pub(crate) fn path(&self, name: &str) -> String {
         self.folder.path().join(name).to_string_lossy().into_owned()
     }
 
-    /// What the processes have printed.
+    /// Output of all processes.
     pub(crate) fn log(&self) -> String {
         std::fs::read_to_string(self.folder.path().join("log")).unwrap_or_default()
     }
 
-    /// kill -9 of the server; its workers are left to notice.
+    /// kill -9 of the server; its workers have to notice by themselves.
     pub(crate) fn kill(&mut self) {
         self.child.kill().unwrap();
         self.child.wait().unwrap();
@@ -130,7 +131,7 @@ impl TestCluster {
         assert_eq!(address, self.address);
     }
 
-    /// Whether the server process still runs, as the same process as ever.
+    /// True if the server process still runs and has not been replaced.
     pub(crate) fn is_alive(&mut self) -> bool {
         self.child.try_wait().unwrap().is_none()
     }

@@ -1,5 +1,5 @@
-//! Processes of a cluster, found and killed by a mark in their environment that
-//! children inherit, so that nothing outlives a test.
+//! Processes of a cluster, found and killed by an environment variable that children inherit, so
+//! that nothing outlives a test.
 
 use std::{
     path::Path,
@@ -64,7 +64,7 @@ impl Processes {
 
 impl Drop for Processes {
     fn drop(&mut self) {
-        // A process that is just being started escapes one look; none escapes until nothing is left.
+        // A process that is just being started may be missed once, so this repeats until none is left.
         for _ in 0..10 {
             let all = self.all();
             if all.is_empty() {

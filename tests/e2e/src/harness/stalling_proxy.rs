@@ -1,4 +1,5 @@
-//! A connection that fails as real ones do: it passes so many bytes on and then falls silent.
+//! A proxy that fails as real connections do: after a number of bytes it passes nothing on, without
+//! closing.
 
 use std::sync::{
     Arc,
@@ -12,14 +13,15 @@ use tokio::{
 
 const CHUNK: usize = 64 << 10;
 
-/// The way to a server for clients of a test.
+/// A proxy of a server for the clients of a test.
 pub(crate) struct StallingProxy {
     url: String,
     accepting: tokio::task::JoinHandle<()>,
 }
 
 impl StallingProxy {
-    /// To `server` (`http://host:port`), for so many bytes in that direction, on all connections together.
+    /// A proxy of `server` (`http://host:port`) that passes on so many bytes from all clients
+    /// together.
     pub(crate) async fn to(server: &str, bytes: u64) -> Self {
         let server = server.strip_prefix("http://").unwrap().to_owned();
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
@@ -34,7 +36,7 @@ impl StallingProxy {
         Self { url, accepting }
     }
 
-    /// What clients are to take for the server's address.
+    /// The proxy's address, for clients.
     pub(crate) fn url(&self) -> &str {
         &self.url
     }

@@ -1,4 +1,4 @@
-//! Waiting for states instead of sleeping, and not too many clusters at a time.
+//! Waiting for states instead of sleeping, and a limit on clusters at a time.
 
 use std::time::Duration;
 
@@ -9,16 +9,16 @@ use tokio::{
 
 const POLL: Duration = Duration::from_millis(10);
 
-/// Worlds that may live at once: fits want the cores for themselves.
+/// Most clusters at a time: fits need the cores for themselves.
 const CLUSTERS: u32 = 2;
 static SLOTS: Semaphore = Semaphore::const_new(CLUSTERS as usize);
 
-/// Waits for this cluster's slots.
+/// Waits for a slot beside other clusters.
 pub(crate) async fn shared_slot() -> SemaphorePermit<'static> {
     SLOTS.acquire().await.unwrap()
 }
 
-/// Waits until no other cluster lives: for tests in which time is measured.
+/// Waits until no other cluster runs, for tests that measure time.
 pub(crate) async fn all_slots() -> SemaphorePermit<'static> {
     SLOTS.acquire_many(CLUSTERS).await.unwrap()
 }

@@ -1,4 +1,4 @@
-//! Over gRPC.
+//! Malformed requests over gRPC.
 
 use bendtwin_proto::v1::{
     CaptureMetadata, CreateCaptureRequest, CreateFitRequest, CreateTwinRequest, GetTwinRequest,
@@ -13,10 +13,10 @@ use crate::harness::{raw, reference::capture, within};
 
 const ANSWER: std::time::Duration = std::time::Duration::from_secs(60);
 
-/// How calls are described whose bytes are no message.
+/// Description of calls whose bytes are no message.
 const UNREADABLE: &str = "bytes that are no message:";
 
-/// One call: what is wrong with it, the method, the messages.
+/// One call: its fault, the method, the messages.
 type Call = (String, &'static str, Vec<Bytes>);
 
 #[tokio::test]
@@ -51,7 +51,7 @@ async fn malformed_calls_are_refused_with_their_code() {
     fixture.still_stands(calls.len(), &wrong).await;
 }
 
-/// Codes that say: the request is wrong, not the server.
+/// Codes of faults in the request, not in the server.
 fn is_the_clients(code: Code) -> bool {
     matches!(
         code,
@@ -174,7 +174,7 @@ fn uploads(archive: &Bytes, twin_file: &Bytes) -> Vec<Call> {
     calls
 }
 
-/// Twin files that are damaged or lie.
+/// Twin files that are damaged or contradict themselves.
 fn twin_files(good: &Bytes) -> Vec<Call> {
     let patched = |at: usize, value: u8| {
         let mut bytes = good.to_vec();

@@ -1,4 +1,4 @@
-//! Over HTTP, by a library and by hand.
+//! Malformed requests over HTTP, by a library and by hand.
 
 use reqwest::{Method, RequestBuilder};
 use serde_json::json;
@@ -92,7 +92,7 @@ async fn bytes_that_are_no_http_end_the_connection_and_nothing_else() {
 
 type Named = (String, RequestBuilder);
 
-/// Bad names in every path that takes one, and paths that lead nowhere.
+/// Bad names in every path that takes one, and paths that do not exist.
 fn paths(http: &Http) -> Vec<Named> {
     const ROUTES: [(&str, Method, &str); 9] = [
         ("captures", Method::GET, ""),
