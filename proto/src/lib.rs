@@ -1,9 +1,10 @@
 //! The wire contract: `bendtwin.v1` is public, `bendtwin.worker.v1` private
 //! between server and workers. Generated types, plus the one place where
-//! tensors and faults are packed and unpacked.
+//! tensors and faults are packed and unpacked, and where rollout requests are checked.
 
 pub mod deadline;
 pub mod fault;
+pub mod rollout;
 pub mod tensor;
 
 /// The public API.

@@ -46,7 +46,8 @@ struct Api {
 /// All services as one router.
 pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
     let api = Api { app: app.clone() };
-    let rollout_bytes = app.options.limits.rollout_bytes;
+    let limits = app.options.limits.rollout;
+    let bytes = |limit: u64| usize::try_from(limit).unwrap_or(usize::MAX);
     let reflection = tonic_reflection::server::Builder::configure()
         .register_encoded_file_descriptor_set(DESCRIPTORS)
         .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
@@ -68,8 +69,8 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(WorkerServiceServer::new(api.clone()))
         .add_service(
             RolloutServiceServer::new(api.clone())
-                .max_decoding_message_size(rollout_bytes)
-                .max_encoding_message_size(rollout_bytes),
+                .max_decoding_message_size(bytes(limits.request_bytes))
+                .max_encoding_message_size(bytes(limits.reply_bytes)),
         )
         .add_service(WorkerLinkServer::new(api).max_decoding_message_size(MESSAGE));
     Ok(routes.routes().into_axum_router())

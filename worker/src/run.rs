@@ -64,7 +64,7 @@ async fn run_on(
 
     let twins = WarmTwins::new(link.clone(), device.clone(), limits);
     let replays = Replays::new(link.clone(), dir.clone(), limits);
-    let rollouts = Rollouts::new(id.to_string(), device.clone(), twins, replays, limits);
+    let rollouts = Rollouts::new(id.to_string(), device.clone(), twins, replays, limits.rollouts);
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
     let registration = registration(id, &endpoint, device);

@@ -83,6 +83,7 @@ impl WorkerLink for Api {
         Ok(Response::new(RegisterResponse {
             beat_interval_s: self.app.options.beat_interval_s,
             lease_s: self.app.options.lease_s,
+            rollout_limits: Some((&self.app.options.limits.rollout).into()),
         }))
     }
 

@@ -11,6 +11,7 @@ use std::{
 
 use bendtwin_core::ids::WorkerId;
 use bendtwin_proto::{
+    rollout::Limits,
     v1::{
         Fault, Progress, RollOutResponse, Tensor, roll_out_request::Actions,
         roll_out_response::Timing,
@@ -42,6 +43,8 @@ type Credentialed = Result<Request<()>, Status>;
 pub(crate) struct Worker {
     pub(crate) id: WorkerId,
     pub(crate) link: Client,
+    /// Bounds on rollouts that the server sent.
+    pub(crate) rollout_limits: Limits,
     breaks: Arc<AtomicBool>,
 }
 
@@ -97,7 +100,8 @@ impl Worker {
         assert!(
             registered.beat_interval_s > 0.0 && registered.lease_s > registered.beat_interval_s
         );
-        Self { id, link, breaks }
+        let rollout_limits = Limits::from(&registered.rollout_limits.unwrap());
+        Self { id, link, rollout_limits, breaks }
     }
 
     /// From now on the endpoint breaks off, as that of a killed process does.

@@ -39,7 +39,7 @@ pub(crate) fn request(twin: &Twin, rest: &[[f32; 3]]) -> RollOutRequest {
             positions: Some(Tensor::pack_points(&[BATCH, FRAMES + 1, controls], &positions)),
             interpolation: 0,
         })),
-        costs: vec![Cost { weight: 1.0, kind: Some(target), ..Cost::default() }],
+        costs: vec![Cost { weight: Some(1.0), kind: Some(target), ..Cost::default() }],
         returns: Some(Returns { every_frames: 1, final_state: true, ..Returns::default() }),
         ..RollOutRequest::default()
     }
