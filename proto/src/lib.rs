@@ -4,6 +4,7 @@
 
 pub mod deadline;
 pub mod fault;
+mod job;
 pub mod rollout;
 pub mod tensor;
 
@@ -22,5 +23,5 @@ pub mod worker {
     }
 }
 
-/// The encoded `FileDescriptorSet` of all services, for reflection and for the compatibility check.
+/// The encoded `FileDescriptorSet` of all services, for reflection and for descriptions of messages.
 pub const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/descriptors.bin"));

@@ -81,8 +81,8 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
                 fits.push(client.fits().cancel(name).await?);
             }
             output::print(global, &fits, || {
-                let lines = fits.iter().map(|f| match f.state.has_ended() {
-                    true => format!("{} has ended ({})\n", f.name, f.state.as_str()),
+                let lines = fits.iter().map(|f| match f.job.state.has_ended() {
+                    true => format!("{} has ended ({})\n", f.name, f.job.state.as_str()),
                     false => format!("{} stops\n", f.name),
                 });
                 lines.collect()
@@ -98,16 +98,16 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
 }
 
 fn columns(fit: &bendtwin_client::Fit) -> [String; 5] {
-    let done = fit.progress.as_ref().map(|p| format!("{:.0}%", 100.0 * p.fraction));
-    let started = fit.start_time.map(|t| format!("{t:.0}"));
-    let result = match (&fit.twin, &fit.fault) {
+    let done = fit.job.progress.as_ref().map(|p| format!("{:.0}%", 100.0 * p.fraction));
+    let started = fit.job.start_time.map(|t| format!("{t:.0}"));
+    let result = match (&fit.twin, &fit.job.fault) {
         (Some(twin), _) => twin.to_string(),
         (None, Some(fault)) => fault.message.clone(),
         (None, None) => String::new(),
     };
     [
         fit.name.to_string(),
-        fit.state.as_str().to_owned(),
+        fit.job.state.as_str().to_owned(),
         done.unwrap_or_default(),
         started.unwrap_or_default(),
         result,
@@ -120,10 +120,10 @@ fn shown(fit: &bendtwin_client::Fit) -> String {
         "{}\n  capture   {}\n  state     {}\n  attempts  {}",
         fit.name,
         fit.capture,
-        fit.state.as_str(),
-        fit.attempts
+        fit.job.state.as_str(),
+        fit.job.attempts
     );
-    if let (Some(progress), false) = (&fit.progress, fit.state.has_ended()) {
+    if let (Some(progress), false) = (&fit.job.progress, fit.job.state.has_ended()) {
         text += &format!(
             "\n  progress  {:.0}% ({} {}/{})",
             100.0 * progress.fraction,
@@ -132,14 +132,14 @@ fn shown(fit: &bendtwin_client::Fit) -> String {
             progress.iterations
         );
     }
-    if let (Some(start), Some(end)) = (fit.start_time, fit.end_time) {
+    if let (Some(start), Some(end)) = (fit.job.start_time, fit.job.end_time) {
         let took = end.duration_since(start).as_secs_f64();
         text += &format!("\n  took      {}", output::duration(took));
     }
-    for fault in &fit.attempt_faults {
+    for fault in &fit.job.attempt_faults {
         text += &format!("\n  earlier   {} ({})", fault.message, fault.reason);
     }
-    if let Some(fault) = &fit.fault {
+    if let Some(fault) = &fit.job.fault {
         text += &format!("\n  fault     {} ({})", fault.message, fault.reason);
     }
     if let Some(twin) = &fit.twin {

@@ -53,10 +53,10 @@ pub(crate) trait Watched: Send + 'static {
 
 impl Watched for Fit {
     fn revision(&self) -> u64 {
-        self.revision
+        self.job.revision
     }
     fn has_ended(&self) -> bool {
-        self.state.has_ended()
+        self.job.state.has_ended()
     }
 }
 

@@ -21,6 +21,7 @@ use bendtwin_proto::{
         ExecuteRollOutRequest, ExecuteRollOutResponse, FailJobRequest, IngestWrite, JobWrite,
         Lease, LeaseJobRequest, RegisterRequest, ReportJobRequest, SaveCheckpointRequest,
         TwinWrite, complete_fit_request, end_ingest_request,
+        fail_job_request::End,
         lease_job_request::Kind,
         save_checkpoint_request,
         worker_link_client::WorkerLinkClient,
@@ -218,8 +219,10 @@ impl Worker {
         self.link.complete_fit(futures::stream::iter(parts)).await.map(|r| r.into_inner().twin)
     }
 
+    /// An attempt that failed, but may succeed elsewhere.
     pub(crate) fn failure(&self, lease: &Lease) -> FailJobRequest {
         FailJobRequest {
+            end: End::Failed.into(),
             worker: self.id.to_string(),
             job: lease.job.clone(),
             epoch: lease.epoch,

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Fidelity, GripperPoses, Returns, RollOutRequest, RollOutResponse,
-    Tensor, Twin, cost, fit::State, roll_out_request::Actions,
+    Tensor, Twin, cost, job::State, roll_out_request::Actions,
 };
 
 use crate::harness::{
@@ -177,7 +177,7 @@ async fn rollouts_are_answered_while_a_fit_runs() {
     let busy = timed(&api, &request, &expected).await;
     let after = api.get_fit(&fit.name).await.unwrap();
     assert_eq!(after.state(), State::Running);
-    assert_eq!(after.attempts, 1);
+    assert_eq!(after.job.as_ref().unwrap().attempts, 1);
     assert!(fraction(&after) >= fraction(&before));
     println!(
         "{BATCH} x {FRAMES} frames of {} nodes: {idle:?} idle, {busy:?} beside a fit (medians)",

@@ -2,7 +2,7 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_client::FitProgress;
+use bendtwin_client::JobProgress;
 use bendtwin_core::{Capture, FitSettings, Progress, Twin};
 use bendtwin_engine::{Backend, backend::CancelToken};
 use bendtwin_fit::{FitJob, Observer, ObserverError};
@@ -40,7 +40,7 @@ struct Bar(FitBar);
 
 impl Observer for Bar {
     fn progress(&mut self, progress: Progress) {
-        self.0.show(&FitProgress {
+        self.0.show(&JobProgress {
             stage: progress.stage.as_str().to_owned(),
             variant: progress.variant,
             iteration: progress.iteration,
