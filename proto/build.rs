@@ -2,10 +2,11 @@
 
 use prost::Message as _;
 
-const FILES: [&str; 8] = [
+const FILES: [&str; 9] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/capture.proto",
+    "bendtwin/v1/job.proto",
     "bendtwin/v1/fit.proto",
     "bendtwin/v1/twin.proto",
     "bendtwin/v1/worker.proto",

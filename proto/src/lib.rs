@@ -1,9 +1,11 @@
 //! The wire contract: `bendtwin.v1` is public, `bendtwin.worker.v1` private
 //! between server and workers. Generated types, plus the one place where
-//! tensors and faults are packed and unpacked.
+//! tensors and faults are packed and unpacked, and where rollout requests are checked.
 
 pub mod deadline;
 pub mod fault;
+mod job;
+pub mod rollout;
 pub mod tensor;
 
 /// The public API.
@@ -21,5 +23,5 @@ pub mod worker {
     }
 }
 
-/// The encoded `FileDescriptorSet` of all services, for reflection and for the compatibility check.
+/// The encoded `FileDescriptorSet` of all services, for reflection and for descriptions of messages.
 pub const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/descriptors.bin"));

@@ -11,7 +11,7 @@ use crate::v1::{Tensor, tensor::Dtype};
 #[error("tensor `{name}` {fault}")]
 pub struct TensorError {
     /// The field's name.
-    pub name: &'static str,
+    pub name: String,
     /// What is wrong with it.
     pub fault: String,
 }
@@ -86,13 +86,10 @@ impl Tensor {
     ///
     /// # Errors
     /// If they do not.
-    pub fn checked_shape(&self, name: &'static str) -> Result<Vec<usize>, TensorError> {
+    pub fn checked_shape(&self, name: &str) -> Result<Vec<usize>, TensorError> {
         let size = match self.dtype() {
             Dtype::Unspecified => {
-                return Err(TensorError {
-                    name,
-                    fault: format!("has the unknown dtype {}", self.dtype),
-                });
+                return Err(refused(name, format!("has the unknown dtype {}", self.dtype)));
             }
             Dtype::Float32 | Dtype::Uint32 | Dtype::Int32 => 4usize,
             Dtype::Float64 => 8,
@@ -104,7 +101,7 @@ impl Tensor {
         });
         if claimed != Some(self.data.len()) {
             let fault = format!("has shape {:?} but {} bytes", self.shape, self.data.len());
-            return Err(TensorError { name, fault });
+            return Err(refused(name, fault));
         }
         Ok(self.shape.iter().map(|d| *d as usize).collect())
     }
@@ -113,14 +110,11 @@ impl Tensor {
     ///
     /// # Errors
     /// If the type is another one or shape and bytes disagree.
-    pub fn unpack<T: Element>(
-        &self,
-        name: &'static str,
-    ) -> Result<(Vec<usize>, Vec<T>), TensorError> {
+    pub fn unpack<T: Element>(&self, name: &str) -> Result<(Vec<usize>, Vec<T>), TensorError> {
         let shape = self.checked_shape(name)?;
         if self.dtype() != T::DTYPE {
             let fault = format!("has dtype {:?}, not {:?}", self.dtype(), T::DTYPE);
-            return Err(TensorError { name, fault });
+            return Err(refused(name, fault));
         }
         let values =
             self.data.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect();
@@ -131,16 +125,10 @@ impl Tensor {
     ///
     /// # Errors
     /// As [`Tensor::unpack`], and if the last dimension is not 3.
-    pub fn unpack_points(
-        &self,
-        name: &'static str,
-    ) -> Result<(Vec<usize>, Vec<[f32; 3]>), TensorError> {
+    pub fn unpack_points(&self, name: &str) -> Result<(Vec<usize>, Vec<[f32; 3]>), TensorError> {
         let mut shape = self.checked_shape(name)?;
         if shape.pop() != Some(3) {
-            return Err(TensorError {
-                name,
-                fault: format!("has shape {:?}, not [..., 3]", self.shape),
-            });
+            return Err(refused(name, format!("has shape {:?}, not [..., 3]", self.shape)));
         }
         let points = match self.dtype() {
             Dtype::Float32 => {
@@ -155,14 +143,15 @@ impl Tensor {
                 })
                 .collect(),
             other => {
-                return Err(TensorError {
-                    name,
-                    fault: format!("has dtype {other:?}, not FLOAT32"),
-                });
+                return Err(refused(name, format!("has dtype {other:?}, not FLOAT32")));
             }
         };
         Ok((shape, points))
     }
+}
+
+fn refused(name: &str, fault: String) -> TensorError {
+    TensorError { name: name.to_owned(), fault }
 }
 
 #[cfg(test)]

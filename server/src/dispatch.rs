@@ -1,10 +1,10 @@
 //! The workers that are there, and the routing of rollouts to them. All of it
 //! is in memory: a worker that the server forgot registers again.
 
-mod check;
 mod registry;
 mod rollout;
 mod route;
+mod twins;
 
 use std::{
     collections::HashMap,
@@ -13,7 +13,7 @@ use std::{
 };
 
 use bendtwin_core::ids::{TwinId, WorkerId};
-use bendtwin_store::{Job, Kind, Store, Twin, Worker};
+use bendtwin_store::{Job, Kind, Store, Worker};
 use tokio::time::Instant;
 
 use crate::{
@@ -26,9 +26,7 @@ use crate::{
 use registry::Entry;
 pub(crate) use registry::{Heartbeat, Memory, WorkerView};
 pub(crate) use rollout::RollOut;
-
-/// Twins whose facts are kept at hand.
-const REMEMBERED_TWINS: usize = 1024;
+use twins::Twins;
 
 /// The routing table. Clones share it.
 #[derive(Clone, Debug)]
@@ -38,8 +36,7 @@ pub(crate) struct Dispatch {
     metrics: Metrics,
     heartbeat_interval: Duration,
     workers: Arc<Mutex<HashMap<WorkerId, Arc<Entry>>>>,
-    /// Twins never change, so the hot path asks the database once for each.
-    twins: Arc<Mutex<HashMap<TwinId, Arc<Twin>>>>,
+    twins: Twins,
 }
 
 impl Dispatch {
@@ -50,7 +47,7 @@ impl Dispatch {
             metrics,
             heartbeat_interval: options.heartbeat_interval(),
             workers: Arc::default(),
-            twins: Arc::default(),
+            twins: Twins::default(),
         }
     }
 
@@ -122,22 +119,8 @@ impl Dispatch {
         })
     }
 
-    /// What is known of a twin.
-    async fn twin(&self, id: TwinId) -> Result<Arc<Twin>> {
-        if let Some(twin) = self.twins_lock().get(&id) {
-            return Ok(twin.clone());
-        }
-        let twin = Arc::new(self.store.twins().get(id).await?);
-        let mut twins = self.twins_lock();
-        if twins.len() >= REMEMBERED_TWINS {
-            twins.clear();
-        }
-        twins.insert(id, twin.clone());
-        Ok(twin)
-    }
-
     pub(crate) fn forget_twin(&self, id: TwinId) {
-        self.twins_lock().remove(&id);
+        self.twins.forget(id);
     }
 
     /// The worker to send a rollout of this twin to; `tried` have failed it.
@@ -162,9 +145,5 @@ impl Dispatch {
 
     fn lock(&self) -> MutexGuard<'_, HashMap<WorkerId, Arc<Entry>>> {
         self.workers.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn twins_lock(&self) -> MutexGuard<'_, HashMap<TwinId, Arc<Twin>>> {
-        self.twins.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -16,6 +16,8 @@ pub(crate) enum Error {
     Name(InvalidName),
     #[error("`{field}` {fault}")]
     Invalid { field: &'static str, fault: String },
+    #[error(transparent)]
+    Rollout(#[from] bendtwin_proto::rollout::Error),
     #[error("the settings are not accepted: {}", .0.join("; "))]
     Settings(Vec<String>),
     #[error(transparent)]
@@ -81,6 +83,7 @@ impl Problem for Error {
         match self {
             Self::Store(error) => error.category(),
             Self::TwinFile(error) => error.category(),
+            Self::Rollout(error) => error.category(),
             Self::Worker(fault) => fault.category,
             Self::Name(_)
             | Self::Invalid { .. }
@@ -103,6 +106,7 @@ impl Problem for Error {
         match self {
             Self::Store(error) => error.reason(),
             Self::TwinFile(error) => error.reason(),
+            Self::Rollout(error) => error.reason(),
             Self::Name(_) => "INVALID_NAME",
             Self::Invalid { .. } => "INVALID_FIELD",
             Self::Settings(_) => "INVALID_SETTINGS",

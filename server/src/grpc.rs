@@ -6,6 +6,7 @@ mod convert;
 mod fits;
 mod link;
 mod rollouts;
+mod token;
 mod twins;
 mod upload;
 mod workers;
@@ -20,7 +21,10 @@ use bendtwin_proto::{
     worker::v1::worker_link_server::WorkerLinkServer,
 };
 use futures::{Stream, StreamExt, stream::BoxStream};
-use tonic::{Status, service::Routes};
+use tonic::{
+    Status,
+    service::{Routes, interceptor::InterceptedService},
+};
 
 use crate::{
     app::{self, App},
@@ -28,6 +32,8 @@ use crate::{
     error::Refusal,
     service::StartError,
 };
+
+use token::TokenCheck;
 
 /// Bytes of one message of an ordinary call; chunks of uploads are to be smaller.
 const MESSAGE: usize = 16 << 20;
@@ -46,7 +52,8 @@ struct Api {
 /// All services as one router.
 pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
     let api = Api { app: app.clone() };
-    let rollout_bytes = app.options.limits.rollout_bytes;
+    let limits = app.options.limits.rollout;
+    let bytes = |limit: u64| usize::try_from(limit).unwrap_or(usize::MAX);
     let reflection = tonic_reflection::server::Builder::configure()
         .register_encoded_file_descriptor_set(DESCRIPTORS)
         .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
@@ -68,10 +75,13 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(WorkerServiceServer::new(api.clone()))
         .add_service(
             RolloutServiceServer::new(api.clone())
-                .max_decoding_message_size(rollout_bytes)
-                .max_encoding_message_size(rollout_bytes),
+                .max_decoding_message_size(bytes(limits.request_bytes))
+                .max_encoding_message_size(bytes(limits.reply_bytes)),
         )
-        .add_service(WorkerLinkServer::new(api).max_decoding_message_size(MESSAGE));
+        .add_service(InterceptedService::new(
+            WorkerLinkServer::new(api).max_decoding_message_size(MESSAGE),
+            TokenCheck(app.clone()),
+        ));
     Ok(routes.routes().into_axum_router())
 }
 

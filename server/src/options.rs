@@ -3,6 +3,7 @@
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
+use bendtwin_proto::rollout;
 use serde::{Deserialize, Serialize};
 
 /// Backends that workers can use.
@@ -72,12 +73,8 @@ pub struct Limits {
     pub report_bytes: u64,
     /// Size of a JSON body other than a rollout's [bytes].
     pub json_bytes: usize,
-    /// Size of a rollout request, and of one message of its reply [bytes].
-    pub rollout_bytes: usize,
-    /// Instances of a rollout.
-    pub rollout_instances: u64,
-    /// Instances x frames x nodes of a rollout.
-    pub rollout_points: u64,
+    /// Bounds on what one rollout request may ask for. Workers receive them when they register.
+    pub rollout: rollout::Limits,
     /// Rollouts under way at one worker.
     pub rollouts_per_worker: usize,
     /// Rollouts waiting for one worker; more are refused with a retry delay.
@@ -128,9 +125,7 @@ impl Default for Limits {
             checkpoint_bytes: 4 << 30,
             report_bytes: 64 << 20,
             json_bytes: 1 << 20,
-            rollout_bytes: 256 << 20,
-            rollout_instances: 1 << 16,
-            rollout_points: 100_000_000_000,
+            rollout: rollout::Limits::default(),
             rollouts_per_worker: 8,
             rollout_queue: 64,
             upload_idle_s: 60.0,
@@ -179,9 +174,17 @@ impl Options {
         within("limits.checkpoint_bytes", limits.checkpoint_bytes as f64, 1.0, large);
         within("limits.report_bytes", limits.report_bytes as f64, 1.0, large);
         within("limits.json_bytes", limits.json_bytes as f64, 1024.0, large);
-        within("limits.rollout_bytes", limits.rollout_bytes as f64, 1024.0, f64::from(i32::MAX));
-        within("limits.rollout_instances", limits.rollout_instances as f64, 1.0, large);
-        within("limits.rollout_points", limits.rollout_points as f64, 1.0, large);
+        let rollout = &limits.rollout;
+        // Protocol buffers end at 2 GiB.
+        let message = f64::from(1 << 30);
+        within("limits.rollout.request_bytes", rollout.request_bytes as f64, 1024.0, message);
+        within("limits.rollout.reply_bytes", rollout.reply_bytes as f64, 1024.0, message);
+        within("limits.rollout.instances", rollout.instances as f64, 1.0, f64::from(u32::MAX));
+        within("limits.rollout.frames", rollout.frames as f64, 1.0, f64::from(1 << 24));
+        within("limits.rollout.costs", rollout.costs as f64, 1.0, 65_536.0);
+        within("limits.rollout.name_bytes", rollout.name_bytes as f64, 1.0, 65_536.0);
+        within("limits.rollout.targets", rollout.targets as f64, 1.0, large);
+        within("limits.rollout.work", rollout.work as f64, 1.0, large);
         within("limits.rollouts_per_worker", limits.rollouts_per_worker as f64, 1.0, 65_536.0);
         within("limits.rollout_queue", limits.rollout_queue as f64, 0.0, 1e6);
         within("limits.upload_idle_s", limits.upload_idle_s, 0.1, 86_400.0);

@@ -9,7 +9,7 @@ pub(crate) mod stop;
 use bendtwin_core::{Fault, Progress};
 use bendtwin_proto::{
     v1,
-    worker::v1::{FailJobRequest, JobWrite, Lease, ReportJobRequest},
+    worker::v1::{FailJobRequest, JobWrite, Lease, ReportJobRequest, fail_job_request::End},
 };
 use bytes::Bytes;
 
@@ -55,10 +55,8 @@ impl Job {
             worker: self.worker.clone(),
             job: self.name.clone(),
             epoch: self.epoch,
+            end: End::from(kind).into(),
             fault: Some(fault.into()),
-            permanent: kind == Failure::Permanent,
-            cancelled: kind == Failure::Cancelled,
-            released: kind == Failure::Released,
         };
         self.server.fail_job(request).await
     }
@@ -75,6 +73,17 @@ impl Job {
             job: self.name.clone(),
             epoch: self.epoch,
             digest: String::new(),
+        }
+    }
+}
+
+impl From<Failure> for End {
+    fn from(kind: Failure) -> Self {
+        match kind {
+            Failure::Permanent => Self::FailedForGood,
+            Failure::Passing => Self::Failed,
+            Failure::Cancelled => Self::Cancelled,
+            Failure::Released => Self::Released,
         }
     }
 }

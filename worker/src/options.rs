@@ -46,8 +46,9 @@ impl std::fmt::Debug for Options {
     }
 }
 
-/// Bounds on the work of one worker. Requests beyond them are refused with RESOURCE_EXHAUSTED
-/// before anything is allocated.
+/// Bounds on the work of one worker; what exceeds them is refused with RESOURCE_EXHAUSTED before
+/// anything is allocated. Bounds on rollout requests are the server's, which sends them to the worker
+/// when it registers ([`bendtwin_proto::rollout::Limits`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Memory of the process that reads a capture [bytes].
@@ -60,15 +61,6 @@ pub struct Limits {
     pub warm_bytes: u64,
     /// Loaded twins.
     pub warm_twins: usize,
-    /// A rollout request as received [bytes].
-    pub request_bytes: usize,
-    /// Arrays of one rollout reply or part [bytes].
-    pub reply_bytes: u64,
-    /// Work of one rollout request, in element substeps: instances x frames x substeps x
-    /// (nodes + springs + triplets).
-    pub rollout_work: u64,
-    /// Instances of one rollout request.
-    pub instances: usize,
     /// Rollout requests in flight.
     pub rollouts: usize,
 }
@@ -81,11 +73,6 @@ impl Default for Limits {
             twin_bytes: 512 << 20,
             warm_bytes: 1 << 30,
             warm_twins: 32,
-            request_bytes: 128 << 20,
-            reply_bytes: 512 << 20,
-            // About seven hours of one core at 40 million elements a second.
-            rollout_work: 1_000_000_000_000,
-            instances: 65_536,
             rollouts: 64,
         }
     }

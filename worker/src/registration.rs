@@ -49,6 +49,8 @@ impl Registration {
         loop {
             match self.server.register((*self.request).clone()).await {
                 Ok(answer) => {
+                    let limits = answer.rollout_limits.as_ref();
+                    self.rollouts.set_limits(limits.map(Into::into).unwrap_or_default());
                     // An absurd answer must not make this worker spin or fall silent.
                     let every = answer.beat_interval_s;
                     let every = if every.is_finite() { every.clamp(0.05, 60.0) } else { 5.0 };

@@ -64,7 +64,7 @@ async fn run_on(
 
     let twins = WarmTwins::new(server.clone(), device.clone(), limits);
     let replays = Replays::new(server.clone(), dir.clone(), limits);
-    let rollouts = Rollouts::new(id.to_string(), device.clone(), twins, replays, limits);
+    let rollouts = Rollouts::new(id.to_string(), device.clone(), twins, replays, limits.rollouts);
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
     let request = register_request(id, &endpoint, device);

@@ -82,8 +82,8 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
             }
             output::print(global, &fits, || {
                 let lines = fits.iter().map(|f| {
-                    if f.state.has_ended() {
-                        format!("{} has ended ({})\n", f.name, f.state.as_str())
+                    if f.job.state.has_ended() {
+                        format!("{} has ended ({})\n", f.name, f.job.state.as_str())
                     } else {
                         format!("{} stops\n", f.name)
                     }
@@ -101,16 +101,16 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
 }
 
 fn columns(fit: &bendtwin_client::Fit) -> [String; 5] {
-    let done = fit.progress.as_ref().map(|p| format!("{:.0}%", 100.0 * p.fraction));
-    let started = fit.start_time.map(|t| format!("{t:.0}"));
-    let result = match (&fit.twin, &fit.fault) {
+    let done = fit.job.progress.as_ref().map(|p| format!("{:.0}%", 100.0 * p.fraction));
+    let started = fit.job.start_time.map(|t| format!("{t:.0}"));
+    let result = match (&fit.twin, &fit.job.fault) {
         (Some(twin), _) => twin.to_string(),
         (None, Some(fault)) => fault.message.clone(),
         (None, None) => String::new(),
     };
     [
         fit.name.to_string(),
-        fit.state.as_str().to_owned(),
+        fit.job.state.as_str().to_owned(),
         done.unwrap_or_default(),
         started.unwrap_or_default(),
         result,
@@ -123,10 +123,10 @@ fn shown(fit: &bendtwin_client::Fit) -> String {
         "{}\n  capture   {}\n  state     {}\n  attempts  {}",
         fit.name,
         fit.capture,
-        fit.state.as_str(),
-        fit.attempts
+        fit.job.state.as_str(),
+        fit.job.attempts
     );
-    if let (Some(progress), false) = (&fit.progress, fit.state.has_ended()) {
+    if let (Some(progress), false) = (&fit.job.progress, fit.job.state.has_ended()) {
         text += &format!(
             "\n  progress  {:.0}% ({} {}/{})",
             100.0 * progress.fraction,
@@ -135,14 +135,14 @@ fn shown(fit: &bendtwin_client::Fit) -> String {
             progress.iterations
         );
     }
-    if let (Some(start), Some(end)) = (fit.start_time, fit.end_time) {
+    if let (Some(start), Some(end)) = (fit.job.start_time, fit.job.end_time) {
         let took = end.duration_since(start).as_secs_f64();
         text += &format!("\n  took      {}", output::duration(took));
     }
-    for fault in &fit.attempt_faults {
+    for fault in &fit.job.attempt_faults {
         text += &format!("\n  earlier   {} ({})", fault.message, fault.reason);
     }
-    if let Some(fault) = &fit.fault {
+    if let Some(fault) = &fit.job.fault {
         text += &format!("\n  fault     {} ({})", fault.message, fault.reason);
     }
     if let Some(twin) = &fit.twin {

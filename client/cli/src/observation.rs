@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use bendtwin_capture::Limits;
-use bendtwin_client::FitProgress;
+use bendtwin_client::JobProgress;
 use bendtwin_core::{
     CancelToken, Capture, Fault, Observer, Stage, settings::ingest::IngestSettings,
 };
@@ -40,6 +40,6 @@ impl Observer<Progress> for Bar {
         }
         let stage = format!("{} {}", Stage::Ingest.as_str(), step.as_str());
         let bar = self.shown.get_or_insert_with(|| FitBar::new(self.quiet));
-        bar.show(&FitProgress { stage, fraction, ..FitProgress::default() });
+        bar.show(&JobProgress { stage, fraction, ..JobProgress::default() });
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use bendtwin_client::FitProgress;
+use bendtwin_client::JobProgress;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output;
@@ -42,7 +42,7 @@ impl FitBar {
     }
 
     /// Shows progress.
-    pub(crate) fn show(&mut self, progress: &FitProgress) {
+    pub(crate) fn show(&mut self, progress: &JobProgress) {
         if !progress.note.is_empty() && progress.note != self.last_note {
             self.print(&format!("note: {}", progress.note));
             self.last_note.clone_from(&progress.note);
@@ -64,7 +64,7 @@ impl FitBar {
         self.started.elapsed()
     }
 
-    fn line(&mut self, stage: &str, progress: &FitProgress, details: &str) {
+    fn line(&mut self, stage: &str, progress: &JobProgress, details: &str) {
         // Models that are fitted side by side take turns; they are one stage all the same.
         let due = match &self.last {
             Some((last, at)) => *last != progress.stage || at.elapsed() >= LINE_EVERY,
@@ -77,14 +77,14 @@ impl FitBar {
     }
 }
 
-fn stage(progress: &FitProgress) -> String {
+fn stage(progress: &JobProgress) -> String {
     match progress.variant.as_str() {
         "" => progress.stage.clone(),
         variant => format!("{} {variant}", progress.stage),
     }
 }
 
-fn details(progress: &FitProgress) -> String {
+fn details(progress: &JobProgress) -> String {
     let mut parts = Vec::new();
     if progress.iterations > 0 {
         parts.push(format!("{}/{}", progress.iteration, progress.iterations));
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn details_show_what_is_known() {
-        let mut progress = FitProgress { iteration: 3, iterations: 20, ..FitProgress::default() };
+        let mut progress = JobProgress { iteration: 3, iterations: 20, ..JobProgress::default() };
         assert_eq!(details(&progress), "3/20");
         progress.best_loss = Some(0.00123);
         progress.eta_s = Some(61.0);

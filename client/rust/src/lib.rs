@@ -2,7 +2,7 @@
 //! twin out.
 //!
 //! ```no_run
-//! use bendtwin_client::{Client, Cost, FitSettings, FitState, Rollout};
+//! use bendtwin_client::{Client, Cost, FitSettings, JobState, Rollout};
 //!
 //! # async fn example() -> Result<(), bendtwin_client::Error> {
 //! let client = Client::connect("http://127.0.0.1:7070").await?;
@@ -11,7 +11,7 @@
 //! let capture = client.captures().upload("rope.zip".as_ref(), "rope").await?;
 //! let fit = client.fits().create(capture.name, &FitSettings::default(), 0).await?;
 //! let fit = client.fits().wait(fit.name).await?;
-//! assert_eq!(fit.state, FitState::Succeeded);
+//! assert_eq!(fit.job.state, JobState::Succeeded);
 //! let twin = fit.twin.expect("a fit that succeeded has a twin");
 //!
 //! // 64 ways to move one control point by a centimetre over 30 frames: which comes nearest?
@@ -58,9 +58,7 @@ pub use self::{
     error::Error,
     fits::Fits,
     page::{Page, PageRequest},
-    resources::{
-        Capture, DeviceMemory, Fit, FitProgress, FitState, Ingest, JobState, Twin, Worker,
-    },
+    resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{
         Cost, Deviation, Diagnostics, Divergence, GripperPoses, Reply, Rollout, RolloutTiming,
         Rollouts,

@@ -23,22 +23,23 @@ pub struct Capture {
     pub size_bytes: u64,
     /// BLAKE3 of the archive, hex.
     pub digest: String,
-    /// State of the job that reads it.
-    pub ingest: Ingest,
+    /// The job that reads it. There is one for each capture; running it again replaces it. Fits of the
+    /// capture fail with its fault.
+    pub ingest: Job,
     /// The report's verdict: `good`, `usable` or `unusable`; none while there is no report.
     pub verdict: Option<String>,
 }
 
-/// The job that reads a capture. There is one for each; running it again replaces it.
+/// Work that a worker does for a fit, or for the ingest of a capture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Ingest {
+pub struct Job {
     /// State of the job.
     pub state: JobState,
     /// The settings in force.
     pub settings: serde_json::Value,
     /// Progress while it runs.
-    pub progress: Option<FitProgress>,
-    /// The fault if it failed. Fits of the capture fail with it.
+    pub progress: Option<JobProgress>,
+    /// The fault if it failed.
     pub fault: Option<Fault>,
     /// Faults of earlier attempts.
     pub attempt_faults: Vec<Fault>,
@@ -54,12 +55,9 @@ pub struct Ingest {
     pub start_time: Option<Timestamp>,
     /// Time of the end.
     pub end_time: Option<Timestamp>,
-    /// Revision; grows with every change, and from one run to the next.
+    /// Revision; grows with every change, and from one run of an ingest to the next.
     pub revision: u64,
 }
-
-/// State of a fit.
-pub type FitState = JobState;
 
 /// State of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -97,7 +95,7 @@ impl JobState {
 
 /// Progress of a running job.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct FitProgress {
+pub struct JobProgress {
     /// `ingest`, `search`, `refine` or `evaluate`.
     pub stage: String,
     /// `bending` or `axial`; for an ingest, its step.
@@ -118,41 +116,19 @@ pub struct FitProgress {
     pub note: String,
 }
 
-/// A fit job.
+/// A fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fit {
     /// Its name.
     pub name: FitId,
     /// The capture to be fitted.
     pub capture: CaptureId,
-    /// State of the job.
-    pub state: FitState,
-    /// The settings in force.
-    pub settings: serde_json::Value,
-    /// Progress while it runs.
-    pub progress: Option<FitProgress>,
     /// The result.
     pub twin: Option<TwinId>,
-    /// The fault if it failed.
-    pub fault: Option<Fault>,
-    /// Faults of earlier attempts.
-    pub attempt_faults: Vec<Fault>,
-    /// Number of attempts.
-    pub attempts: u32,
     /// Priority: jobs of higher priority run earlier.
     pub priority: i32,
-    /// The worker while it runs.
-    pub worker: Option<WorkerId>,
-    /// True if it has been asked to stop.
-    pub cancel_requested: bool,
-    /// Time of creation.
-    pub create_time: Timestamp,
-    /// Time of the first start.
-    pub start_time: Option<Timestamp>,
-    /// Time of the end.
-    pub end_time: Option<Timestamp>,
-    /// Revision; grows with every change.
-    pub revision: u64,
+    /// The work on it.
+    pub job: Job,
 }
 
 /// A stored twin.
@@ -239,10 +215,10 @@ impl TryFrom<v1::Capture> for Capture {
     }
 }
 
-impl TryFrom<v1::Ingest> for Ingest {
+impl TryFrom<v1::Job> for Job {
     type Error = Error;
-    fn try_from(wire: v1::Ingest) -> Result<Self, Error> {
-        use v1::ingest::State;
+    fn try_from(wire: v1::Job) -> Result<Self, Error> {
+        use v1::job::State;
         let state = match wire.state() {
             State::Queued => JobState::Queued,
             State::Running => JobState::Running,
@@ -250,13 +226,13 @@ impl TryFrom<v1::Ingest> for Ingest {
             State::Failed => JobState::Failed,
             State::Cancelled => JobState::Cancelled,
             State::Unspecified => {
-                return Err(Error::malformed(format!("ingest state {}", wire.state)));
+                return Err(Error::malformed(format!("job state {}", wire.state)));
             }
         };
         Ok(Self {
             state,
             settings: settings(&wire.settings_json)?,
-            progress: wire.progress.map(FitProgress::from),
+            progress: wire.progress.map(JobProgress::from),
             fault: wire.fault.as_ref().map(Fault::from),
             attempt_faults: wire.attempt_faults.iter().map(Fault::from).collect(),
             attempts: wire.attempts,
@@ -273,39 +249,17 @@ impl TryFrom<v1::Ingest> for Ingest {
 impl TryFrom<v1::Fit> for Fit {
     type Error = Error;
     fn try_from(wire: v1::Fit) -> Result<Self, Error> {
-        use v1::fit::State;
-        let state = match wire.state() {
-            State::Queued => FitState::Queued,
-            State::Running => FitState::Running,
-            State::Succeeded => FitState::Succeeded,
-            State::Failed => FitState::Failed,
-            State::Cancelled => FitState::Cancelled,
-            State::Unspecified => {
-                return Err(Error::malformed(format!("fit state {}", wire.state)));
-            }
-        };
         Ok(Self {
             name: id(&wire.name)?,
             capture: id(&wire.capture)?,
-            state,
-            settings: settings(&wire.settings_json)?,
-            progress: wire.progress.map(FitProgress::from),
             twin: optional_id(&wire.twin)?,
-            fault: wire.fault.as_ref().map(Fault::from),
-            attempt_faults: wire.attempt_faults.iter().map(Fault::from).collect(),
-            attempts: wire.attempts,
             priority: wire.priority,
-            worker: optional_id(&wire.worker)?,
-            cancel_requested: wire.cancel_requested,
-            create_time: time(wire.create_time)?,
-            start_time: optional_time(wire.start_time)?,
-            end_time: optional_time(wire.end_time)?,
-            revision: wire.revision,
+            job: wire.job.ok_or_else(|| Error::malformed("no job"))?.try_into()?,
         })
     }
 }
 
-impl From<v1::Progress> for FitProgress {
+impl From<v1::Progress> for JobProgress {
     fn from(wire: v1::Progress) -> Self {
         Self {
             stage: wire.stage,

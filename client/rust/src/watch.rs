@@ -54,10 +54,10 @@ pub(crate) trait Revisioned: Send + 'static {
 
 impl Revisioned for Fit {
     fn revision(&self) -> u64 {
-        self.revision
+        self.job.revision
     }
     fn has_ended(&self) -> bool {
-        self.state.has_ended()
+        self.job.state.has_ended()
     }
 }
 

@@ -130,8 +130,8 @@ impl Entry {
             .keep_alive_timeout(Duration::from_secs(10))
             .connect_lazy();
         let client = WorkerRolloutsClient::new(channel)
-            .max_decoding_message_size(limits.rollout_bytes)
-            .max_encoding_message_size(limits.rollout_bytes);
+            .max_decoding_message_size(limits.rollout.sent_reply_bytes())
+            .max_encoding_message_size(limits.rollout.sent_request_bytes());
         let mut token =
             AsciiMetadataValue::try_from(format!("Bearer {token}")).map_err(|_| Error::BadToken)?;
         token.set_sensitive(true);

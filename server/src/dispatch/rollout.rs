@@ -7,16 +7,18 @@ use std::{pin::Pin, sync::Arc, time::Duration};
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
     fault,
+    rollout::{self, TwinShape},
     v1::{RollOutRequest, RollOutResponse, roll_out_response},
     worker::v1::{ExecuteRollOutRequest, ExecuteRollOutResponse},
 };
 use futures::{Stream, StreamExt, stream};
+use prost::Message as _;
 use tokio::time::Instant;
 use tonic::{Code, Request, Status, Streaming};
 use tonic_types::StatusExt as _;
 
 use super::{
-    Dispatch, check,
+    Dispatch,
     registry::{Entry, Place},
 };
 use crate::{
@@ -25,8 +27,9 @@ use crate::{
     metrics::Metrics,
 };
 
-/// Instances of a part when a stream is asked for.
-const PART_INSTANCES: u32 = 16;
+/// Size of a request beyond which it is checked beside other work [bytes]: a hundred megabytes of actions take
+/// a while.
+const LARGE: usize = 1 << 20;
 /// Longest that a rollout without a deadline of its own may take.
 const LONGEST: Duration = Duration::from_secs(3600);
 
@@ -80,12 +83,12 @@ impl Dispatch {
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<Parts> {
         let RollOut { request, timeout, in_parts } = rollout;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
-        let twin = self.twin(id).await?;
-        check::check(&request, &twin.facts, &self.limits)?;
-        let best = request.returns.as_ref().is_some_and(|r| r.best > 0);
+        let twin = self.twins.get(&self.store, id).await?;
+        let part_instances = rollout::part_instances(&request, in_parts);
+        let request = self.checked(request, twin.shape, part_instances).await?;
         let execute = ExecuteRollOutRequest {
             capture: twin.capture.map(|c| c.to_string()).unwrap_or_default(),
-            part_instances: if in_parts && !best { PART_INSTANCES } else { 0 },
+            part_instances,
             request_id: Context::current().request_id,
             request: Some(request),
         };
@@ -102,6 +105,26 @@ impl Dispatch {
             }
         });
         Ok(stream::iter([Ok(first)]).chain(rest).boxed())
+    }
+
+    /// The request, if it is sound.
+    async fn checked(
+        &self,
+        request: RollOutRequest,
+        twin: TwinShape,
+        part_instances: u32,
+    ) -> Result<RollOutRequest> {
+        let limits = self.limits.rollout;
+        let is_large = request.encoded_len() > LARGE;
+        let check = move || match rollout::check_for(&request, &twin, &limits, part_instances) {
+            Ok(_) => Ok(request),
+            Err(error) => Err(error.into()),
+        };
+        if !is_large {
+            return check();
+        }
+        let checked = tokio::task::spawn_blocking(check).await;
+        checked.map_err(|e| Error::Internal(format!("the check of a rollout: {e}")))?
     }
 
     /// Gets a worker to send a first part: a second one if the first breaks down.

@@ -32,22 +32,24 @@ pub(super) fn capture(overview: Overview) -> v1::Capture {
         create_time: Some(time(capture.created)),
         size_bytes: capture.size_bytes,
         digest: capture.digest.to_hex().to_string(),
-        ingest: Some(self::ingest(ingest)),
+        ingest: Some(job(ingest)),
         verdict: report.map(|r| r.verdict).unwrap_or_default(),
     }
 }
 
-fn ingest(job: Job) -> v1::Ingest {
-    use v1::ingest::State as Wire;
-    let state = match job.state {
-        State::Queued => Wire::Queued,
-        State::Running => Wire::Running,
-        State::Succeeded => Wire::Succeeded,
-        State::Failed => Wire::Failed,
-        State::Cancelled => Wire::Cancelled,
-    };
-    v1::Ingest {
-        state: state.into(),
+pub(super) fn fit(fit: Job) -> v1::Fit {
+    v1::Fit {
+        name: fit.id.to_string(),
+        capture: fit.capture.to_string(),
+        twin: fit.twin.map(|t| t.to_string()).unwrap_or_default(),
+        priority: fit.priority,
+        job: Some(job(fit)),
+    }
+}
+
+fn job(job: Job) -> v1::Job {
+    v1::Job {
+        state: state(job.state).into(),
         settings_json: job.settings,
         progress: job.progress.map(progress),
         fault: job.fault.as_ref().map(Into::into),
@@ -62,34 +64,13 @@ fn ingest(job: Job) -> v1::Ingest {
     }
 }
 
-pub(super) fn fit(fit: Job) -> v1::Fit {
-    v1::Fit {
-        name: fit.id.to_string(),
-        capture: fit.capture.to_string(),
-        state: state(fit.state).into(),
-        settings_json: fit.settings,
-        progress: fit.progress.map(progress),
-        twin: fit.twin.map(|t| t.to_string()).unwrap_or_default(),
-        fault: fit.fault.as_ref().map(Into::into),
-        attempt_faults: fit.attempt_faults.iter().map(Into::into).collect(),
-        attempts: fit.attempts,
-        priority: fit.priority,
-        worker: fit.worker.map(|w| w.to_string()).unwrap_or_default(),
-        cancel_requested: fit.cancel_requested,
-        create_time: Some(time(fit.created)),
-        start_time: fit.started.map(time),
-        end_time: fit.ended.map(time),
-        revision: fit.revision,
-    }
-}
-
-fn state(state: State) -> v1::fit::State {
+fn state(state: State) -> v1::job::State {
     match state {
-        State::Queued => v1::fit::State::Queued,
-        State::Running => v1::fit::State::Running,
-        State::Succeeded => v1::fit::State::Succeeded,
-        State::Failed => v1::fit::State::Failed,
-        State::Cancelled => v1::fit::State::Cancelled,
+        State::Queued => v1::job::State::Queued,
+        State::Running => v1::job::State::Running,
+        State::Succeeded => v1::job::State::Succeeded,
+        State::Failed => v1::job::State::Failed,
+        State::Cancelled => v1::job::State::Cancelled,
     }
 }
 

@@ -1,5 +1,5 @@
-//! `bendtwin.worker.v1.WorkerLink`: what workers ask of the server. Every
-//! method checks the worker token first.
+//! `bendtwin.worker.v1.WorkerLink`: calls of workers to the server. Their token has been checked
+//! before ([`TokenCheck`](super::token::TokenCheck)).
 
 use std::time::Duration;
 
@@ -9,31 +9,23 @@ use bendtwin_proto::worker::v1::{
     DownloadResponse, EndIngestRequest, EndIngestResponse, FailJobRequest, FailJobResponse,
     JobWrite, Lease as LeaseMessage, LeaseJobRequest, LeaseJobResponse, RegisterRequest,
     RegisterResponse, ReportJobRequest, ReportJobResponse, SaveCheckpointRequest,
-    SaveCheckpointResponse, complete_fit_request, end_ingest_request, lease_job_request,
-    save_checkpoint_request, worker_link_server::WorkerLink,
+    SaveCheckpointResponse, complete_fit_request, end_ingest_request, fail_job_request::End,
+    lease_job_request, save_checkpoint_request, worker_link_server::WorkerLink,
 };
 use bendtwin_store::{AttemptEnd, Kind, Lease, NewWorker, TwinFacts};
 use futures::StreamExt;
-use tonic::{Request, Response, Status, Streaming, metadata::MetadataMap};
+use tonic::{Request, Response, Status, Streaming};
 
-use super::{Api, Reply, chunks, convert, upload};
+use super::{
+    Api, Reply, chunks, convert,
+    token::{self, Shown},
+    upload,
+};
 use crate::{
     app::{self, Attempt, Error, IngestPart, IngestUpload, Leased},
     dispatch::{Heartbeat, Memory},
     tokens::Bearer,
 };
-
-impl Api {
-    /// The token that a call shows, and whose it is.
-    fn bearer<'m>(&self, metadata: &'m MetadataMap) -> app::Result<(Bearer, &'m str)> {
-        let token = metadata
-            .get("authorization")
-            .and_then(|v| v.to_str().ok())
-            .and_then(|v| v.strip_prefix("Bearer "))
-            .ok_or(Error::BadToken)?;
-        Ok((self.app.tokens.bearer(token).ok_or(Error::BadToken)?, token))
-    }
-}
 
 fn attempt(worker: &str, job: &str, epoch: u64) -> app::Result<Attempt> {
     let lease = Lease { job: app::name(job)?, epoch };
@@ -66,8 +58,7 @@ impl WorkerLink for Api {
         &self,
         request: Request<RegisterRequest>,
     ) -> Result<Response<RegisterResponse>, Status> {
-        let (bearer, token) = self.bearer(request.metadata())?;
-        let token = token.to_owned();
+        let Shown { bearer, token } = token::shown(&request)?;
         let r = request.into_inner();
         let short = |text: String| text.chars().filter(|c| !c.is_control()).take(200).collect();
         let new = NewWorker {
@@ -83,11 +74,12 @@ impl WorkerLink for Api {
         Ok(Response::new(RegisterResponse {
             beat_interval_s: self.app.options.heartbeat_interval_s,
             lease_s: self.app.options.lease_s,
+            rollout_limits: Some((&self.app.options.limits.rollout).into()),
         }))
     }
 
     async fn beat(&self, request: Request<BeatRequest>) -> Result<Response<BeatResponse>, Status> {
-        let (bearer, _) = self.bearer(request.metadata())?;
+        let Shown { bearer, .. } = token::shown(&request)?;
         // Workers that others started outlive a restart of the server.
         let drain = self.app.stopping.is_cancelled() && matches!(bearer, Bearer::Child(_));
         let r = request.into_inner();
@@ -106,7 +98,6 @@ impl WorkerLink for Api {
         &self,
         request: Request<LeaseJobRequest>,
     ) -> Result<Response<LeaseJobResponse>, Status> {
-        self.bearer(request.metadata())?;
         let r = request.into_inner();
         let wait = Duration::try_from_secs_f64(r.wait_s)
             .map_err(|_| Error::invalid("wait_s", "is negative, too large or not a number"))?;
@@ -125,7 +116,6 @@ impl WorkerLink for Api {
         &self,
         request: Request<ReportJobRequest>,
     ) -> Result<Response<ReportJobResponse>, Status> {
-        self.bearer(request.metadata())?;
         let r = request.into_inner();
         let attempt = attempt(&r.worker, &r.job, r.epoch)?;
         let progress = r.progress.map(convert::read_progress).transpose()?;
@@ -137,7 +127,6 @@ impl WorkerLink for Api {
         &self,
         request: Request<Streaming<SaveCheckpointRequest>>,
     ) -> Result<Response<SaveCheckpointResponse>, Status> {
-        self.bearer(request.metadata())?;
         let (job, body) = upload::open(request.into_inner(), |m| match m.part {
             Some(save_checkpoint_request::Part::Metadata(m)) => upload::Part::Metadata(m),
             Some(save_checkpoint_request::Part::Chunk(c)) => upload::Part::Chunk(c),
@@ -152,7 +141,6 @@ impl WorkerLink for Api {
         &self,
         request: Request<Streaming<CompleteFitRequest>>,
     ) -> Result<Response<CompleteFitResponse>, Status> {
-        self.bearer(request.metadata())?;
         let (twin, body) = upload::open(request.into_inner(), |m| match m.part {
             Some(complete_fit_request::Part::Metadata(m)) => upload::Part::Metadata(m),
             Some(complete_fit_request::Part::Chunk(c)) => upload::Part::Chunk(c),
@@ -178,7 +166,6 @@ impl WorkerLink for Api {
         request: Request<Streaming<EndIngestRequest>>,
     ) -> Result<Response<EndIngestResponse>, Status> {
         use end_ingest_request::Part;
-        self.bearer(request.metadata())?;
         let mut messages = request.into_inner();
         let broken = |status: Status| Error::UploadBroken(status.message().to_owned());
         let first = messages.message().await.map_err(broken)?;
@@ -210,7 +197,6 @@ impl WorkerLink for Api {
         &self,
         request: Request<FailJobRequest>,
     ) -> Result<Response<FailJobResponse>, Status> {
-        self.bearer(request.metadata())?;
         let r = request.into_inner();
         let attempt = attempt(&r.worker, &r.job, r.epoch)?;
         let fault = r.fault.as_ref().map_or_else(
@@ -221,11 +207,14 @@ impl WorkerLink for Api {
             },
             Fault::from,
         );
-        let end = match r {
-            FailJobRequest { released: true, .. } => AttemptEnd::Released,
-            FailJobRequest { cancelled: true, .. } => AttemptEnd::Cancelled,
-            FailJobRequest { permanent: true, .. } => AttemptEnd::FailedForGood(fault),
-            _ => AttemptEnd::Failed(fault),
+        let end = match r.end() {
+            End::Released => AttemptEnd::Released,
+            End::Cancelled => AttemptEnd::Cancelled,
+            End::FailedForGood => AttemptEnd::FailedForGood(fault),
+            End::Failed => AttemptEnd::Failed(fault),
+            End::Unspecified => {
+                return Err(Error::invalid("end", "is none that this server knows").into());
+            }
         };
         self.app.end_attempt(attempt, end).await?;
         Ok(Response::new(FailJobResponse {}))
@@ -237,7 +226,6 @@ impl WorkerLink for Api {
         &self,
         request: Request<DownloadRequest>,
     ) -> Result<Response<Self::DownloadStream>, Status> {
-        self.bearer(request.metadata())?;
         let content = self.app.download(request.get_ref().name.parse()?).await?;
         Ok(Response::new(chunks(content, |chunk| DownloadResponse { chunk })))
     }

@@ -20,8 +20,9 @@ pub(super) struct Capture {
     size_bytes: u64,
     /// BLAKE3 of the archive, hex.
     digest: String,
-    /// State of the job that reads it.
-    ingest: Ingest,
+    /// The job that reads it. There is one for each capture; running it again replaces it. Fits of the
+    /// capture fail with its fault.
+    ingest: Job,
     /// The report's verdict: good, usable or unusable. Null until there is a report.
     verdict: Option<String>,
 }
@@ -41,9 +42,9 @@ impl From<store::Overview> for Capture {
     }
 }
 
-/// The job that reads a capture. There is one for each; running it again replaces it.
+/// Work that a worker does for a fit, or for the ingest of a capture.
 #[derive(Serialize, ToSchema)]
-pub(super) struct Ingest {
+pub(super) struct Job {
     /// QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED.
     state: String,
     /// The settings in force.
@@ -64,11 +65,11 @@ pub(super) struct Ingest {
     create_time: String,
     start_time: Option<String>,
     end_time: Option<String>,
-    /// Grows with every change, and from one run to the next.
+    /// Number that grows with every change, and from one run of an ingest to the next.
     revision: u64,
 }
 
-impl From<store::Job> for Ingest {
+impl From<store::Job> for Job {
     fn from(job: store::Job) -> Self {
         let time = |t: Option<jiff::Timestamp>| t.map(|t| t.to_string());
         Self {
@@ -105,61 +106,28 @@ pub(super) struct Captures {
     pub(super) next_page_token: String,
 }
 
-/// A fit job.
+/// A fit.
 #[derive(Serialize, ToSchema)]
 pub(super) struct Fit {
     /// `fits/{uuid}`
     name: String,
     /// `captures/{uuid}`
     capture: String,
-    /// QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED.
-    state: String,
-    /// The settings in force.
-    #[schema(value_type = Object)]
-    settings: Box<RawValue>,
-    #[schema(value_type = Option<Object>)]
-    progress: Option<Progress>,
     /// `twins/{uuid}` once it has succeeded.
     twin: Option<String>,
-    /// Reason for a failure: category, reason, message.
-    #[schema(value_type = Option<Object>)]
-    fault: Option<Fault>,
-    /// Faults of earlier attempts.
-    #[schema(value_type = Vec<Object>)]
-    attempt_faults: Vec<Fault>,
-    attempts: u32,
     /// Jobs of higher priority run earlier.
     priority: i32,
-    /// `workers/{uuid}` while it runs.
-    worker: Option<String>,
-    cancel_requested: bool,
-    create_time: String,
-    start_time: Option<String>,
-    end_time: Option<String>,
-    /// Grows with every change.
-    revision: u64,
+    job: Job,
 }
 
 impl From<store::Job> for Fit {
     fn from(fit: store::Job) -> Self {
-        let time = |t: Option<jiff::Timestamp>| t.map(|t| t.to_string());
         Self {
             name: fit.id.to_string(),
             capture: fit.capture.to_string(),
-            state: fit.state.as_str().to_uppercase(),
-            settings: raw(fit.settings),
-            progress: fit.progress,
             twin: fit.twin.map(|t| t.to_string()),
-            fault: fit.fault,
-            attempt_faults: fit.attempt_faults,
-            attempts: fit.attempts,
             priority: fit.priority,
-            worker: fit.worker.map(|w| w.to_string()),
-            cancel_requested: fit.cancel_requested,
-            create_time: fit.created.to_string(),
-            start_time: time(fit.started),
-            end_time: time(fit.ended),
-            revision: fit.revision,
+            job: fit.into(),
         }
     }
 }

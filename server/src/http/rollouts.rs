@@ -63,7 +63,8 @@ pub(super) async fn create(
     extract::expect_type(request.headers(), &["application/json", PROTOBUF])?;
     let wants_protobuf = names_protobuf(&request, header::ACCEPT);
     let sends_protobuf = names_protobuf(&request, header::CONTENT_TYPE);
-    let bytes = extract::whole(request, app.options.limits.rollout_bytes).await?;
+    let most = usize::try_from(app.options.limits.rollout.request_bytes).unwrap_or(usize::MAX);
+    let bytes = extract::whole(request, most).await?;
     let message = if sends_protobuf {
         RollOutRequest::decode(bytes)
             .map_err(|e| Error::invalid("body", format!("is no RollOutRequest: {e}")))?

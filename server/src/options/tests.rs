@@ -11,8 +11,9 @@ fn all_faults_are_reported_at_once() {
     options.workers.count = 1000;
     options.workers.backend = "gpu".to_owned();
     options.limits.json_bytes = 0;
+    options.limits.rollout.request_bytes = 3 << 30;
     options.worker_token = Some("short".to_owned());
-    assert_eq!(options.validate().unwrap_err().len(), 5);
+    assert_eq!(options.validate().unwrap_err().len(), 6);
 }
 
 #[test]

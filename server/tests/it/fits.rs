@@ -1,7 +1,7 @@
 use std::time::Duration;
 
 use bendtwin_proto::v1::{
-    CreateFitRequest, GetFitRequest, ListFitsRequest, WatchFitRequest, fit::State,
+    CreateFitRequest, GetFitRequest, ListFitsRequest, WatchFitRequest, job::State,
 };
 use futures::StreamExt;
 use serde_json::{Value, json};
@@ -23,8 +23,11 @@ async fn a_fit_is_accepted_with_its_settings_in_force() {
     let location = response.headers()["location"].to_str().unwrap().to_owned();
     let (status, fit) = read(response).await;
     assert_eq!(status, 202);
-    assert_eq!((&fit["state"], &fit["priority"]), (&json!("QUEUED"), &json!(3)));
-    assert_eq!((&fit["settings"]["seed"], &fit["settings"]["bending"]), (&json!(7), &json!(true)));
+    assert_eq!((&fit["job"]["state"], &fit["priority"]), (&json!("QUEUED"), &json!(3)));
+    assert_eq!(
+        (&fit["job"]["settings"]["seed"], &fit["job"]["settings"]["bending"]),
+        (&json!(7), &json!(true))
+    );
     assert_eq!(read(request.send().await.unwrap()).await.1, fit);
     assert_eq!(server.get(&location).await, (200, fit.clone()));
     let (_, list) = server.get(&format!("/v1/fits?capture={capture}")).await;
@@ -37,7 +40,7 @@ async fn a_fit_is_accepted_with_its_settings_in_force() {
     let refused = server.delete(&location).await;
     assert_eq!((refused.0, &refused.1["reason"]), (409, &json!("FIT_RUNNING")));
     let (status, fit) = server.post(&format!("{location}/cancel"), Value::Null).await;
-    assert_eq!((status, &fit["cancel_requested"]), (200, &json!(true)));
+    assert_eq!((status, &fit["job"]["cancel_requested"]), (200, &json!(true)));
 }
 
 #[tokio::test]
@@ -100,8 +103,8 @@ async fn events_tell_every_change_and_resume() {
     let (seen, twin) = tokio::join!(events(&server, &fit, None), work);
     assert!(seen.windows(2).all(|w| w[0].0 < w[1].0));
     let (last, state) = seen.last().unwrap();
-    assert_eq!((&state["state"], &state["twin"]), (&json!("SUCCEEDED"), &json!(twin)));
-    assert_eq!(state["revision"], json!(last));
+    assert_eq!((&state["job"]["state"], &state["twin"]), (&json!("SUCCEEDED"), &json!(twin)));
+    assert_eq!(state["job"]["revision"], json!(last));
     // From the end: nothing new, and the stream ends; from before it: the last state.
     assert_eq!(events(&server, &fit, Some(*last)).await, []);
     assert_eq!(events(&server, &fit, Some(last - 1)).await.len(), 1);

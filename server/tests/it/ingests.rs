@@ -3,9 +3,9 @@ use std::time::Duration;
 use bendtwin_proto::{
     v1::{
         ExportObservationRequest, Fault, GetCaptureReportRequest, IngestCaptureRequest,
-        WatchIngestRequest, get_capture_report_request::Format, ingest::State,
+        WatchIngestRequest, get_capture_report_request::Format, job::State,
     },
-    worker::v1::{FailJobRequest, lease_job_request::Kind},
+    worker::v1::{FailJobRequest, fail_job_request::End, lease_job_request::Kind},
 };
 use serde_json::json;
 
@@ -45,7 +45,7 @@ async fn a_capture_is_read_before_it_is_fitted() {
     assert_eq!(running["ingest"]["progress"]["fraction"], 0.5);
     let (_, list) = server.get("/v1/workers").await;
     assert_eq!(list["workers"][0]["ingest"], json!(capture));
-    let release = FailJobRequest { released: true, ..worker.failure(&lease) };
+    let release = FailJobRequest { end: End::Released.into(), ..worker.failure(&lease) };
     worker.link.fail_job(release).await.unwrap();
 
     let lease = worker.lease_a(Kind::Ingest, SOON).await.unwrap();
@@ -106,7 +106,10 @@ async fn what_cannot_be_read_fails_its_fits_and_says_why() {
     let (_, later) = server.post("/v1/fits", json!({"capture": capture})).await;
     for fit in [fit.as_str(), later["name"].as_str().unwrap()] {
         let (_, fit) = server.get(&format!("/v1/{fit}")).await;
-        assert_eq!((&fit["state"], &fit["fault"]), (&json!("FAILED"), &read["ingest"]["fault"]));
+        assert_eq!(
+            (&fit["job"]["state"], &fit["job"]["fault"]),
+            (&json!("FAILED"), &read["ingest"]["fault"])
+        );
     }
     assert!(worker.lease_a(Kind::Fit, Duration::ZERO).await.is_none());
     assert_eq!(server.delete(&format!("/v1/{capture}")).await.0, 204);
@@ -135,7 +138,7 @@ async fn an_ingest_is_run_again_with_other_settings() {
     let lease = worker.lease_a(Kind::Ingest, SOON).await.unwrap();
     server.post(&format!("{path}/cancel"), json!(null)).await;
     assert!(worker.report(&lease, 0.1).await.unwrap());
-    let end = FailJobRequest { cancelled: true, ..worker.failure(&lease) };
+    let end = FailJobRequest { end: End::Cancelled.into(), ..worker.failure(&lease) };
     worker.link.fail_job(end).await.unwrap();
     let (status, _) = server.post("/v1/fits", json!({"capture": capture})).await;
     assert_eq!(status, 202);
@@ -143,7 +146,7 @@ async fn an_ingest_is_run_again_with_other_settings() {
     let again = server.captures().ingest_capture(request.clone()).await.unwrap().into_inner();
     assert_eq!(again.ingest.unwrap().state(), State::Queued);
     let fit = server.post("/v1/fits", json!({"capture": capture})).await.1;
-    assert_eq!(fit["state"], "QUEUED");
+    assert_eq!(fit["job"]["state"], "QUEUED");
     worker.lease(SOON).await.unwrap();
     let refused = server.captures().ingest_capture(request).await.unwrap_err();
     assert_eq!(bendtwin_proto::fault::fault(&refused).reason, "CAPTURE_IN_USE");

@@ -2,7 +2,10 @@ use std::time::Duration;
 
 use bendtwin_proto::{
     v1::Fault,
-    worker::v1::{BeatRequest, FailJobRequest, LeaseJobRequest, lease_job_request::Kind},
+    worker::v1::{
+        BeatRequest, FailJobRequest, LeaseJobRequest, fail_job_request::End,
+        lease_job_request::Kind,
+    },
 };
 use serde_json::json;
 use tonic::Code;
@@ -30,7 +33,7 @@ async fn a_job_goes_from_worker_to_worker_until_it_is_a_twin() {
     assert!(!first.report(&lease, 0.25).await.unwrap());
     first.checkpoint(&lease, b"old").await.unwrap();
     first.checkpoint(&lease, b"half way").await.unwrap();
-    let release = FailJobRequest { released: true, ..first.failure(&lease) };
+    let release = FailJobRequest { end: End::Released.into(), ..first.failure(&lease) };
     first.link.fail_job(release).await.unwrap();
 
     let mut second = Worker::register(&server).await;
@@ -52,8 +55,8 @@ async fn a_job_goes_from_worker_to_worker_until_it_is_a_twin() {
     assert_eq!(second.complete(&again, b"other").await.unwrap_err().code(), Code::Aborted);
 
     let (_, got) = server.get(&format!("/v1/{fit}")).await;
-    assert_eq!((&got["state"], &got["twin"]), (&json!("SUCCEEDED"), &json!(twin)));
-    assert_eq!((&got["attempts"], &got["worker"]), (&json!(1), &json!(null)));
+    assert_eq!((&got["job"]["state"], &got["twin"]), (&json!("SUCCEEDED"), &json!(twin)));
+    assert_eq!((&got["job"]["attempts"], &got["job"]["worker"]), (&json!(1), &json!(null)));
     let (_, got) = server.get(&format!("/v1/{twin}")).await;
     assert_eq!((&got["fit"], &got["display_name"]), (&json!(fit), &json!("rope")));
     assert_eq!((&got["node_count"], &got["quality"]), (&json!(5), &json!({"scores": []})));
@@ -71,9 +74,9 @@ async fn cancellation_and_failure_reach_the_user() {
     assert_eq!(lease.job, cancelled);
     server.post(&format!("/v1/{cancelled}/cancel"), json!(null)).await;
     assert!(worker.report(&lease, 0.1).await.unwrap());
-    let end = FailJobRequest { cancelled: true, ..worker.failure(&lease) };
+    let end = FailJobRequest { end: End::Cancelled.into(), ..worker.failure(&lease) };
     worker.link.fail_job(end).await.unwrap();
-    assert_eq!(server.get(&format!("/v1/{cancelled}")).await.1["state"], "CANCELLED");
+    assert_eq!(server.get(&format!("/v1/{cancelled}")).await.1["job"]["state"], "CANCELLED");
 
     let lease = worker.lease(Duration::ZERO).await.unwrap();
     let fault = Fault {
@@ -81,13 +84,16 @@ async fn cancellation_and_failure_reach_the_user() {
         reason: "NO_CONTROLS".into(),
         message: "the capture has no control points: say who moves it".into(),
     };
-    let end =
-        FailJobRequest { fault: Some(fault.clone()), permanent: true, ..worker.failure(&lease) };
+    let end = FailJobRequest {
+        fault: Some(fault.clone()),
+        end: End::FailedForGood.into(),
+        ..worker.failure(&lease)
+    };
     worker.link.fail_job(end).await.unwrap();
     let (_, fit) = server.get(&format!("/v1/{failed}")).await;
-    assert_eq!(fit["state"], "FAILED");
-    assert_eq!(fit["fault"]["reason"], fault.reason);
-    assert_eq!(fit["fault"]["message"], fault.message);
+    assert_eq!(fit["job"]["state"], "FAILED");
+    assert_eq!(fit["job"]["fault"]["reason"], fault.reason);
+    assert_eq!(fit["job"]["fault"]["message"], fault.message);
 }
 
 #[tokio::test]
@@ -112,7 +118,7 @@ async fn a_silent_worker_loses_its_job_and_is_forgotten() {
     let lease = heir.lease(Duration::from_secs(10)).await.unwrap();
     assert_eq!((&lease.job, lease.epoch), (&fit, 2));
     let (_, got) = server.get(&format!("/v1/{fit}")).await;
-    assert_eq!(got["attempt_faults"][0]["reason"], "WORKER_LOST");
+    assert_eq!(got["job"]["attempt_faults"][0]["reason"], "WORKER_LOST");
     let unknown = silent.beat().await.unwrap_err();
     assert_eq!((unknown.code(), reason(&unknown).as_str()), (Code::NotFound, "WORKER_UNKNOWN"));
 }
@@ -164,5 +170,5 @@ async fn workers_of_others_outlive_the_server() {
     worker.beat().await.unwrap();
     worker.report(&lease, 0.5).await.unwrap();
     worker.complete(&lease, b"a twin").await.unwrap();
-    assert_eq!(server.get(&format!("/v1/{fit}")).await.1["state"], "SUCCEEDED");
+    assert_eq!(server.get(&format!("/v1/{fit}")).await.1["job"]["state"], "SUCCEEDED");
 }

@@ -1,6 +1,8 @@
 use std::{sync::Arc, time::Duration};
 
 use base64::{Engine, prelude::BASE64_STANDARD};
+use bendtwin_core::Problem as _;
+use bendtwin_proto::rollout::{self, Limits, TwinShape};
 use bendtwin_proto::v1::{
     ControlTrajectories, Returns, RollOutRequest, RollOutResponse, Tensor,
     roll_out_request::Actions,
@@ -98,6 +100,50 @@ async fn http_takes_and_gives_json_and_protobuf() {
     assert_eq!(response.headers()["content-type"], "application/x-protobuf");
     let reply = RollOutResponse::decode(response.bytes().await.unwrap()).unwrap();
     assert_eq!(costs(&reply), [0.0, 1.0, 2.0]);
+}
+
+#[tokio::test]
+async fn a_malformed_request_gets_the_fault_of_the_check() {
+    let server = Server::start().await;
+    let mut worker = Worker::register(&server).await;
+    let twin = twin(&server, &mut worker).await;
+    let shape = TwinShape {
+        nodes: 5,
+        springs: 4,
+        triplets: 3,
+        controls: 1,
+        substeps: 10,
+        has_capture: true,
+        ..TwinShape::default()
+    };
+    let of = |request| RollOutRequest { twin: twin.clone(), ..request };
+    let mut rollouts = server.rollouts();
+    rollouts.roll_out(of(rollout::cases::sound(&shape))).await.unwrap();
+    let mut refused = 0;
+    for case in rollout::cases::malformed(&shape) {
+        let request = of(case.request);
+        let checked = rollout::check_for(&request, &shape, &Limits::default(), 0);
+        // Twins here have a capture.
+        let Err(expected) = checked else { continue };
+        let status = rollouts.roll_out(request).await.unwrap_err();
+        assert_eq!(bendtwin_proto::fault::fault(&status), expected.fault(), "{}", case.what);
+        refused += 1;
+    }
+    assert!(refused > 70, "{refused}");
+}
+
+#[tokio::test]
+async fn limits_are_those_of_the_servers_options_and_workers_receive_them() {
+    let server = Server::start_with(|o| o.limits.rollout.instances = 2).await;
+    let mut worker = Worker::register(&server).await;
+    let limits = Limits { instances: 2, ..Limits::default() };
+    assert_eq!(worker.rollout_limits, limits);
+    let twin = twin(&server, &mut worker).await;
+    server.rollouts().roll_out(request(&twin, 2)).await.unwrap();
+    let status = server.rollouts().roll_out(request(&twin, 3)).await.unwrap_err();
+    let fault = bendtwin_proto::fault::fault(&status);
+    assert_eq!(fault.reason, "ROLLOUT_TOO_LARGE");
+    assert!(fault.message.contains("split the batch"), "{fault}");
 }
 
 #[tokio::test]

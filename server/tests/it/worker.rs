@@ -11,6 +11,7 @@ use std::{
 
 use bendtwin_core::ids::WorkerId;
 use bendtwin_proto::{
+    rollout::Limits,
     v1::{
         Fault, Progress, RollOutResponse, Tensor, roll_out_request::Actions,
         roll_out_response::Timing,
@@ -20,6 +21,7 @@ use bendtwin_proto::{
         ExecuteRollOutRequest, ExecuteRollOutResponse, FailJobRequest, IngestWrite, JobWrite,
         Lease, LeaseJobRequest, RegisterRequest, ReportJobRequest, SaveCheckpointRequest,
         TwinWrite, complete_fit_request, end_ingest_request,
+        fail_job_request::End,
         lease_job_request::Kind,
         save_checkpoint_request,
         worker_link_client::WorkerLinkClient,
@@ -42,6 +44,8 @@ type Credentialed = Result<Request<()>, Status>;
 pub(crate) struct Worker {
     pub(crate) id: WorkerId,
     pub(crate) link: Client,
+    /// Bounds on rollouts that the server sent.
+    pub(crate) rollout_limits: Limits,
     breaks: Arc<AtomicBool>,
 }
 
@@ -97,7 +101,8 @@ impl Worker {
         assert!(
             registered.beat_interval_s > 0.0 && registered.lease_s > registered.beat_interval_s
         );
-        Self { id, link, breaks }
+        let rollout_limits = Limits::from(&registered.rollout_limits.unwrap());
+        Self { id, link, rollout_limits, breaks }
     }
 
     /// From now on the endpoint breaks off, as that of a killed process does.
@@ -214,8 +219,10 @@ impl Worker {
         self.link.complete_fit(futures::stream::iter(parts)).await.map(|r| r.into_inner().twin)
     }
 
+    /// An attempt that failed, but may succeed elsewhere.
     pub(crate) fn failure(&self, lease: &Lease) -> FailJobRequest {
         FailJobRequest {
+            end: End::Failed.into(),
             worker: self.id.to_string(),
             job: lease.job.clone(),
             epoch: lease.epoch,

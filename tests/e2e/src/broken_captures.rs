@@ -7,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_proto::v1::fit::State;
+use bendtwin_proto::v1::job::State;
 use bytes::Bytes;
 use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
@@ -36,9 +36,10 @@ async fn broken_captures_end_their_fits_with_a_reason() {
     let mut wrong = Vec::new();
     for (what, reason, name) in &fits {
         let fit = api.fit_when(name, "over", Duration::from_secs(60), has_ended).await;
-        let fault = fit.fault.clone().unwrap_or_default();
+        let job = fit.job.clone().unwrap_or_default();
+        let fault = job.fault.unwrap_or_default();
         // No worker ever had the fit: the capture's ingest failed.
-        if fit.state() != State::Failed || fault.reason != *reason || fit.attempts != 0 {
+        if fit.state() != State::Failed || fault.reason != *reason || job.attempts != 0 {
             wrong.push(format!("{what}: expected {reason}, got {:?} {fault:?}", fit.state()));
         }
         let told_well = fault.message.len() > 20 && !fault.message.contains("panicked");

@@ -4,13 +4,13 @@
 use std::time::{Duration, Instant};
 
 use bendtwin_proto::v1::{
-    CreateFitRequest, DeleteCaptureRequest, DeleteFitRequest, Fit, WatchFitRequest, fit::State,
+    CreateFitRequest, DeleteCaptureRequest, DeleteFitRequest, Fit, WatchFitRequest, job::State,
 };
 use tonic::Code;
 
 use crate::harness::{
     Isolation, Setup, TestCluster,
-    api::{fraction, has_ended},
+    api::{fraction, has_ended, worker},
     command::run_ok,
     reference::{ENDLESS, FIT, SETTINGS, capture, reference},
     within,
@@ -65,7 +65,7 @@ async fn higher_priorities_run_first_and_equal_ones_in_order() {
     let mut started = Vec::new();
     for name in &fits {
         let fit = api.succeeded(name, FIT).await;
-        let time = fit.start_time.unwrap();
+        let time = fit.job.unwrap().start_time.unwrap();
         started.push(((time.seconds, time.nanos), name.clone()));
     }
     started.sort();
@@ -90,7 +90,7 @@ async fn a_running_fit_is_cancelled_within_a_second() {
     api.cancel(&fit.name).await.unwrap();
     let fit = api.fit_when(&fit.name, "cancelled", STATE, has_ended).await;
     let took = asked.elapsed();
-    assert_eq!(fit.state(), State::Cancelled, "{:?}", fit.fault);
+    assert_eq!(fit.state(), State::Cancelled, "{:?}", fit.job);
     assert!(took < Duration::from_secs(1), "cancelling took {took:?}");
     println!("a running fit was cancelled in {took:?}");
     assert_eq!(api.cancel(&fit.name).await.unwrap().state(), State::Cancelled);
@@ -116,14 +116,14 @@ async fn another_worker_takes_over_from_a_dead_one() {
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
     let first = server.start_worker().await.name;
-    api.fit_when(&fit.name, "run by the first worker", STATE, |f| f.worker == first).await;
+    api.fit_when(&fit.name, "run by the first worker", STATE, |f| worker(f) == first).await;
     let second = server.start_worker().await.name;
     server.kill_own_worker();
     let killed = Instant::now();
-    api.fit_when(&fit.name, "run by the second worker", STATE, |f| f.worker == second).await;
+    api.fit_when(&fit.name, "run by the second worker", STATE, |f| worker(f) == second).await;
     println!("with a lease of 1 s the next worker had the job after {:?}", killed.elapsed());
     let fit = api.succeeded(&fit.name, FIT).await;
-    assert_eq!(fit.attempts, 2);
+    assert_eq!(fit.job.unwrap().attempts, 2);
 }
 
 #[tokio::test]
@@ -152,16 +152,20 @@ async fn watching_shows_every_stage_and_resumes_after_a_revision() {
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
     let seen = watch(&server, &fit.name, 0).await;
-    assert!(seen.is_sorted_by(|a, b| a.revision < b.revision), "revisions grow");
+    assert!(seen.is_sorted_by(|a, b| revision(a) < revision(b)), "revisions grow");
     assert!(seen.iter().any(running), "progress was shown");
     let fractions: Vec<_> = seen.iter().map(fraction).collect();
     assert!(fractions.is_sorted(), "{fractions:?}");
     let last = seen.last().unwrap();
     assert_eq!(last.state(), State::Succeeded);
     // A client that has seen everything but the end gets the end.
-    let rest = watch(&server, &fit.name, last.revision - 1).await;
+    let rest = watch(&server, &fit.name, revision(last) - 1).await;
     assert_eq!(rest.len(), 1);
-    assert_eq!(rest[0].revision, last.revision);
+    assert_eq!(revision(&rest[0]), revision(last));
+}
+
+fn revision(fit: &Fit) -> u64 {
+    fit.job.as_ref().unwrap().revision
 }
 
 async fn watch(server: &TestCluster, name: &str, after_revision: u64) -> Vec<Fit> {

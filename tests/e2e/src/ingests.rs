@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use bendtwin_proto::v1::{Capture, GetCaptureRequest, fit, ingest::State};
+use bendtwin_proto::v1::{Capture, GetCaptureRequest, job::State};
 use bytes::Bytes;
 use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
@@ -110,7 +110,7 @@ async fn a_capture_beyond_the_memory_fails_alone() {
     assert_eq!((fault.reason.as_str(), ingest.attempts), ("INGEST_OUT_OF_MEMORY", 1));
     assert!(fault.message.contains("--ingest-memory-mib"), "{fault:?}");
     let fit = api.fit_when(&fit.name, "over", SOON, has_ended).await;
-    assert_eq!((fit.state(), fit.fault), (fit::State::Failed, Some(fault)));
+    assert_eq!((fit.state(), fit.job.unwrap().fault), (State::Failed, Some(fault)));
     // There is a report all the same.
     let report = server.http().get_json(&format!("/v1/{}/report", large.name)).await;
     assert_eq!(report["verdict"], "unusable");

@@ -54,8 +54,8 @@ async fn a_capture_becomes_a_twin_over_http_and_events_resume_where_they_stopped
     assert!(rest.iter().all(|(id, _)| *id > seen), "events were repeated");
     assert!(rest.is_sorted_by(|a, b| a.0 < b.0));
     let ended = &rest.last().unwrap().1;
-    assert_eq!(ended["state"], "SUCCEEDED", "{ended}");
-    assert_eq!(ended["revision"], rest.last().unwrap().0);
+    assert_eq!(ended["job"]["state"], "SUCCEEDED", "{ended}");
+    assert_eq!(ended["job"]["revision"], rest.last().unwrap().0);
 
     let twin = http.get_json(&format!("/v1/{}", ended["twin"].as_str().unwrap())).await;
     assert_eq!(twin["digest"], reference().await.digest, "HTTP and gRPC make the same twin");

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, Fidelity, GripperPoses, Returns, RollOutRequest, RollOutResponse,
-    Tensor, Twin, cost, fit::State, roll_out_request::Actions,
+    Tensor, Twin, cost, job::State, roll_out_request::Actions,
 };
 
 use crate::harness::{
@@ -40,7 +40,7 @@ pub(crate) fn request(twin: &Twin, rest: &[[f32; 3]]) -> RollOutRequest {
             positions: Some(Tensor::pack_points(&[BATCH, FRAMES + 1, controls], &positions)),
             interpolation: 0,
         })),
-        costs: vec![Cost { weight: 1.0, kind: Some(target), ..Cost::default() }],
+        costs: vec![Cost { weight: Some(1.0), kind: Some(target), ..Cost::default() }],
         returns: Some(Returns { every_frames: 1, final_state: true, ..Returns::default() }),
         ..RollOutRequest::default()
     }
@@ -179,7 +179,7 @@ async fn rollouts_are_answered_while_a_fit_runs() {
     let busy = timed(&api, &request, &expected).await;
     let after = api.get_fit(&fit.name).await.unwrap();
     assert_eq!(after.state(), State::Running);
-    assert_eq!(after.attempts, 1);
+    assert_eq!(after.job.as_ref().unwrap().attempts, 1);
     assert!(fraction(&after) >= fraction(&before));
     println!(
         "{BATCH} x {FRAMES} frames of {} nodes: {idle:?} idle, {busy:?} beside a fit (medians)",

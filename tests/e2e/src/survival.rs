@@ -2,14 +2,14 @@
 
 use std::time::Duration;
 
-use bendtwin_proto::v1::{Fit, fit::State};
+use bendtwin_proto::v1::{Fit, job::State};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use tokio::sync::OnceCell;
 
 use crate::harness::{
     Api, TestCluster,
-    api::{fraction, has_ended},
+    api::{fraction, has_ended, worker},
     reference::{FIT, Reference, capture, undisturbed},
 };
 
@@ -79,7 +79,7 @@ async fn disturb(seed: u64, victims: &[Victim]) {
         "{} kills at {:?}, {} attempts: the same twin",
         victims.len(),
         schedule.killed_at.iter().map(|f| (f * 100.0).round() / 100.0).collect::<Vec<_>>(),
-        ended.attempts
+        ended.job.unwrap().attempts
     );
 }
 
@@ -108,7 +108,7 @@ impl KillSchedule {
         let impatient = self.killed_at.len() % 3 == 2;
         let before = self.killed_at.last().copied().unwrap_or(-1.0);
         let ready = |fit: &Fit| {
-            let taken_over = fit.state() == State::Running && fit.worker != self.last_worker;
+            let taken_over = fit.state() == State::Running && worker(fit) != self.last_worker;
             let progressed = fraction(fit) > before && fraction(fit) >= due;
             has_ended(fit) || (taken_over && (impatient || progressed))
         };
@@ -120,7 +120,7 @@ impl KillSchedule {
             self.killed_at.len() + 1
         );
         self.killed_at.push(fraction(&fit).max(before));
-        self.last_worker = fit.worker;
+        self.last_worker = worker(&fit).to_owned();
         let delay = self.random.random_range(0..150);
         tokio::time::sleep(Duration::from_millis(delay)).await;
     }

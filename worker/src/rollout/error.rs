@@ -1,37 +1,17 @@
 //! Why a rollout is refused or fails.
 
-use bendtwin_core::{Category, Problem, ids::TwinId, twin::format::FormatError};
+use bendtwin_core::{Category, Problem, twin::format::FormatError};
 use bendtwin_engine::backend;
-use bendtwin_proto::tensor::TensorError;
+use bendtwin_proto::{rollout, tensor::TensorError};
 
 use crate::artifact::FetchError;
 
 /// Why a rollout is refused or fails.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
-    /// A field is wrong.
-    #[error("{field}: {fault}")]
-    Field {
-        /// Path of the field in the request.
-        field: String,
-        /// What is wrong with it and what to do.
-        fault: String,
-    },
-    /// A tensor is malformed.
+    /// The request is wrong, too large or does not fit the twin.
     #[error(transparent)]
-    Tensor(#[from] TensorError),
-    /// It exceeds what one request may take.
-    #[error("{what} would be {asked}, the most for one request is {limit}: {advice}")]
-    TooLarge {
-        /// What is too large.
-        what: &'static str,
-        /// How much was asked for.
-        asked: u128,
-        /// How much there may be.
-        limit: u128,
-        /// What to do.
-        advice: &'static str,
-    },
+    Request(#[from] rollout::Error),
     /// As many rollouts as this worker takes are in flight.
     #[error("{limit} rollouts are in flight on this worker: try again in a moment")]
     Busy {
@@ -44,14 +24,6 @@ pub(crate) enum Error {
     /// The stored twin cannot be read.
     #[error("the stored twin cannot be used: {0}")]
     StoredTwin(FormatError),
-    /// The twin has no fast variant.
-    #[error(
-        "{twin} has no fast variant, as it was made before there were any or diverged where that is measured: fit its capture again, or ask for EXACT"
-    )]
-    NoFastVariant {
-        /// The twin.
-        twin: TwinId,
-    },
     /// The capture cannot be replayed.
     #[error("the capture cannot be replayed with this twin: {0}")]
     Capture(String),
@@ -79,20 +51,24 @@ pub(crate) enum Error {
 impl Error {
     /// A wrong field.
     pub(super) fn field(field: impl Into<String>, fault: impl Into<String>) -> Self {
-        Self::Field { field: field.into(), fault: fault.into() }
+        Self::Request(rollout::Error::field(field, fault))
+    }
+}
+
+impl From<TensorError> for Error {
+    fn from(error: TensorError) -> Self {
+        Self::Request(error.into())
     }
 }
 
 impl Problem for Error {
     fn category(&self) -> Category {
         match self {
-            Self::Field { .. } | Self::Tensor(_) => Category::InvalidArgument,
-            Self::TooLarge { .. } | Self::Busy { .. } => Category::ResourceExhausted,
+            Self::Request(e) => e.category(),
+            Self::Busy { .. } => Category::ResourceExhausted,
             Self::Fetch(e) => e.category(),
             Self::StoredTwin(_) => Category::DataLoss,
-            Self::NoFastVariant { .. } | Self::Capture(_) | Self::ReplayDiverged { .. } => {
-                Category::FailedPrecondition
-            }
+            Self::Capture(_) | Self::ReplayDiverged { .. } => Category::FailedPrecondition,
             Self::Engine(e) => e.category(),
             Self::Deadline => Category::DeadlineExceeded,
             Self::Panicked => Category::Internal,
@@ -100,13 +76,10 @@ impl Problem for Error {
     }
     fn reason(&self) -> &'static str {
         match self {
-            Self::Field { .. } => "INVALID_ROLLOUT",
-            Self::Tensor(_) => "INVALID_TENSOR",
-            Self::TooLarge { .. } => "ROLLOUT_TOO_LARGE",
+            Self::Request(e) => e.reason(),
             Self::Busy { .. } => "WORKER_BUSY",
             Self::Fetch(e) => e.reason(),
             Self::StoredTwin(_) => "TWIN_DAMAGED",
-            Self::NoFastVariant { .. } => "FAST_VARIANT_UNKNOWN",
             Self::Capture(_) => "CAPTURE_NOT_REPLAYABLE",
             Self::ReplayDiverged { .. } => "REPLAY_DIVERGED",
             Self::Engine(e) => e.reason(),

@@ -9,10 +9,7 @@ use bendtwin_proto::v1::{
     initial_state::{GivenState, State as Wire},
 };
 
-use super::{
-    actions::{finite, given},
-    error::Error,
-};
+use super::error::Error;
 
 /// A state and the control points that belong to it.
 #[derive(Clone, Debug)]
@@ -55,7 +52,7 @@ impl Starts {
 }
 
 impl Wanted {
-    /// Reads the initial state of a request of `instances` instances; `own_capture` is the twin's.
+    /// Reads the initial state of a checked request of `instances` instances; `own_capture` is the twin's.
     pub(super) fn read(
         wire: Option<InitialState>,
         graph: &Graph,
@@ -71,63 +68,28 @@ impl Wanted {
             Some(Wire::CaptureFrame(wire)) => {
                 const FIELD: &str = "initial.capture_frame.capture";
                 let name = if wire.capture.is_empty() { own_capture } else { &wire.capture };
-                if name.is_empty() {
-                    let fault =
-                        "is missing, and the twin was imported without its own capture: name one";
-                    return Err(Error::field(FIELD, fault));
-                }
                 let capture =
                     name.parse::<CaptureId>().map_err(|e| Error::field(FIELD, e.to_string()))?;
                 let (sequence, frame) = (wire.sequence as usize, wire.frame as usize);
                 Ok(Self::Frame(CaptureFrame { capture, sequence, frame }))
             }
-            Some(Wire::Given(wire)) => read_given(wire, graph, instances).map(Self::Ready),
+            Some(Wire::Given(wire)) => given(wire, graph, instances).map(Self::Ready),
         }
     }
 }
 
-fn read_given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Starts, Error> {
-    const POSITIONS: &str = "initial.given.positions";
-    const VELOCITIES: &str = "initial.given.velocities";
-    const TWISTS: &str = "initial.given.twists";
-    let n = graph.node_count();
-    let (dims, positions) = given(wire.positions, POSITIONS)?.unpack_points(POSITIONS)?;
-    let each = match dims[..] {
-        [nodes] if nodes == n => false,
-        [batch, nodes] if nodes == n && batch == instances => true,
-        _ => {
-            let fault = format!(
-                "has shape {dims:?} before the last 3: the twin has {n} nodes and the batch {instances} instances, so [{n}, 3] or [{instances}, {n}, 3] is needed"
-            );
-            return Err(Error::field(POSITIONS, fault));
-        }
-    };
-    finite(POSITIONS, positions.as_flattened())?;
+fn given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Starts, Error> {
+    let (n, r) = (graph.node_count(), graph.rods.len());
+    let (dims, positions) =
+        wire.positions.unwrap_or_default().unpack_points("initial.given.positions")?;
+    let each = dims.len() == 2;
     let velocities = match wire.velocities.filter(|t| !t.is_absent()) {
         None => vec![[0.0; 3]; positions.len()],
-        Some(tensor) => {
-            let (velocity_dims, velocities) = tensor.unpack_points(VELOCITIES)?;
-            if velocity_dims != dims {
-                let fault = format!("has another shape than {POSITIONS}");
-                return Err(Error::field(VELOCITIES, fault));
-            }
-            finite(VELOCITIES, velocities.as_flattened())?;
-            velocities
-        }
+        Some(tensor) => tensor.unpack_points("initial.given.velocities")?.1,
     };
-    let r = graph.rods.len();
-    let twists = match wire.twists.filter(|t| !t.is_absent()) {
+    let twists: Vec<f32> = match wire.twists.filter(|t| !t.is_absent()) {
         None => vec![0.0; r * if each { instances } else { 1 }],
-        Some(tensor) => {
-            let (dims, twists): (Vec<usize>, Vec<f32>) = tensor.unpack(TWISTS)?;
-            let wanted = if each { vec![instances, r] } else { vec![r] };
-            if dims != wanted {
-                let fault = format!("has shape {dims:?}, not {wanted:?}: the twin has {r} rods");
-                return Err(Error::field(TWISTS, fault));
-            }
-            finite(TWISTS, &twists)?;
-            twists
-        }
+        Some(tensor) => tensor.unpack("initial.given.twists")?.1,
     };
     let start = |i: usize| {
         let nodes = i * n..(i + 1) * n;

@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use bendtwin_core::{Point, Twin};
 use bendtwin_engine::{Objective, backend::Instance};
-use bendtwin_proto::v1::RollOutRequest;
+use bendtwin_proto::{
+    rollout::{self, Limits, TwinShape},
+    v1::RollOutRequest,
+};
 
 use super::{
     actions::Actions,
@@ -14,10 +17,9 @@ use super::{
     returns::Returns,
     serve::Served,
 };
-use crate::Limits;
 
-/// What a lookup of one target point costs, in element substeps.
-const TARGET_WORK: u128 = 20;
+/// Dense controls of the instances that are prepared at once, at most [bytes].
+const PREPARED_BYTES: u64 = 512 << 20;
 
 /// A checked request.
 pub(super) struct Plan {
@@ -41,23 +43,20 @@ impl Plan {
         served: Served,
         limits: &Limits,
     ) -> Result<(Self, Wanted), Error> {
+        let twin = shape(&served.warm.twin, !own_capture.is_empty());
+        let batch = rollout::check_for(&request, &twin, limits, part_instances)?;
         let graph = &served.warm.twin.graph;
-        let actions = Actions::read(request.actions, graph.control_count(), limits.instances)?;
-        let frames = actions.horizon(request.frames)?;
-        let instances = actions.shape().instances;
-        let objective = costs::read(request.costs, graph, frames)?;
-        let has_costs = !objective.groups.is_empty();
-        let returns = Returns::read(request.returns, graph, instances, has_costs)?;
+        let (instances, frames) = (batch.instances as usize, batch.frames as usize);
+        let actions = Actions::read(request.actions, graph.control_count())?;
+        let objective = costs::read(request.costs, frames)?;
+        let returns = Returns::read(request.returns, instances)?;
         let wanted = Wanted::read(request.initial, graph, instances, own_capture)?;
 
         let part = if part_instances == 0 { instances } else { part_instances as usize };
         let part = part.min(instances);
         let control_bytes = 12 * (frames as u64 + 1) * graph.control_count().max(1) as u64;
-        let chunk = (limits.reply_bytes / control_bytes).clamp(1, part as u64) as usize;
-        let plan = Self { actions, frames, objective, returns, part, chunk, served };
-        plan.check_work(limits)?;
-        plan.check_reply(limits)?;
-        Ok((plan, wanted))
+        let chunk = (PREPARED_BYTES / control_bytes).clamp(1, part as u64) as usize;
+        Ok((Self { actions, frames, objective, returns, part, chunk, served }, wanted))
     }
 
     /// The twin.
@@ -82,47 +81,19 @@ impl Plan {
             objective: self.objective.clone(),
         }
     }
-
-    fn check_work(&self, limits: &Limits) -> Result<(), Error> {
-        let graph = &self.twin().graph;
-        let elements = graph.node_count() + graph.springs.len() + graph.triplets.len();
-        let steps = self.frames as u128 * u128::from(self.served.loaded.model().timing.substeps);
-        let targets: u128 = self.objective.terms.iter().map(|t| target_count(&t.term)).sum();
-        let each = steps * elements as u128 + targets * TARGET_WORK;
-        let work = each * self.instances() as u128;
-        if work > u128::from(limits.rollout_work) {
-            return Err(Error::TooLarge {
-                what: "the work (instances x frames x substeps x (nodes + springs + triplets))",
-                asked: work,
-                limit: u128::from(limits.rollout_work),
-                advice: "send fewer instances or a shorter horizon, or use a coarser twin",
-            });
-        }
-        Ok(())
-    }
-
-    fn check_reply(&self, limits: &Limits) -> Result<(), Error> {
-        let holders = self.returns.best.unwrap_or(self.part) as u128;
-        let each = u128::from(self.returns.instance_bytes(&self.twin().graph, self.frames));
-        // Costs per term and instance come on top, in f64.
-        let terms = self.instances() as u128 * (self.objective.groups.len() as u128 + 1) * 8;
-        let bytes = holders * each + terms;
-        if bytes > u128::from(limits.reply_bytes) {
-            return Err(Error::TooLarge {
-                what: "the size of the reply in bytes",
-                asked: bytes,
-                limit: u128::from(limits.reply_bytes),
-                advice: "ask for fewer nodes (returns.nodes), every k-th frame (returns.every_frames) or the best few (returns.best), or stream it",
-            });
-        }
-        Ok(())
-    }
 }
 
-fn target_count(term: &bendtwin_engine::Term) -> u128 {
-    match term {
-        bendtwin_engine::Term::Chamfer { targets }
-        | bendtwin_engine::Term::Track { targets, .. } => targets.len() as u128,
-        bendtwin_engine::Term::Acceleration => 1,
+/// What requests to a twin are checked against.
+pub(super) fn shape(twin: &Twin, has_capture: bool) -> TwinShape {
+    let graph = &twin.graph;
+    TwinShape {
+        nodes: graph.node_count() as u64,
+        springs: graph.springs.len() as u64,
+        triplets: graph.triplets.len() as u64,
+        controls: graph.control_count() as u64,
+        rods: Some(graph.rods.len() as u64),
+        substeps: twin.timing.substeps,
+        fast_substeps: twin.quality.fast.map(|fast| fast.substeps),
+        has_capture,
     }
 }

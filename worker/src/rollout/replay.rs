@@ -17,6 +17,7 @@ use bendtwin_engine::{
     model::State,
 };
 use bendtwin_eval::{check_capture, initial_state};
+use bendtwin_proto::rollout;
 
 use super::{
     error::Error,
@@ -74,16 +75,16 @@ impl Replays {
         at: CaptureFrame,
         backend: &Arc<QueuedBackend>,
         cancel: &CancelToken,
+        work_limit: u64,
     ) -> Result<Start, Error> {
         if let Some(start) = lock(&self.starts).get(&(warm.id, at)) {
             return Ok(start);
         }
         let motions = self.motions(warm, at.capture).await?;
         let (warm, backend, cancel) = (Arc::clone(warm), Arc::clone(backend), cancel.clone());
-        let limit = self.limits.rollout_work;
         let id = warm.id;
         let start = tokio::task::spawn_blocking(move || {
-            replay(&warm, &motions, at, limit, &backend, &cancel)
+            replay(&warm, &motions, at, work_limit, &backend, &cancel)
         })
         .await
         .map_err(|_| Error::Panicked)??;
@@ -180,12 +181,12 @@ fn replay(
     let elements = (graph.node_count() + graph.springs.len() + graph.triplets.len()) as u128;
     let work = frames as u128 * u128::from(timing.substeps) * elements;
     if work > u128::from(work_limit) {
-        return Err(Error::TooLarge {
+        return Err(Error::Request(rollout::Error::TooLarge {
             what: "the work of the replay",
-            asked: work,
-            limit: u128::from(work_limit),
+            asked: u64::try_from(work).unwrap_or(u64::MAX),
+            limit: work_limit,
             advice: "start at an earlier frame",
-        });
+        }));
     }
     let width = graph.control_count();
     let row = |frame: usize| &motion.controls[frame * width..(frame + 1) * width];

@@ -1,4 +1,4 @@
-//! What a request wants back, and how large that is.
+//! Arrays that a request wants back.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use bendtwin_core::Graph;
 use bendtwin_engine::backend::Outputs;
 use bendtwin_proto::v1::{Returns as Wire, returns::Encoding};
 
-use super::{costs, error::Error};
+use super::error::Error;
 
 /// What is wanted back, checked against the twin.
 #[derive(Clone, Debug, Default)]
@@ -25,31 +25,15 @@ pub(super) struct Returns {
 }
 
 impl Returns {
-    pub(super) fn read(
-        wire: Option<Wire>,
-        graph: &Graph,
-        instances: usize,
-        has_costs: bool,
-    ) -> Result<Self, Error> {
+    /// Reads the returns of a checked request of `instances` instances.
+    pub(super) fn read(wire: Option<Wire>, instances: usize) -> Result<Self, Error> {
         let Some(wire) = wire else { return Ok(Self::default()) };
-        let int16 = match Encoding::try_from(wire.encoding) {
-            Ok(Encoding::Unspecified | Encoding::Float32) => false,
-            Ok(Encoding::Int16) => true,
-            Err(_) => {
-                let fault =
-                    format!("has the unknown value {}: use FLOAT32 or INT16", wire.encoding);
-                return Err(Error::field("returns.encoding", fault));
-            }
-        };
+        let int16 = wire.encoding() == Encoding::Int16;
         let nodes = wire
             .nodes
             .filter(|t| !t.is_absent())
-            .map(|t| costs::nodes(t, "returns.nodes", graph.node_count()).map(Arc::new))
+            .map(|t| t.unpack("returns.nodes").map(|(_, nodes)| Arc::new(nodes)))
             .transpose()?;
-        if wire.control_gradients && !has_costs {
-            let fault = "needs at least one cost to differentiate: add one to `costs`";
-            return Err(Error::field("returns.control_gradients", fault));
-        }
         Ok(Self {
             every: wire.every_frames as usize,
             nodes,
@@ -69,19 +53,6 @@ impl Returns {
     /// Recorded nodes K.
     pub(super) fn recorded_nodes(&self, graph: &Graph) -> usize {
         self.nodes.as_ref().map_or(graph.node_count(), |n| n.len())
-    }
-
-    /// Bytes of the arrays that one instance adds to a reply.
-    pub(super) fn instance_bytes(&self, graph: &Graph, frames: usize) -> u64 {
-        let points = self.recorded_frames(frames) as u64 * self.recorded_nodes(graph) as u64;
-        // Positions pass through memory as f32 whatever the encoding.
-        let states = if self.final_state { 2 * graph.node_count() as u64 } else { 0 };
-        let gradients = if self.control_gradients {
-            (frames as u64 + 1) * graph.control_count() as u64
-        } else {
-            0
-        };
-        12 * (points + states + gradients)
     }
 
     /// Whether arrays beside the costs are wanted.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bendtwin_core::{FastVariant, Fidelity};
 use bendtwin_engine::{Backend as _, Loaded, fidelity::Reduction};
-use bendtwin_proto::v1;
+use bendtwin_proto::rollout;
 
 use super::{error::Error, warm::Warm};
 use crate::device::{Device, Priority};
@@ -38,7 +38,8 @@ impl Served {
     }
 
     async fn fast(warm: Arc<Warm>, device: &Device) -> Result<Self, Error> {
-        let fast = warm.twin.quality.fast.ok_or(Error::NoFastVariant { twin: warm.id })?;
+        let missing = || rollout::Error::NoFastVariant { twin: warm.id.to_string() };
+        let fast = warm.twin.quality.fast.ok_or_else(missing)?;
         let load = || async {
             let backend = device.backend(Priority::Interactive);
             let exact = Arc::clone(warm.loaded.model());
@@ -49,17 +50,5 @@ impl Served {
         };
         let loaded = warm.fast.get_or_try_init(load).await?.clone();
         Ok(Self { warm, loaded, fast: Some(fast) })
-    }
-}
-
-/// Reads what a request asks for.
-pub(super) fn read(wire: i32) -> Result<Fidelity, Error> {
-    match v1::Fidelity::try_from(wire) {
-        Ok(v1::Fidelity::Unspecified | v1::Fidelity::Exact) => Ok(Fidelity::Exact),
-        Ok(v1::Fidelity::Fast) => Ok(Fidelity::Fast),
-        Err(_) => {
-            let fault = format!("has the unknown value {wire}: use EXACT or FAST");
-            Err(Error::field("fidelity", fault))
-        }
     }
 }

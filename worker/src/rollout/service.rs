@@ -2,8 +2,9 @@
 //! cancellation when the caller goes away.
 
 use std::{
+    convert::Infallible,
     pin::Pin,
-    sync::Arc,
+    sync::{Arc, PoisonError, RwLock},
     task::{Context, Poll},
     time::{Duration, Instant},
 };
@@ -13,6 +14,7 @@ use bendtwin_engine::backend;
 use bendtwin_proto::{
     deadline::timeout,
     fault,
+    rollout::{self, Limits},
     worker::v1::{
         ExecuteRollOutRequest, ExecuteRollOutResponse,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
@@ -24,6 +26,9 @@ use tokio_stream::wrappers::ReceiverStream;
 use tokio_util::sync::CancellationToken;
 use tonic::{
     Request, Response, Status,
+    body::Body,
+    codegen::{BoxFuture, Service, http},
+    server::NamedService,
     service::interceptor::InterceptedService,
     transport::{Server, server::TcpIncoming},
 };
@@ -34,12 +39,9 @@ use super::{
     execute::Execution,
     initial::{Starts, Wanted},
     plan::Plan,
-    serve::{self, Served},
+    serve::Served,
 };
-use crate::{
-    Limits,
-    device::{Device, Priority},
-};
+use crate::device::{Device, Priority};
 
 /// Parts that may wait for a slow reader: backpressure, so memory stays bounded.
 const WAITING_PARTS: usize = 2;
@@ -53,7 +55,10 @@ struct Inner {
     device: Device,
     twins: WarmTwins,
     replays: Replays,
-    limits: Limits,
+    /// Bounds on requests, as the server set them last.
+    limits: RwLock<Limits>,
+    /// Rollouts that are answered at once.
+    most: usize,
     slots: Arc<Semaphore>,
 }
 
@@ -63,10 +68,17 @@ impl Rollouts {
         device: Device,
         twins: WarmTwins,
         replays: Replays,
-        limits: Limits,
+        most: usize,
     ) -> Self {
-        let slots = Arc::new(Semaphore::new(limits.rollouts.min(Semaphore::MAX_PERMITS)));
-        Self(Arc::new(Inner { worker, device, twins, replays, limits, slots }))
+        let most = most.min(Semaphore::MAX_PERMITS);
+        let slots = Arc::new(Semaphore::new(most));
+        let limits = RwLock::default();
+        Self(Arc::new(Inner { worker, device, twins, replays, limits, most, slots }))
+    }
+
+    /// Sets the bounds on requests to those of the server.
+    pub(crate) fn set_limits(&self, limits: Limits) {
+        *self.0.limits.write().unwrap_or_else(PoisonError::into_inner) = limits;
     }
 
     /// The twins that answer at once, the most recently used first.
@@ -76,7 +88,13 @@ impl Rollouts {
 
     /// Rollouts that are under way.
     pub(crate) fn in_flight(&self) -> usize {
-        self.0.limits.rollouts.saturating_sub(self.0.slots.available_permits())
+        self.0.most.saturating_sub(self.0.slots.available_permits())
+    }
+}
+
+impl Inner {
+    fn limits(&self) -> Limits {
+        *self.limits.read().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -96,8 +114,7 @@ pub(crate) async fn serve(
             false => Err(Status::unauthenticated("the worker token is missing or wrong")),
         }
     };
-    let limit = rollouts.0.limits.request_bytes;
-    let service = WorkerRolloutsServer::new(rollouts).max_decoding_message_size(limit);
+    let service = Bounded(rollouts);
     let (health, health_service) = tonic_health::server::health_reporter();
     health.set_serving::<WorkerRolloutsServer<Rollouts>>().await;
     Server::builder()
@@ -106,6 +123,29 @@ pub(crate) async fn serve(
         .add_service(InterceptedService::new(service, check))
         .serve_with_incoming_shutdown(incoming, shutdown.cancelled_owned())
         .await
+}
+
+/// The service, which decodes requests up to the size that the server set last.
+#[derive(Clone)]
+struct Bounded(Rollouts);
+
+impl Service<http::Request<Body>> for Bounded {
+    type Response = http::Response<Body>;
+    type Error = Infallible;
+    type Future = BoxFuture<Self::Response, Infallible>;
+
+    fn poll_ready(&mut self, _: &mut Context<'_>) -> Poll<Result<(), Infallible>> {
+        Poll::Ready(Ok(()))
+    }
+
+    fn call(&mut self, request: http::Request<Body>) -> Self::Future {
+        let most = self.0.0.limits().sent_request_bytes();
+        WorkerRolloutsServer::new(self.0.clone()).max_decoding_message_size(most).call(request)
+    }
+}
+
+impl NamedService for Bounded {
+    const NAME: &'static str = WorkerRolloutsServer::<Rollouts>::NAME;
 }
 
 #[tonic::async_trait]
@@ -117,7 +157,7 @@ impl WorkerRollouts for Rollouts {
         request: Request<ExecuteRollOutRequest>,
     ) -> Result<Response<Parts>, Status> {
         let arrived = Instant::now();
-        let limit = self.0.limits.rollouts;
+        let limit = self.0.most;
         let slot = Arc::clone(&self.0.slots)
             .try_acquire_owned()
             .map_err(|_| fault::status(&Error::Busy { limit }.fault()))?;
@@ -171,11 +211,11 @@ impl Call {
             .twin
             .parse()
             .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
-        let fidelity = serve::read(wire.fidelity)?;
+        let fidelity = rollout::fidelity(wire.fidelity)?;
         let warm = inner.twins.get(id).await?;
         let served = Served::choose(Arc::clone(&warm), fidelity, &inner.device).await?;
         let backend = Arc::new(inner.device.backend(Priority::Interactive));
-        let limits = inner.limits;
+        let limits = inner.limits();
         // Reading and checking a hundred megabytes of actions takes a while.
         let (plan, wanted) = tokio::task::spawn_blocking(move || {
             Plan::new(wire, &request.capture, request.part_instances, served, &limits)
@@ -185,7 +225,8 @@ impl Call {
         let starts = match wanted {
             Wanted::Ready(starts) => starts,
             Wanted::Frame(at) => {
-                let start = inner.replays.start(&warm, at, &backend, &self.cancel).await?;
+                let start =
+                    inner.replays.start(&warm, at, &backend, &self.cancel, limits.work).await?;
                 Starts::Shared(start)
             }
         };

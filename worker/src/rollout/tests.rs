@@ -10,27 +10,27 @@ use bendtwin_core::{
     Timing, Twin, environment::ControlVelocity, ids::TwinId, twin::Provenance,
 };
 use bendtwin_engine::{Backend, Model};
+use bendtwin_proto::rollout::{self, Limits};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, InitialState, Returns, RollOutRequest, RollOutResponse, Tensor,
     cost::{Keypoints, Kind, Smoothness, TargetCloud, When},
     initial_state::{GivenState, State},
+    returns::Encoding,
     roll_out_request::Actions,
 };
 use proptest::prelude::*;
+use prost::Message as _;
 use tokio::sync::{OnceCell, mpsc};
 
 use super::{
     error::Error,
     execute::Execution,
     initial::{Starts, Wanted},
-    plan::Plan,
+    plan::{Plan, shape},
     serve::Served,
     warm::Warm,
 };
-use crate::{
-    Limits,
-    device::{Device, Priority, QueuedBackend},
-};
+use crate::device::{Device, Priority, QueuedBackend};
 
 /// A chain of four nodes that hangs from one control point.
 pub(super) fn twin() -> Twin {
@@ -130,7 +130,7 @@ impl Bench {
 }
 
 fn limits() -> Limits {
-    Limits { instances: 64, reply_bytes: 1 << 20, rollout_work: 50_000_000, ..Limits::default() }
+    Limits { instances: 64, reply_bytes: 1 << 20, work: 50_000_000, ..Limits::default() }
 }
 
 /// `b` instances whose control point moves to x = 0.02 i over 6 frames.
@@ -154,7 +154,7 @@ fn keypoint_cost(x: f32) -> Cost {
         targets: Some(Tensor::pack_points(&[1], &[[x, 0.0, 0.5]])),
         squared: false,
     };
-    Cost { weight: 1.0, kind: Some(Kind::Keypoints(keypoints)), ..Cost::default() }
+    Cost { weight: Some(1.0), kind: Some(Kind::Keypoints(keypoints)), ..Cost::default() }
 }
 
 fn f64s(tensor: &Option<Tensor>) -> Vec<f64> {
@@ -167,7 +167,7 @@ fn a_batch_comes_back_with_everything_that_was_asked_for() {
     let mut request = request(5);
     request.costs.push(Cost {
         name: "smooth".into(),
-        weight: 0.5,
+        weight: Some(0.5),
         when: When::EveryFrame.into(),
         kind: Some(Kind::Smoothness(Smoothness {})),
     });
@@ -277,11 +277,10 @@ fn refusals_name_the_field() {
         bench.plan(request, 0).map(|_| ()).expect_err("must be refused")
     };
     type Change<'a> = &'a dyn Fn(&mut RollOutRequest);
-    let cases: [(Change<'_>, &str); 11] = [
+    let cases: [(Change<'_>, &str); 10] = [
         (&|r| r.actions = None, "actions"),
         (&|r| r.frames = 200_000, "frames"),
-        (&|r| r.costs[0].weight = f64::NAN, "costs[0].weight"),
-        (&|r| r.costs[0].weight = 0.0, "costs[0].weight"),
+        (&|r| r.costs[0].weight = Some(f64::NAN), "costs[0].weight"),
         (&|r| r.costs[0].when = 9, "costs[0].when"),
         (&|r| r.costs[0].kind = None, "costs[0].kind"),
         (
@@ -321,12 +320,74 @@ fn refusals_name_the_field() {
 }
 
 #[test]
+fn a_malformed_request_gets_the_fault_of_the_check() {
+    let bench = Bench::new();
+    let shape = shape(&bench.warm.twin, false);
+    assert!(bench.plan(rollout::cases::sound(&shape), 0).is_ok());
+    for case in rollout::cases::malformed(&shape) {
+        let expected = rollout::check_for(&case.request, &shape, &limits(), 0).unwrap_err();
+        let error = bench.plan(case.request, 0).map(|_| ()).unwrap_err();
+        assert_eq!(error.fault(), expected.fault(), "{}", case.what);
+    }
+}
+
+#[test]
+fn a_cost_of_weight_zero_is_reported_as_zero_and_changes_no_other() {
+    let bench = Bench::new();
+    let mut with = request(2);
+    with.returns = Some(Returns { control_gradients: true, ..Returns::default() });
+    let without = bench.run(with.clone(), 0).unwrap().remove(0);
+    with.costs.push(Cost { weight: Some(0.0), name: "off".into(), ..keypoint_cost(1e30) });
+    let part = bench.run(with.clone(), 0).unwrap().remove(0);
+    assert_eq!(part.cost_names, ["cost0", "off"]);
+    assert_eq!(
+        (&part.costs, &part.control_gradients),
+        (&without.costs, &without.control_gradients)
+    );
+    let terms = f64s(&part.cost_terms);
+    assert_eq!((terms[1], terms[3]), (0.0, 0.0));
+    // Alone, its gradient is zero.
+    with.costs.remove(0);
+    let part = bench.run(with, 0).unwrap().remove(0);
+    assert_eq!(f64s(&part.costs), [0.0, 0.0]);
+    let (_, gradient) = part.control_gradients.unwrap().unpack_points("g").unwrap();
+    assert!(gradient.as_flattened().iter().all(|g| *g == 0.0));
+}
+
+#[test]
+fn a_reply_is_no_larger_than_the_check_says() {
+    let bench = Bench::new();
+    let shape = shape(&bench.warm.twin, false);
+    let mut request = request(9);
+    for encoding in [Encoding::Float32, Encoding::Int16] {
+        for (best, part) in [(0, 0), (0, 4), (2, 0)] {
+            request.returns = Some(Returns {
+                every_frames: 2,
+                encoding: encoding.into(),
+                best,
+                final_state: true,
+                diagnostics: true,
+                control_gradients: true,
+                ..Returns::default()
+            });
+            let batch = rollout::check_for(&request, &shape, &limits(), part).unwrap();
+            let bound = rollout::reply_bytes(&request, &batch, &shape, part) as usize;
+            let parts = bench.run(request.clone(), part).unwrap();
+            let largest = parts.iter().map(|p| p.encoded_len()).max().unwrap();
+            // What may be added: the worker's name, times, and that each instance diverges.
+            assert!((largest..=largest + 250 + 20 * 9).contains(&bound), "{bound} {largest}");
+        }
+    }
+}
+
+#[test]
 fn too_much_work_or_reply_is_refused_with_advice() {
     let bench = Bench::new();
     let mut long = request(60);
     long.frames = 5_000;
     let error = bench.plan(long, 0).map(|_| ()).unwrap_err();
-    assert_eq!(error.category(), Category::ResourceExhausted);
+    assert_eq!(error.category(), Category::InvalidArgument);
+    assert_eq!(error.reason(), "ROLLOUT_TOO_LARGE");
     assert!(error.to_string().contains("shorter horizon"), "{error}");
     let mut large = request(60);
     large.frames = 500;
@@ -356,7 +417,7 @@ proptest! {
         let mut request = request(3);
         request.frames = frames;
         request.costs = vec![Cost {
-            weight,
+            weight: Some(weight),
             when,
             kind: Some(Kind::Keypoints(Keypoints {
                 nodes: Some(Tensor::pack(&[1], &[node])),

@@ -2,7 +2,7 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_client::FitProgress;
+use bendtwin_client::JobProgress;
 use bendtwin_core::{CancelToken, Capture, FitSettings, Observer, Progress, Twin};
 use bendtwin_engine::Backend;
 use bendtwin_fit::FitJob;
@@ -40,7 +40,7 @@ struct BarObserver(FitBar);
 
 impl Observer<Progress> for BarObserver {
     fn progress(&mut self, progress: Progress) {
-        self.0.show(&FitProgress {
+        self.0.show(&JobProgress {
             stage: progress.stage.as_str().to_owned(),
             variant: progress.variant,
             iteration: progress.iteration,

@@ -1,7 +1,7 @@
 //! Following a fit with a progress bar.
 
 use anyhow::Context as _;
-use bendtwin_client::{Client, Fit, FitId, FitState};
+use bendtwin_client::{Client, Fit, FitId, JobState};
 use bendtwin_core::{Category, Fault};
 use futures::StreamExt as _;
 
@@ -14,15 +14,15 @@ pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::
     let mut last: Option<Fit> = None;
     while let Some(fit) = states.next().await {
         let fit = fit?;
-        let before = last.as_ref().map(|f| (f.state, f.attempts));
-        match fit.state {
-            FitState::Queued if before.is_none() => bar.print("waiting for a worker"),
-            FitState::Queued if before.is_some_and(|(state, _)| state == FitState::Running) => {
+        let before = last.as_ref().map(|f| (f.job.state, f.job.attempts));
+        match fit.job.state {
+            JobState::Queued if before.is_none() => bar.print("waiting for a worker"),
+            JobState::Queued if before.is_some_and(|(state, _)| state == JobState::Running) => {
                 bar.print("the worker is gone; waiting for another one");
             }
             _ => {}
         }
-        if let Some(progress) = &fit.progress {
+        if let Some(progress) = &fit.job.progress {
             bar.show(progress);
         }
         last = Some(fit);
@@ -33,10 +33,10 @@ pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::
 
 /// Fails unless the fit has a twin.
 pub(crate) fn ended_well(fit: &Fit) -> anyhow::Result<()> {
-    match fit.state {
-        FitState::Succeeded => Ok(()),
+    match fit.job.state {
+        JobState::Succeeded => Ok(()),
         state => {
-            let fault = fit.fault.clone().unwrap_or_else(|| Fault {
+            let fault = fit.job.fault.clone().unwrap_or_else(|| Fault {
                 category: Category::Cancelled,
                 reason: "FIT_DID_NOT_SUCCEED".to_owned(),
                 message: format!("the fit is {}", state.as_str()),

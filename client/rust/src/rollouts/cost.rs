@@ -52,7 +52,7 @@ impl Cost {
     fn new(name: &str, weight: f64, kind: Kind) -> Self {
         Self(v1::Cost {
             name: name.to_owned(),
-            weight,
+            weight: Some(weight),
             when: When::LastFrame.into(),
             kind: Some(kind),
         })

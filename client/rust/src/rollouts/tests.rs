@@ -1,4 +1,5 @@
 use bendtwin_core::ids::TwinId;
+use bendtwin_proto::rollout::{Limits, TwinShape, check_for};
 use bendtwin_proto::v1::{RollOutResponse, Tensor, roll_out_request::Actions};
 
 use super::*;
@@ -17,6 +18,34 @@ fn a_builder_makes_the_request_it_describes() {
     assert!(matches!(request.actions, Some(Actions::Trajectories(_))));
     assert_eq!((request.frames, request.costs.len()), (20, 1));
     assert_eq!(request.returns.unwrap().every_frames, 5);
+}
+
+#[test]
+fn what_the_builder_makes_passes_the_check() {
+    let twin = TwinShape { nodes: 5, controls: 1, rods: Some(1), ..TwinShape::default() };
+    let points = [[0.0; 3]; 5];
+    let pose = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let costs = |rollout: Rollout| {
+        rollout
+            .cost(Cost::target_cloud("cloud", 1.0, &points[..2]))
+            .cost(Cost::keypoints("tip", 0.0, &[4], &points[..1]).squared())
+            .cost(Cost::smoothness("", 0.5))
+            .control_gradients()
+    };
+    let trajectories = Rollout::of(TwinId::generate())
+        .trajectories([2, 3, 1], vec![[0.0; 3]; 6])
+        .from_state(&points, &points)
+        .twisted(&[0.1])
+        .record_every(1)
+        .record_nodes(&[0, 4])
+        .int16();
+    let poses =
+        GripperPoses { shape: [1, 2, 1], poses: vec![pose; 2], gripper_of_control: vec![0] };
+    let poses = Rollout::of(TwinId::generate()).poses(poses).cubic().best(1).final_state();
+    for rollout in [costs(trajectories), costs(poses)] {
+        let request = rollout.into_request().unwrap();
+        check_for(&request, &twin, &Limits::default(), 0).unwrap();
+    }
 }
 
 #[test]

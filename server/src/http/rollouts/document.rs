@@ -263,7 +263,7 @@ impl CostDocument {
             WhenWord::LastFrame => cost::When::LastFrame,
             WhenWord::EveryFrame => cost::When::EveryFrame,
         };
-        Ok(Cost { name: self.name, weight: self.weight, when: when.into(), kind: Some(kind) })
+        Ok(Cost { name: self.name, weight: Some(self.weight), when: when.into(), kind: Some(kind) })
     }
 }
 

@@ -7,7 +7,7 @@ use bendtwin_proto::v1::{
     CreateTwinRequest, ExportTwinRequest, Fit, GetFitRequest, GetTwinRequest, ListCapturesRequest,
     ListFitsRequest, ListTwinsRequest, ListWorkersRequest, RollOutRequest, RollOutResponse, Twin,
     TwinMetadata, Worker, capture_service_client::CaptureServiceClient, create_capture_request,
-    create_twin_request, fit::State, fit_service_client::FitServiceClient,
+    create_twin_request, fit_service_client::FitServiceClient, job::State,
     rollout_service_client::RolloutServiceClient, twin_service_client::TwinServiceClient,
     worker_service_client::WorkerServiceClient,
 };
@@ -170,7 +170,7 @@ impl Api {
     /// Waits until a fit has succeeded; fails the test at once if it ends otherwise.
     pub(crate) async fn succeeded(&self, name: &str, deadline: Duration) -> Fit {
         let fit = self.fit_when(name, "over", deadline, has_ended).await;
-        assert_eq!(fit.state(), State::Succeeded, "{:?} {:?}", fit.fault, fit.attempt_faults);
+        assert_eq!(fit.state(), State::Succeeded, "{:?}", fit.job);
         fit
     }
 }
@@ -180,9 +180,15 @@ pub(crate) fn has_ended(fit: &Fit) -> bool {
     !matches!(fit.state(), State::Queued | State::Running)
 }
 
+/// The worker that runs a fit; empty if none does.
+pub(crate) fn worker(fit: &Fit) -> &str {
+    fit.job.as_ref().map_or("", |job| &job.worker)
+}
+
 /// Progress of a fit, 0..=1.
 pub(crate) fn fraction(fit: &Fit) -> f64 {
-    fit.progress.as_ref().map_or(0.0, |p| p.fraction)
+    let progress = fit.job.as_ref().and_then(|job| job.progress.as_ref());
+    progress.map_or(0.0, |p| p.fraction)
 }
 
 fn chunks(content: &Bytes) -> impl Iterator<Item = Bytes> + '_ {

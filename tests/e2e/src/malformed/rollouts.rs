@@ -164,7 +164,7 @@ fn states(nodes: usize) -> Vec<(&'static str, State)> {
 
 fn costs() -> Vec<(&'static str, Cost)> {
     let points = |values: &[[f32; 3]]| Some(Tensor::pack_points(&[values.len()], values));
-    let weighted = |weight: f64, kind| Cost { weight, kind, ..Cost::default() };
+    let weighted = |weight: f64, kind| Cost { weight: Some(weight), kind, ..Cost::default() };
     let cloud = |points| Some(cost::Kind::TargetCloud(cost::TargetCloud { points }));
     let keypoints = |nodes: &[u32], targets: &[[f32; 3]]| {
         Some(cost::Kind::Keypoints(cost::Keypoints {

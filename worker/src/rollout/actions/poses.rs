@@ -4,7 +4,7 @@
 use bendtwin_core::Point;
 use bendtwin_proto::v1::GripperPoses;
 
-use super::{Shape, curve, finite, given};
+use super::Shape;
 use crate::rollout::{
     error::Error,
     interpolate::{Curve, Place},
@@ -25,42 +25,32 @@ pub(in crate::rollout) struct Poses {
 }
 
 impl Poses {
-    pub(super) fn read(
-        wire: GripperPoses,
-        controls: usize,
-        max_instances: usize,
-    ) -> Result<Self, Error> {
+    pub(super) fn read(wire: GripperPoses, controls: usize) -> Result<Self, Error> {
         const FIELD: &str = "poses.poses";
-        let curve = curve("poses.interpolation", wire.interpolation)?;
-        let (dims, values) = given(wire.poses, FIELD)?.unpack::<f32>(FIELD)?;
+        let curve = Curve::from(wire.interpolation());
+        let (dims, values) = wire.poses.unwrap_or_default().unpack::<f32>(FIELD)?;
         let [instances, knots, grippers, 7] = dims[..] else {
-            let fault = format!(
-                "has shape {dims:?}, not [B, K, G, 7] (x, y, z, then the quaternion x, y, z, w)"
-            );
-            return Err(Error::field(FIELD, fault));
+            return Err(Error::field(FIELD, format!("has shape {dims:?}")));
         };
-        let shape = Shape::checked(instances, knots, max_instances, FIELD)?;
-        if grippers == 0 {
-            return Err(Error::field(FIELD, "has no grippers: at least 1 is needed"));
-        }
-        finite(FIELD, &values)?;
         let (poses, _) = values.as_chunks::<7>();
-        let rotations = poses.iter().enumerate().map(|(i, p)| {
-            Quaternion::new([p[3], p[4], p[5], p[6]]).ok_or_else(|| {
-                let (b, k, g) = (i / (knots * grippers), i / grippers % knots, i % grippers);
-                let fault = format!(
-                    "the quaternion of instance {b}, knot {k}, gripper {g} has length zero; no rotation is [0, 0, 0, 1]"
-                );
-                Error::field(FIELD, fault)
-            })
+        let rotations = poses.iter().map(|p| {
+            Quaternion::new([p[3], p[4], p[5], p[6]])
+                .ok_or_else(|| Error::field(FIELD, "has a quaternion of length zero"))
         });
+        let gripper_of_control = match wire.gripper_of_control.filter(|t| !t.is_absent()) {
+            None => vec![0; controls],
+            Some(map) => {
+                let (_, grippers) = map.unpack::<u32>("poses.gripper_of_control")?;
+                grippers.into_iter().map(|g| g as usize).collect()
+            }
+        };
         Ok(Self {
-            shape,
+            shape: Shape { instances, knots },
             grippers,
             curve,
             rotations: rotations.collect::<Result<_, _>>()?,
             positions: poses.iter().map(|p| [p[0], p[1], p[2]]).collect(),
-            gripper_of_control: attachments(wire.gripper_of_control, controls, grippers)?,
+            gripper_of_control,
         })
     }
 
@@ -92,30 +82,6 @@ impl Poses {
             }));
         }
         out
-    }
-}
-
-fn attachments(
-    wire: Option<bendtwin_proto::v1::Tensor>,
-    controls: usize,
-    grippers: usize,
-) -> Result<Vec<usize>, Error> {
-    const FIELD: &str = "poses.gripper_of_control";
-    let Some(tensor) = wire.filter(|t| !t.is_absent()) else { return Ok(vec![0; controls]) };
-    let (dims, indices) = tensor.unpack::<u32>(FIELD)?;
-    if dims != [controls] {
-        let fault = format!("has shape {dims:?}: the twin has {controls} control points");
-        return Err(Error::field(FIELD, fault));
-    }
-    match indices.iter().position(|g| *g as usize >= grippers) {
-        Some(c) => {
-            let fault = format!(
-                "control point {c} is given to gripper {}, there are {grippers} (counted from 0)",
-                indices[c]
-            );
-            Err(Error::field(FIELD, fault))
-        }
-        None => Ok(indices.into_iter().map(|g| g as usize).collect()),
     }
 }
 

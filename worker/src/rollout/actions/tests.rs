@@ -1,5 +1,8 @@
 use bendtwin_core::Problem as _;
-use bendtwin_proto::v1::{GripperPoses, Interpolation};
+use bendtwin_proto::{
+    rollout::{Limits, TwinShape, check_for},
+    v1::{GripperPoses, Interpolation, RollOutRequest, Tensor},
+};
 use proptest::prelude::*;
 
 use super::*;
@@ -20,7 +23,16 @@ fn poses(shape: [usize; 3], values: &[f32]) -> GripperPoses {
     }
 }
 
-fn message(actions: Result<Actions, Error>) -> String {
+/// The actions and the horizon of a request to a twin with so many control points, if it is sound.
+fn read(wire: Option<Wire>, controls: usize, frames: u32) -> Result<(Actions, usize), Error> {
+    let controls_only = TwinShape { controls: controls as u64, ..TwinShape::default() };
+    let request = RollOutRequest { actions: wire, frames, ..RollOutRequest::default() };
+    let limits = Limits { instances: 100, ..Limits::default() };
+    let batch = check_for(&request, &controls_only, &limits, 0)?;
+    Ok((Actions::read(request.actions, controls)?, batch.frames as usize))
+}
+
+fn message(actions: Result<(Actions, usize), Error>) -> String {
     let error = actions.err().expect("must be refused");
     assert_eq!(error.category(), bendtwin_core::Category::InvalidArgument);
     error.to_string()
@@ -29,15 +41,15 @@ fn message(actions: Result<Actions, Error>) -> String {
 #[test]
 fn dense_trajectories_pass_through_unchanged() {
     let points: Vec<Point> = (0..2 * 4 * 3).map(|i| [i as f32, 0.5, -1.0]).collect();
-    let actions = Actions::read(trajectories([2, 4, 3], &points), 3, 10).unwrap();
-    assert_eq!(actions.horizon(0).unwrap(), 3);
+    let (actions, frames) = read(trajectories([2, 4, 3], &points), 3, 0).unwrap();
+    assert_eq!(frames, 3);
     assert_eq!(actions.controls(1, 3, &[]), points[12..]);
 }
 
 #[test]
 fn knots_are_spread_over_the_horizon() {
     let points = [[0.0; 3], [1.0, 2.0, 3.0]];
-    let actions = Actions::read(trajectories([1, 2, 1], &points), 1, 10).unwrap();
+    let (actions, _) = read(trajectories([1, 2, 1], &points), 1, 4).unwrap();
     let controls = actions.controls(0, 4, &[]);
     assert_eq!(controls.len(), 5);
     assert_eq!(controls[1], [0.25, 0.5, 0.75]);
@@ -54,7 +66,7 @@ fn a_gripper_carries_its_points_rigidly() {
         [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
     ];
     let wire = Some(Wire::Poses(poses([1, 3, 1], values.as_flattened())));
-    let actions = Actions::read(wire, 2, 10).unwrap();
+    let (actions, _) = read(wire, 2, 4).unwrap();
     let controls = actions.controls(0, 4, &[[0.1, 0.0, 0.0], [0.0, 0.1, 0.0]]);
     let close = |a: Point, b: Point| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5);
     assert!(close(controls[0], [0.1, 0.0, 0.0]));
@@ -67,18 +79,18 @@ fn a_gripper_carries_its_points_rigidly() {
 
 #[test]
 fn refusals_name_the_field_and_the_fix() {
-    assert!(message(Actions::read(None, 1, 10)).contains("trajectories"));
+    assert!(message(read(None, 1, 0)).contains("trajectories"));
     let wrong_controls = trajectories([1, 2, 2], &[[0.0; 3]; 4]);
-    assert!(message(Actions::read(wrong_controls, 3, 10)).contains("the twin has 3"));
+    assert!(message(read(wrong_controls, 3, 0)).contains("the twin has 3"));
     let one_knot = trajectories([1, 1, 1], &[[0.0; 3]]);
-    assert!(message(Actions::read(one_knot, 1, 10)).contains("2 knots"));
+    assert!(message(read(one_knot, 1, 0)).contains("2 knots"));
     let nan = trajectories([1, 2, 1], &[[0.0; 3], [0.0, f32::NAN, 0.0]]);
-    assert!(message(Actions::read(nan, 1, 10)).contains("value 4"));
+    assert!(message(read(nan, 1, 0)).contains("value 4"));
     let zero = Some(Wire::Poses(poses([1, 2, 1], &[0.0; 14])));
-    assert!(message(Actions::read(zero, 1, 10)).contains("length zero"));
+    assert!(message(read(zero, 1, 0)).contains("length zero"));
     let mut stranger = poses([1, 2, 1], &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0].repeat(2));
     stranger.gripper_of_control = Some(Tensor::pack(&[1], &[4u32]));
-    assert!(message(Actions::read(Some(Wire::Poses(stranger)), 1, 10)).contains("gripper 4"));
+    assert!(message(read(Some(Wire::Poses(stranger)), 1, 0)).contains("gripper 4"));
 }
 
 #[test]
@@ -86,7 +98,7 @@ fn too_many_instances_are_refused_before_they_are_counted_out() {
     // A tensor with a zero in its shape has no bytes, whatever else it claims.
     let tensor = Tensor { dtype: 1, shape: vec![1 << 60, 2, 0, 3], ..Tensor::default() };
     let wire = ControlTrajectories { positions: Some(tensor), interpolation: 0 };
-    let error = Actions::read(Some(Wire::Trajectories(wire)), 0, 65_536).err().unwrap();
+    let error = read(Some(Wire::Trajectories(wire)), 0, 0).err().unwrap();
     assert_eq!(error.reason(), "ROLLOUT_TOO_LARGE");
 }
 
@@ -110,9 +122,7 @@ proptest! {
         } else {
             Wire::Trajectories(ControlTrajectories { positions: Some(tensor), interpolation })
         };
-        if let Ok(actions) = Actions::read(Some(wire), controls, 100)
-            && let Ok(frames) = actions.horizon(frames)
-        {
+        if let Ok((actions, frames)) = read(Some(wire), controls, frames) {
             let start = vec![[0.0; 3]; controls];
             let rows = actions.controls(0, frames, &start);
             prop_assert_eq!(rows.len(), (frames + 1) * controls);
@@ -126,7 +136,7 @@ proptest! {
         let row = |p: Point| [p[0], p[1], p[2], 0.0, 0.0, 0.0, 1.0];
         let values = [row([0.0; 3]), row(shift)];
         let wire = Some(Wire::Poses(poses([1, 2, 1], values.as_flattened())));
-        let actions = Actions::read(wire, 1, 1).unwrap();
+        let (actions, _) = read(wire, 1, 10).unwrap();
         let controls = actions.controls(0, 10, &[point]);
         for axis in 0..3 {
             prop_assert!((controls[10][axis] - point[axis] - shift[axis]).abs() < 1e-5);

@@ -1,9 +1,9 @@
 //! Exact or fast.
 
 use bendtwin_core::{FastVariant, Fidelity};
-use bendtwin_proto::v1;
+use bendtwin_proto::{rollout, v1};
 
-use super::{super::serve, *};
+use super::*;
 
 #[tokio::test]
 async fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
@@ -47,6 +47,6 @@ async fn a_twin_without_a_fast_variant_says_what_to_do() {
     assert_eq!(refused.category(), Category::FailedPrecondition);
     assert_eq!(refused.reason(), "FAST_VARIANT_UNKNOWN");
     assert!(refused.to_string().contains("ask for EXACT"), "{refused}");
-    let error = serve::read(7).unwrap_err();
+    let error = rollout::fidelity(7).unwrap_err();
     assert!(error.to_string().contains("fidelity"), "{error}");
 }

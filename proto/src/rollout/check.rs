@@ -1,0 +1,115 @@
+//! The check of a rollout request, at two levels: [`check`] looks at the request alone, [`check_for`] also
+//! at the twin that it names. Sizes come before values, so that nothing is counted out before it is known
+//! to be within the limits; nothing is allocated but shapes.
+
+mod actions;
+mod costs;
+mod initial;
+mod returns;
+mod tensors;
+
+use prost::Message as _;
+
+use super::{Error, Limits, TwinShape, size};
+use crate::v1::{Fidelity, RollOutRequest};
+
+/// Size of the batch of a checked request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Batch {
+    /// Number of instances B.
+    pub instances: u64,
+    /// Number of knots of the actions K.
+    pub knots: u64,
+    /// Horizon F [frames].
+    pub frames: u64,
+}
+
+/// Checks what can be checked without the twin.
+///
+/// # Errors
+/// The first fault that is found.
+pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> {
+    within(
+        "the size of the request in bytes",
+        request.encoded_len() as u128,
+        limits.request_bytes,
+        "split the batch, or send fewer knots",
+    )?;
+    let [instances, knots] = actions::check(request.actions.as_ref(), limits)?;
+    let frames = match request.frames {
+        0 => knots - 1,
+        n => u64::from(n),
+    };
+    if !(1..=limits.frames).contains(&frames) {
+        let fault = format!("is {frames}: it must lie in 1..={}", limits.frames);
+        return Err(Error::field("frames", fault));
+    }
+    let batch = Batch { instances, knots, frames };
+    fidelity(request.fidelity)?;
+    costs::check(&request.costs, &batch, limits)?;
+    returns::check(request)?;
+    initial::check(request.initial.as_ref(), &batch)?;
+    Ok(batch)
+}
+
+/// Checks everything that can be checked before a simulation. The reply comes with `part_instances`
+/// instances to a message, 0 meaning all in one.
+///
+/// # Errors
+/// The first fault that is found; those of [`check`] come first.
+pub fn check_for(
+    request: &RollOutRequest,
+    twin: &TwinShape,
+    limits: &Limits,
+    part_instances: u32,
+) -> Result<Batch, Error> {
+    let batch = check(request, limits)?;
+    actions::check_for(request.actions.as_ref(), twin)?;
+    costs::check_for(&request.costs, twin)?;
+    returns::check_for(request.returns.as_ref(), twin)?;
+    initial::check_for(request.initial.as_ref(), &batch, twin)?;
+    if request.fidelity() == Fidelity::Fast && twin.fast_substeps.is_none() {
+        return Err(Error::NoFastVariant { twin: request.twin.clone() });
+    }
+    let each = twin.work(request.fidelity(), batch.frames) + costs::work(&request.costs, &batch);
+    within(
+        "the work (instances x frames x substeps x (nodes + springs + triplets))",
+        each.saturating_mul(u128::from(batch.instances)),
+        limits.work,
+        "send fewer instances or a shorter horizon, or use a coarser twin",
+    )?;
+    within(
+        "the size of the reply in bytes",
+        u128::from(size::reply_bytes(request, &batch, twin, part_instances)),
+        limits.reply_bytes,
+        "ask for fewer nodes (returns.nodes), every k-th frame (returns.every_frames) or the best few (returns.best), or stream it",
+    )?;
+    Ok(batch)
+}
+
+/// Fidelity that a request asks for.
+///
+/// # Errors
+/// If this build does not know the value.
+pub fn fidelity(wire: i32) -> Result<bendtwin_core::Fidelity, Error> {
+    match Fidelity::try_from(wire) {
+        Ok(Fidelity::Unspecified | Fidelity::Exact) => Ok(bendtwin_core::Fidelity::Exact),
+        Ok(Fidelity::Fast) => Ok(bendtwin_core::Fidelity::Fast),
+        Err(_) => {
+            let fault = format!("has the unknown value {wire}: use EXACT or FAST");
+            Err(Error::field("fidelity", fault))
+        }
+    }
+}
+
+/// Refuses a quantity beyond its limit.
+fn within(what: &'static str, asked: u128, limit: u64, advice: &'static str) -> Result<(), Error> {
+    if asked > u128::from(limit) {
+        let asked = u64::try_from(asked).unwrap_or(u64::MAX);
+        return Err(Error::TooLarge { what, asked, limit, advice });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

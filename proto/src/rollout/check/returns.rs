@@ -1,0 +1,32 @@
+//! Returns: what the reply is to hold.
+
+use super::{
+    Error, TwinShape,
+    tensors::{given, known_nodes, node_list},
+};
+use crate::v1::{Returns, RollOutRequest, returns::Encoding};
+
+const NODES: &str = "returns.nodes";
+
+pub(super) fn check(request: &RollOutRequest) -> Result<(), Error> {
+    let Some(returns) = &request.returns else { return Ok(()) };
+    if Encoding::try_from(returns.encoding).is_err() {
+        let fault = format!("has the unknown value {}: use FLOAT32 or INT16", returns.encoding);
+        return Err(Error::field("returns.encoding", fault));
+    }
+    if let Some(nodes) = given(returns.nodes.as_ref()) {
+        node_list(Some(nodes), NODES)?;
+    }
+    if returns.control_gradients && request.costs.is_empty() {
+        let fault = "needs at least one cost to differentiate: add one to `costs`";
+        return Err(Error::field("returns.control_gradients", fault));
+    }
+    Ok(())
+}
+
+pub(super) fn check_for(returns: Option<&Returns>, twin: &TwinShape) -> Result<(), Error> {
+    match returns.and_then(|r| given(r.nodes.as_ref())) {
+        Some(nodes) => known_nodes(nodes, NODES, twin.nodes),
+        None => Ok(()),
+    }
+}

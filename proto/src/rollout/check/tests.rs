@@ -1,0 +1,173 @@
+use bendtwin_core::{Category, Problem as _};
+use proptest::prelude::*;
+
+use super::*;
+use crate::{
+    rollout::cases,
+    v1::{
+        ControlTrajectories, Cost, GripperPoses, InitialState, Returns, Tensor,
+        cost::{Kind, TargetCloud, When},
+        initial_state::{GivenState, State},
+        roll_out_request::Actions,
+    },
+};
+
+/// 5 nodes that hang from a control point.
+const TWIN: TwinShape = TwinShape {
+    nodes: 5,
+    springs: 4,
+    triplets: 3,
+    controls: 1,
+    rods: Some(0),
+    substeps: 10,
+    fast_substeps: None,
+    has_capture: false,
+};
+
+fn sound() -> RollOutRequest {
+    cases::sound(&TWIN)
+}
+
+fn refused(request: &RollOutRequest, twin: &TwinShape, limits: &Limits) -> Error {
+    check_for(request, twin, limits, 0).expect_err("must be refused")
+}
+
+#[test]
+fn each_fault_is_refused_and_named() {
+    for case in cases::malformed(&TWIN) {
+        let error = refused(&case.request, &TWIN, &Limits::default());
+        assert!(error.to_string().contains(case.names), "{}: {error}", case.what);
+        let is_variant = matches!(error, Error::NoFastVariant { .. });
+        assert!(is_variant || error.category() == Category::InvalidArgument, "{}", case.what);
+    }
+}
+
+#[test]
+fn what_needs_no_twin_is_refused_without_one() {
+    // Only the twin tells about these.
+    const NEEDS_TWIN: [&str; 10] = [
+        "no controls",
+        "a control too many",
+        "a control too many of a gripper",
+        "a node short",
+        "a node too many",
+        "a frame of an imported twin's capture",
+        "a node that is not there",
+        "node 2^32 - 1",
+        "a node to record that is not there",
+        "no fast variant",
+    ];
+    for case in cases::malformed(&TWIN) {
+        let alone = check(&case.request, &Limits::default());
+        if NEEDS_TWIN.contains(&case.what) {
+            assert!(alone.is_ok(), "{}: {alone:?}", case.what);
+        } else {
+            let error = refused(&case.request, &TWIN, &Limits::default());
+            assert_eq!(alone, Err(error), "{}", case.what);
+        }
+    }
+}
+
+#[test]
+fn sound_requests_pass() {
+    let limits = Limits::default();
+    let batch = check_for(&sound(), &TWIN, &limits, 0);
+    assert_eq!(batch, Ok(Batch { instances: 2, knots: 3, frames: 2 }));
+    let with = |change: &dyn Fn(&mut RollOutRequest)| {
+        let mut request = sound();
+        change(&mut request);
+        check_for(&request, &TWIN, &limits, 0).map(drop)
+    };
+    let given = |shape: &[usize]| {
+        let positions = Some(Tensor::pack(shape, &vec![0.0f32; shape.iter().product()]));
+        let given =
+            GivenState { positions: positions.clone(), velocities: positions, twists: None };
+        Some(InitialState { state: Some(State::Given(given)) })
+    };
+    assert_eq!(with(&|r| r.initial = given(&[5, 3])), Ok(()));
+    assert_eq!(with(&|r| r.initial = given(&[2, 5, 3])), Ok(()));
+    // A cost that is switched off, and one of weight 1.
+    assert_eq!(with(&|r| r.costs[0].weight = Some(0.0)), Ok(()));
+    assert_eq!(with(&|r| r.costs[0].weight = None), Ok(()));
+    assert_eq!(with(&|r| r.costs = vec![r.costs[0].clone(); 256]), Ok(()));
+    assert_eq!(with(&|r| r.costs[0].name = "ä".repeat(64)), Ok(()));
+    let fast = TwinShape { fast_substeps: Some(5), ..TWIN };
+    let request = RollOutRequest { fidelity: 2, ..sound() };
+    assert!(check_for(&request, &fast, &limits, 0).is_ok());
+}
+
+#[test]
+fn limits_hold_and_say_what_to_do() {
+    let beyond = |request: &RollOutRequest, limits: Limits, advice: &str| {
+        let error = refused(request, &TWIN, &limits);
+        assert_eq!(error.reason(), "ROLLOUT_TOO_LARGE", "{error}");
+        assert!(error.to_string().contains(advice), "{error}");
+    };
+    let all = Limits::default();
+    beyond(&sound(), Limits { instances: 1, ..all }, "split the batch");
+    beyond(&sound(), Limits { request_bytes: 50, ..all }, "fewer knots");
+    beyond(&sound(), Limits { costs: 0, ..all }, "number of costs");
+    // 2 instances x 2 frames x 10 substeps x 12 elements, and 20 a target point of the last frame.
+    let work = 2 * (2 * 10 * 12 + 20);
+    beyond(&sound(), Limits { work: work - 1, ..all }, "shorter horizon");
+    assert!(check_for(&sound(), &TWIN, &Limits { work, ..all }, 0).is_ok());
+    let cloud = Kind::TargetCloud(TargetCloud { points: Some(Tensor::pack(&[9, 3], &[0f32; 27])) });
+    let everywhere = Cost { when: When::EveryFrame.into(), kind: Some(cloud), ..Cost::default() };
+    let request = RollOutRequest { costs: vec![everywhere], ..sound() };
+    beyond(&request, Limits { targets: 2 * (9 + 16) - 1, ..all }, "thin the targets out");
+    let returns = Some(Returns { every_frames: 1, ..Returns::default() });
+    let request = RollOutRequest { returns, ..sound() };
+    beyond(&request, Limits { reply_bytes: 400, ..all }, "returns.every_frames");
+    // In parts it fits.
+    assert!(check_for(&request, &TWIN, &Limits { reply_bytes: 400, ..all }, 1).is_ok());
+}
+
+#[test]
+fn a_fast_rollout_is_counted_with_its_own_substeps() {
+    let fast = TwinShape { fast_substeps: Some(5), ..TWIN };
+    let limits = Limits { work: 2 * (2 * 5 * 12 + 20), ..Limits::default() };
+    let request = RollOutRequest { fidelity: 2, ..sound() };
+    assert!(check_for(&request, &fast, &limits, 0).is_ok());
+    assert!(check_for(&sound(), &fast, &limits, 0).is_err());
+}
+
+proptest! {
+    /// Whatever bytes and shapes arrive: an answer or a refusal, never a panic.
+    #[test]
+    fn no_tensor_panics(
+        dtype in -1i32..8,
+        shape in prop::collection::vec(prop_oneof![0u64..4, Just(u64::MAX), Just(1 << 40)], 0..6),
+        data in prop::collection::vec(any::<u8>(), 0..200),
+        interpolation in -1i32..5,
+        frames in 0u32..20,
+        as_poses in any::<bool>(),
+        controls in 0u64..3,
+    ) {
+        let tensor = Tensor { dtype, shape, data: data.into(), ..Tensor::default() };
+        let given = GivenState {
+            positions: Some(tensor.clone()),
+            velocities: Some(tensor.clone()),
+            twists: Some(tensor.clone()),
+        };
+        let actions = if as_poses {
+            Actions::Poses(GripperPoses {
+                poses: Some(tensor.clone()), gripper_of_control: Some(tensor.clone()), interpolation,
+            })
+        } else {
+            Actions::Trajectories(ControlTrajectories { positions: Some(tensor.clone()), interpolation })
+        };
+        let twin = TwinShape { controls, ..TWIN };
+        let bare = RollOutRequest { actions: Some(actions), frames, ..RollOutRequest::default() };
+        let returns = Some(Returns { nodes: Some(tensor), every_frames: 1, ..Returns::default() });
+        let initial = Some(InitialState { state: Some(State::Given(given)) });
+        for request in [
+            bare.clone(),
+            RollOutRequest { initial, ..sound() },
+            RollOutRequest { returns, ..sound() },
+        ] {
+            if let Ok(batch) = check_for(&request, &twin, &Limits::default(), 0) {
+                prop_assert!(batch.instances > 0 && batch.knots > 1 && batch.frames > 0);
+            }
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Size of a reply, before it is computed.
+
+use prost::length_delimiter_len as varint_len;
+
+use super::{check::Batch, twin::TwinShape};
+use crate::v1::{RollOutRequest, returns::Encoding};
+
+/// Tag and length of a nested message below 128 bytes.
+const HEAD: u64 = 2;
+/// Longest encoding of `Diagnostics`: four floats and a count.
+const DIAGNOSTICS: u64 = HEAD + 4 * 5 + 6;
+/// Longest encoding of a `Divergence`: three counts.
+const DIVERGENCE: u64 = HEAD + 3 * 6;
+/// Longest encoding of everything else: first_instance, timing, worker, fidelity, substeps, deviation.
+const REST: u64 = 6 + (HEAD + 2 * 9) + 48 + 2 + 7 + (1 + HEAD + 3 * 9 + 6);
+
+/// Most bytes that one message of the reply to a checked request takes when encoded, with
+/// `part_instances` instances to a message (0: all in one). Tensors are exact; of each instance it is
+/// assumed that it diverges and that no number of its diagnostics is zero.
+pub fn reply_bytes(
+    request: &RollOutRequest,
+    batch: &Batch,
+    twin: &TwinShape,
+    part_instances: u32,
+) -> u64 {
+    let covered = match part_instances {
+        0 => batch.instances,
+        part => u64::from(part).min(batch.instances),
+    };
+    let terms = request.costs.len() as u64;
+    let names = request.costs.iter().enumerate().map(|(i, cost)| {
+        let length = if cost.name.is_empty() { format!("cost{i}").len() } else { cost.name.len() };
+        (1 + varint_len(length) + length) as u64
+    });
+    let mut sum = Sum(names.sum::<u64>().saturating_add(REST));
+    sum.tensor(1, 8, &[covered]);
+    sum.tensor(1, 8, &[covered, terms]);
+    sum.add(covered.saturating_mul(DIVERGENCE));
+    let Some(returns) = &request.returns else { return sum.0 };
+
+    if returns.diagnostics {
+        sum.add(covered.saturating_mul(DIAGNOSTICS));
+    }
+    let holders = match returns.best {
+        0 => covered,
+        best => u64::from(best).min(batch.instances),
+    };
+    let has_arrays = returns.every_frames > 0 || returns.final_state || returns.control_gradients;
+    if has_arrays || returns.best > 0 {
+        sum.tensor(1, 4, &[holders]);
+    }
+    if let Some(recorded) = batch.frames.checked_div(u64::from(returns.every_frames)) {
+        let chosen = returns.nodes.as_ref().filter(|t| !t.is_absent());
+        let nodes = chosen.map_or(twin.nodes, |t| t.shape.iter().product());
+        let is_packed = returns.encoding() == Encoding::Int16;
+        sum.tensor(1, 4, &[recorded]);
+        sum.tensor(1, if is_packed { 2 } else { 4 }, &[holders, recorded, nodes, 3]);
+        // Scale and offset of 16-bit integers.
+        sum.add(if is_packed { 10 } else { 0 });
+    }
+    if returns.final_state {
+        sum.tensor(1, 4, &[holders, twin.nodes, 3]);
+        sum.tensor(1, 4, &[holders, twin.nodes, 3]);
+        if let Some(rods @ 1..) = twin.rods {
+            sum.tensor(2, 4, &[holders, rods]);
+        }
+    }
+    if returns.control_gradients {
+        sum.tensor(1, 4, &[holders, batch.frames.saturating_add(1), twin.controls, 3]);
+    }
+    sum.0
+}
+
+/// Bytes so far; what overflows stays at the largest number, which exceeds every limit.
+struct Sum(u64);
+
+impl Sum {
+    fn add(&mut self, bytes: u64) {
+        self.0 = self.0.saturating_add(bytes);
+    }
+
+    /// A tensor field whose tag takes `tag` bytes and whose elements take `width` each.
+    fn tensor(&mut self, tag: u64, width: u64, shape: &[u64]) {
+        let length = |n: u64| varint_len(usize::try_from(n).unwrap_or(usize::MAX)) as u64;
+        let data = shape.iter().fold(width, |product, d| product.saturating_mul(*d));
+        let dims: u64 = shape.iter().map(|d| length(*d)).sum();
+        let inside = (2 + 2 + dims).saturating_add(data).saturating_add(1 + length(data));
+        self.add(inside.saturating_add(tag + length(inside)));
+    }
+}
+
+#[cfg(test)]
+mod tests;

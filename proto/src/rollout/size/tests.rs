@@ -1,0 +1,121 @@
+//! The formula beside the encoding of a reply with all that was asked for.
+
+use proptest::prelude::*;
+use prost::Message as _;
+
+use super::*;
+use crate::v1::{
+    Cost, Fidelity, Returns, RollOutResponse, Tensor,
+    roll_out_response::{Deviation, Diagnostics, Divergence, Timing},
+};
+
+/// The reply of a worker in which every number takes as many bytes as it can.
+fn reply(
+    request: &RollOutRequest,
+    batch: &Batch,
+    twin: &TwinShape,
+    covered: u64,
+) -> RollOutResponse {
+    let returns = request.returns.clone().unwrap_or_default();
+    let (n, terms) = (covered as usize, request.costs.len());
+    let tensor = |shape: &[u64], width: usize| Tensor {
+        dtype: 1,
+        shape: shape.to_vec(),
+        data: vec![0; width * shape.iter().product::<u64>() as usize].into(),
+        ..Tensor::default()
+    };
+    let mut reply = RollOutResponse {
+        first_instance: u32::MAX,
+        costs: Some(Tensor::pack(&[n], &vec![0.0f64; n])),
+        cost_names: (0..terms).map(|i| format!("cost{i}")).collect(),
+        cost_terms: Some(Tensor::pack(&[n, terms], &vec![0.0f64; n * terms])),
+        diverged: vec![Divergence { instance: u32::MAX, frame: u32::MAX, node: u32::MAX }; n],
+        timing: Some(Timing { queue_s: 1.0, compute_s: 1.0 }),
+        worker: format!("workers/{}", "0".repeat(36)),
+        fidelity: Fidelity::Fast.into(),
+        substeps: u32::MAX,
+        deviation: Some(Deviation {
+            mean_m: 1.0,
+            max_m: 1.0,
+            mean_travel_m: 1.0,
+            frames: u32::MAX,
+        }),
+        ..RollOutResponse::default()
+    };
+    if returns.diagnostics {
+        let most = Diagnostics {
+            max_strain: 1.0,
+            max_speed_m_s: 1.0,
+            kinetic_energy: 1.0,
+            elastic_energy: 1.0,
+            ground_contacts: u32::MAX,
+        };
+        reply.diagnostics = vec![most; n];
+    }
+    let holders = if returns.best == 0 { covered } else { u64::from(returns.best).min(covered) };
+    let has_arrays = returns.every_frames > 0 || returns.final_state || returns.control_gradients;
+    if has_arrays || returns.best > 0 {
+        reply.instances = Some(tensor(&[holders], 4));
+    }
+    if returns.every_frames > 0 {
+        let rows = batch.frames / u64::from(returns.every_frames);
+        let nodes = returns.nodes.as_ref().map_or(twin.nodes, |t| t.shape[0]);
+        reply.frames = Some(tensor(&[rows], 4));
+        let is_packed = returns.encoding() == Encoding::Int16;
+        let positions = tensor(&[holders, rows, nodes, 3], if is_packed { 2 } else { 4 });
+        let scale = if is_packed { 1.0 } else { 0.0 };
+        reply.positions = Some(Tensor { scale, offset: scale, ..positions });
+    }
+    if returns.final_state {
+        reply.final_positions = Some(tensor(&[holders, twin.nodes, 3], 4));
+        reply.final_velocities = reply.final_positions.clone();
+        reply.final_twists = twin.rods.map(|rods| tensor(&[holders, rods], 4));
+    }
+    if returns.control_gradients {
+        let shape = [holders, batch.frames + 1, twin.controls, 3];
+        reply.control_gradients = Some(tensor(&shape, 4));
+    }
+    reply
+}
+
+proptest! {
+    #[test]
+    fn no_reply_is_larger_and_only_constants_are_smaller(
+        (instances, frames, part) in (1u64..400, 1u64..40, 0u32..30),
+        (nodes, controls, rods) in (1u64..200, 1u64..5, prop::option::of(1u64..3)),
+        (every_frames, best, chosen) in (0u32..9, 0u32..5, prop::option::of(1usize..9)),
+        (encoding, terms) in (0i32..3, 0usize..20),
+        flags in any::<[bool; 4]>(),
+    ) {
+        let part = if best > 0 { 0 } else { part };
+        let returns = Returns {
+            every_frames,
+            best,
+            encoding,
+            nodes: chosen.map(|n| Tensor::pack(&[n], &vec![0u32; n])),
+            final_state: flags[0],
+            diagnostics: flags[1],
+            control_gradients: flags[2],
+        };
+        let request = RollOutRequest {
+            costs: vec![Cost::default(); terms],
+            returns: flags[3].then_some(returns),
+            ..RollOutRequest::default()
+        };
+        let batch = Batch { instances, knots: 2, frames };
+        let twin = TwinShape { nodes, controls, rods, ..TwinShape::default() };
+        let covered = if part == 0 { instances } else { instances.min(u64::from(part)) };
+        let encoded = reply(&request, &batch, &twin, covered).encoded_len() as u64;
+        let bound = reply_bytes(&request, &batch, &twin, part);
+        prop_assert!((encoded..=encoded + 64).contains(&bound), "{bound} for {encoded}");
+    }
+}
+
+#[test]
+fn absurd_sizes_stay_at_the_largest_number() {
+    let returns = Some(Returns { every_frames: 1, ..Returns::default() });
+    let request = RollOutRequest { returns, ..RollOutRequest::default() };
+    let batch = Batch { instances: u64::MAX, knots: 2, frames: u64::MAX };
+    let twin = TwinShape { nodes: u64::MAX, ..TwinShape::default() };
+    assert_eq!(reply_bytes(&request, &batch, &twin, 0), u64::MAX);
+}

@@ -1,0 +1,37 @@
+//! Facts of a twin that requests are checked against.
+
+use crate::v1::Fidelity;
+
+/// Facts of a twin that requests are checked against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TwinShape {
+    /// Number of nodes N.
+    pub nodes: u64,
+    /// Number of springs.
+    pub springs: u64,
+    /// Number of triplets.
+    pub triplets: u64,
+    /// Number of control points C.
+    pub controls: u64,
+    /// Number of rods, where it is known: the server's database does not hold it.
+    pub rods: Option<u64>,
+    /// Substeps per frame of the exact twin.
+    pub substeps: u32,
+    /// Substeps per frame of its fast variant, if it has one.
+    pub fast_substeps: Option<u32>,
+    /// Whether the twin names a capture of its own, in a frame of which rollouts may start.
+    pub has_capture: bool,
+}
+
+impl TwinShape {
+    /// Work of one instance over `frames` frames, in element substeps.
+    pub(super) fn work(&self, fidelity: Fidelity, frames: u64) -> u128 {
+        let substeps = match fidelity {
+            Fidelity::Fast => self.fast_substeps.unwrap_or(self.substeps),
+            Fidelity::Exact | Fidelity::Unspecified => self.substeps,
+        };
+        let elements =
+            u128::from(self.nodes) + u128::from(self.springs) + u128::from(self.triplets);
+        u128::from(frames) * u128::from(substeps) * elements
+    }
+}

@@ -1,0 +1,76 @@
+//! Facts of twins that rollouts need, at hand. Twins never change, so the hot path asks the database once
+//! for each.
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+use bendtwin_core::ids::{CaptureId, TwinId};
+use bendtwin_proto::rollout::TwinShape;
+use bendtwin_store::{Store, Twin};
+
+use crate::app::Result;
+
+/// Largest number of twins whose facts are kept at hand.
+const REMEMBERED: usize = 1024;
+
+/// Facts of a twin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    /// The capture that it was fitted to, unless it was imported.
+    pub(super) capture: Option<CaptureId>,
+    pub(super) shape: TwinShape,
+}
+
+/// The twins that were asked for lately. Clones share them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Twins(Arc<Mutex<HashMap<TwinId, Known>>>);
+
+impl Twins {
+    /// The facts of a twin, from the database if need be.
+    pub(super) async fn get(&self, store: &Store, id: TwinId) -> Result<Known> {
+        if let Some(known) = self.lock().get(&id) {
+            return Ok(*known);
+        }
+        let known = Known::from(&store.twins().get(id).await?);
+        let mut twins = self.lock();
+        if twins.len() >= REMEMBERED {
+            twins.clear();
+        }
+        twins.insert(id, known);
+        Ok(known)
+    }
+
+    pub(super) fn forget(&self, id: TwinId) {
+        self.lock().remove(&id);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<TwinId, Known>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl From<&Twin> for Known {
+    fn from(twin: &Twin) -> Self {
+        let facts = &twin.facts;
+        let shape = TwinShape {
+            nodes: u64::from(facts.node_count),
+            springs: u64::from(facts.spring_count),
+            triplets: u64::from(facts.triplet_count),
+            controls: u64::from(facts.control_count),
+            rods: None,
+            substeps: facts.substeps,
+            fast_substeps: fast_substeps(&facts.quality),
+            has_capture: twin.capture.is_some(),
+        };
+        Self { capture: twin.capture, shape }
+    }
+}
+
+/// Substeps of the fast variant that a quality table tells of. Only that is read of it: a worker of a newer
+/// build may have written more than this server knows.
+fn fast_substeps(quality: &str) -> Option<u32> {
+    let quality: serde_json::Value = serde_json::from_str(quality).ok()?;
+    u32::try_from(quality.pointer("/fast/substeps")?.as_u64()?).ok()
+}
