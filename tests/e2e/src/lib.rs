@@ -20,6 +20,8 @@ mod malformed;
 #[cfg(test)]
 mod over_http;
 #[cfg(test)]
+mod reasons;
+#[cfg(test)]
 mod resumable;
 #[cfg(test)]
 mod rollouts;
