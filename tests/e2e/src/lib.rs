@@ -26,6 +26,8 @@ mod resumable;
 #[cfg(test)]
 mod rollouts;
 #[cfg(test)]
+mod sentences;
+#[cfg(test)]
 mod suites;
 #[cfg(test)]
 mod survival;
