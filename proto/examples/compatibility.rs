@@ -128,9 +128,8 @@ mod tests {
     fn each_kind_of_break_is_seen() {
         let lines = |text: &str| text.lines().map(str::to_owned).collect::<BTreeSet<_>>();
         let old = "M.a = 1 optional float\nM.b = 2 repeated M2\nE.ON = 1\nS.Call(A) -> stream B";
-        let breaks = |from: &str, to: &str| {
-            broken(&lines(old), &lines(&old.replace(from, to))).count()
-        };
+        let breaks =
+            |from: &str, to: &str| broken(&lines(old), &lines(&old.replace(from, to))).count();
         assert_eq!(breaks("", ""), 0);
         assert_eq!(breaks("E.ON = 1", "E.ON = 1\nE.OFF = 2"), 0);
         for (from, to) in [
