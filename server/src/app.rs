@@ -1,8 +1,7 @@
-//! The use cases, free of transport: what HTTP and gRPC both call. Arguments
-//! are checked here, so that both refuse the same things with the same words.
+//! The use cases, free of transport: HTTP and gRPC both call them. Arguments are checked here, so
+//! that both refuse the same requests with the same words.
 
 mod captures;
-mod error;
 mod fits;
 mod ingests;
 mod jobs;
@@ -19,10 +18,10 @@ use bendtwin_store::Store;
 use serde::de::DeserializeOwned;
 use tokio_util::sync::CancellationToken;
 
+pub(crate) use crate::failure::{Error, Result};
 use crate::{dispatch::Dispatch, metrics::Metrics, options::Options, tokens::Tokens};
 
 pub(crate) use captures::CaptureUpload;
-pub(crate) use error::{Error, Result};
 pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{Attempt, Leased};
 pub(crate) use twins::TwinUpload;
@@ -68,10 +67,10 @@ impl App {
     }
 }
 
-/// Runs a change of the store to its end even if the caller goes away. Half-way, between a blob and
-/// the row that refers to it or between the last look for such rows and the unlinking, dropping
-/// the work would open the gate that keeps the two apart while files and database still change.
-async fn to_the_end<T: Send + 'static>(
+/// Runs a change of the store to its end even if the caller goes away. Dropped half-way (between a
+/// blob and the row that refers to it, or between the last search for such rows and the unlinking),
+/// it would release the lock that keeps the two apart while files and database still change.
+async fn run_to_completion<T: Send + 'static>(
     change: impl Future<Output = bendtwin_store::Result<T>> + Send + 'static,
 ) -> Result<T> {
     match tokio::spawn(change).await {
@@ -90,11 +89,14 @@ pub(crate) fn optional_name<T: FromStr<Err = InvalidName>>(text: &str) -> Result
     if text.is_empty() { Ok(None) } else { name(text).map(Some) }
 }
 
-/// Checks a person's name for a thing.
+/// Checks a display name.
 fn display_name(text: String) -> Result<String> {
-    const LONGEST: usize = 200;
-    if text.chars().count() > LONGEST {
-        return Err(Error::invalid("display_name", format!("is longer than {LONGEST} characters")));
+    const MAX_LENGTH: usize = 200;
+    if text.chars().count() > MAX_LENGTH {
+        return Err(Error::invalid(
+            "display_name",
+            format!("is longer than {MAX_LENGTH} characters"),
+        ));
     }
     if text.chars().any(char::is_control) {
         return Err(Error::invalid("display_name", "has control characters"));
@@ -104,12 +106,12 @@ fn display_name(text: String) -> Result<String> {
 
 /// Checks an idempotency key; empty means none.
 fn request_id(text: String) -> Result<Option<String>> {
-    const LONGEST: usize = 128;
+    const MAX_LENGTH: usize = 128;
     if text.is_empty() {
         return Ok(None);
     }
-    if text.chars().count() > LONGEST || text.chars().any(char::is_control) {
-        let rule = format!("must be up to {LONGEST} characters without control characters");
+    if text.chars().count() > MAX_LENGTH || text.chars().any(char::is_control) {
+        let rule = format!("must be up to {MAX_LENGTH} characters without control characters");
         return Err(Error::invalid("request_id", rule));
     }
     Ok(Some(text))
@@ -125,7 +127,7 @@ pub(crate) fn digest(text: &str) -> Result<Option<bendtwin_store::Digest>> {
         .map_err(|_| Error::invalid("digest", "is not 64 hexadecimal digits of a BLAKE3 digest"))
 }
 
-/// Settings as a request has them; none are the defaults.
+/// Settings of a request; the defaults if there are none.
 fn read_settings<T: DeserializeOwned + Default>(json: &str, limit: usize) -> Result<T> {
     if json.len() > limit {
         return Err(Error::invalid("settings_json", format!("is longer than {limit} bytes")));

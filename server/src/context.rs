@@ -1,5 +1,5 @@
-//! What a request carries along: its id and its trace. Set once by the
-//! middleware, read wherever an error or a job is made.
+//! The context of a request: its id and its trace. The middleware sets it once; errors and jobs
+//! take it over.
 
 use bendtwin_core::{Category, Fault};
 
@@ -10,14 +10,14 @@ tokio::task_local! {
 /// The context of the request under way.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Context {
-    /// Given by the client in `x-request-id`, or made here.
+    /// Taken from `x-request-id`, or made here.
     pub(crate) request_id: String,
     /// W3C `traceparent`, if the client sent a sound one.
     pub(crate) trace_parent: Option<String>,
 }
 
 impl Context {
-    /// Of the request that this task answers; empty outside of requests.
+    /// The context of the request that this task answers; empty outside of requests.
     pub(crate) fn current() -> Self {
         CURRENT.try_with(Clone::clone).unwrap_or_default()
     }
@@ -61,9 +61,9 @@ fn is_trace_parent(text: &str) -> bool {
         && is_hex(flags, 2)
 }
 
-/// What a client is told of a fault: the text of defects and of damaged data
-/// is for the log only.
-pub(crate) fn public(fault: Fault, request_id: &str) -> Fault {
+/// The part of a fault that a client may see. Details of defects and of damaged data are for the
+/// log only.
+pub(crate) fn redact(fault: Fault, request_id: &str) -> Fault {
     match fault.category {
         Category::Internal | Category::DataLoss => {
             tracing::error!(reason = fault.reason, request_id, "{}", fault.message);

@@ -17,14 +17,14 @@ use bendtwin_store::{Job, Kind, Store, Worker};
 use tokio::time::Instant;
 
 use crate::{
-    app::{Error, Result},
+    failure::{Error, Result},
     metrics::Metrics,
     options::{Limits, Options},
     tokens::Child,
 };
 
 use registry::Entry;
-pub(crate) use registry::{Beat, Memory, WorkerView};
+pub(crate) use registry::{Heartbeat, Memory, WorkerView};
 pub(crate) use rollout::RollOut;
 use twins::Twins;
 
@@ -34,7 +34,7 @@ pub(crate) struct Dispatch {
     store: Store,
     limits: Limits,
     metrics: Metrics,
-    beat_interval: Duration,
+    heartbeat_interval: Duration,
     workers: Arc<Mutex<HashMap<WorkerId, Arc<Entry>>>>,
     twins: Twins,
 }
@@ -45,7 +45,7 @@ impl Dispatch {
             store,
             limits: options.limits.clone(),
             metrics,
-            beat_interval: options.beat_interval(),
+            heartbeat_interval: options.heartbeat_interval(),
             workers: Arc::default(),
             twins: Twins::default(),
         }
@@ -68,10 +68,10 @@ impl Dispatch {
     }
 
     /// A sign of life. False if the worker has to register first.
-    pub(crate) fn beat(&self, worker: WorkerId, beat: Beat) -> bool {
+    pub(crate) fn heartbeat(&self, worker: WorkerId, heartbeat: Heartbeat) -> bool {
         let entry = self.lock().get(&worker).cloned();
         let Some(entry) = entry else { return false };
-        entry.beat(self.store.now(), beat);
+        entry.heartbeat(self.store.now(), heartbeat);
         true
     }
 
@@ -88,7 +88,7 @@ impl Dispatch {
     /// Workers without a sign of life for so long.
     pub(crate) fn silent(&self, span: Duration) -> Vec<WorkerId> {
         let now = Instant::now();
-        let silent = |e: &Entry| now.duration_since(e.live().last_beat) > span;
+        let silent = |e: &Entry| now.duration_since(e.live().last_heartbeat) > span;
         self.lock().iter().filter(|(_, e)| silent(e)).map(|(id, _)| *id).collect()
     }
 
@@ -126,7 +126,7 @@ impl Dispatch {
     /// The worker to send a rollout of this twin to; `tried` have failed it.
     fn choose(&self, twin: TwinId, tried: &[WorkerId]) -> Result<Arc<Entry>> {
         let entries: Vec<Arc<Entry>> = self.lock().values().cloned().collect();
-        let fresh = self.beat_interval * 3;
+        let fresh = self.heartbeat_interval * 3;
         let candidates: Vec<route::Candidate> = entries
             .iter()
             .map(|e| e.candidate(twin, fresh))

@@ -1,6 +1,6 @@
-//! The one place where errors meet transports: a category becomes an HTTP
-//! status or a gRPC code, a fault becomes a problem document (RFC 9457) or a
-//! `Status` with `ErrorInfo`, `RequestInfo` and `RetryInfo`.
+//! The one place where errors become those of a transport: a category becomes an HTTP status or a
+//! gRPC code, a fault becomes a problem document (RFC 9457) or a `Status` with `ErrorInfo`,
+//! `RequestInfo` and `RetryInfo`.
 
 use std::time::Duration;
 
@@ -15,7 +15,10 @@ use tonic::Status;
 use tonic_types::{ErrorDetails, StatusExt as _};
 use utoipa::ToSchema;
 
-use crate::context::{self, Context};
+use crate::{
+    context::{self, Context},
+    failure,
+};
 
 /// The HTTP status of a category. The gRPC code is
 /// [`bendtwin_proto::fault::code`]; a test holds the two together.
@@ -30,7 +33,7 @@ pub(crate) fn http_status(category: Category) -> StatusCode {
             StatusCode::CONFLICT
         }
         Category::ResourceExhausted => StatusCode::TOO_MANY_REQUESTS,
-        // The client went away; nobody reads this.
+        // The client went away, so the response is not read.
         Category::Cancelled => StatusCode::from_u16(499).unwrap_or(StatusCode::BAD_REQUEST),
         Category::DataLoss | Category::Internal => StatusCode::INTERNAL_SERVER_ERROR,
         Category::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
@@ -38,7 +41,7 @@ pub(crate) fn http_status(category: Category) -> StatusCode {
     }
 }
 
-/// What tus 1.0.0 has a status of its own for, by reason.
+/// Statuses that tus 1.0.0 prescribes, by reason.
 fn tus_status(reason: &str) -> Option<StatusCode> {
     match reason {
         "UPLOAD_GONE" => Some(StatusCode::GONE),
@@ -54,7 +57,8 @@ fn tus_status(reason: &str) -> Option<StatusCode> {
 pub(crate) struct Refusal {
     fault: Fault,
     retry_after: Option<Duration>,
-    /// Only for what HTTP knows and gRPC does not: 405, 413, 415, and the statuses of tus.
+    /// Differs from the category's only for statuses that gRPC lacks: 405, 413, 415, and those of
+    /// tus.
     status: StatusCode,
 }
 
@@ -68,7 +72,7 @@ pub(crate) struct ProblemDocument {
     pub(crate) title: String,
     /// The HTTP status.
     pub(crate) status: u16,
-    /// What happened and what to do about it.
+    /// The event, and the action to take.
     pub(crate) detail: String,
     /// A stable word for programs.
     pub(crate) reason: String,
@@ -92,7 +96,7 @@ impl Refusal {
     }
 
     /// With the statuses of tus.
-    pub(crate) fn over_tus(self) -> Self {
+    pub(crate) fn with_tus_status(self) -> Self {
         Self { status: tus_status(&self.fault.reason).unwrap_or(self.status), ..self }
     }
 
@@ -102,7 +106,7 @@ impl Refusal {
 
     /// The gRPC form, for the request of that context.
     pub(crate) fn into_status(self, context: &Context) -> Status {
-        let fault = context::public(self.fault, &context.request_id);
+        let fault = context::redact(self.fault, &context.request_id);
         let mut details = ErrorDetails::with_error_info(&fault.reason, ERROR_DOMAIN, []);
         details.set_request_info(&context.request_id, "");
         if self.retry_after.is_some() {
@@ -113,8 +117,8 @@ impl Refusal {
 }
 
 /// Every error of the application, at the last step.
-impl From<crate::app::Error> for Refusal {
-    fn from(error: crate::app::Error) -> Self {
+impl From<failure::Error> for Refusal {
+    fn from(error: failure::Error) -> Self {
         let retry_after = error.retry_after();
         Self::new(error.fault()).retry_after(retry_after)
     }
@@ -122,7 +126,7 @@ impl From<crate::app::Error> for Refusal {
 
 impl From<bendtwin_store::Error> for Refusal {
     fn from(error: bendtwin_store::Error) -> Self {
-        crate::app::Error::from(error).into()
+        failure::Error::from(error).into()
     }
 }
 
@@ -135,7 +139,7 @@ impl From<Refusal> for Status {
 impl IntoResponse for Refusal {
     fn into_response(self) -> Response {
         let request_id = Context::current().request_id;
-        let fault = context::public(self.fault, &request_id);
+        let fault = context::redact(self.fault, &request_id);
         let document = ProblemDocument {
             kind: format!("urn:bendtwin:error:{}", fault.reason),
             title: category_name(fault.category).to_owned(),

@@ -9,9 +9,9 @@ mod extract;
 mod fits;
 mod operations;
 mod origin;
-pub(crate) mod outer;
 mod resource;
 mod rollouts;
+pub(crate) mod root_service;
 mod twins;
 pub(crate) mod uploads;
 mod workers;
@@ -55,7 +55,7 @@ pub(crate) fn router(app: &App) -> axum::Router {
     let (router, description) = described().split_for_parts();
     router
         .merge(docs::router(&description))
-        .route_layer(axum::middleware::from_fn(outer::note_route))
+        .route_layer(axum::middleware::from_fn(root_service::note_route))
         .fallback(|| async {
             let message = "there is nothing at this path: see /docs for what there is";
             Refusal::http_only(StatusCode::NOT_FOUND, "NO_SUCH_ROUTE", message)
@@ -101,7 +101,7 @@ fn download(content: Content, media_type: &'static str, file_name: &str) -> Resp
     (disposition, inline(content, media_type)).into_response()
 }
 
-/// Content to be shown. It is what it is said to be: no browser is to guess.
+/// Content to be shown. Browsers must not guess another type than the given one.
 fn inline(content: Content, media_type: &'static str) -> Response {
     let headers = [
         (header::CONTENT_TYPE, media_type.to_owned()),

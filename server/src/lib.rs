@@ -19,6 +19,7 @@ mod app;
 mod context;
 mod dispatch;
 mod error;
+mod failure;
 mod grpc;
 mod http;
 mod listen;

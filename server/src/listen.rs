@@ -15,35 +15,35 @@ use tokio::{
 };
 use tokio_util::{sync::CancellationToken, task::TaskTracker};
 
-use crate::http::outer::Outer;
+use crate::http::root_service::RootService;
 
 /// Stream and connection windows: a rollout of megabytes should not wait for updates.
 const WINDOW: u32 = 4 << 20;
 const MAX_STREAMS: u32 = 1024;
-/// How long a client may take to send the headers of a request.
+/// Longest time for the headers of a request.
 const HEADERS_TIMEOUT: Duration = Duration::from_secs(30);
-/// Idle HTTP/2 connections are asked whether they live.
-const PING_EVERY: Duration = Duration::from_secs(20);
-/// Open connections; further ones wait in the system's backlog.
+/// Time after which an idle HTTP/2 connection is pinged.
+const PING_INTERVAL: Duration = Duration::from_secs(20);
+/// Most open connections; further ones wait in the system's backlog.
 const MAX_CONNECTIONS: usize = 4096;
 
-/// Accepts connections until told to stop; then lets the requests under way
-/// finish, until told to cut them off, and returns when none is left.
+/// Accepts connections until `stop`; then lets the requests under way finish, until `cut`, and
+/// returns when none is left.
 pub(crate) async fn serve(
     listener: TcpListener,
-    outer: Outer,
+    root_service: RootService,
     stop: CancellationToken,
     cut: CancellationToken,
 ) {
     // A router takes bodies of any type, so it turns hyper's into axum's.
     let service = axum::Router::new()
-        .fallback_service(tower::service_fn(move |request| outer.clone().answer(request)));
+        .fallback_service(tower::service_fn(move |request| root_service.clone().answer(request)));
     let connections = TaskTracker::new();
-    let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     loop {
-        let place = tokio::select! {
+        let permit = tokio::select! {
             () = stop.cancelled() => break,
-            place = places.clone().acquire_owned() => place,
+            permit = permits.clone().acquire_owned() => permit,
         };
         let accepted = tokio::select! {
             () = stop.cancelled() => break,
@@ -57,11 +57,11 @@ pub(crate) async fn serve(
                         () = connection(stream, peer, service, stop) => {}
                         () = cut.cancelled() => {}
                     }
-                    drop(place);
+                    drop(permit);
                 });
             }
             Err(error) => {
-                // Out of file descriptors, say: others may close theirs.
+                // Out of file descriptors, for example: other connections may close theirs.
                 tracing::warn!(%error, "cannot accept");
                 tokio::time::sleep(Duration::from_millis(50)).await;
             }
@@ -82,7 +82,7 @@ async fn connection(
         tracing::debug!(%error, %peer, "no TCP_NODELAY");
     }
     // Until the protocol is known nothing else watches the time: a silent connection would keep
-    // its place for ever.
+    // its permit forever.
     match tokio::time::timeout(HEADERS_TIMEOUT, stream.peek(&mut [0])).await {
         Ok(Ok(1..)) => {}
         _ => return,
@@ -95,8 +95,8 @@ async fn connection(
         .initial_stream_window_size(WINDOW)
         .initial_connection_window_size(4 * WINDOW)
         .max_concurrent_streams(MAX_STREAMS)
-        .keep_alive_interval(PING_EVERY)
-        .keep_alive_timeout(PING_EVERY);
+        .keep_alive_interval(PING_INTERVAL)
+        .keep_alive_timeout(PING_INTERVAL);
     let serving = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(service));
     let mut serving = std::pin::pin!(serving);
     let ended = tokio::select! {

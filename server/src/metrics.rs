@@ -1,5 +1,5 @@
-//! Prometheus metrics of one server. They are this server's own, not the
-//! process's, so that several servers in one test do not count together.
+//! Prometheus metrics of one server. They belong to the server, not to the process, so that several
+//! servers in one test do not add up.
 
 use std::{fmt, sync::Arc, time::Duration};
 
@@ -16,12 +16,12 @@ const SECONDS: [f64; 14] =
 
 static METADATA: Metadata<'static> = Metadata::new("bendtwin_server", Level::INFO, None);
 
-/// What is so at the moment of a rendering.
-pub(crate) struct Now {
+/// Values of the gauges at the moment of a rendering.
+pub(crate) struct Gauges {
     pub(crate) workers: usize,
     /// Rollouts under way or waiting.
     pub(crate) rollouts: usize,
-    /// Of all workers' devices together: workers come and go under ever new names.
+    /// Sum over the devices of all workers: workers come and go under ever new names.
     pub(crate) memory: Memory,
     pub(crate) uploads: UploadUse,
 }
@@ -59,7 +59,7 @@ impl Metrics {
         self.seconds("bendtwin_request_seconds", labels(), took.as_secs_f64());
     }
 
-    /// A job went to a worker after so many seconds.
+    /// Counts a job that was leased after so many seconds in the queue.
     pub(crate) fn job_leased(&self, kind: Kind, queued_s: f64) {
         let name = match kind {
             Kind::Ingest => "bendtwin_ingest_queue_seconds",
@@ -68,7 +68,7 @@ impl Metrics {
         self.seconds(name, Vec::new(), queued_s.max(0.0));
     }
 
-    /// An attempt ended and left its job in this state.
+    /// Counts an attempt that ended and left its job in this state.
     pub(crate) fn job_ended(&self, kind: Kind, state: &'static str) {
         let name = match kind {
             Kind::Ingest => "bendtwin_ingest_attempts_total",
@@ -77,21 +77,21 @@ impl Metrics {
         self.count(name, vec![Label::new("state", state)]);
     }
 
-    /// Bytes of resumable uploads that were made to last.
+    /// Counts bytes of resumable uploads that were made durable.
     pub(crate) fn upload_bytes(&self, bytes: u64) {
         let key = Key::from_name("bendtwin_upload_bytes_total");
         self.recorder.register_counter(&key, &METADATA).increment(bytes);
     }
 
-    /// A rollout ended.
+    /// Counts a rollout that ended.
     pub(crate) fn rollout(&self, outcome: &'static str, queued: Duration, took: Duration) {
         self.count("bendtwin_rollouts_total", vec![Label::new("outcome", outcome)]);
         self.seconds("bendtwin_rollout_queue_seconds", Vec::new(), queued.as_secs_f64());
         self.seconds("bendtwin_rollout_seconds", Vec::new(), took.as_secs_f64());
     }
 
-    /// All metrics as text, after setting those that are a state and no event.
-    pub(crate) fn render(&self, depth: &QueueDepth, now: &Now) -> String {
+    /// All metrics as text, with the gauges set to these values.
+    pub(crate) fn render(&self, depth: &QueueDepth, gauges: &Gauges) -> String {
         use bendtwin_store::State::{Cancelled, Failed, Queued, Running, Succeeded};
         for (kind, jobs, oldest) in [
             (Kind::Ingest, "bendtwin_ingests", "bendtwin_oldest_queued_ingest_seconds"),
@@ -103,11 +103,11 @@ impl Metrics {
             }
             self.gauge(oldest, Vec::new(), depth.oldest(kind).as_secs_f64());
         }
-        self.gauge("bendtwin_workers", Vec::new(), now.workers as f64);
-        self.gauge("bendtwin_rollouts_in_flight", Vec::new(), now.rollouts as f64);
-        self.gauge("bendtwin_uploads", Vec::new(), now.uploads.count as f64);
-        self.gauge("bendtwin_uploads_bytes", Vec::new(), now.uploads.bytes as f64);
-        let memory = [("used", now.memory.used), ("total", now.memory.total)];
+        self.gauge("bendtwin_workers", Vec::new(), gauges.workers as f64);
+        self.gauge("bendtwin_rollouts_in_flight", Vec::new(), gauges.rollouts as f64);
+        self.gauge("bendtwin_uploads", Vec::new(), gauges.uploads.count as f64);
+        self.gauge("bendtwin_uploads_bytes", Vec::new(), gauges.uploads.bytes as f64);
+        let memory = [("used", gauges.memory.used), ("total", gauges.memory.total)];
         for (state, bytes) in memory {
             let label = Label::new("state", state);
             self.gauge("bendtwin_device_memory_bytes", vec![label], bytes as f64);

@@ -1,54 +1,57 @@
-//! What an operator may choose about a server. Every field has a default,
-//! unknown fields are refused, and [`Options::validate`] reports all faults at once.
+//! Options of a server. Every field has a default, unknown fields are refused, and
+//! [`Options::validate`] reports all faults at once.
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_proto::rollout;
 use serde::{Deserialize, Serialize};
 
-/// What workers can be told to compute on.
+/// Backends that workers can use.
 const BACKENDS: [&str; 3] = ["auto", "cpu", "cuda"];
 
 /// Options of a server.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Where to listen for HTTP and gRPC; port 0 takes a free one. There is no
-    /// authentication of users yet, so anything but loopback trusts its network.
+    /// Address for HTTP and gRPC; port 0 takes a free one. There is no authentication of users yet,
+    /// so any address but loopback trusts its network.
     pub listen: SocketAddr,
     /// The folder of the database and the blobs; made if missing.
     pub data_dir: PathBuf,
-    /// The token that workers started by others must show; without one, only
-    /// the server's own workers are let in.
+    /// The token of workers that others start; without one, only the server's own workers may
+    /// connect.
     pub worker_token: Option<String>,
     /// The server's own worker processes.
     pub workers: WorkerPolicy,
-    /// Bounds on what one request may ask.
+    /// Bounds on one request.
     pub limits: Limits,
-    /// How long a job stays a worker's without a sign of life [s].
+    /// Time for which a worker keeps a job without reporting [s].
     pub lease_s: f64,
-    /// How often workers give signs of life [s].
-    pub beat_interval_s: f64,
-    /// How long an upload that can be resumed is kept without further bytes, and remembered after its end [s].
+    /// Interval at which workers send heartbeats [s].
+    #[serde(alias = "beat_interval_s")]
+    pub heartbeat_interval_s: f64,
+    /// Time for which a resumable upload is kept without further bytes, and remembered after its
+    /// end [s].
     pub upload_expiry_s: f64,
-    /// How long a shutdown waits for requests and workers to end [s].
+    /// Longest wait of a shutdown for requests and workers to end [s].
     pub shutdown_grace_s: f64,
 }
 
-/// Which worker processes the server starts, and how it restarts them.
+/// Worker processes that the server starts and restarts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WorkerPolicy {
-    /// How many; 0 leaves it to others to start workers.
+    /// Number of workers; 0 leaves it to others to start workers.
     pub count: u32,
-    /// The program; none means this very program.
+    /// The program; this very program if none.
     pub program: Option<PathBuf>,
     /// Its arguments.
     pub args: Vec<String>,
-    /// What they compute on: `auto`, `cpu` or `cuda`. They are told in their environment, over which
-    /// `args` win; so they are of `devices`.
+    /// Backend of the workers: `auto`, `cpu` or `cuda`. Passed in their environment, so that `args`
+    /// take precedence; the same holds for `devices`.
     pub backend: String,
-    /// CUDA devices, as CUDA counts them: the workers take them in turn. Without any, each takes device 0.
+    /// CUDA devices by number, assigned to the workers in turn. If empty, every worker takes device
+    /// 0.
     pub devices: Vec<u32>,
     /// Wait before the first restart [s]; it doubles up to `max_backoff_s`.
     pub min_backoff_s: f64,
@@ -93,7 +96,7 @@ impl Default for Options {
             workers: WorkerPolicy::default(),
             limits: Limits::default(),
             lease_s: 30.0,
-            beat_interval_s: 5.0,
+            heartbeat_interval_s: 5.0,
             upload_expiry_s: 7.0 * 86_400.0,
             shutdown_grace_s: 10.0,
         }
@@ -157,7 +160,7 @@ impl Options {
             }
         };
         within("lease_s", self.lease_s, 0.1, 86_400.0);
-        within("beat_interval_s", self.beat_interval_s, 0.01, 3_600.0);
+        within("heartbeat_interval_s", self.heartbeat_interval_s, 0.01, 3_600.0);
         within("upload_expiry_s", self.upload_expiry_s, 1.0, 365.0 * 86_400.0);
         within("shutdown_grace_s", self.shutdown_grace_s, 0.0, 3_600.0);
         let workers = &self.workers;
@@ -187,10 +190,10 @@ impl Options {
         within("limits.upload_idle_s", limits.upload_idle_s, 0.1, 86_400.0);
         within("limits.uploads", limits.uploads as f64, 1.0, 1e6);
         within("limits.uploads_bytes", limits.uploads_bytes as f64, 1.0, large);
-        if self.beat_interval_s > self.lease_s / 2.0 {
+        if self.heartbeat_interval_s > self.lease_s / 2.0 {
             faults.push(format!(
-                "beat_interval_s is {}: it must be at most half of lease_s ({})",
-                self.beat_interval_s, self.lease_s
+                "heartbeat_interval_s is {}: it must be at most half of lease_s ({})",
+                self.heartbeat_interval_s, self.lease_s
             ));
         }
         if let Some(token) = &self.worker_token
@@ -214,8 +217,8 @@ impl Options {
         Duration::from_secs_f64(self.lease_s)
     }
 
-    pub(crate) fn beat_interval(&self) -> Duration {
-        Duration::from_secs_f64(self.beat_interval_s)
+    pub(crate) fn heartbeat_interval(&self) -> Duration {
+        Duration::from_secs_f64(self.heartbeat_interval_s)
     }
 
     pub(crate) fn upload_expiry(&self) -> Duration {

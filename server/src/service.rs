@@ -1,4 +1,4 @@
-//! The server as a whole: started, running, shut down.
+//! The server as a whole: its start and its shutdown.
 
 use std::{net::SocketAddr, time::Duration};
 
@@ -9,18 +9,18 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{app::App, grpc, http, listen, options::Options, supervise};
 
-/// Why a server did not start.
+/// Reason for which a server did not start.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
-    /// Some options cannot be.
+    /// Some options are not valid.
     #[error("the options are not accepted: {}", .0.join("; "))]
     Options(Vec<String>),
-    /// The address is taken, or not this machine's.
+    /// The address is in use, or not an address of this machine.
     #[error("cannot listen on {address}: {source}: choose another address")]
     Listen {
         /// The address.
         address: SocketAddr,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The data folder cannot be opened.
@@ -32,8 +32,8 @@ pub enum StartError {
     /// The descriptors that are compiled in are damaged.
     #[error("descriptors of the API: {0}")]
     Descriptors(String),
-    /// What the last run left cannot be taken up.
-    #[error("cannot take up what the last run left: {0}")]
+    /// The state that the last run left cannot be taken up.
+    #[error("cannot recover the state of the last run: {0}")]
     Recovery(String),
 }
 
@@ -59,10 +59,10 @@ impl Problem for StartError {
     }
 }
 
-/// How often uploads are looked through for those that have expired or that a crash left whole.
-const UPLOADS_EVERY: Duration = Duration::from_secs(60);
-/// How often unused content is looked for; the store also does so when it opens.
-const COLLECT_EVERY: Duration = Duration::from_secs(3600);
+/// Interval at which expired uploads, and those that a crash left complete, are searched for.
+const UPLOAD_SWEEP_INTERVAL: Duration = Duration::from_secs(60);
+/// Interval at which unused content is searched for; the store also does so when it opens.
+const GARBAGE_COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
 
 /// A server to be started.
 #[derive(Debug)]
@@ -77,7 +77,7 @@ pub struct Handle {
     app: App,
     /// Cancelled to close the socket.
     close: CancellationToken,
-    /// Cancelled to cut connections off.
+    /// Cancelled to cut off connections.
     cut: CancellationToken,
     listener: JoinHandle<()>,
     sweeper: JoinHandle<()>,
@@ -86,7 +86,7 @@ pub struct Handle {
 }
 
 impl Service {
-    /// Opens the store, listens, takes up what the last run left, and starts workers.
+    /// Opens the store, listens, takes up the state of the last run, and starts workers.
     ///
     /// # Errors
     /// See [`StartError`].
@@ -102,14 +102,14 @@ impl Service {
         let grace = options.shutdown_grace();
         let app = App::new(options, store);
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
-        let outer = http::outer::Outer {
+        let root_service = http::root_service::RootService {
             http: http::router(&app),
             grpc: grpc::router(&app).await?,
             metrics: app.metrics.clone(),
             loopback: address.ip().is_loopback(),
         };
         let (close, cut) = (CancellationToken::new(), CancellationToken::new());
-        let serving = listen::serve(socket, outer, close.clone(), cut.clone());
+        let serving = listen::serve(socket, root_service, close.clone(), cut.clone());
         let listener = tokio::spawn(serving);
         let sweeper = tokio::spawn(sweep(app.clone()));
         let uploads = tokio::spawn(sweep_uploads(app.clone()));
@@ -120,17 +120,17 @@ impl Service {
 }
 
 impl Handle {
-    /// Where it listens; the port is the real one where port 0 was asked for.
+    /// Address on which it listens, with the actual port where port 0 was asked for.
     pub fn local_addr(&self) -> SocketAddr {
         self.address
     }
 
-    /// Shuts down in good order: workers give their jobs back and end, streams
-    /// end, requests under way finish within the grace, the store closes.
+    /// Shuts down in order: workers give their jobs back and end, streams end, requests under way
+    /// finish within the grace period, the store closes.
     pub async fn shutdown(self) {
         tracing::info!("stopping");
         self.app.stopping.cancel();
-        // Workers need the socket to say goodbye.
+        // Workers need the socket to give their jobs back.
         self.workers.stop(self.grace).await;
         self.close.cancel();
         let mut listener = self.listener;
@@ -151,7 +151,7 @@ impl Handle {
 async fn sweep(app: App) {
     let every = (app.options.lease() / 10).clamp(Duration::from_millis(20), Duration::from_secs(1));
     // Leases that ran out while the server was down: their workers first get a chance to report.
-    let first = tokio::time::Instant::now() + 2 * app.options.beat_interval();
+    let first = tokio::time::Instant::now() + 2 * app.options.heartbeat_interval();
     let mut tick = tokio::time::interval_at(first, every);
     let mut collected = tokio::time::Instant::now();
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
@@ -160,7 +160,7 @@ async fn sweep(app: App) {
         if let Err(error) = app.sweep().await {
             tracing::error!(%error, "sweeping failed; trying again");
         }
-        if collected.elapsed() >= COLLECT_EVERY {
+        if collected.elapsed() >= GARBAGE_COLLECTION_INTERVAL {
             collected = tokio::time::Instant::now();
             if let Err(error) = app.store.collect_garbage().await {
                 tracing::error!(%error, "cannot remove unused content; trying again");
@@ -169,9 +169,10 @@ async fn sweep(app: App) {
     }
 }
 
-/// Finishes uploads that a crash left whole, at once and then now and again, and gives up those that have expired.
+/// Finishes uploads that a crash left complete, and ends expired ones, at once and then at
+/// intervals.
 async fn sweep_uploads(app: App) {
-    let every = UPLOADS_EVERY.min(app.options.upload_expiry());
+    let every = UPLOAD_SWEEP_INTERVAL.min(app.options.upload_expiry());
     let mut tick = tokio::time::interval(every);
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     loop {

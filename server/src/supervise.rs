@@ -1,10 +1,9 @@
 //! The server's own worker processes: started, restarted when they end, and
 //! ended with the server.
 //!
-//! A child is told the server's address and a token of its own in its
-//! environment. Its standard input is a pipe that the server holds open: when
-//! it ends, by a shutdown or because the server died, the child is to exit.
-//! When a child ends, its jobs go back to the queue at once.
+//! A child gets the server's address and a token of its own in its environment. Its standard input
+//! is a pipe that the server holds open; the child exits when that ends, by a shutdown or because
+//! the server died. When a child ends, its jobs go back to the queue at once.
 
 use std::{ffi::OsString, net::SocketAddr, path::PathBuf, process::Stdio, time::Duration};
 
@@ -16,30 +15,30 @@ use tokio_util::{sync::CancellationToken, task::TaskTracker};
 
 use crate::{app::App, service::StartError, tokens::Child};
 
-/// The environment variable with the server's address, `http://127.0.0.1:7070` say.
+/// The environment variable with the server's address, for example `http://127.0.0.1:7070`.
 pub const SERVER_VARIABLE: &str = "BENDTWIN_SERVER";
 /// The environment variable with the worker token.
 pub const TOKEN_VARIABLE: &str = "BENDTWIN_WORKER_TOKEN";
-/// The environment variable with what computes: `auto`, `cpu` or `cuda`.
+/// The environment variable with the backend: `auto`, `cpu` or `cuda`.
 pub const BACKEND_VARIABLE: &str = "BENDTWIN_BACKEND";
 /// The environment variable with the number of the CUDA device.
 pub const DEVICE_VARIABLE: &str = "BENDTWIN_DEVICE";
 
-/// A child that lived so long was healthy: the next restart is quick again.
+/// Lifetime from which a child counts as healthy: the next restart is quick again.
 const HEALTHY_AFTER: Duration = Duration::from_secs(3);
 
 /// The supervisor of all children.
 #[derive(Debug)]
 pub(crate) struct Supervisor {
     stop: CancellationToken,
-    /// Past the grace: kill.
+    /// Cancelled after the grace period: children are killed.
     kill: CancellationToken,
     tasks: TaskTracker,
 }
 
-/// What to run, for every child alike.
+/// Program, arguments and environment of every child.
 #[derive(Clone, Debug)]
-struct Recipe {
+struct SpawnOptions {
     program: PathBuf,
     args: Vec<OsString>,
     server: String,
@@ -50,7 +49,7 @@ struct Recipe {
     max_backoff: Duration,
 }
 
-impl Recipe {
+impl SpawnOptions {
     /// The device of the worker in a slot, if any were named.
     fn device(&self, slot: u32) -> Option<u32> {
         let turn = (slot as usize).checked_rem(self.devices.len())?;
@@ -73,7 +72,7 @@ pub(crate) fn start(app: &App, address: SocketAddr) -> Result<Supervisor, StartE
         Some(program) => program.clone(),
         None => std::env::current_exe().map_err(StartError::Program)?,
     };
-    let recipe = Recipe {
+    let spawn_options = SpawnOptions {
         program,
         args: policy.args.iter().map(OsString::from).collect(),
         server: format!("http://{}", reachable(address)),
@@ -84,13 +83,19 @@ pub(crate) fn start(app: &App, address: SocketAddr) -> Result<Supervisor, StartE
     };
     for slot in 0..policy.count {
         let (stop, kill) = (supervisor.stop.clone(), supervisor.kill.clone());
-        let keeper = Keeper { app: app.clone(), recipe: recipe.clone(), slot, stop, kill };
-        supervisor.tasks.spawn(keeper.run());
+        let slot_supervisor = SlotSupervisor {
+            app: app.clone(),
+            spawn_options: spawn_options.clone(),
+            slot,
+            stop,
+            kill,
+        };
+        supervisor.tasks.spawn(slot_supervisor.run());
     }
     Ok(supervisor)
 }
 
-/// The address as this machine's processes reach it.
+/// The address at which processes on this machine reach the server.
 fn reachable(address: SocketAddr) -> SocketAddr {
     let mut address = address;
     if address.ip().is_unspecified() {
@@ -103,7 +108,7 @@ fn reachable(address: SocketAddr) -> SocketAddr {
 }
 
 impl Supervisor {
-    /// Ends all children: asked first, killed after the grace.
+    /// Ends all children: asked first, killed after the grace period.
     pub(crate) async fn stop(self, grace: Duration) {
         self.stop.cancel();
         self.tasks.close();
@@ -114,59 +119,59 @@ impl Supervisor {
     }
 }
 
-/// Keeps one slot filled.
-struct Keeper {
+/// Supervisor of one slot: starts a child whenever there is none.
+struct SlotSupervisor {
     app: App,
-    recipe: Recipe,
+    spawn_options: SpawnOptions,
     slot: u32,
     stop: CancellationToken,
     kill: CancellationToken,
 }
 
-impl Keeper {
+impl SlotSupervisor {
     async fn run(self) {
-        let mut backoff = self.recipe.min_backoff;
+        let mut backoff = self.spawn_options.min_backoff;
         let mut generation = 0u32;
         while !self.stop.is_cancelled() {
             let child = Child(u64::from(generation) << 32 | u64::from(self.slot));
             generation = generation.wrapping_add(1);
             let started = Instant::now();
             match self.spawn(child) {
-                Ok(process) => self.attend(child, process).await,
+                Ok(process) => self.wait_for_exit(child, process).await,
                 Err(error) => {
-                    let program = self.recipe.program.display();
+                    let program = self.spawn_options.program.display();
                     tracing::error!(%error, %program, "cannot start a worker");
                 }
             }
             self.clean_up(child).await;
             if started.elapsed() >= HEALTHY_AFTER {
-                backoff = self.recipe.min_backoff;
+                backoff = self.spawn_options.min_backoff;
             }
             let () = tokio::select! {
                 () = self.stop.cancelled() => (),
                 () = tokio::time::sleep(backoff) => (),
             };
-            backoff = (backoff * 2).min(self.recipe.max_backoff);
+            backoff = (backoff * 2).min(self.spawn_options.max_backoff);
         }
     }
 
     fn spawn(&self, child: Child) -> std::io::Result<Process> {
-        let mut command = Command::new(&self.recipe.program);
-        if let Some(device) = self.recipe.device(self.slot) {
+        let mut command = Command::new(&self.spawn_options.program);
+        if let Some(device) = self.spawn_options.device(self.slot) {
             command.env(DEVICE_VARIABLE, device.to_string());
         }
         command
-            .args(&self.recipe.args)
-            .env(SERVER_VARIABLE, &self.recipe.server)
+            .args(&self.spawn_options.args)
+            .env(SERVER_VARIABLE, &self.spawn_options.server)
             .env(TOKEN_VARIABLE, self.app.tokens.issue(child))
-            .env(BACKEND_VARIABLE, &self.recipe.backend)
+            .env(BACKEND_VARIABLE, &self.spawn_options.backend)
             .stdin(Stdio::piped())
             .kill_on_drop(true)
             .spawn()
     }
 
-    /// Waits until the process ends, by itself or because it is told to.
-    async fn attend(&self, child: Child, mut process: Process) {
+    /// Waits until the process ends, by itself or on request.
+    async fn wait_for_exit(&self, child: Child, mut process: Process) {
         tracing::info!(slot = self.slot, pid = process.id(), "worker started");
         // Dropping it ends the child's standard input.
         let stdin = process.stdin.take();
@@ -195,11 +200,11 @@ impl Keeper {
             Ok(status) => {
                 tracing::warn!(slot = self.slot, %status, ?child, "worker ended, restarting");
             }
-            Err(error) => tracing::error!(slot = self.slot, %error, "worker lost from sight"),
+            Err(error) => tracing::error!(slot = self.slot, %error, "cannot wait for the worker"),
         }
     }
 
-    /// No call with the child's token gets through any more; its jobs go back.
+    /// Revokes the child's token, so that no further call gets through, and gives its jobs back.
     async fn clean_up(&self, child: Child) {
         self.app.tokens.revoke(child);
         for worker in self.app.dispatch.of_child(child) {

@@ -1,5 +1,5 @@
-//! Who may speak as a worker: holders of the shared token, and the server's
-//! own processes, each with a token that lives as long as the process.
+//! Tokens of workers: the shared token, and one for each of the server's own processes, valid as
+//! long as the process lives.
 
 use std::{
     collections::HashMap,
@@ -12,12 +12,12 @@ use blake3::Hash;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Child(pub(crate) u64);
 
-/// Who shows a token.
+/// Holder of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Bearer {
-    /// Started by others, with the shared token.
+    /// A worker started by others, with the shared token.
     External,
-    /// Started by the server.
+    /// A worker started by the server.
     Child(Child),
 }
 
@@ -47,7 +47,7 @@ impl Tokens {
         self.children().remove(&child);
     }
 
-    /// Whose token that is, if it is valid.
+    /// The holder of a token, if it is valid.
     pub(crate) fn bearer(&self, token: &str) -> Option<Bearer> {
         let hash = blake3::hash(token.as_bytes());
         if self.shared == Some(hash) {

@@ -6,17 +6,17 @@ use bendtwin_core::{Category, Problem};
 use bytes::{Bytes, BytesMut};
 use tempfile::NamedTempFile;
 
-use crate::link::{Link, LinkError};
+use crate::server_client::{CallError, ServerClient};
 
-/// Why content could not be fetched.
+/// Reason for which content could not be fetched.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum FetchError {
     /// The server did not give it.
     #[error("cannot fetch {name}: {}", fault.message)]
     Server {
-        /// What was wanted.
+        /// Name of the content.
         name: String,
-        /// What the server said.
+        /// The server's error.
         fault: bendtwin_core::Fault,
     },
     /// Another worker has the job.
@@ -27,15 +27,15 @@ pub(crate) enum FetchError {
         "{name} is larger than {limit} bytes, the most that this worker takes: raise its limit"
     )]
     TooLarge {
-        /// What was wanted.
+        /// Name of the content.
         name: String,
         /// The limit.
         limit: u64,
     },
-    /// What arrived is not what was stored.
+    /// The content has another digest than the stored one.
     #[error("{name} has digest {found} where {expected} was stored: the stored file is damaged")]
     Digest {
-        /// What was wanted.
+        /// Name of the content.
         name: String,
         /// Digest of what arrived.
         found: String,
@@ -45,9 +45,9 @@ pub(crate) enum FetchError {
     /// The temporary file cannot be written.
     #[error("cannot keep {name} in a temporary file: {source}; free disk space or set --cache-dir")]
     Disk {
-        /// What was wanted.
+        /// Name of the content.
         name: String,
-        /// Why.
+        /// The system's error.
         source: std::io::Error,
     },
 }
@@ -72,18 +72,22 @@ impl Problem for FetchError {
     }
 }
 
-fn server(name: &str, error: LinkError) -> FetchError {
+fn server_error(name: &str, error: CallError) -> FetchError {
     match error {
-        LinkError::Stale => FetchError::Stale,
+        CallError::Stale => FetchError::Stale,
         other => FetchError::Server { name: name.to_owned(), fault: other.fault() },
     }
 }
 
 /// Fetches content into memory, up to `limit` bytes.
-pub(crate) async fn fetch(link: &Link, name: &str, limit: u64) -> Result<Bytes, FetchError> {
-    let mut download = link.download(name.to_owned()).await.map_err(|e| server(name, e))?;
+pub(crate) async fn fetch(
+    server: &ServerClient,
+    name: &str,
+    limit: u64,
+) -> Result<Bytes, FetchError> {
+    let mut download = server.download(name.to_owned()).await.map_err(|e| server_error(name, e))?;
     let mut content = BytesMut::new();
-    while let Some(chunk) = download.next().await.map_err(|e| server(name, e))? {
+    while let Some(chunk) = download.next().await.map_err(|e| server_error(name, e))? {
         if (content.len() + chunk.len()) as u64 > limit {
             return Err(FetchError::TooLarge { name: name.to_owned(), limit });
         }
@@ -94,7 +98,7 @@ pub(crate) async fn fetch(link: &Link, name: &str, limit: u64) -> Result<Bytes, 
 
 /// Fetches content into a temporary file in `dir` and checks its digest where one is known.
 pub(crate) async fn fetch_file(
-    link: &Link,
+    server: &ServerClient,
     name: &str,
     digest: Option<&str>,
     dir: &Path,
@@ -106,9 +110,9 @@ pub(crate) async fn fetch_file(
         .tempfile_in(dir)
         .map_err(disk)?;
     let mut hasher = blake3::Hasher::new();
-    let mut download = link.download(name.to_owned()).await.map_err(|e| server(name, e))?;
+    let mut download = server.download(name.to_owned()).await.map_err(|e| server_error(name, e))?;
     // Chunks are small and go to the page cache, so writing in place blocks no one for long.
-    while let Some(chunk) = download.next().await.map_err(|e| server(name, e))? {
+    while let Some(chunk) = download.next().await.map_err(|e| server_error(name, e))? {
         hasher.update(&chunk);
         file.write_all(&chunk).map_err(disk)?;
     }

@@ -1,17 +1,17 @@
-//! Why a worker process ends.
+//! Errors that end a worker process.
 
 use bendtwin_core::{Category, Problem};
 
-/// Why a worker could not start or go on.
+/// Reason for which a worker could not start or go on.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// An option cannot work.
     #[error("{0}")]
     Options(String),
-    /// The server's address is none.
+    /// The server's address is not a URL.
     #[error("`{url}` is not a server address: give one like http://127.0.0.1:7070")]
     Address {
-        /// What was given.
+        /// The address as given.
         url: String,
     },
     /// The address for rollouts cannot be bound.
@@ -19,12 +19,12 @@ pub enum Error {
     Listen {
         /// The address.
         address: String,
-        /// Why.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// CUDA was asked for and cannot be used.
-    #[error("CUDA cannot be used: {0}")]
-    NoCuda(String),
+    /// The chosen backend cannot be opened.
+    #[error(transparent)]
+    Backend(#[from] bendtwin_backends::Error),
     /// The compute device failed. A device that has failed once may fail or lie from then on, so the
     /// process must restart.
     #[error("the compute device failed ({0}); this worker ends so that a fresh one can start")]
@@ -32,9 +32,9 @@ pub enum Error {
     /// A thread or directory cannot be made.
     #[error("cannot {what}: {source}")]
     System {
-        /// What was tried.
+        /// The operation that failed.
         what: &'static str,
-        /// Why it failed.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The server refuses this worker.
@@ -50,7 +50,7 @@ impl Problem for Error {
         match self {
             Self::Options(_) | Self::Address { .. } => Category::InvalidArgument,
             Self::Listen { .. } | Self::System { .. } => Category::Unavailable,
-            Self::NoCuda(_) => Category::FailedPrecondition,
+            Self::Backend(e) => e.category(),
             Self::Refused(_) => Category::PermissionDenied,
             Self::DeviceFailed(_) | Self::Panicked(_) => Category::Internal,
         }
@@ -61,7 +61,7 @@ impl Problem for Error {
             Self::Address { .. } => "INVALID_SERVER_ADDRESS",
             Self::Listen { .. } => "CANNOT_LISTEN",
             Self::System { .. } => "SYSTEM_REFUSED",
-            Self::NoCuda(_) => "NO_CUDA",
+            Self::Backend(e) => e.reason(),
             Self::DeviceFailed(_) => "DEVICE_FAILED",
             Self::Refused(_) => "WORKER_REFUSED",
             Self::Panicked(_) => "JOB_PANICKED",

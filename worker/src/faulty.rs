@@ -1,21 +1,20 @@
-//! A backend for tests that fails as devices do, when it is told to. Everything else is the CPU's.
+//! A backend for tests that fails on request, as devices do. Everything else is the CPU's.
 
 use std::sync::{
     Arc, Mutex,
     atomic::{AtomicUsize, Ordering},
 };
 
-use bendtwin_core::Params;
+use bendtwin_core::{CancelToken, Params};
 use bendtwin_engine::{
     Backend, Device, Loaded, Model,
     backend::{
-        CancelToken, Divergence, Error, Gradient, GradientRequest, Instance, Loss, Memory,
-        Recording, Rollout,
+        Divergence, Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout,
     },
-    descent::{Decay, Descent, HostDescent, Start},
+    optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
 
-/// What happens to a rollout.
+/// A fault injected into a rollout.
 #[derive(Clone, Debug)]
 pub(crate) enum Injected {
     Fails(Error),
@@ -23,13 +22,13 @@ pub(crate) enum Injected {
     Diverges,
 }
 
-/// What the test knows and decides.
+/// State shared with the test.
 #[derive(Default)]
 pub(crate) struct Script {
-    /// So many models have room at once, each a byte.
+    /// Number of models that have room at once, one byte each.
     pub(crate) room: AtomicUsize,
     resident: AtomicUsize,
-    /// What happens to the next rollouts, in order.
+    /// Faults of the next rollouts, in order.
     pub(crate) rollouts: Mutex<Vec<Injected>>,
 }
 
@@ -100,7 +99,7 @@ impl Backend for Faulty {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
         let mut script = self.script.rollouts.lock().unwrap();
@@ -116,7 +115,7 @@ impl Backend for Faulty {
                 };
                 Ok(vec![nan; batch.len()])
             }
-            None => self.cpu.roll_out(&Self::batch(batch), recording, cancel),
+            None => self.cpu.roll_out(&Self::batch(batch), outputs, cancel),
         }
     }
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
@@ -130,8 +129,12 @@ impl Backend for Faulty {
     ) -> Result<Vec<Gradient>, Error> {
         self.cpu.gradients(&Self::batch(batch), request, cancel)
     }
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
-        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
+        Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
     fn memory(&self) -> Option<Memory> {
         let total = self.script.room.load(Ordering::SeqCst) as u64;

@@ -1,5 +1,4 @@
-//! One fit job from lease to twin: fetches what the ingest made of the capture and
-//! computes on a thread of its own.
+//! One fit job from lease to twin: fetches the observation and computes on a thread of its own.
 
 mod compute;
 mod twin;
@@ -12,7 +11,7 @@ use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 use tracing::Instrument as _;
 
-use self::compute::{Compute, Finished, Task};
+use self::compute::{Compute, Finished, Inputs};
 use crate::{
     Error, Limits, artifact,
     device::Device,
@@ -21,33 +20,34 @@ use crate::{
         stop::{Reason, Stop},
     },
     leasing::Execute,
-    link::Link,
     observation,
+    server_client::ServerClient,
 };
 
-/// What fit jobs need of the process.
+/// Executor of fit jobs.
 #[derive(Clone)]
 pub(crate) struct Fits {
-    pub(crate) link: Link,
+    pub(crate) server: ServerClient,
     pub(crate) device: Device,
     /// workers/{uuid}
     pub(crate) worker: String,
-    /// Where observations are put while they are read.
+    /// Folder for observations while they are read.
     pub(crate) dir: PathBuf,
     pub(crate) limits: Limits,
-    /// How long a result is held on to while the server is gone.
-    pub(crate) patience: Duration,
-    /// Told when the process must restart.
+    /// Time for which a result is kept while the server cannot be reached.
+    pub(crate) delivery_timeout: Duration,
+    /// Channel for errors after which the process must restart.
     pub(crate) fatal: mpsc::UnboundedSender<Error>,
 }
 
-/// How long a fit that nobody wants any more may take to hear so. Reading a capture hears nothing.
-const HEARING: Duration = Duration::from_millis(500);
+/// Time for which a stopped fit may go on before it is abandoned. Reading a capture does not check
+/// for cancellation.
+const CANCEL_GRACE: Duration = Duration::from_millis(500);
 
-/// What the fit's thread will say at its end.
+/// The outcome that the fit's thread will send.
 type Thread = oneshot::Receiver<Outcome>;
 
-/// How the work on a job ended.
+/// Outcome of the work on a job.
 enum Outcome {
     Finished(Box<Finished>),
     Failed(Fault),
@@ -58,8 +58,8 @@ enum Outcome {
 impl Execute for Fits {
     const KIND: Kind = Kind::Fit;
 
-    fn link(&self) -> &Link {
-        &self.link
+    fn server(&self) -> &ServerClient {
+        &self.server
     }
 
     fn worker(&self) -> &str {
@@ -81,7 +81,7 @@ impl Execute for Fits {
 impl Fits {
     async fn execute_in_span(&self, lease: Lease, drain: &CancellationToken) {
         tracing::info!(capture = lease.capture, resumed = lease.has_checkpoint, "fit leased");
-        let job = Job::new(self.link.clone(), self.worker.clone(), &lease);
+        let job = Job::new(self.server.clone(), self.worker.clone(), &lease);
         let stop = Stop::default();
         let (progress, reporter) = report::start(job.clone(), stop.clone());
         let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
@@ -104,10 +104,10 @@ impl Fits {
         }
     }
 
-    /// Fetches what is needed and starts the thread that makes the twin.
+    /// Fetches the inputs and starts the thread that computes.
     async fn begin(&self, lease: &Lease, compute: Compute) -> Result<Thread, Fault> {
         let stop = compute.stop.clone();
-        let task = tokio::select! {
+        let inputs = tokio::select! {
             fetched = self.fetch(lease) => fetched?,
             () = stop.stopped() => return Err(cancelled()),
         };
@@ -115,12 +115,14 @@ impl Fits {
         let fit = std::thread::Builder::new().name("fit".to_owned());
         let (done, result) = oneshot::channel();
         let spawned = fit.spawn(move || {
-            let run = || compute.run(task, &device, &limits);
+            let run = || compute.run(inputs, &device, &limits);
             let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
             let outcome = match caught {
                 Ok(Ok(finished)) => Outcome::Finished(Box::new(finished)),
                 Ok(Err(fault)) => Outcome::Failed(fault),
-                Err(panic) => Outcome::Panicked(crate::device::panic_text(&*panic)),
+                Err(panic) => {
+                    Outcome::Panicked(bendtwin_core::error::panic_text(&*panic).to_owned())
+                }
             };
             let _ = done.send(outcome);
         });
@@ -134,22 +136,22 @@ impl Fits {
         }
     }
 
-    async fn fetch(&self, lease: &Lease) -> Result<Task, Fault> {
+    async fn fetch(&self, lease: &Lease) -> Result<Inputs, Fault> {
         let settings = settings_of(&lease.settings_json)?;
         let (name, digest) = (observation::name(&lease.capture), &lease.observation_digest);
-        let observation = artifact::fetch_file(&self.link, &name, Some(digest), &self.dir)
+        let observation = artifact::fetch_file(&self.server, &name, Some(digest), &self.dir)
             .await
             .map_err(|e| e.fault())?;
         let checkpoint = if lease.has_checkpoint {
-            let fetched = artifact::fetch(&self.link, &lease.job, checkpoints::MAX_BYTES).await;
+            let fetched = artifact::fetch(&self.server, &lease.job, checkpoints::MAX_BYTES).await;
             Some(fetched.map_err(|e| e.fault())?)
         } else {
             None
         };
-        Ok(Task { lease: lease.clone(), settings, observation, checkpoint })
+        Ok(Inputs { lease: lease.clone(), settings, observation, checkpoint })
     }
 
-    /// Tells the server how it ended.
+    /// Reports the outcome to the server.
     async fn conclude(
         &self,
         job: &Job,
@@ -162,14 +164,14 @@ impl Fits {
             tracing::warn!("the lease is stale: another worker has the job");
             return saver.abort();
         }
-        let delivery = deliver::Delivery { job, drain, patience: self.patience };
+        let delivery = deliver::Delivery { job, drain, delivery_timeout: self.delivery_timeout };
         match (outcome, stop.reason()) {
             (Outcome::Finished(finished), _) => {
                 saver.abort();
                 twin::deliver(&delivery, *finished).await;
             }
             (Outcome::Failed(fault), stopped) => {
-                delivery.give_up("fit", fault, stopped, saver).await;
+                delivery.fail_unfinished("fit", fault, stopped, saver).await;
             }
             (Outcome::Panicked(text), _) => {
                 saver.flush().await;
@@ -188,15 +190,15 @@ impl Fits {
     }
 }
 
-/// Waits for the thread's outcome; if nobody wants it any more, not for long: then the thread is
-/// given back as well.
+/// Waits for the thread's outcome. If the job is stopped, the wait is short, and the thread that
+/// still runs is returned as well.
 async fn finish(mut thread: Thread, stop: &Stop) -> (Outcome, Option<Thread>) {
-    let unheard = async {
+    let abandoned = async {
         stop.stopped().await;
         match stop.reason() {
             // A job that is handed back is worth its last checkpoint.
             Some(Reason::Drained) => std::future::pending().await,
-            _ => tokio::time::sleep(HEARING).await,
+            _ => tokio::time::sleep(CANCEL_GRACE).await,
         }
     };
     tokio::select! {
@@ -205,7 +207,7 @@ async fn finish(mut thread: Thread, stop: &Stop) -> (Outcome, Option<Thread>) {
             let vanished = |_| Outcome::Panicked("the fit's thread ended".to_owned());
             (outcome.unwrap_or_else(vanished), None)
         }
-        () = unheard => (Outcome::Failed(cancelled()), Some(thread)),
+        () = abandoned => (Outcome::Failed(cancelled()), Some(thread)),
     }
 }
 

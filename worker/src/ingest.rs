@@ -1,16 +1,16 @@
-//! One ingest job from lease to observation and report. The capture is a stranger's file, so it is read
-//! in a process of its own, under a memory limit: whatever it does to that one, worker and server live.
+//! One ingest job from lease to observation and report. Captures are untrusted files, so each is
+//! read in a process of its own under a memory limit: whatever happens to that process, worker and
+//! server are unharmed.
 //!
 //! ```text
 //!   server ◄── lease, progress, checkpoints, result ──► worker ◄── lines, files ──► child
 //! ```
 //!
-//! [`protocol`] is what the two say to each other, `child` the worker's side of it, `process` the
-//! child's, and [`observe()`] what is done in there; `deliver` takes the result to the server.
+//! [`protocol`] defines the messages between the two, `child` is the worker's side, `process` the
+//! child's, and [`bendtwin_ingest::ingest()`] the work itself; `deliver` takes the result to the server.
 
 mod child;
 mod deliver;
-mod observe;
 mod process;
 mod protocol;
 
@@ -22,13 +22,10 @@ use tempfile::TempDir;
 use tokio_util::sync::CancellationToken;
 use tracing::Instrument as _;
 
+pub use self::process::ingest_capture;
 use self::{
     child::Child,
     protocol::{ARCHIVE, CHECKPOINT, Request},
-};
-pub use self::{
-    observe::{Observed, Watcher, observe},
-    process::ingest_capture,
 };
 use crate::{
     artifact,
@@ -39,30 +36,30 @@ use crate::{
         stop::{Reason, Stop},
     },
     leasing::Execute,
-    link::Link,
+    server_client::ServerClient,
 };
 
-/// What ingest jobs need of the process.
+/// Executor of ingest jobs.
 #[derive(Clone)]
 pub(crate) struct Ingests {
-    pub(crate) link: Link,
+    pub(crate) server: ServerClient,
     /// workers/{uuid}
     pub(crate) worker: String,
-    /// Where captures are put while they are read.
+    /// Folder for captures while they are read.
     pub(crate) dir: PathBuf,
-    /// The program whose `ingest-capture` reads them.
+    /// The program whose command `ingest-capture` reads them.
     pub(crate) program: PathBuf,
-    /// Memory that it may take [bytes].
+    /// Memory that the child may take [bytes].
     pub(crate) memory_bytes: u64,
-    /// How long a result is held on to while the server is gone.
-    pub(crate) patience: Duration,
+    /// Time for which a result is kept while the server cannot be reached.
+    pub(crate) delivery_timeout: Duration,
 }
 
 impl Execute for Ingests {
     const KIND: Kind = Kind::Ingest;
 
-    fn link(&self) -> &Link {
-        &self.link
+    fn server(&self) -> &ServerClient {
+        &self.server
     }
 
     fn worker(&self) -> &str {
@@ -84,7 +81,7 @@ impl Execute for Ingests {
 impl Ingests {
     async fn execute_in_span(&self, lease: Lease, drain: &CancellationToken) {
         tracing::info!(resumed = lease.has_checkpoint, "ingest leased");
-        let job = Job::new(self.link.clone(), self.worker.clone(), &lease);
+        let job = Job::new(self.server.clone(), self.worker.clone(), &lease);
         let stop = Stop::default();
         let (progress, reporter) = reporting::start(job.clone(), stop.clone());
         let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
@@ -100,14 +97,16 @@ impl Ingests {
             // Dropping the attempt kills the child.
             () = stop.stopped() => Err(stopped()),
         };
-        let delivery = Delivery { job: &job, drain, patience: self.patience };
+        let delivery = Delivery { job: &job, drain, delivery_timeout: self.delivery_timeout };
         match (outcome, stop.reason()) {
             (_, Some(Reason::Stale)) => {
                 tracing::warn!("the job is gone, or another worker has it");
                 saver.abort();
             }
-            (Err(fault), stopped) => delivery.give_up("ingest", fault, stopped, saver).await,
-            // What is done is delivered, whoever asks to stop meanwhile.
+            (Err(fault), stopped) => {
+                delivery.fail_unfinished("ingest", fault, stopped, saver).await
+            }
+            // A finished result is delivered even if the job was asked to stop meanwhile.
             (Ok((folder, ended)), _) => {
                 saver.abort();
                 deliver::deliver(&delivery, folder.path(), ended, &lease).await;
@@ -117,7 +116,7 @@ impl Ingests {
         reporter.abort();
     }
 
-    /// Puts into a folder of its own what the child needs.
+    /// Prepares a folder for the child: archive, checkpoint and request.
     async fn prepare(&self, lease: &Lease) -> Result<TempDir, Fault> {
         let disk = |source: std::io::Error| Fault {
             category: Category::ResourceExhausted,
@@ -127,12 +126,12 @@ impl Ingests {
         let folder =
             tempfile::Builder::new().prefix("ingest-").tempdir_in(&self.dir).map_err(disk)?;
         let digest = Some(lease.capture_digest.as_str());
-        let archive = artifact::fetch_file(&self.link, &lease.capture, digest, folder.path())
+        let archive = artifact::fetch_file(&self.server, &lease.capture, digest, folder.path())
             .await
             .map_err(|e| e.fault())?;
         archive.persist(folder.path().join(ARCHIVE)).map_err(|e| disk(e.error))?;
         if lease.has_checkpoint {
-            let checkpoint = artifact::fetch(&self.link, &lease.job, checkpoints::MAX_BYTES)
+            let checkpoint = artifact::fetch(&self.server, &lease.job, checkpoints::MAX_BYTES)
                 .await
                 .map_err(|e| e.fault())?;
             std::fs::write(folder.path().join(CHECKPOINT), checkpoint).map_err(disk)?;

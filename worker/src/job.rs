@@ -1,5 +1,5 @@
-//! A leased job of either kind, and what surrounds the work on it: the lease is renewed, progress reported,
-//! checkpoints saved and the last word delivered from tasks that no computation can hold up.
+//! A leased job of either kind. Its lease is renewed, progress reported, checkpoints saved and the
+//! result delivered by tasks of their own, which no computation can hold up.
 
 pub(crate) mod checkpoints;
 pub(crate) mod deliver;
@@ -14,12 +14,12 @@ use bendtwin_proto::{
 use bytes::Bytes;
 
 use self::deliver::Failure;
-use crate::link::{Link, LinkError};
+use crate::server_client::{CallError, ServerClient};
 
 /// A leased job: every write carries the lease's epoch.
 #[derive(Clone)]
 pub(crate) struct Job {
-    link: Link,
+    server: ServerClient,
     worker: String,
     /// fits/{uuid} or ingests/{uuid}
     name: String,
@@ -27,30 +27,30 @@ pub(crate) struct Job {
 }
 
 impl Job {
-    pub(crate) fn new(link: Link, worker: String, lease: &Lease) -> Self {
-        Self { link, worker, name: lease.job.clone(), epoch: lease.epoch }
+    pub(crate) fn new(server: ServerClient, worker: String, lease: &Lease) -> Self {
+        Self { server, worker, name: lease.job.clone(), epoch: lease.epoch }
     }
 
-    /// Renews the lease and stores progress. Says whether cancellation is wanted.
-    pub(crate) async fn report(&self, progress: Option<&Progress>) -> Result<bool, LinkError> {
+    /// Renews the lease and stores progress. Returns true if the job has been asked to stop.
+    pub(crate) async fn report(&self, progress: Option<&Progress>) -> Result<bool, CallError> {
         let request = ReportJobRequest {
             worker: self.worker.clone(),
             job: self.name.clone(),
             epoch: self.epoch,
             progress: progress.map(wire_progress),
         };
-        Ok(self.link.report_job(request).await?.cancel_requested)
+        Ok(self.server.report_job(request).await?.cancel_requested)
     }
 
-    pub(crate) async fn save_checkpoint(&self, content: Bytes) -> Result<(), LinkError> {
-        self.link.save_checkpoint(self.write_of(&content), content).await
+    pub(crate) async fn save_checkpoint(&self, content: Bytes) -> Result<(), CallError> {
+        self.server.save_checkpoint(self.write_of(&content), content).await
     }
 
-    pub(crate) fn link(&self) -> &Link {
-        &self.link
+    pub(crate) fn server(&self) -> &ServerClient {
+        &self.server
     }
 
-    pub(crate) async fn fail(&self, fault: &Fault, kind: Failure) -> Result<(), LinkError> {
+    pub(crate) async fn fail(&self, fault: &Fault, kind: Failure) -> Result<(), CallError> {
         let request = FailJobRequest {
             worker: self.worker.clone(),
             job: self.name.clone(),
@@ -58,15 +58,15 @@ impl Job {
             end: End::from(kind).into(),
             fault: Some(fault.into()),
         };
-        self.link.fail_job(request).await
+        self.server.fail_job(request).await
     }
 
-    /// What a write of this content says of itself.
+    /// Header of a write of this content.
     pub(crate) fn write_of(&self, content: &[u8]) -> JobWrite {
         JobWrite { digest: blake3::hash(content).to_hex().to_string(), ..self.write() }
     }
 
-    /// What a write of several contents says of itself.
+    /// Header of a write of several contents.
     pub(crate) fn write(&self) -> JobWrite {
         JobWrite {
             worker: self.worker.clone(),

@@ -1,4 +1,4 @@
-//! Asks the server for jobs of a kind, one after another.
+//! Leases jobs of one kind from the server, one after another.
 
 use std::time::Duration;
 
@@ -8,28 +8,28 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     Error,
-    link::{Backoff, Link, LinkError},
-    presence::{Presence, is_unknown},
+    registration::{Registration, is_unknown},
+    server_client::{Backoff, CallError, ServerClient},
 };
 
-/// How long the server may hold a call for a job.
-const WAIT: Duration = Duration::from_secs(20);
+/// Longest time for which the server may hold a call for a job.
+const LEASE_WAIT: Duration = Duration::from_secs(20);
 
-/// When to stop.
+/// Signals to stop leasing.
 #[derive(Clone, Debug)]
-pub(crate) struct Until {
+pub(crate) struct StopSignals {
     /// No further job is leased.
     pub(crate) closed: CancellationToken,
     /// The job under way is handed back, too.
     pub(crate) drained: CancellationToken,
 }
 
-/// Whoever works on jobs of a kind.
+/// Executor of jobs of one kind.
 pub(crate) trait Execute: Send + Sync {
-    /// The jobs that it works on.
+    /// The kind of jobs.
     const KIND: Kind;
 
-    fn link(&self) -> &Link;
+    fn server(&self) -> &ServerClient;
 
     /// workers/{uuid}
     fn worker(&self) -> &str;
@@ -44,23 +44,23 @@ pub(crate) trait Execute: Send + Sync {
 /// If the server refuses this worker for good.
 pub(crate) async fn lease<E: Execute>(
     executor: &E,
-    presence: &Presence,
-    until: &Until,
+    registration: &Registration,
+    stop: &StopSignals,
 ) -> Result<(), Error> {
     let mut backoff = Backoff::default();
-    while !until.closed.is_cancelled() {
+    while !stop.closed.is_cancelled() {
         let leased = tokio::select! {
-            leased = executor.link().lease_job(E::KIND, executor.worker().to_owned(), WAIT) => leased,
-            () = until.closed.cancelled() => return Ok(()),
+            leased = executor.server().lease_job(E::KIND, executor.worker().to_owned(), LEASE_WAIT) => leased,
+            () = stop.closed.cancelled() => return Ok(()),
         };
         match leased {
             Ok(lease) => {
                 backoff = Backoff::default();
                 if let Some(lease) = lease {
-                    executor.execute(lease, &until.drained).await;
+                    executor.execute(lease, &stop.drained).await;
                 }
             }
-            Err(LinkError::Refused(fault))
+            Err(CallError::Refused(fault))
                 if matches!(
                     fault.category,
                     Category::Unauthenticated | Category::PermissionDenied
@@ -70,13 +70,13 @@ pub(crate) async fn lease<E: Execute>(
             }
             Err(error) => {
                 if is_unknown(&error) {
-                    presence.register_again().await;
+                    registration.register_again().await;
                 } else {
                     tracing::debug!("no job: {}", error.fault());
                 }
                 tokio::select! {
                     () = backoff.wait() => {}
-                    () = until.closed.cancelled() => return Ok(()),
+                    () = stop.closed.cancelled() => return Ok(()),
                 }
             }
         }

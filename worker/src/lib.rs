@@ -9,14 +9,12 @@
 //!   ingests ──► a child process each: captures are strangers' files
 //! ```
 //!
-//! Everything that computes goes through the [`device`] in slices, so a rollout waits for one slice of a
-//! fit at most; where the backend has a second, urgent queue, rollouts have a thread of their own and
-//! run beside fits. Whatever happens to this
-//! process, the server's lease runs out and another worker goes on from the
-//! last checkpoint.
+//! Everything that computes goes through the [`device`] in slices, so a rollout waits for one slice
+//! of a fit at most. If the backend has a second, urgent queue, rollouts have a thread of their
+//! own and run beside fits. If this process dies, its leases run out and another worker resumes
+//! from the last checkpoint.
 
 mod artifact;
-mod backend;
 mod device;
 mod error;
 #[cfg(test)]
@@ -25,16 +23,15 @@ mod fit;
 mod ingest;
 mod job;
 mod leasing;
-mod link;
 mod observation;
 mod options;
-mod presence;
+mod registration;
 mod rollout;
 mod run;
 mod scratch;
+mod server_client;
 
-pub use backend::{BackendChoice, BackendOptions, open_backend};
 pub use error::Error;
-pub use ingest::{Observed, Watcher, ingest_capture, observe};
+pub use ingest::ingest_capture;
 pub use options::{Limits, Options};
 pub use run::run;

@@ -1,5 +1,5 @@
-//! What ingests make of captures, as fits and rollouts read it: a bundle that a process of this
-//! project wrote, no stranger's file.
+//! Observations, which ingests make of captures, as fits and rollouts read them. They are bundles
+//! that a process of this project wrote, so they are trusted.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use bendtwin_core::Capture;
 
 use crate::Limits;
 
-/// What the server calls the observation of a capture.
+/// Resource name of the observation of a capture.
 pub(crate) fn name(capture: &str) -> String {
     format!("{capture}/observation")
 }

@@ -1,35 +1,38 @@
-//! What an operator may choose about a worker.
+//! Options of a worker.
 
 use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
-use crate::{BackendOptions, Error};
+use bendtwin_backends as backends;
 
-/// The process that reads a capture takes about so much before it has read anything [bytes].
+use crate::Error;
+
+/// Approximate memory of the process that reads a capture before it has read anything [bytes].
 const LEAST_INGEST_BYTES: u64 = 64 << 20;
 
 /// Options of a worker process.
 #[derive(Clone)]
 pub struct Options {
-    /// The server's address, `http://127.0.0.1:7070` say.
+    /// The server's address, for example `http://127.0.0.1:7070`.
     pub server: String,
     /// The token that server and workers share.
     pub token: String,
-    /// What computes.
-    pub backend: BackendOptions,
-    /// Where rollouts are answered; port 0 takes a free one.
+    /// Backend and device to compute on.
+    pub backend: backends::Options,
+    /// Address at which rollouts are answered; port 0 takes a free one.
     pub listen: SocketAddr,
-    /// The `http://host:port` at which the server reaches `listen`, where that differs (a container, say).
+    /// URL `http://host:port` at which the server reaches `listen`, where that differs (in a
+    /// container, for example).
     pub advertise: Option<String>,
-    /// Where captures are put while they are read; the system's temporary directory if none.
+    /// Folder for captures while they are read; the system's temporary directory if none.
     pub cache_dir: Option<PathBuf>,
-    /// Whether this worker leases jobs or only answers rollouts.
+    /// True to lease jobs, false to answer rollouts only.
     pub fits: bool,
-    /// The program whose hidden command `ingest-capture` reads captures; none means this very program.
+    /// The program whose hidden command `ingest-capture` reads captures; this very program if none.
     pub ingest_program: Option<PathBuf>,
-    /// Bounds on what one worker takes on.
+    /// Bounds on the work of one worker.
     pub limits: Limits,
-    /// How long work that has ended well is held on to while the server cannot be reached.
-    pub patience: Duration,
+    /// Time for which a finished result is kept while the server cannot be reached.
+    pub delivery_timeout: Duration,
 }
 
 impl std::fmt::Debug for Options {
@@ -43,9 +46,9 @@ impl std::fmt::Debug for Options {
     }
 }
 
-/// Bounds on what one worker takes on; what exceeds them is refused with
-/// RESOURCE_EXHAUSTED before anything is allocated. Bounds on rollout requests are the server's, which
-/// tells them to the worker when it registers ([`bendtwin_proto::rollout::Limits`]).
+/// Bounds on the work of one worker; what exceeds them is refused with RESOURCE_EXHAUSTED before
+/// anything is allocated. Bounds on rollout requests are the server's, which sends them to the worker
+/// when it registers ([`bendtwin_proto::rollout::Limits`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Memory of the process that reads a capture [bytes].
@@ -81,14 +84,14 @@ impl Options {
         Self {
             server: server.into(),
             token: token.into(),
-            backend: BackendOptions::default(),
+            backend: backends::Options::default(),
             listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             advertise: None,
             cache_dir: None,
             fits: true,
             ingest_program: None,
             limits: Limits::default(),
-            patience: Duration::from_secs(600),
+            delivery_timeout: Duration::from_secs(600),
         }
     }
 

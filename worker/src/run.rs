@@ -14,19 +14,19 @@ use tokio_util::sync::CancellationToken;
 use tonic::transport::server::TcpIncoming;
 
 use crate::{
-    Error, Options, backend,
+    Error, Options,
     device::Device,
     fit::Fits,
     ingest::Ingests,
-    leasing::{self, Until},
-    link::Link,
-    presence::Presence,
+    leasing::{self, StopSignals},
+    registration::Registration,
     rollout::{self, Replays, Rollouts, WarmTwins},
     scratch::Scratch,
+    server_client::ServerClient,
 };
 
-/// How long rollouts and last words may take once the worker is to end.
-const GRACE: Duration = Duration::from_secs(15);
+/// Longest time for rollouts and final reports once the worker has to end.
+const SHUTDOWN_GRACE: Duration = Duration::from_secs(15);
 
 /// Runs a worker until `shutdown` (jobs under way are handed back with their
 /// latest checkpoints, rollouts are finished) or until the server drains it.
@@ -56,56 +56,56 @@ async fn run_on(
 ) -> Result<(), Error> {
     let id = WorkerId::generate();
     let limits = options.limits;
-    let link = Link::new(&options.server, &options.token)?;
+    let server = ServerClient::new(&options.server, &options.token)?;
     let base = options.cache_dir.clone().unwrap_or_else(std::env::temp_dir);
     let scratch = Scratch::new(&base)
         .map_err(|source| Error::System { what: "make a folder for captures", source })?;
     let dir = scratch.path().to_owned();
 
-    let twins = WarmTwins::new(link.clone(), device.clone(), limits);
-    let replays = Replays::new(link.clone(), dir.clone(), limits);
+    let twins = WarmTwins::new(server.clone(), device.clone(), limits);
+    let replays = Replays::new(server.clone(), dir.clone(), limits);
     let rollouts = Rollouts::new(id.to_string(), device.clone(), twins, replays, limits.rollouts);
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
-    let registration = registration(id, &endpoint, device);
-    let presence = Presence::new(link.clone(), registration, rollouts, device.clone());
+    let request = register_request(id, &endpoint, device);
+    let registration = Registration::new(server.clone(), request, rollouts, device.clone());
     tokio::select! {
-        registered = presence.register(options.patience) => registered?,
+        registered = registration.register(options.delivery_timeout) => registered?,
         () = shutdown.cancelled() => return Ok(()),
     }
     let name = &device.description().name;
     tracing::info!(worker = %id, endpoint, device = name, "worker ready");
-    let beating = tokio::spawn(presence.clone().beat(shutdown.clone()));
+    let heartbeat = tokio::spawn(registration.clone().heartbeat(shutdown.clone()));
 
     // Leasing ends before the job under way does: the job of a worker that must die is not
     // handed back as unharmed, or it would kill one worker after another.
-    let until = Until { closed: shutdown.child_token(), drained: shutdown.clone() };
+    let stop = StopSignals { closed: shutdown.child_token(), drained: shutdown.clone() };
     let fits = Fits {
-        link: link.clone(),
+        server: server.clone(),
         device: device.clone(),
         worker: id.to_string(),
         dir: dir.clone(),
         limits,
-        patience: options.patience,
+        delivery_timeout: options.delivery_timeout,
         fatal,
     };
     let ingests = Ingests {
-        link,
+        server,
         worker: id.to_string(),
         dir,
         program: options.ingest_program.clone().unwrap_or_else(this_program),
         memory_bytes: limits.ingest_bytes,
-        patience: options.patience,
+        delivery_timeout: options.delivery_timeout,
     };
-    let (leases, ends) = (options.fits, until.clone());
+    let (leases, ends) = (options.fits, stop.clone());
     let mut leasing = tokio::spawn(async move {
         if !leases {
             return pending().await;
         }
-        // Side by side: whoever uploads a capture should not wait for others' fits to hear what is wrong with it.
+        // Side by side: the report of an uploaded capture should not wait for the fits of others.
         tokio::try_join!(
-            leasing::lease(&fits, &presence, &ends),
-            leasing::lease(&ingests, &presence, &ends)
+            leasing::lease(&fits, &registration, &ends),
+            leasing::lease(&ingests, &registration, &ends)
         )
         .map(drop)
     });
@@ -114,19 +114,22 @@ async fn run_on(
         error = died.recv() => error.map_or(Ok(()), Err),
         () = shutdown.cancelled() => Ok(()),
     };
-    until.closed.cancel();
-    if leases && !leasing.is_finished() && tokio::time::timeout(GRACE, &mut leasing).await.is_err()
+    stop.closed.cancel();
+    if leases
+        && !leasing.is_finished()
+        && tokio::time::timeout(SHUTDOWN_GRACE, &mut leasing).await.is_err()
     {
         tracing::warn!("the jobs under way did not end in time: their leases will run out");
     }
     leasing.abort();
-    beating.abort();
+    heartbeat.abort();
     serving.stop().await;
     tracing::info!("worker ended");
     result
 }
 
-/// This very program, even if its file has been replaced since it was started: worker and child are of one build.
+/// This very program, even if its file has been replaced since the start: worker and child are of
+/// one build.
 fn this_program() -> PathBuf {
     let running = Path::new("/proc/self/exe");
     if cfg!(target_os = "linux") && running.exists() {
@@ -140,31 +143,31 @@ async fn open_device(
     fatal: mpsc::UnboundedSender<Error>,
 ) -> Result<Device, Error> {
     let backend = options.backend.clone();
-    let open = move || backend::open_backend(&backend);
+    let open = move || Ok(bendtwin_backends::open(&backend)?);
     tokio::task::spawn_blocking(move || Device::spawn(open, fatal))
         .await
         .map_err(|e| Error::Panicked(e.to_string()))?
 }
 
-fn registration(id: WorkerId, endpoint: &str, device: &Device) -> RegisterRequest {
+fn register_request(id: WorkerId, endpoint: &str, device: &Device) -> RegisterRequest {
     let description = device.description();
     RegisterRequest {
         worker: id.to_string(),
         endpoint: endpoint.to_owned(),
         backend: description.kind.clone(),
         device: description.name.clone(),
-        build: concat!("bendtwin ", env!("CARGO_PKG_VERSION")).to_owned(),
+        build: bendtwin_core::BUILD.to_owned(),
         lanes: u32::try_from(description.lanes).unwrap_or(u32::MAX),
     }
 }
 
-/// The rollout service under way.
+/// A rollout service under way.
 struct Serving {
     stop: CancellationToken,
     task: JoinHandle<()>,
 }
 
-/// Binds the address and answers rollouts there; also returns where that is.
+/// Binds the address and answers rollouts there. Also returns the endpoint.
 async fn serve(options: &Options, rollouts: Rollouts) -> Result<(String, Serving), Error> {
     let failed = |source| Error::Listen { address: options.listen.to_string(), source };
     let listener = TcpListener::bind(options.listen).await.map_err(failed)?;
@@ -185,10 +188,10 @@ async fn serve(options: &Options, rollouts: Rollouts) -> Result<(String, Serving
 }
 
 impl Serving {
-    /// Finishes the rollouts under way, within reason.
+    /// Finishes the rollouts under way, for a limited time.
     async fn stop(mut self) {
         self.stop.cancel();
-        if tokio::time::timeout(GRACE, &mut self.task).await.is_err() {
+        if tokio::time::timeout(SHUTDOWN_GRACE, &mut self.task).await.is_err() {
             self.task.abort();
         }
     }

@@ -1,5 +1,5 @@
-//! The folder in which a worker keeps captures while it reads them. It goes with the process; what a
-//! process left that was killed goes with the next one's start.
+//! The folder in which a worker keeps captures while it reads them. It is removed when the process
+//! ends; what a killed process left is removed when the next one starts.
 
 use std::{
     fs::{File, TryLockError},
@@ -10,7 +10,7 @@ use std::{
 use tempfile::TempDir;
 
 const PREFIX: &str = "bendtwin-worker-";
-/// Locked as long as the folder's process lives; the system lets go of it however that ends.
+/// Lock file, held as long as the folder's process lives; the system releases it however that ends.
 const LOCK: &str = "lock";
 
 /// A worker's own folder.
@@ -34,7 +34,7 @@ impl Scratch {
         Ok(Self { folder, _lock: lock })
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub(crate) fn path(&self) -> &Path {
         self.folder.path()
     }
@@ -58,7 +58,7 @@ fn sweep(base: &Path) -> io::Result<()> {
             }
             Err(TryLockError::WouldBlock) => {}
             Err(TryLockError::Error(error)) => {
-                tracing::debug!(path = %path.display(), "cannot tell whose this is: {error}");
+                tracing::debug!(path = %path.display(), "cannot find out whether this folder is in use: {error}");
             }
         }
     }

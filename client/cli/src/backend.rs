@@ -1,34 +1,34 @@
-//! What computes: the options that all commands with physics in them share.
+//! Options of the backend, shared by all commands that simulate.
 
 use std::{path::PathBuf, sync::Arc};
 
+use bendtwin_backends as backends;
 use bendtwin_engine::Backend;
-use bendtwin_worker::{BackendChoice, BackendOptions, open_backend};
 use clap::Args;
 
 use crate::failure;
 
-/// Pieces of work that a GPU does side by side, unless told otherwise: one alone seldom fills it.
+/// Default number of jobs side by side on a GPU, because one alone seldom fills it.
 const GPU_JOBS: usize = 4;
 
-/// Which backend, and what of it may be used.
+/// Choice of the backend and of its resources.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct BackendArgs {
-    /// What computes: auto (CUDA if this machine has it), cpu or cuda
+    /// Backend: auto (CUDA if this machine has it), cpu or cuda
     #[arg(long, env = "BENDTWIN_BACKEND", value_name = "BACKEND", default_value = "auto")]
-    backend: BackendChoice,
-    /// Which CUDA device, counted from 0
+    backend: backends::Choice,
+    /// CUDA device, counted from 0
     #[arg(long, env = "BENDTWIN_DEVICE", value_name = "N", default_value_t = 0)]
     device: usize,
-    /// CUDA memory that may be used [MiB] [default: nine tenths of what is free]
+    /// Most CUDA memory to use [MiB] [default: 90 % of the free memory]
     #[arg(long, env = "BENDTWIN_DEVICE_MEMORY_MIB", value_name = "MIB")]
     device_memory_mib: Option<u64>,
 }
 
 impl BackendArgs {
-    /// As options; compiled kernels are kept in `kernel_dir`.
-    pub(crate) fn options(&self, kernel_dir: Option<PathBuf>) -> BackendOptions {
-        BackendOptions {
+    /// Options for opening a backend; compiled kernels are kept in `kernel_dir`.
+    pub(crate) fn options(&self, kernel_dir: Option<PathBuf>) -> backends::Options {
+        backends::Options {
             choice: self.backend,
             device: self.device,
             device_memory: self.device_memory_mib.map(|mib| mib.saturating_mul(1 << 20)),
@@ -38,11 +38,12 @@ impl BackendArgs {
 
     /// Opens it in this process.
     pub(crate) fn open(&self) -> anyhow::Result<Arc<dyn Backend>> {
-        open_backend(&self.options(None)).map_err(failure::failed)
+        backends::open(&self.options(None)).map_err(failure::failed)
     }
 
-    /// Opens it as often as so many pieces of work are to run side by side; `jobs` says how many, or what suits the
-    /// device. On the CPU they share the cores. On a GPU each has queues of its own and a share of the memory.
+    /// Opens one backend for each job side by side: `jobs` of them, or as many as suit the device,
+    /// at most `work`. On the CPU they share the cores. On a GPU each has its own queues and share
+    /// of the memory.
     pub(crate) fn open_several(
         &self,
         jobs: Option<usize>,
@@ -64,9 +65,9 @@ impl BackendArgs {
         let free = first.memory().map(|m| m.total.saturating_sub(m.used) / 10 * 9);
         options.device_memory = options.device_memory.or(free).map(|bytes| bytes / jobs as u64);
         // What was found once must not be something else the second time.
-        options.choice = BackendChoice::Cuda;
+        options.choice = backends::Choice::Cuda;
         // The first one holds the device open meanwhile, and goes.
-        (0..jobs).map(|_| open_backend(&options).map_err(failure::failed)).collect()
+        (0..jobs).map(|_| backends::open(&options).map_err(failure::failed)).collect()
     }
 
     /// The same choice as environment variables, for a server's workers.

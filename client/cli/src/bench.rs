@@ -1,4 +1,4 @@
-//! `bendtwin bench`: how fast the physics is on this machine, on named scenes.
+//! `bendtwin bench`: speed of the physics on this machine, on named scenes.
 
 mod memory;
 mod tables;
@@ -7,12 +7,13 @@ use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use anyhow::Context as _;
 use bendtwin_bench::{FitPlan, Plan, Report, SceneName, Scheme, Subject};
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::CancelToken;
+use bendtwin_engine::Backend;
 use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
 
-use crate::{args::Global, backend::BackendArgs, failure, output, signals};
+use crate::{backend::BackendArgs, failure, global::Global, output, signals};
 
-/// More instances than any planner asks for at once.
+/// Most instances of a batch, more than planners use.
 const MOST_INSTANCES: u64 = 16_384;
 
 #[derive(Debug, Args)]
@@ -24,7 +25,7 @@ A whole fit takes minutes on a GPU and hours on a CPU; it is measured only if as
 pub(crate) struct Bench {
     /// Scenes [default: all; with --quick: rope and n500]
     scenes: Vec<SceneName>,
-    /// List the scenes and end
+    /// List the scenes and exit
     #[arg(long)]
     list: bool,
     #[command(flatten)]
@@ -32,25 +33,27 @@ pub(crate) struct Bench {
     /// Scenes without bending triplets, with them, or both
     #[arg(long, value_enum, default_value_t = Bending::Both)]
     bending: Bending,
-    /// Instances of a batch of rollouts
+    /// Numbers of instances of the rollout batches
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,100,132,1000",
           value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_INSTANCES))]
     batches: Vec<usize>,
-    /// Windows of a batch of gradients, each a frame long [default: as --batches]
+    /// Numbers of windows of the gradient batches, each window one frame long [default: as
+    /// --batches]
     #[arg(long, value_name = "N,...", value_delimiter = ',',
           value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_INSTANCES))]
     windows: Vec<usize>,
-    /// Frames of a rollout, at most; a slow device gets fewer
+    /// Most frames of a rollout; a slow device gets fewer
     #[arg(long, value_name = "FRAMES", default_value_t = 30, value_parser = RangedU64ValueParser::<usize>::new().range(1..=300))]
     horizon: usize,
     /// Time for the repeats of one measurement [s] [default: 1; with --quick: 0.1]
     #[arg(long, value_name = "S", value_parser = seconds)]
     seconds: Option<f64>,
-    /// Leave out what would take longer than this for a single call [s] [default: 20; with --quick: 2]
+    /// Skip measurements whose single call would take longer than this [s] [default: 20; with
+    /// --quick: 2]
     #[arg(long, value_name = "S", value_parser = seconds)]
     patience: Option<f64>,
-    /// Also time whole fits: `frame` steps once a frame, as PhysTwin does, `pass` once a pass, `cut` once a
-    /// pass with gradients that end at each frame's start
+    /// Also time whole fits: `frame` steps once a frame, as PhysTwin does, `pass` once a pass,
+    /// `cut` once a pass with gradients that end at each frame's start
     #[arg(long, value_name = "SCHEME,...", value_enum, value_delimiter = ',')]
     fit: Vec<FitScheme>,
     /// Generations of a fit, of 11 candidates each [default: 20; with --quick: 2]
@@ -62,15 +65,15 @@ pub(crate) struct Bench {
     /// Frames of a fit's capture [default: 100; with --quick: 4]
     #[arg(long, requires = "fit", value_parser = RangedU64ValueParser::<usize>::new().range(2..=10_000))]
     frames: Option<usize>,
-    /// Measure little: good enough to see that it works
+    /// Measure briefly, just to see that it works
     #[arg(long)]
     quick: bool,
-    /// Write the report as JSON to this file too
+    /// Also write the report as JSON to this file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
-/// Which variants of a scene.
+/// Choice between scenes without bending triplets and with them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Bending {
     Without,
@@ -78,7 +81,7 @@ enum Bending {
     Both,
 }
 
-/// [`Scheme`] as it is typed.
+/// [`Scheme`] as an argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum FitScheme {
     Frame,
@@ -130,7 +133,7 @@ impl Bench {
     }
 }
 
-/// A time that a measurement may take.
+/// Parses the time of a measurement.
 fn seconds(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| format!("`{text}` is no number of seconds"))?;
     if (0.0..=86_400.0).contains(&value) {
@@ -161,7 +164,7 @@ pub(crate) async fn run(args: Bench, global: &Global) -> anyhow::Result<()> {
         anyhow::Ok(measure(&plan, &backend, &cancel, quiet))
     })
     .await??;
-    // What was measured before a failure is told too.
+    // Measurements from before a failure are reported, too.
     if let Some(path) = &args.out {
         let json = serde_json::to_string_pretty(&report)?;
         std::fs::write(path, json).with_context(|| format!("cannot write {}", path.display()))?;
@@ -170,7 +173,8 @@ pub(crate) async fn run(args: Bench, global: &Global) -> anyhow::Result<()> {
     result.map_err(failure::failed)
 }
 
-/// What was measured, and why no more was.
+/// Runs the measurements. Returns the report so far together with the error that ended them, if
+/// any.
 fn measure(
     plan: &Plan,
     backend: &Arc<dyn Backend>,

@@ -1,4 +1,4 @@
-//! `bendtwin capture`: make, check, upload, list, and what reading them on the server gave.
+//! `bendtwin capture`: make, check, upload, list and read captures.
 
 mod archive;
 mod check;
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use bendtwin_client::CaptureId;
 use clap::{Args, Subcommand};
 
-use crate::{args::Global, output, table::Table};
+use crate::{global::Global, output, table::Table};
 
 #[derive(Debug, Args)]
 pub(crate) struct Capture {
@@ -23,14 +23,14 @@ pub(crate) struct Capture {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Make a small capture of a simulated object, to try things out
+    /// Make a small capture of a simulated object, for trying things out
     Make(make::Make),
-    /// Say in plain words what is wrong with a capture, without a server
+    /// Check a capture and explain its faults, without a server
     Check {
         /// A folder, a ZIP archive, or motion capture as .npz with its .json
         path: PathBuf,
     },
-    /// Measure a capture or raw recording and write the report: a page with pictures, a document
+    /// Measure a capture or raw recording and write the report as a page with pictures or as JSON
     Report(report::Arguments),
     /// Check a capture and upload it
     Push(push::Push),
@@ -41,7 +41,7 @@ enum Command {
         /// captures/{uuid}
         name: CaptureId,
     },
-    /// Have the server read a capture again, with other settings say
+    /// Have the server read a capture again, for example with other settings
     Ingest(ingest::IngestArgs),
     /// Delete captures; their twins stay
     Delete {
@@ -64,7 +64,7 @@ pub(crate) async fn run(args: Capture, global: &Global) -> anyhow::Result<()> {
                 for c in &captures {
                     let size = output::bytes(c.size_bytes);
                     let created = format!("{:.0}", c.create_time);
-                    let read = reading::in_a_word(c);
+                    let read = reading::status(c);
                     table.row([c.name.to_string(), created, size, read, c.display_name.clone()]);
                 }
                 table.text()
@@ -94,7 +94,7 @@ fn shown(capture: &bendtwin_client::Capture) -> String {
         capture.create_time,
         output::bytes(capture.size_bytes),
         capture.digest,
-        reading::in_a_word(capture),
+        reading::status(capture),
         fault.map(|f| format!("\n  because  {f}")).unwrap_or_default()
     )
 }

@@ -1,24 +1,23 @@
-//! `bendtwin demo`: the whole system at work, each step with the command that
-//! does the same by hand.
+//! `bendtwin demo`: the whole system at work, with the command for each step.
 
 mod candidates;
-mod host;
-mod story;
+mod server;
+mod steps;
 
 use std::path::PathBuf;
 
 use clap::Args;
 use tempfile::TempDir;
 
-use self::story::Story;
-use crate::{args::Global, backend::BackendArgs, signals};
+use self::steps::DemoRun;
+use crate::{backend::BackendArgs, global::Global, signals};
 
 #[derive(Debug, Args)]
 pub(crate) struct Demo {
-    /// Keep the server's folder, the capture and the twins here
+    /// Keep the server's folder, the capture and the twins in this folder
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
-    /// Where to write the picture
+    /// Picture to write
     #[arg(long, value_name = "FILE", default_value = "bendtwin-demo.png")]
     out: PathBuf,
     /// Seed of the capture and of the fits
@@ -31,23 +30,23 @@ pub(crate) struct Demo {
 pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
     let shutdown = signals::shutdown();
     let folder = Folder::new(args.keep)?;
-    let mut story = Story::new(global.json, args.seed, args.out, folder.path().to_owned());
-    let mut host = story.start_server(&args.backend).await?;
-    let site = host.site.clone();
-    let told = tokio::select! {
+    let mut demo = DemoRun::new(global.json, args.seed, args.out, folder.path().to_owned());
+    let mut server = demo.start_server(&args.backend).await?;
+    let connection = server.connection.clone();
+    let outcome = tokio::select! {
         // Ctrl-C reaches the server as well: its end is no fault then.
         biased;
         () = shutdown.cancelled() => Err(anyhow::anyhow!("interrupted; everything was stopped")),
-        told = story.tell(&site) => told,
-        fault = host.ended() => Err(fault),
+        outcome = demo.run(&connection) => outcome,
+        fault = server.ended() => Err(fault),
     };
     // In good order whatever happened: no process and no half-written folder stays behind.
-    host.stop().await;
-    told?;
-    story.conclude(folder.is_kept())
+    server.stop().await;
+    outcome?;
+    demo.conclude(folder.is_kept())
 }
 
-/// A folder that goes away afterwards, or one that the user wants to keep.
+/// The demo's folder, removed afterwards unless the user keeps it.
 enum Folder {
     Temporary(TempDir),
     Kept(PathBuf),

@@ -4,17 +4,17 @@ mod local;
 
 use std::{path::PathBuf, sync::Arc};
 
-use bendtwin_core::{Quality, Twin};
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::{CancelToken, Quality, Twin};
+use bendtwin_engine::Backend;
 use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, fast_variant, format_table};
 use clap::Args;
 use serde_json::json;
 
 use self::local::{Fitted, fit};
 use crate::{
-    args::Global,
     backend::BackendArgs,
     failure::{self, Failed, Usage},
+    global::Global,
     observation, output, picture, quality,
     settings::SettingsArgs,
     signals,
@@ -32,13 +32,13 @@ pub(crate) struct Eval {
     /// Score this twin file instead of fitting one, and find its fast variant
     #[arg(long, value_name = "FILE", conflicts_with_all = ["settings", "overrides", "axial", "phystwin"])]
     twin: Option<PathBuf>,
-    /// Write the twin, with what was measured, to this file
+    /// Write the twin, with its quality table, to this file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Draw predicted against observed into this PNG
+    /// Draw predicted against observed into this PNG file
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Keep the errors of every frame (with --json)
+    /// Include the errors of every frame (with --json)
     #[arg(long)]
     per_frame: bool,
 }
@@ -76,10 +76,10 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A capture's result.
+/// Result of a capture.
 struct Scored {
     quality: Quality,
-    /// The twin's own [per frame].
+    /// Substeps of the twin [per frame].
     substeps: u32,
     fit_s: Option<f64>,
 }

@@ -1,5 +1,5 @@
-//! How a command fails: what happened and what to do on stderr, 2 for wrong
-//! usage and 1 for everything else.
+//! Errors of commands: the message with the action to take on stderr; exit code 2 for wrong usage,
+//! 1 for everything else.
 
 use std::process::ExitCode;
 
@@ -28,30 +28,30 @@ pub(crate) fn failed(error: impl Problem) -> anyhow::Error {
     Failed(error.fault()).into()
 }
 
-/// Tells the user; returns the exit code.
+/// Prints the error; returns the exit code.
 pub(crate) fn report(error: &anyhow::Error, json: bool) -> ExitCode {
-    let told = Told::of(error);
+    let report = ErrorReport::of(error);
     if json {
         let document = json!({ "error": {
-            "category": told.category,
-            "reason": told.reason,
-            "message": told.message,
-            "request_id": told.request_id,
+            "category": report.category,
+            "reason": report.reason,
+            "message": report.message,
+            "request_id": report.request_id,
         }});
         eprintln!("{document}");
     } else {
-        eprintln!("error: {}", told.message);
-        if let Some(id) = &told.request_id
-            && matches!(told.category, Some(Category::Internal | Category::DataLoss))
+        eprintln!("error: {}", report.message);
+        if let Some(id) = &report.request_id
+            && matches!(report.category, Some(Category::Internal | Category::DataLoss))
         {
             eprintln!("       (request {id}: the server's log has the details)");
         }
     }
-    ExitCode::from(told.exit_code)
+    ExitCode::from(report.exit_code)
 }
 
-/// What a user is told.
-struct Told {
+/// Error in the form in which a user sees it.
+struct ErrorReport {
     category: Option<Category>,
     reason: Option<String>,
     message: String,
@@ -59,9 +59,9 @@ struct Told {
     exit_code: u8,
 }
 
-impl Told {
+impl ErrorReport {
     fn of(error: &anyhow::Error) -> Self {
-        let mut told = Self {
+        let mut report = Self {
             category: None,
             reason: None,
             message: format!("{error:#}"),
@@ -70,19 +70,19 @@ impl Told {
         };
         for cause in error.chain() {
             if let Some(error) = cause.downcast_ref::<bendtwin_client::Error>() {
-                told.category = Some(error.category());
-                told.reason = Some(error.reason().to_owned());
-                told.request_id = error.request_id().map(str::to_owned);
+                report.category = Some(error.category());
+                report.reason = Some(error.reason().to_owned());
+                report.request_id = error.request_id().map(str::to_owned);
             } else if let Some(Failed(fault)) = cause.downcast_ref() {
-                told.category = Some(fault.category);
-                told.reason = Some(fault.reason.clone());
+                report.category = Some(fault.category);
+                report.reason = Some(fault.reason.clone());
             } else if cause.is::<Usage>() {
-                told.category = Some(Category::InvalidArgument);
-                told.reason = Some("USAGE".to_owned());
-                told.exit_code = 2;
+                report.category = Some(Category::InvalidArgument);
+                report.reason = Some("USAGE".to_owned());
+                report.exit_code = 2;
             }
         }
-        told
+        report
     }
 }
 
@@ -94,15 +94,15 @@ mod tests {
 
     #[test]
     fn usage_is_two_and_failure_is_one() {
-        assert_eq!(Told::of(&Usage::error("no")).exit_code, 2);
+        assert_eq!(ErrorReport::of(&Usage::error("no")).exit_code, 2);
         let fault = Fault {
             category: Category::NotFound,
             reason: "NO_SUCH_TWIN".into(),
             message: "there is no such twin".into(),
         };
         let error = Err::<(), _>(Failed(fault)).context("twins/1").unwrap_err();
-        let told = Told::of(&error);
-        assert_eq!((told.exit_code, told.reason.as_deref()), (1, Some("NO_SUCH_TWIN")));
-        assert_eq!(told.message, "twins/1: there is no such twin");
+        let report = ErrorReport::of(&error);
+        assert_eq!((report.exit_code, report.reason.as_deref()), (1, Some("NO_SUCH_TWIN")));
+        assert_eq!(report.message, "twins/1: there is no such twin");
     }
 }

@@ -7,7 +7,7 @@ use bendtwin_client::{CaptureId, FitId};
 use clap::{Args, Subcommand};
 
 pub(crate) use self::watch::{ended_well, watch};
-use crate::{args::Global, output, table::Table};
+use crate::{global::Global, output, table::Table};
 
 #[derive(Debug, Args)]
 pub(crate) struct Fit {
@@ -26,7 +26,7 @@ enum Command {
     },
     /// List fits
     List {
-        /// Only those of this capture
+        /// List only fits of this capture
         #[arg(long, value_name = "NAME")]
         capture: Option<CaptureId>,
     },
@@ -41,7 +41,7 @@ enum Command {
         #[arg(required = true)]
         names: Vec<FitId>,
     },
-    /// Forget fits that have ended; their twins stay
+    /// Delete fits that have ended; their twins stay
     Delete {
         /// fits/{uuid}
         #[arg(required = true)]
@@ -81,9 +81,12 @@ pub(crate) async fn run(args: Fit, global: &Global) -> anyhow::Result<()> {
                 fits.push(client.fits().cancel(name).await?);
             }
             output::print(global, &fits, || {
-                let lines = fits.iter().map(|f| match f.job.state.has_ended() {
-                    true => format!("{} has ended ({})\n", f.name, f.job.state.as_str()),
-                    false => format!("{} stops\n", f.name),
+                let lines = fits.iter().map(|f| {
+                    if f.job.state.has_ended() {
+                        format!("{} has ended ({})\n", f.name, f.job.state.as_str())
+                    } else {
+                        format!("{} stops\n", f.name)
+                    }
                 });
                 lines.collect()
             })

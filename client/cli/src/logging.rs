@@ -5,19 +5,20 @@ use std::io::IsTerminal as _;
 use clap::{Args, ValueEnum};
 use tracing_subscriber::{EnvFilter, fmt, prelude::*};
 
-/// How logs look.
+/// Format of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
-    /// Lines for people
+    /// Text for people
     Text,
-    /// A JSON document a line
+    /// One JSON document per line
     Json,
 }
 
 /// Options of logging.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Options {
-    /// What to log, `warn` or `bendtwin_worker=debug,info` say [default: info for server and worker, else warn]
+    /// Log filter, for example `warn` or `bendtwin_worker=debug,info` [default: info for server and
+    /// worker, else warn]
     #[arg(
         long,
         global = true,
@@ -26,7 +27,7 @@ pub(crate) struct Options {
         hide_short_help = true
     )]
     log: Option<String>,
-    /// How logs look
+    /// Format of the log
     #[arg(
         long,
         global = true,
@@ -38,8 +39,8 @@ pub(crate) struct Options {
     log_format: Format,
 }
 
-/// Starts logging at a level for processes that are there to be read (`service`) or for commands
-/// that only speak up if something is wrong. Panics become part of the log.
+/// Starts logging: at level info for a process that runs as a service (`service`), at level warn
+/// for other commands. Panics are logged, too.
 pub(crate) fn start(options: &Options, service: bool) {
     let standard = if service { "info" } else { "warn" };
     let filter = match &options.log {

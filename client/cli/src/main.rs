@@ -8,6 +8,7 @@ mod demo;
 mod eval;
 mod failure;
 mod fit;
+mod global;
 mod logging;
 mod npy;
 mod observation;

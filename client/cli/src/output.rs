@@ -1,12 +1,12 @@
-//! Results on stdout: for people, or as JSON for scripts.
+//! Results on stdout: text for people, or JSON for scripts.
 
 use std::io::Write as _;
 
 use serde::Serialize;
 
-use crate::args::Global;
+use crate::global::Global;
 
-/// Prints a result as JSON or, for people, as `text` says.
+/// Prints a result as JSON or, for people, as `text`.
 pub(crate) fn print<T: Serialize>(
     global: &Global,
     value: &T,
@@ -24,7 +24,7 @@ pub(crate) fn line(text: &str) -> anyhow::Result<()> {
     }
 }
 
-/// A duration as people say it: `8 s`, `2 min 05 s`.
+/// A duration for people: `8 s`, `2 min 05 s`.
 pub(crate) fn duration(seconds: f64) -> String {
     let whole = seconds.max(0.0).round() as u64;
     match whole {
@@ -34,7 +34,7 @@ pub(crate) fn duration(seconds: f64) -> String {
     }
 }
 
-/// A size as people say it.
+/// A size for people.
 pub(crate) fn bytes(bytes: u64) -> String {
     indicatif::HumanBytes(bytes).to_string()
 }

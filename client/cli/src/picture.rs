@@ -1,10 +1,10 @@
-//! A picture of what twins predict against what was observed.
+//! A picture of predicted against observed motion.
 
 use std::path::Path;
 
 use anyhow::Context as _;
-use bendtwin_core::{Capture, Twin, quality::Predictor};
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::{CancelToken, Capture, Twin, quality::Predictor};
+use bendtwin_engine::Backend;
 use bendtwin_eval::{
     picture::{Model, Picture},
     predict, predictor_name,
@@ -12,11 +12,11 @@ use bendtwin_eval::{
 
 use crate::failure;
 
-/// Frames side by side.
+/// Number of frames side by side.
 const COLUMNS: usize = 4;
 
-/// Draws a twin, and the axial-only one below it, over a sequence of the capture: one that the
-/// fit did not see, if there is one.
+/// Draws a twin, and the axial-only one below it, over a sequence of the capture that the fit did
+/// not see, if there is one.
 pub(crate) fn draw(
     path: &Path,
     twin: &Twin,

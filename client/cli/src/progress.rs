@@ -1,4 +1,4 @@
-//! Progress of long work: a bar on a terminal, a line now and then elsewhere.
+//! Progress of long work: a bar on a terminal, otherwise a line at intervals.
 
 use std::time::{Duration, Instant};
 
@@ -7,14 +7,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output;
 
-/// Between two lines of the same stage where there is no terminal.
+/// Time between two lines of the same stage where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
-/// The progress of a fit.
+/// Progress bar of a fit.
 pub(crate) struct FitBar {
     bar: ProgressBar,
     started: Instant,
-    /// Stage of the last line, and when it was.
+    /// Stage and time of the last line.
     last: Option<(String, Instant)>,
     last_note: String,
     quiet: bool,
@@ -31,8 +31,8 @@ impl FitBar {
         Self { bar, started: Instant::now(), last: None, last_note: String::new(), quiet }
     }
 
-    /// Says something that is not progress.
-    pub(crate) fn say(&self, text: &str) {
+    /// Prints a line above the bar.
+    pub(crate) fn print(&self, text: &str) {
         if self.quiet {
         } else if self.bar.is_hidden() {
             eprintln!("  {text}");
@@ -41,10 +41,10 @@ impl FitBar {
         }
     }
 
-    /// Shows how far the fit is.
+    /// Shows progress.
     pub(crate) fn show(&mut self, progress: &JobProgress) {
         if !progress.note.is_empty() && progress.note != self.last_note {
-            self.say(&format!("note: {}", progress.note));
+            self.print(&format!("note: {}", progress.note));
             self.last_note.clone_from(&progress.note);
         }
         let stage = stage(progress);
@@ -58,7 +58,7 @@ impl FitBar {
         }
     }
 
-    /// Takes the bar away; returns the time since it was put up.
+    /// Removes the bar; returns the time since its start.
     pub(crate) fn finish(self) -> Duration {
         self.bar.finish_and_clear();
         self.started.elapsed()
@@ -98,7 +98,7 @@ fn details(progress: &JobProgress) -> String {
     parts.join("  ")
 }
 
-/// Bytes of an upload, or of another thing that is done to files.
+/// Progress bar in bytes, of an upload or of reading and writing files.
 pub(crate) fn byte_bar(what: &'static str, bytes: u64, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();

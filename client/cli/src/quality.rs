@@ -1,12 +1,12 @@
-//! What a quality table says, in a sentence.
+//! A quality table in a sentence.
 
 use bendtwin_core::{
     Quality,
     quality::{ErrorSummary, Predictor},
 };
 
-/// The twin's future error beside standing still and beside axial only; none if the table does
-/// not know.
+/// The twin's future error beside standing still and beside the axial-only model; none if the table
+/// lacks one of them.
 pub(crate) fn summary(quality: &Quality) -> Option<String> {
     let future = |p| quality.score(p).and_then(|s| headline(&s.future));
     let twin = future(Predictor::Bending)?;
@@ -27,7 +27,7 @@ pub(crate) fn summary(quality: &Quality) -> Option<String> {
     ))
 }
 
-/// The fast variant in a line; none if there is none. `substeps` are the twin's own.
+/// The fast variant in a line; none if there is none. `substeps` are those of the twin.
 pub(crate) fn fast(quality: &Quality, substeps: u32) -> Option<String> {
     let fast = quality.fast.as_ref()?;
     if fast.substeps >= substeps {
@@ -44,7 +44,7 @@ pub(crate) fn fast(quality: &Quality, substeps: u32) -> Option<String> {
     ))
 }
 
-/// The number that sums an error up: track where there are tracks.
+/// The headline error: that of tracks, if there are tracks.
 fn headline(errors: &ErrorSummary) -> Option<f64> {
     errors.track_m.or(errors.coordinate_m).or(errors.chamfer_l1_m).filter(|e| *e > 0.0)
 }

@@ -1,24 +1,19 @@
-//! `bendtwin rollout`: what do these actions do to this twin?
+//! `bendtwin rollout`: predicts the outcome of actions on a twin.
 
 mod actions;
 
 use std::path::PathBuf;
 
+use bendtwin_capture::npy::Floats;
 use bendtwin_client::{Cost, Fidelity, Point, Reply, TwinId};
 use clap::Args;
 use serde_json::json;
 
 use self::actions::Actions;
-use crate::{
-    args::Global,
-    failure::Usage,
-    npy::{self, Array},
-    output,
-    table::Table,
-};
+use crate::{failure::Usage, global::Global, npy, output, table::Table};
 
-/// Rows that are printed of a batch.
-const SHOWN: usize = 10;
+/// Most rows of a batch that are printed.
+const ROWS_SHOWN: usize = 10;
 
 #[derive(Debug, Args)]
 pub(crate) struct Rollout {
@@ -27,7 +22,7 @@ pub(crate) struct Rollout {
     /// Control points over time: .npy or .json of shape [B, K, C, 3], or [K, C, 3] for one [default: a test motion]
     #[arg(long, value_name = "FILE")]
     actions: Option<PathBuf>,
-    /// The test motion: the control points swing this far along x and back [m]
+    /// Test motion: the control points swing this far along x and back [m]
     #[arg(
         long,
         value_name = "METRES",
@@ -36,7 +31,7 @@ pub(crate) struct Rollout {
         allow_hyphen_values = true
     )]
     sway: f32,
-    /// The test motion: the control points move by x,y,z instead [m]
+    /// Test motion: the control points move by x,y,z instead [m]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, conflicts_with = "actions", allow_hyphen_values = true)]
     shift: Option<Point>,
     /// Horizon in frames [default: one frame per row of the actions; 30 for the test motion]
@@ -54,13 +49,14 @@ pub(crate) struct Rollout {
     /// Record the positions of every k-th frame
     #[arg(long, value_name = "K", default_value_t = 1)]
     every: u32,
-    /// Write the recorded positions here: .npy of shape [R, frames, nodes, 3]
+    /// Write the recorded positions to this file: .npy of shape [R, frames, nodes, 3]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Follow the twin as fitted, or by its fast variant, and say how far that strays
+    /// Use the twin as fitted (exact) or its fast variant (fast); the fast one also reports its
+    /// deviation
     #[arg(long, value_enum, default_value_t = Mode::Exact)]
     fidelity: Mode,
-    /// Keep the positions of only the best instances
+    /// Keep the positions of the best instances only
     #[arg(long, value_name = "N")]
     best: Option<u32>,
 }
@@ -139,10 +135,10 @@ fn cloud(path: &std::path::Path) -> anyhow::Result<Vec<Point>> {
     }
 }
 
-fn recorded(reply: &Reply) -> Array {
+fn recorded(reply: &Reply) -> Floats {
     let (rows, frames) = (reply.instances.len(), reply.frames.len());
     let nodes = reply.positions.len().checked_div(rows * frames).unwrap_or(0);
-    Array { shape: vec![rows, frames, nodes, 3], values: reply.positions.as_flattened().to_vec() }
+    Floats { shape: vec![rows, frames, nodes, 3], values: reply.positions.as_flattened().to_vec() }
 }
 
 fn document(reply: &Reply) -> serde_json::Value {
@@ -168,7 +164,7 @@ fn text(reply: &Reply, instances: usize, out: Option<&PathBuf>) -> String {
     let mut order: Vec<usize> = (0..reply.costs.len()).collect();
     order.sort_by(|a, b| reply.costs[*a].total_cmp(&reply.costs[*b]));
     let mut table = Table::new(["INSTANCE", "COST", "MAX STRAIN", "MAX SPEED", "ON THE GROUND"]);
-    for i in order.iter().take(SHOWN) {
+    for i in order.iter().take(ROWS_SHOWN) {
         let d = reply.diagnostics.get(*i).copied().unwrap_or_default();
         let cost = if reply.cost_names.is_empty() {
             "-".to_owned()
@@ -184,8 +180,8 @@ fn text(reply: &Reply, instances: usize, out: Option<&PathBuf>) -> String {
         ]);
     }
     let mut text = table.text();
-    if instances > SHOWN {
-        text += &format!("\n... and {} more", instances - SHOWN);
+    if instances > ROWS_SHOWN {
+        text += &format!("\n... and {} more", instances - ROWS_SHOWN);
     }
     for d in &reply.diverged {
         text +=

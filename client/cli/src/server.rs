@@ -5,44 +5,45 @@ mod options;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use bendtwin_backends as backends;
 use bendtwin_server::Service;
-use bendtwin_worker::BackendChoice;
 use clap::Args;
 
 use crate::{failure, output, signals};
 
-/// Options of the server. What is not given comes from the environment, then from the file, then
-/// from the defaults.
+/// Options of the server. Flags take precedence over the environment, that over the file, and that
+/// over the defaults.
 #[derive(Debug, Args)]
 pub(crate) struct Server {
-    /// A TOML file of options (deploy/config.toml has all of them)
+    /// TOML file with options (deploy/config.toml has all of them)
     #[arg(long, env = "BENDTWIN_CONFIG", value_name = "FILE")]
     config: Option<PathBuf>,
-    /// Where to listen for HTTP and gRPC; port 0 takes a free one [default: 127.0.0.1:7070]
+    /// Address for HTTP and gRPC; port 0 takes a free one [default: 127.0.0.1:7070]
     #[arg(long, env = "BENDTWIN_LISTEN", value_name = "ADDRESS")]
     listen: Option<std::net::SocketAddr>,
-    /// The folder of the database and of all content [default: bendtwin-data]
+    /// Folder of the database and of all content [default: bendtwin-data]
     #[arg(long, env = "BENDTWIN_DATA_DIR", value_name = "DIR")]
     data_dir: Option<PathBuf>,
-    /// Worker processes that the server starts itself [default: 1]
+    /// Number of worker processes that the server starts itself [default: 1]
     #[arg(long, env = "BENDTWIN_WORKERS", value_name = "N")]
     workers: Option<u32>,
-    /// What these compute on: auto (CUDA if this machine has it), cpu or cuda [default: auto]
+    /// Backend of these workers: auto (CUDA if this machine has it), cpu or cuda [default: auto]
     #[arg(long, env = "BENDTWIN_BACKEND", value_name = "BACKEND")]
-    backend: Option<BackendChoice>,
-    /// The CUDA devices that they take in turn, counted from 0 [default: 0]
+    backend: Option<backends::Choice>,
+    /// CUDA devices of these workers, assigned in turn, counted from 0 [default: 0]
     #[arg(long, env = "BENDTWIN_DEVICES", value_name = "N,...", value_delimiter = ',')]
     devices: Option<Vec<u32>>,
-    /// The token of workers that others start; at least 16 characters
+    /// Token of workers that others start; at least 16 characters
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     worker_token: Option<String>,
-    /// How long an upload that broke off can be resumed, after its last byte [s] [default: 604800]
+    /// Time for which an interrupted upload can be resumed after its last byte [s] [default:
+    /// 604800]
     #[arg(long, env = "BENDTWIN_UPLOAD_EXPIRY", value_name = "SECONDS")]
     upload_expiry: Option<f64>,
     /// Write the port to this file once the server answers
     #[arg(long, value_name = "FILE")]
     port_file: Option<PathBuf>,
-    /// End when the standard input does
+    /// Exit when the standard input ends
     #[arg(long)]
     exit_with_parent: bool,
 }
@@ -68,7 +69,7 @@ pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whole or not at all: whoever waits for the file must not read half a number.
+/// Writes the whole file or nothing: a reader that waits for it must not read half a number.
 fn write_port(path: &Path, port: u16) -> anyhow::Result<()> {
     let write = || {
         let partial = path.with_extension("partial");

@@ -9,19 +9,19 @@ use serde_json::Value;
 
 use crate::failure::Usage;
 
-/// Where settings come from; the later ones win.
+/// Sources of settings; later ones take precedence.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct SettingsArgs {
-    /// A JSON file of settings (docs/settings.md)
+    /// JSON file with settings (docs/settings.md)
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// One setting, `graph.max_nodes=400` say; may be repeated
+    /// One setting, for example `graph.max_nodes=400`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
     /// Start from PhysTwin's scheme as published instead of the defaults
     #[arg(long)]
     phystwin: bool,
-    /// Also fit the same nodes without bending and show it beside
+    /// Also fit the same nodes without bending, for comparison
     #[arg(long)]
     axial: bool,
 }
@@ -40,7 +40,9 @@ impl SettingsArgs {
         }
         for text in &self.overrides {
             let (key, given) = text.split_once('=').ok_or_else(|| {
-                Usage::error(format!("--set {text}: write key=value, `graph.max_nodes=400` say"))
+                Usage::error(format!(
+                    "--set {text}: write key=value, for example `graph.max_nodes=400`"
+                ))
             })?;
             set(&mut value, key.trim(), parse(given.trim()))?;
         }
@@ -54,12 +56,12 @@ impl SettingsArgs {
     }
 }
 
-/// JSON where it is JSON, text otherwise.
+/// The text as JSON if it is valid JSON, else as a string.
 fn parse(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned()))
 }
 
-/// Sets a field by its path; unknown names are refused with those that exist.
+/// Sets a field by its path; an unknown name is refused with a list of the known ones.
 fn set(root: &mut Value, key: &str, value: Value) -> anyhow::Result<()> {
     // `substeps` is either {"auto": {...}} or {"fixed": n}: naming the other one switches.
     if let Some(variant) = key.strip_prefix("substeps.")

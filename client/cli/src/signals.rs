@@ -1,11 +1,11 @@
-//! What tells a process to end.
+//! Signals that end a process.
 
 use std::{io::Read as _, time::Duration};
 
 use tokio_util::sync::CancellationToken;
 
-/// Signals so soon after the first one are the same one.
-const ECHO: Duration = Duration::from_secs(1);
+/// Time within which a second signal counts as the same one.
+const SIGNAL_DEBOUNCE: Duration = Duration::from_secs(1);
 
 /// A token that the first Ctrl-C or SIGTERM cancels; the second one ends the process at once.
 pub(crate) fn shutdown() -> CancellationToken {
@@ -15,14 +15,14 @@ pub(crate) fn shutdown() -> CancellationToken {
         interrupted().await;
         cancel.cancel();
         // A terminal and a process manager may both pass on the same Ctrl-C.
-        tokio::time::sleep(ECHO).await;
+        tokio::time::sleep(SIGNAL_DEBOUNCE).await;
         interrupted().await;
         std::process::exit(130);
     });
     token
 }
 
-/// Cancels the token when the standard input ends: the parent, who holds the pipe, is gone.
+/// Cancels the token when the standard input ends: the parent, which holds the pipe, is gone.
 pub(crate) fn end_with_parent(token: CancellationToken) {
     // A thread, because a blocking read cannot be cancelled.
     std::thread::spawn(move || {

@@ -1,6 +1,6 @@
 //! `bendtwin suite`: fits every capture of a list under every configuration, and compares.
 
-mod board;
+mod progress;
 
 use std::{
     path::{Path, PathBuf},
@@ -8,18 +8,17 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::{Category, Fault};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Category, Fault};
 use bendtwin_study::{
     Folder, Invocation, Plan, PlanOptions, Selection, Suite, Table, Tally, draw_pictures,
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
-use self::board::{Board, counted};
+use self::progress::{SuiteProgress, run_count};
 use crate::{
-    args::Global,
     backend::BackendArgs,
     failure::{self, Failed},
+    global::Global,
     observation, output, signals,
 };
 
@@ -30,25 +29,26 @@ was interrupted goes on from its checkpoint. Ctrl-C keeps what is finished. docs
 pub(crate) struct SuiteArgs {
     /// The suite, a JSON file
     suite: PathBuf,
-    /// The folder for results: table.md, table.json, runs/, twins/, pictures/
+    /// Folder for results: table.md, table.json, runs/, twins/, pictures/
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Where captures lie, by their paths in the suite or by their file names alone [default: beside the suite]
+    /// Folder of the captures, found by their paths in the suite or by their file names alone
+    /// [default: the suite's folder]
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Only these runs; `*` and what is left out at the end stand for all; may be repeated
+    /// Run only these; `*` and omitted trailing parts match all; may be repeated
     #[arg(long, value_name = "CAPTURE/CONFIGURATION/SEED")]
     only: Vec<Selection>,
-    /// Runs side by side. On the CPU they share the cores [default: as many as there are cores]; on a GPU each has queues
-    /// and a share of the memory of its own, and they run at once as far as the device has room [default: 4]
+    /// Number of runs side by side. On the CPU they share the cores [default: number of cores]. On
+    /// a GPU each has its own queues and share of memory, as far as there is room [default: 4]
     #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..=256))]
     jobs: Option<usize>,
     #[command(flatten)]
     backend: BackendArgs,
-    /// Keep results of other builds too
+    /// Also keep results of other builds
     #[arg(long)]
     any_build: bool,
-    /// Run nothing: write the table and the pictures of what there is
+    /// Run nothing; write the table and the pictures of the results in the folder
     #[arg(long)]
     table_only: bool,
     /// Draw no pictures
@@ -74,7 +74,8 @@ pub(crate) async fn run(args: SuiteArgs, global: &Global) -> anyhow::Result<()> 
     verdict(failed, left, &args)
 }
 
-/// Runs what is to be done; returns the table of all there is, and how many runs failed and are left.
+/// Executes the pending runs. Returns the table of all results, and the numbers of failed and
+/// unfinished runs.
 fn work(
     args: &SuiteArgs,
     cancel: &CancelToken,
@@ -96,12 +97,12 @@ fn work(
     let result = if args.table_only {
         Ok(Tally::default())
     } else {
-        let mut board = Board::new(&plan, &backends, quiet);
-        let result = plan.run(&backends, cancel, &mut |event| board.show(&event));
-        board.finish();
+        let mut bar = SuiteProgress::new(&plan, &backends, quiet);
+        let result = plan.run(&backends, cancel, &mut |event| bar.show(&event));
+        bar.finish();
         result
     };
-    // What was found before a failure is told too.
+    // Results from before a failure are reported, too.
     let invocation =
         Invocation { suite: args.suite.clone(), data: args.data.clone(), out: args.out.clone() };
     let table = Table::new(&plan, &invocation);
@@ -124,28 +125,30 @@ fn build() -> String {
         std::io::Result::Ok(hasher.finalize().to_hex())
     };
     match digest() {
-        Ok(digest) => format!("{} ({})", bendtwin_fit::BUILD, &digest[..12]),
-        Err(_) => bendtwin_fit::BUILD.to_owned(),
+        Ok(digest) => format!("{} ({})", bendtwin_core::BUILD, &digest[..12]),
+        Err(_) => bendtwin_core::BUILD.to_owned(),
     }
 }
 
 fn verdict(failed: usize, left: usize, args: &SuiteArgs) -> anyhow::Result<()> {
-    let told = |category, reason: &str, message| {
+    let failed_with = |category, reason: &str, message| {
         Err(Failed(Fault { category, reason: reason.to_owned(), message }).into())
     };
     match (failed, left) {
         (0, 0) => Ok(()),
         (0, _) => {
-            let message =
-                format!("not all is done, {} left: the same command goes on", counted(left));
-            told(Category::Cancelled, "CANCELLED", message)
+            let message = format!(
+                "not all is done, {} left: repeat the command to continue",
+                run_count(left)
+            );
+            failed_with(Category::Cancelled, "CANCELLED", message)
         }
         _ => {
             let place = args.out.join("table.md").display().to_string();
-            told(
+            failed_with(
                 Category::Aborted,
                 "RUNS_FAILED",
-                format!("{} failed: {place} says why", counted(failed)),
+                format!("{} failed: see {place} for the reasons", run_count(failed)),
             )
         }
     }

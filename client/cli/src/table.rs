@@ -19,7 +19,7 @@ impl Table {
         self.rows.push(cells);
     }
 
-    /// Aligned with spaces.
+    /// The table as text, with columns aligned by spaces.
     pub(crate) fn text(&self) -> String {
         let widths = self.widths();
         let line = |cells: &[String]| {
@@ -30,7 +30,7 @@ impl Table {
         lines.collect::<Vec<_>>().join("\n")
     }
 
-    /// As a Markdown table whose columns line up too.
+    /// The table as Markdown, with columns aligned, too.
     pub(crate) fn markdown(&self) -> String {
         let widths = self.widths();
         let line = |cells: &[String]| {

@@ -8,7 +8,7 @@ use bendtwin_eval::{TableStyle, format_table};
 use clap::{Args, Subcommand};
 use serde_json::json;
 
-use crate::{args::Global, output, quality, table::Table};
+use crate::{global::Global, output, quality, table::Table};
 
 #[derive(Debug, Args)]
 pub(crate) struct Twin {
@@ -20,11 +20,11 @@ pub(crate) struct Twin {
 enum Command {
     /// List twins
     List {
-        /// Only those of this capture
+        /// List only twins of this capture
         #[arg(long, value_name = "NAME")]
         capture: Option<CaptureId>,
     },
-    /// Show a twin and how good it is
+    /// Show a twin and its quality
     Show {
         /// twins/{uuid}
         name: TwinId,
@@ -40,7 +40,7 @@ enum Command {
     Import {
         /// The file to read
         file: PathBuf,
-        /// What to call it [default: the file's name]
+        /// Display name [default: the file's name]
         #[arg(long, value_name = "NAME")]
         name: Option<String>,
     },

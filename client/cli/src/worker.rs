@@ -5,17 +5,17 @@ use std::{net::SocketAddr, path::PathBuf};
 use bendtwin_worker::{Limits, Options};
 use clap::Args;
 
-use crate::{args::Global, backend::BackendArgs, failure, signals};
+use crate::{backend::BackendArgs, failure, global::Global, signals};
 
 /// Options of a worker. The address of the server is `--server`.
 #[derive(Debug, Args)]
 pub(crate) struct Worker {
-    /// The token that the server was given for its workers
+    /// Token of the server for its workers
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     token: String,
     #[command(flatten)]
     backend: BackendArgs,
-    /// Where to answer rollouts; port 0 takes a free one
+    /// Address for rollouts; port 0 takes a free one
     #[arg(
         long,
         env = "BENDTWIN_WORKER_LISTEN",
@@ -23,26 +23,26 @@ pub(crate) struct Worker {
         default_value = "127.0.0.1:0"
     )]
     worker_listen: SocketAddr,
-    /// The address at which the server reaches this worker, where it differs: http://host:port
+    /// URL at which the server reaches this worker, where it differs: http://host:port
     #[arg(long, env = "BENDTWIN_WORKER_ADVERTISE", value_name = "URL")]
     advertise: Option<String>,
-    /// Where captures are put while they are read, and compiled kernels for good [default: the system's
-    /// temporary folder, the user's cache folder]
+    /// Folder for captures while they are read, and for compiled kernels [default: the system's
+    /// temporary folder, and the user's cache folder]
     #[arg(long, env = "BENDTWIN_CACHE_DIR", value_name = "DIR")]
     cache_dir: Option<PathBuf>,
-    /// Only answer rollouts, lease no jobs
+    /// Answer rollouts only, lease no jobs
     #[arg(long)]
     no_fits: bool,
     /// Memory of the process that reads an uploaded capture [MiB]
     #[arg(long, env = "BENDTWIN_INGEST_MEMORY_MIB", value_name = "MIB", default_value_t = 1500)]
     ingest_memory_mib: u64,
-    /// Memory that what it makes of the capture may take in a fit [MiB]
+    /// Memory of one observation in a fit [MiB]
     #[arg(long, env = "BENDTWIN_CAPTURE_MEMORY_MIB", value_name = "MIB", default_value_t = 2048)]
     capture_memory_mib: u64,
-    /// Memory of the twins that are kept loaded [MiB, estimated]
+    /// Memory of the loaded twins [MiB, estimated]
     #[arg(long, env = "BENDTWIN_WARM_MEMORY_MIB", value_name = "MIB", default_value_t = 1024)]
     warm_memory_mib: u64,
-    /// End when the standard input does: the server that started this worker is gone
+    /// Exit when the standard input ends: the server that started this worker is gone
     #[arg(long)]
     exit_with_parent: bool,
 }
@@ -75,7 +75,7 @@ pub(crate) async fn run(args: Worker, global: &Global) -> anyhow::Result<()> {
     bendtwin_worker::run(options, shutdown).await.map_err(failure::failed)
 }
 
-/// `bendtwin ingest-capture`: what a worker starts to read a capture, in a process of its own.
+/// `bendtwin ingest-capture`: the process that a worker starts to read a capture.
 #[derive(Debug, Args)]
 pub(crate) struct IngestCapture {
     /// The folder that the worker prepared

@@ -1,4 +1,4 @@
-//! Recordings.
+//! Captures.
 
 use std::{path::Path, time::Duration};
 
@@ -23,10 +23,10 @@ use crate::{
     watch,
 };
 
-/// How often an upload is tried.
+/// Most attempts at an upload.
 const ATTEMPTS: u32 = 3;
-/// Between two attempts.
-const PAUSE: Duration = Duration::from_secs(1);
+/// Time between two attempts.
+const RETRY_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Calls about captures.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ pub struct Captures {
     url: String,
 }
 
-/// The part of the HTTP reply that is needed: the rest is asked for by name.
+/// The part of the HTTP response that is needed; the rest is fetched by name.
 #[derive(Deserialize)]
 struct Created {
     name: CaptureId,
@@ -52,8 +52,8 @@ impl Captures {
     }
 
     /// Uploads a capture archive (ZIP) over HTTP, streamed from disk, its digest checked by the
-    /// server. A connection that breaks is tried again under the same idempotency key, so there
-    /// is one capture whatever happens.
+    /// server. A broken connection is retried under the same idempotency key, so there is never
+    /// more than one capture.
     ///
     /// # Errors
     /// If the file cannot be read, or the server refuses it or cannot be reached.
@@ -61,7 +61,7 @@ impl Captures {
         self.upload_with(file, display_name, |_| ()).await
     }
 
-    /// As [`Captures::upload`]; `sent` is told the bytes sent so far.
+    /// As [`Captures::upload`]; `sent` gets the number of bytes sent so far.
     ///
     /// # Errors
     /// As [`Captures::upload`].
@@ -79,16 +79,17 @@ impl Captures {
                 Ok(name) => return self.get(name).await,
                 Err(error) if error.is_transient() && attempt < ATTEMPTS => {
                     attempt += 1;
-                    tokio::time::sleep(PAUSE).await;
+                    tokio::time::sleep(RETRY_INTERVAL).await;
                 }
                 Err(error) => return Err(error),
             }
         }
     }
 
-    /// Uploads a capture archive (ZIP) over tus 1.0.0: a connection or a server that breaks down costs at most the
-    /// last 16 MiB, and after two minutes without progress, or after the end of this process, the same call
-    /// goes on where it stopped. `sent` is told how many bytes the server has, which may fall back a little.
+    /// Uploads a capture archive (ZIP) over tus 1.0.0. A failure of the connection or the server
+    /// costs at most the last 16 MiB. After two minutes without progress, or after the end of this
+    /// process, the same call resumes. `sent` gets the number of bytes on the server, which may
+    /// decrease a little.
     ///
     /// The same content under the same name is one capture, however often it is uploaded, and is not sent again.
     ///
@@ -109,7 +110,7 @@ impl Captures {
                 // The server may have been restarted since; the connection notices by failing.
                 Err(error) if error.is_transient() && attempt < ATTEMPTS => {
                     attempt += 1;
-                    tokio::time::sleep(PAUSE).await;
+                    tokio::time::sleep(RETRY_INTERVAL).await;
                 }
                 got => return got,
             }
@@ -149,8 +150,8 @@ impl Captures {
         Ok(created.name)
     }
 
-    /// The capture now and after every change of its ingest, until that has ended. A server that goes
-    /// away for a while is waited for, up to a minute.
+    /// The capture now and after every change of its ingest, until that has ended. Waits up to a
+    /// minute for a server that cannot be reached.
     pub fn watch(&self, name: CaptureId) -> Watch<Capture> {
         let service = self.service.clone();
         watch::start(move |after_revision| {
@@ -168,7 +169,7 @@ impl Captures {
         self.watch(name).last().await
     }
 
-    /// Reads a capture again, with other settings say.
+    /// Reads a capture again, for example with other settings.
     ///
     /// # Errors
     /// If the settings are wrong, it is being read, a fit of it is queued or running, or the server cannot be
@@ -185,7 +186,7 @@ impl Captures {
         self.service.clone().ingest_capture(request).await?.into_inner().try_into()
     }
 
-    /// Asks the ingest of a capture to stop; one that has ended is left as it is.
+    /// Asks the ingest of a capture to stop; one that has ended is returned as it is.
     ///
     /// # Errors
     /// If there is none of that name, or the server cannot be asked.
@@ -194,7 +195,7 @@ impl Captures {
         self.service.clone().cancel_ingest(request).await?.into_inner().try_into()
     }
 
-    /// What the ingest says of a capture: verdict, findings and what they rest on, as JSON.
+    /// The report of the ingest as JSON: verdict, findings and the measurements behind them.
     ///
     /// # Errors
     /// If there is no report yet, or the server cannot be asked.
@@ -203,7 +204,7 @@ impl Captures {
         serde_json::from_slice(&report).map_err(Error::malformed)
     }
 
-    /// The same as a page with pictures: HTML in one file.
+    /// The report as an HTML page with pictures, in one file.
     ///
     /// # Errors
     /// As [`Captures::report`].
@@ -221,7 +222,8 @@ impl Captures {
         Ok(report)
     }
 
-    /// Writes what fits of a capture work on, tracked points as a bundle, to a file.
+    /// Writes the observation of a capture to a file: tracked points as a bundle, the input of
+    /// fits.
     ///
     /// # Errors
     /// If there is none yet, the file cannot be written, or the server cannot be asked.

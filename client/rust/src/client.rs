@@ -1,4 +1,4 @@
-//! The connection.
+//! The connection to a server.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use crate::{Captures, Error, Fits, Rollouts, Twins, Workers};
 
 /// Longest message that is accepted: the largest reply of a rollout [bytes].
 const MAX_MESSAGE: usize = 1 << 30;
-/// How long connecting may take.
+/// Longest time for connecting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// A connection to a server. Clones share it; it reconnects by itself.
@@ -26,10 +26,10 @@ pub struct Client {
 }
 
 impl Client {
-    /// Connects to a server, `http://127.0.0.1:7070` say.
+    /// Connects to a server, for example `http://127.0.0.1:7070`.
     ///
     /// # Errors
-    /// If the address is none, or if nobody answers there.
+    /// If the address is not a URL, or nothing answers there.
     pub async fn connect(url: &str) -> Result<Self, Error> {
         let url = url.trim_end_matches('/');
         let invalid = || {
@@ -48,7 +48,8 @@ impl Client {
             // Rollouts send and receive megabytes: windows of 64 KiB would wait for the round trip.
             .initial_stream_window_size(8 << 20)
             .initial_connection_window_size(16 << 20);
-        let channel = endpoint.connect().await.map_err(|e| Error::unreachable(url, root(&e)))?;
+        let channel =
+            endpoint.connect().await.map_err(|e| Error::unreachable(url, innermost_cause(&e)))?;
         let http = reqwest::Client::builder()
             .connect_timeout(CONNECT_TIMEOUT)
             .build()
@@ -56,7 +57,7 @@ impl Client {
         Ok(Self { url: url.to_owned(), channel, http })
     }
 
-    /// The address that was connected to.
+    /// The address of the server.
     pub fn url(&self) -> &str {
         &self.url
     }
@@ -91,6 +92,8 @@ impl Client {
 }
 
 /// The innermost cause, which says more than `transport error`.
-fn root<'a>(error: &'a (dyn std::error::Error + 'static)) -> &'a (dyn std::error::Error + 'static) {
+fn innermost_cause<'a>(
+    error: &'a (dyn std::error::Error + 'static),
+) -> &'a (dyn std::error::Error + 'static) {
     std::iter::successors(Some(error), |e| e.source()).last().unwrap_or(error)
 }

@@ -1,11 +1,11 @@
-//! What can go wrong in a call.
+//! Errors of calls.
 
 use bendtwin_core::{Category, Fault};
 use bendtwin_proto::fault;
 use tonic::Status;
 use tonic_types::StatusExt as _;
 
-/// A call that failed: what the server said, or why it could not be asked.
+/// A failed call: the server's error, or the reason for which it could not be reached.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{fault}")]
 pub struct Error {
@@ -14,22 +14,22 @@ pub struct Error {
 }
 
 impl Error {
-    /// What kind of thing went wrong.
+    /// The kind of error.
     pub fn category(&self) -> Category {
         self.fault.category
     }
 
-    /// A stable UPPER_SNAKE_CASE word to branch on.
+    /// The reason: a stable UPPER_SNAKE_CASE word for programs.
     pub fn reason(&self) -> &str {
         &self.fault.reason
     }
 
-    /// What happened and what to do about it, for a person.
+    /// Description for people: the event, and the action to take.
     pub fn message(&self) -> &str {
         &self.fault.message
     }
 
-    /// The server's name for the call, to be quoted when reporting a problem.
+    /// The server's id of the call, to be quoted when reporting a problem.
     pub fn request_id(&self) -> Option<&str> {
         self.request_id.as_deref()
     }
@@ -39,7 +39,7 @@ impl Error {
         &self.fault
     }
 
-    /// Whether the same call may succeed a moment later.
+    /// True if the same call may succeed a moment later.
     pub fn is_transient(&self) -> bool {
         matches!(self.category(), Category::Unavailable)
     }
@@ -53,7 +53,7 @@ impl Error {
         Self { request_id: request_id.filter(|id| !id.is_empty()), ..self }
     }
 
-    /// An argument that the client itself refuses.
+    /// An argument that the client refuses.
     pub(crate) fn invalid(message: impl Into<String>) -> Self {
         Self::new(Category::InvalidArgument, "INVALID_ARGUMENT", message)
     }
@@ -72,15 +72,15 @@ impl Error {
         Self::new(Category::Unavailable, "SERVER_UNREACHABLE", message)
     }
 
-    /// Every byte is at the server, which does not make a capture of them.
-    pub(crate) fn stuck(url: &str) -> Self {
+    /// All bytes are on the server, which does not make a capture of them.
+    pub(crate) fn not_stored(url: &str) -> Self {
         let message = format!(
             "the server at {url} takes no more bytes of the upload and makes no capture of it: try again later"
         );
         Self::new(Category::Unavailable, "UPLOAD_STUCK", message)
     }
 
-    /// A file of the caller's that cannot be read or written.
+    /// A local file that cannot be read or written.
     pub(crate) fn file(path: &std::path::Path, error: &std::io::Error) -> Self {
         let category = match error.kind() {
             std::io::ErrorKind::NotFound => Category::NotFound,

@@ -28,7 +28,7 @@ impl Fits {
         Self { service }
     }
 
-    /// Queues a fit of a capture. Higher priorities run earlier; 0 is normal.
+    /// Queues a fit of a capture. Jobs of higher priority run earlier; 0 is normal.
     ///
     /// # Errors
     /// If the settings are wrong, the capture is unknown, or the server cannot be asked.
@@ -107,7 +107,7 @@ impl Fits {
         self.service.clone().cancel_fit(request).await?.into_inner().try_into()
     }
 
-    /// Forgets a job; its twin stays.
+    /// Deletes a job that has ended; its twin stays.
     ///
     /// # Errors
     /// If it still runs, or the server cannot be asked.
@@ -117,8 +117,8 @@ impl Fits {
         Ok(())
     }
 
-    /// The job now and after every change, until it has ended. A server that goes away for a
-    /// while is waited for, up to a minute.
+    /// The job now and after every change, until it has ended. Waits up to a minute for a server
+    /// that cannot be reached.
     pub fn watch(&self, name: FitId) -> Watch<Fit> {
         let service = self.service.clone();
         watch::start(move |after_revision| {

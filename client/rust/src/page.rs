@@ -1,11 +1,11 @@
-//! Lists come in pages.
+//! Pages of lists.
 
 use crate::Error;
 
-/// Which part of a list is wanted.
+/// Request for a part of a list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PageRequest {
-    /// At most so many, up to 1000; 0 leaves it to the server.
+    /// Most entries of the page, up to 1000; 0 leaves it to the server.
     pub size: u32,
     /// The previous page's `next`; empty for the first page.
     pub token: String,
@@ -14,9 +14,9 @@ pub struct PageRequest {
 /// A part of a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Page<T> {
-    /// Newest first.
+    /// The entries, newest first.
     pub items: Vec<T>,
-    /// Asks for the next page; none on the last one.
+    /// Request for the next page; none on the last one.
     pub next: Option<String>,
 }
 

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::Error;
 
-/// The members of a problem document that matter here.
+/// The members of a problem document that are used here.
 #[derive(Deserialize)]
 struct Document {
     title: String,
@@ -16,7 +16,7 @@ struct Document {
     request_id: String,
 }
 
-/// The answer if it is a success, else what the server said.
+/// The response if it is a success, else the server's error.
 pub(crate) async fn success(response: reqwest::Response) -> Result<reqwest::Response, Error> {
     let status = response.status();
     if status.is_success() {
@@ -33,7 +33,7 @@ fn of(status: reqwest::StatusCode, body: &[u8]) -> Error {
             Error::new(category, &document.reason, document.detail)
                 .with_request_id(Some(document.request_id))
         }
-        // A proxy's page, say, or an answer to HEAD, which has no body.
+        // A proxy's page, for example, or a response to HEAD, which has no body.
         Err(_) => {
             let category = match status.as_u16() {
                 502..=504 => Category::Unavailable,

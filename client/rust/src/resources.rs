@@ -15,16 +15,16 @@ use crate::Error;
 pub struct Capture {
     /// Its name.
     pub name: CaptureId,
-    /// A person's name for it.
+    /// Display name.
     pub display_name: String,
-    /// When it was uploaded.
+    /// Time of the upload.
     pub create_time: Timestamp,
     /// Size of the archive [bytes].
     pub size_bytes: u64,
     /// BLAKE3 of the archive, hex.
     pub digest: String,
-    /// The job that reads it. There is one for each; running it again replaces it. Fits of the capture fail
-    /// with its fault.
+    /// The job that reads it. There is one for each capture; running it again replaces it. Fits of the
+    /// capture fail with its fault.
     pub ingest: Job,
     /// The report's verdict: `good`, `usable` or `unusable`; none while there is no report.
     pub verdict: Option<String>,
@@ -33,50 +33,50 @@ pub struct Capture {
 /// Work that a worker does for a fit, or for the ingest of a capture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Job {
-    /// Where it is in its life.
+    /// State of the job.
     pub state: JobState,
     /// The settings in force.
     pub settings: serde_json::Value,
-    /// How far it is.
+    /// Progress while it runs.
     pub progress: Option<JobProgress>,
-    /// Why it failed.
+    /// The fault if it failed.
     pub fault: Option<Fault>,
-    /// Why earlier attempts failed.
+    /// Faults of earlier attempts.
     pub attempt_faults: Vec<Fault>,
-    /// How often it was started.
+    /// Number of attempts.
     pub attempts: u32,
-    /// Who is at it.
+    /// The worker while it runs.
     pub worker: Option<WorkerId>,
-    /// Whether it was asked to stop.
+    /// True if it has been asked to stop.
     pub cancel_requested: bool,
-    /// When it was asked for.
+    /// Time of creation.
     pub create_time: Timestamp,
-    /// When it was first started.
+    /// Time of the first start.
     pub start_time: Option<Timestamp>,
-    /// When it ended.
+    /// Time of the end.
     pub end_time: Option<Timestamp>,
-    /// Grows with every change, and on from one run of an ingest to the next.
+    /// Revision; grows with every change, and from one run of an ingest to the next.
     pub revision: u64,
 }
 
-/// Where a job is in its life.
+/// State of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum JobState {
-    /// Waits for a worker.
+    /// The job waits for a worker.
     Queued,
-    /// A worker is at it.
+    /// A worker executes the job.
     Running,
-    /// It made what it is for.
+    /// The job has a result.
     Succeeded,
-    /// It did not, and will not.
+    /// The job failed for good.
     Failed,
-    /// A user stopped it.
+    /// A user stopped the job.
     Cancelled,
 }
 
 impl JobState {
-    /// Whether it will not change any more.
+    /// True if the state is final.
     pub fn has_ended(self) -> bool {
         matches!(self, Self::Succeeded | Self::Failed | Self::Cancelled)
     }
@@ -93,26 +93,26 @@ impl JobState {
     }
 }
 
-/// How far a running job is.
+/// Progress of a running job.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct JobProgress {
     /// `ingest`, `search`, `refine` or `evaluate`.
     pub stage: String,
-    /// `bending` or `axial`; of an ingest its step.
+    /// `bending` or `axial`; for an ingest, its step.
     pub variant: String,
     /// Iterations of the stage that are done.
     pub iteration: u32,
-    /// Iterations that the stage will have.
+    /// Iterations of the stage in total.
     pub iterations: u32,
-    /// Share of the whole job, 0..=1.
+    /// Fraction of the whole job, 0..=1.
     pub fraction: f64,
     /// Loss of the last iteration.
     pub loss: Option<f64>,
     /// Best loss so far.
     pub best_loss: Option<f64>,
-    /// Estimated seconds until it ends.
+    /// Estimated time until the end [s].
     pub eta_s: Option<f64>,
-    /// Something a person should know; empty if nothing.
+    /// A note for the user; empty if none.
     pub note: String,
 }
 
@@ -121,11 +121,11 @@ pub struct JobProgress {
 pub struct Fit {
     /// Its name.
     pub name: FitId,
-    /// What is fitted.
+    /// The capture to be fitted.
     pub capture: CaptureId,
     /// The result.
     pub twin: Option<TwinId>,
-    /// Higher runs earlier.
+    /// Priority: jobs of higher priority run earlier.
     pub priority: i32,
     /// The work on it.
     pub job: Job,
@@ -136,67 +136,67 @@ pub struct Fit {
 pub struct Twin {
     /// Its name.
     pub name: TwinId,
-    /// A person's name for it.
+    /// Display name.
     pub display_name: String,
-    /// What it was fitted to; none if it was imported.
+    /// The capture that it was fitted to; none if it was imported.
     pub capture: Option<CaptureId>,
     /// The job that made it; none if it was imported.
     pub fit: Option<FitId>,
-    /// When it was stored.
+    /// Time of storage.
     pub create_time: Timestamp,
     /// Size of its file [bytes].
     pub size_bytes: u64,
     /// BLAKE3 of its file, hex.
     pub digest: String,
-    /// Nodes.
+    /// Number of nodes.
     pub node_count: u32,
-    /// Springs.
+    /// Number of springs.
     pub spring_count: u32,
-    /// Bending triplets.
+    /// Number of bending triplets.
     pub triplet_count: u32,
-    /// Control points.
+    /// Number of control points.
     pub control_count: u32,
-    /// Frames per second.
+    /// Number of frames per second.
     pub fps: f64,
-    /// Substeps per frame.
+    /// Number of substeps per frame.
     pub substeps: u32,
-    /// How good it is.
+    /// The quality table.
     pub quality: Quality,
 }
 
 /// A worker process.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Worker {
-    /// Its name; a restarted worker is another one.
+    /// Its name; a restarted worker has another one.
     pub name: WorkerId,
     /// `cpu` or `cuda`.
     pub backend: String,
-    /// What it computes on.
+    /// Name of its device.
     pub device: String,
-    /// When it registered.
+    /// Time of registration.
     pub start_time: Timestamp,
-    /// When it was last heard of.
+    /// Time of the last heartbeat.
     pub last_seen_time: Timestamp,
-    /// The fit that it is at.
+    /// The fit under way.
     pub fit: Option<FitId>,
-    /// The capture whose ingest it is at.
+    /// The capture whose ingest is under way.
     pub ingest: Option<CaptureId>,
-    /// Twins that it answers for at once.
+    /// Twins that are loaded and answer at once.
     pub warm_twins: Vec<TwinId>,
-    /// Rollouts under way.
+    /// Number of rollouts under way.
     pub rollouts_in_flight: u32,
     /// Version of its software.
     pub build: String,
-    /// Memory of its device, where that is known.
+    /// Memory of its device, if known.
     pub memory: Option<DeviceMemory>,
 }
 
 /// Memory of a worker's device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct DeviceMemory {
-    /// In use, by whomever.
+    /// In use by all processes [bytes].
     pub used_bytes: u64,
-    /// In all.
+    /// In total [bytes].
     pub total_bytes: u64,
 }
 

@@ -1,10 +1,9 @@
 //! Uploads over tus 1.0.0 that survive broken connections, restarts of the server
 //! and restarts of their own process.
 //!
-//! There is no file of state: the upload is found again by its request id, which
-//! is made of the content's digest and of what is said about it. So the same
-//! file under the same name goes on where it stopped, from whatever process or
-//! folder, and a file that is on the server already is not sent again.
+//! There is no state file: the upload is found again by its request id, which is derived from the
+//! content's digest and the metadata. So the same file under the same name is resumed from any
+//! process or folder, and a file that is on the server already is not sent again.
 
 use std::{
     io::SeekFrom,
@@ -25,19 +24,20 @@ use tokio::{
 
 use crate::{Error, problem};
 
-/// Bytes of one request: what a damaged checksum or a dead server costs at most.
+/// Bytes of one request: the most that a wrong checksum or a dead server costs.
 const PART: u64 = 16 << 20;
 /// Bytes between two reports of progress.
 const SLICE: usize = 256 << 10;
 /// Wait before trying again; it doubles up to the longest.
-const FIRST_PAUSE: Duration = Duration::from_millis(200);
-const LONGEST_PAUSE: Duration = Duration::from_secs(10);
-/// How long nothing may get through before the upload is given up. It can be taken up again later.
-const PATIENCE: Duration = Duration::from_secs(120);
-/// Silence after which a request is given up; the server's hashing of gigabytes at the end takes its time.
-const ANSWER: Duration = Duration::from_secs(300);
+const FIRST_WAIT: Duration = Duration::from_millis(200);
+const LONGEST_WAIT: Duration = Duration::from_secs(10);
+/// Time without progress after which the upload fails. It can be resumed later.
+const RETRY_TIMEOUT: Duration = Duration::from_secs(120);
+/// Time without progress after which a request is abandoned; at the end the server hashes gigabytes
+/// before it answers.
+const STALL_TIMEOUT: Duration = Duration::from_secs(300);
 
-/// One file on its way to the server.
+/// Upload of one file.
 pub(crate) struct Sender<'a> {
     http: &'a reqwest::Client,
     /// Of the server, without a slash at the end.
@@ -47,14 +47,14 @@ pub(crate) struct Sender<'a> {
     metadata: String,
 }
 
-/// An upload as an answer tells of it.
-struct Told {
+/// State of an upload as the server reports it.
+struct UploadState {
     offset: u64,
     capture: Option<CaptureId>,
 }
 
 impl<'a> Sender<'a> {
-    /// For a file of that digest [BLAKE3, hex].
+    /// An upload of a file with that digest [BLAKE3, hex].
     pub(crate) async fn new(
         http: &'a reqwest::Client,
         server: &'a str,
@@ -72,50 +72,51 @@ impl<'a> Sender<'a> {
         Ok(Self { http, server, path, length, metadata: pairs.join(",") })
     }
 
-    /// Sends what is missing and returns the capture that it became. `sent` is told how much is there.
+    /// Sends the missing bytes and returns the capture made of them. `sent` gets the number of
+    /// bytes on the server.
     pub(crate) async fn send(
         &self,
         sent: &(impl Fn(u64) + Clone + Send + Sync + 'static),
     ) -> Result<CaptureId, Error> {
-        let mut patience = Patience::new();
+        let mut retries = RetryBudget::new();
         // None while it is to be begun, or found.
         let mut url: Option<String> = None;
         let mut offset = None;
         loop {
             let step = match (&url, offset) {
                 (None, _) => match self.begin().await {
-                    Ok((location, told)) => {
+                    Ok((location, state)) => {
                         url = Some(location);
-                        Ok(told)
+                        Ok(state)
                     }
                     Err(error) => Err(error),
                 },
-                (Some(url), None) => self.ask(url).await,
+                (Some(url), None) => self.fetch_state(url).await,
                 (Some(url), Some(offset)) => self.send_part(url, offset, sent.clone()).await,
             };
             match step {
-                Ok(Told { capture: Some(capture), .. }) => {
+                Ok(UploadState { capture: Some(capture), .. }) => {
                     sent(self.length);
                     return Ok(capture);
                 }
-                Ok(told) => {
+                Ok(state) => {
                     // Whole and no capture: ask again, the server is about to make it.
-                    let stuck = told.offset >= self.length || offset == Some(told.offset);
-                    offset = Some(told.offset).filter(|_| told.offset < self.length);
-                    sent(told.offset);
-                    if stuck {
-                        patience.wait(&Error::stuck(self.server)).await?;
+                    let stalled = state.offset >= self.length || offset == Some(state.offset);
+                    offset = Some(state.offset).filter(|_| state.offset < self.length);
+                    sent(state.offset);
+                    if stalled {
+                        retries.wait(&Error::not_stored(self.server)).await?;
                     } else {
-                        patience.renew();
+                        retries.reset();
                     }
                 }
                 Err(error) if is_gone(&error) && url.is_some() => {
-                    // It expired, or was terminated: begin anew.
-                    patience.wait(&error).await?;
+                    // It expired, or was terminated: create another one.
+                    retries.wait(&error).await?;
                     (url, offset) = (None, None);
                 }
-                Err(error) if is_worth_another_try(&error) => {
-                    patience.wait(&error).await?;
+                Err(error) if is_retryable(&error) => {
+                    retries.wait(&error).await?;
                     offset = None;
                 }
                 Err(error) => return Err(error),
@@ -123,7 +124,7 @@ impl<'a> Sender<'a> {
         }
     }
 
-    async fn begin(&self) -> Result<(String, Told), Error> {
+    async fn begin(&self) -> Result<(String, UploadState), Error> {
         let request = self
             .request(Method::POST, &format!("{}/v1/uploads", self.server))
             .header("upload-length", self.length)
@@ -132,16 +133,17 @@ impl<'a> Sender<'a> {
         let location = text(response.headers(), "location")?.to_owned();
         let url = reqwest::Url::parse(self.server).and_then(|base| base.join(&location));
         let url = url.map_err(Error::malformed)?.to_string();
-        // The answer to a creation need not tell the offset.
-        let told = match response.headers().contains_key("upload-offset") {
-            true => told(&response)?,
-            false => self.ask(&url).await?,
+        // The response to a creation need not have the offset.
+        let state = if response.headers().contains_key("upload-offset") {
+            state_of(&response)?
+        } else {
+            self.fetch_state(&url).await?
         };
-        Ok((url, told))
+        Ok((url, state))
     }
 
-    async fn ask(&self, url: &str) -> Result<Told, Error> {
-        told(&self.answer(self.request(Method::HEAD, url)).await?)
+    async fn fetch_state(&self, url: &str) -> Result<UploadState, Error> {
+        state_of(&self.answer(self.request(Method::HEAD, url)).await?)
     }
 
     async fn send_part(
@@ -149,16 +151,16 @@ impl<'a> Sender<'a> {
         url: &str,
         offset: u64,
         sent: impl Fn(u64) + Send + Sync + 'static,
-    ) -> Result<Told, Error> {
+    ) -> Result<UploadState, Error> {
         let part = self.read(offset).await?;
         let checksum = BASE64_STANDARD.encode(blake3::hash(&part).as_bytes());
         let size = part.len();
-        let pulse = Pulse::default();
-        let beat = pulse.clone();
+        let clock = ProgressClock::default();
+        let progressed = clock.clone();
         let slices = (0..size.div_ceil(SLICE)).map(move |i| {
             let end = ((i + 1) * SLICE).min(size);
-            beat.beat();
-            // Told when the connection asks for the next slice, so a little early.
+            progressed.touch();
+            // Reported when the connection asks for the next slice, so a little early.
             sent(offset + (i * SLICE) as u64);
             Ok::<Bytes, std::io::Error>(part.slice(i * SLICE..end))
         });
@@ -169,7 +171,7 @@ impl<'a> Sender<'a> {
             .header("upload-offset", offset)
             .header("upload-checksum", format!("blake3 {checksum}"))
             .body(reqwest::Body::wrap_stream(futures::stream::iter(slices)));
-        told(&self.answer_to(request, &pulse).await?)
+        state_of(&self.answer_to(request, &clock).await?)
     }
 
     async fn read(&self, offset: u64) -> Result<Bytes, Error> {
@@ -191,28 +193,33 @@ impl<'a> Sender<'a> {
     }
 
     async fn answer(&self, request: RequestBuilder) -> Result<Response, Error> {
-        self.answer_to(request, &Pulse::default()).await
+        self.answer_to(request, &ProgressClock::default()).await
     }
 
-    /// Waits for the answer for as long as the request makes progress. A deadline for the whole would fail those whose
-    /// connection is slow, and none at all those whose connection died without a word.
-    async fn answer_to(&self, request: RequestBuilder, pulse: &Pulse) -> Result<Response, Error> {
+    /// Waits for the response as long as the request makes progress. A deadline for the whole
+    /// request would fail slow connections and notice dead ones late.
+    async fn answer_to(
+        &self,
+        request: RequestBuilder,
+        clock: &ProgressClock,
+    ) -> Result<Response, Error> {
         let response = tokio::select! {
             response = request.send() => response.map_err(|e| Error::unreachable(self.server, e))?,
-            () = pulse.stops() => return Err(Error::unreachable(self.server, "it fell silent")),
+            () = clock.stalled() => return Err(Error::unreachable(self.server, "it stopped responding")),
         };
         problem::success(response).await
     }
 }
 
-fn told(response: &Response) -> Result<Told, Error> {
+fn state_of(response: &Response) -> Result<UploadState, Error> {
     let headers = response.headers();
     let offset = text(headers, "upload-offset")?.parse().map_err(Error::malformed)?;
-    let capture = match headers.contains_key("bendtwin-capture") {
-        true => Some(text(headers, "bendtwin-capture")?.parse().map_err(Error::malformed)?),
-        false => None,
+    let capture = if headers.contains_key("bendtwin-capture") {
+        Some(text(headers, "bendtwin-capture")?.parse().map_err(Error::malformed)?)
+    } else {
+        None
     };
-    Ok(Told { offset, capture })
+    Ok(UploadState { offset, capture })
 }
 
 fn text<'h>(headers: &'h HeaderMap, name: &str) -> Result<&'h str, Error> {
@@ -220,14 +227,15 @@ fn text<'h>(headers: &'h HeaderMap, name: &str) -> Result<&'h str, Error> {
     value.ok_or_else(|| Error::malformed(format!("there is no header {name}")))
 }
 
-/// An answer to HEAD has no body that would say the reason: its status decides.
+/// True if the upload does not exist any more. A response to HEAD has no body with a reason, so the
+/// status decides.
 fn is_gone(error: &Error) -> bool {
     error.category() == Category::NotFound
 }
 
-fn is_worth_another_try(error: &Error) -> bool {
-    // Whoever hears this has a connection that lives: another process sends the same, and two would
-    // take it from each other for ever.
+fn is_retryable(error: &Error) -> bool {
+    // This connection is alive, so another process sends the same content, and the two would take
+    // the upload from each other forever.
     if error.reason() == "UPLOAD_TAKEN_OVER" {
         return false;
     }
@@ -238,50 +246,50 @@ fn is_worth_another_try(error: &Error) -> bool {
     transient || ["CHECKSUM_MISMATCH", "UPLOAD_IDLE", "UPLOAD_BROKEN"].contains(&error.reason())
 }
 
-/// When a request last made progress.
+/// Time of a request's last progress.
 #[derive(Clone)]
-struct Pulse(Arc<Mutex<Instant>>);
+struct ProgressClock(Arc<Mutex<Instant>>);
 
-impl Default for Pulse {
+impl Default for ProgressClock {
     fn default() -> Self {
         Self(Arc::new(Mutex::new(Instant::now())))
     }
 }
 
-impl Pulse {
-    fn beat(&self) {
+impl ProgressClock {
+    fn touch(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
     }
 
-    /// Returns when there has been no beat for too long.
-    async fn stops(&self) {
+    /// Returns when there has been no progress for too long.
+    async fn stalled(&self) {
         loop {
             let last = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            if last.elapsed() >= ANSWER {
+            if last.elapsed() >= STALL_TIMEOUT {
                 return;
             }
-            tokio::time::sleep_until(last + ANSWER).await;
+            tokio::time::sleep_until(last + STALL_TIMEOUT).await;
         }
     }
 }
 
-/// How long to go on without anything getting through.
-struct Patience {
+/// Time left for retries without progress.
+struct RetryBudget {
     ends: Instant,
     pause: Duration,
 }
 
-impl Patience {
+impl RetryBudget {
     fn new() -> Self {
-        Self { ends: Instant::now() + PATIENCE, pause: FIRST_PAUSE }
+        Self { ends: Instant::now() + RETRY_TIMEOUT, pause: FIRST_WAIT }
     }
 
-    /// Something got through.
-    fn renew(&mut self) {
+    /// Starts anew after progress.
+    fn reset(&mut self) {
         *self = Self::new();
     }
 
-    /// Waits before the next try, unless it is too late for one.
+    /// Waits before the next attempt, unless the time for retries is over.
     async fn wait(&mut self, error: &Error) -> Result<(), Error> {
         if Instant::now() + self.pause >= self.ends {
             return Err(error.clone());
@@ -289,7 +297,7 @@ impl Patience {
         // Clients that lost the same server should not all come back at once.
         let jitter = f64::from(uuid::Uuid::new_v4().as_bytes()[0]) / 255.0;
         tokio::time::sleep(self.pause.mul_f64(0.5 + 0.5 * jitter)).await;
-        self.pause = (2 * self.pause).min(LONGEST_PAUSE);
+        self.pause = (2 * self.pause).min(LONGEST_WAIT);
         Ok(())
     }
 }

@@ -12,12 +12,13 @@ use tonic::{Status, Streaming};
 
 use crate::{Capture, Error, Fit};
 
-/// How long a server may be away.
-const PATIENCE: Duration = Duration::from_secs(60);
-/// Between two attempts to reach it.
-const PAUSE: Duration = Duration::from_millis(500);
+/// Longest time for which a server may be unreachable.
+const RECONNECT_TIMEOUT: Duration = Duration::from_secs(60);
+/// Time between two attempts to reach it.
+const RETRY_INTERVAL: Duration = Duration::from_millis(500);
 
-/// The states of a job, from now until it has ended: of a [`Fit`], or of a [`Capture`] that is being read.
+/// The states of a job, from now until it has ended: of a [`Fit`], or of a [`Capture`] that is
+/// being read.
 pub struct Watch<T = Fit>(BoxStream<'static, Result<T, Error>>);
 
 impl<T> std::fmt::Debug for Watch<T> {
@@ -35,23 +36,23 @@ impl<T> Stream for Watch<T> {
 }
 
 impl<T: Send + 'static> Watch<T> {
-    /// Waits for the end; the last state.
+    /// Waits for the end; returns the last state.
     pub(crate) async fn last(mut self) -> Result<T, Error> {
         let mut last = None;
         while let Some(state) = self.next().await {
             last = Some(state?);
         }
-        last.ok_or_else(|| Error::malformed("the server ended the watch without a word"))
+        last.ok_or_else(|| Error::malformed("the server ended the watch without a state"))
     }
 }
 
-/// What has revisions and an end.
-pub(crate) trait Watched: Send + 'static {
+/// A resource with revisions and a final state.
+pub(crate) trait Revisioned: Send + 'static {
     fn revision(&self) -> u64;
     fn has_ended(&self) -> bool;
 }
 
-impl Watched for Fit {
+impl Revisioned for Fit {
     fn revision(&self) -> u64 {
         self.job.revision
     }
@@ -60,7 +61,7 @@ impl Watched for Fit {
     }
 }
 
-impl Watched for Capture {
+impl Revisioned for Capture {
     fn revision(&self) -> u64 {
         self.ingest.revision
     }
@@ -69,29 +70,29 @@ impl Watched for Capture {
     }
 }
 
-/// Asks for the revisions after one.
+/// Opens the stream of revisions after one.
 type Open<W> = Box<dyn Fn(u64) -> BoxFuture<'static, Result<Streaming<W>, Status>> + Send>;
 
-/// Where a watch stands.
-struct Position<T, W> {
+/// State of a watch.
+struct WatchState<T, W> {
     open: Open<W>,
     after_revision: u64,
     stream: Option<Streaming<W>>,
-    /// Since when nothing was heard.
+    /// Start of the silence, if the server cannot be reached.
     silent_since: Option<Instant>,
     ended: bool,
     item: PhantomData<fn() -> T>,
 }
 
-/// A watch whose calls `open` makes.
+/// A watch that opens its streams with `open`.
 pub(crate) fn start<T, W>(
     open: impl Fn(u64) -> BoxFuture<'static, Result<Streaming<W>, Status>> + Send + 'static,
 ) -> Watch<T>
 where
-    T: Watched + TryFrom<W, Error = Error>,
+    T: Revisioned + TryFrom<W, Error = Error>,
     W: Send + 'static,
 {
-    let position = Position {
+    let watch = WatchState {
         open: Box::new(open),
         after_revision: 0,
         stream: None,
@@ -100,18 +101,18 @@ where
         item: PhantomData,
     };
     Watch(
-        futures::stream::unfold(position, |mut position| async move {
-            let item = position.next().await?;
-            Some((item, position))
+        futures::stream::unfold(watch, |mut watch| async move {
+            let item = watch.next().await?;
+            Some((item, watch))
         })
         .boxed(),
     )
 }
 
-impl<T: Watched + TryFrom<W, Error = Error>, W: Send + 'static> Position<T, W> {
+impl<T: Revisioned + TryFrom<W, Error = Error>, W: Send + 'static> WatchState<T, W> {
     async fn next(&mut self) -> Option<Result<T, Error>> {
         while !self.ended {
-            match self.advance().await {
+            match self.next_message().await {
                 Ok(Some(state)) => {
                     self.silent_since = None;
                     self.after_revision = state.revision();
@@ -123,18 +124,18 @@ impl<T: Watched + TryFrom<W, Error = Error>, W: Send + 'static> Position<T, W> {
                 Err(error) => {
                     self.stream = None;
                     let since = *self.silent_since.get_or_insert_with(Instant::now);
-                    if !error.is_transient() || since.elapsed() > PATIENCE {
+                    if !error.is_transient() || since.elapsed() > RECONNECT_TIMEOUT {
                         self.ended = true;
                         return Some(Err(error));
                     }
                 }
             }
-            tokio::time::sleep(PAUSE).await;
+            tokio::time::sleep(RETRY_INTERVAL).await;
         }
         None
     }
 
-    async fn advance(&mut self) -> Result<Option<T>, Error> {
+    async fn next_message(&mut self) -> Result<Option<T>, Error> {
         let stream = match &mut self.stream {
             Some(stream) => stream,
             None => {

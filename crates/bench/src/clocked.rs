@@ -1,6 +1,6 @@
 //! A backend that notes how long each kind of call takes, so that a fit's time can be split.
 
-mod descent;
+mod optimizer;
 mod stopwatch;
 
 use std::sync::{
@@ -8,14 +8,14 @@ use std::sync::{
     atomic::{AtomicU64, Ordering},
 };
 
-use bendtwin_core::Params;
+use bendtwin_core::{CancelToken, Params};
 use bendtwin_engine::{
     Backend, Device, Error, Loaded, Model,
-    backend::{CancelToken, Gradient, GradientRequest, Instance, Loss, Memory, Recording, Rollout},
-    descent::{Decay, Descent, Start},
+    backend::{Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
+    optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
-use self::{descent::ClockedDescent, stopwatch::Stopwatch};
+use self::{optimizer::ClockedOptimizer, stopwatch::Stopwatch};
 
 /// Passes every call on to another backend. A method that the trait gains must be passed on here too, or
 /// its default would be timed instead of the backend's own; a test sees to it.
@@ -130,10 +130,10 @@ impl Backend for Clocked {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        self.clocks.roll_out(batch.len(), || self.inner.roll_out(batch, recording, cancel))
+        self.clocks.roll_out(batch.len(), || self.inner.roll_out(batch, outputs, cancel))
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
@@ -149,9 +149,13 @@ impl Backend for Clocked {
         self.clocks.time(Kind::Gradient, || self.inner.gradients(batch, request, cancel))
     }
 
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
-        let inner = self.clocks.time(Kind::Load, || self.inner.descent(starts, decay))?;
-        Ok(Box::new(ClockedDescent { inner, clocks: self.clocks.clone() }))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
+        let inner = self.clocks.time(Kind::Load, || self.inner.optimizer(inits, decay))?;
+        Ok(Box::new(ClockedOptimizer { inner, clocks: self.clocks.clone() }))
     }
 
     fn memory(&self) -> Option<Memory> {

@@ -6,12 +6,12 @@ mod target;
 use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{
-    FitSettings, Progress, Stage,
+    CancelToken, FitSettings, Observer, Progress, Stage,
     environment::ControlVelocity,
     settings::{GradientWindow, RefineSettings, SearchSettings},
 };
-use bendtwin_engine::{Backend, backend::CancelToken};
-use bendtwin_fit::{FitJob, Observer, ObserverError};
+use bendtwin_engine::Backend;
+use bendtwin_fit::FitJob;
 use serde::Serialize;
 
 use crate::{
@@ -234,7 +234,7 @@ impl<'a> Stages<'a> {
     }
 }
 
-impl Observer for Stages<'_> {
+impl Observer<Progress> for Stages<'_> {
     fn progress(&mut self, progress: Progress) {
         let mark = || Mark {
             at_s: self.began.elapsed().as_secs_f64(),
@@ -249,10 +249,6 @@ impl Observer for Stages<'_> {
         self.initial_loss = self.initial_loss.or(progress.loss);
         // Asked while all that the fit needs is there, and after the clock.
         self.memory_bytes = self.memory_bytes.max(self.memory.used_bytes());
-    }
-
-    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
     }
 }
 

@@ -6,10 +6,10 @@
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_core::Point;
+use bendtwin_core::{CancelToken, Point};
 use bendtwin_engine::{
     Backend, Loaded, Objective, PointLoss, Term,
-    backend::{self, CancelToken, Divergence, GradientRequest, Instance},
+    backend::{self, Divergence, GradientRequest, Instance},
     model::State,
     objective::WeightedTerm,
 };

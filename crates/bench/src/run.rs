@@ -5,7 +5,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::CancelToken;
+use bendtwin_engine::Backend;
 
 use crate::{
     Error, MemoryProbe, Report,
@@ -69,7 +70,7 @@ impl Report {
     pub fn new(plan: &Plan, backend: &dyn Backend) -> Self {
         let device = backend.device();
         Self {
-            build: bendtwin_fit::BUILD.to_owned(),
+            build: bendtwin_core::BUILD.to_owned(),
             bound: IssueBound::of(&device),
             device: DeviceName { kind: device.kind, name: device.name, lanes: device.lanes },
             method: method(plan),

@@ -9,6 +9,7 @@ pub mod bundle;
 pub mod check;
 pub mod make;
 pub mod mocap;
+pub mod npy;
 pub mod raw;
 pub mod read;
 
@@ -18,7 +19,6 @@ mod error;
 mod files;
 mod frame;
 mod limits;
-mod npy;
 mod phystwin;
 mod pickle;
 mod structure;

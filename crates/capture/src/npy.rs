@@ -5,8 +5,9 @@
 use std::borrow::Cow;
 
 use crate::{
-    Error,
+    Error, Limits,
     array::{Array, Dtype},
+    limits::Budget,
 };
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -14,6 +15,33 @@ const MAGIC: &[u8] = b"\x93NUMPY";
 const MAX_HEADER: usize = 10_000;
 /// Data starts at a multiple of this.
 const ALIGN: usize = 64;
+
+/// A dense array of floats in row-major order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Floats {
+    /// Extent of each dimension.
+    pub shape: Vec<usize>,
+    /// As many values as the shape has elements.
+    pub values: Vec<f32>,
+}
+
+impl Floats {
+    /// Decodes an .npy file of 32- or 64-bit floats in either order; `at` is its name in messages.
+    ///
+    /// # Errors
+    /// If the file is damaged, of another type, or beyond the limits.
+    pub fn decode(at: &str, bytes: &[u8], limits: &Limits) -> Result<Self, Error> {
+        let array = read(at, bytes)?;
+        let values = array.floats(&mut Budget::new(limits))?;
+        Ok(Self { shape: array.shape, values })
+    }
+
+    /// Encodes as an .npy file of 32-bit floats.
+    pub fn encode(&self) -> Vec<u8> {
+        let bytes: Vec<u8> = self.values.iter().flat_map(|x| x.to_le_bytes()).collect();
+        write("<f4", &self.shape, &bytes)
+    }
+}
 
 /// Reads an array; `at` is its name in messages.
 pub(crate) fn read<'a>(at: &str, bytes: &'a [u8]) -> Result<Array<'a>, Error> {

@@ -44,6 +44,22 @@ pub struct Object {
     pub pins: Vec<HeldPoint>,
 }
 
+/// The kind of an object, by what is known of its topology.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// A cable: its edges are known, as in motion capture.
+    Cable,
+    /// Any other body: its springs are found by radius.
+    Body,
+}
+
+impl Object {
+    /// The kind of this object.
+    pub fn subject(&self) -> Subject {
+        if self.edges.is_empty() { Subject::Body } else { Subject::Cable }
+    }
+}
+
 /// A tracked point held by a control point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HeldPoint {

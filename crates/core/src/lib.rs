@@ -5,28 +5,36 @@
 //! Units are SI. Frames are right-handed; up and ground are declared, never
 //! guessed. Arrays are flat `Vec`s whose shape stands in the field's comment.
 
+pub mod cancel;
 pub mod capture;
+pub mod checkpoint;
 pub mod environment;
 pub mod error;
 pub mod fidelity;
 pub mod graph;
 pub mod ids;
+pub mod observer;
 pub mod params;
 pub mod progress;
 pub mod quality;
 pub mod settings;
 pub mod twin;
 
+pub use cancel::CancelToken;
 pub use capture::{Capture, Sequence};
 pub use environment::{Environment, Plane, Timing};
 pub use error::{Category, Fault, Problem};
 pub use fidelity::{FastVariant, Fidelity};
 pub use graph::{Graph, NodeKind, Pin};
+pub use observer::{Observer, ObserverError};
 pub use params::{Contact, Params};
 pub use progress::{Progress, Stage};
 pub use quality::Quality;
 pub use settings::FitSettings;
 pub use twin::Twin;
+
+/// Name and version of this software, as twins, checkpoints and reports record them.
+pub const BUILD: &str = concat!("bendtwin ", env!("CARGO_PKG_VERSION"));
 
 /// A point or vector in space: x, y, z.
 pub type Point = [f32; 3];

@@ -1,22 +1,33 @@
 //! A device: its context, what it is able to, its memory, and the kernels loaded on it.
 
+pub(crate) mod cache;
+pub(crate) mod compile;
+pub(crate) mod job;
+pub(crate) mod kernel;
+pub(crate) mod launch;
+pub(crate) mod memo;
+pub(crate) mod memory;
+pub(crate) mod pace;
+pub(crate) mod queue;
+pub(crate) mod staging;
+pub(crate) mod team;
+
 use std::sync::Arc;
 
 use bendtwin_engine::{Error, backend::Memory};
 use cudarc::driver::{
-    CudaContext, CudaModule, CudaStream,
+    CudaContext, CudaModule, CudaStream, DriverError,
     sys::{self, CUdevice_attribute as Attribute},
 };
 
-use crate::{
-    Options,
+use self::{
     cache::Cache,
-    compile, fault,
-    kernel::{Meeting, Source, Variant},
+    kernel::{Source, Variant},
     launch::Function,
     memo::Memo,
-    team::Team,
+    team::{Meeting, Team},
 };
+use crate::Options;
 
 /// First architecture with clusters and distributed shared memory.
 const CLUSTERS_FROM: u32 = 90;
@@ -224,4 +235,14 @@ fn keep_freed_memory(context: &CudaContext, bytes: u64) -> Result<(), Error> {
         })
     }
     .map_err(|e| fault("the memory pool", e))
+}
+
+/// Driver error, with what was being done.
+pub(crate) fn fault(what: &str, error: DriverError) -> Error {
+    Error::Device(format!("{what}: {error}"))
+}
+
+/// Waits for a stream's work.
+pub(crate) fn synchronize(stream: &CudaStream) -> Result<(), Error> {
+    stream.synchronize().map_err(|e| fault("the device's work", e))
 }

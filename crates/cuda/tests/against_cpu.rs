@@ -3,11 +3,11 @@
 
 use std::sync::{Arc, OnceLock};
 
-use bendtwin_core::Params;
+use bendtwin_core::{CancelToken, Params};
 use bendtwin_cuda::{Options, cuda};
 use bendtwin_engine::{
     Backend, Model, Objective, PointLoss, Term,
-    backend::{CancelToken, GradientRequest, Instance, Recording},
+    backend::{GradientRequest, Instance, Outputs},
     conformance::{RandomOptions, random_model, random_motion},
     cpu,
     objective::WeightedTerm,
@@ -106,11 +106,11 @@ fn both(model: &Model, seed: u64, frames: usize) -> [(Arc<dyn Backend>, Instance
 #[test]
 #[ignore = "needs a CUDA device"]
 fn positions_after_a_frame_agree() {
-    let recording = Recording { every: 1, final_state: true, ..Recording::default() };
+    let outputs = Outputs { every: 1, final_state: true, ..Outputs::default() };
     let mut worst = 0.0_f64;
     for (name, model) in models() {
         let [expected, found] = both(&model, seed(), 1).map(|(b, i)| {
-            b.roll_out(&[i], &recording, &CancelToken::default()).expect("valid").remove(0)
+            b.roll_out(&[i], &outputs, &CancelToken::default()).expect("valid").remove(0)
         });
         let squares = expected
             .positions
@@ -190,7 +190,7 @@ fn gradients_agree() {
 #[ignore = "needs a CUDA device"]
 fn repeats_are_identical_in_any_batch() {
     let backend = backend();
-    let recording = Recording { every: 1, final_state: true, ..Recording::default() };
+    let outputs = Outputs { every: 1, final_state: true, ..Outputs::default() };
     let request = GradientRequest { controls: true, initial: true, ..GradientRequest::default() };
     let cancel = CancelToken::default();
     for (name, model) in models() {
@@ -198,7 +198,7 @@ fn repeats_are_identical_in_any_batch() {
         let twice: Vec<_> = (0..2)
             .map(|_| {
                 let batch = std::slice::from_ref(&one);
-                let rollout = backend.roll_out(batch, &recording, &cancel).expect("valid");
+                let rollout = backend.roll_out(batch, &outputs, &cancel).expect("valid");
                 (rollout, backend.gradients(batch, &request, &cancel).expect("valid"))
             })
             .collect();

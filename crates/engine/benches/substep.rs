@@ -15,9 +15,10 @@ mod limits;
 
 use std::{hint::black_box, sync::Arc};
 
+use bendtwin_core::CancelToken;
 use bendtwin_engine::{
     Backend, Model, Objective, Term,
-    backend::{CancelToken, GradientRequest, Instance},
+    backend::{GradientRequest, Instance},
     cpu_with_threads, enough_substeps,
     model::State,
     objective::WeightedTerm,

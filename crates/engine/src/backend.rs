@@ -3,20 +3,14 @@
 //! Batch-first: one rollout is a batch of one. Instances of a batch may have
 //! different graphs. Same input, build and device: bit-identical output.
 
-use std::{
-    any::Any,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
-};
+use std::{any::Any, sync::Arc};
 
-use bendtwin_core::{Category, Params, Point, Problem};
+use bendtwin_core::{CancelToken, Category, Params, Point, Problem};
 
 use crate::{
-    descent::{Decay, Descent, Start},
     model::{Model, State},
     objective::Objective,
+    optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
 /// Why a backend refuses or fails.
@@ -92,21 +86,6 @@ pub struct Divergence {
     pub node: usize,
 }
 
-/// Stops a batch early; checked between frames. Clones share the flag.
-#[derive(Clone, Debug, Default)]
-pub struct CancelToken(Arc<AtomicBool>);
-
-impl CancelToken {
-    /// Asks the work to stop.
-    pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-    /// Whether stopping was asked for.
-    pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
-
 /// A model on the device. Cheap to clone.
 #[derive(Clone)]
 pub struct Loaded {
@@ -155,7 +134,7 @@ pub struct Instance {
 
 /// What a rollout should return apart from costs.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Recording {
+pub struct Outputs {
     /// Record the positions of every k-th frame (frames k, 2k, ...); 0 records none of them.
     pub every: usize,
     /// Record frame 0 too.
@@ -295,7 +274,7 @@ pub trait Backend: Send + Sync {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error>;
 
@@ -318,11 +297,15 @@ pub trait Backend: Send + Sync {
 
     /// Walks downhill through parameter space, side by side; the models in `starts` were loaded here.
     ///
-    /// A backend whose device keeps no points and gradients returns a [`crate::descent::HostDescent`] over itself.
+    /// A backend whose device keeps no points and gradients returns a [`crate::optimizer::HostOptimizer`] over itself.
     ///
     /// # Errors
-    /// As [`Start::check`] and [`Backend::with_params`].
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error>;
+    /// As [`OptimizerInit::check`] and [`Backend::with_params`].
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error>;
 
     /// Memory of the device; `None` where it is not known.
     fn memory(&self) -> Option<Memory> {

@@ -15,12 +15,12 @@ mod bending;
 mod conservation;
 mod contact;
 mod degenerate;
-mod descent;
 mod energy;
 mod expect;
 mod gradients;
 mod ground;
 mod objectives;
+mod optimizer;
 mod random;
 mod refusals;
 mod scene;
@@ -157,7 +157,7 @@ suite! { ($)
         bend_damping_never_raises_energy;
     objectives:
         losses_match_their_definitions,
-        recordings_are_as_asked,
+        outputs_are_as_asked,
         diagnostics_match_the_state;
     gradients:
         gradients_match_finite_differences,
@@ -173,14 +173,14 @@ suite! { ($)
         resuming_continues_exactly,
         new_params_equal_a_new_model,
         cancellation_stops_everything;
-    descent:
-        descent_measures_gradients,
-        descent_steps_like_adam,
-        descent_slices_equal_one_batch,
-        descent_hands_out_its_model,
-        descent_goes_back_exactly,
-        descent_stays_within_bounds,
-        descent_refuses_nonsense,
+    optimizer:
+        optimizer_measures_gradients,
+        optimizer_steps_like_adam,
+        optimizer_slices_equal_one_batch,
+        optimizer_hands_out_its_model,
+        optimizer_goes_back_exactly,
+        optimizer_stays_within_bounds,
+        optimizer_refuses_nonsense,
         overflowing_gradients_say_so;
     degenerate:
         random_graphs_stay_finite,

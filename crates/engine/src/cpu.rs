@@ -31,7 +31,7 @@ pub(crate) mod system;
 
 use std::sync::Arc;
 
-use bendtwin_core::Params;
+use bendtwin_core::{CancelToken, Params};
 use rayon::prelude::*;
 
 use self::{
@@ -44,10 +44,9 @@ use self::{
 use crate::{
     Model,
     backend::{
-        Backend, CancelToken, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss,
-        Recording, Rollout,
+        Backend, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss, Outputs, Rollout,
     },
-    descent::{Decay, Descent, HostDescent, Start},
+    optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
 
 /// Runs on the CPU's cores; clones share the threads. Make one with [`cpu`] or [`cpu_with_threads`].
@@ -146,15 +145,15 @@ impl Backend for CpuBackend {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
         for (index, instance) in batch.iter().enumerate() {
-            check::recording(index, instance, recording)?;
+            check::outputs(index, instance, outputs)?;
         }
         self.each(batch, |case| {
             let mut scorer = Scorer::new(case.objective, case.system.surface);
-            let mut observer = Observer::new(case, recording);
+            let mut observer = Observer::new(case, outputs);
             let diverged = case.run(cancel, |frame, now| {
                 scorer.see(frame, &now.nodes[..case.system.nodes]);
                 observer.see(frame, now);
@@ -189,8 +188,12 @@ impl Backend for CpuBackend {
         })
     }
 
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, Error> {
-        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
+        Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
 }
 

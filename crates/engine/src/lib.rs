@@ -1,17 +1,17 @@
 //! The physics: graph building, the [`Backend`] trait, the CPU backend that
 //! defines what is correct, its hand-written adjoint, and the conformance suite
 //! that every backend must pass. Knows no network, no files, and of
-//! fitting only how to take a step downhill ([`descent`]).
+//! fitting only how to take a step downhill ([`optimizer`]).
 
 pub mod backend;
 pub mod build;
 pub mod conformance;
 mod cpu;
-pub mod descent;
 mod energy;
 pub mod fidelity;
 pub mod model;
 pub mod objective;
+pub mod optimizer;
 pub mod reference;
 mod stability;
 

@@ -1,10 +1,12 @@
 //! The same simulation in `f64`, with parameters in `f64`: what other results are
 //! compared with, and what finite differences perturb.
 
+use bendtwin_core::CancelToken;
+
 pub use crate::cpu::parameters::Parameters;
 use crate::{
     Model, Objective,
-    backend::{CancelToken, Error, Loss},
+    backend::{Error, Loss},
     cpu::{
         check,
         gradient::gradient,

@@ -1,10 +1,10 @@
 //! The quality table: the twin, the axial-only fit beside it, and the free baselines.
 
 use bendtwin_core::{
-    Capture, Quality, Twin,
+    CancelToken, Capture, Quality, Twin,
     quality::{Predictor, Score},
 };
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_engine::Backend;
 
 use crate::{
     Error, Trajectory,

@@ -9,10 +9,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, FastVariant, Point, Sequence, Twin};
+use bendtwin_core::{CancelToken, Capture, FastVariant, Point, Sequence, Twin};
 use bendtwin_engine::{
     Backend, Model, Objective,
-    backend::{self, CancelToken, Instance, Recording},
+    backend::{self, Instance, Outputs},
     fidelity::Reduction,
     stable_substeps,
 };
@@ -113,11 +113,11 @@ impl Trial<'_> {
                 whole
             })
             .collect();
-        let recording = Recording { every: 1, ..Recording::default() };
+        let outputs = Outputs { every: 1, ..Outputs::default() };
         let mut motion = Motion::default();
         for slice in batch.chunks(slice_len(self.backend)) {
             for (rollout, instance) in
-                self.backend.roll_out(slice, &recording, self.cancel)?.into_iter().zip(slice)
+                self.backend.roll_out(slice, &outputs, self.cancel)?.into_iter().zip(slice)
             {
                 if rollout.diverged.is_some() {
                     return Ok(None);

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, Graph, Point, Sequence, Twin};
+use bendtwin_core::{CancelToken, Capture, Graph, Point, Sequence, Twin};
 use bendtwin_engine::{
     Backend, Loaded, Model, Objective,
-    backend::{CancelToken, Divergence, Instance, Recording},
+    backend::{Divergence, Instance, Outputs},
     model::State,
 };
 
@@ -50,8 +50,8 @@ pub fn predict(
     for slice in capture.sequences.chunks(slice_len(backend)) {
         let batch: Vec<Instance> =
             slice.iter().map(|s| instance(&loaded, capture.fps, s, Objective::default())).collect();
-        let recording = Recording { every: 1, initial: true, ..Recording::default() };
-        let rollouts = backend.roll_out(&batch, &recording, cancel)?;
+        let outputs = Outputs { every: 1, initial: true, ..Outputs::default() };
+        let rollouts = backend.roll_out(&batch, &outputs, cancel)?;
         for ((rollout, sequence), instance) in rollouts.into_iter().zip(slice).zip(&batch) {
             let node_count = twin.graph.node_count();
             let mut positions = rollout.positions;

@@ -11,14 +11,15 @@
 use std::{path::Path, time::Instant};
 
 use bendtwin_capture::{Limits, digest, make};
-use bendtwin_core::{Capture, FitSettings, Progress, Stage, Twin, quality::Predictor};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{
+    CancelToken, Capture, FitSettings, Observer, Progress, Stage, Twin, quality::Predictor,
+};
 use bendtwin_eval::{
     TableStyle, Trajectory, format_table,
     picture::{Model, Picture},
     predict, predictor_name,
 };
-use bendtwin_fit::{FitJob, Observer, ObserverError, Outcome};
+use bendtwin_fit::{FitJob, Outcome};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -89,7 +90,7 @@ fn picture(capture: &Capture, outcome: &Outcome) -> Result<Vec<u8>, Failure> {
 /// Prints every iteration.
 struct Printer(Instant);
 
-impl Observer for Printer {
+impl Observer<Progress> for Printer {
     fn progress(&mut self, p: Progress) {
         let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.4e}"));
         if p.stage == Stage::Evaluate {
@@ -106,9 +107,5 @@ impl Observer for Printer {
             number(p.best_loss),
             p.note.unwrap_or_default()
         );
-    }
-
-    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
     }
 }

@@ -1,70 +1,61 @@
-//! What a fit needs to go on in another process: a magic word, a version, then postcard.
+//! What a fit needs to resume in another process: postcard in the envelope that all checkpoints share.
 
-use bendtwin_core::FitSettings;
+use bendtwin_core::{FitSettings, checkpoint::Kind};
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, cmaes::CmaEs, refine::WalkState};
+use crate::{Error, cmaes::CmaEs, refine::RunState};
 
-/// The first bytes of every checkpoint.
-const MAGIC: &[u8; 4] = b"BTFC";
-/// Raised by every change of [`Checkpoint`] or of what a stage computes from it.
-const VERSION: u32 = 5;
+/// Checkpoints of fits. The version rises with every change of [`Checkpoint`] or of what a stage computes from it.
+const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 6 };
 
 /// All that changes during a fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
-    /// What it belongs to.
-    pub(crate) identity: Identity,
-    /// Where each variant is, in the order of the fit.
-    pub(crate) variants: Vec<VariantState>,
+    /// The state of each model's fit, in the order of the fit.
+    pub(crate) models: Vec<ModelFitState>,
 }
 
-/// Which fit a checkpoint belongs to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// The fit that a checkpoint belongs to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Identity {
     pub(crate) capture_digest: String,
     pub(crate) settings: FitSettings,
-    pub(crate) build: String,
     pub(crate) backend: String,
 }
 
-/// Where a variant is.
+/// The state of one model's fit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum VariantState {
+pub(crate) enum ModelFitState {
     /// In the search, after a generation.
     Search(CmaEs),
     /// In the refinement, after a pass.
     Refine {
-        /// What the search found, in the unit cube.
+        /// Best point of the search, in the unit cube.
         point: Vec<f64>,
-        /// The walk from there.
-        walk: WalkState,
+        /// The optimizer run from there.
+        run: RunState,
     },
 }
 
+impl Identity {
+    /// Digest of all of it.
+    fn digest(&self) -> Result<[u8; 32], Error> {
+        let bytes = postcard::to_stdvec(self).map_err(|e| Error::Checkpoint(e.to_string()))?;
+        Ok(*blake3::hash(&bytes).as_bytes())
+    }
+}
+
 impl Checkpoint {
-    pub(crate) fn to_bytes(&self) -> Result<Vec<u8>, Error> {
-        let mut bytes = [MAGIC.as_slice(), &VERSION.to_le_bytes()].concat();
+    /// The checkpoint of the fit `identity` as bytes.
+    pub(crate) fn to_bytes(&self, identity: &Identity) -> Result<Vec<u8>, Error> {
         let content = postcard::to_stdvec(self).map_err(|e| Error::Checkpoint(e.to_string()))?;
-        bytes.extend(content);
-        Ok(bytes)
+        Ok(KIND.seal(&identity.digest()?, &content))
     }
 
     /// Reads a checkpoint of the fit `identity`.
     pub(crate) fn from_bytes(bytes: &[u8], identity: &Identity) -> Result<Self, Error> {
-        let damaged = |why: &str| Error::Checkpoint(why.to_owned());
-        let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("it is no fit checkpoint"))?;
-        let (version, content) =
-            rest.split_first_chunk().ok_or_else(|| damaged("it is cut short"))?;
-        let version = u32::from_le_bytes(*version);
-        if version != VERSION {
-            return Err(Error::Checkpoint(format!(
-                "it has version {version}, this build reads {VERSION}"
-            )));
-        }
-        let checkpoint: Self =
-            postcard::from_bytes(content).map_err(|e| Error::Checkpoint(e.to_string()))?;
-        if checkpoint.identity == *identity { Ok(checkpoint) } else { Err(Error::OtherCheckpoint) }
+        let content = KIND.open(bytes, &identity.digest()?)?;
+        postcard::from_bytes(content).map_err(|e| Error::Checkpoint(e.to_string()))
     }
 }
 

@@ -1,10 +1,7 @@
 //! Why a fit cannot start, go on or end.
 
-use bendtwin_core::{Category, Problem};
+use bendtwin_core::{Category, ObserverError, Problem, checkpoint::Refusal};
 use bendtwin_engine::{backend, build};
-
-/// What an observer answers when it cannot keep a checkpoint.
-pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Why a fit fails.
 #[derive(Debug, thiserror::Error)]
@@ -40,6 +37,15 @@ pub enum Error {
     /// The observer could not keep a checkpoint (a lost lease, say).
     #[error("the fit's checkpoint could not be kept: {0}")]
     Observer(#[source] ObserverError),
+}
+
+impl From<Refusal> for Error {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::OtherWork => Self::OtherCheckpoint,
+            other => Self::Checkpoint(other.to_string()),
+        }
+    }
 }
 
 impl Problem for Error {

@@ -2,22 +2,21 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, FitSettings, Progress, Stage, Twin, quality::Predictor};
-use bendtwin_engine::{
-    Backend,
-    backend::{self, CancelToken},
+use bendtwin_core::{
+    CancelToken, Capture, FitSettings, Observer, Progress, Stage, Twin, quality::Predictor,
 };
+use bendtwin_engine::{Backend, backend};
 use bendtwin_eval::{EvaluateOptions, evaluate, fast_variant};
 
 use crate::{
-    Error, ObserverError,
-    checkpoint::{Checkpoint, Identity, VariantState},
+    Error,
+    checkpoint::{Checkpoint, Identity, ModelFitState},
     cmaes::default_population,
-    meter::{Meter, Report},
+    model_fit::{ModelFit, model_name},
+    progress::{ModelProgress, ProgressEstimator},
     refine::Refinement,
-    search::Search,
+    search::{Search, Searcher},
     task::Task,
-    variant::{Variant, model_name},
     warnings,
 };
 
@@ -32,27 +31,6 @@ pub struct FitJob<'a> {
     pub settings: FitSettings,
     /// What simulates.
     pub backend: Arc<dyn Backend>,
-}
-
-/// Who is told how a fit goes on.
-pub trait Observer {
-    /// Called after every iteration.
-    fn progress(&mut self, progress: Progress);
-
-    /// Called after every iteration with all that is needed to go on from there in another process.
-    ///
-    /// # Errors
-    /// If the fit should end, because the checkpoint cannot be kept.
-    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError>;
-}
-
-/// An observer that looks away.
-impl Observer for () {
-    fn progress(&mut self, _progress: Progress) {}
-
-    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
-    }
 }
 
 /// What a fit makes.
@@ -74,29 +52,28 @@ impl FitJob<'_> {
     pub fn run(
         &self,
         checkpoint: Option<&[u8]>,
-        observer: &mut dyn Observer,
+        observer: &mut dyn Observer<Progress>,
         cancel: &CancelToken,
     ) -> Result<Outcome, Error> {
         let task = Task::new(self.capture, &self.settings)?;
         let mut run = Run::new(self, &task, observer, cancel);
-        let states = match checkpoint {
-            Some(bytes) => run.restore(bytes)?,
-            None => run.variants.iter().map(Variant::begin).collect(),
-        };
-        let states = run.search(states)?;
-        let finished = run.refine(states)?;
+        if let Some(bytes) = checkpoint {
+            run.restore(bytes)?;
+        }
+        run.search()?;
+        let finished = run.refine()?;
         run.evaluate(finished)
     }
 }
 
-/// A fit under way.
+/// A fit in progress.
 struct Run<'a> {
     job: &'a FitJob<'a>,
     task: &'a Task<'a>,
-    variants: Vec<Variant>,
+    models: Vec<ModelFit>,
     identity: Identity,
-    meter: Meter,
-    observer: &'a mut dyn Observer,
+    estimator: ProgressEstimator,
+    observer: &'a mut dyn Observer<Progress>,
     cancel: &'a CancelToken,
 }
 
@@ -110,41 +87,43 @@ impl<'a> Run<'a> {
     fn new(
         job: &'a FitJob<'a>,
         task: &'a Task<'a>,
-        observer: &'a mut dyn Observer,
+        observer: &'a mut dyn Observer<Progress>,
         cancel: &'a CancelToken,
     ) -> Self {
-        let variants = Variant::all(task);
+        let models = ModelFit::all(task);
         let identity = Identity {
             capture_digest: job.capture_digest.clone(),
             settings: job.settings.clone(),
-            build: crate::BUILD.to_owned(),
             backend: job.backend.device().kind,
         };
         let search_frames = task.search_set().iter().map(|t| t.frames).sum();
         let population = match job.settings.search.population {
-            0 => default_population(variants[0].space.start().len()),
+            0 => default_population(models[0].space.start().len()),
             n => n,
         };
-        let meter = Meter::new(task, search_frames, population);
-        Self { job, task, variants, identity, meter, observer, cancel }
+        let estimator = ProgressEstimator::new(task, search_frames, population);
+        Self { job, task, models, identity, estimator, observer, cancel }
     }
 
-    fn restore(&self, bytes: &[u8]) -> Result<Vec<VariantState>, Error> {
+    fn restore(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let checkpoint = Checkpoint::from_bytes(bytes, &self.identity)?;
-        if checkpoint.variants.len() == self.variants.len() {
-            Ok(checkpoint.variants)
-        } else {
-            Err(Error::Checkpoint("it has another number of variants".into()))
+        if checkpoint.models.len() != self.models.len() {
+            return Err(Error::Checkpoint("it has another number of models".into()));
         }
+        for (model, state) in self.models.iter_mut().zip(checkpoint.models) {
+            model.state = state;
+        }
+        Ok(())
     }
 
-    fn keep(&mut self, variants: Vec<VariantState>) -> Result<(), Error> {
-        let checkpoint = Checkpoint { identity: self.identity.clone(), variants };
-        self.observer.checkpoint(checkpoint.to_bytes()?).map_err(Error::Observer)
+    fn keep(&mut self) -> Result<(), Error> {
+        let models = self.models.iter().map(|m| m.state.clone()).collect();
+        let checkpoint = Checkpoint { models }.to_bytes(&self.identity)?;
+        self.observer.checkpoint(checkpoint).map_err(Error::Observer)
     }
 
-    fn report(&mut self, report: Report<'_>) {
-        let progress = self.meter.progress(report);
+    fn report(&mut self, progress: ModelProgress) {
+        let progress = self.estimator.progress(progress);
         self.observer.progress(progress);
     }
 
@@ -152,122 +131,123 @@ impl<'a> Run<'a> {
         if self.cancel.is_cancelled() { Err(backend::Error::Cancelled.into()) } else { Ok(()) }
     }
 
-    /// Generations until all are done; states that are past the search come back as they are.
-    fn search(&mut self, mut states: Vec<VariantState>) -> Result<Vec<VariantState>, Error> {
+    /// Runs generations until all searches are done. Models that are past the search stay as they are.
+    fn search(&mut self) -> Result<(), Error> {
         let generations = u64::from(self.task.generations());
         let mut search = Search::new(self.task);
         loop {
             self.check_cancelled()?;
             let mut open: Vec<_> = self
-                .variants
-                .iter()
-                .zip(&mut states)
-                .filter_map(|(variant, state)| match state {
-                    VariantState::Search(cma) => Some((&variant.space, cma)),
-                    VariantState::Refine { .. } => None,
+                .models
+                .iter_mut()
+                .enumerate()
+                .filter_map(|(model, fit)| match &mut fit.state {
+                    ModelFitState::Search(strategy) if strategy.generation() < generations => {
+                        Some(Searcher { model, space: &fit.space, strategy })
+                    }
+                    _ => None,
                 })
-                .filter(|(_, cma)| cma.generation() < generations)
                 .collect();
             if open.is_empty() {
-                return Ok(states);
+                return Ok(());
             }
             let results = search.generation(&mut open, &*self.job.backend, self.cancel)?;
-            self.keep(states.clone())?;
-            for (index, result) in results.into_iter().enumerate() {
-                let VariantState::Search(cma) = &states[index] else { continue };
+            self.keep()?;
+            for result in results {
+                let model = &self.models[result.model];
+                let ModelFitState::Search(strategy) = &model.state else { continue };
                 let losses = result.losses.iter().copied();
-                let (best, done) = (cma.best().map(|b| b.loss), cma.generation() as u32);
-                let variant = &self.variants[index].name.clone();
-                self.report(Report {
-                    variant,
+                self.report(ModelProgress {
+                    model: model.name.clone(),
                     stage: Stage::Search,
-                    iteration: done,
+                    iteration: strategy.generation() as u32,
                     loss: losses.clone().reduce(f64::min),
-                    best_loss: best,
+                    best_loss: strategy.best().map(|b| b.loss),
                     note: result.failures.note(losses.len()),
                 });
             }
         }
     }
 
-    /// Passes until all are done; the best start of each model comes back.
-    fn refine(&mut self, mut states: Vec<VariantState>) -> Result<Vec<Finished>, Error> {
-        let backend = &*self.job.backend;
-        // Variants whose search found something to refine: of several starts not all have to.
-        let (mut found, mut points, mut walks) = (Vec::new(), Vec::new(), Vec::new());
-        let mut nothing = None;
-        for (index, (variant, state)) in self.variants.iter().zip(&states).enumerate() {
-            match variant.walk(self.task, state, backend) {
-                Ok((point, walk)) => {
-                    found.push(index);
-                    points.push(point);
-                    walks.push(walk);
+    /// Runs passes until all models are refined; returns the best start of each kind of model.
+    fn refine(&mut self) -> Result<Vec<Finished>, Error> {
+        let mut refinement = self.begin_refinement()?;
+        let passes = self.job.settings.refine.passes;
+        while refinement.runs.iter().any(|r| r.state.pass < passes) {
+            self.check_cancelled()?;
+            refinement.pass()?;
+            for run in &refinement.runs {
+                self.models[run.model].record_run(&run.state);
+            }
+            self.keep()?;
+            for run in &mut refinement.runs {
+                self.report(ModelProgress {
+                    model: self.models[run.model].name.clone(),
+                    stage: Stage::Refine,
+                    iteration: run.state.pass,
+                    loss: Some(run.state.loss),
+                    best_loss: Some(run.state.best.loss),
+                    note: run.note.take(),
+                });
+            }
+        }
+        let mut finished = Vec::new();
+        for starts in self.models.chunk_by(|a, b| a.bending == b.bending) {
+            let bending = starts[0].bending;
+            let own = refinement.runs.iter().filter(|r| self.models[r.model].bending == bending);
+            let best = own.min_by(|a, b| a.state.best.loss.total_cmp(&b.state.best.loss));
+            let Some(best) = best else { continue };
+            let model = &self.models[best.model];
+            let twin = model.twin(self.job, best)?;
+            finished.push(Finished { twin, warnings: warnings::of_fit(self.task, model) });
+        }
+        Ok(finished)
+    }
+
+    /// The refinement of all models whose search found something to refine. Of several starts some
+    /// may have found nothing, but not all of the same kind of model.
+    fn begin_refinement(&mut self) -> Result<Refinement<'a>, Error> {
+        let (task, backend) = (self.task, &*self.job.backend);
+        let (mut runs, mut from_search, mut nothing) = (Vec::new(), false, None);
+        for (index, model) in self.models.iter_mut().enumerate() {
+            let is_searched = matches!(model.state, ModelFitState::Search(_));
+            match model.begin_run(index, task, backend) {
+                Ok(run) => {
+                    from_search |= is_searched;
+                    runs.push(run);
                 }
                 Err(Error::NothingStable(why)) => nothing = Some(Error::NothingStable(why)),
                 Err(e) => return Err(e),
             }
         }
-        let has_found =
-            |v: &Variant| found.iter().any(|&at| self.variants[at].bending == v.bending);
-        if let (Some(nothing), false) = (nothing, self.variants.iter().all(has_found)) {
+        let has_run =
+            |m: &ModelFit| runs.iter().any(|(r, _)| self.models[r.model].bending == m.bending);
+        if let (Some(nothing), false) = (nothing, self.models.iter().all(has_run)) {
             return Err(nothing);
         }
-        let mut refinement = Refinement::new(self.task, walks, backend, self.cancel)?;
-        if found.iter().any(|&index| matches!(states[index], VariantState::Search(_))) {
+        let mut refinement = Refinement::new(task, runs, backend, self.cancel)?;
+        if from_search {
             refinement.begin()?;
         }
-        let passes = self.job.settings.refine.passes;
-        while refinement.walks.iter().any(|w| w.state.pass < passes) {
-            self.check_cancelled()?;
-            refinement.pass()?;
-            for ((&index, point), walk) in found.iter().zip(&points).zip(&refinement.walks) {
-                let (point, walk) = (point.clone(), walk.state.clone());
-                states[index] = VariantState::Refine { point, walk };
-            }
-            self.keep(states.clone())?;
-            for (&index, walk) in found.iter().zip(&mut refinement.walks) {
-                let variant = &self.variants[index].name.clone();
-                self.report(Report {
-                    variant,
-                    stage: Stage::Refine,
-                    iteration: walk.state.pass,
-                    loss: Some(walk.state.loss),
-                    best_loss: Some(walk.state.best.loss),
-                    note: walk.note.take(),
-                });
-            }
-        }
-        let mut finished = Vec::new();
-        for starts in self.variants.chunk_by(|a, b| a.bending == b.bending) {
-            let bending = starts[0].bending;
-            let starts = (0..found.len()).filter(|&at| self.variants[found[at]].bending == bending);
-            let loss = |at: &usize| refinement.walks[*at].state.best.loss;
-            let Some(best) = starts.min_by(|a, b| loss(a).total_cmp(&loss(b))) else { continue };
-            let variant = &self.variants[found[best]];
-            let twin = variant.twin(self.job, &refinement.walks[best])?;
-            let (fabric, ..) = variant.realise(self.task, &points[best]);
-            let warnings = warnings::of_fit(self.task, variant, &points[best], &fabric);
-            finished.push(Finished { twin, warnings });
-        }
-        Ok(finished)
+        Ok(refinement)
     }
 
-    /// The quality table, the fast variant, and the end.
+    /// Evaluates the twin and adds its fast variant.
     fn evaluate(&mut self, finished: Vec<Finished>) -> Result<Outcome, Error> {
         self.check_cancelled()?;
-        let variant = model_name(self.variants[0].bending);
-        let report = |iteration: u32| Report {
-            variant,
+        let model = model_name(self.models[0].bending);
+        let progress = |iteration: u32| ModelProgress {
+            model: model.to_owned(),
             stage: Stage::Evaluate,
             iteration,
             loss: None,
             best_loss: None,
             note: None,
         };
-        self.report(report(0));
+        self.report(progress(0));
         let mut finished = finished.into_iter();
         let Some(Finished { mut twin, warnings }) = finished.next() else {
-            return Err(Error::NothingStable("there is no variant".into()));
+            return Err(Error::NothingStable("there is no model".into()));
         };
         let mut axial = finished.next().map(|f| f.twin);
         let options = EvaluateOptions { axial: axial.as_ref(), per_frame: false };
@@ -280,7 +260,7 @@ impl<'a> Run<'a> {
         }
         quality.fast = fast_variant(&*self.job.backend, &twin, self.job.capture, self.cancel)?;
         twin.quality = quality;
-        self.report(report(1));
+        self.report(progress(1));
         Ok(Outcome { twin, axial })
     }
 }

@@ -1,30 +1,28 @@
-//! Fitting: a zeroth-order search over global variables (CMA-ES), then a first-order refinement of every
-//! spring and triplet (Adam on the adjoint gradient), over any backend.
+//! Fitting: a zeroth-order search over global variables (CMA-ES), then a first-order refinement of
+//! every spring and triplet (Adam on the adjoint gradient), over any backend.
 //!
-//! **Variants.** The twin and the axial-only model that it is compared with go through all stages side
-//! by side, so that a batch holds the candidates of both. **Repeatability.** Every random number follows
-//! from the seed and the iteration, every sum has a fixed order: the same capture, settings, build and
-//! device give the same twin, and a fit that went on from a checkpoint ends in the same twin as one
-//! that was never interrupted.
+//! **Models.** The twin and the axial-only model that it is compared with go through all stages side
+//! by side, so that a batch holds the candidates of both. **Repeatability.** Every random number
+//! follows from the seed and the iteration, every sum has a fixed order: the same capture, settings,
+//! build and device give the same twin, and a fit continued from a checkpoint ends in the same twin as
+//! one that was never interrupted.
 
-mod chart;
+mod built_graph;
 mod checkpoint;
 pub mod cmaes;
 mod error;
-mod fabric;
 mod job;
-mod meter;
+mod model_fit;
+mod parameterization;
+mod progress;
 mod refine;
 mod search;
 mod sequences;
 mod space;
+mod subject;
 mod submit;
 mod task;
-mod variant;
 mod warnings;
 
-pub use error::{Error, ObserverError};
-pub use job::{FitJob, Observer, Outcome};
-
-/// What twins and checkpoints say of the software that made them.
-pub const BUILD: &str = concat!("bendtwin ", env!("CARGO_PKG_VERSION"));
+pub use error::Error;
+pub use job::{FitJob, Outcome};

@@ -1,9 +1,10 @@
-//! The first-order stage: Adam on every spring and triplet, all variants side by side in each batch.
-//! Parameters and gradients stay with the backend's [`Descent`]; what comes back are losses and lengths.
+//! The first-order stage: Adam on every spring and triplet, all models side by side in each batch.
+//! Parameters and gradients stay with the backend's [`Optimizer`], which returns losses and gradient
+//! norms.
 
-mod pace;
+mod optimizer_run;
 mod schedule;
-mod walk;
+mod step_control;
 mod windows;
 
 use std::{
@@ -11,22 +12,23 @@ use std::{
     sync::Arc,
 };
 
+use bendtwin_core::CancelToken;
 use bendtwin_engine::{
     Backend,
-    backend::{CancelToken, GradientRequest, Instance},
-    descent::{Decay, Descent, Probe, Slope, Start},
+    backend::{GradientRequest, Instance},
     model::State,
+    optimizer::{Decay, GradientNorm, GradientSample, Optimizer, OptimizerInit},
 };
 
-pub(crate) use self::walk::{Walk, WalkState};
+pub(crate) use self::optimizer_run::{OptimizerRun, RunState};
 use self::{schedule::Step, windows::Windows};
 use crate::{Error, submit, task::Task};
 
-/// The refinement of all variants.
+/// The refinement of all models.
 pub(crate) struct Refinement<'a> {
-    /// One per variant, in the order of the fit.
-    pub(crate) walks: Vec<Walk<'a>>,
-    descent: Box<dyn Descent>,
+    /// One per model, in the order of the fit.
+    pub(crate) runs: Vec<OptimizerRun<'a>>,
+    optimizer: Box<dyn Optimizer>,
     windows: Windows,
     task: &'a Task<'a>,
     backend: &'a dyn Backend,
@@ -34,68 +36,69 @@ pub(crate) struct Refinement<'a> {
 }
 
 impl<'a> Refinement<'a> {
-    /// Of walks that stand at their starts.
+    /// A refinement of these runs, each with the optimizer's initial state.
     pub(crate) fn new(
         task: &'a Task<'a>,
-        walks: Vec<(Walk<'a>, Start)>,
+        runs: Vec<(OptimizerRun<'a>, OptimizerInit)>,
         backend: &'a dyn Backend,
         cancel: &'a CancelToken,
     ) -> Result<Self, Error> {
-        let (walks, starts): (Vec<_>, Vec<_>) = walks.into_iter().unzip();
+        let (runs, inits): (Vec<_>, Vec<_>) = runs.into_iter().unzip();
         let refine = &task.settings.refine;
-        let decay = Decay { beta1: refine.beta1, beta2: refine.beta2, home: refine.prior };
-        let descent = backend.descent(starts, decay)?;
-        Ok(Self { walks, descent, windows: Windows::default(), task, backend, cancel })
+        let decay = Decay { beta1: refine.beta1, beta2: refine.beta2, prior: refine.prior };
+        let optimizer = backend.optimizer(inits, decay)?;
+        Ok(Self { runs, optimizer, windows: Windows::default(), task, backend, cancel })
     }
 
-    /// Measures where the variants start, so that none can end worse than it began; left to the first
-    /// pass if that does it.
+    /// Scores the initial parameters, so that no model can end worse than it began; left to the first
+    /// pass if that scores them anyway.
     pub(crate) fn begin(&mut self) -> Result<(), Error> {
         let passes = self.task.settings.refine.passes;
         let first_does = passes > 0 && schedule::steps(self.task, 0).len() == 1;
         if first_does { Ok(()) } else { self.score() }
     }
 
-    /// One pass of all variants over the training frames.
+    /// One pass of all models over the training frames.
     ///
-    /// A variant whose simulation or gradient is not finite goes back to its best parameters with half
-    /// the rate and sits out the rest of the pass; the others are not disturbed.
+    /// A model whose simulation or gradient is not finite returns to its best parameters with half
+    /// the rate and pauses for the rest of the pass; the others are not affected.
     ///
-    /// A pass of several steps ends by measuring where they led. A pass of a single step needs no more than
-    /// its gradient: the losses that come with it tell how good the parameters are where the pass begins,
-    /// and the next pass tells the same of where this one ends. Only the last pass has none after it.
+    /// A pass of several steps ends by scoring the parameters that it led to. A pass of a single step
+    /// needs nothing beside its gradient: the losses computed with it score the parameters at which
+    /// the pass begins, and the next pass scores those at which this one ends. Only the last pass
+    /// has none after it.
     pub(crate) fn pass(&mut self) -> Result<(), Error> {
-        let Some(pass) = self.walks.first().map(|w| w.state.pass) else { return Ok(()) };
+        let Some(pass) = self.runs.first().map(|w| w.state.pass) else { return Ok(()) };
         let initial: Vec<_> = self.task.training.iter().map(|t| t.initial.clone()).collect();
-        // States at the start of the next window, by variant and sequence.
-        let mut states = vec![initial; self.walks.len()];
-        self.walks.iter_mut().for_each(Walk::begin_pass);
+        // States at the start of the next window, by model and sequence.
+        let mut states = vec![initial; self.runs.len()];
+        self.runs.iter_mut().for_each(OptimizerRun::begin_pass);
         let steps = schedule::steps(self.task, pass);
         match &steps[..] {
-            [only] => self.judge_and_step(&states, only)?,
+            [only] => self.record_and_step(&states, only)?,
             several => {
                 for step in several {
                     self.run_step(&mut states, step)?;
                 }
             }
         }
-        for (index, walk) in self.walks.iter_mut().enumerate() {
-            walk.arrive(index, &mut *self.descent)?;
+        for (index, run) in self.runs.iter_mut().enumerate() {
+            run.sync(index, &mut *self.optimizer)?;
         }
         let is_last = pass + 1 >= self.task.settings.refine.passes;
         if is_last || steps.len() > 1 {
             self.score()?;
         }
-        self.walks.iter_mut().for_each(Walk::end_pass);
+        self.runs.iter_mut().for_each(OptimizerRun::end_pass);
         Ok(())
     }
 
     fn run_step(&mut self, states: &mut [Vec<Arc<State>>], step: &Step) -> Result<(), Error> {
         let active = self.active();
         for (index, own) in self.measure(&active, states, step)? {
-            self.walks[index].learn(index, &own, &mut *self.descent)?;
-            for (slope, window) in own.into_iter().zip(&step.windows) {
-                if let Some(state) = slope.final_state {
+            self.runs[index].step(index, &own, &mut *self.optimizer)?;
+            for (gradient, window) in own.into_iter().zip(&step.windows) {
+                if let Some(state) = gradient.final_state {
                     states[index][window.sequence] = Arc::new(state);
                 }
             }
@@ -103,83 +106,86 @@ impl<'a> Refinement<'a> {
         Ok(())
     }
 
-    /// The only step of a pass: it sees all training frames from their start. Who goes back
-    /// to better parameters steps from there.
-    fn judge_and_step(&mut self, states: &[Vec<Arc<State>>], step: &Step) -> Result<(), Error> {
+    /// The only step of a pass, over all training frames from their start. A run that rolls back to
+    /// better parameters steps from those.
+    fn record_and_step(&mut self, states: &[Vec<Arc<State>>], step: &Step) -> Result<(), Error> {
         let (active, mut back) = (self.active(), Vec::new());
-        for (index, slopes) in self.measure(&active, states, step)? {
-            let (walk, descent) = (&mut self.walks[index], &mut *self.descent);
-            let loss = self.task.loss(slopes.iter().map(|s| s.loss.total));
-            walk.judge(index, loss, descent)?;
-            if walk.is_active() {
-                walk.learn(index, &slopes, descent)?;
+        for (index, gradients) in self.measure(&active, states, step)? {
+            let (run, optimizer) = (&mut self.runs[index], &mut *self.optimizer);
+            let loss = self.task.loss(gradients.iter().map(|g| g.loss.total));
+            run.record_loss(index, loss, optimizer)?;
+            if run.is_active() {
+                run.step(index, &gradients, optimizer)?;
             } else {
-                walk.set_out();
+                run.resume();
                 back.push(index);
             }
         }
-        back.retain(|&index| self.walks[index].is_active());
-        for (index, slopes) in self.measure(&back, states, step)? {
-            self.walks[index].learn(index, &slopes, &mut *self.descent)?;
+        back.retain(|&index| self.runs[index].is_active());
+        for (index, gradients) in self.measure(&back, states, step)? {
+            self.runs[index].step(index, &gradients, &mut *self.optimizer)?;
         }
         Ok(())
     }
 
     fn active(&self) -> Vec<usize> {
-        (0..self.walks.len()).filter(|&walk| self.walks[walk].is_active()).collect()
+        (0..self.runs.len()).filter(|&run| self.runs[run].is_active()).collect()
     }
 
-    /// Gradients of these walks over the windows of a step, by walk.
+    /// Gradients of these runs over the windows of a step, by run.
     fn measure(
         &mut self,
-        walks: &[usize],
+        runs: &[usize],
         states: &[Vec<Arc<State>>],
         step: &Step,
-    ) -> Result<BTreeMap<usize, Vec<Slope>>, Error> {
-        let mut slopes_of = BTreeMap::new();
-        // One batch for all whose gradients reach equally far, as they nearly always do.
-        let reaches: BTreeSet<usize> = walks.iter().map(|&walk| self.walks[walk].reach()).collect();
+    ) -> Result<BTreeMap<usize, Vec<GradientNorm>>, Error> {
+        let mut gradients_of = BTreeMap::new();
+        // One batch per reach; nearly always all runs have the same.
+        let reaches: BTreeSet<usize> = runs.iter().map(|&run| self.runs[run].reach()).collect();
         for reach in reaches {
-            let reaches_so_far = |walk: &usize| self.walks[*walk].reach() == reach;
-            let members: Vec<usize> = walks.iter().copied().filter(reaches_so_far).collect();
+            let reaches_so_far = |run: &usize| self.runs[*run].reach() == reach;
+            let members: Vec<usize> = runs.iter().copied().filter(reaches_so_far).collect();
             let mut batch = Vec::with_capacity(members.len() * step.windows.len());
-            for &walk in &members {
-                let model = &self.walks[walk].loaded;
+            for &run in &members {
+                let model = &self.runs[run].loaded;
                 batch.extend(step.windows.iter().map(|window| {
-                    let from = states[walk][window.sequence].clone();
-                    Probe { walk, instance: self.windows.instance(self.task, model, window, from) }
+                    let from = states[run][window.sequence].clone();
+                    GradientSample {
+                        run: run,
+                        instance: self.windows.instance(self.task, model, window, from),
+                    }
                 }));
             }
             let request = GradientRequest {
                 cut_every: reach,
-                final_state: step.goes_on,
+                final_state: step.has_next,
                 ..GradientRequest::default()
             };
             let slice = submit::slice_len(self.backend);
-            let descent = &mut *self.descent;
-            let slopes = submit::sliced(&batch, slice, self.cancel, |slice| {
-                descent.measure(slice, &request, self.cancel)
+            let optimizer = &mut *self.optimizer;
+            let gradients = submit::sliced(&batch, slice, self.cancel, |slice| {
+                optimizer.measure(slice, &request, self.cancel)
             })?;
-            let mut slopes = slopes.into_iter();
-            for walk in members {
-                slopes_of.insert(walk, slopes.by_ref().take(step.windows.len()).collect());
+            let mut gradients = gradients.into_iter();
+            for run in members {
+                gradients_of.insert(run, gradients.by_ref().take(step.windows.len()).collect());
             }
         }
-        Ok(slopes_of)
+        Ok(gradients_of)
     }
 
-    /// Measures the parameters where every variant is on all training frames, and keeps the best.
+    /// Scores the current parameters of every model on all training frames, and keeps the best.
     fn score(&mut self) -> Result<(), Error> {
         let training = &self.task.training;
-        let mut batch: Vec<Instance> = Vec::with_capacity(self.walks.len() * training.len());
-        for walk in &self.walks {
-            batch.extend(training.iter().map(|t| t.instance(&walk.loaded)));
+        let mut batch: Vec<Instance> = Vec::with_capacity(self.runs.len() * training.len());
+        for run in &self.runs {
+            batch.extend(training.iter().map(|t| t.instance(&run.loaded)));
         }
         let losses = submit::losses(self.backend, &batch, self.cancel)?;
         let own = losses.chunks(training.len());
-        for (index, (walk, own)) in self.walks.iter_mut().zip(own).enumerate() {
+        for (index, (run, own)) in self.runs.iter_mut().zip(own).enumerate() {
             let loss = self.task.loss(own.iter().map(|l| l.total));
-            walk.judge(index, loss, &mut *self.descent)?;
+            run.record_loss(index, loss, &mut *self.optimizer)?;
         }
         Ok(())
     }

@@ -1,24 +1,22 @@
-//! The zeroth-order stage: CMA-ES over global variables. A generation of all variants is one batch,
-//! every candidate with its own graph; the host's threads prepare its candidates side by side.
+//! The zeroth-order stage: CMA-ES over global variables. A generation of all models is one batch,
+//! every candidate with its own graph; the host's threads prepare the candidates in parallel.
 
 use std::sync::Arc;
 
-use bendtwin_engine::{
-    Backend, Loaded,
-    backend::{self, CancelToken},
-};
+use bendtwin_core::CancelToken;
+use bendtwin_engine::{Backend, Loaded, backend};
 use rayon::prelude::*;
 
 use crate::{
     Error,
+    built_graph::{BuiltGraph, GraphCache, Refusal, build_model, load},
     cmaes::CmaEs,
-    fabric::{Fabric, Fabrics, Refusal, load, model},
     space::{Candidate, Space},
     submit,
     task::{Task, Training},
 };
 
-/// Why candidates of a generation failed, for the progress note.
+/// Counts of the candidates of a generation that failed, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Failures {
     pub(crate) too_stiff: u32,
@@ -38,38 +36,48 @@ impl Failures {
     }
 }
 
-/// One variant's part of a generation.
+/// One model's search strategy, and the space that it searches.
+pub(crate) struct Searcher<'m> {
+    /// Index of the model in the fit.
+    pub(crate) model: usize,
+    pub(crate) space: &'m Space,
+    pub(crate) strategy: &'m mut CmaEs,
+}
+
+/// One model's part of a generation.
 pub(crate) struct Generation {
+    /// Index of the model in the fit.
+    pub(crate) model: usize,
     pub(crate) losses: Vec<f64>,
     pub(crate) failures: Failures,
 }
 
-/// What the search of all variants needs.
+/// The search of all models.
 pub(crate) struct Search<'a> {
     task: &'a Task<'a>,
     set: Vec<Training<'a>>,
-    fabrics: Fabrics,
+    graphs: GraphCache,
 }
 
 impl<'a> Search<'a> {
     pub(crate) fn new(task: &'a Task<'a>) -> Self {
-        Self { task, set: task.search_set(), fabrics: Fabrics::default() }
+        Self { task, set: task.search_set(), graphs: GraphCache::default() }
     }
 
-    /// Candidates of a generation, evaluated and told to their strategies.
+    /// Evaluates one generation of candidates and passes the losses to their strategies.
     pub(crate) fn generation(
         &mut self,
-        variants: &mut [(&Space, &mut CmaEs)],
+        searchers: &mut [Searcher<'_>],
         backend: &dyn Backend,
         cancel: &CancelToken,
     ) -> Result<Vec<Generation>, Error> {
-        let asked: Vec<_> = variants.iter().map(|(_, strategy)| strategy.ask()).collect();
-        let of = variants.iter().zip(&asked);
+        let asked: Vec<_> = searchers.iter().map(|s| s.strategy.ask()).collect();
+        let of = searchers.iter().zip(&asked);
         let candidates: Vec<Candidate> = of
-            .flat_map(|((space, _), samples)| samples.iter().map(|s| space.candidate(&s.point)))
+            .flat_map(|(of, samples)| samples.iter().map(|s| of.space.candidate(&s.point)))
             .collect();
         let mut batch = Vec::new();
-        // Where each candidate's instances begin, unless it was refused.
+        // Index of each candidate's first instance; none if it was refused.
         let mut first = Vec::with_capacity(candidates.len());
         for loaded in self.load(&candidates, backend, cancel)? {
             first.push(loaded.is_ok().then_some(batch.len()));
@@ -82,15 +90,15 @@ impl<'a> Search<'a> {
             |at: usize| self.task.loss(losses[at..at + self.set.len()].iter().map(|l| l.total));
         let mut first = first.into_iter();
         let mut generations = Vec::with_capacity(asked.len());
-        for (samples, (_, strategy)) in asked.iter().zip(variants) {
+        for (samples, searcher) in asked.iter().zip(searchers) {
             let first: Vec<_> = first.by_ref().take(samples.len()).collect();
             let too_stiff = first.iter().filter(|at| at.is_none()).count() as u32;
             let losses: Vec<f64> =
                 first.into_iter().map(|at| at.map_or(f64::INFINITY, mean)).collect();
             let failed = losses.iter().filter(|l| !l.is_finite()).count() as u32;
-            strategy.tell(samples, &losses);
+            searcher.strategy.tell(samples, &losses);
             let failures = Failures { too_stiff, diverged: failed - too_stiff };
-            generations.push(Generation { losses, failures });
+            generations.push(Generation { model: searcher.model, losses, failures });
         }
         Ok(generations)
     }
@@ -103,20 +111,20 @@ impl<'a> Search<'a> {
         cancel: &CancelToken,
     ) -> Result<Vec<Result<Loaded, Refusal>>, Error> {
         let wanted: Vec<_> = candidates.iter().map(|c| c.connectivity).collect();
-        let fabrics = self.fabrics.all(self.task, &wanted, cancel)?;
-        let one = |(candidate, fabric): (&Candidate, &Arc<Fabric>)| {
+        let graphs = self.graphs.all(self.task, &wanted, cancel)?;
+        let one = |(candidate, built): (&Candidate, &Arc<BuiltGraph>)| {
             if cancel.is_cancelled() {
                 return Err(backend::Error::Cancelled);
             }
-            let params = candidate.params(fabric);
+            let params = candidate.params(built);
             let environment = candidate.environment(self.task.capture.environment);
-            match model(self.task, &fabric.graph, params, environment) {
+            match build_model(self.task, &built.graph, params, environment) {
                 Ok(model) => load(backend, model),
                 Err(refusal) => Ok(Err(refusal)),
             }
         };
-        // All of them before the first error is looked for: which one that is depends on no thread.
-        let loaded: Vec<_> = candidates.par_iter().zip(&fabrics).map(one).collect();
+        // All are loaded before the first error is returned, so that it depends on no thread.
+        let loaded: Vec<_> = candidates.par_iter().zip(&graphs).map(one).collect();
         Ok(loaded.into_iter().collect::<Result<_, _>>()?)
     }
 }

@@ -1,5 +1,5 @@
-//! What the search varies: physical constants of the whole object and, if asked for, how its nodes are
-//! joined. Every variable is scaled to 0..=1.
+//! The variables of the search: physical constants of the whole object and, if asked for, the
+//! connectivity of its nodes. Every variable is scaled to 0..=1.
 //!
 //! Stiffness, dashpots, drag and bending are searched in logarithms: what matters about them is their
 //! order of magnitude, and the useful part of a linear scale (PhysTwin's 0..1e5, say) would be a thin
@@ -9,11 +9,12 @@
 use std::f64::consts::PI;
 
 use bendtwin_core::{
-    Contact, Environment, Params, environment::ControlVelocity, params::MAX_SPRING_STIFFNESS,
+    Contact, Environment, Params, capture::Subject, environment::ControlVelocity,
+    params::MAX_SPRING_STIFFNESS,
 };
 use bendtwin_engine::build::Connectivity;
 
-use crate::{fabric::Fabric, task::Task};
+use crate::{built_graph::BuiltGraph, task::Task};
 
 /// Steps of searched radii [m]: finer ones would only make graphs that are equal in all but name.
 const RADIUS_STEP_M: f64 = 5e-4;
@@ -83,7 +84,7 @@ impl Axis {
         Self { variable, low, high, start, is_log: true }
     }
 
-    /// The range grows where the start lies outside it: a setting is never overruled.
+    /// An axis whose range grows where the start lies outside it, so that a setting is never overruled.
     fn linear(variable: Variable, low: f64, high: f64, start: f64) -> Self {
         Self { variable, low: low.min(start), high: high.max(start), start, is_log: false }
     }
@@ -122,7 +123,7 @@ pub(crate) struct Candidate {
     drag: f64,
     bend_stiffness: f64,
     bend_damping: f64,
-    /// Share of the measured rest shape's bend that counts; 0 is straight.
+    /// Share of the measured rest shape's bend; 0 is straight.
     rest_bend: f64,
     twist_stiffness: f64,
     twist_damping: f64,
@@ -136,6 +137,7 @@ impl Space {
     pub(crate) fn new(task: &Task<'_>, bending: bool) -> Self {
         use Variable::*;
         let settings = task.settings;
+        let is_cable = task.subject() == Subject::Cable;
         let mut connectivity = Connectivity::from_settings(&settings.graph, bending);
         // Rods twist by how their clamps move.
         connectivity.rods &= settings.control_velocity == ControlVelocity::True;
@@ -148,12 +150,11 @@ impl Space {
             // A triplet with arms of length l and stiffness k l² resists a sideways
             // displacement as a spring of stiffness k [N/m] would.
             let square = task.spacing_m * task.spacing_m;
-            // A cable is its bending; a body is held by its springs, and the search begins near them alone.
-            let share = if task.sample.edges.is_some() { 1.0 } else { 0.01 };
+            let share = task.defaults.bend_share;
             let (stiffness, damping) = (100.0 * share * square, share * square);
             axes.push(Axis::log(BendStiffness, 0.1 * square, 1e5 * square, stiffness));
             axes.push(Axis::log(BendDamping, 1e-2 * square, 1e3 * square, damping));
-            if task.sample.edges.is_some() && task.sample.rest_shape.is_some() {
+            if is_cable && task.sample.rest_shape.is_some() {
                 // An angle does not know its direction: a cable that twists bends back
                 // towards its rest angle on the wrong side. Often a part of it fits best.
                 axes.push(Axis::linear(RestBend, 0.0, 1.0, 0.5));
@@ -179,7 +180,7 @@ impl Space {
         }
         if settings.search.topology {
             let graph = &settings.graph;
-            if task.sample.edges.is_none() {
+            if !is_cable {
                 axes.push(Axis::linear(Radius, 0.01, 0.05, graph.radius_m));
                 axes.push(Axis::linear(Neighbours, 10.0, 50.0, graph.max_neighbours as f64));
             }
@@ -208,7 +209,7 @@ impl Space {
         Self { axes, start }
     }
 
-    /// Where the search starts.
+    /// The point at which the search starts.
     pub(crate) fn start(&self) -> Vec<f64> {
         self.axes.iter().map(Axis::coordinate).collect()
     }
@@ -259,16 +260,16 @@ impl Candidate {
         }
     }
 
-    /// What surrounds the object, in a capture that says so much of it.
-    pub(crate) fn environment(&self, said: Environment) -> Environment {
-        let gravity = said.gravity.map(|g| (f64::from(g) * self.gravity) as f32);
-        Environment { gravity, ..said }
+    /// The capture's environment, with gravity scaled by the candidate's.
+    pub(crate) fn environment(&self, captured: Environment) -> Environment {
+        let gravity = captured.gravity.map(|g| (f64::from(g) * self.gravity) as f32);
+        Environment { gravity, ..captured }
     }
 
-    /// Parameters of a fabric: the same for every spring, every triplet and every rod.
-    pub(crate) fn params(&self, fabric: &Fabric) -> Params {
-        let Fabric { rest_lengths_m, rest_angles_rad, .. } = fabric;
-        let (e, t, r) = (rest_lengths_m.len(), rest_angles_rad.len(), fabric.graph.rods.len());
+    /// Parameters of a graph: the same for every spring, every triplet and every rod.
+    pub(crate) fn params(&self, built: &BuiltGraph) -> Params {
+        let BuiltGraph { rest_lengths_m, rest_angles_rad, .. } = built;
+        let (e, t, r) = (rest_lengths_m.len(), rest_angles_rad.len(), built.graph.rods.len());
         Params {
             spring_stiffness: vec![self.stiffness as f32; e],
             spring_dashpot: vec![self.dashpot as f32; e],

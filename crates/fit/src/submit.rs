@@ -1,9 +1,10 @@
 //! Batches, handed to the device in slices: others who share it are served in between, and a
 //! cancelled fit stops soon.
 
+use bendtwin_core::CancelToken;
 use bendtwin_engine::{
     Backend,
-    backend::{CancelToken, Error, Instance, Loss},
+    backend::{Error, Instance, Loss},
 };
 pub(crate) use bendtwin_eval::slice_len;
 

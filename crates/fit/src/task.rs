@@ -1,8 +1,10 @@
-//! The constant half of a fit: nodes, training sequences and what a prediction of them is measured by.
+//! The constant part of a fit: nodes, training sequences, and the objective of each.
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, FitSettings, Graph, Point, Sequence, settings::SequenceMean};
+use bendtwin_core::{
+    Capture, FitSettings, Graph, Point, Sequence, capture::Subject, settings::SequenceMean,
+};
 use bendtwin_engine::{
     Loaded, Objective, PointLoss, Term,
     backend::Instance,
@@ -12,33 +14,35 @@ use bendtwin_engine::{
 };
 use bendtwin_eval::initial_state;
 
-use crate::{Error, sequences};
+use crate::{Error, sequences, subject::Defaults};
 
-/// Everything about a fit that no iteration changes.
+/// The data of a fit that no iteration changes.
 pub(crate) struct Task<'a> {
     pub(crate) capture: &'a Capture,
     pub(crate) settings: &'a FitSettings,
     pub(crate) sample: NodeSample,
+    /// Defaults for the kind of object.
+    pub(crate) defaults: Defaults,
     /// Training sequences, in the capture's order.
     pub(crate) training: Vec<Training<'a>>,
-    /// Typical distance of neighbouring nodes [m]: what bending is measured by.
+    /// Typical distance of neighbouring nodes [m], the length scale of bending.
     pub(crate) spacing_m: f64,
 }
 
-/// A sequence that is fitted to, as far as it is.
+/// The training frames of one sequence.
 pub(crate) struct Training<'a> {
     pub(crate) sequence: &'a Sequence,
     /// Frames to simulate from the start frame on.
     pub(crate) frames: usize,
     /// The loss, a mean over these frames.
     pub(crate) objective: Objective,
-    /// Where the nodes start.
+    /// State of the nodes in the start frame.
     pub(crate) initial: Arc<State>,
     /// Control positions over these frames, shape [frames + 1, C, 3].
     pub(crate) controls: Arc<Vec<Point>>,
 }
 
-/// What training sequences are made from.
+/// The inputs that all training sequences are built from.
 struct Setup<'b> {
     sample: &'b NodeSample,
     settings: &'b FitSettings,
@@ -59,7 +63,7 @@ impl<'b> Setup<'b> {
     }
 }
 
-/// Groups of the loss, as progress and checkpoints know them.
+/// Names of the groups of the loss in progress and checkpoints.
 const GROUPS: [&str; 3] = ["chamfer", "track", "acceleration"];
 
 impl<'a> Task<'a> {
@@ -79,11 +83,12 @@ impl<'a> Task<'a> {
             ));
         }
         let spacing_m = spacing(&sample);
-        Ok(Self { capture, settings, sample, training, spacing_m })
+        let defaults = Defaults::of(capture.object.subject());
+        Ok(Self { capture, settings, sample, defaults, training, spacing_m })
     }
 
-    /// What the search is measured by: fewer sequences and frames if the settings say so, and the
-    /// acceleration term, which only helps to find the right region.
+    /// The training sequences of the search: fewer sequences and frames if the settings say so, and
+    /// the acceleration term, which only helps to find the right region.
     pub(crate) fn search_set(&self) -> Vec<Training<'a>> {
         let settings = &self.settings.search;
         let limit = |n: usize, most: usize| if most == 0 { n } else { n.min(most) };
@@ -99,7 +104,7 @@ impl<'a> Task<'a> {
                     if settings.max_frames == 0 { 0 } else { sequence.start_frame() + 1 },
                 ),
             );
-            // Where the first frames show nothing, all of them must do.
+            // All frames are taken if the first ones show nothing.
             let full = sequence.train_frame_count;
             let new = |frames| Training::new(sequence, frames, &setup);
             let Some(mut training) = new(most).or_else(|| new(full)) else { continue };
@@ -109,40 +114,32 @@ impl<'a> Task<'a> {
         set
     }
 
-    /// Searches that begin apart. A cable's training loss tells which of them predicts best, and they are cheap. Without a
-    /// search all would refine the same.
+    /// Number of starts of each model. Without a search all would refine the same parameters.
     pub(crate) fn starts(&self) -> u32 {
         if self.generations() == 0 {
             return 1;
         }
-        self.settings.search.starts.unwrap_or(if self.has_known_edges() { 3 } else { 1 })
+        self.settings.search.starts.unwrap_or(self.defaults.starts)
     }
 
-    /// Generations of the search. A cable's are cheap, and their optimum is narrow: with 25 the fits of several seeds
-    /// differ by a tenth.
+    /// Number of generations of a search.
     pub(crate) fn generations(&self) -> u32 {
-        let usual = if self.has_known_edges() { 60 } else { 25 };
-        self.settings.search.generations.unwrap_or(usual)
+        self.settings.search.generations.unwrap_or(self.defaults.generations)
     }
 
-    /// How losses of sequences become one.
+    /// The mean of the losses of several sequences.
     pub(crate) fn sequence_mean(&self) -> SequenceMean {
-        let usual = || match self.has_known_edges() {
-            true => SequenceMean::Geometric,
-            false => SequenceMean::Arithmetic,
-        };
-        self.settings.loss.sequences.unwrap_or_else(usual)
+        self.settings.loss.sequences.unwrap_or(self.defaults.sequence_mean)
     }
 
-    /// Whether the strength of gravity is searched. Where it pays is motion capture: nothing else there knows how
-    /// long a frame really was.
+    /// True if the strength of gravity is searched.
     pub(crate) fn searches_gravity(&self) -> bool {
-        self.settings.search.gravity.unwrap_or_else(|| self.has_known_edges())
+        self.settings.search.gravity.unwrap_or(self.defaults.searches_gravity)
     }
 
-    /// Whether the capture says how its points are joined, as motion capture of cables does.
-    fn has_known_edges(&self) -> bool {
-        self.sample.edges.is_some()
+    /// The kind of the captured object.
+    pub(crate) fn subject(&self) -> Subject {
+        self.capture.object.subject()
     }
 
     /// The loss of parameters, from those of the sequences.
@@ -150,7 +147,7 @@ impl<'a> Task<'a> {
         sequences::mean(self.sequence_mean(), of_sequences)
     }
 
-    /// Whether an object of the capture comes near the ground in training.
+    /// True if an object comes near the ground in the training frames.
     pub(crate) fn nears_ground(&self) -> bool {
         const NEAR_M: f32 = 0.05;
         let Some(ground) = self.capture.environment.ground else { return false };
@@ -165,20 +162,20 @@ impl<'a> Task<'a> {
         })
     }
 
-    /// Whether a graph of this connectivity has rods that twist.
+    /// True if a graph of this connectivity has rods that twist.
     pub(crate) fn has_rods(&self, connectivity: &Connectivity) -> bool {
-        // Only cables with known edges have any; nothing else is joined in vain.
+        // Only cables have rods; other graphs need not be built to know.
         connectivity.rods
-            && self.sample.edges.is_some()
+            && self.subject() == Subject::Cable
             && !connect(&self.sample, connectivity).rods.is_empty()
     }
 
-    /// Whether nodes can collide with each other.
+    /// True if nodes can collide with each other.
     pub(crate) fn has_contact(&self) -> bool {
         self.settings.self_contact || self.sample.object_ids.iter().any(|&o| o != 0)
     }
 
-    /// Whether control points hold nodes by springs.
+    /// True if control points hold nodes by springs.
     pub(crate) fn has_control_springs(&self) -> bool {
         let pins = &self.sample.pins;
         (0..self.sample.control_rest.len()).any(|c| !pins.iter().any(|p| p.control as usize == c))

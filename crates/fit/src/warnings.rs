@@ -1,24 +1,20 @@
-//! What is suspicious about a fit or its data, in sentences for the user.
+//! Warnings for the user about a fit or its data.
 
-use crate::{fabric::Fabric, task::Task, variant::Variant};
+use crate::{built_graph::BuiltGraph, model_fit::ModelFit, task::Task};
 
 /// Warnings about the graph and the search's result.
-pub(crate) fn of_fit(
-    task: &Task<'_>,
-    variant: &Variant,
-    point: &[f64],
-    fabric: &Fabric,
-) -> Vec<String> {
+pub(crate) fn of_fit(task: &Task<'_>, model: &ModelFit) -> Vec<String> {
+    let Some((point, built)) = model.refined(task) else { return Vec::new() };
     let mut warnings = Vec::new();
-    let loose = loose_controls(fabric);
+    let loose = loose_controls(&built);
     if loose > 0 {
         warnings.push(format!(
             "{loose} of {} control points hold nothing: they are farther from the object than \
              graph.control_radius_m",
-            fabric.graph.control_count()
+            built.graph.control_count()
         ));
     }
-    let notes = fabric.notes.to_string();
+    let notes = built.notes.to_string();
     if !notes.is_empty() {
         warnings.push(notes);
     }
@@ -32,7 +28,7 @@ pub(crate) fn of_fit(
             left_out.hidden_at_start
         ));
     }
-    for (variable, value) in variant.space.at_bounds(point) {
+    for (variable, value) in model.space.at_bounds(point) {
         warnings.push(format!(
             "the search left {variable} at {value:.3e}, an end of its range: the capture may not \
              determine it"
@@ -42,8 +38,8 @@ pub(crate) fn of_fit(
 }
 
 /// Control points without a spring or a pin.
-fn loose_controls(fabric: &Fabric) -> usize {
-    let graph = &fabric.graph;
+fn loose_controls(built: &BuiltGraph) -> usize {
+    let graph = &built.graph;
     let n = graph.node_count();
     let mut holds = vec![false; graph.control_count()];
     for &[_, b] in &graph.springs {

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use bendtwin_capture::{MakeOptions, Scene, digest, make};
-use bendtwin_core::{FitSettings, Twin};
+use bendtwin_core::{CancelToken, FitSettings, Twin};
 use bendtwin_engine::{
     Model, Objective,
-    backend::{CancelToken, Instance, Recording},
+    backend::{Instance, Outputs},
     model::State,
 };
 use bendtwin_fit::FitJob;
@@ -47,9 +47,9 @@ fn sag(twin: &Twin) -> f32 {
         controls: Arc::new(controls),
         objective: Objective::default(),
     };
-    let recording = Recording { every: 1, ..Recording::default() };
+    let outputs = Outputs { every: 1, ..Outputs::default() };
     let rollout = backend
-        .roll_out(&[instance], &recording, &CancelToken::default())
+        .roll_out(&[instance], &outputs, &CancelToken::default())
         .unwrap()
         .into_iter()
         .next()

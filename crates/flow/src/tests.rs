@@ -1,8 +1,7 @@
 mod scene;
 
 use bendtwin_capture::raw::{Recording, Region};
-use bendtwin_core::Problem;
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Problem};
 
 use self::scene::Scene;
 use crate::{CameraTracks, Error, FlowSettings, Guide, Texture, track};

@@ -1,7 +1,7 @@
 //! Frame after frame: reads all cameras side by side, follows all points, keeps what was found.
 
 use bendtwin_capture::raw::{Camera, Frames, Recording, Region};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::CancelToken;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 

@@ -1,45 +1,143 @@
-//! Lifting: a raw recording (`bendtwin_capture::raw`) becomes a capture of tracked points that a fit can use.
-//!
-//! [`ingest()`] goes through these steps, each in a file of its own:
-//!
-//! 1. `clean`: masks lose flying pixels, specks, and pixels that belong to the hand rather than the object.
-//! 2. `lift`: 2D tracks become points, at sub-pixel accuracy and only where nothing hides them.
-//! 3. `motion`: tracks that do not move as their neighbours do are not believed.
-//! 4. `thin`: of several tracks of one spot the one that is seen longest stays.
-//! 5. `hands`: tracks on hands become control points that move as rigid bodies.
-//! 6. `shape`, `complete`: a mesh fills in what no camera saw.
-//!
-//! The first two read frames, camera by camera in blocks, and are what a checkpoint keeps (`survey`); the rest takes seconds.
-//! Frames are read one at a time, so memory does not grow with their number or size. Results do not depend on the
-//! number of threads, nor on interruptions.
+//! Ingest: a capture of any kind becomes an observation and a report. It is opened, inspected, and lifted
+//! where it is raw. No transport: a worker and the command line call the same function.
 
-mod checkpoint;
-mod clean;
-mod complete;
-mod error;
-pub mod evidence;
-mod grid;
-mod hands;
-mod job;
-mod lift;
-mod motion;
-mod observer;
-mod rigid;
-mod score;
-mod shape;
-mod survey;
-mod thin;
-mod tracks;
+mod progress;
 
-pub use bendtwin_engine::backend::CancelToken;
-pub use error::{Error, ObserverError};
-pub use evidence::Evidence;
-pub use job::{Observation, ingest};
-pub use observer::{Observer, Progress, Step};
-pub use score::{Score, score};
+use std::path::Path;
 
-/// What checkpoints say of the software that made them.
-pub const BUILD: &str = concat!("bendtwin ", env!("CARGO_PKG_VERSION"));
+use bendtwin_capture::{self as capture, Limits, Opened, raw::Recording};
+use bendtwin_core::{
+    CancelToken, Capture, Fault, Observer, ObserverError, Problem, settings::ingest::IngestSettings,
+};
+use bendtwin_inspect::{Inspection, Lifted, Report, inspect, inspect_observed};
+use bendtwin_lift::lift;
 
-#[cfg(test)]
-mod testing;
+pub use bendtwin_lift::Error;
+pub use progress::{Progress, Step};
+
+/// Share of the work on a raw recording that is over when it has been inspected.
+const INSPECTED: f64 = 0.3;
+
+/// A capture as it is fitted, and the report of it.
+#[derive(Clone, Debug)]
+pub struct Observed {
+    /// The capture that is fitted, or the fault for which none can be.
+    pub capture: Result<Capture, Fault>,
+    /// The report, in either case.
+    pub report: Report,
+}
+
+/// Ingests the capture at `path`, from a checkpoint of the same work if there is one. `name` is what people
+/// call it; messages name it so.
+///
+/// # Errors
+/// Only what is no finding about the capture: that `observer` or `cancel` asked to stop.
+pub fn ingest(
+    path: &Path,
+    name: &str,
+    settings: &IngestSettings,
+    limits: &Limits,
+    checkpoint: Option<&[u8]>,
+    observer: &mut dyn Observer<Progress>,
+    cancel: &CancelToken,
+) -> Result<Observed, Fault> {
+    observer.progress(Progress { step: Step::Read, fraction: 0.0 });
+    match capture::open(path, limits) {
+        Err(error) => Ok(unread(name, &called(error, name).fault())),
+        Ok(Opened::Observed(capture, notes)) => {
+            let mut seen = inspect_observed(&capture);
+            name.clone_into(&mut seen.name);
+            seen.add(notes.into_iter().map(Into::into));
+            let usable = seen.check_report().require();
+            let capture = usable.map(|()| capture).map_err(|e| e.fault());
+            Ok(Observed { capture, report: Report::new(seen, None) })
+        }
+        Ok(Opened::Raw(recording)) => {
+            let mut tell = |share| {
+                observer.progress(Progress { step: Step::Inspect, fraction: INSPECTED * share });
+            };
+            let mut seen = inspect(&recording, cancel, &mut tell).map_err(|e| e.fault())?;
+            name.clone_into(&mut seen.name);
+            // Lifting takes long, and nothing could be fitted to the result.
+            match seen.check_report().require() {
+                Err(error) => {
+                    Ok(Observed { capture: Err(error.fault()), report: Report::new(seen, None) })
+                }
+                Ok(()) => lift_sound(&recording, seen, settings, checkpoint, observer, cancel),
+            }
+        }
+    }
+}
+
+/// A recording that is sound enough, lifted.
+fn lift_sound(
+    recording: &Recording,
+    mut seen: Inspection,
+    settings: &IngestSettings,
+    checkpoint: Option<&[u8]>,
+    observer: &mut dyn Observer<Progress>,
+    cancel: &CancelToken,
+) -> Result<Observed, Fault> {
+    let mut observer = Lifting(observer);
+    let mut lifted = lift(recording, settings, checkpoint, &mut observer, cancel);
+    if let Err(error @ (Error::Checkpoint(_) | Error::OtherCheckpoint)) = &lifted {
+        // Written by a build before an update, say: the work is lost, the job is not.
+        tracing::warn!("starting the ingest anew: {error}");
+        lifted = lift(recording, settings, None, &mut observer, cancel);
+    }
+    match lifted {
+        Ok(observation) => {
+            let capture = observation.capture;
+            let evidence = serde_json::to_value(observation.evidence).ok();
+            let report = Report::new(seen, Some(Lifted { capture: capture.clone(), evidence }));
+            let usable = report.inspection().check_report().require();
+            Ok(Observed { capture: usable.map(|()| capture).map_err(|e| e.fault()), report })
+        }
+        Err(error @ (Error::Observer(_) | Error::Cancelled)) => Err(error.fault()),
+        Err(error) => {
+            let fault = error.fault();
+            seen.add([error_of(&fault)]);
+            Ok(Observed { capture: Err(fault), report: Report::new(seen, None) })
+        }
+    }
+}
+
+/// A capture of which nothing is known but the fault that kept it from being read.
+pub fn unread(name: &str, fault: &Fault) -> Observed {
+    let mut seen = Inspection::unread(name);
+    seen.add([error_of(fault)]);
+    Observed { capture: Err(fault.clone()), report: Report::new(seen, None) }
+}
+
+fn error_of(fault: &Fault) -> bendtwin_inspect::Finding {
+    let finding = capture::Finding {
+        severity: capture::Severity::Error,
+        code: fault.reason.clone(),
+        message: fault.message.clone(),
+    };
+    finding.into()
+}
+
+/// Errors call the capture by its name: its path here is a temporary file's, which tells nobody anything.
+fn called(error: capture::Error, name: &str) -> capture::Error {
+    use capture::Error::{RawOnly, UnknownKind};
+    match error {
+        UnknownKind(_) => UnknownKind(name.to_owned()),
+        RawOnly(_) => RawOnly(name.to_owned()),
+        other => other,
+    }
+}
+
+/// Observer of the lifting, whose progress is a part of the whole.
+struct Lifting<'a>(&'a mut dyn Observer<Progress>);
+
+impl Observer<bendtwin_lift::Progress> for Lifting<'_> {
+    fn progress(&mut self, progress: bendtwin_lift::Progress) {
+        let fraction = INSPECTED + (1.0 - INSPECTED) * progress.fraction;
+        self.0.progress(Progress { step: progress.step.into(), fraction });
+    }
+
+    fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
+        self.0.checkpoint(checkpoint)
+    }
+}

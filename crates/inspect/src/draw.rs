@@ -14,9 +14,9 @@ pub(crate) use self::{
     points::{lifted, seen},
 };
 
-/// A picture and the words below it.
+/// A picture and its caption.
 #[derive(Clone, Debug)]
-pub(crate) struct Plate {
+pub(crate) struct Figure {
     pub(crate) png: Vec<u8>,
     pub(crate) caption: String,
 }
@@ -25,12 +25,12 @@ pub(crate) struct Plate {
 pub(crate) const HAND: Color = Color(214, 69, 80);
 pub(crate) const ACCENT: Color = Color(0, 134, 149);
 pub(crate) const FAINT: Color = Color(128, 136, 146);
-/// What has no depth.
+/// Colour of pixels without depth.
 pub(crate) const HOLE: Color = Color(255, 45, 149);
 
-/// Enlarges small images so that a page does not have to.
-pub(crate) fn enlarged(width: usize, wanted: f32) -> f32 {
+/// The factor by which an image is enlarged to about the wanted width, so that a page does not have to.
+pub(crate) fn enlargement(width: usize, wanted: f32) -> f32 {
     (wanted / width.max(1) as f32).clamp(0.25, 4.0)
 }
 
-pub(crate) type Plates = Result<Vec<Plate>, Error>;
+pub(crate) type Figures = Result<Vec<Figure>, Error>;

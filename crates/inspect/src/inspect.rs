@@ -1,21 +1,21 @@
-//! From a recording to what is wrong with it.
+//! Inspection of a recording: scan, judgement, pictures.
 
 use bendtwin_capture::raw::Recording;
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::CancelToken;
 
 use crate::{
     Error, Finding,
-    gallery::Gallery,
     inspection::{Inspection, Kind},
     judge,
-    watch::watch,
+    picture_inputs::PictureInputs,
+    scan::scan,
 };
 
-/// Most images of all cameras that are looked at: 5 hours of three cameras at 30 frames a second.
-const MOST_IMAGES: usize = 1_600_000;
+/// Most images of all cameras that are read: 5 hours of three cameras at 30 frames a second.
+const MAX_IMAGES: usize = 1_600_000;
 
-/// Looks at every frame of a recording once and says what is wrong with it. Progress is a share, 0..=1. Memory does not
-/// grow with the images: of most, only numbers are kept.
+/// Inspects a recording: reads every frame once, measures, judges. Progress is a share, 0..=1. Memory does not grow with
+/// the number of images: of most, only numbers are kept.
 ///
 /// # Errors
 /// If cancelled. Files that cannot be read are findings.
@@ -25,36 +25,36 @@ pub fn inspect(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Inspection, Error> {
     let images = recording.frame_count.saturating_mul(recording.cameras.len());
-    if images > MOST_IMAGES {
+    if images > MAX_IMAGES {
         return Ok(too_long(recording, images));
     }
-    // Nothing can be placed in space without a pose; readers give one, and what does not is told.
+    // Nothing can be placed in space without a pose. Readers always give one; anything else is a finding.
     if recording.cameras.iter().any(|camera| camera.poses.is_empty()) {
-        return Ok(unseen(recording));
+        return Ok(unread(recording));
     }
-    let logs = watch(recording, cancel, progress)?;
-    let record = judge::judge(recording, &logs);
+    let scans = scan(recording, cancel, progress)?;
+    let assessment = judge::judge(recording, &scans);
     let mut inspection = blank(recording);
-    inspection.add(record.findings);
-    inspection.scene = record.scene;
-    inspection.cameras = record.cameras;
-    inspection.pairs = record.pairs;
-    inspection.gallery = Gallery::of(recording, logs);
+    inspection.add(assessment.findings);
+    inspection.scene = assessment.scene;
+    inspection.cameras = assessment.cameras;
+    inspection.pairs = assessment.pairs;
+    inspection.picture_inputs = PictureInputs::of(recording, scans);
     Ok(inspection)
 }
 
 fn too_long(recording: &Recording, images: usize) -> Inspection {
-    let mut inspection = unseen(recording);
-    let message = format!("the recording has {images} images (limit {MOST_IMAGES})");
+    let mut inspection = unread(recording);
+    let message = format!("the recording has {images} images (limit {MAX_IMAGES})");
     let finding = Finding::error("RECORDING_TOO_LONG", message).number("images", images as f64);
     inspection.add([finding]);
     inspection
 }
 
-/// What can be said of a recording without looking at its frames.
-fn unseen(recording: &Recording) -> Inspection {
+/// The inspection of a recording whose frames are not read.
+fn unread(recording: &Recording) -> Inspection {
     let mut inspection = blank(recording);
-    inspection.add(judge::judge_unseen(recording));
+    inspection.add(judge::judge_unread(recording));
     inspection
 }
 

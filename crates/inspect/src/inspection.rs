@@ -3,7 +3,7 @@
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
 
-use crate::{Finding, Verdict, finding, gallery::Gallery};
+use crate::{Finding, Verdict, finding, picture_inputs::PictureInputs};
 
 /// What was inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ pub struct Inspection {
     pub observed: Option<ObservedReport>,
     /// What pictures are drawn from; not part of the document.
     #[serde(skip)]
-    pub(crate) gallery: Gallery,
+    pub(crate) picture_inputs: PictureInputs,
 }
 
 /// Size, height, motion and contact; absent where they could not be measured.
@@ -188,7 +188,7 @@ impl Inspection {
             cameras: Vec::new(),
             pairs: Vec::new(),
             observed: None,
-            gallery: Gallery::default(),
+            picture_inputs: PictureInputs::default(),
         }
     }
 

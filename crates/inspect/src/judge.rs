@@ -1,5 +1,5 @@
-//! What the measured numbers mean. Each part looks at one kind of fault; what follows from a fault that has been found is
-//! left out, so that a recording with one fault has one finding.
+//! The judges: findings from measured numbers. Each part judges one kind of fault; what merely follows from a fault that was
+//! found is left out, so that a recording with one fault has one finding.
 
 mod agreement;
 mod calibration;
@@ -7,8 +7,8 @@ mod depth;
 mod masks;
 mod motion;
 mod paths;
+mod recording;
 mod scale;
-mod setting;
 mod skew;
 mod timing;
 mod tracks;
@@ -19,68 +19,68 @@ use self::paths::Paths;
 use crate::{
     Finding,
     inspection::{CameraReport, PairReport, Scene},
+    scan::CameraScan,
     vector::Upright,
-    watch::Log,
 };
 
-/// What a recording is judged by.
-pub(crate) struct Case<'a> {
+/// Input of the judges: a recording and its measurements.
+pub(crate) struct Context<'a> {
     pub(crate) recording: &'a Recording,
-    pub(crate) logs: &'a [Log],
+    pub(crate) scans: &'a [CameraScan],
     upright: Upright,
     paths: Paths,
 }
 
-/// What a judgement adds to.
+/// Output of the judges, to which each adds.
 #[derive(Debug, Default)]
-pub(crate) struct Record {
+pub(crate) struct Assessment {
     pub(crate) findings: Vec<Finding>,
     pub(crate) scene: Scene,
     pub(crate) cameras: Vec<CameraReport>,
     pub(crate) pairs: Vec<PairReport>,
 }
 
-/// Judges what was seen of a recording.
-pub(crate) fn judge(recording: &Recording, logs: &[Log]) -> Record {
+/// Judges a scanned recording.
+pub(crate) fn judge(recording: &Recording, scans: &[CameraScan]) -> Assessment {
     let upright = Upright::of(&recording.environment);
-    let case = Case { recording, logs, upright, paths: Paths::of(recording, logs) };
+    let context = Context { recording, scans, upright, paths: Paths::of(recording, scans) };
     let cameras = recording.cameras.iter().map(|camera| CameraReport {
         name: camera.name.clone(),
         width: camera.width,
         height: camera.height,
         ..CameraReport::default()
     });
-    let mut record = Record { cameras: cameras.collect(), ..Record::default() };
-    setting::judge(&case, &mut record);
-    calibration::judge(&case, &mut record);
-    timing::judge(&case, &mut record);
-    masks::judge(&case, &mut record);
-    depth::judge(&case, &mut record);
-    scale::judge(&case, &mut record);
-    motion::judge(&case, &mut record);
-    skew::judge(&case, &mut record);
-    agreement::judge(&case, &mut record);
-    tracks::judge(&case, &mut record);
-    leave_out_consequences(&mut record.findings);
-    crate::finding::sort(&mut record.findings);
-    record
+    let mut assessment = Assessment { cameras: cameras.collect(), ..Assessment::default() };
+    recording::judge(&context, &mut assessment);
+    calibration::judge(&context, &mut assessment);
+    timing::judge(&context, &mut assessment);
+    masks::judge(&context, &mut assessment);
+    depth::judge(&context, &mut assessment);
+    scale::judge(&context, &mut assessment);
+    motion::judge(&context, &mut assessment);
+    skew::judge(&context, &mut assessment);
+    agreement::judge(&context, &mut assessment);
+    tracks::judge(&context, &mut assessment);
+    leave_out_consequences(&mut assessment.findings);
+    crate::finding::sort(&mut assessment.findings);
+    assessment
 }
 
-/// Judges what can be judged of a recording that nobody looked at.
-pub(crate) fn judge_unseen(recording: &Recording) -> Vec<Finding> {
-    let case = Case {
+/// Judges a recording whose frames were not read: length, frame rate, calibration.
+pub(crate) fn judge_unread(recording: &Recording) -> Vec<Finding> {
+    let context = Context {
         recording,
-        logs: &[],
+        scans: &[],
         upright: Upright::of(&recording.environment),
         paths: Paths::default(),
     };
-    let mut record = Record::default();
-    setting::judge(&case, &mut record);
-    calibration::judge(&case, &mut record);
-    record.findings
+    let mut assessment = Assessment::default();
+    recording::judge(&context, &mut assessment);
+    calibration::judge(&context, &mut assessment);
+    assessment.findings
 }
 
-/// Faults, and what else looks wrong because of them.
+/// Faults, and the findings that merely follow from them.
 const CONSEQUENCES: &[(&[&str], &[&str])] = &[
     (
         &[

@@ -6,21 +6,21 @@
 //! explains it. [`inspect_observed()`] does what can be done for points that somebody else lifted. A [`Report`] is a JSON document
 //! and one page without scripts. [`CODES`] has every code with what to do.
 
-mod agree;
 mod codes;
+mod consistency;
 mod draw;
 mod error;
 mod finding;
-mod gallery;
 mod inspect;
 mod inspection;
 mod judge;
 mod observed;
 mod page;
+mod picture_inputs;
 mod report;
+mod scan;
 mod statistics;
 mod vector;
-mod watch;
 
 pub use self::{
     codes::{CODES, Code},

@@ -5,8 +5,8 @@ use bendtwin_core::{Capture, Point, Sequence};
 
 use crate::{
     Finding, Verdict, finding,
-    gallery::Gallery,
     inspection::{Inspection, Kind, ObservedReport, Scene},
+    picture_inputs::PictureInputs,
     statistics::median,
     vector::{Upright, Vector, add, distance, scaled, wide},
 };
@@ -31,9 +31,9 @@ pub fn inspect_observed(capture: &Capture) -> Inspection {
         cameras: Vec::new(),
         pairs: Vec::new(),
         observed: observed(capture),
-        gallery: Gallery {
+        picture_inputs: PictureInputs {
             environment: capture.environment,
-            walls: Vec::new(),
+            cameras: Vec::new(),
             capture: is_whole(capture).then(|| capture.clone()),
         },
     }

@@ -31,7 +31,7 @@ pub struct Report {
 
 /// The document as it is written.
 #[derive(Serialize)]
-struct Written<'a> {
+struct WrittenDocument<'a> {
     format: &'static str,
     version: u32,
     first_step: Option<String>,
@@ -42,7 +42,7 @@ struct Written<'a> {
 
 /// The document as it is read.
 #[derive(Deserialize)]
-struct Read {
+struct ReadDocument {
     format: String,
     version: u32,
     #[serde(flatten)]
@@ -68,7 +68,7 @@ impl Report {
             }
             inspection.observed = observed::observed(&lifted.capture);
             if observed::is_whole(&lifted.capture) {
-                inspection.gallery.capture = Some(lifted.capture);
+                inspection.picture_inputs.capture = Some(lifted.capture);
             }
             evidence = lifted.evidence;
         }
@@ -92,7 +92,7 @@ impl Report {
 
     /// The document; `docs/captures.md` specifies it.
     pub fn to_json(&self) -> String {
-        let written = Written {
+        let written = WrittenDocument {
             format: FORMAT,
             version: VERSION,
             first_step: self.first_step(),
@@ -108,7 +108,8 @@ impl Report {
     /// # Errors
     /// If it is none, or of a newer version.
     pub fn from_json(text: &str) -> Result<Self, Error> {
-        let read: Read = serde_json::from_str(text).map_err(|e| Error::Document(e.to_string()))?;
+        let read: ReadDocument =
+            serde_json::from_str(text).map_err(|e| Error::Document(e.to_string()))?;
         if read.format != FORMAT || read.version != VERSION {
             return Err(Error::Document(format!(
                 "it is `{}` version {}, this build reads `{FORMAT}` version {VERSION}",

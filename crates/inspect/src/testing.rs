@@ -1,5 +1,5 @@
 //! A small recording that is computed, not stored: a textured ellipsoid that a ball carries over a floor, seen by three
-//! cameras with a little noise. Tests break it in one way each.
+//! cameras with a little noise. Tests change it in one way each.
 
 use std::sync::Arc;
 
@@ -21,14 +21,14 @@ const AXES: Vector = [0.10, 0.07, 0.05];
 const BALL_M: f64 = 0.035;
 const NOISE_M: f64 = 0.001;
 
-/// What is filmed, and what goes wrong with it.
+/// The filmed scene and the faults of its recording.
 #[derive(Clone, Debug)]
-pub(crate) struct Stage {
-    /// Where the cameras truly stand.
+pub(crate) struct TestScene {
+    /// The cameras with their true poses.
     pub(crate) cameras: Vec<Camera>,
     /// The moment [frames] that a camera shows in a frame; `None`: it was dropped. Shape [camera][T].
     pub(crate) moments: Vec<Vec<Option<f64>>>,
-    /// What each camera's depth is multiplied by.
+    /// Factor that each camera's depth is multiplied by.
     pub(crate) depth_factor: Vec<f32>,
     /// Cameras whose masks are exchanged.
     pub(crate) exchanged_masks: Vec<usize>,
@@ -38,22 +38,22 @@ pub(crate) struct Stage {
     pub(crate) damaged: Vec<(usize, usize)>,
     /// Share of the pixels that have no depth.
     pub(crate) holes: f64,
-    /// How far the object travels, of what it does by default.
+    /// Travel of the object as a share of its default.
     pub(crate) travel: f64,
-    /// How far the ball stands off the object [m].
+    /// Distance between ball and object [m].
     pub(crate) standoff_m: f64,
-    /// Whether tracks are given, and as row and column.
+    /// `None`: no tracks; true: tracks as row and column.
     pub(crate) tracks: Option<bool>,
 }
 
 /// A recording without any fault.
-pub(crate) fn healthy() -> (Stage, Recording) {
+pub(crate) fn healthy() -> (TestScene, Recording) {
     let cameras: Vec<Camera> = [30.0, 145.0, 260.0]
         .iter()
         .enumerate()
         .map(|(i, at)| camera(&format!("cam{i}"), *at))
         .collect();
-    let stage = Stage {
+    let scene = TestScene {
         moments: vec![(0..FRAMES).map(|f| Some(f as f64)).collect(); 3],
         cameras: cameras.clone(),
         depth_factor: vec![1.0; 3],
@@ -75,14 +75,14 @@ pub(crate) fn healthy() -> (Stage, Recording) {
         cameras,
         mesh: None,
         truth_tracks: Vec::new(),
-        source: Arc::new(stage.clone()),
+        source: Arc::new(scene.clone()),
     };
-    (stage, recording)
+    (scene, recording)
 }
 
-/// The recording of a stage, with cameras as the recording declares them.
-pub(crate) fn record(stage: Stage, mut recording: Recording) -> Recording {
-    recording.source = Arc::new(stage);
+/// The recording of a scene, with cameras as `recording` declares them.
+pub(crate) fn filmed(scene: TestScene, mut recording: Recording) -> Recording {
+    recording.source = Arc::new(scene);
     recording
 }
 
@@ -107,13 +107,13 @@ fn camera(name: &str, azimuth_deg: f64) -> Camera {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Thing {
+enum Body {
     Object,
     Ball,
     Floor,
 }
 
-impl Stage {
+impl TestScene {
     /// Middle of the object and its yaw at a moment.
     fn object(&self, moment: f64) -> (Vector, [[f64; 3]; 3]) {
         let s = ((moment - 3.0) / 24.0).clamp(0.0, 1.0);
@@ -129,7 +129,7 @@ impl Stage {
     }
 
     /// The first thing on a ray, its depth along it in units of the direction, and the place on the thing.
-    fn hit(&self, eye: Vector, ray: Vector, moment: f64) -> Option<(Thing, f64, Vector)> {
+    fn hit(&self, eye: Vector, ray: Vector, moment: f64) -> Option<(Body, f64, Vector)> {
         let (middle, turned) = self.object(moment);
         let into = |v: Vector| -> Vector {
             let v = crate::vector::turn_back(&turned, v);
@@ -138,13 +138,13 @@ impl Stage {
         let object = sphere(into(sub(eye, middle)), into(ray), 1.0);
         let ball = sphere(sub(eye, self.ball(moment)), ray, BALL_M);
         let floor = (ray[2] < -1e-9).then(|| -eye[2] / ray[2]);
-        let all = [(Thing::Object, object), (Thing::Ball, ball), (Thing::Floor, floor)];
+        let all = [(Body::Object, object), (Body::Ball, ball), (Body::Floor, floor)];
         let (thing, t) = all
             .into_iter()
             .filter_map(|(thing, t)| Some((thing, t?)))
             .min_by(|a, b| a.1.total_cmp(&b.1))?;
         let at = add(eye, scaled(ray, t));
-        let local = if thing == Thing::Object { into(sub(at, middle)) } else { at };
+        let local = if thing == Body::Object { into(sub(at, middle)) } else { at };
         Some((thing, t, local))
     }
 }
@@ -156,7 +156,7 @@ fn sphere(eye: Vector, ray: Vector, radius: f64) -> Option<f64> {
 }
 
 /// A number from 0 to 1 that depends on everything and looks random.
-fn chance(seed: [usize; 4]) -> f64 {
+fn pseudo_random(seed: [usize; 4]) -> f64 {
     let mut x = seed.iter().fold(0x9E37_79B9_7F4A_7C15_u64, |h, s| {
         (h ^ *s as u64).wrapping_mul(0xBF58_476D_1CE4_E5B9).rotate_left(29)
     });
@@ -165,24 +165,24 @@ fn chance(seed: [usize; 4]) -> f64 {
     (x >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-impl Source for Stage {
+impl Source for TestScene {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
-        Ok(Box::new(Film { stage: self, camera, rendered: None }))
+        Ok(Box::new(SceneReader { scene: self, camera, rendered: None }))
     }
 }
 
-type Hit = Option<(Thing, f64, Vector)>;
+type Hit = Option<(Body, f64, Vector)>;
 
-struct Film<'a> {
-    stage: &'a Stage,
+struct SceneReader<'a> {
+    scene: &'a TestScene,
     camera: usize,
     /// The frame that was rendered last: colour, depth and masks show the same.
     rendered: Option<(usize, Vec<Hit>)>,
 }
 
-impl Film<'_> {
+impl SceneReader<'_> {
     fn moment(&self, frame: usize) -> Option<f64> {
-        *self.stage.moments[self.camera].get(frame)?
+        *self.scene.moments[self.camera].get(frame)?
     }
 
     fn image<P>(
@@ -192,12 +192,12 @@ impl Film<'_> {
     ) -> Option<bendtwin_capture::raw::Image<P>> {
         let moment = self.moment(frame)?;
         if self.rendered.as_ref().is_none_or(|(f, _)| *f != frame) {
-            let camera = &self.stage.cameras[self.camera];
+            let camera = &self.scene.cameras[self.camera];
             let pose = &camera.poses[0];
             let hit = |at: usize| {
                 let pixel = [(at % WIDTH) as f64, (at / WIDTH) as f64];
                 let ray = turn(&pose.rotation, seen_at(camera, pixel, 1.0));
-                self.stage.hit(pose.translation, ray, moment)
+                self.scene.hit(pose.translation, ray, moment)
             };
             self.rendered = Some((frame, (0..WIDTH * HEIGHT).map(hit).collect()));
         }
@@ -216,62 +216,63 @@ impl Film<'_> {
     }
 }
 
-impl Frames for Film<'_> {
+impl Frames for SceneReader<'_> {
     fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
-        if self.stage.damaged.contains(&(self.camera, frame)) {
+        if self.scene.damaged.contains(&(self.camera, frame)) {
             let at = format!("color/{}/{frame}.png", self.camera);
             return Err(Error::Damaged { at, fault: "it ends early".to_owned() });
         }
         let (seed, camera) = (self.seed(frame), self.camera);
         Ok(self.image(frame, |hit, column, row| {
-            let grain = (8.0 * chance([seed, camera, column, row])) as u8;
+            let grain = (8.0 * pseudo_random([seed, camera, column, row])) as u8;
             match hit {
-                Some((Thing::Object, _, at)) => {
+                Some((Body::Object, _, at)) => {
                     let cell = at.map(|x| (5.0 * (x + 2.0)) as usize);
-                    let shade =
-                        |k| 40 + (180.0 * chance([cell[0], cell[1], cell[2], k])) as u8 + grain;
+                    let shade = |k| {
+                        40 + (180.0 * pseudo_random([cell[0], cell[1], cell[2], k])) as u8 + grain
+                    };
                     [shade(1), shade(2), shade(3)]
                 }
-                Some((Thing::Ball, ..)) => [210, 160, 130 + grain],
-                Some((Thing::Floor, ..)) => [120 + grain, 124, 128],
+                Some((Body::Ball, ..)) => [210, 160, 130 + grain],
+                Some((Body::Floor, ..)) => [120 + grain, 124, 128],
                 None => [235, 235, 230 + grain],
             }
         }))
     }
 
     fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
-        let (seed, stage, camera) = (self.seed(frame), self.stage, self.camera);
+        let (seed, scene, camera) = (self.seed(frame), self.scene, self.camera);
         Ok(self.image(frame, |hit, column, row| {
-            if chance([seed, camera, column, 7000 + row]) < stage.holes {
+            if pseudo_random([seed, camera, column, 7000 + row]) < scene.holes {
                 return 0.0;
             }
-            let noise = NOISE_M * (2.0 * chance([seed, 50 + camera, column, row]) - 1.0) * 2.0;
+            let noise =
+                NOISE_M * (2.0 * pseudo_random([seed, 50 + camera, column, row]) - 1.0) * 2.0;
             // The ray has depth 1, so its parameter is the depth.
-            hit.map_or(0.0, |(_, t, _)| (t + noise) as f32 * stage.depth_factor[camera])
+            hit.map_or(0.0, |(_, t, _)| (t + noise) as f32 * scene.depth_factor[camera])
         }))
     }
 
     fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
-        let exchanged = self.stage.exchanged_masks.contains(&self.camera);
+        let exchanged = self.scene.exchanged_masks.contains(&self.camera);
         let wanted = match (region, exchanged) {
-            (Region::Object, false) | (Region::Manipulator, true) => Thing::Object,
-            _ => Thing::Ball,
+            (Region::Object, false) | (Region::Manipulator, true) => Body::Object,
+            _ => Body::Ball,
         };
         let empty =
-            region == Region::Object && self.stage.empty_masks.contains(&(self.camera, frame));
+            region == Region::Object && self.scene.empty_masks.contains(&(self.camera, frame));
         Ok(self.image(frame, |hit, _, _| !empty && hit.is_some_and(|(thing, ..)| thing == wanted)))
     }
 
     fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
-        let Some(transposed) = self.stage.tracks else { return Ok(None) };
-        let camera = &self.stage.cameras[self.camera];
+        let Some(transposed) = self.scene.tracks else { return Ok(None) };
+        let camera = &self.scene.cameras[self.camera];
         let pose = &camera.poses[0];
         let mut spots = Vec::new();
         for row in (0..HEIGHT).step_by(3) {
             for column in (0..WIDTH).step_by(3) {
                 let ray = turn(&pose.rotation, seen_at(camera, [column as f64, row as f64], 1.0));
-                if let Some((Thing::Object, _, local)) = self.stage.hit(pose.translation, ray, 0.0)
-                {
+                if let Some((Body::Object, _, local)) = self.scene.hit(pose.translation, ray, 0.0) {
                     spots.push(local);
                 }
             }
@@ -279,16 +280,15 @@ impl Frames for Film<'_> {
         let mut tracks = Tracks { count: spots.len(), ..Tracks::default() };
         for frame in 0..FRAMES {
             let moment = self.moment(frame).unwrap_or(frame as f64);
-            let (middle, turned) = self.stage.object(moment);
+            let (middle, turned) = self.scene.object(moment);
             for spot in &spots {
                 let at = add(middle, turn(&turned, std::array::from_fn(|a| spot[a] * AXES[a])));
                 let behind = ([-1.0; 2], -1.0);
                 let (pixel, depth) = camera.project(at.map(|x| x as f32), 0).unwrap_or(behind);
                 let ray = turn(&pose.rotation, seen_at(camera, pixel, 1.0));
-                let hit = self.stage.hit(pose.translation, ray, moment);
-                let seen = hit.is_some_and(|(thing, t, _)| {
-                    thing == Thing::Object && (t - depth).abs() < 0.01
-                });
+                let hit = self.scene.hit(pose.translation, ray, moment);
+                let seen = hit
+                    .is_some_and(|(thing, t, _)| thing == Body::Object && (t - depth).abs() < 0.01);
                 let [x, y] = pixel.map(|p| p as f32);
                 tracks.points.push(if transposed { [y, x] } else { [x, y] });
                 tracks.visible.push(seen);
@@ -311,10 +311,10 @@ pub(crate) fn disturbed(pose: &Pose, degrees: f64, shift: Vector) -> Pose {
 }
 
 #[test]
-fn the_cameras_look_at_the_stage() {
-    let (stage, recording) = healthy();
+fn the_cameras_look_at_the_object() {
+    let (scene, recording) = healthy();
     for camera in &recording.cameras {
         let ahead = to_world(&camera.poses[0], [0.0, 0.0, 0.7]);
-        assert!(length(sub(ahead, stage.object(18.0).0)) < 0.12, "{ahead:?}");
+        assert!(length(sub(ahead, scene.object(18.0).0)) < 0.12, "{ahead:?}");
     }
 }

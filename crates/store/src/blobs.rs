@@ -1,6 +1,5 @@
-//! Content by digest. An upload streams to a temporary object while it is
-//! hashed; publishing renames it to the place that its digest names. Equal
-//! content therefore shares one object.
+//! Content by digest. An upload streams to a temporary object while it is hashed; publishing
+//! renames it to the path derived from its digest, so equal content shares one object.
 
 mod partial;
 mod upload;
@@ -36,14 +35,14 @@ const CHUNK: usize = 1 << 20;
 pub struct Blobs {
     objects: Arc<dyn ObjectStore>,
     root: Arc<PathBuf>,
-    /// Shared by those who publish and then refer, closed by those who delete.
+    /// Lock shared by callers that publish and then refer, and exclusive for those that delete.
     gate: Arc<RwLock<()>>,
     armed: Arc<Armed>,
 }
 
-/// A blob being read. Deleting it meanwhile does not disturb the reader.
+/// A blob being read. The reader is not affected if it is deleted meanwhile.
 pub struct Content {
-    /// Size in bytes.
+    /// Size [bytes].
     pub size_bytes: u64,
     /// Its bytes, in chunks of up to 1 MiB.
     pub chunks: BoxStream<'static, Result<Bytes>>,
@@ -107,8 +106,8 @@ impl Blobs {
         self.publish_all(vec![staged]).await
     }
 
-    /// As [`Blobs::publish`], for content that one transaction refers to. One guard for all: a second
-    /// one would wait for whoever waits for the first.
+    /// As [`Blobs::publish`], for several contents that one transaction refers to. One guard for
+    /// all of them: a second one would wait for a deletion that waits for the first.
     pub(crate) async fn publish_all(&self, staged: Vec<Staged>) -> Result<RwLockReadGuard<'_, ()>> {
         self.armed.pass(Failpoint::ContentStaged)?;
         let guard = self.gate.read().await;

@@ -1,15 +1,14 @@
-//! Captures: immutable content with a name, and where their ingest is.
+//! Captures: immutable content with a name, and the state of their ingest.
 
 use std::collections::HashMap;
 
 use bendtwin_core::ids::CaptureId;
 use jiff::Timestamp;
-use sqlx::FromRow;
 use uuid::Uuid;
 
 use crate::{
     Content, Digest, Error, Job, Page, PageRequest, Report, Result, Staged, Store,
-    clock::from_micros, failpoint::Failpoint, jobs, observations, uploads,
+    clock::from_micros, failpoint::Failpoint, jobs, observations, row::row, uploads,
 };
 
 /// A stored capture.
@@ -17,33 +16,33 @@ use crate::{
 pub struct Capture {
     /// Its id.
     pub id: CaptureId,
-    /// A person's name for it.
+    /// Display name.
     pub display_name: String,
-    /// When it was stored.
+    /// Time of storage.
     pub created: Timestamp,
-    /// Size of the archive.
+    /// Size of the archive [bytes].
     pub size_bytes: u64,
     /// BLAKE3 of the archive.
     pub digest: Digest,
 }
 
-/// A capture with what is known about its content.
+/// A capture with its ingest and its report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overview {
     /// The capture.
     pub capture: Capture,
     /// The job that reads it.
     pub ingest: Job,
-    /// What an ingest said of it, once one has.
+    /// Its report, once an ingest has made one.
     pub report: Option<Report>,
 }
 
 /// A capture to be stored.
 #[derive(Debug)]
 pub struct NewCapture {
-    /// A person's name for it.
+    /// Display name.
     pub display_name: String,
-    /// Makes creation idempotent, if given.
+    /// Idempotency key, if given.
     pub request_id: Option<String>,
     /// The archive.
     pub content: Staged,
@@ -57,13 +56,14 @@ pub struct Captures<'a> {
     pub(crate) store: &'a Store,
 }
 
-#[derive(FromRow)]
-struct Row {
-    id: String,
-    display_name: String,
-    created_at: i64,
-    size_bytes: i64,
-    digest: String,
+row! {
+    struct Row {
+        id: String,
+        display_name: String,
+        created_at: i64,
+        size_bytes: i64,
+        digest: String,
+    }
 }
 
 impl TryFrom<Row> for Capture {
@@ -84,8 +84,8 @@ impl TryFrom<Row> for Capture {
 }
 
 impl Captures<'_> {
-    /// Stores a capture and queues its ingest. The same request id with the same
-    /// content and name gives the capture that it made before.
+    /// Stores a capture and queues its ingest. The same request id with the same content and name
+    /// returns the capture created before.
     ///
     /// # Errors
     /// [`Error::RequestIdTaken`], database and file errors.
@@ -231,7 +231,7 @@ impl Captures<'_> {
                 .await?;
         let digest = digest.ok_or_else(|| Error::NotFound { name: id.to_string() })?;
         let mut obsolete = vec![digest];
-        // A worker that is at it hears that its job is gone, and stops.
+        // Its worker learns that the job is gone, and stops.
         let ingest = jobs::dequeue(&mut tx, &key).await?;
         obsolete.extend(ingest.iter().filter_map(|i| i.checkpoint).map(|d| d.to_hex().to_string()));
         obsolete.extend(observations::forget(&mut tx, &key).await?);
@@ -247,7 +247,7 @@ impl Captures<'_> {
         Ok(())
     }
 
-    /// Queues the ingests of captures that have none: they are older than ingests are.
+    /// Queues the ingests of captures that have none: they are from before ingests existed.
     pub(crate) async fn ingest_old(&self) -> Result<()> {
         let mut tx = self.store.inner.database.write().await?;
         let old: Vec<String> = sqlx::query_scalar(

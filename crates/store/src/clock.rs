@@ -1,4 +1,4 @@
-//! Time as a value, so that tests own theirs.
+//! Time as a value, so that tests control it.
 
 use std::{
     fmt,
@@ -8,7 +8,7 @@ use std::{
 
 use jiff::Timestamp;
 
-/// The clock that leases end by.
+/// The clock by which leases end.
 pub trait Clock: fmt::Debug + Send + Sync + 'static {
     /// The time.
     fn now(&self) -> Timestamp;
@@ -24,7 +24,7 @@ impl Clock for SystemClock {
     }
 }
 
-/// A clock that moves only when told.
+/// A clock that moves only on request.
 #[derive(Debug, Default)]
 pub struct ManualClock {
     micros: AtomicI64,

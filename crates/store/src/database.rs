@@ -1,5 +1,5 @@
-//! What is SQLite's own: the files, the pragmas, one writer beside many
-//! readers, and the lock that keeps a second server off the folder.
+//! The parts that are specific to SQLite: the files, the pragmas, one writer beside many readers,
+//! and the lock that keeps a second server off the folder.
 
 use std::{
     fs::{File, TryLockError},
@@ -12,7 +12,7 @@ use sqlx::{
     sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
 };
 
-use crate::{Error, Result};
+use crate::{Error, Result, migrations};
 
 const READERS: u32 = 4;
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
@@ -23,7 +23,7 @@ const ACQUIRE_TIMEOUT: Duration = Duration::from_secs(20);
 pub(crate) struct Database {
     writer: SqlitePool,
     readers: SqlitePool,
-    /// Held for as long as the database is open; the system drops it with the process.
+    /// Lock, held for as long as the database is open; the system releases it with the process.
     _lock: File,
 }
 
@@ -46,7 +46,7 @@ impl Database {
             .acquire_timeout(ACQUIRE_TIMEOUT)
             .connect_with(options.clone())
             .await?;
-        sqlx::migrate!().run(&writer).await?;
+        migrations::migrator().run(&writer).await?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
             .acquire_timeout(ACQUIRE_TIMEOUT)
@@ -60,7 +60,7 @@ impl Database {
         &self.readers
     }
 
-    /// A transaction that holds the write lock from its start, so what it read stays true.
+    /// A transaction that holds the write lock from its start, so that its reads stay valid.
     pub(crate) async fn write(&self) -> Result<Transaction<'static, Sqlite>> {
         Ok(self.writer.begin_with("begin immediate").await?)
     }

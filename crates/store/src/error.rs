@@ -1,4 +1,4 @@
-//! What can go wrong in the store.
+//! Errors of the store.
 
 use bendtwin_core::{Category, Problem, ids::FitId};
 
@@ -28,7 +28,7 @@ pub enum Error {
     IngestUnderWay { name: String },
     #[error("{fit} is running: cancel it first")]
     FitRunning { fit: FitId },
-    #[error("the page token is not one that this listing gave out: start without one")]
+    #[error("the page token is not from this listing: start without one")]
     InvalidPageToken,
     #[error("the content is larger than the limit of {limit} bytes")]
     TooLarge { limit: u64 },
@@ -36,7 +36,7 @@ pub enum Error {
     DigestMismatch { given: Digest, actual: Digest },
     #[error("{name} is gone: {why}")]
     UploadGone { name: String, why: String },
-    #[error("{name} is being written to and does not come free: retry in a moment")]
+    #[error("{name} is in use by another request: retry in a moment")]
     UploadLocked { name: String },
     #[error(
         "the upload cannot be {given} bytes long: {}",

@@ -1,20 +1,20 @@
-//! The points at which a crash leaves something half done, by name. Tests stop
-//! the store there, open it again and check that nothing acknowledged is lost
-//! and nothing half done is seen. Outside of tests no failpoint can be armed.
+//! Named points at which a crash leaves work half done. Tests stop the store there, open it again
+//! and check that nothing acknowledged is lost and nothing half done is visible. Outside of tests
+//! no failpoint can be armed.
 
 /// A moment between two durable steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Failpoint {
-    /// An upload has been received, its content not yet named by its digest.
+    /// An upload has been received; its content is not named by its digest yet.
     ContentStaged = 1,
     /// The content is in place; no row refers to it yet.
     ContentPublished,
     /// The rows are written, the transaction is not committed.
     BeforeCommit,
-    /// Committed; the caller was not told.
+    /// Committed; the caller has no answer.
     AfterCommit,
-    /// A row is gone; its content is still there.
+    /// A row has been deleted; its content still exists.
     BeforeRelease,
 }
 

@@ -1,7 +1,7 @@
-//! Jobs: the queue. The design is in the crate's documentation; here are the
-//! nouns and what users do with either kind, in `fits.rs` and `ingests.rs` what
-//! is one kind's own, in `lease.rs` what workers do, in `end.rs` how attempts
-//! end, in `id.rs` the names and in `row.rs` the row.
+//! Jobs: the queue. Its design is in the crate's documentation. Here are the types and the
+//! operations of users on either kind; `fits.rs` and `ingests.rs` have those of one kind,
+//! `lease.rs` those of workers, `end.rs` the ends of attempts, `id.rs` the names and `row.rs` the
+//! row.
 
 mod end;
 mod fits;
@@ -38,67 +38,67 @@ pub const MAX_STALLED_ATTEMPTS: u32 = 3;
 /// A job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
-    /// Its id, which tells its kind.
+    /// Its id, which includes its kind.
     pub id: JobId,
-    /// What is fitted or read.
+    /// The capture to be fitted or read.
     pub capture: CaptureId,
-    /// Where it is in its life.
+    /// State of the job.
     pub state: State,
     /// The settings in force, as JSON.
     pub settings: String,
-    /// Higher runs earlier.
+    /// Jobs of higher priority run earlier.
     pub priority: i32,
-    /// Claims that counted.
+    /// Number of claims that count as attempts.
     pub attempts: u32,
-    /// The fencing number: how often it was claimed at all.
+    /// The fencing number, which every claim increments.
     pub lease_epoch: u64,
-    /// When the lease runs out, while it runs.
+    /// End of the lease, while it runs.
     pub lease_until: Option<Timestamp>,
-    /// Who runs it, while it runs.
+    /// The worker, while it runs.
     pub worker: Option<WorkerId>,
     /// The last report.
     pub progress: Option<Progress>,
-    /// The newest checkpoint's digest, until it ends.
+    /// Digest of the newest checkpoint, until the job ends.
     pub checkpoint: Option<Digest>,
-    /// Whether it has been asked to stop.
+    /// True if it has been asked to stop.
     pub cancel_requested: bool,
-    /// What it made, if it is a fit.
+    /// The twin that it made, if it is a fit.
     pub twin: Option<TwinId>,
-    /// Why it failed.
+    /// The fault if it failed.
     pub fault: Option<Fault>,
-    /// Why earlier attempts ended.
+    /// Faults of earlier attempts.
     pub attempt_faults: Vec<Fault>,
     /// W3C traceparent of the call that created it.
     pub trace_parent: Option<String>,
     /// The idempotency key it was created under.
     pub request_id: Option<String>,
-    /// When it was created.
+    /// Time of creation.
     pub created: Timestamp,
-    /// When it was first claimed.
+    /// Time of the first claim.
     pub started: Option<Timestamp>,
-    /// When it ended.
+    /// Time of the end.
     pub ended: Option<Timestamp>,
-    /// Grows with every change; that of a capture's next ingest goes on from the last one's.
+    /// Revision; grows with every change, and from one ingest of a capture to the next.
     pub revision: u64,
 }
 
-/// How many jobs there are of each kind and state, and how long the queues are in time.
+/// Number of jobs by kind and state, and waiting time of the queues.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct QueueDepth {
-    /// Jobs by kind and state; what has none is left out.
+    /// Number of jobs by kind and state; zeros are left out.
     pub counts: Vec<(Kind, State, u64)>,
-    /// How long the oldest queued job of a kind has been there.
+    /// Waiting time of the oldest queued job of a kind.
     pub oldest_queued: Vec<(Kind, Duration)>,
 }
 
 impl QueueDepth {
-    /// Jobs of a kind in a state.
+    /// Number of jobs of a kind in a state.
     pub fn count(&self, kind: Kind, state: State) -> u64 {
         let found = self.counts.iter().find(|(k, s, _)| (*k, *s) == (kind, state));
         found.map_or(0, |(.., n)| *n)
     }
 
-    /// How long the oldest queued job of a kind has been there; zero if none is.
+    /// Waiting time of the oldest queued job of a kind; zero if none is queued.
     pub fn oldest(&self, kind: Kind) -> Duration {
         let found = self.oldest_queued.iter().find(|(k, _)| *k == kind);
         found.map_or(Duration::ZERO, |(_, waited)| *waited)
@@ -126,8 +126,8 @@ impl Jobs<'_> {
         row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
     }
 
-    /// Asks a job to stop: a queued one has then ended, a running one ends when
-    /// its worker hears of it, an ended one stays as it is.
+    /// Asks a job to stop: a queued one ends at once, a running one when its worker learns of it,
+    /// an ended one stays as it is.
     ///
     /// # Errors
     /// [`Error::NotFound`].
@@ -189,13 +189,13 @@ impl Jobs<'_> {
         }
     }
 
-    /// Tells the ids of jobs that change from now on. A receiver that lags
-    /// behind should read again what it cares about.
+    /// Ids of jobs that change from now on. A receiver that lags behind should read the jobs that
+    /// it watches again.
     pub fn changes(&self) -> broadcast::Receiver<JobId> {
         self.store.inner.changes.subscribe()
     }
 
-    /// How full the queues are.
+    /// Depth of the queues.
     ///
     /// # Errors
     /// Database errors.

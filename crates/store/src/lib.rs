@@ -1,7 +1,7 @@
 //! The durable truth: captures, jobs (the queue), twins, workers and blobs.
 //!
-//! Rows are in SQLite, content is in files behind [`object_store`]. What a call
-//! has acknowledged survives `kill -9` of any process and loss of power.
+//! Rows are in SQLite, content is in files behind [`object_store`]. Acknowledged data survives
+//! `kill -9` of any process and loss of power.
 //!
 //! # The queue as a design
 //! A job is a row of `jobs`, of one of two kinds. An *ingest* reads a capture and
@@ -67,8 +67,10 @@ mod database;
 mod error;
 pub mod failpoint;
 mod jobs;
+mod migrations;
 mod observations;
 mod page;
+mod row;
 mod store;
 mod twins;
 mod uploads;

@@ -1,29 +1,29 @@
-//! What ingests make of captures: the observation that fits read, and the
-//! report. A row each for a capture, replaced by the next ingest.
+//! Results of ingests: the observation that fits read, and the report. One row each for a capture,
+//! replaced by the next ingest.
 
 use bendtwin_core::ids::CaptureId;
 use jiff::Timestamp;
-use sqlx::{FromRow, Sqlite, Transaction};
+use sqlx::{Sqlite, Transaction};
 
-use crate::{Captures, Content, Digest, Error, Result, clock::from_micros};
+use crate::{Captures, Content, Digest, Error, Result, clock::from_micros, row::row};
 
-/// What the last ingest of a capture that succeeded made.
+/// Observation of a capture, made by its last successful ingest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
-    /// When it was stored.
+    /// Time of storage.
     pub created: Timestamp,
-    /// Size of the bundle.
+    /// Size of the bundle [bytes].
     pub size_bytes: u64,
     /// BLAKE3 of the bundle.
     pub digest: Digest,
 }
 
-/// What the last ingest of a capture that had anything to say says.
+/// Report of a capture, made by the last ingest that had one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// When it was stored.
+    /// Time of storage.
     pub created: Timestamp,
-    /// One lower-case word.
+    /// The verdict: one lower-case word.
     pub verdict: String,
     /// BLAKE3 of the document.
     pub json: Digest,
@@ -31,7 +31,7 @@ pub struct Report {
     pub html: Digest,
 }
 
-/// What is to be stored.
+/// Results to be stored.
 pub(crate) struct Made {
     /// Digest and size.
     pub(crate) observation: Option<(Digest, u64)>,
@@ -40,21 +40,23 @@ pub(crate) struct Made {
     pub(crate) html: Digest,
 }
 
-#[derive(FromRow)]
-struct ObservationRow {
-    capture: String,
-    created_at: i64,
-    size_bytes: i64,
-    digest: String,
+row! {
+    struct ObservationRow {
+        capture: String,
+        created_at: i64,
+        size_bytes: i64,
+        digest: String,
+    }
 }
 
-#[derive(FromRow)]
-struct ReportRow {
-    capture: String,
-    created_at: i64,
-    verdict: String,
-    json_digest: String,
-    html_digest: String,
+row! {
+    struct ReportRow {
+        capture: String,
+        created_at: i64,
+        verdict: String,
+        json_digest: String,
+        html_digest: String,
+    }
 }
 
 fn digest(hex: &str, of: &str, capture: &str) -> Result<Digest> {
@@ -88,7 +90,7 @@ impl TryFrom<ReportRow> for Report {
 }
 
 impl Captures<'_> {
-    /// What a capture's ingest made of it, if it has.
+    /// The observation of a capture, if there is one.
     ///
     /// # Errors
     /// Database errors.
@@ -113,7 +115,7 @@ impl Captures<'_> {
         Ok((observation, content))
     }
 
-    /// What is to be said of a capture, if its ingest has said it.
+    /// The report of a capture, if there is one.
     ///
     /// # Errors
     /// Database errors.
@@ -122,7 +124,7 @@ impl Captures<'_> {
         Ok(self.reports_between(&key, &key).await?.pop().map(|(_, report)| report))
     }
 
-    /// The reports of captures between two, these included, with the captures' keys.
+    /// The reports of the captures between two ids, both included, by the captures' keys.
     pub(crate) async fn reports_between(
         &self,
         from: &str,
@@ -162,7 +164,7 @@ pub(crate) async fn digest_of(
     Ok(digest)
 }
 
-/// Puts new rows in the place of those of a capture; says which content is obsolete then.
+/// Replaces the rows of a capture. Returns the content that is obsolete afterwards.
 pub(crate) async fn replace(
     tx: &mut Transaction<'_, Sqlite>,
     capture: &str,
@@ -197,7 +199,7 @@ pub(crate) async fn replace(
     Ok(obsolete)
 }
 
-/// Removes both rows of a capture; says which content is obsolete then.
+/// Removes both rows of a capture. Returns the content that is obsolete afterwards.
 pub(crate) async fn forget(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<Vec<String>> {
     let mut obsolete = forget_report(tx, capture).await?;
     obsolete.extend(forget_observation(tx, capture).await?);

@@ -5,18 +5,18 @@ use uuid::Uuid;
 
 use crate::{Error, Result};
 
-/// Which page is wanted.
+/// Request for a page.
 #[derive(Clone, Debug, Default)]
 pub struct PageRequest {
-    /// At most so many rows; 0 means [`PageRequest::DEFAULT_SIZE`], more than
-    /// [`PageRequest::MAX_SIZE`] means that.
+    /// Most rows of the page; 0 means [`PageRequest::DEFAULT_SIZE`], and [`PageRequest::MAX_SIZE`]
+    /// is the upper bound.
     pub size: u32,
-    /// The token of the page before; empty for the first.
+    /// Token of the previous page; empty for the first.
     pub token: String,
 }
 
 impl PageRequest {
-    /// Rows of a page whose size was not given.
+    /// Rows of a page without a given size.
     pub const DEFAULT_SIZE: u32 = 50;
     /// Most rows of a page.
     pub const MAX_SIZE: u32 = 1000;
@@ -55,7 +55,7 @@ impl PageRequest {
 pub struct Page<T> {
     /// The rows.
     pub items: Vec<T>,
-    /// For the next page; empty on the last.
+    /// Token of the next page; empty on the last.
     pub next_token: String,
 }
 

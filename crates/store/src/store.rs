@@ -1,4 +1,4 @@
-//! The store as a whole: opening, closing, and the way to the aggregates.
+//! The store as a whole: opening, closing, and access to the aggregates.
 
 use std::{path::PathBuf, sync::Arc};
 
@@ -13,12 +13,12 @@ use crate::{
     uploads::Seats,
 };
 
-/// How to open a store.
+/// Options for opening a store.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The folder that holds everything; made if missing.
+    /// The folder of all data; made if missing.
     pub data_dir: PathBuf,
-    /// The clock that leases end by.
+    /// The clock by which leases end.
     pub clock: Arc<dyn Clock>,
 }
 
@@ -42,17 +42,17 @@ pub(crate) struct Inner {
     pub(crate) clock: Arc<dyn Clock>,
     /// Ids of jobs that changed.
     pub(crate) changes: broadcast::Sender<JobId>,
-    /// Rung when a job enters the queue.
+    /// Notified when a job enters the queue.
     pub(crate) queued: Notify,
     pub(crate) armed: Arc<Armed>,
-    /// Who writes to which resumable upload.
+    /// Current writer of each resumable upload.
     pub(crate) seats: Seats,
 }
 
 impl Store {
-    /// Opens the folder, brings its tables up to date, deletes what crashes
-    /// left behind (half-written uploads and blobs that no row refers to), and queues the ingests
-    /// of captures from before there were any.
+    /// Opens the folder, migrates its tables, deletes the remains of crashes (half-written uploads
+    /// and blobs that no row refers to), and queues the ingests of captures from before ingests
+    /// existed.
     ///
     /// # Errors
     /// [`crate::Error::DataDirInUse`] if another server has it open; database and file errors.
@@ -87,7 +87,7 @@ impl Store {
         Twins { store: self }
     }
 
-    /// Uploads that can be resumed.
+    /// Resumable uploads.
     pub fn uploads(&self) -> Uploads<'_> {
         Uploads { store: self }
     }
@@ -102,15 +102,15 @@ impl Store {
         &self.inner.blobs
     }
 
-    /// The time by the clock that leases end by.
+    /// The time by the clock of leases.
     pub fn now(&self) -> Timestamp {
         self.inner.clock.now()
     }
 
-    /// Asks the database for an answer, any answer.
+    /// Checks that the database answers.
     ///
     /// # Errors
-    /// If there is none.
+    /// If it does not.
     pub async fn ping(&self) -> Result<()> {
         sqlx::query("select 1").execute(self.inner.database.read()).await?;
         Ok(())
@@ -121,8 +121,8 @@ impl Store {
         self.inner.database.close().await;
     }
 
-    /// Deletes blobs that no row refers to: what callers left that went away in
-    /// mid-call. Safe at any time.
+    /// Deletes blobs that no row refers to, left by callers that went away in the middle of a call.
+    /// Safe at any time.
     ///
     /// # Errors
     /// Database and file errors.

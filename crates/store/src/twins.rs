@@ -1,30 +1,30 @@
 //! Twins: content with the facts that listings show. A twin is made by
-//! importing a file or by completing a fit ([`crate::Fits::complete`]).
+//! importing a file or by completing a fit ([`crate::Jobs::complete_fit`]).
 
 use bendtwin_core::ids::{CaptureId, FitId, TwinId};
 use jiff::Timestamp;
-use sqlx::{FromRow, Sqlite, Transaction};
+use sqlx::{Sqlite, Transaction};
 use uuid::Uuid;
 
 use crate::{
     Content, Digest, Error, Page, PageRequest, Result, Staged, Store, clock::from_micros,
-    failpoint::Failpoint,
+    failpoint::Failpoint, row::row,
 };
 
-/// What a twin's file says about it, for listings.
+/// Facts of a twin, read from its file, for listings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TwinFacts {
-    /// Nodes N.
+    /// Number of nodes N.
     pub node_count: u32,
-    /// Springs E.
+    /// Number of springs E.
     pub spring_count: u32,
-    /// Triplets T.
+    /// Number of triplets T.
     pub triplet_count: u32,
-    /// Control points C.
+    /// Number of control points C.
     pub control_count: u32,
-    /// Frames per second.
+    /// Number of frames per second.
     pub fps: f64,
-    /// Substeps per frame.
+    /// Number of substeps per frame.
     pub substeps: u32,
     /// The quality table as JSON.
     pub quality: String,
@@ -35,30 +35,30 @@ pub struct TwinFacts {
 pub struct Twin {
     /// Its id.
     pub id: TwinId,
-    /// A person's name for it.
+    /// Display name.
     pub display_name: String,
     /// The capture that it was fitted to; none if imported.
     pub capture: Option<CaptureId>,
     /// The fit that made it; none if imported.
     pub fit: Option<FitId>,
-    /// When it was stored.
+    /// Time of storage.
     pub created: Timestamp,
-    /// Size of the twin file.
+    /// Size of the twin file [bytes].
     pub size_bytes: u64,
     /// BLAKE3 of the twin file.
     pub digest: Digest,
-    /// What its file says about it.
+    /// Facts from its file.
     pub facts: TwinFacts,
 }
 
 /// A twin to be imported.
 #[derive(Debug)]
 pub struct NewTwin {
-    /// A person's name for it.
+    /// Display name.
     pub display_name: String,
-    /// Makes creation idempotent, if given.
+    /// Idempotency key, if given.
     pub request_id: Option<String>,
-    /// What its file says about it.
+    /// Facts from its file.
     pub facts: TwinFacts,
     /// The twin file.
     pub content: Staged,
@@ -70,22 +70,23 @@ pub struct Twins<'a> {
     pub(crate) store: &'a Store,
 }
 
-#[derive(FromRow)]
-pub(crate) struct Row {
-    id: String,
-    display_name: String,
-    capture: Option<String>,
-    fit: Option<String>,
-    created_at: i64,
-    size_bytes: i64,
-    digest: String,
-    node_count: i64,
-    spring_count: i64,
-    triplet_count: i64,
-    control_count: i64,
-    fps: f64,
-    substeps: i64,
-    quality: String,
+row! {
+    pub(crate) struct Row {
+        id: String,
+        display_name: String,
+        capture: Option<String>,
+        fit: Option<String>,
+        created_at: i64,
+        size_bytes: i64,
+        digest: String,
+        node_count: i64,
+        spring_count: i64,
+        triplet_count: i64,
+        control_count: i64,
+        fps: f64,
+        substeps: i64,
+        quality: String,
+    }
 }
 
 impl TryFrom<Row> for Twin {
@@ -159,8 +160,8 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
 }
 
 impl Twins<'_> {
-    /// Stores an imported twin. The same request id with the same content and
-    /// name gives the twin that it made before.
+    /// Stores an imported twin. The same request id with the same content and name returns the twin
+    /// created before.
     ///
     /// # Errors
     /// [`Error::RequestIdTaken`], database and file errors.

@@ -1,17 +1,16 @@
-//! Uploads that survive broken connections, and deaths of client and server.
+//! Uploads that survive broken connections and failures of client and server.
 //!
-//! An upload is a row and a file under `blobs/partial/`. Bytes are appended to
-//! the file and synced, then the row's offset moves: what is acknowledged is
-//! what the row says, and anything the file has beyond it is cut off by the
-//! next writer. There is one writer at a time ([`UploadWriter`]).
+//! An upload is a row and a file under `blobs/partial/`. Bytes are appended to the file and synced,
+//! then the row's offset moves. The row tells which bytes are acknowledged; the next writer cuts
+//! off anything beyond them. There is one writer at a time ([`UploadWriter`]).
 //!
-//! Whole content becomes a blob without being copied:
+//! Complete content becomes a blob without being copied:
 //!
 //! 1. the file is hashed, and the row refers to the digest, which keeps its blob;
-//! 2. the file is renamed to the place that the digest names;
+//! 2. the file is renamed to the path derived from the digest;
 //! 3. one transaction inserts the capture and ends the upload.
 //!
-//! A crash after any step is made good by doing the rest again.
+//! After a crash, the remaining steps are repeated.
 
 mod create;
 mod row;
@@ -38,17 +37,17 @@ pub struct Uploads<'a> {
     pub(crate) store: &'a Store,
 }
 
-/// What uploads under way hold.
+/// Resources held by unfinished uploads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UploadUse {
     /// Uploads that are neither stored nor gone.
     pub count: u64,
-    /// Bytes that they have declared, or sent where they have not [bytes].
+    /// Their declared sizes, or the bytes sent where no size is declared [bytes].
     pub bytes: u64,
 }
 
 impl Uploads<'_> {
-    /// One upload as it stands.
+    /// One upload in its current state.
     ///
     /// # Errors
     /// [`Error::NotFound`].
@@ -60,8 +59,8 @@ impl Uploads<'_> {
         row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
     }
 
-    /// Takes an upload over, to write to it or to end it. Whoever has it now is asked to save what has
-    /// arrived and to make room.
+    /// Claims an upload, to write to it or to end it. Its current writer is asked to save the bytes
+    /// that have arrived and to release it.
     ///
     /// # Errors
     /// [`Error::NotFound`], [`Error::UploadGone`]; [`Error::UploadLocked`] if it is not free in time.
@@ -78,7 +77,7 @@ impl Uploads<'_> {
         Ok(UploadWriter::new(self.store.clone(), held, upload))
     }
 
-    /// Uploads whose bytes are all here and whose capture is not: what a crash interrupted.
+    /// Complete uploads without a capture, interrupted by a crash.
     ///
     /// # Errors
     /// If the database fails.
@@ -87,7 +86,7 @@ impl Uploads<'_> {
             .await
     }
 
-    /// What uploads under way hold together.
+    /// Resources held by all unfinished uploads.
     ///
     /// # Errors
     /// If the database fails.
@@ -97,8 +96,8 @@ impl Uploads<'_> {
         Ok(UploadUse { count: count.max(0) as u64, bytes: bytes.max(0) as u64 })
     }
 
-    /// Gives up uploads that have expired, unless somebody writes to them just now, and forgets those that ended
-    /// long ago. Those that expire now are remembered for `keep`. Returns how many were given up.
+    /// Ends expired uploads, unless a writer holds them, and forgets those that ended long ago.
+    /// Those that expire now are remembered for `keep`. Returns their number.
     ///
     /// # Errors
     /// Database and file errors.
@@ -126,7 +125,7 @@ impl Uploads<'_> {
         Ok(given_up)
     }
 
-    /// Removes files of no upload under way: what crashes left.
+    /// Removes files without an upload, left by crashes.
     pub(crate) async fn collect_garbage(&self) -> Result<()> {
         for id in self.store.blobs().partials().await? {
             let live = match self.get(id).await {

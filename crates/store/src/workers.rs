@@ -1,19 +1,18 @@
-//! Worker processes, as they registered. What they are doing at the moment is
-//! kept in memory by those who talk to them, not here.
+//! Registered worker processes. Their current state is kept in memory by the server's dispatch, not
+//! here.
 
 use bendtwin_core::ids::WorkerId;
 use jiff::Timestamp;
-use sqlx::FromRow;
 use uuid::Uuid;
 
-use crate::{Error, Result, Store, clock::from_micros};
+use crate::{Error, Result, Store, clock::from_micros, row::row};
 
 /// A worker as it registered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewWorker {
     /// Its id, new at every start.
     pub id: WorkerId,
-    /// Where it answers rollouts.
+    /// Endpoint at which it answers rollouts.
     pub endpoint: String,
     /// cpu or cuda.
     pub backend: String,
@@ -21,18 +20,18 @@ pub struct NewWorker {
     pub device: String,
     /// The software's version.
     pub build: String,
-    /// Instances that it runs at once.
+    /// Number of instances that it runs at once.
     pub lanes: u32,
-    /// Whether the server started it, so that it ends with the server.
+    /// True if the server started it, so that it ends with the server.
     pub supervised: bool,
 }
 
 /// A worker that the store knows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worker {
-    /// What it said of itself.
+    /// Its registration.
     pub registration: NewWorker,
-    /// When it registered.
+    /// Time of registration.
     pub started: Timestamp,
 }
 
@@ -42,16 +41,17 @@ pub struct Workers<'a> {
     pub(crate) store: &'a Store,
 }
 
-#[derive(FromRow)]
-struct Row {
-    id: String,
-    endpoint: String,
-    backend: String,
-    device: String,
-    build: String,
-    lanes: i64,
-    supervised: bool,
-    started_at: i64,
+row! {
+    struct Row {
+        id: String,
+        endpoint: String,
+        backend: String,
+        device: String,
+        build: String,
+        lanes: i64,
+        supervised: bool,
+        started_at: i64,
+    }
 }
 
 impl TryFrom<Row> for Worker {
@@ -77,7 +77,7 @@ impl TryFrom<Row> for Worker {
 }
 
 impl Workers<'_> {
-    /// Makes a worker known, or known anew after it lost touch.
+    /// Registers a worker, or renews its registration.
     ///
     /// # Errors
     /// Database errors.
@@ -106,7 +106,7 @@ impl Workers<'_> {
         row.try_into()
     }
 
-    /// All workers, newest first. They are few: one a device.
+    /// All workers, newest first. There are few: one for each device.
     ///
     /// # Errors
     /// Database errors.
@@ -117,7 +117,7 @@ impl Workers<'_> {
         rows.into_iter().map(Worker::try_from).collect()
     }
 
-    /// Forgets a worker; whether it was known.
+    /// Forgets a worker. Returns true if it was known.
     ///
     /// # Errors
     /// Database errors.

@@ -9,8 +9,8 @@ use std::{
     thread,
 };
 
-use bendtwin_core::Progress;
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::{CancelToken, Progress};
+use bendtwin_engine::Backend;
 
 use crate::{
     Error, Plan,

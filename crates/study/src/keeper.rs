@@ -3,8 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use bendtwin_core::{Progress, Stage};
-use bendtwin_fit::{Observer, ObserverError};
+use bendtwin_core::{Observer, ObserverError, Progress, Stage};
 use serde::{Deserialize, Serialize};
 
 use crate::{folder::Folder, record::Losses, suite::RunId};
@@ -107,7 +106,7 @@ impl<'a> Keeper<'a> {
     }
 }
 
-impl Observer for Keeper<'_> {
+impl Observer<Progress> for Keeper<'_> {
     fn progress(&mut self, progress: Progress) {
         match progress.stage {
             Stage::Search => self.losses.search = progress.best_loss,

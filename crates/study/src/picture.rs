@@ -1,7 +1,7 @@
 //! Pictures of what twins predict against what was observed: on each capture, two configurations that are compared.
 
-use bendtwin_core::{Capture, Problem, Sequence, Twin};
-use bendtwin_engine::{Backend, backend::CancelToken};
+use bendtwin_core::{CancelToken, Capture, Problem, Sequence, Twin};
+use bendtwin_engine::Backend;
 use bendtwin_eval::{
     picture::{Model, Picture},
     predict,

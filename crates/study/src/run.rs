@@ -6,8 +6,10 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::{Capture, Category, Fault, FitSettings, Problem, Progress};
-use bendtwin_engine::{Backend, Model, backend::CancelToken, stable_substeps};
+use bendtwin_core::{
+    CancelToken, Capture, Category, Fault, FitSettings, Problem, Progress, error::panic_text,
+};
+use bendtwin_engine::{Backend, Model, stable_substeps};
 use bendtwin_fit::{Error as FitError, FitJob, Outcome as Fitted};
 
 use crate::{
@@ -146,9 +148,4 @@ impl Work {
         site.folder.write_twin(&self.id, &bytes)?;
         Ok(Outcome::Finished(Box::new(finished)))
     }
-}
-
-fn panic_text(panic: &(dyn std::any::Any + Send)) -> &str {
-    let text = panic.downcast_ref::<&str>().copied();
-    text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")
 }

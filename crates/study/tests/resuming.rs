@@ -3,8 +3,8 @@
 use std::{path::Path, sync::Arc, time::Duration};
 
 use bendtwin_capture::{Limits, MakeOptions, Scene, make, write_bundle_file};
-use bendtwin_core::{Capture, Fault, Problem};
-use bendtwin_engine::{Backend, backend::CancelToken, cpu_with_threads};
+use bendtwin_core::{CancelToken, Capture, Fault, Problem};
+use bendtwin_engine::{Backend, cpu_with_threads};
 use bendtwin_study::{
     Event, Folder, Invocation, Plan, PlanOptions, Suite, Table, Tally, draw_pictures,
 };

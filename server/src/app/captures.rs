@@ -1,11 +1,11 @@
-//! Captures: what was recorded. Their content is opaque here; workers read it.
+//! Captures. Their content is opaque here; workers read it.
 
 use bendtwin_core::ids::CaptureId;
 use bendtwin_store::{Capture, Content, NewCapture, Overview, Page, PageRequest, Staged};
 
 use super::{App, Body, Error, Result};
 
-/// A capture to be uploaded, as asked for.
+/// A requested upload of a capture.
 pub(crate) struct CaptureUpload {
     pub(crate) display_name: String,
     pub(crate) request_id: String,
@@ -27,11 +27,12 @@ impl App {
         if content.size_bytes() == 0 {
             return Err(Error::invalid("content", "is empty: send the capture archive"));
         }
-        self.keep_capture(display_name, request_id, ingest, content).await
+        self.store_capture(display_name, request_id, ingest, content).await
     }
 
-    /// Makes a capture of content that is here: the end of every upload. `ingest` are settings in force.
-    pub(super) async fn keep_capture(
+    /// Makes a capture of received content, the last step of every upload. `ingest` are the
+    /// settings in force.
+    pub(super) async fn store_capture(
         &self,
         display_name: String,
         request_id: Option<String>,
@@ -40,7 +41,8 @@ impl App {
     ) -> Result<Overview> {
         let new = NewCapture { display_name, request_id, content, ingest };
         let store = self.store.clone();
-        let capture = super::to_the_end(async move { store.captures().create(new).await }).await?;
+        let capture =
+            super::run_to_completion(async move { store.captures().create(new).await }).await?;
         tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");
         Ok(self.store.captures().overview(capture.id).await?)
     }
@@ -60,7 +62,7 @@ impl App {
     pub(crate) async fn delete_capture(&self, name: &str) -> Result<()> {
         let id: CaptureId = super::name(name)?;
         let store = self.store.clone();
-        super::to_the_end(async move { store.captures().delete(id).await }).await?;
+        super::run_to_completion(async move { store.captures().delete(id).await }).await?;
         tracing::info!(capture = %id, "capture deleted");
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Fit jobs as users see them: asked for, looked at, cancelled.
+//! Fit jobs as users see them: created, read, cancelled.
 
 use bendtwin_core::{FitSettings, ids::FitId};
 use bendtwin_store::{Job, NewFit, Page, PageRequest};
@@ -47,11 +47,11 @@ impl App {
     pub(crate) async fn delete_fit(&self, name: &str) -> Result<()> {
         let id: FitId = super::name(name)?;
         let store = self.store.clone();
-        super::to_the_end(async move { store.jobs().delete(id).await }).await
+        super::run_to_completion(async move { store.jobs().delete(id).await }).await
     }
 }
 
-/// The settings in force, in one spelling: equal settings are equal text.
+/// The settings in force as canonical JSON: equal settings are equal text.
 fn settings(json: &str, limit: usize) -> Result<String> {
     let settings: FitSettings = super::read_settings(json, limit)?;
     settings.validate().map_err(Error::Settings)?;

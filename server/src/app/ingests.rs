@@ -1,5 +1,5 @@
-//! Ingests: run again or stopped by users, ended by workers; and what they leave.
-//! Settings are checked here, content is not looked into.
+//! Ingests: repeated or stopped by users, ended by workers; and their results. Settings are checked
+//! here, content is not read.
 
 use bendtwin_core::{Category, Fault, ids::CaptureId, settings::ingest::IngestSettings};
 use bendtwin_store::{
@@ -13,9 +13,9 @@ use super::{App, Attempt, Error, Result};
 use crate::context::Context;
 
 /// Longest verdict.
-const VERDICT: usize = 32;
+const MAX_VERDICT: usize = 32;
 
-/// A chunk of what an ingest made.
+/// A chunk of an ingest's result.
 #[derive(Debug)]
 pub(crate) enum IngestPart {
     Observation(Bytes),
@@ -23,14 +23,14 @@ pub(crate) enum IngestPart {
     Page(Bytes),
 }
 
-/// What an ingest made, as its worker sends it.
+/// The result of an ingest, as its worker sends it.
 pub(crate) struct IngestUpload {
     pub(crate) verdict: String,
     /// BLAKE3 in hex; checked if not empty.
     pub(crate) observation_digest: String,
     pub(crate) report_digest: String,
     pub(crate) page_digest: String,
-    /// Why there is no observation.
+    /// The fault of a capture without an observation.
     pub(crate) fault: Option<Fault>,
     pub(crate) body: BoxStream<'static, Result<IngestPart>>,
 }
@@ -67,7 +67,7 @@ impl App {
         Ok(self.store.captures().report_content(super::name(name)?, page).await?)
     }
 
-    /// What the ingest of a capture made of it.
+    /// The observation of a capture, which its ingest made.
     pub(crate) async fn observation(
         &self,
         name: &str,
@@ -77,12 +77,12 @@ impl App {
         Ok((id, observation, content))
     }
 
-    /// Stores what an ingest made, which ends its attempt.
+    /// Stores the result of an ingest, which ends its attempt.
     pub(crate) async fn end_ingest(&self, attempt: Attempt, upload: IngestUpload) -> Result<()> {
         let verdict = upload.verdict.clone();
         let is_word = |b: u8| b.is_ascii_lowercase() || b == b'_';
-        if verdict.is_empty() || verdict.len() > VERDICT || !verdict.bytes().all(is_word) {
-            return Err(Error::invalid("verdict", "is not a lower-case word"));
+        if verdict.is_empty() || verdict.len() > MAX_VERDICT || !verdict.bytes().all(is_word) {
+            return Err(Error::invalid("verdict", "must be one lower-case word"));
         }
         let fault = upload.fault.clone();
         let (observation, json, html) = self.receive_parts(upload).await?;
@@ -106,12 +106,12 @@ impl App {
         };
         let store = self.store.clone();
         let end = async move { store.jobs().end_ingest(attempt.lease, result).await };
-        let job = super::to_the_end(end).await?;
-        self.ended(attempt.worker, &job);
+        let job = super::run_to_completion(end).await?;
+        self.record_end(attempt.worker, &job);
         Ok(())
     }
 
-    /// Observation, if there is one, document and page.
+    /// Receives the observation, if there is one, and the report as a document and as a page.
     async fn receive_parts(
         &self,
         upload: IngestUpload,
@@ -150,7 +150,7 @@ impl App {
         Ok((observation, report, page))
     }
 
-    /// The settings in force, in one spelling: equal settings are equal text.
+    /// The settings in force as canonical JSON: equal settings are equal text.
     pub(super) fn ingest_settings(&self, json: &str) -> Result<String> {
         let limit = self.options.limits.json_bytes;
         let settings: IngestSettings = super::read_settings(json, limit)?;

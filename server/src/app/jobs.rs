@@ -19,7 +19,7 @@ pub(crate) struct Attempt {
     pub(crate) lease: Lease,
 }
 
-/// What workers may download.
+/// Contents that workers may download.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Downloadable {
     Capture(CaptureId),
@@ -44,7 +44,7 @@ impl std::str::FromStr for Downloadable {
     }
 }
 
-/// A job that went to a worker, with what it is about.
+/// A job that was leased to a worker, with its capture and observation.
 #[derive(Clone, Debug)]
 pub(crate) struct Leased {
     pub(crate) job: Job,
@@ -52,7 +52,7 @@ pub(crate) struct Leased {
     pub(crate) observation: Option<Observation>,
 }
 
-/// Longest that a worker may wait for a job in one call.
+/// Longest wait for a job in one call.
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
 
 impl App {
@@ -63,7 +63,7 @@ impl App {
         worker: WorkerId,
         wait: Duration,
     ) -> Result<Option<Leased>> {
-        self.known(worker)?;
+        self.require_known(worker)?;
         let jobs = self.store.jobs();
         let claimed = jobs.claim_within(kind, worker, self.options.lease(), wait.min(LONGEST_WAIT));
         let claimed = tokio::select! {
@@ -71,14 +71,14 @@ impl App {
             claimed = claimed => claimed?,
         };
         let Some(job) = claimed else { return Ok(None) };
-        // Whoever ends from here on without having told the worker gives the job back.
-        let mut unsent = Unsent { app: self.clone(), lease: Some(lease_of(&job)) };
+        // From here on, every return without an answer to the worker gives the job back.
+        let mut guard = LeaseGuard { app: self.clone(), lease: Some(lease_of(&job)) };
         // A process that ended while it waited must not hold the job until the lease runs out:
         // its registration was dropped before its leases were.
-        self.known(worker)?;
+        self.require_known(worker)?;
         let capture = self.store.captures().get(job.capture).await?;
         let observation = self.store.captures().observation(job.capture).await?;
-        unsent.lease = None;
+        guard.lease = None;
         let queued = job.created.duration_until(self.store.now()).as_secs_f64();
         self.metrics.job_leased(kind, queued);
         self.dispatch.set_job(worker, kind, Some(&job));
@@ -86,7 +86,7 @@ impl App {
         Ok(Some(Leased { job, capture, observation }))
     }
 
-    /// Renews a lease; whether the job has been asked to stop.
+    /// Renews a lease. Returns true if the job has been asked to stop.
     pub(crate) async fn report_job(
         &self,
         attempt: Attempt,
@@ -106,7 +106,7 @@ impl App {
         let limit = self.options.limits.checkpoint_bytes;
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
         let (store, renew) = (self.store.clone(), self.options.lease());
-        super::to_the_end(async move {
+        super::run_to_completion(async move {
             store.jobs().save_checkpoint(attempt.lease, content, renew).await
         })
         .await
@@ -130,7 +130,7 @@ impl App {
         let store = self.store.clone();
         let complete =
             async move { store.jobs().complete_fit(attempt.lease, &facts, content).await };
-        let twin = super::to_the_end(complete).await?;
+        let twin = super::run_to_completion(complete).await?;
         self.dispatch.set_job(attempt.worker, Kind::Fit, None);
         self.metrics.job_ended(Kind::Fit, "succeeded");
         tracing::info!(fit = %attempt.lease.job, %twin, "fit succeeded");
@@ -140,12 +140,12 @@ impl App {
     pub(crate) async fn end_attempt(&self, attempt: Attempt, end: AttemptEnd) -> Result<()> {
         let store = self.store.clone();
         let change = async move { store.jobs().end_attempt(attempt.lease, end).await };
-        let job = super::to_the_end(change).await?;
-        self.ended(attempt.worker, &job);
+        let job = super::run_to_completion(change).await?;
+        self.record_end(attempt.worker, &job);
         Ok(())
     }
 
-    /// Opens what a worker asks for.
+    /// Opens the content that a worker asks for.
     pub(crate) async fn download(&self, what: Downloadable) -> Result<Content> {
         Ok(match what {
             Downloadable::Capture(id) => self.store.captures().content(id).await?.1,
@@ -155,8 +155,8 @@ impl App {
         })
     }
 
-    /// A worker process has ended: its jobs go back at once. Where the server
-    /// itself ended it, that says nothing about them and does not count.
+    /// Ends the attempts of a worker process that has ended: its jobs go back at once. If the
+    /// server itself ended it, the attempts do not count.
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
         self.dispatch.remove(worker);
         let counts = !self.stopping.is_cancelled();
@@ -180,15 +180,15 @@ impl App {
         Ok(())
     }
 
-    pub(crate) fn known(&self, worker: WorkerId) -> Result<()> {
+    pub(crate) fn require_known(&self, worker: WorkerId) -> Result<()> {
         if self.dispatch.knows(worker) {
             return Ok(());
         }
         Err(Error::WorkerUnknown(worker.to_string()))
     }
 
-    /// A worker has said its last word on a job.
-    pub(super) fn ended(&self, worker: WorkerId, job: &Job) {
+    /// Records the end of a worker's attempt.
+    pub(super) fn record_end(&self, worker: WorkerId, job: &Job) {
         self.dispatch.set_job(worker, job.id.kind(), None);
         self.note_end(job);
     }
@@ -206,19 +206,19 @@ fn lease_of(job: &Job) -> Lease {
     Lease { job: job.id, epoch: job.lease_epoch }
 }
 
-/// Gives a job back that its claimant never heard of.
-struct Unsent {
+/// Gives a leased job back when dropped, unless the lease has been handed to the worker.
+struct LeaseGuard {
     app: App,
     lease: Option<Lease>,
 }
 
-impl Drop for Unsent {
+impl Drop for LeaseGuard {
     fn drop(&mut self) {
         let Some(lease) = self.lease.take() else { return };
         let app = self.app.clone();
         tokio::spawn(async move {
             if let Err(error) = app.store.jobs().end_attempt(lease, AttemptEnd::Released).await {
-                tracing::warn!(%error, "a job that nobody heard of stays until its lease ends");
+                tracing::warn!(%error, "cannot give back a job that no worker received: it waits for its lease to end");
             }
         });
     }

@@ -1,11 +1,11 @@
-//! Twins: looked at, exported, imported.
+//! Twins: read, exported, imported.
 
 use bendtwin_core::{Twin as TwinFile, ids::TwinId};
 use bendtwin_store::{Content, NewTwin, Page, PageRequest, Twin, TwinFacts};
 
 use super::{App, Body, Error, Result};
 
-/// A twin file to be imported, as asked for.
+/// A requested import of a twin file.
 pub(crate) struct TwinUpload {
     pub(crate) display_name: String,
     pub(crate) request_id: String,
@@ -15,7 +15,7 @@ pub(crate) struct TwinUpload {
 }
 
 impl App {
-    /// Imports a twin file after reading it through.
+    /// Imports a twin file after checking all of it.
     pub(crate) async fn create_twin(&self, upload: TwinUpload) -> Result<Twin> {
         let display_name = super::display_name(upload.display_name)?;
         let request_id = super::request_id(upload.request_id)?;
@@ -35,7 +35,7 @@ impl App {
         .map_err(|e| Error::Internal(format!("reading an imported twin: {e}")))??;
         let new = NewTwin { display_name, request_id, facts, content };
         let store = self.store.clone();
-        super::to_the_end(async move { store.twins().create(new).await }).await
+        super::run_to_completion(async move { store.twins().create(new).await }).await
     }
 
     pub(crate) async fn twin(&self, name: &str) -> Result<Twin> {
@@ -53,13 +53,13 @@ impl App {
     pub(crate) async fn delete_twin(&self, name: &str) -> Result<()> {
         let id: TwinId = super::name(name)?;
         let store = self.store.clone();
-        super::to_the_end(async move { store.twins().delete(id).await }).await?;
+        super::run_to_completion(async move { store.twins().delete(id).await }).await?;
         self.dispatch.forget_twin(id);
         Ok(())
     }
 }
 
-/// What listings show of a twin.
+/// The facts of a twin that listings show.
 fn facts(twin: &TwinFile) -> Result<TwinFacts> {
     let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     Ok(TwinFacts {

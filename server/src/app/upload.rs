@@ -1,5 +1,5 @@
-//! Content on its way in, whatever carries it: streamed to disk, bounded,
-//! given up when it falls silent. A broken upload leaves nothing behind.
+//! Receiving content over any transport: streamed to disk, bounded in size, abandoned after a
+//! silence. A broken upload leaves nothing behind.
 
 use bendtwin_store::{Digest, Staged};
 use bytes::Bytes;
@@ -7,7 +7,7 @@ use futures::{StreamExt, stream::BoxStream};
 
 use super::{App, Error, Result};
 
-/// The chunks of an upload; an error says how the transport broke.
+/// The chunks of an upload; an error describes how the transport broke.
 pub(crate) type Body = BoxStream<'static, Result<Bytes>>;
 
 impl App {

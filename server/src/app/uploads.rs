@@ -1,6 +1,6 @@
-//! Uploads that can be resumed, free of the protocol that carries them: begun,
-//! continued at an offset, asked about, terminated. The last byte makes the
-//! capture, by the same rules as an upload in one piece.
+//! Resumable uploads, free of the protocol that carries them: begun, continued at an offset,
+//! queried, terminated. The last byte makes the capture, by the same rules as an upload in one
+//! piece.
 
 mod checksum;
 mod metadata;
@@ -19,28 +19,28 @@ use super::{App, Body, Error, Result};
 pub(crate) use checksum::{ALGORITHMS, Checksum};
 use metadata::Metadata;
 
-/// How long a request waits for the one before it to make room.
-const PATIENCE: Duration = Duration::from_secs(10);
-/// Bytes after which what has arrived is made to last.
-const COMMIT_EVERY: u64 = 32 << 20;
+/// Time for which a request waits for the request before it to release the upload.
+const CLAIM_TIMEOUT: Duration = Duration::from_secs(10);
+/// Number of bytes after which received content is made durable.
+const COMMIT_BYTES: u64 = 32 << 20;
 
-/// An upload to be begun, as asked for.
+/// A requested upload.
 pub(crate) struct NewUpload {
-    /// None if the client does not know it yet.
+    /// Size of the whole; none if the client does not know it yet.
     pub(crate) length_bytes: Option<u64>,
-    /// As the client wrote it: `key base64, ...`.
+    /// Metadata as the client wrote it: `key base64, ...`.
     pub(crate) metadata: String,
-    /// The idempotency key, if it stands elsewhere than in the metadata.
+    /// The idempotency key, if it was given outside the metadata.
     pub(crate) request_id: String,
 }
 
 /// Bytes to be appended.
 pub(crate) struct Append {
-    /// Where they begin.
+    /// Offset of the first byte.
     pub(crate) offset: u64,
-    /// How many, where that is known beforehand.
+    /// Number of bytes, if known beforehand.
     pub(crate) size_bytes: Option<u64>,
-    /// How long the whole is, where the client had not known it.
+    /// Size of the whole, if the client had not known it before.
     pub(crate) length_bytes: Option<u64>,
     pub(crate) checksum: Option<Checksum>,
     pub(crate) body: Body,
@@ -64,42 +64,43 @@ impl App {
         Ok(self.store.uploads().create(new, self.upload_bounds()).await?)
     }
 
-    /// An upload as it stands; whoever sends to it is not disturbed.
+    /// An upload in its current state; a request that sends to it is not interrupted.
     pub(crate) async fn upload(&self, name: &str) -> Result<ResumableUpload> {
         Ok(self.store.uploads().get(super::name(name)?).await?)
     }
 
-    /// Where to go on: whoever sends to the upload is asked to stop, for their connection may be dead.
-    /// Makes the capture if only that is missing.
+    /// Prepares to resume: a request that still sends to the upload is asked to stop, because its
+    /// connection may be dead. Makes the capture if only that is missing.
     pub(crate) async fn resume_upload(&self, name: &str) -> Result<ResumableUpload> {
         let (app, id) = (self.clone(), super::name(name)?);
-        in_a_task(async move {
-            let writer = app.store.uploads().claim(id, PATIENCE).await?;
+        run_detached(async move {
+            let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
             app.finish_if_whole(writer).await
         })
         .await
     }
 
-    /// Appends bytes. What has arrived of them lasts even if the rest does not come, unless they have a checksum.
+    /// Appends bytes. Bytes that have arrived are kept even if the rest does not come, unless the
+    /// request has a checksum.
     pub(crate) async fn append_upload(
         &self,
         name: &str,
         append: Append,
     ) -> Result<ResumableUpload> {
         let (app, id) = (self.clone(), super::name(name)?);
-        in_a_task(async move {
-            let mut writer = app.store.uploads().claim(id, PATIENCE).await?;
+        run_detached(async move {
+            let mut writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
             app.append(&mut writer, append).await?;
             app.finish_if_whole(writer).await
         })
         .await
     }
 
-    /// Ends an upload and frees what it held; a capture that it made stays.
+    /// Terminates an upload and frees its storage; a capture that it made stays.
     pub(crate) async fn terminate_upload(&self, name: &str) -> Result<()> {
         let (app, id) = (self.clone(), super::name(name)?);
-        in_a_task(async move {
-            let writer = app.store.uploads().claim(id, PATIENCE).await?;
+        run_detached(async move {
+            let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
             writer.end("it was terminated: begin a new one", app.options.upload_expiry()).await?;
             tracing::info!(upload = %id, "upload terminated");
             Ok(())
@@ -107,10 +108,10 @@ impl App {
         .await
     }
 
-    /// Gives up what has expired and finishes what a crash left whole.
+    /// Ends expired uploads, and finishes those that a crash left complete.
     pub(crate) async fn sweep_uploads(&self) -> Result<()> {
         for id in self.store.uploads().whole().await? {
-            // Whoever sent the last byte may be at it.
+            // The request with the last byte may be finishing it.
             match self.store.uploads().claim(id, Duration::ZERO).await {
                 Ok(writer) => drop(self.finish_if_whole(writer).await),
                 Err(error) => tracing::debug!(upload = %id, %error, "not finished now"),
@@ -156,7 +157,7 @@ impl App {
         received.map_err(|interrupted| interrupted.error)
     }
 
-    /// Writes a body to its end, or until something comes in between.
+    /// Writes a body until its end or an interruption.
     async fn receive_into(
         &self,
         writer: &mut UploadWriter,
@@ -199,7 +200,7 @@ impl App {
                 checksum.update(&chunk);
             }
             writer.write(&chunk).await.map_err(lost)?;
-            if checksum.is_none() && writer.pending() >= COMMIT_EVERY {
+            if checksum.is_none() && writer.pending() >= COMMIT_BYTES {
                 let pending = writer.pending();
                 writer.commit(keep).await.map_err(lost)?;
                 self.metrics.upload_bytes(pending);
@@ -211,7 +212,7 @@ impl App {
         }
     }
 
-    /// Makes the capture of an upload whose bytes are all here, and returns the upload as it stands then.
+    /// Makes the capture of a complete upload, and returns the upload's new state.
     async fn finish_if_whole(&self, mut writer: UploadWriter) -> Result<ResumableUpload> {
         let upload = writer.upload().clone();
         if upload.state != UploadState::Receiving || !upload.is_whole() {
@@ -238,7 +239,7 @@ impl App {
         let ingest = self.ingest_settings(&Metadata::parse(&upload.metadata)?.ingest)?;
         let content = writer.stage().await?;
         let (name, request_id) = (upload.display_name.clone(), upload.request_id.clone());
-        self.keep_capture(name, request_id, ingest, content).await?;
+        self.store_capture(name, request_id, ingest, content).await?;
         Ok(())
     }
 
@@ -257,15 +258,15 @@ impl App {
     }
 }
 
-/// Why a body was not read to its end.
+/// Reason for which a body was not read to its end.
 struct Interrupted {
     error: Error,
-    /// Whether what arrived is sound.
+    /// True if the bytes that arrived are sound.
     keep_it: bool,
 }
 
-/// Runs the work to its end even if the client goes away: what has arrived by then is to last.
-async fn in_a_task<T: Send + 'static>(
+/// Runs the work to its end even if the client goes away: bytes that have arrived by then are kept.
+async fn run_detached<T: Send + 'static>(
     work: impl Future<Output = Result<T>> + Send + 'static,
 ) -> Result<T> {
     match tokio::spawn(work.in_current_span()).await {

@@ -1,4 +1,4 @@
-//! Jobs as they change: now, after every change, until they have ended.
+//! Watching jobs: the current state, then every change, until the job has ended.
 
 use bendtwin_core::ids::{CaptureId, FitId};
 use bendtwin_store::{Job, JobId, Overview};
@@ -11,14 +11,14 @@ struct Watch {
     app: App,
     id: JobId,
     changes: Receiver<JobId>,
-    /// Revisions up to this one have been told.
-    told: u64,
+    /// Revisions up to this one have been sent.
+    sent_revision: u64,
     ended: bool,
 }
 
 impl App {
-    /// The revisions of a fit above `after`, newest only where several come at
-    /// once. Ends after the terminal state, or with [`Error::Stopping`].
+    /// The revisions of a fit above `after`; only the newest where several come at once. Ends after
+    /// the terminal state, or with [`Error::Stopping`].
     pub(crate) async fn watch_fit(
         &self,
         name: &str,
@@ -44,7 +44,7 @@ impl App {
         Ok(
             self.watch(ingest, changes, after).then(move |ingest| {
                 let app = app.clone();
-                // As of now, but with the ingest as of the change: an end is told once.
+                // As of now, but with the ingest as of the change: an end is sent once.
                 async move {
                     Ok(Overview { ingest: ingest?, ..app.store.captures().overview(id).await? })
                 }
@@ -58,9 +58,9 @@ impl App {
         changes: Receiver<JobId>,
         after: u64,
     ) -> impl Stream<Item = Result<Job>> + Send + use<> {
-        let told = after.max(job.revision);
+        let sent_revision = after.max(job.revision);
         let (id, ended) = (job.id, job.state.has_ended());
-        let watch = Watch { app: self.clone(), id, changes, told, ended };
+        let watch = Watch { app: self.clone(), id, changes, sent_revision, ended };
         let first = stream::iter((job.revision > after).then_some(Ok(job)));
         first.chain(stream::unfold(watch, Watch::next))
     }
@@ -73,7 +73,7 @@ impl Watch {
         }
         match self.wait().await {
             Ok(job) => {
-                self.told = job.revision;
+                self.sent_revision = job.revision;
                 self.ended = job.state.has_ended();
                 Some((Ok(job), self))
             }
@@ -92,12 +92,12 @@ impl Watch {
             };
             match changed {
                 Ok(id) if id != self.id => continue,
-                // Too many changes of others to keep: look for oneself.
+                // Too many changes of other jobs to keep: read this one.
                 Ok(_) | Err(RecvError::Lagged(_)) => {}
                 Err(RecvError::Closed) => return Err(Error::Stopping),
             }
             let job = self.app.store.jobs().get(self.id).await?;
-            if job.revision > self.told || job.state.has_ended() {
+            if job.revision > self.sent_revision || job.state.has_ended() {
                 return Ok(job);
             }
         }

@@ -1,4 +1,4 @@
-//! Workers: how they become known, and what users see of them.
+//! Workers: their registration, and what users see of them.
 
 use bendtwin_core::ids::WorkerId;
 use bendtwin_store::NewWorker;
@@ -7,7 +7,7 @@ use super::{App, Error, Result};
 use crate::{dispatch::WorkerView, tokens::Bearer};
 
 impl App {
-    /// Makes a worker known; `token` is the one that it showed and expects to be shown.
+    /// Registers a worker. `token` is the one that it showed, and that it expects in calls.
     pub(crate) async fn register_worker(
         &self,
         new: NewWorker,
@@ -50,17 +50,16 @@ impl App {
             .ok_or_else(|| bendtwin_store::Error::NotFound { name: id.to_string() }.into())
     }
 
-    /// Takes up again what the last run of the server left. Jobs of workers
-    /// that it had started are free at once: those processes ended with it, and
-    /// fencing keeps stragglers off. Workers started by others are expected to
-    /// be there still, and are given the time of a lease to show it.
+    /// Takes up the state that the last run of the server left. Jobs of workers that it had started
+    /// are free at once: those processes ended with it, and fencing keeps stragglers off. Workers
+    /// started by others are expected to be alive still, and get the time of a lease to report.
     pub(crate) async fn recover(&self) -> Result<()> {
         for worker in self.store.workers().all().await? {
             let id = worker.registration.id;
             match &self.options.worker_token {
                 Some(token) if !worker.registration.supervised => {
                     if let Err(error) = self.dispatch.add(worker, None, token) {
-                        // It registers anew if it lives.
+                        // It registers again if it is alive.
                         tracing::warn!(worker = %id, %error, "cannot take a worker up again");
                         self.store.jobs().forfeit(id, false).await?;
                         self.store.workers().forget(id).await?;

@@ -24,7 +24,7 @@ use tonic::{
 
 use super::route::Candidate;
 use crate::{
-    app::{Error, Result},
+    failure::{Error, Result},
     options::Limits,
     tokens::Child,
 };
@@ -55,7 +55,7 @@ pub(super) struct Entry {
 /// What changes while a worker lives.
 #[derive(Debug)]
 pub(super) struct Live {
-    pub(super) last_beat: Instant,
+    pub(super) last_heartbeat: Instant,
     last_seen: Timestamp,
     warm: Vec<TwinId>,
     in_flight: u32,
@@ -80,7 +80,7 @@ pub(crate) struct WorkerView {
 
 /// What a worker says of itself with every sign of life.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Beat {
+pub(crate) struct Heartbeat {
     /// The twins that it has loaded.
     pub(crate) warm: Vec<TwinId>,
     pub(crate) in_flight: u32,
@@ -136,7 +136,7 @@ impl Entry {
             AsciiMetadataValue::try_from(format!("Bearer {token}")).map_err(|_| Error::BadToken)?;
         token.set_sensitive(true);
         let live = Live {
-            last_beat: Instant::now(),
+            last_heartbeat: Instant::now(),
             last_seen: now,
             warm: Vec::new(),
             in_flight: 0,
@@ -171,13 +171,13 @@ impl Entry {
         self.live.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn beat(&self, now: Timestamp, beat: Beat) {
+    pub(super) fn heartbeat(&self, now: Timestamp, heartbeat: Heartbeat) {
         let mut live = self.live();
-        live.last_beat = Instant::now();
+        live.last_heartbeat = Instant::now();
         live.last_seen = now;
-        live.warm = beat.warm;
-        live.in_flight = beat.in_flight;
-        live.memory = beat.memory;
+        live.warm = heartbeat.warm;
+        live.in_flight = heartbeat.in_flight;
+        live.memory = heartbeat.memory;
     }
 
     /// The worker answered a rollout of this twin: it has it loaded.
@@ -222,7 +222,7 @@ impl Entry {
         let broken = live.broken_until.is_some_and(|until| until > now);
         Candidate {
             worker: self.id(),
-            usable: !broken && now.duration_since(live.last_beat) <= fresh,
+            usable: !broken && now.duration_since(live.last_heartbeat) <= fresh,
             warm: live.warm.contains(&twin),
             load: self.load(),
         }

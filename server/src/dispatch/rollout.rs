@@ -22,8 +22,8 @@ use super::{
     registry::{Entry, Place},
 };
 use crate::{
-    app::{self, Error, Result},
     context::Context,
+    failure::{Error, Result},
     metrics::Metrics,
 };
 
@@ -82,7 +82,7 @@ impl Dispatch {
     /// The reply in the parts that the worker sends. The first has come when this returns.
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<Parts> {
         let RollOut { request, timeout, in_parts } = rollout;
-        let id: TwinId = app::name(&request.twin)?;
+        let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);
         let request = self.checked(request, twin.shape, part_instances).await?;

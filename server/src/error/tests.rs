@@ -21,8 +21,8 @@ const ALL: [Category; 13] = [
     Category::Internal,
 ];
 
-/// google.rpc.Code's own mapping to HTTP, save FAILED_PRECONDITION, which it
-/// lumps with 400: "cancel it first" is a conflict.
+/// google.rpc.Code's own mapping to HTTP, except for FAILED_PRECONDITION, which it maps to 400:
+/// "cancel it first" is a conflict.
 #[test]
 fn both_transports_say_the_same() {
     for category in ALL {

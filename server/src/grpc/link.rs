@@ -23,7 +23,7 @@ use super::{
 };
 use crate::{
     app::{self, Attempt, Error, IngestPart, IngestUpload, Leased},
-    dispatch::{Beat, Memory},
+    dispatch::{Heartbeat, Memory},
     tokens::Bearer,
 };
 
@@ -72,7 +72,7 @@ impl WorkerLink for Api {
         };
         self.app.register_worker(new, bearer, &token).await?;
         Ok(Response::new(RegisterResponse {
-            beat_interval_s: self.app.options.beat_interval_s,
+            beat_interval_s: self.app.options.heartbeat_interval_s,
             lease_s: self.app.options.lease_s,
             rollout_limits: Some((&self.app.options.limits.rollout).into()),
         }))
@@ -87,8 +87,8 @@ impl WorkerLink for Api {
         let warm = r.warm_twins.iter().map(|t| app::name(t)).collect::<app::Result<_>>()?;
         let memory = (r.memory_total_bytes > 0)
             .then_some(Memory { used: r.memory_used_bytes, total: r.memory_total_bytes });
-        let beat = Beat { warm, in_flight: r.rollouts_in_flight, memory };
-        if !self.app.dispatch.beat(worker, beat) {
+        let heartbeat = Heartbeat { warm, in_flight: r.rollouts_in_flight, memory };
+        if !self.app.dispatch.heartbeat(worker, heartbeat) {
             return Err(Error::WorkerUnknown(worker.to_string()).into());
         }
         Ok(Response::new(BeatResponse { drain }))

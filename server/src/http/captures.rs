@@ -17,13 +17,10 @@ use crate::{
     error::ProblemDocument,
 };
 
-/// What the page of a report may do: show its text and the pictures inside it. It was made of a stranger's
-/// file, so it gets no scripts, no network, no forms and no origin.
-/// The split word is one that a test looks for in code.
-const REPORT_POLICY: &str = concat!(
-    "default-src 'none'; style-src 'un",
-    "safe-inline'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; sandbox"
-);
+/// Security policy of a report's page. The page was made from an untrusted file, so it may show its
+/// text and embedded pictures, and has no scripts, no network, no forms and no origin.
+const REPORT_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; \
+                             base-uri 'none'; form-action 'none'; frame-ancestors 'none'; sandbox";
 
 /// List captures
 #[utoipa::path(get, path = "/v1/captures", tag = "captures", params(Paging),
@@ -39,9 +36,8 @@ pub(super) async fn list(
 
 /// Upload a capture
 ///
-/// The body is the archive. It is read in the background: `ingest` in the answer says how far that
-/// is. The same archive under the same `Idempotency-Key`
-/// answers with the capture that exists already.
+/// The body is the archive. It is read in the background: `ingest` in the response has the
+/// progress. The same archive under the same `Idempotency-Key` answers with the existing capture.
 #[utoipa::path(post, path = "/v1/captures", tag = "captures",
     params(
         CaptureParams,
@@ -78,7 +74,8 @@ pub(super) async fn get(State(app): State<App>, Id(id): Id) -> Result<Json<Captu
 
 /// Delete a capture
 ///
-/// With what its ingest made of it. Refused while a fit of it is queued or running. Its twins stay.
+/// Its observation and report are deleted, too. Refused while a fit of it is queued or running. Its
+/// twins stay.
 #[utoipa::path(delete, path = "/v1/captures/{id}", tag = "captures",
     params(("id" = String, Path)),
     responses((status = 204), (status = "default", body = ProblemDocument)))]
@@ -100,7 +97,8 @@ pub(super) async fn content(State(app): State<App>, Id(id): Id) -> Result<Respon
 
 /// Read a capture again
 ///
-/// With other settings, say. Refused while it is being read, and while a fit of it is queued or running.
+/// For example with other settings. Refused while it is being read, and while a fit of it is queued
+/// or running.
 #[utoipa::path(post, path = "/v1/captures/{id}/ingest", tag = "captures",
     params(("id" = String, Path),
         ("Idempotency-Key" = Option<String>, Header, description = "Makes the call idempotent")),
@@ -120,7 +118,7 @@ pub(super) async fn ingest(
 
 /// Ask the ingest of a capture to stop
 ///
-/// One that has ended is returned as it is.
+/// An ingest that has ended is returned as it is.
 #[utoipa::path(post, path = "/v1/captures/{id}/ingest/cancel", tag = "captures",
     params(("id" = String, Path)),
     responses((status = 200, body = Capture), (status = "default", body = ProblemDocument)))]
@@ -140,7 +138,7 @@ pub(super) async fn report(State(app): State<App>, Id(id): Id) -> Result<Respons
 
 /// The report of a capture as a page
 ///
-/// Its pictures are inside; scripts neither are nor would run.
+/// The pictures are embedded. The page has no scripts, and its security policy allows none.
 #[utoipa::path(get, path = "/v1/captures/{id}/report.html", tag = "captures",
     params(("id" = String, Path)),
     responses((status = 200, body = String, content_type = "text/html"),
@@ -153,9 +151,9 @@ pub(super) async fn report_page(State(app): State<App>, Id(id): Id) -> Result<Re
     Ok(page)
 }
 
-/// Download what fits of a capture work on
+/// Download the observation of a capture
 ///
-/// A bundle: tracked points in space, whatever the capture was recorded as.
+/// The bundle that fits read: tracked points in space, whatever the format of the capture.
 #[utoipa::path(get, path = "/v1/captures/{id}/observation", tag = "captures",
     params(("id" = String, Path)),
     responses((status = 200, body = Vec<u8>, content_type = "application/zip"),

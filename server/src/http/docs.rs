@@ -1,4 +1,4 @@
-//! `/openapi.json` and a page that shows it, without anything from elsewhere.
+//! `/openapi.json` and a page that shows it, without external resources.
 
 use axum::{Router, http::header, response::Html, routing::get};
 use bytes::Bytes;

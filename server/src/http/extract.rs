@@ -48,7 +48,7 @@ impl<T: DeserializeOwned> FromRequest<App> for Json<T> {
     }
 }
 
-/// Refuses bodies that say they are something else; silence is taken as consent.
+/// Refuses bodies of another declared type; a missing type is accepted.
 pub(super) fn expect_type(headers: &HeaderMap, types: &[&str]) -> Result<(), Refusal> {
     let Some(given) = headers.get(header::CONTENT_TYPE) else { return Ok(()) };
     let given = given.to_str().unwrap_or_default();
@@ -83,7 +83,7 @@ pub(super) async fn whole(request: Request, limit: usize) -> Result<Bytes, Refus
     })
 }
 
-/// A body that is streamed on.
+/// A body to be streamed.
 pub(super) fn upload_body(request: Request) -> app::Body {
     let broken = |_| Error::UploadBroken("the body ended early".to_owned());
     TryStreamExt::map_err(request.into_body().into_data_stream(), broken).boxed()

@@ -1,4 +1,4 @@
-//! `/healthz`, `/readyz`, `/metrics`: for those who run the server.
+//! `/healthz`, `/readyz`, `/metrics`: for operators.
 
 use axum::{
     Json,
@@ -10,27 +10,27 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Result;
-use crate::{app::App, error::ProblemDocument, metrics::Now};
+use crate::{app::App, error::ProblemDocument, metrics::Gauges};
 
-/// Whether the server can do its work.
+/// State of the server as `/readyz` reports it.
 #[derive(Serialize, ToSchema)]
 pub(super) struct Readiness {
-    /// Whether the store answers and the server is not stopping.
+    /// True if the store answers and the server is not stopping.
     ready: bool,
-    /// Workers that are there; fits and rollouts wait while there is none.
+    /// Connected workers; fits and rollouts wait while there is none.
     workers: usize,
     /// Rollouts under way or waiting.
     rollouts: usize,
 }
 
-/// Whether the process lives
+/// Liveness
 #[utoipa::path(get, path = "/healthz", tag = "operations",
     responses((status = 200, body = String, content_type = "text/plain")))]
 pub(super) async fn healthz() -> &'static str {
     "ok\n"
 }
 
-/// Whether the server can do its work
+/// Readiness
 #[utoipa::path(get, path = "/readyz", tag = "operations",
     responses((status = 200, body = Readiness), (status = 503, body = Readiness)))]
 pub(super) async fn readyz(State(app): State<App>) -> Response {
@@ -48,7 +48,7 @@ pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
     let depth = app.store.jobs().depth().await?;
     let uploads = app.store.uploads().in_use().await?;
     let (workers, rollouts) = app.dispatch.counts();
-    let now = Now { workers, rollouts, memory: app.dispatch.memory(), uploads };
-    let text = app.metrics.render(&depth, &now);
+    let gauges = Gauges { workers, rollouts, memory: app.dispatch.memory(), uploads };
+    let text = app.metrics.render(&depth, &gauges);
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response())
 }

@@ -1,6 +1,5 @@
-//! Requests that a browser sends on behalf of another site. There is no login
-//! that would keep them out, so a page that somebody reads must not reach the
-//! server on the reader's machine.
+//! Requests that a browser sends on behalf of another site. There is no login that would keep them
+//! out, so a web page that a user opens must not reach the server on the user's machine.
 
 use std::net::IpAddr;
 
@@ -12,8 +11,8 @@ use bendtwin_core::{Category, Fault};
 
 use crate::error::Refusal;
 
-/// Whether the request comes from a page of another host than the one it is
-/// sent to. Programs other than browsers send no `Origin`.
+/// True if the request comes from a page of another host than the one it is sent to. Programs other
+/// than browsers send no `Origin`.
 pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
     let Some(origin) = headers.get(header::ORIGIN) else { return false };
     let origin = origin.to_str().ok().and_then(|o| o.parse::<Uri>().ok());
@@ -25,8 +24,8 @@ pub(super) fn is_foreign(headers: &HeaderMap) -> bool {
     }
 }
 
-/// Whether a request to a server on loopback asks for a host by another name than `localhost`: what
-/// a page does whose own name was made to point here (DNS rebinding). Its `Origin` and `Host` agree.
+/// True if a request to a server on loopback names a host other than `localhost`: a page whose own
+/// name was made to point to this machine does so (DNS rebinding). Its `Origin` and `Host` agree.
 pub(super) fn is_rebound(request: &Request<Body>) -> bool {
     let host = request.headers().get(header::HOST).and_then(|h| h.to_str().ok());
     let named = host.and_then(|h| h.parse::<Authority>().ok());

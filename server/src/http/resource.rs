@@ -20,10 +20,10 @@ pub(super) struct Capture {
     size_bytes: u64,
     /// BLAKE3 of the archive, hex.
     digest: String,
-    /// The job that reads it. There is one for each; running it again replaces it. Fits of the capture fail
-    /// with its fault.
+    /// The job that reads it. There is one for each capture; running it again replaces it. Fits of the
+    /// capture fail with its fault.
     ingest: Job,
-    /// The report's verdict in a word, once there is a report.
+    /// The report's verdict: good, usable or unusable. Null until there is a report.
     verdict: Option<String>,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct Job {
     settings: Box<RawValue>,
     #[schema(value_type = Option<Object>)]
     progress: Option<Progress>,
-    /// Reason of the failure: category, reason, message.
+    /// Reason for a failure: category, reason, message. Fits of the capture fail with it.
     #[schema(value_type = Option<Object>)]
     fault: Option<Fault>,
     /// Faults of earlier attempts.
@@ -65,7 +65,7 @@ pub(super) struct Job {
     create_time: String,
     start_time: Option<String>,
     end_time: Option<String>,
-    /// Number that grows with every change, and on from one run of an ingest to the next.
+    /// Number that grows with every change, and from one run of an ingest to the next.
     revision: u64,
 }
 
@@ -93,7 +93,7 @@ impl From<store::Job> for Job {
 #[derive(Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct NewIngest {
-    /// What differs from the default settings.
+    /// Settings that differ from the defaults.
     #[schema(value_type = Option<Object>)]
     pub(super) settings: Option<Box<RawValue>>,
 }
@@ -115,7 +115,7 @@ pub(super) struct Fit {
     capture: String,
     /// `twins/{uuid}` once it has succeeded.
     twin: Option<String>,
-    /// Higher runs earlier.
+    /// Jobs of higher priority run earlier.
     priority: i32,
     job: Job,
 }
@@ -146,10 +146,10 @@ pub(super) struct Fits {
 pub(super) struct NewFit {
     /// `captures/{uuid}`
     pub(super) capture: String,
-    /// What differs from the default settings.
+    /// Settings that differ from the defaults.
     #[schema(value_type = Option<Object>)]
     pub(super) settings: Option<Box<RawValue>>,
-    /// Higher runs earlier, -100..=100.
+    /// Jobs of higher priority run earlier, -100..=100.
     #[serde(default)]
     pub(super) priority: i32,
 }
@@ -227,25 +227,25 @@ pub(super) struct Worker {
     warm_twins: Vec<String>,
     rollouts_in_flight: u32,
     build: String,
-    /// Memory of its device in use, by whomever, and in all [bytes]; absent where it is not known.
+    /// Memory of its device in use by all processes, and in total [bytes]; absent if unknown.
     memory_used_bytes: Option<u64>,
     memory_total_bytes: Option<u64>,
 }
 
 impl From<WorkerView> for Worker {
     fn from(view: WorkerView) -> Self {
-        let said = view.worker.registration;
+        let registration = view.worker.registration;
         Self {
-            name: said.id.to_string(),
-            backend: said.backend,
-            device: said.device,
+            name: registration.id.to_string(),
+            backend: registration.backend,
+            device: registration.device,
             start_time: view.worker.started.to_string(),
             last_seen_time: view.last_seen.to_string(),
             fit: view.fit.map(|f: ids::FitId| f.to_string()),
             ingest: view.ingest.map(|c| c.to_string()),
             warm_twins: view.warm.iter().map(ToString::to_string).collect(),
             rollouts_in_flight: view.in_flight,
-            build: said.build,
+            build: registration.build,
             memory_used_bytes: view.memory.map(|m| m.used),
             memory_total_bytes: view.memory.map(|m| m.total),
         }
@@ -260,7 +260,7 @@ pub(super) struct Workers {
     pub(super) next_page_token: String,
 }
 
-/// Which page.
+/// Selection of a page.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -268,7 +268,7 @@ pub(super) struct Paging {
     /// At most 1000; 0 means 50.
     #[serde(default)]
     page_size: u32,
-    /// From the page before.
+    /// `next_page_token` of the previous page.
     #[serde(default)]
     page_token: String,
 }
@@ -279,7 +279,7 @@ impl From<Paging> for store::PageRequest {
     }
 }
 
-/// Which page, of one capture or of all.
+/// Selection of a page, of one capture or of all.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -287,10 +287,10 @@ pub(super) struct PagingByCapture {
     /// At most 1000; 0 means 50.
     #[serde(default)]
     page_size: u32,
-    /// From the page before.
+    /// `next_page_token` of the previous page.
     #[serde(default)]
     page_token: String,
-    /// Only of this capture.
+    /// Restricts the list to this capture.
     #[serde(default)]
     capture: String,
 }
@@ -306,26 +306,26 @@ impl PagingByCapture {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct UploadParams {
-    /// A person's name for it.
+    /// Display name.
     #[serde(default)]
     pub(super) display_name: String,
-    /// BLAKE3 of the body, hex; checked. Headers say the same.
+    /// BLAKE3 of the body, hex; checked. Headers may give it instead.
     #[serde(default)]
     pub(super) digest: String,
 }
 
-/// The name of a capture, and how it is to be read.
+/// The name of a capture, and the settings for reading it.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct CaptureParams {
-    /// A person's name for it.
+    /// Display name.
     #[serde(default)]
     pub(super) display_name: String,
-    /// BLAKE3 of the body, hex; checked. Headers say the same.
+    /// BLAKE3 of the body, hex; checked. Headers may give it instead.
     #[serde(default)]
     pub(super) digest: String,
-    /// What differs from the default settings of the ingest, as JSON.
+    /// Settings of the ingest that differ from the defaults, as JSON.
     #[serde(default)]
     pub(super) ingest: String,
 }

@@ -25,7 +25,7 @@ use crate::{
     error::{ProblemDocument, Refusal},
 };
 
-pub(crate) use protocol::with_its_method;
+pub(crate) use protocol::with_overridden_method;
 use protocol::{
     BENDTWIN_CAPTURE, EXTENSIONS, TUS_CHECKSUM_ALGORITHM, TUS_EXTENSION, TUS_MAX_SIZE, TUS_VERSION,
     UPLOAD_DEFER_LENGTH, UPLOAD_EXPIRES, UPLOAD_LENGTH, UPLOAD_METADATA, UPLOAD_OFFSET, VERSION,
@@ -39,17 +39,17 @@ struct Upload {
     /// RECEIVING, STORED or GONE.
     state: &'static str,
     display_name: String,
-    /// Bytes that are here for good.
+    /// Bytes that are stored durably.
     offset_bytes: u64,
     /// Size of the whole; null while the client does not know it.
     length_bytes: Option<u64>,
     /// `captures/{uuid}` once it is stored.
     capture: Option<String>,
-    /// Why it is gone.
+    /// Reason for which it is gone.
     why: Option<String>,
     /// RFC 3339.
     create_time: String,
-    /// When it is given up unless more arrives, or forgotten if it has ended.
+    /// Time at which it is abandoned unless more bytes arrive, or forgotten if it has ended.
     expire_time: String,
 }
 
@@ -74,15 +74,15 @@ impl From<ResumableUpload> for Upload {
     }
 }
 
-/// The routes, behind what the protocol asks of every request and answer.
+/// The routes, with the headers that the protocol requires in every request and response.
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(options, create))
         .routes(routes!(head, append, terminate, get))
-        .route_layer(axum::middleware::from_fn(protocol::versioned))
+        .route_layer(axum::middleware::from_fn(protocol::require_version))
 }
 
-/// What of tus is understood
+/// Supported features of tus
 #[utoipa::path(options, path = "/v1/uploads", tag = "uploads",
     responses((status = 204, headers(
         ("Tus-Version" = String), ("Tus-Extension" = String), ("Tus-Max-Size" = u64),
@@ -145,7 +145,7 @@ async fn create(State(app): State<App>, request: Request) -> Result<Response> {
     Ok((StatusCode::CREATED, location, state_of(&upload)).into_response())
 }
 
-/// Where to go on
+/// Offset at which to resume
 ///
 /// A request that still sends to the upload is ended: its connection may be dead. Makes the capture if only that is
 /// missing. To look without disturbing, GET.
@@ -173,7 +173,7 @@ async fn head(State(app): State<App>, Id(id): Id) -> Result<Response> {
 
 /// Append to an upload
 ///
-/// What was acknowledged lasts. With the last byte the capture is made; the answer names it.
+/// Acknowledged bytes are durable. With the last byte the capture is made; the response names it.
 #[utoipa::path(patch, path = "/v1/uploads/{id}", tag = "uploads",
     params(
         ("id" = String, Path),
@@ -243,5 +243,5 @@ fn state_of(upload: &ResumableUpload) -> HeaderMap {
 }
 
 fn refused(error: app::Error) -> Refusal {
-    Refusal::from(error).over_tus()
+    Refusal::from(error).with_tus_status()
 }

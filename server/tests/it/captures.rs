@@ -111,7 +111,7 @@ async fn uploads_that_break_or_fall_silent_leave_nothing() {
     tokio::time::timeout(std::time::Duration::from_secs(5), emptied).await.unwrap();
 }
 
-/// A page whose own name was made to point at loopback has an `Origin` equal to its `Host`, or none at all.
+/// A page whose own name points at loopback has an `Origin` equal to its `Host`, or none at all.
 #[tokio::test]
 async fn other_names_for_loopback_are_refused() {
     let server = Server::start_with(|_| {}).await;

@@ -1,4 +1,4 @@
-//! A server on a free port with a folder of its own, and ways to speak to it.
+//! A server on a free port with a folder of its own, and calls to it.
 
 use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,

@@ -100,7 +100,7 @@ async fn cancellation_and_failure_reach_the_user() {
 async fn a_silent_worker_loses_its_job_and_is_forgotten() {
     let server = Server::start_with(|o| {
         o.lease_s = 0.3;
-        o.beat_interval_s = 0.1;
+        o.heartbeat_interval_s = 0.1;
     })
     .await;
     let fit = server.fit().await;
@@ -150,7 +150,7 @@ async fn the_link_is_for_token_holders() {
     assert_eq!(link.lease_job(request).await.unwrap_err().code(), Code::InvalidArgument);
 }
 
-/// A worker started by others outlives the server and goes on with its job.
+/// A worker started by others outlives the server and continues its job.
 #[tokio::test]
 async fn workers_of_others_outlive_the_server() {
     let server = Server::start().await;

@@ -1,6 +1,5 @@
-//! The server as its clients and workers see it: over real sockets, with a
-//! worker played by the tests. `worker.rs` doubles as an example of the
-//! protocol between server and workers.
+//! The server as its clients and workers see it: over real sockets, with a fake worker. `worker.rs`
+//! is also an example of the protocol between server and workers.
 
 mod captures;
 mod fits;

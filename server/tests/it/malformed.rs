@@ -1,4 +1,4 @@
-//! Requests that make no sense: each gets its refusal, and the server lives.
+//! Malformed requests: each is refused, and the server survives.
 
 use bendtwin_proto::v1::{
     self, ControlTrajectories, CreateCaptureRequest, CreateFitRequest, RollOutRequest, Tensor,

@@ -1,5 +1,5 @@
-//! Resumable uploads as the tus protocol, 1.0.0, has them: what it says a server
-//! must do, with the statuses that it names, and what is this server's own.
+//! Resumable uploads by the tus protocol, 1.0.0: its requirements on servers, with the prescribed
+//! statuses, and additions of this server.
 
 use std::time::Duration;
 
@@ -41,7 +41,7 @@ fn header(response: &Response, name: &str) -> Option<String> {
     response.headers().get(name).map(|v| v.to_str().unwrap().to_owned())
 }
 
-/// Status and reason of a refusal, which must speak tus and problem+json.
+/// Status and reason of a refusal, which must have the headers of tus and a problem document.
 async fn refusal(request: RequestBuilder) -> (u16, String) {
     let response = request.send().await.unwrap();
     assert_eq!(header(&response, "tus-resumable").unwrap(), "1.0.0");
@@ -434,7 +434,7 @@ async fn uploads_under_way_are_bounded() {
     server.begin(41, "").await;
 }
 
-/// A file on which nothing has room stands in for a full disk.
+/// A file to which nothing can be appended stands in for a full disk.
 #[cfg(target_os = "linux")]
 #[tokio::test]
 async fn a_full_disk_is_told_and_costs_nothing_that_was_there() {

@@ -1,5 +1,5 @@
-//! Worker processes: played by shells, which know how to wait for the end of
-//! their standard input.
+//! Worker processes. Shell scripts stand in for them, which wait for the end of their standard
+//! input.
 
 use std::{path::PathBuf, time::Duration};
 

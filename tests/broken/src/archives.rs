@@ -1,4 +1,4 @@
-//! Archives that are damaged, or made to do harm.
+//! Damaged and malicious archives.
 
 use std::io::{Cursor, Write};
 
@@ -11,11 +11,11 @@ use crate::{
     files::FileMap,
 };
 
-/// Where an entry begins in the data and in the directory of an archive.
+/// Magic numbers of an entry in the data and in the directory of an archive.
 const LOCAL: &[u8] = b"PK\x03\x04";
 const CENTRAL: &[u8] = b"PK\x01\x02";
 
-/// All of them.
+/// All recordings of this kind.
 pub fn all() -> Vec<Broken> {
     let archive = |name, expected: Expected, pack| broken(name, expected, Make::Archive(pack));
     vec![

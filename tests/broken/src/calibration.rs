@@ -1,4 +1,4 @@
-//! Wrong calibrations, units and axes: what a lab gets wrong before it records anything.
+//! Wrong calibrations, units and axes: mistakes before the recording.
 
 use bendtwin_capture::raw::Pose;
 
@@ -10,7 +10,7 @@ use crate::{
     footage::Footage,
 };
 
-/// All of them.
+/// All recordings of this kind.
 pub fn all() -> Vec<Broken> {
     let footage = |name, code, change| broken(name, Found(code), Make::Footage(change));
     let file = |name, reason, change| broken(name, Refused(reason), Make::Case(change));

@@ -14,10 +14,10 @@ use crate::{
     Broken,
     Expected::{Damaged, Found, Refused},
     Make, Sample, broken,
-    footage::{Footage, Reel, healthy},
+    footage::{CameraFrames, Footage, healthy},
 };
 
-/// Content of files by their name inside the recording.
+/// Contents of files by their names in the recording.
 pub type FileMap = BTreeMap<String, Vec<u8>>;
 
 static CASE: LazyLock<FileMap> = LazyLock::new(|| exported(&healthy().recording()));
@@ -56,15 +56,15 @@ fn exported(recording: &Recording) -> FileMap {
     files
 }
 
-/// Writes a case's description anew, after a change; frames stay as they are.
+/// Writes the changed description of a case; frames stay as they are.
 pub(crate) fn redescribe(files: &mut FileMap, change: impl Fn(&mut Recording)) {
     let mut about = healthy().about;
     change(&mut about);
-    let blank = Footage { reels: vec![Reel::default(); about.cameras.len()], about };
+    let blank = Footage { reels: vec![CameraFrames::default(); about.cameras.len()], about };
     files.extend(exported(&blank.recording()));
 }
 
-/// Files, changed, in a folder.
+/// Changed files in a folder.
 pub(crate) fn stored(files: &FileMap, change: fn(&mut FileMap)) -> Sample {
     let mut files = files.clone();
     change(&mut files);
@@ -74,7 +74,7 @@ pub(crate) fn stored(files: &FileMap, change: fn(&mut FileMap)) -> Sample {
     Sample::Stored(folder, path)
 }
 
-/// A folder with a case, changed.
+/// A changed folder with a case.
 pub(crate) fn changed_folder(change: fn(&Path)) -> Sample {
     let folder = tempfile::tempdir().expect("there is room for it");
     write(case(), folder.path());
@@ -92,7 +92,7 @@ fn write(files: &FileMap, folder: &Path) {
     }
 }
 
-/// All of them.
+/// All recordings of this kind.
 pub fn all() -> Vec<Broken> {
     let mut all = [descriptions(), manifests(), frames()].concat();
     #[cfg(unix)]

@@ -1,4 +1,4 @@
-//! What cameras recorded, in memory and easy to change.
+//! Camera data in memory, easy to change.
 
 use std::sync::{Arc, LazyLock};
 
@@ -11,15 +11,15 @@ use bendtwin_capture::{
 /// A recording whose frames lie in memory.
 #[derive(Clone, Debug)]
 pub struct Footage {
-    /// Everything but the frames.
+    /// The recording without its frames.
     pub about: Recording,
     /// The frames of each camera.
-    pub reels: Vec<Reel>,
+    pub reels: Vec<CameraFrames>,
 }
 
 /// The frames of one camera, each shape [T].
 #[derive(Clone, Debug, Default)]
-pub struct Reel {
+pub struct CameraFrames {
     /// Colour images.
     pub color: Vec<Option<Arc<ColorImage>>>,
     /// Depth images.
@@ -32,7 +32,7 @@ pub struct Reel {
     pub tracks: Option<Tracks>,
 }
 
-/// Frames of the healthy recording.
+/// Number of frames of the healthy recording.
 pub const FRAMES: usize = 36;
 
 static HEALTHY: LazyLock<Footage> = LazyLock::new(|| {
@@ -53,9 +53,9 @@ impl Footage {
     /// # Errors
     /// If one is damaged.
     pub fn of(recording: &Recording) -> Result<Self, Error> {
-        let reel = |camera| -> Result<Reel, Error> {
+        let reel = |camera| -> Result<CameraFrames, Error> {
             let mut frames = recording.source.frames(camera)?;
-            let mut reel = Reel { tracks: frames.tracks()?, ..Reel::default() };
+            let mut reel = CameraFrames { tracks: frames.tracks()?, ..CameraFrames::default() };
             for frame in 0..recording.frame_count {
                 reel.color.push(frames.color(frame)?.map(Arc::new));
                 reel.depth.push(frames.depth(frame)?.map(Arc::new));
@@ -68,9 +68,9 @@ impl Footage {
         Ok(Self { about: recording.clone(), reels })
     }
 
-    /// As a reader would give it.
+    /// The recording as a reader would return it.
     pub fn recording(self) -> Recording {
-        Recording { source: Arc::new(Film(self.reels)), ..self.about }
+        Recording { source: Arc::new(MemorySource(self.reels)), ..self.about }
     }
 
     /// Changes every depth of a camera.
@@ -93,7 +93,7 @@ impl Footage {
         }
     }
 
-    /// Lets a camera show in frame f what it saw in frame `moment(f)`; nothing if that is `None`.
+    /// Shows in frame f what the camera saw in frame `moment(f)`; nothing if that is `None`.
     pub fn retime(&mut self, camera: usize, moment: impl Fn(usize) -> Option<usize>) {
         let reel = &mut self.reels[camera];
         let moments: Vec<Option<usize>> = (0..self.about.frame_count).map(moment).collect();
@@ -118,14 +118,14 @@ impl Footage {
 }
 
 #[derive(Debug)]
-struct Film(Vec<Reel>);
+struct MemorySource(Vec<CameraFrames>);
 
-struct Reader<'a>(&'a Reel);
+struct MemoryReader<'a>(&'a CameraFrames);
 
-impl Source for Film {
+impl Source for MemorySource {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
         let reel = self.0.get(camera).ok_or(Error::NoCamera(camera))?;
-        Ok(Box::new(Reader(reel)))
+        Ok(Box::new(MemoryReader(reel)))
     }
 }
 
@@ -133,7 +133,7 @@ fn shown<T: Clone>(images: &[Option<Arc<T>>], frame: usize) -> Option<T> {
     Some(T::clone(images.get(frame)?.as_ref()?))
 }
 
-impl Frames for Reader<'_> {
+impl Frames for MemoryReader<'_> {
     fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
         Ok(shown(&self.0.color, frame))
     }

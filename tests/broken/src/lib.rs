@@ -1,8 +1,8 @@
-//! Recordings that are broken in one way each, and the diagnosis that each shall get.
+//! Recordings with one fault each, and the diagnosis expected of each.
 //!
-//! All start from one healthy made recording. [`all`] lists what goes wrong: in what the cameras recorded ([`footage`]), in
-//! files ([`files`]) and in archives ([`archives`]). A user of this crate calls [`Broken::make`] and looks whether the
-//! diagnosis is the expected one.
+//! All are derived from one healthy simulated recording. [`all`] lists the faults: in the camera
+//! data ([`footage`]), in files ([`files`]) and in archives ([`archives`]). A user of this crate
+//! calls [`Broken::make`] and compares the diagnosis with the expected one.
 
 pub mod archives;
 pub mod calibration;
@@ -20,31 +20,31 @@ pub use self::footage::Footage;
 /// A recording with one fault.
 #[derive(Clone, Debug)]
 pub struct Broken {
-    /// What is wrong with it.
+    /// The fault.
     pub name: &'static str,
-    /// What shall be said of it.
+    /// The expected diagnosis.
     pub expected: Expected,
-    /// How it is made.
+    /// The way to make it.
     make: Make,
 }
 
 /// A diagnosis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expected {
-    /// It cannot be opened: the reason of the error.
+    /// It cannot be opened: reason of the error.
     Refused(&'static str),
     /// Some of its files cannot be decoded: the reader's reason for the first.
     Damaged(&'static str),
-    /// The first finding of the report.
+    /// Code of the first finding of the report.
     Found(&'static str),
-    /// One of the findings: worth knowing, but other recordings of its kind have it too.
+    /// Code of any finding: relevant, but other recordings of its kind have it too.
     Noticed(&'static str),
 }
 
-/// A broken recording, ready to be looked at.
+/// A broken recording, ready for inspection.
 #[derive(Debug)]
 pub enum Sample {
-    /// A folder or an archive, there as long as the guard.
+    /// A folder or an archive, which exists as long as the guard.
     Stored(TempDir, PathBuf),
     /// Already opened.
     Opened(Box<Recording>),
@@ -60,7 +60,7 @@ enum Make {
     Archive(fn(&files::FileMap) -> Vec<u8>),
     /// Changes a folder with a case.
     Folder(fn(&std::path::Path)),
-    /// Changes what was recorded.
+    /// Changes the camera data.
     Footage(fn(&mut Footage)),
 }
 

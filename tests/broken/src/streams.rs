@@ -1,4 +1,4 @@
-//! What goes wrong while recording and segmenting: time, depth, masks, tracks.
+//! Faults in time, depth, masks and tracks: mistakes while recording and segmenting.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::{
     footage::{FRAMES, Footage},
 };
 
-/// All of them.
+/// All recordings of this kind.
 pub fn all() -> Vec<Broken> {
     [time(), depth(), masks(), tracks()].concat()
 }
@@ -200,7 +200,7 @@ fn shorten(footage: &mut Footage, frames: usize) {
     (0..footage.reels.len()).for_each(|c| footage.retime(c, Some));
 }
 
-/// Changes the object's masks, given a pixel's number and whether it is shown.
+/// Changes the object's masks, given the index of a pixel and its value.
 fn change_masks(
     footage: &mut Footage,
     frames: std::ops::Range<usize>,

@@ -1,9 +1,9 @@
-//! Every broken recording gets the diagnosis that belongs to it, a healthy one gets none, and none costs more than 1 GB.
+//! Every broken recording gets its diagnosis, a healthy one gets none, and none costs more than 1
+//! GB.
 
 use bendtwin_broken::{Expected, Sample, all, archives, files, footage};
 use bendtwin_capture::{Limits, Severity, raw};
-use bendtwin_core::{Fault, Problem};
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Fault, Problem};
 use bendtwin_inspect::{Inspection, Verdict, inspect};
 
 const MAX_BYTES: u64 = 1_000_000_000;
@@ -17,7 +17,7 @@ fn diagnose(sample: &Sample) -> Result<Inspection, Fault> {
     inspect(&recording, &CancelToken::default(), &mut |_| {}).map_err(|e| e.fault())
 }
 
-/// What is to be said against a diagnosis.
+/// Differences from the expected diagnosis.
 fn complaint(expected: Expected, found: Result<Inspection, Fault>) -> Option<String> {
     let codes = |report: &Inspection| -> Vec<String> {
         let sentence = |f: &bendtwin_inspect::Finding| format!("{} ({})", f.code, f.sentence());
@@ -79,7 +79,7 @@ fn the_healthy_recording_is_healthy_in_every_form() {
     }
 }
 
-/// The most memory that this process ever held, where the system tells.
+/// Peak of this process's memory, where the system reports it.
 fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

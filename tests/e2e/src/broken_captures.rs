@@ -1,5 +1,5 @@
-//! A capture that cannot be fitted ends its fit with the reason that its owner
-//! needs, at the first attempt, and harms nothing else.
+//! A capture that cannot be fitted ends its fit at the first attempt, with a reason that its owner
+//! can act on, and harms nothing else.
 
 use std::{
     collections::BTreeMap,
@@ -12,19 +12,19 @@ use bytes::Bytes;
 use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use crate::harness::{
-    Server,
+    TestCluster,
     api::has_ended,
     reference::{SETTINGS, capture},
 };
 
 const MANIFEST: &str = "capture.json";
 
-/// What is wrong, the archive, the reason that is told.
+/// The fault, the archive, the expected reason.
 type Case = (&'static str, Bytes, &'static str);
 
 #[tokio::test]
 async fn broken_captures_end_their_fits_with_a_reason() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let cases = cases(&capture().await);
     let mut fits = Vec::new();
@@ -38,7 +38,7 @@ async fn broken_captures_end_their_fits_with_a_reason() {
         let fit = api.fit_when(name, "over", Duration::from_secs(60), has_ended).await;
         let job = fit.job.clone().unwrap_or_default();
         let fault = job.fault.unwrap_or_default();
-        // No worker ever had it: the capture's ingest said no.
+        // No worker ever had the fit: the capture's ingest failed.
         if fit.state() != State::Failed || fault.reason != *reason || job.attempts != 0 {
             wrong.push(format!("{what}: expected {reason}, got {:?} {fault:?}", fit.state()));
         }

@@ -1,4 +1,4 @@
-//! Documents that describe the code say what the code says.
+//! Documents about the code agree with the code.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,15 +1,15 @@
-//! What a newcomer types: make a capture, push it, fit it, roll the twin out.
+//! The first commands of a new user: make a capture, push it, fit it, roll the twin out.
 
 use serde_json::Value;
 
 use crate::harness::{
-    Server,
+    TestCluster,
     command::{run, run_json, run_ok},
 };
 
 #[tokio::test]
 async fn from_capture_to_rollout_by_command_line() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let (url, capture, twin_file) =
         (server.url(), server.path("rope.zip"), server.path("rope.twin"));
     let settings = server.path("settings.json");

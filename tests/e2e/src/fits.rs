@@ -9,7 +9,7 @@ use bendtwin_proto::v1::{
 use tonic::Code;
 
 use crate::harness::{
-    Company, Server, Setup,
+    Isolation, Setup, TestCluster,
     api::{fraction, has_ended, worker},
     command::run_ok,
     reference::{ENDLESS, FIT, SETTINGS, capture, reference},
@@ -27,7 +27,7 @@ fn running(fit: &Fit) -> bool {
 
 #[tokio::test]
 async fn creating_twice_with_one_request_id_is_creating_once() {
-    let mut server = Server::start(Setup { own_workers: 0, ..Setup::default() }).await;
+    let mut server = TestCluster::start(Setup { own_workers: 0, ..Setup::default() }).await;
     let api = server.api();
     let archive = capture().await;
     let capture = api.upload(&archive, "once").await.unwrap();
@@ -54,7 +54,7 @@ async fn creating_twice_with_one_request_id_is_creating_once() {
 
 #[tokio::test]
 async fn higher_priorities_run_first_and_equal_ones_in_order() {
-    let mut server = Server::start(Setup { own_workers: 0, ..Setup::default() }).await;
+    let mut server = TestCluster::start(Setup { own_workers: 0, ..Setup::default() }).await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
     let mut fits = Vec::new();
@@ -75,7 +75,8 @@ async fn higher_priorities_run_first_and_equal_ones_in_order() {
 
 #[tokio::test]
 async fn a_running_fit_is_cancelled_within_a_second() {
-    let server = Server::start(Setup { company: Company::None, ..Setup::default() }).await;
+    let server =
+        TestCluster::start(Setup { isolation: Isolation::Exclusive, ..Setup::default() }).await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, ENDLESS, 0).await.unwrap();
@@ -99,7 +100,7 @@ async fn a_running_fit_is_cancelled_within_a_second() {
 
 #[tokio::test]
 async fn a_queued_fit_is_cancelled_at_once() {
-    let server = Server::start(Setup { own_workers: 0, ..Setup::default() }).await;
+    let server = TestCluster::start(Setup { own_workers: 0, ..Setup::default() }).await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
@@ -110,7 +111,7 @@ async fn a_queued_fit_is_cancelled_at_once() {
 #[tokio::test]
 async fn another_worker_takes_over_from_a_dead_one() {
     let setup = Setup { own_workers: 0, lease_s: 1.0, ..Setup::default() };
-    let mut server = Server::start(setup).await;
+    let mut server = TestCluster::start(setup).await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
@@ -146,7 +147,7 @@ async fn a_fit_through_the_server_is_the_fit_of_eval_byte_for_byte() {
 
 #[tokio::test]
 async fn watching_shows_every_stage_and_resumes_after_a_revision() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
@@ -157,7 +158,7 @@ async fn watching_shows_every_stage_and_resumes_after_a_revision() {
     assert!(fractions.is_sorted(), "{fractions:?}");
     let last = seen.last().unwrap();
     assert_eq!(last.state(), State::Succeeded);
-    // Who comes back having seen everything but the end is told the end.
+    // A client that has seen everything but the end gets the end.
     let rest = watch(&server, &fit.name, revision(last) - 1).await;
     assert_eq!(rest.len(), 1);
     assert_eq!(revision(&rest[0]), revision(last));
@@ -167,7 +168,7 @@ fn revision(fit: &Fit) -> u64 {
     fit.job.as_ref().unwrap().revision
 }
 
-async fn watch(server: &Server, name: &str, after_revision: u64) -> Vec<Fit> {
+async fn watch(server: &TestCluster, name: &str, after_revision: u64) -> Vec<Fit> {
     let request = WatchFitRequest { name: name.to_owned(), after_revision };
     let mut changes = server.api().fits().watch_fit(request).await.unwrap().into_inner();
     let mut seen = Vec::new();

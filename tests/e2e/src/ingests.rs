@@ -1,5 +1,5 @@
-//! A capture is read before it is fitted: by a process of its own, which may die, be killed or run out of
-//! memory without harm to anything else.
+//! Ingests of captures, each in a process of its own, which may die, be killed or run out of memory
+//! without harm to anything else.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::broken_captures::{pack, unpack};
 use crate::harness::{
-    Api, Server, Setup,
+    Api, Setup, TestCluster,
     api::has_ended,
     command::{run, run_json, run_ok},
     process::kill,
@@ -18,12 +18,12 @@ use crate::harness::{
     until,
 };
 
-/// How long reading a small capture may take on a busy machine.
+/// Longest time for reading a small capture on a busy machine.
 const SOON: Duration = Duration::from_secs(120);
 
 #[tokio::test]
 async fn a_recording_of_cameras_becomes_a_report_and_a_twin_by_command_line() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let (url, recording) = (server.url(), server.path("toy_raw.zip"));
     let (page, observation) = (server.path("report.html"), server.path("observation.zip"));
     let (settings, twin) = (server.path("settings.json"), server.path("toy.twin"));
@@ -60,7 +60,7 @@ async fn a_recording_of_cameras_becomes_a_report_and_a_twin_by_command_line() {
 
 #[tokio::test]
 async fn killed_readers_and_workers_are_survived() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     // Long enough to be met at it.
     let path = server.path("raw.zip");
@@ -73,22 +73,22 @@ async fn killed_readers_and_workers_are_survived() {
     let archive = Bytes::from(std::fs::read(&path).unwrap());
     let stored = api.upload(&archive, "").await.unwrap();
     let fit = api.fit(&stored.name, SETTINGS, 0).await.unwrap();
-    let reader = met(&server).await;
+    let reader = reader_pid(&server).await;
     kill(reader);
     until("the worker to notice", SOON, async || {
-        let ingest = look(&api, &stored.name).await?.ingest?;
+        let ingest = get_capture(&api, &stored.name).await?.ingest?;
         ingest.attempt_faults.iter().any(|f| f.reason == "INGEST_CRASHED").then_some(())
     })
     .await;
-    let second = met(&server).await;
+    let second = reader_pid(&server).await;
     assert_ne!(second, reader);
     server.kill_workers();
-    // It hears of its worker's end by itself.
+    // It notices its worker's end by itself.
     until("the reader to end with its worker", SOON, async || {
         (!server.reader_pids().contains(&second)).then_some(())
     })
     .await;
-    let ended = over(&api, &stored.name).await;
+    let ended = ingested(&api, &stored.name).await;
     let ingest = ended.ingest.unwrap();
     assert_eq!(ingest.state(), State::Succeeded, "{ingest:?}");
     let reasons: Vec<_> = ingest.attempt_faults.iter().map(|f| f.reason.as_str()).collect();
@@ -99,12 +99,12 @@ async fn killed_readers_and_workers_are_survived() {
 #[tokio::test]
 async fn a_capture_beyond_the_memory_fails_alone() {
     let setup = Setup { worker_args: &["--ingest-memory-mib", "64"], ..Setup::default() };
-    let server = Server::start(setup).await;
+    let server = TestCluster::start(setup).await;
     let api = server.api();
     let workers = server.worker_pids();
     let large = api.upload(&large(&capture().await, 2000, 1000), "").await.unwrap();
     let fit = api.fit(&large.name, SETTINGS, 0).await.unwrap();
-    let ingest = over(&api, &large.name).await.ingest.unwrap();
+    let ingest = ingested(&api, &large.name).await.ingest.unwrap();
     let fault = ingest.fault.clone().unwrap_or_default();
     assert_eq!(ingest.state(), State::Failed, "{ingest:?}");
     assert_eq!((fault.reason.as_str(), ingest.attempts), ("INGEST_OUT_OF_MEMORY", 1));
@@ -117,16 +117,16 @@ async fn a_capture_beyond_the_memory_fails_alone() {
     assert!(report.to_string().contains("INGEST_OUT_OF_MEMORY"), "{report}");
     // The worker is the same one, and reads the next capture.
     let small = api.upload(&capture().await, "").await.unwrap();
-    assert_eq!(over(&api, &small.name).await.ingest.unwrap().state(), State::Succeeded);
+    assert_eq!(ingested(&api, &small.name).await.ingest.unwrap().state(), State::Succeeded);
     assert_eq!(server.worker_pids(), workers);
 }
 
 #[tokio::test]
 async fn an_ingest_is_stopped_run_again_and_watched() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let (api, http) = (server.api(), server.http());
     let stored = api.upload(&capture().await, "").await.unwrap();
-    let (path, first) = (format!("/v1/{}", stored.name), over(&api, &stored.name).await);
+    let (path, first) = (format!("/v1/{}", stored.name), ingested(&api, &stored.name).await);
     let page = http.get(&format!("{path}/report.html")).await;
     assert!(page.headers()["content-security-policy"].to_str().unwrap().contains("sandbox"));
     let wrong = json!({"settings": {"spacing_m": -1.0}});
@@ -135,7 +135,7 @@ async fn an_ingest_is_stopped_run_again_and_watched() {
     };
     assert_eq!(ask(&wrong).await.status(), StatusCode::BAD_REQUEST);
     assert_eq!(ask(&json!({})).await.status(), StatusCode::ACCEPTED);
-    let again = over(&api, &stored.name).await;
+    let again = ingested(&api, &stored.name).await;
     let revision = |c: &Capture| c.ingest.as_ref().map_or(0, |i| i.revision);
     assert!(revision(&again) > revision(&first));
     let (url, name) = (server.url(), stored.name.clone());
@@ -150,7 +150,7 @@ async fn an_ingest_is_stopped_run_again_and_watched() {
     .unwrap();
 }
 
-/// The capture with so many frames and points, the coordinates of all of them zero.
+/// The capture with that many frames and points, all coordinates zero.
 fn large(small: &Bytes, frames: usize, points: usize) -> Bytes {
     let mut files = unpack(small);
     files.retain(|name, _| name == "capture.json" || name.ends_with("control_points.npy"));
@@ -169,20 +169,20 @@ fn large(small: &Bytes, frames: usize, points: usize) -> Bytes {
     pack(&files)
 }
 
-/// The process that reads a capture at the moment.
-async fn met(server: &Server) -> u32 {
+/// Id of the process that reads a capture at the moment.
+async fn reader_pid(server: &TestCluster) -> u32 {
     until("a capture to be read", SOON, async || server.reader_pids().first().copied()).await
 }
 
-async fn look(api: &Api, name: &str) -> Option<Capture> {
+async fn get_capture(api: &Api, name: &str) -> Option<Capture> {
     let request = GetCaptureRequest { name: name.to_owned() };
     Some(api.captures().get_capture(request).await.ok()?.into_inner())
 }
 
 /// A capture once its ingest has ended.
-async fn over(api: &Api, name: &str) -> Capture {
+async fn ingested(api: &Api, name: &str) -> Capture {
     until(&format!("{name} to be read"), SOON, async || {
-        let capture = look(api, name).await?;
+        let capture = get_capture(api, name).await?;
         let state = capture.ingest.as_ref()?.state();
         (!matches!(state, State::Queued | State::Running)).then_some(capture)
     })

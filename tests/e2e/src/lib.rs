@@ -1,5 +1,5 @@
-//! End-to-end tests: real processes, one module a user story. The rules that
-//! hold for the source tree as a whole are tested here too.
+//! End-to-end tests with real processes, one module for each use of the system, and tests of rules
+//! for the whole source tree.
 
 #[cfg(test)]
 mod architecture;
@@ -23,6 +23,8 @@ mod over_http;
 mod resumable;
 #[cfg(test)]
 mod rollouts;
+#[cfg(test)]
+mod rust_code;
 #[cfg(test)]
 mod suites;
 #[cfg(test)]

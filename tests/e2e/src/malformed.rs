@@ -1,4 +1,4 @@
-//! Requests that no sane client sends: each is refused with a client's error, and the process lives.
+//! Malformed requests: each is refused with a client error, and the process survives.
 
 mod fields;
 mod grpc;
@@ -8,9 +8,9 @@ mod rollouts;
 use bendtwin_proto::v1::Twin;
 use bytes::Bytes;
 
-use crate::harness::{Server, reference::reference};
+use crate::harness::{TestCluster, reference::reference};
 
-/// Names that are none, or of nothing that exists.
+/// Names that are invalid, or of nothing that exists.
 fn bad_names(collection: &str) -> Vec<String> {
     const NONE: &str = "0190a000-0000-7000-8000-00000000dead";
     let other = if collection == "twins" { "fits" } else { "twins" };
@@ -35,22 +35,22 @@ fn bad_names(collection: &str) -> Vec<String> {
     names
 }
 
-/// A world with a twin in it, for requests that are almost right.
-struct World {
-    server: Server,
+/// A cluster with a twin, for requests that are almost valid.
+struct Fixture {
+    server: TestCluster,
     twin: Twin,
     file: Bytes,
 }
 
-impl World {
+impl Fixture {
     async fn new() -> Self {
         let file = reference().await.file;
-        let server = Server::ordinary().await;
+        let server = TestCluster::ordinary().await;
         let twin = server.api().import(&file).await.unwrap();
         Self { server, twin, file }
     }
 
-    /// Fails the test unless every request was refused and the world is as it was.
+    /// Fails the test unless every request was refused and the cluster is unchanged.
     async fn still_stands(mut self, requests: usize, wrong: &[String]) {
         assert!(
             wrong.is_empty(),

@@ -1,4 +1,4 @@
-//! The HTTP form of the API, as a lab's script uses it, and what operators look at.
+//! The HTTP form of the API as a script uses it, and the endpoints for operators.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use tonic::Code;
 
 use crate::harness::{
-    Server, Setup,
+    Setup, TestCluster,
     http::Http,
     raw,
     reference::{FIT, SETTINGS, capture, reference},
@@ -21,7 +21,7 @@ type Event = (u64, Value);
 
 #[tokio::test]
 async fn a_capture_becomes_a_twin_over_http_and_events_resume_where_they_stopped() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let http = server.http();
     let upload = || {
         http.request(Method::POST, "/v1/captures?display_name=e2e")
@@ -64,7 +64,7 @@ async fn a_capture_becomes_a_twin_over_http_and_events_resume_where_they_stopped
 
 #[tokio::test]
 async fn a_rollout_over_http_is_the_one_over_grpc() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let (http, api) = (server.http(), server.api());
     let file = reference().await.file;
     let twin = api.import(&file).await.unwrap();
@@ -95,7 +95,7 @@ async fn a_rollout_over_http_is_the_one_over_grpc() {
 
 #[tokio::test]
 async fn operators_find_health_metrics_and_a_description() {
-    let server = Server::start(Setup { own_workers: 1, ..Setup::default() }).await;
+    let server = TestCluster::start(Setup { own_workers: 1, ..Setup::default() }).await;
     let http = server.http();
     assert_eq!(http.get("/healthz").await.status(), StatusCode::OK);
     assert_eq!(http.get_json("/readyz").await["ready"], true);
@@ -154,7 +154,7 @@ async fn watch(http: &Http, path: &str, after: Option<u64>, most: usize) -> Vec<
     events
 }
 
-/// Comments keep the connection alive and are no events.
+/// Comments, which keep the connection alive, are no events.
 fn parse(event: &str) -> Option<Event> {
     let field = |name: &str| event.lines().find_map(|line| line.strip_prefix(name)).map(str::trim);
     let data = serde_json::from_str(field("data:")?).unwrap();

@@ -1,4 +1,4 @@
-//! Captures of gigabytes over connections that break, between processes that die.
+//! Uploads of gigabytes over connections that break, between processes that die.
 
 use std::{io::Read as _, process::Child, time::Duration};
 
@@ -7,17 +7,17 @@ use futures::StreamExt as _;
 use reqwest::{Body, Method, RequestBuilder, StatusCode};
 
 use crate::harness::{
-    Server, Setup,
+    Setup, TestCluster,
     command::{bendtwin, run_json, run_ok},
     http::Http,
+    stalling_proxy::StallingProxy,
     until,
-    wire::Wire,
 };
 
 const MIB: u64 = 1 << 20;
-/// What the Rust client sends in one request, as `client/rust/src/uploads.rs` has it.
+/// Bytes of one request of the Rust client, as in `client/rust/src/uploads.rs`.
 const PART: u64 = 16 * MIB;
-/// What the server makes last at once, as `server/src/app/uploads.rs` has it.
+/// Bytes that the server makes durable at a time, as in `server/src/app/uploads.rs`.
 const COMMIT: u64 = 32 * MIB;
 const DEADLINE: Duration = Duration::from_secs(60);
 
@@ -25,7 +25,7 @@ fn no_workers() -> Setup {
     Setup { own_workers: 0, ..Setup::default() }
 }
 
-/// Content that differs everywhere and need not be kept to be known.
+/// Content without repetition that can be generated again instead of kept.
 fn content(from: u64, to: u64) -> Vec<u8> {
     let word = |i: u64| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11).to_le_bytes();
     assert!(from.is_multiple_of(8) && to.is_multiple_of(8));
@@ -37,7 +37,7 @@ fn tus(http: &Http, method: &str, path: &str) -> RequestBuilder {
     http.request(method, path).header("tus-resumable", "1.0.0")
 }
 
-/// Bytes of uploads that this run of the server has made last.
+/// Bytes of uploads that this run of the server has made durable.
 async fn received(http: &Http) -> u64 {
     let metrics = http.get("/metrics").await.text().await.unwrap();
     let mut lines = metrics.lines();
@@ -52,14 +52,14 @@ async fn received_at_least(http: &Http, bytes: u64) {
     .await;
 }
 
-/// The most memory that a process ever had [bytes].
+/// Peak of a process's memory [bytes].
 fn peak_memory(pid: u32) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
     line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() * 1024
 }
 
-/// Whether the capture has this content, read in pieces.
+/// True if the capture has this content, read in pieces.
 async fn has_content(http: &Http, capture: &str, size: u64) -> bool {
     let reply = http.get(&format!("/v1/{capture}/content")).await;
     let (mut at, mut left, mut same) = (0, Vec::new(), true);
@@ -74,7 +74,7 @@ async fn has_content(http: &Http, capture: &str, size: u64) -> bool {
     same && at == size && left.is_empty()
 }
 
-/// Ends a process however it is left.
+/// Kills a process when dropped.
 struct Killed(Child);
 
 impl Drop for Killed {
@@ -86,16 +86,16 @@ impl Drop for Killed {
 
 #[tokio::test]
 async fn a_push_goes_on_over_deaths_of_server_and_client() {
-    let mut server = Server::start(no_workers()).await;
+    let mut server = TestCluster::start(no_workers()).await;
     let size = 40 * MIB;
     let file = server.path("rope.zip");
     std::fs::write(&file, content(0, size)).unwrap();
     let push = ["capture", "push", &file, "--no-check"];
 
     // The first part arrives, the second gets stuck; then both sides die.
-    let wire = Wire::to(&server.url(), PART + 4 * MIB).await;
+    let proxy = StallingProxy::to(&server.url(), PART + 4 * MIB).await;
     let mut command = bendtwin();
-    command.args(push).args(["--json", "--server", wire.url()]);
+    command.args(push).args(["--json", "--server", proxy.url()]);
     let client = Killed(command.spawn().unwrap());
     received_at_least(&server.http(), PART).await;
     server.kill();
@@ -116,7 +116,7 @@ async fn a_push_goes_on_over_deaths_of_server_and_client() {
 
 #[tokio::test]
 async fn a_server_killed_in_mid_request_keeps_what_it_saved_and_its_memory_stays_flat() {
-    let mut server = Server::start(no_workers()).await;
+    let mut server = TestCluster::start(no_workers()).await;
     let http = server.http();
     let size = 160 * MIB;
     let begun = tus(&http, "POST", "/v1/uploads").header("upload-length", size);
@@ -157,7 +157,7 @@ async fn a_server_killed_in_mid_request_keeps_what_it_saved_and_its_memory_stays
 
 #[tokio::test]
 async fn a_folder_is_pushed_as_it_is() {
-    let server = Server::start(no_workers()).await;
+    let server = TestCluster::start(no_workers()).await;
     let (archive, folder) = (server.path("rope.zip"), server.path("rope"));
     run_ok(&["capture", "make", "rope", &archive, "--tiny"]);
     zip::ZipArchive::new(std::fs::File::open(&archive).unwrap()).unwrap().extract(&folder).unwrap();

@@ -1,4 +1,4 @@
-//! Rollouts as a planner uses them: batches, while a fit runs, the same bits every time.
+//! Rollouts as a planner uses them: batches, beside a running fit, repeated bit for bit.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{
 };
 
 use crate::harness::{
-    Api, Company, Server, Setup,
+    Api, Isolation, Setup, TestCluster,
     api::{fraction, has_ended},
     reference::{ENDLESS, capture, reference},
 };
@@ -17,7 +17,8 @@ const STATE: Duration = Duration::from_secs(60);
 const BATCH: usize = 16;
 const FRAMES: usize = 10;
 
-/// A batch that moves all control points together, each instance its own way, from where they are at rest.
+/// A batch that moves all control points together from their rest positions, each instance in
+/// another direction.
 pub(crate) fn request(twin: &Twin, rest: &[[f32; 3]]) -> RollOutRequest {
     let controls = twin.control_count as usize;
     assert_eq!(rest.len(), controls);
@@ -45,12 +46,12 @@ pub(crate) fn request(twin: &Twin, rest: &[[f32; 3]]) -> RollOutRequest {
     }
 }
 
-/// Where the control points of a twin file rest.
+/// Rest positions of the control points of a twin file.
 pub(crate) fn rest_controls(file: &[u8]) -> Vec<[f32; 3]> {
     bendtwin_core::Twin::decode(file).unwrap().graph.control_rest
 }
 
-/// The parts of a reply that must repeat: everything but who answered and how fast.
+/// The parts of a reply that must repeat: everything but the worker and the timing.
 fn content(reply: RollOutResponse) -> RollOutResponse {
     RollOutResponse { timing: None, worker: String::new(), ..reply }
 }
@@ -62,7 +63,7 @@ async fn imported(api: &Api) -> (Twin, Vec<[f32; 3]>) {
 
 #[tokio::test]
 async fn a_fast_rollout_says_what_answered_and_how_far_it_strays() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let exact = api.roll_out(request(&twin, &rest)).await.unwrap();
@@ -87,7 +88,7 @@ async fn a_fast_rollout_says_what_answered_and_how_far_it_strays() {
 
 #[tokio::test]
 async fn a_batch_is_answered_and_repeats_bit_for_bit_on_every_worker() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let request = request(&twin, &rest);
@@ -111,7 +112,7 @@ async fn a_batch_is_answered_and_repeats_bit_for_bit_on_every_worker() {
 
 #[tokio::test]
 async fn a_streamed_batch_is_the_unary_one_in_parts() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let request = request(&twin, &rest);
@@ -128,7 +129,7 @@ async fn a_streamed_batch_is_the_unary_one_in_parts() {
 
 #[tokio::test]
 async fn a_gripper_that_does_not_turn_is_a_translation() {
-    let server = Server::ordinary().await;
+    let server = TestCluster::ordinary().await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let step = |frame: usize| 2e-3 * frame as f32;
@@ -163,7 +164,8 @@ async fn a_gripper_that_does_not_turn_is_a_translation() {
 
 #[tokio::test]
 async fn rollouts_are_answered_while_a_fit_runs() {
-    let server = Server::start(Setup { company: Company::None, ..Setup::default() }).await;
+    let server =
+        TestCluster::start(Setup { isolation: Isolation::Exclusive, ..Setup::default() }).await;
     let api = server.api();
     let (twin, rest) = imported(&api).await;
     let request = request(&twin, &rest);
@@ -183,13 +185,13 @@ async fn rollouts_are_answered_while_a_fit_runs() {
         "{BATCH} x {FRAMES} frames of {} nodes: {idle:?} idle, {busy:?} beside a fit (medians)",
         twin.node_count
     );
-    // Generous, for slow machines: what matters is that nobody waits for the fit to end.
+    // Generous, for slow machines: what matters is that no rollout waits for the end of the fit.
     assert!(busy < Duration::from_secs(5));
     api.cancel(&fit.name).await.unwrap();
     api.fit_when(&fit.name, "cancelled", STATE, has_ended).await;
 }
 
-/// The median time of an answer.
+/// The median time of a response.
 async fn timed(api: &Api, request: &RollOutRequest, expected: &RollOutResponse) -> Duration {
     let mut times = Vec::new();
     for _ in 0..15 {
@@ -202,7 +204,7 @@ async fn timed(api: &Api, request: &RollOutRequest, expected: &RollOutResponse) 
     times[times.len() / 2]
 }
 
-/// An answer from whoever comes next: a planner repeats calls that were UNAVAILABLE.
+/// The response of any worker: a planner repeats calls that were UNAVAILABLE.
 async fn retried(api: &Api, request: &RollOutRequest) -> RollOutResponse {
     crate::harness::until("a worker that answers", STATE, async || {
         match api.roll_out(request.clone()).await {

@@ -1,5 +1,5 @@
-//! A researcher runs a suite: it is killed in the middle, goes on, and ends in the table of one that was left in peace;
-//! each of its runs can be made again by the command that it names.
+//! A suite that is killed in the middle, resumed, and ends in the same table as an undisturbed one.
+//! Each of its runs can be repeated by the command in the table.
 
 use std::{
     path::Path,
@@ -11,10 +11,10 @@ use serde_json::Value;
 
 use crate::harness::{
     command::{bendtwin, binary},
-    pace, until,
+    until, waiting,
 };
 
-/// Fits of a second or so, two at a time; one configuration has too few substeps for anything.
+/// Fits of about a second, two at a time; one configuration has too few substeps for any capture.
 const SUITE: &str = r#"{
     "version": 1,
     "captures": [{"name": "rope", "path": "rope.zip"}, {"name": "cable", "path": "cable.zip"}],
@@ -67,7 +67,7 @@ fn prepare(place: &Path) {
     std::fs::write(place.join("suite.json"), SUITE).unwrap();
 }
 
-/// The tables that a suite left, times apart: they stand in the last column.
+/// The tables of a suite without times, which are in the last column.
 fn tables(place: &Path) -> (Value, String) {
     let read = |name: &str| std::fs::read_to_string(place.join("out").join(name)).unwrap();
     let mut json: Value = serde_json::from_str(&read("table.json")).unwrap();
@@ -90,7 +90,8 @@ fn files(folder: &Path) -> Vec<std::path::PathBuf> {
         .collect()
 }
 
-/// Records get their name when they are whole; what a killed process was writing has another.
+/// Records get their name when they are complete; a file that a killed process was writing has
+/// another name.
 fn is_record(file: &&std::path::PathBuf) -> bool {
     file.extension().is_some_and(|e| e == "json")
 }
@@ -107,7 +108,7 @@ fn ended_with_failures(output: &Output) {
 
 #[tokio::test]
 async fn a_suite_that_was_killed_ends_in_the_same_table() {
-    let _turn = pace::turn().await;
+    let _slots = waiting::shared_slot().await;
     let peace = tempfile::tempdir().unwrap();
     let war = tempfile::tempdir().unwrap();
     prepare(peace.path());

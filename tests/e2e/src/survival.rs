@@ -1,5 +1,4 @@
-//! A fit survives the death of any process, at any moment, and ends in the twin
-//! that it would have ended in otherwise.
+//! A fit survives the death of any process at any moment, and ends in the same twin.
 
 use std::time::Duration;
 
@@ -9,20 +8,20 @@ use rand_chacha::ChaCha8Rng;
 use tokio::sync::OnceCell;
 
 use crate::harness::{
-    Api, Server,
+    Api, TestCluster,
     api::{fraction, has_ended, worker},
     reference::{FIT, Reference, capture, undisturbed},
 };
 
-/// A fit of several seconds on an idle machine, so that twenty kills hit different moments. Most of it is search: passes
-/// of a walk that has come to rest take no time.
+/// A fit of several seconds on an idle machine, so that twenty kills hit different moments. Most of
+/// it is search: once refinement has converged, further passes take no time.
 const SETTINGS: &str = r#"{
     "seed": 11,
     "graph": {"max_nodes": 40},
     "search": {"generations": 500, "population": 8},
     "refine": {"passes": 40}
 }"#;
-/// The share of a fit over which kills are spread.
+/// Fraction of a fit over which kills are spread.
 const SPREAD: f64 = 0.75;
 
 const WORKER_KILLS: usize = 20;
@@ -49,18 +48,18 @@ async fn a_fit_survives_deaths_of_both_in_turn() {
     disturb(3, &[Victim::Worker, Victim::Server].repeat(SERVER_KILLS)).await;
 }
 
-/// Runs a fit, kills as listed, spread over the run, and compares the twin.
+/// Runs a fit with the listed kills spread over it, and compares the twin.
 async fn disturb(seed: u64, victims: &[Victim]) {
     static EXPECTED: OnceCell<Reference> = OnceCell::const_new();
     let expected = EXPECTED.get_or_init(|| undisturbed(SETTINGS)).await;
-    let mut server = Server::ordinary().await;
+    let mut server = TestCluster::ordinary().await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
     let fit = api.fit(&capture.name, SETTINGS, 0).await.unwrap();
 
-    let mut moments = Moments::new(seed, victims.len());
+    let mut schedule = KillSchedule::new(seed, victims.len());
     for victim in victims {
-        moments.wait_for_next(&api, &fit.name).await;
+        schedule.wait_for_next(&api, &fit.name).await;
         match victim {
             Victim::Worker => server.kill_workers(),
             Victim::Server => {
@@ -79,44 +78,48 @@ async fn disturb(seed: u64, victims: &[Victim]) {
     println!(
         "{} kills at {:?}, {} attempts: the same twin",
         victims.len(),
-        moments.struck.iter().map(|f| (f * 100.0).round() / 100.0).collect::<Vec<_>>(),
+        schedule.killed_at.iter().map(|f| (f * 100.0).round() / 100.0).collect::<Vec<_>>(),
         ended.job.unwrap().attempts
     );
 }
 
-/// When to kill: at random moments that spread over the run. A job fails after three attempts
-/// without progress, so at most every other kill comes before new progress.
-struct Moments {
+/// Random moments at which to kill, spread over the run. A job fails after three attempts without
+/// progress, so at most every other kill comes before new progress.
+struct KillSchedule {
     random: ChaCha8Rng,
     /// Fractions of the job at which kills are due, ascending.
     due: std::vec::IntoIter<f64>,
-    /// The fractions at which it happened.
-    struck: Vec<f64>,
-    /// Who ran the job at the last kill.
+    /// Fractions of the job at which kills happened.
+    killed_at: Vec<f64>,
+    /// The worker of the job at the last kill.
     last_worker: String,
 }
 
-impl Moments {
+impl KillSchedule {
     fn new(seed: u64, count: usize) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let moment = |i| SPREAD * (i as f64 + random.random_range(0.0..1.0)) / count as f64;
         let due: Vec<f64> = (0..count).map(moment).collect();
-        Self { random, due: due.into_iter(), struck: Vec::new(), last_worker: String::new() }
+        Self { random, due: due.into_iter(), killed_at: Vec::new(), last_worker: String::new() }
     }
 
     async fn wait_for_next(&mut self, api: &Api, fit: &str) {
         let due = self.due.next().unwrap();
-        let impatient = self.struck.len() % 3 == 2;
-        let before = self.struck.last().copied().unwrap_or(-1.0);
+        let impatient = self.killed_at.len() % 3 == 2;
+        let before = self.killed_at.last().copied().unwrap_or(-1.0);
         let ready = |fit: &Fit| {
             let taken_over = fit.state() == State::Running && worker(fit) != self.last_worker;
             let progressed = fraction(fit) > before && fraction(fit) >= due;
             has_ended(fit) || (taken_over && (impatient || progressed))
         };
-        let what = format!("under way for kill {}", self.struck.len() + 1);
+        let what = format!("under way for kill {}", self.killed_at.len() + 1);
         let fit = api.fit_when(fit, &what, FIT, ready).await;
-        assert!(!has_ended(&fit), "the fit ended before kill {}: {fit:?}", self.struck.len() + 1);
-        self.struck.push(fraction(&fit).max(before));
+        assert!(
+            !has_ended(&fit),
+            "the fit ended before kill {}: {fit:?}",
+            self.killed_at.len() + 1
+        );
+        self.killed_at.push(fraction(&fit).max(before));
         self.last_worker = worker(&fit).to_owned();
         let delay = self.random.random_range(0..150);
         tokio::time::sleep(Duration::from_millis(delay)).await;

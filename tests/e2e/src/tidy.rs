@@ -6,7 +6,7 @@ use crate::workspace;
 
 const MAX_LINES: usize = 600;
 
-/// What no text of the project says. Split, so that this file does not say it either.
+/// Words that no text of the project has. Split, so that this file does not have them either.
 const FORBIDDEN: [(&str, &str); 7] = [
     ("TO", "DO"),
     ("FIX", "ME"),
@@ -17,7 +17,7 @@ const FORBIDDEN: [(&str, &str); 7] = [
     ("/ro", "ot/"),
 ];
 
-/// Names that say nothing about what is inside.
+/// Names that do not describe their content.
 const EMPTY_NAMES: [&str; 6] = ["util", "utils", "helper", "helpers", "common", "misc"];
 
 #[test]
@@ -105,7 +105,7 @@ fn has_extension(name: &str, wanted: &[&str]) -> bool {
     wanted.contains(&extension.as_ref())
 }
 
-/// Whether `word` stands in the line with no letter right before or after it.
+/// True if `word` is in the line with no letter right before or after it.
 fn contains_word(line: &str, word: &str) -> bool {
     line.match_indices(word).any(|(at, _)| {
         let letter = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');

@@ -1,4 +1,4 @@
-//! What was acknowledged stays, what was not leaves nothing behind.
+//! Uploads: acknowledged ones survive, others leave nothing behind.
 
 use std::{path::Path, time::Duration};
 
@@ -6,7 +6,7 @@ use bendtwin_proto::v1::{CaptureMetadata, CreateCaptureRequest, create_capture_r
 use bytes::Bytes;
 use tonic::Code;
 
-use crate::harness::{Server, Setup, reference::capture, until};
+use crate::harness::{Setup, TestCluster, reference::capture, until};
 
 fn no_workers() -> Setup {
     Setup { own_workers: 0, ..Setup::default() }
@@ -14,7 +14,7 @@ fn no_workers() -> Setup {
 
 #[tokio::test]
 async fn acknowledged_uploads_survive_kill_9() {
-    let mut server = Server::start(no_workers()).await;
+    let mut server = TestCluster::start(no_workers()).await;
     let api = server.api();
     let archive = capture().await;
     let mut names = Vec::new();
@@ -40,7 +40,7 @@ async fn acknowledged_uploads_survive_kill_9() {
 
 #[tokio::test]
 async fn a_server_killed_during_an_upload_keeps_nothing_of_it() {
-    let mut server = Server::start(no_workers()).await;
+    let mut server = TestCluster::start(no_workers()).await;
     let empty = size_of_folder(&server.data_dir());
     let api = server.api();
     let (sender, receiver) = futures::channel::mpsc::unbounded();
@@ -68,7 +68,7 @@ async fn a_server_killed_during_an_upload_keeps_nothing_of_it() {
 
 #[tokio::test]
 async fn a_client_that_goes_away_during_an_upload_leaves_nothing() {
-    let server = Server::start(no_workers()).await;
+    let server = TestCluster::start(no_workers()).await;
     let folder = server.data_dir();
     let empty = size_of_folder(&folder);
     let api = server.api();
@@ -93,7 +93,7 @@ async fn a_client_that_goes_away_during_an_upload_leaves_nothing() {
 
 #[tokio::test]
 async fn a_digest_that_does_not_match_is_refused() {
-    let server = Server::start(no_workers()).await;
+    let server = TestCluster::start(no_workers()).await;
     let metadata = CaptureMetadata { digest: "00".repeat(32), ..Default::default() };
     let messages = vec![message(Part::Metadata(metadata)), message(Part::Chunk(capture().await))];
     let refused = server.api().captures().create_capture(futures::stream::iter(messages)).await;

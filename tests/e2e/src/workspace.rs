@@ -1,8 +1,8 @@
-//! The source tree that the tests belong to.
+//! The source tree of the tests.
 
 use std::path::{Path, PathBuf};
 
-/// Folders and root files with the project's own text.
+/// Folders and files at the root that have the project's own text.
 const PARTS: [&str; 14] = [
     "proto",
     "crates",
@@ -26,7 +26,7 @@ pub(crate) fn root() -> PathBuf {
     here.parent().and_then(Path::parent).unwrap().to_owned()
 }
 
-/// Every file that a person wrote, with its path from the root.
+/// Every file written by hand, with its path from the root.
 pub(crate) fn files() -> Vec<(String, PathBuf)> {
     let root = root();
     let mut found = Vec::new();

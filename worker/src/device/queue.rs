@@ -9,16 +9,16 @@ use std::{
 use bendtwin_engine::Backend;
 
 /// Work for a device thread.
-pub(super) type Job = Box<dyn FnOnce(&dyn Backend) -> Result<(), Broken> + Send>;
+pub(super) type Task = Box<dyn FnOnce(&dyn Backend) -> Result<(), Broken> + Send>;
 
-/// Why a device is of no use any more.
+/// Reason for which a device cannot be used any more.
 pub(super) struct Broken(pub(super) String);
 
-/// A background job that has waited this long goes first once, so that a
+/// A background task that has waited this long goes first once, so that a
 /// stream of rollouts slows a fit down but never stops it.
-const PATIENCE: Duration = Duration::from_secs(2);
+const STARVATION_LIMIT: Duration = Duration::from_secs(2);
 
-/// Whose work goes first.
+/// Priority of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Priority {
     /// A person or a robot waits for it.
@@ -27,70 +27,72 @@ pub(crate) enum Priority {
     Background,
 }
 
-/// Jobs by priority, first in, first out within each.
+/// Tasks by priority, first in, first out within each.
 #[derive(Default)]
 pub(super) struct Queue {
-    jobs: Mutex<Jobs>,
+    tasks: Mutex<Tasks>,
     arrived: Condvar,
 }
 
 #[derive(Default)]
-struct Jobs {
-    interactive: VecDeque<Job>,
-    background: VecDeque<(Instant, Job)>,
+struct Tasks {
+    interactive: VecDeque<Task>,
+    background: VecDeque<(Instant, Task)>,
     closed: bool,
 }
 
 impl Queue {
-    /// Adds a job; drops it if the queue is closed.
-    pub(super) fn push(&self, priority: Priority, job: Job) {
-        let mut jobs = self.lock();
-        if jobs.closed {
+    /// Adds a task; drops it if the queue is closed.
+    pub(super) fn push(&self, priority: Priority, task: Task) {
+        let mut tasks = self.lock();
+        if tasks.closed {
             return;
         }
         match priority {
-            Priority::Interactive => jobs.interactive.push_back(job),
-            Priority::Background => jobs.background.push_back((Instant::now(), job)),
+            Priority::Interactive => tasks.interactive.push_back(task),
+            Priority::Background => tasks.background.push_back((Instant::now(), task)),
         }
-        drop(jobs);
+        drop(tasks);
         self.arrived.notify_one();
     }
 
-    /// Waits for the next job; none once the queue is closed.
-    pub(super) fn next(&self) -> Option<Job> {
-        let mut jobs = self.lock();
+    /// Waits for the next task; none once the queue is closed.
+    pub(super) fn next(&self) -> Option<Task> {
+        let mut tasks = self.lock();
         loop {
-            if jobs.closed {
+            if tasks.closed {
                 return None;
             }
-            if let Some(job) = jobs.take() {
-                return Some(job);
+            if let Some(task) = tasks.take() {
+                return Some(task);
             }
-            jobs = self.arrived.wait(jobs).unwrap_or_else(PoisonError::into_inner);
+            tasks = self.arrived.wait(tasks).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
-    /// Takes no more jobs and drops those that wait, which wakes their callers.
+    /// Accepts no more tasks and drops those that wait, which wakes their callers.
     pub(super) fn close(&self) {
-        let mut jobs = self.lock();
-        jobs.closed = true;
-        let waiting = (std::mem::take(&mut jobs.interactive), std::mem::take(&mut jobs.background));
-        drop(jobs);
+        let mut tasks = self.lock();
+        tasks.closed = true;
+        let waiting =
+            (std::mem::take(&mut tasks.interactive), std::mem::take(&mut tasks.background));
+        drop(tasks);
         drop(waiting);
         self.arrived.notify_all();
     }
 
-    /// Jobs run outside the lock, so a panic cannot leave it half changed.
-    fn lock(&self) -> MutexGuard<'_, Jobs> {
-        self.jobs.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Tasks run outside the lock, so a panic cannot leave it half changed.
+    fn lock(&self) -> MutexGuard<'_, Tasks> {
+        self.tasks.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Jobs {
-    fn take(&mut self) -> Option<Job> {
-        let starving = self.background.front().is_some_and(|(since, _)| since.elapsed() > PATIENCE);
+impl Tasks {
+    fn take(&mut self) -> Option<Task> {
+        let starving =
+            self.background.front().is_some_and(|(since, _)| since.elapsed() > STARVATION_LIMIT);
         if starving || self.interactive.is_empty() {
-            return self.background.pop_front().map(|(_, job)| job);
+            return self.background.pop_front().map(|(_, task)| task);
         }
         self.interactive.pop_front()
     }

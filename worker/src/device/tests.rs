@@ -3,15 +3,15 @@ use std::sync::{
     atomic::{AtomicUsize, Ordering},
 };
 
-use bendtwin_core::{Environment, Graph, Params, Timing};
+use bendtwin_core::{CancelToken, Environment, Graph, Params, Timing};
 use bendtwin_engine::{
     Loaded, Model, Objective,
-    backend::{
-        CancelToken, Error as EngineError, Gradient, GradientRequest, Instance, Loss, Recording,
-        Rollout,
-    },
-    descent::{Chart, Decay, Descent, HostDescent, Parameter, Position, Probe, Scale, Start},
+    backend::{Error as EngineError, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
     model::State,
+    optimizer::{
+        Decay, GradientSample, HostOptimizer, Optimizer, OptimizerInit, Parameter,
+        Parameterization, Position, Scale,
+    },
 };
 
 use super::*;
@@ -51,7 +51,7 @@ impl Backend for Slow {
     fn roll_out(
         &self,
         batch: &[Instance],
-        _: &Recording,
+        _: &Outputs,
         _: &CancelToken,
     ) -> Result<Vec<Rollout>, EngineError> {
         let costs = self.run(batch).into_iter();
@@ -77,8 +77,12 @@ impl Backend for Slow {
         };
         Ok(batch.iter().map(one).collect())
     }
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, EngineError> {
-        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, EngineError> {
+        Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
     fn urgent(&self) -> Option<Arc<dyn Backend>> {
         self.urgent.clone().map(|urgent| urgent as _)
@@ -90,7 +94,7 @@ fn device(backend: Slow) -> (Device, mpsc::UnboundedReceiver<Error>) {
     (Device::spawn(move || Ok(Arc::new(backend) as _), fatal).unwrap(), died)
 }
 
-fn instances(lane: &Lane, frames: impl IntoIterator<Item = usize>) -> Vec<Instance> {
+fn instances(backend: &QueuedBackend, frames: impl IntoIterator<Item = usize>) -> Vec<Instance> {
     let graph = Graph { rest_positions: vec![[0.0; 3]], ..Graph::default() };
     let model = Model {
         graph: Arc::new(graph),
@@ -99,7 +103,7 @@ fn instances(lane: &Lane, frames: impl IntoIterator<Item = usize>) -> Vec<Instan
         timing: Timing { fps: 30.0, substeps: 10 },
         control_velocity: Default::default(),
     };
-    let model = lane.load(Arc::new(model)).unwrap();
+    let model = backend.load(Arc::new(model)).unwrap();
     let instance = |frames| Instance {
         model: model.clone(),
         initial: Arc::new(State::default()),
@@ -113,9 +117,10 @@ fn instances(lane: &Lane, frames: impl IntoIterator<Item = usize>) -> Vec<Instan
 #[test]
 fn results_come_back_in_order_whatever_the_slices() {
     let (device, _died) = device(Slow::default());
-    let lane = device.lane(Priority::Background);
+    let backend = device.backend(Priority::Background);
     let frames: Vec<usize> = (1..=23).map(|i| i * 7 % 11 + 1).collect();
-    let losses = lane.losses(&instances(&lane, frames.clone()), &CancelToken::default()).unwrap();
+    let losses =
+        backend.losses(&instances(&backend, frames.clone()), &CancelToken::default()).unwrap();
     let expected: Vec<f64> = frames.iter().map(|f| *f as f64).collect();
     assert_eq!(losses.iter().map(|l| l.total).collect::<Vec<_>>(), expected);
 }
@@ -123,7 +128,7 @@ fn results_come_back_in_order_whatever_the_slices() {
 #[test]
 fn a_rollout_is_answered_while_a_long_fit_batch_runs() {
     let (device, _died) = device(Slow { each: Duration::from_millis(20), ..Slow::default() });
-    let fit = device.lane(Priority::Background);
+    let fit = device.backend(Priority::Background);
     let batch = instances(&fit, std::iter::repeat_n(1, 100));
     let done = Arc::new(AtomicUsize::new(0));
     let finished = Arc::clone(&done);
@@ -132,10 +137,10 @@ fn a_rollout_is_answered_while_a_long_fit_batch_runs() {
         finished.store(losses.len(), Ordering::SeqCst);
     });
     std::thread::sleep(Duration::from_millis(100));
-    let lane = device.lane(Priority::Interactive);
+    let backend = device.backend(Priority::Interactive);
     let started = Instant::now();
-    let rollout = instances(&lane, [3]);
-    let costs = lane.roll_out(&rollout, &Recording::default(), &CancelToken::default()).unwrap();
+    let rollout = instances(&backend, [3]);
+    let costs = backend.roll_out(&rollout, &Outputs::default(), &CancelToken::default()).unwrap();
     // The whole batch takes two seconds, a slice one round of lanes: 40 ms.
     assert!(started.elapsed() < Duration::from_millis(800), "{:?}", started.elapsed());
     assert_eq!(done.load(Ordering::SeqCst), 0, "the fit must still be running");
@@ -149,8 +154,10 @@ fn slices_grow_to_what_a_slices_time_holds() {
     let batches = Arc::new(Mutex::new(Vec::new()));
     let slow = Slow { each: Duration::from_millis(5), batches: batches.clone(), ..Slow::default() };
     let (device, _died) = device(slow);
-    let lane = device.lane(Priority::Background);
-    lane.losses(&instances(&lane, std::iter::repeat_n(1, 60)), &CancelToken::default()).unwrap();
+    let backend = device.backend(Priority::Background);
+    backend
+        .losses(&instances(&backend, std::iter::repeat_n(1, 60)), &CancelToken::default())
+        .unwrap();
     let sizes = batches.lock().unwrap().clone();
     assert_eq!(sizes.iter().sum::<usize>(), 60);
     assert_eq!(sizes[0], 2, "the first slice is one round of the lanes");
@@ -162,8 +169,8 @@ fn slices_grow_to_what_a_slices_time_holds() {
 #[test]
 fn cancellation_ends_a_batch_between_slices() {
     let (device, _died) = device(Slow { each: Duration::from_millis(10), ..Slow::default() });
-    let lane = device.lane(Priority::Background);
-    let batch = instances(&lane, std::iter::repeat_n(1, 1000));
+    let backend = device.backend(Priority::Background);
+    let batch = instances(&backend, std::iter::repeat_n(1, 1000));
     let cancel = CancelToken::default();
     let remote = cancel.clone();
     std::thread::spawn(move || {
@@ -171,67 +178,72 @@ fn cancellation_ends_a_batch_between_slices() {
         remote.cancel();
     });
     let started = Instant::now();
-    assert_eq!(lane.losses(&batch, &cancel), Err(EngineError::Cancelled));
+    assert_eq!(backend.losses(&batch, &cancel), Err(EngineError::Cancelled));
     assert!(started.elapsed() < Duration::from_secs(1));
 }
 
 #[test]
 fn a_panic_is_caught_and_told() {
     let (device, mut died) = device(Slow { panics: true, ..Slow::default() });
-    let lane = device.lane(Priority::Interactive);
-    let batch = instances(&lane, [1]);
-    let result = lane.losses(&batch, &CancelToken::default());
+    let backend = device.backend(Priority::Interactive);
+    let batch = instances(&backend, [1]);
+    let result = backend.losses(&batch, &CancelToken::default());
     assert!(matches!(result, Err(EngineError::Device(_))), "{result:?}");
     let told = died.blocking_recv();
     assert!(matches!(told, Some(Error::Panicked(text)) if text.contains("broken")));
     // Later callers do not wait for a thread that is gone.
-    assert!(lane.losses(&batch, &CancelToken::default()).is_err());
+    assert!(backend.losses(&batch, &CancelToken::default()).is_err());
 }
 
 #[test]
-fn a_descent_measures_in_slices_and_keeps_the_order_of_its_gradients() {
+fn an_optimizer_measures_in_slices_and_keeps_the_order_of_its_gradients() {
     let slow = Slow { each: Duration::from_millis(2), ..Slow::default() };
     let batches = slow.batches.clone();
     let direct = slow.clone();
     let (device, _died) = device(slow);
-    let lane = device.lane(Priority::Background);
+    let backend = device.backend(Priority::Background);
     let frames: Vec<usize> = (1..=9).map(|i| i * 7 % 11 + 1).collect();
-    let instances = instances(&lane, frames.clone());
-    let chart = Chart::new(Params { drag: 1.0, ..Params::default() });
-    let chart = chart.with(Parameter::Drag, Scale::Linear, 1.0, |_| [0.0, 2.0]);
-    let position = Position::at_rest(chart.start());
-    let start = Start { loaded: instances[0].model.clone(), chart, position };
-    let probe = |instance: &Instance| Probe { walk: 0, instance: instance.clone() };
-    let probes: Vec<Probe> = instances.iter().map(probe).collect();
-    let decay = Decay { beta1: 0.9, beta2: 0.99, home: 0.7 };
+    let instances = instances(&backend, frames.clone());
+    let parameterization = Parameterization::new(Params { drag: 1.0, ..Params::default() });
+    let parameterization =
+        parameterization.with(Parameter::Drag, Scale::Linear, 1.0, |_| [0.0, 2.0]);
+    let position = Position::at_rest(parameterization.start());
+    let init = OptimizerInit { loaded: instances[0].model.clone(), parameterization, position };
+    let sample = |instance: &Instance| GradientSample { run: 0, instance: instance.clone() };
+    let samples: Vec<GradientSample> = instances.iter().map(sample).collect();
+    let decay = Decay { beta1: 0.9, beta2: 0.99, prior: 0.7 };
     // A gradient in the wrong place would change the moments.
     let weights: Vec<f64> = frames.iter().enumerate().map(|(i, f)| i as f64 / *f as f64).collect();
-    let walk = |backend: &dyn Backend| {
-        let mut descent = backend.descent(vec![start.clone()], decay).unwrap();
+    let measured = |backend: &dyn Backend| {
+        let mut optimizer = backend.optimizer(vec![init.clone()], decay).unwrap();
         let request = GradientRequest::default();
-        let slopes = descent.measure(&probes, &request, &CancelToken::default()).unwrap();
-        descent.step(0, &weights, 0.1).unwrap();
-        (slopes, descent.position(0).unwrap())
+        let norms = optimizer.measure(&samples, &request, &CancelToken::default()).unwrap();
+        optimizer.step(0, &weights, 0.1).unwrap();
+        (norms, optimizer.position(0).unwrap())
     };
-    let through_lane = walk(&lane);
+    let queued = measured(&backend);
     assert!(batches.lock().unwrap().len() > 1, "one slice is no test");
-    assert_eq!(through_lane, walk(&direct));
-    let lengths: Vec<f64> = through_lane.0.iter().map(|s| s.length).collect();
-    assert_eq!(lengths, frames.iter().map(|f| *f as f64).collect::<Vec<_>>());
-    assert!(lane.compute() > Duration::ZERO);
+    assert_eq!(queued, measured(&direct));
+    let norms: Vec<f64> = queued.0.iter().map(|s| s.norm).collect();
+    assert_eq!(norms, frames.iter().map(|f| *f as f64).collect::<Vec<_>>());
+    assert!(backend.compute() > Duration::ZERO);
 }
 
 #[test]
-fn a_descent_is_dropped_on_the_device_thread() {
+fn an_optimizer_is_dropped_on_the_device_thread() {
     let (device, _died) = device(Slow::default());
-    let lane = device.lane(Priority::Background);
-    let loaded = instances(&lane, [1])[0].model.clone();
-    let chart = Chart::new(Params::default());
-    let start = Start { loaded, chart, position: Position::default() };
-    let descent = lane.descent(vec![start], Decay { beta1: 0.9, beta2: 0.99, home: 0.7 }).unwrap();
-    drop(descent);
+    let backend = device.backend(Priority::Background);
+    let loaded = instances(&backend, [1])[0].model.clone();
+    let parameterization = Parameterization::new(Params::default());
+    let init = OptimizerInit { loaded, parameterization, position: Position::default() };
+    let optimizer =
+        backend.optimizer(vec![init], Decay { beta1: 0.9, beta2: 0.99, prior: 0.7 }).unwrap();
+    drop(optimizer);
     // Jobs of one priority run in order, so by now it is gone, and the device still works.
-    assert_eq!(lane.losses(&instances(&lane, [5]), &CancelToken::default()).unwrap()[0].total, 5.0);
+    assert_eq!(
+        backend.losses(&instances(&backend, [5]), &CancelToken::default()).unwrap()[0].total,
+        5.0
+    );
 }
 
 /// A device with two queues; the second answers at once.
@@ -240,8 +252,8 @@ fn two_queues(urgent: Slow) -> (Device, mpsc::UnboundedReceiver<Error>) {
     device(Slow { each, urgent: Some(Arc::new(urgent)), ..Slow::default() })
 }
 
-fn roll_out(lane: &Lane) -> Result<Vec<Rollout>, EngineError> {
-    lane.roll_out(&instances(lane, [3]), &Recording::default(), &CancelToken::default())
+fn roll_out(backend: &QueuedBackend) -> Result<Vec<Rollout>, EngineError> {
+    backend.roll_out(&instances(backend, [3]), &Outputs::default(), &CancelToken::default())
 }
 
 #[test]
@@ -249,16 +261,16 @@ fn with_a_second_queue_rollouts_run_while_a_fits_slice_does() {
     let urgent = Slow::default();
     let answered = urgent.batches.clone();
     let (device, _died) = two_queues(urgent);
-    let fit = device.lane(Priority::Background);
+    let fit = device.backend(Priority::Background);
     let batch = instances(&fit, [1, 1]);
     let fitting = std::thread::spawn(move || {
         let losses = fit.losses(&batch, &CancelToken::default()).unwrap();
         (losses.len(), Instant::now())
     });
-    let lane = device.lane(Priority::Interactive);
+    let backend = device.backend(Priority::Interactive);
     let mut answers = 0;
     while !fitting.is_finished() {
-        assert_eq!(roll_out(&lane).unwrap()[0].cost, 3.0);
+        assert_eq!(roll_out(&backend).unwrap()[0].cost, 3.0);
         answers += 1;
     }
     let (fitted, _) = fitting.join().unwrap();
@@ -275,11 +287,11 @@ fn what_breaks_in_one_queue_ends_both() {
     {
         let (device, mut died) = two_queues(broken);
         assert!(matches!(
-            roll_out(&device.lane(Priority::Interactive)),
+            roll_out(&device.backend(Priority::Interactive)),
             Err(EngineError::Device(_))
         ));
         assert!(matches!(died.blocking_recv(), Some(Error::Panicked(_) | Error::DeviceFailed(_))));
-        let fit = device.lane(Priority::Background);
+        let fit = device.backend(Priority::Background);
         let model = Arc::new(Model {
             graph: Arc::new(Graph::default()),
             params: Params::default(),
@@ -298,9 +310,9 @@ fn with_a_second_queue_a_batch_is_cut_alike_every_time() {
     let (device, _died) = two_queues(urgent);
     let cancel = CancelToken::default();
     for _ in 0..2 {
-        let lane = device.lane(Priority::Interactive);
-        let batch = instances(&lane, std::iter::repeat_n(1, 20));
-        lane.roll_out(&batch, &Recording::default(), &cancel).unwrap();
+        let backend = device.backend(Priority::Interactive);
+        let batch = instances(&backend, std::iter::repeat_n(1, 20));
+        backend.roll_out(&batch, &Outputs::default(), &cancel).unwrap();
     }
     assert_eq!(*batches.lock().unwrap(), [20, 20]);
 }

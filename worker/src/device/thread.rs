@@ -1,4 +1,4 @@
-//! The OS threads of a device: they take jobs off their queues until one breaks the device or it is closed.
+//! The OS threads of a device: they take tasks off their queues until one breaks the device or it is closed.
 
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
@@ -6,35 +6,33 @@ use std::{
     time::{Duration, Instant},
 };
 
+use bendtwin_core::error::panic_text;
 use bendtwin_engine::{Backend, Device as Description, backend::Memory};
 use tokio::sync::mpsc;
 
-use super::{
-    panic_text,
-    queue::{Broken, Queue},
-};
+use super::queue::{Broken, Queue};
 use crate::Error;
 
-/// Between two looks at the device's memory; a look may wait for the driver.
-const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// Time between two samples of the device's memory; a sample may wait for the driver.
+const MEMORY_SAMPLE_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Gives up about so many bytes of the device's memory; false if there is nothing to give up.
-type Spare = Box<dyn Fn(u64) -> bool + Send + Sync>;
+/// Frees about so many bytes of the device's memory; false if there is nothing to free.
+type Reclaim = Box<dyn Fn(u64) -> bool + Send + Sync>;
 
-/// What an opened backend says of itself.
+/// Properties of an opened backend.
 pub(super) struct Opened {
     pub(super) description: Description,
-    /// Its second queue.
+    /// The second queue of the backend.
     pub(super) urgent: Option<Arc<dyn Backend>>,
 }
 
-/// The queues and what their threads share.
+/// The queues, and the state that their threads share.
 pub(super) struct Threads {
     pub(super) main: Queue,
     pub(super) urgent: Queue,
     memory: Mutex<Option<Memory>>,
-    spare: OnceLock<Spare>,
-    /// Told why the process must restart.
+    reclaim: OnceLock<Reclaim>,
+    /// Channel for errors after which the process must restart.
     fatal: mpsc::UnboundedSender<Error>,
 }
 
@@ -44,7 +42,7 @@ impl Threads {
             main: Queue::default(),
             urgent: Queue::default(),
             memory: Mutex::default(),
-            spare: OnceLock::new(),
+            reclaim: OnceLock::new(),
             fatal,
         }
     }
@@ -61,7 +59,7 @@ impl Threads {
                 Ok(backend) => backend,
                 Err(e) => return drop(sender.send(Err(e))),
             };
-            shared.look(&*backend);
+            shared.sample_memory(&*backend);
             let opened = Opened { description: backend.device(), urgent: backend.urgent() };
             let _ = sender.send(Ok(opened));
             shared.work(&shared.main, &*backend);
@@ -81,33 +79,33 @@ impl Threads {
         started
     }
 
-    /// Takes no more jobs and drops those that wait, which wakes their callers.
+    /// Accepts no more tasks and drops those that wait, which wakes their callers.
     pub(super) fn close(&self) {
         self.main.close();
         self.urgent.close();
     }
 
-    /// The memory as last seen.
+    /// The memory as last sampled.
     pub(super) fn memory(&self) -> Option<Memory> {
         *self.memory.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn on_shortage(&self, spare: Spare) {
+    pub(super) fn on_shortage(&self, reclaim: Reclaim) {
         // Set once, when the worker starts.
-        let _ = self.spare.set(spare);
+        let _ = self.reclaim.set(reclaim);
     }
 
     pub(super) fn reclaim(&self, bytes: u64) -> bool {
-        self.spare.get().is_some_and(|spare| spare(bytes))
+        self.reclaim.get().is_some_and(|reclaim| reclaim(bytes))
     }
 
     fn work(&self, queue: &Queue, backend: &dyn Backend) {
-        let mut looked = Instant::now();
-        while let Some(job) = queue.next() {
-            let error = match catch_unwind(AssertUnwindSafe(|| job(backend))) {
+        let mut sampled = Instant::now();
+        while let Some(task) = queue.next() {
+            let error = match catch_unwind(AssertUnwindSafe(|| task(backend))) {
                 Ok(Ok(())) => None,
                 Ok(Err(Broken(why))) => Some(Error::DeviceFailed(why)),
-                Err(panic) => Some(Error::Panicked(panic_text(&*panic))),
+                Err(panic) => Some(Error::Panicked(panic_text(&*panic).to_owned())),
             };
             if let Some(error) = error {
                 // Both queues: what one thread broke, the other must not use.
@@ -115,14 +113,14 @@ impl Threads {
                 let _ = self.fatal.send(error);
                 return;
             }
-            if looked.elapsed() >= LOOK_EVERY {
-                self.look(backend);
-                looked = Instant::now();
+            if sampled.elapsed() >= MEMORY_SAMPLE_INTERVAL {
+                self.sample_memory(backend);
+                sampled = Instant::now();
             }
         }
     }
 
-    fn look(&self, backend: &dyn Backend) {
+    fn sample_memory(&self, backend: &dyn Backend) {
         self.set_memory(backend.memory());
     }
 

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Fault, FitSettings, Problem as _, Progress, Stage, Twin};
-use bendtwin_fit::{FitJob, Observer, ObserverError};
+use bendtwin_core::{
+    Fault, FitSettings, Observer, ObserverError, Problem as _, Progress, Stage, Twin,
+};
+use bendtwin_fit::FitJob;
 use bendtwin_proto::worker::v1::Lease;
 use bytes::Bytes;
 use tempfile::NamedTempFile;
@@ -11,22 +13,22 @@ use tempfile::NamedTempFile;
 use crate::{
     Limits,
     device::{Device, Priority},
-    job::{checkpoints::Checkpoints, report::Latest, stop::Stop},
+    job::{checkpoints::Checkpoints, report::LatestProgress, stop::Stop},
     observation,
 };
 
-/// Where the fit's thread reports to.
+/// The computation of a fit and the channels on which it reports.
 pub(super) struct Compute {
-    pub(super) progress: Latest,
+    pub(super) progress: LatestProgress,
     pub(super) checkpoints: Checkpoints,
     pub(super) stop: Stop,
 }
 
-/// What to compute.
-pub(super) struct Task {
+/// Inputs of a fit.
+pub(super) struct Inputs {
     pub(super) lease: Lease,
     pub(super) settings: FitSettings,
-    /// What its capture's ingest made.
+    /// The bundle that the ingest of the capture made.
     pub(super) observation: NamedTempFile,
     pub(super) checkpoint: Option<Bytes>,
 }
@@ -47,12 +49,12 @@ impl Compute {
     /// Reads the observation and fits it, from the checkpoint if there is one.
     pub(super) fn run(
         self,
-        task: Task,
+        inputs: Inputs,
         device: &Device,
         limits: &Limits,
     ) -> Result<Finished, Fault> {
-        let Task { lease, settings, observation, checkpoint } = task;
-        self.progress.set(reading());
+        let Inputs { lease, settings, observation, checkpoint } = inputs;
+        self.progress.set(reading_progress());
         let mut capture = observation::read(observation.path(), limits).map_err(|e| e.fault())?;
         // It may be gigabytes, and everything is in memory now.
         drop(observation);
@@ -65,43 +67,43 @@ impl Compute {
             // Of what is fitted, not of the upload: an ingest may run again with other settings.
             capture_digest: bendtwin_capture::digest(&capture),
             settings,
-            backend: Arc::new(device.lane(Priority::Background)),
+            backend: Arc::new(device.backend(Priority::Background)),
         };
         let token = self.stop.token().clone();
-        let mut observer = Watcher { compute: self, stage_ended: false };
+        let mut observer = JobObserver { compute: self, stage_ended: false };
         let mut result = job.run(checkpoint.as_deref(), &mut observer, &token);
         if let Err(
             e @ (bendtwin_fit::Error::Checkpoint(_) | bendtwin_fit::Error::OtherCheckpoint),
         ) = &result
         {
-            // From a build before an update, say: the work is lost, the job is not.
-            tracing::warn!("starting the fit anew: {e}");
+            // From a build before an update, for example: the work is lost, the job is not.
+            tracing::warn!("restarting the fit from the beginning: {e}");
             result = job.run(None, &mut observer, &token);
         }
         finished(&result.map_err(|e| e.fault())?.twin)
     }
 }
 
-/// Passes on what a fit reports.
-struct Watcher {
+/// Passes on progress and checkpoints of a fit.
+struct JobObserver {
     compute: Compute,
-    /// Whether the last iteration reported was a stage's last.
+    /// True if the last iteration reported was a stage's last.
     stage_ended: bool,
 }
 
-impl Observer for Watcher {
+impl Observer<Progress> for JobObserver {
     fn progress(&mut self, progress: Progress) {
         self.stage_ended = progress.iteration >= progress.iterations;
         self.compute.progress.set(progress);
     }
 
     fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        self.compute.checkpoints.offer(checkpoint, self.stage_ended);
+        self.compute.checkpoints.submit(checkpoint, self.stage_ended);
         Ok(())
     }
 }
 
-fn reading() -> Progress {
+fn reading_progress() -> Progress {
     Progress {
         stage: Stage::Ingest,
         variant: String::new(),

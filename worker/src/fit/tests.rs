@@ -40,7 +40,7 @@ async fn a_fit_that_is_handed_back_is_waited_for() {
     let stop = Stop::default();
     stop.stop(Reason::Drained);
     tokio::spawn(async move {
-        tokio::time::sleep(HEARING + Duration::from_millis(100)).await;
+        tokio::time::sleep(CANCEL_GRACE + Duration::from_millis(100)).await;
         let _ = done.send(Outcome::Failed(cancelled()));
     });
     let (outcome, straggler) = finish(thread, &stop).await;

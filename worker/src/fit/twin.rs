@@ -1,4 +1,4 @@
-//! A finished twin on its way to the server.
+//! Delivery of a finished twin to the server.
 
 use bendtwin_core::Category;
 use bendtwin_proto::worker::v1::TwinWrite;
@@ -9,15 +9,15 @@ use crate::{
         Job,
         deliver::{Delivery, Failure, Undelivered},
     },
-    link::LinkError,
+    server_client::CallError,
 };
 
-/// Stores the twin, which ends the job. Sending it twice is safe: the second answer is the
-/// same, or says that the lease is stale.
+/// Stores the twin, which ends the job. Sending it twice is safe: the second answer is the same, or
+/// reports a stale lease.
 pub(super) async fn deliver(delivery: &Delivery<'_>, finished: Finished) {
-    match delivery.repeat("the twin", || send(delivery.job, &finished)).await {
+    match delivery.send_until_acknowledged("the twin", || send(delivery.job, &finished)).await {
         Ok(twin) => tracing::info!(twin, bytes = finished.file.len(), "fit succeeded"),
-        // Too large, say: another attempt would make the same twin and be refused alike.
+        // Too large, for example: another attempt would make the same twin and be refused, too.
         Err(Undelivered::Refused(fault)) if fault.category == Category::InvalidArgument => {
             delivery.fail(fault, Failure::Permanent).await;
         }
@@ -25,7 +25,7 @@ pub(super) async fn deliver(delivery: &Delivery<'_>, finished: Finished) {
     }
 }
 
-async fn send(job: &Job, finished: &Finished) -> Result<String, LinkError> {
+async fn send(job: &Job, finished: &Finished) -> Result<String, CallError> {
     let twin = TwinWrite {
         job: Some(job.write_of(&finished.file)),
         node_count: finished.node_count,
@@ -36,5 +36,5 @@ async fn send(job: &Job, finished: &Finished) -> Result<String, LinkError> {
         substeps: finished.substeps,
         quality_json: finished.quality_json.clone(),
     };
-    job.link().complete_fit(twin, finished.file.clone()).await
+    job.server().complete_fit(twin, finished.file.clone()).await
 }

@@ -1,5 +1,5 @@
-//! The worker's side of the child process: started, listened to, killed when nobody wants it any more,
-//! and its end explained.
+//! The worker's side of the child process: starts it, reads its messages, kills it when the job is
+//! stopped, and explains its end.
 
 use std::{
     path::Path,
@@ -14,43 +14,45 @@ use tokio::{
 };
 
 use super::protocol::{CHECKPOINT, Message};
-use crate::job::{checkpoints::Checkpoints, report::Latest};
+use crate::job::{checkpoints::Checkpoints, report::LatestProgress};
 
-/// Longest line that is listened to [bytes]; the child writes far shorter ones.
-const LINE: u64 = 1 << 20;
-/// How much of the end of its standard error is kept [bytes].
-const TAIL: usize = 4 << 10;
-/// Each thread has a stack and an arena of its own, which count as the child's memory.
+/// Longest message line that is accepted [bytes]; the child writes far shorter ones.
+const MAX_LINE: u64 = 1 << 20;
+/// Size of the tail of its standard error that is kept [bytes].
+const TAIL_BYTES: usize = 4 << 10;
+/// Most threads of the child. Each has a stack and an arena of its own, which count as the child's
+/// memory.
 const MOST_THREADS: usize = 8;
 
-/// What Rust's runtime says when memory cannot be had before it aborts, and what it and the system call such an error.
-const NO_MEMORY: [&str; 3] = ["memory allocation of", "Cannot allocate memory", "out of memory"];
+/// Words for lack of memory in messages of Rust's runtime, which then aborts, and of the system.
+const OUT_OF_MEMORY_TEXTS: [&str; 3] =
+    ["memory allocation of", "Cannot allocate memory", "out of memory"];
 
-/// How to start the child.
+/// The command of the child.
 pub(super) struct Child<'a> {
     pub(super) program: &'a Path,
     pub(super) folder: &'a Path,
 }
 
-/// What the child's work came to.
+/// Outcome of the child's work.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Ended {
     /// Observation and report lie in the folder.
     Observed { verdict: Verdict },
     /// The report lies in the folder.
     Refused { verdict: Verdict, fault: Fault },
-    /// It was too much for the memory that it may take: the fault says so, nothing lies in the folder.
-    TooMuch { fault: Fault },
+    /// The work needs more memory than it may take. The fault says so; the folder has no results.
+    OutOfMemory { fault: Fault },
 }
 
 impl Child<'_> {
     /// Runs the child to its end. Dropping the future kills it.
     ///
     /// # Errors
-    /// If it cannot be started, or ended without a last word.
+    /// If the child cannot be started, or ended without a final message.
     pub(super) async fn run(
         &self,
-        progress: &Latest,
+        progress: &LatestProgress,
         checkpoints: &Checkpoints,
     ) -> Result<Ended, Fault> {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -58,7 +60,7 @@ impl Child<'_> {
             .arg("ingest-capture")
             .arg(self.folder)
             .env("RAYON_NUM_THREADS", threads.min(MOST_THREADS).to_string())
-            // Held open: its end tells the child that the worker is gone.
+            // Held open: the child exits when it ends, because the worker is gone then.
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -69,67 +71,67 @@ impl Child<'_> {
         let (Some(stdout), Some(stderr)) = (child.stdout.take(), child.stderr.take()) else {
             return Err(crashed("its output cannot be read"));
         };
-        let listening = self.listen(BufReader::new(stdout), progress, checkpoints);
-        let (last, tail) = tokio::join!(listening, tail_of(stderr));
+        let reading = self.read_messages(BufReader::new(stdout), progress, checkpoints);
+        let (last, tail) = tokio::join!(reading, copy_log(stderr));
         let status = child.wait().await.map_err(|e| crashed(&e.to_string()))?;
         match last {
             Some(Message::Observed { verdict }) => Ok(Ended::Observed { verdict }),
             // A file that cannot be read for lack of memory is not the file's fault.
             Some(Message::Refused { fault, .. }) if is_out_of_memory(&fault.message) => {
-                Ok(Ended::TooMuch { fault: out_of_memory() })
+                Ok(Ended::OutOfMemory { fault: out_of_memory() })
             }
             Some(Message::Refused { verdict, fault }) => Ok(Ended::Refused { verdict, fault }),
             Some(Message::Failed(fault)) => Err(fault),
-            _ if is_out_of_memory(&tail) => Ok(Ended::TooMuch { fault: out_of_memory() }),
-            _ => Err(crashed(&explain(status))),
+            _ if is_out_of_memory(&tail) => Ok(Ended::OutOfMemory { fault: out_of_memory() }),
+            _ => Err(crashed(&describe_exit(status))),
         }
     }
 
-    /// Passes on what the child says; returns its last word.
-    async fn listen(
+    /// Passes on progress and checkpoints; returns the final message.
+    async fn read_messages(
         &self,
         mut lines: impl AsyncBufRead + Unpin,
-        progress: &Latest,
+        progress: &LatestProgress,
         checkpoints: &Checkpoints,
     ) -> Option<Message> {
         let mut last = None;
         loop {
             let mut line = Vec::new();
-            match (&mut lines).take(LINE).read_until(b'\n', &mut line).await {
+            match (&mut lines).take(MAX_LINE).read_until(b'\n', &mut line).await {
                 Ok(0) | Err(_) => return last,
                 Ok(_) => {}
             }
             match serde_json::from_slice(&line) {
-                Ok(Message::Progress(told)) => progress.set(told),
+                Ok(Message::Progress(reported)) => progress.set(reported),
                 Ok(Message::Checkpoint) => {
                     match tokio::fs::read(self.folder.join(CHECKPOINT)).await {
-                        Ok(checkpoint) => checkpoints.offer(checkpoint, false),
+                        Ok(checkpoint) => checkpoints.submit(checkpoint, false),
                         Err(error) => tracing::warn!(%error, "a checkpoint cannot be read"),
                     }
                 }
-                Ok(word) => last = Some(word),
-                Err(error) => tracing::warn!(%error, "the ingest said what nobody understands"),
+                Ok(message) => last = Some(message),
+                Err(error) => tracing::warn!(%error, "the ingest process sent an invalid message"),
             }
         }
     }
 }
 
-/// Passes on what the child logs; returns the end of it.
-async fn tail_of(mut stderr: impl AsyncRead + Unpin) -> String {
+/// Copies the child's log to the worker's; returns the end of it.
+async fn copy_log(mut stderr: impl AsyncRead + Unpin) -> String {
     let mut tail = Vec::new();
-    let mut chunk = [0; TAIL];
+    let mut chunk = [0; TAIL_BYTES];
     while let Ok(read) = stderr.read(&mut chunk).await {
-        let Some(told) = chunk.get(..read).filter(|t| !t.is_empty()) else { break };
-        eprint!("{}", String::from_utf8_lossy(told));
-        tail.extend_from_slice(told);
-        let surplus = tail.len().saturating_sub(TAIL);
+        let Some(text) = chunk.get(..read).filter(|t| !t.is_empty()) else { break };
+        eprint!("{}", String::from_utf8_lossy(text));
+        tail.extend_from_slice(text);
+        let surplus = tail.len().saturating_sub(TAIL_BYTES);
         tail.drain(..surplus);
     }
     String::from_utf8_lossy(&tail).into_owned()
 }
 
-fn is_out_of_memory(told: &str) -> bool {
-    NO_MEMORY.iter().any(|words| told.contains(words))
+fn is_out_of_memory(text: &str) -> bool {
+    OUT_OF_MEMORY_TEXTS.iter().any(|words| text.contains(words))
 }
 
 fn out_of_memory() -> Fault {
@@ -142,7 +144,7 @@ fn out_of_memory() -> Fault {
     }
 }
 
-/// The child's end is told to the worker's log; a user hears what to do.
+/// The fault for a user when the child ended unexpectedly; the details go to the worker's log.
 fn crashed(how: &str) -> Fault {
     tracing::error!("the process that reads the capture failed: {how}");
     Fault {
@@ -155,7 +157,7 @@ fn crashed(how: &str) -> Fault {
 }
 
 #[cfg(unix)]
-fn explain(status: ExitStatus) -> String {
+fn describe_exit(status: ExitStatus) -> String {
     use std::os::unix::process::ExitStatusExt as _;
     match status.signal() {
         Some(signal) => format!("killed by signal {signal}"),
@@ -164,7 +166,7 @@ fn explain(status: ExitStatus) -> String {
 }
 
 #[cfg(not(unix))]
-fn explain(status: ExitStatus) -> String {
+fn describe_exit(status: ExitStatus) -> String {
     status.to_string()
 }
 

@@ -1,8 +1,10 @@
-//! What an ingest made on its way to the server: streamed from files, again and again until it has arrived.
+//! Delivery of an ingest's result: streamed from files, and repeated until the server has
+//! acknowledged it.
 
 use std::path::{Path, PathBuf};
 
 use bendtwin_core::{Category, Fault};
+use bendtwin_ingest::unread;
 use bendtwin_inspect::Verdict;
 use bendtwin_proto::worker::v1::{EndIngestRequest, IngestWrite, Lease, end_ingest_request::Part};
 use bytes::Bytes;
@@ -11,7 +13,6 @@ use tokio_util::io::ReaderStream;
 
 use super::{
     child::Ended,
-    observe::unread,
     process::write_report,
     protocol::{OBSERVATION, PAGE, REPORT},
 };
@@ -20,19 +21,19 @@ use crate::{
         Job,
         deliver::{Delivery, Failure, Undelivered},
     },
-    link::LinkError,
+    server_client::CallError,
 };
 
 /// Bytes of one chunk: large enough to be cheap, well below any message limit.
 const CHUNK: usize = 256 << 10;
 
-/// Sends the results that lie in the folder, which ends the job.
+/// Sends the results in the folder, which ends the job.
 pub(super) async fn deliver(delivery: &Delivery<'_>, folder: &Path, ended: Ended, lease: &Lease) {
     let (verdict, fault) = match ended {
         Ended::Observed { verdict } => (verdict, None),
         Ended::Refused { verdict, fault } => (verdict, Some(fault)),
-        Ended::TooMuch { fault } => {
-            // The child had no say any more.
+        Ended::OutOfMemory { fault } => {
+            // The child could not write a report.
             let report = unread(&lease.capture_display_name, &fault).report;
             if let Err(error) = write_report(folder, &report) {
                 tracing::warn!(%error, "no report can be written");
@@ -51,9 +52,12 @@ pub(super) async fn deliver(delivery: &Delivery<'_>, folder: &Path, ended: Ended
         }
     };
     let parts = parts(folder, made.fault.is_none());
-    match delivery.repeat("what the ingest made", || send(delivery.job, &made, &parts)).await {
+    match delivery
+        .send_until_acknowledged("what the ingest made", || send(delivery.job, &made, &parts))
+        .await
+    {
         Ok(()) => tracing::info!(verdict = made.verdict, "ingest ended"),
-        // Too large, say: another attempt would make the same and be refused alike.
+        // Too large, for example: another attempt would have the same result and be refused, too.
         Err(Undelivered::Refused(fault)) if fault.category == Category::InvalidArgument => {
             delivery.fail(fault, Failure::Permanent).await;
         }
@@ -86,7 +90,7 @@ async fn measure(
         };
         Ok(IngestWrite {
             job: Some(write),
-            verdict: word(verdict).to_owned(),
+            verdict: verdict_name(verdict).to_owned(),
             observation_digest: match fault {
                 None => digest(OBSERVATION)?,
                 Some(_) => String::new(),
@@ -99,16 +103,17 @@ async fn measure(
     measured.await.map_err(std::io::Error::other)?
 }
 
-async fn send(job: &Job, made: &IngestWrite, parts: &[(PathBuf, Wrap)]) -> Result<(), LinkError> {
+async fn send(job: &Job, made: &IngestWrite, parts: &[(PathBuf, Wrap)]) -> Result<(), CallError> {
     let mut files = Vec::with_capacity(parts.len());
     for (path, wrap) in parts {
         let file = tokio::fs::File::open(path).await;
-        files.push((file.map_err(|e| LinkError::Unavailable(unreadable(&e)))?, *wrap));
+        files.push((file.map_err(|e| CallError::Unavailable(unreadable(&e)))?, *wrap));
     }
-    job.link().end_ingest(messages(made.clone(), files)).await
+    job.server().end_ingest(messages(made.clone(), files)).await
 }
 
-/// Metadata, then each file. One that cannot be read any more cuts the upload short, which its digest tells.
+/// Metadata, then each file. A file that cannot be read any more cuts the upload short, which the
+/// digest reveals.
 fn messages(
     made: IngestWrite,
     files: Vec<(tokio::fs::File, Wrap)>,
@@ -121,7 +126,7 @@ fn messages(
     first.chain(chunks).map(|part| EndIngestRequest { part: Some(part) })
 }
 
-fn word(verdict: Verdict) -> &'static str {
+fn verdict_name(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Good => "good",
         Verdict::Usable => "usable",

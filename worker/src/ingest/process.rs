@@ -1,4 +1,4 @@
-//! The child's side: fenced in first, then one capture read and its results written beside it.
+//! The child's side: limits its own memory first, then reads one capture and writes the results beside it.
 
 use std::{
     io::{self, Read as _, Write as _},
@@ -7,39 +7,40 @@ use std::{
 };
 
 use bendtwin_capture as capture;
-use bendtwin_core::{Fault, Problem as _, Progress, Stage, settings::ingest::IngestSettings};
-use bendtwin_ingest::{CancelToken, ObserverError};
+use bendtwin_core::{
+    CancelToken, Fault, Observer, ObserverError, Problem as _, Progress, Stage,
+    settings::ingest::IngestSettings,
+};
+use bendtwin_ingest::{Error, Observed, ingest};
 use bendtwin_inspect::Report;
 
-use super::{
-    observe::{Observed, Watcher, observe},
-    protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, REPORT, Request},
-};
+use super::protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, REPORT, Request};
 
-/// Between two lines of progress.
-const EVERY: Duration = Duration::from_millis(200);
+/// Least time between two progress messages.
+const PROGRESS_INTERVAL: Duration = Duration::from_millis(200);
 
-/// Reads the capture in a folder that a worker prepared, says on standard output how it goes on, and leaves the
-/// results there. What the capture does wrong is a result, too.
+/// Reads the capture in a folder that a worker prepared, writes progress to standard output, and
+/// leaves the results in the folder. A fault of the capture is a result, too.
 ///
 /// # Errors
-/// If the folder is not as a worker prepares it, or this process cannot be fenced in.
+/// If the folder is not as a worker prepares it, or this process cannot limit its memory.
 pub fn ingest_capture(folder: &Path) -> io::Result<()> {
     let request = Request::read(folder)?;
-    fence(request.memory_bytes)?;
+    limit_memory(request.memory_bytes)?;
     end_with_parent();
     let last = match work(folder, &request) {
         Ok(last) => last,
         Err(fault) => Message::Failed(fault),
     };
-    say(&last)
+    write_message(&last)
 }
 
 fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
     let settings: IngestSettings = match request.settings.trim() {
         "" => IngestSettings::default(),
-        json => serde_json::from_str(json)
-            .map_err(|e| bendtwin_ingest::Error::Settings(vec![e.to_string()]).fault())?,
+        json => {
+            serde_json::from_str(json).map_err(|e| Error::Settings(vec![e.to_string()]).fault())?
+        }
     };
     // What is known to need more is refused with a reason before it is tried.
     let standard = capture::Limits::default();
@@ -48,16 +49,16 @@ fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
         file_bytes: standard.file_bytes.min(request.memory_bytes),
         ..standard
     };
-    let mut teller = Teller { checkpoint: folder.join(CHECKPOINT), told: None };
+    let mut reporter = StdoutReporter { checkpoint: folder.join(CHECKPOINT), reported_at: None };
     let checkpoint = std::fs::read(folder.join(CHECKPOINT)).ok();
     let archive = folder.join(ARCHIVE);
-    let Observed { capture, report } = observe(
+    let Observed { capture, report } = ingest(
         &archive,
         &request.name,
         &settings,
         &limits,
         checkpoint.as_deref(),
-        &mut teller,
+        &mut reporter,
         &CancelToken::default(),
     )?;
     write_report(folder, &report).map_err(|e| unwritable(REPORT, e))?;
@@ -72,17 +73,17 @@ fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
     }
 }
 
-/// Limits what this process may allocate. Beyond it, allocations fail and the process aborts.
-fn fence(memory_bytes: u64) -> io::Result<()> {
-    // Data, not address space: what is reserved and never touched costs nobody anything.
+/// Limits the memory of this process. Beyond the limit, allocations fail and the process aborts.
+fn limit_memory(memory_bytes: u64) -> io::Result<()> {
+    // Data, not address space: memory that is reserved and never touched costs nothing.
     #[cfg(any(target_os = "linux", target_os = "android"))]
-    let fenced = rlimit::Resource::DATA;
+    let resource = rlimit::Resource::DATA;
     #[cfg(not(any(target_os = "linux", target_os = "android")))]
-    let fenced = rlimit::Resource::AS;
-    fenced.set(memory_bytes, memory_bytes)
+    let resource = rlimit::Resource::AS;
+    resource.set(memory_bytes, memory_bytes)
 }
 
-/// Ends this process when its standard input does: the worker, who holds the pipe, is gone.
+/// Ends this process when its standard input ends: the worker, which holds the pipe, is gone.
 fn end_with_parent() {
     std::thread::spawn(|| {
         let mut buffer = [0; 64];
@@ -100,7 +101,7 @@ fn unwritable(at: &str, source: io::Error) -> Fault {
     capture::Error::Io { at: at.to_owned(), source }.fault()
 }
 
-fn say(message: &Message) -> io::Result<()> {
+fn write_message(message: &Message) -> io::Result<()> {
     let mut line = serde_json::to_vec(message)?;
     line.push(b'\n');
     let mut out = io::stdout().lock();
@@ -108,32 +109,32 @@ fn say(message: &Message) -> io::Result<()> {
     out.flush()
 }
 
-/// Passes on how the work goes on.
-struct Teller {
+/// Writes progress and checkpoints as messages to standard output.
+struct StdoutReporter {
     checkpoint: PathBuf,
-    /// When progress was told last.
-    told: Option<Instant>,
+    /// Time of the last progress message.
+    reported_at: Option<Instant>,
 }
 
-impl Watcher for Teller {
-    fn progress(&mut self, step: &str, fraction: f64) {
-        if self.told.is_some_and(|at| at.elapsed() < EVERY) {
+impl Observer<bendtwin_ingest::Progress> for StdoutReporter {
+    fn progress(&mut self, progress: bendtwin_ingest::Progress) {
+        if self.reported_at.is_some_and(|at| at.elapsed() < PROGRESS_INTERVAL) {
             return;
         }
-        self.told = Some(Instant::now());
+        self.reported_at = Some(Instant::now());
         let progress = Progress {
             stage: Stage::Ingest,
-            variant: step.to_owned(),
+            variant: progress.step.as_str().to_owned(),
             iteration: 0,
             iterations: 0,
-            fraction,
+            fraction: progress.fraction,
             loss: None,
             best_loss: None,
             eta_s: None,
             note: None,
         };
         // A worker that does not listen any more is gone, which the other thread notices.
-        let _ = say(&Message::Progress(progress));
+        let _ = write_message(&Message::Progress(progress));
     }
 
     fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
@@ -141,6 +142,6 @@ impl Watcher for Teller {
         let new = self.checkpoint.with_extension("new");
         std::fs::write(&new, checkpoint)?;
         std::fs::rename(&new, &self.checkpoint)?;
-        Ok(say(&Message::Checkpoint)?)
+        Ok(write_message(&Message::Checkpoint)?)
     }
 }

@@ -1,5 +1,5 @@
-//! What worker and child say to each other: files in one folder, and lines of JSON on the child's standard
-//! output. Both are the same program, so there are no versions.
+//! Protocol between worker and child: files in one folder, and lines of JSON on the child's
+//! standard output. Both are the same program, so there are no versions.
 
 use std::{io, path::Path};
 
@@ -7,23 +7,23 @@ use bendtwin_core::{Fault, Progress};
 use bendtwin_inspect::Verdict;
 use serde::{Deserialize, Serialize};
 
-/// What the child is to do.
+/// File with the request.
 const REQUEST: &str = "request.json";
-/// The capture, as it was uploaded.
+/// File with the capture as it was uploaded.
 pub(super) const ARCHIVE: &str = "capture.zip";
-/// Where an earlier attempt stopped, then where this one is; replaced whole.
+/// File with the checkpoint to resume from, replaced as a whole by the child's own.
 pub(super) const CHECKPOINT: &str = "checkpoint";
-/// The bundle that fits read.
+/// File with the bundle that fits read.
 pub(super) const OBSERVATION: &str = "observation.zip";
-/// The report as a document.
+/// File with the report as JSON.
 pub(super) const REPORT: &str = "report.json";
-/// The report as a page.
+/// File with the report as HTML.
 pub(super) const PAGE: &str = "report.html";
 
-/// What the child is to do with the archive.
+/// The child's task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Request {
-    /// What people call the capture.
+    /// Display name of the capture.
     pub(super) name: String,
     /// The settings of the ingest, as JSON.
     pub(super) settings: String,
@@ -31,27 +31,27 @@ pub(super) struct Request {
     pub(super) memory_bytes: u64,
 }
 
-/// A line of the child's.
+/// A message of the child, one line each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Message {
-    /// How far it is.
+    /// Progress.
     Progress(Progress),
-    /// A checkpoint lies there.
+    /// A checkpoint has been written.
     Checkpoint,
-    /// Observation and report lie there. The last line.
+    /// Observation and report have been written. The final message.
     Observed {
-        /// The report's.
+        /// Verdict of the report.
         verdict: Verdict,
     },
-    /// There is nothing to fit. The report lies there. The last line.
+    /// The capture cannot be fitted. The report has been written. The final message.
     Refused {
-        /// The report's.
+        /// Verdict of the report.
         verdict: Verdict,
-        /// Why.
+        /// The fault of the capture.
         fault: Fault,
     },
-    /// The ingest could not be done; nothing is known about the capture. The last line.
+    /// The ingest could not be done; nothing is known about the capture. The final message.
     Failed(Fault),
 }
 

@@ -1,5 +1,5 @@
-//! Saves checkpoints durably without holding up the work: the latest one wins,
-//! not more than one in a while, but always at the end of a stage.
+//! Durable checkpoints that do not hold up the work. The latest one wins; one is saved every few
+//! seconds, and always at the end of a stage.
 
 use std::{
     sync::{Arc, Mutex, PoisonError},
@@ -13,16 +13,16 @@ use super::{
     Job,
     stop::{Reason, Stop},
 };
-use crate::link::{Backoff, LinkError};
+use crate::server_client::{Backoff, CallError};
 
-/// A checkpoint larger than this is none that was saved here [bytes].
+/// Largest checkpoint that is accepted [bytes].
 pub(crate) const MAX_BYTES: u64 = 1 << 30;
-/// Between two checkpoints inside a stage.
-const EVERY: Duration = Duration::from_secs(2);
-/// How long the last checkpoint may take when a worker ends.
-const FLUSH: Duration = Duration::from_secs(10);
+/// Least time between two checkpoints inside a stage.
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(2);
+/// Longest time for the last checkpoint when a worker ends.
+const FLUSH_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Where whoever works leaves checkpoints.
+/// The work's end of the slot, where it leaves checkpoints.
 #[derive(Clone)]
 pub(crate) struct Checkpoints(Arc<Slot>);
 
@@ -48,7 +48,7 @@ pub(crate) struct Saver {
 
 impl Checkpoints {
     /// Leaves a checkpoint to be saved in place of any that still waits.
-    pub(crate) fn offer(&self, content: Vec<u8>, stage_ended: bool) {
+    pub(crate) fn submit(&self, content: Vec<u8>, stage_ended: bool) {
         self.0.put(Waiting { content: content.into(), urgent: stage_ended });
     }
 }
@@ -77,8 +77,8 @@ impl Slot {
         sending.clone()
     }
 
-    /// What was taken is done with.
-    fn settle(&self) {
+    /// Marks the content that was taken as saved.
+    fn acknowledge(&self) {
         *self.sending.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 }
@@ -95,18 +95,20 @@ pub(crate) fn start(job: Job, stop: Stop) -> (Checkpoints, Saver) {
 }
 
 impl Saver {
-    /// Drops what waits: nobody needs it any more.
+    /// Drops the checkpoint that waits: it is not needed any more.
     pub(crate) fn abort(self) {
         self.task.abort();
     }
 
-    /// Saves what waits, so that the next worker loses nothing, if that goes quickly.
+    /// Saves the checkpoint that waits, so that the next worker loses nothing, unless that takes
+    /// too long.
     pub(crate) async fn flush(self) {
         self.task.abort();
         // What it was sending is sent again at worst.
         let _ = self.task.await;
         if let Some(content) = self.slot.take() {
-            let saved = tokio::time::timeout(FLUSH, self.job.save_checkpoint(content)).await;
+            let saved =
+                tokio::time::timeout(FLUSH_TIMEOUT, self.job.save_checkpoint(content)).await;
             if !matches!(saved, Ok(Ok(()))) {
                 tracing::warn!("the last checkpoint was not saved: the one before it counts");
             }
@@ -125,23 +127,23 @@ async fn run(slot: Arc<Slot>, job: Job, stop: Stop) {
             }
         }
         let mut backoff = Backoff::default();
-        // Taken anew for each attempt: a newer one may have come in the meantime.
+        // Taken again for each attempt: a newer one may have come in the meantime.
         while let Some(content) = slot.take() {
             let bytes = content.len();
             match job.save_checkpoint(content).await {
                 Ok(()) => tracing::debug!(bytes, "checkpoint saved"),
-                Err(LinkError::Stale) => return stop.stop(Reason::Stale),
-                Err(LinkError::Refused(fault)) => {
+                Err(CallError::Stale) => return stop.stop(Reason::Stale),
+                Err(CallError::Refused(fault)) => {
                     tracing::warn!(reason = fault.reason, "checkpoint refused: {fault}");
                 }
-                Err(LinkError::Unavailable(fault)) => {
+                Err(CallError::Unavailable(fault)) => {
                     tracing::debug!("cannot save a checkpoint yet: {fault}");
                     backoff.wait().await;
                     continue;
                 }
             }
-            slot.settle();
+            slot.acknowledge();
         }
-        next = Instant::now() + EVERY;
+        next = Instant::now() + CHECKPOINT_INTERVAL;
     }
 }

@@ -1,4 +1,4 @@
-//! The last word on a job, repeated until the server has acknowledged it.
+//! Delivery of a job's result or failure, repeated until the server has acknowledged it.
 
 use std::time::Duration;
 
@@ -7,12 +7,12 @@ use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use super::{Job, checkpoints::Saver, stop::Reason};
-use crate::link::{Backoff, LinkError};
+use crate::server_client::{Backoff, CallError};
 
-/// How long a worker that is told to end still tries.
-const DRAIN_PATIENCE: Duration = Duration::from_secs(10);
+/// Time for which a worker that has to end still tries.
+const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// What kind of end a job came to, if not what was wanted of it.
+/// Kind of a job's end without a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Failure {
     /// The input's fault: another attempt would fail alike.
@@ -25,30 +25,31 @@ pub(crate) enum Failure {
     Released,
 }
 
-/// Why the server does not have the last word.
+/// Reason for which a result was not delivered.
 pub(crate) enum Undelivered {
-    /// It does not want it.
+    /// The server does not accept it.
     Refused(Fault),
-    /// Another worker has the job, or it could not be reached for too long.
+    /// Another worker has the job, or the server could not be reached for too long.
     GivenUp,
 }
 
-/// Sends the last word.
+/// Delivers the end of a job to the server.
 pub(crate) struct Delivery<'a> {
     pub(crate) job: &'a Job,
     pub(crate) drain: &'a CancellationToken,
-    pub(crate) patience: Duration,
+    pub(crate) delivery_timeout: Duration,
 }
 
 impl Delivery<'_> {
-    /// Says that there will be nothing from this attempt.
+    /// Reports that this attempt has no result.
     pub(crate) async fn fail(&self, fault: Fault, kind: Failure) {
-        let _ = self.repeat("the failure", || self.job.fail(&fault, kind)).await;
+        let _ = self.send_until_acknowledged("the failure", || self.job.fail(&fault, kind)).await;
     }
 
-    /// Ends an attempt of `work` that made nothing: for the reason it was stopped, or else by whose fault it is. Unless nobody
-    /// wants the job any more, its last checkpoint is kept first.
-    pub(crate) async fn give_up(
+    /// Ends an attempt of `work` without a result. The kind of failure follows from `stopped`, else
+    /// from the category of the fault. The last checkpoint is saved first, unless the job was
+    /// cancelled.
+    pub(crate) async fn fail_unfinished(
         &self,
         work: &str,
         fault: Fault,
@@ -75,14 +76,14 @@ impl Delivery<'_> {
         self.fail(fault, kind).await;
     }
 
-    /// Says something until the server has heard it. It must bear being said twice.
-    pub(crate) async fn repeat<T, F>(
+    /// Sends until the server has acknowledged. Sending twice must do no harm.
+    pub(crate) async fn send_until_acknowledged<T, F>(
         &self,
         what: &str,
         send: impl Fn() -> F,
     ) -> Result<T, Undelivered>
     where
-        F: Future<Output = Result<T, LinkError>>,
+        F: Future<Output = Result<T, CallError>>,
     {
         let started = Instant::now();
         let mut drain_since: Option<Instant> = None;
@@ -90,23 +91,23 @@ impl Delivery<'_> {
         loop {
             match send().await {
                 Ok(answer) => return Ok(answer),
-                Err(LinkError::Stale) => {
+                Err(CallError::Stale) => {
                     tracing::warn!("the lease is stale: {what} is dropped");
                     return Err(Undelivered::GivenUp);
                 }
-                Err(LinkError::Refused(fault)) => {
+                Err(CallError::Refused(fault)) => {
                     tracing::error!(reason = fault.reason, "the server refuses {what}: {fault}");
                     return Err(Undelivered::Refused(fault));
                 }
-                Err(LinkError::Unavailable(fault)) => {
+                Err(CallError::Unavailable(fault)) => {
                     tracing::warn!("cannot deliver {what} yet: {fault}");
                 }
             }
             if self.drain.is_cancelled() {
                 drain_since.get_or_insert_with(Instant::now);
             }
-            let given_up = drain_since.is_some_and(|since| since.elapsed() > DRAIN_PATIENCE)
-                || started.elapsed() > self.patience;
+            let given_up = drain_since.is_some_and(|since| since.elapsed() > DRAIN_TIMEOUT)
+                || started.elapsed() > self.delivery_timeout;
             if given_up {
                 tracing::error!("gave up delivering {what}: the job is done again elsewhere");
                 return Err(Undelivered::GivenUp);

@@ -1,5 +1,5 @@
-//! Renews a job's lease, reports progress and hears of cancellation, from a
-//! task of its own. Often enough that a cancelled job ends within a second.
+//! Renews a job's lease, reports progress and learns of cancellation, in a task of its own and
+//! often enough that a cancelled job ends within a second.
 
 use std::{
     sync::{Arc, Mutex, PoisonError},
@@ -13,16 +13,16 @@ use super::{
     Job,
     stop::{Reason, Stop},
 };
-use crate::link::LinkError;
+use crate::server_client::CallError;
 
-/// Between two reports. A lease lasts tens of seconds, so many may be missed.
-const EVERY: Duration = Duration::from_millis(500);
+/// Time between two reports. A lease lasts tens of seconds, so many may be missed.
+const REPORT_INTERVAL: Duration = Duration::from_millis(500);
 
-/// The latest progress, written by whoever works.
+/// The latest progress, set by the work and read by the reporting task.
 #[derive(Clone, Default)]
-pub(crate) struct Latest(Arc<Mutex<Option<Progress>>>);
+pub(crate) struct LatestProgress(Arc<Mutex<Option<Progress>>>);
 
-impl Latest {
+impl LatestProgress {
     pub(crate) fn set(&self, progress: Progress) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(progress);
     }
@@ -32,15 +32,15 @@ impl Latest {
     }
 }
 
-/// Starts reporting; it goes on until the task is aborted.
-pub(crate) fn start(job: Job, stop: Stop) -> (Latest, JoinHandle<()>) {
-    let latest = Latest::default();
+/// Starts reporting, which goes on until the task is aborted.
+pub(crate) fn start(job: Job, stop: Stop) -> (LatestProgress, JoinHandle<()>) {
+    let latest = LatestProgress::default();
     let task = tokio::spawn(run(job, stop, latest.clone()));
     (latest, task)
 }
 
-async fn run(job: Job, stop: Stop, latest: Latest) {
-    let mut ticks = tokio::time::interval(EVERY);
+async fn run(job: Job, stop: Stop, latest: LatestProgress) {
+    let mut ticks = tokio::time::interval(REPORT_INTERVAL);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut reachable = true;
     loop {
@@ -52,15 +52,15 @@ async fn run(job: Job, stop: Stop, latest: Latest) {
                     stop.stop(Reason::Cancelled);
                 }
             }
-            Err(LinkError::Stale) => return stop.stop(Reason::Stale),
-            // Deleted, or never known to this server: nobody wants the result.
-            Err(LinkError::Refused(fault)) => {
+            Err(CallError::Stale) => return stop.stop(Reason::Stale),
+            // Deleted, or never known to this server: the result is not needed.
+            Err(CallError::Refused(fault)) => {
                 tracing::warn!(reason = fault.reason, "the server refuses this job: {fault}");
                 return stop.stop(Reason::Stale);
             }
-            Err(LinkError::Unavailable(fault)) => {
+            Err(CallError::Unavailable(fault)) => {
                 if std::mem::replace(&mut reachable, false) {
-                    tracing::warn!("cannot report ({fault}); the work goes on");
+                    tracing::warn!("cannot report ({fault}); the work continues");
                 }
             }
         }

@@ -1,12 +1,12 @@
-//! Why and how a job is stopped: the first reason counts.
+//! Stopping a job: the first reason counts.
 
 use std::sync::{Arc, OnceLock};
 
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::CancelToken;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
-/// Why a job is stopped.
+/// Reason for which a job is stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reason {
     /// A user cancelled the job.
@@ -17,7 +17,7 @@ pub(crate) enum Reason {
     Drained,
 }
 
-/// Stops a job: the engine's work, and whoever waits in a task.
+/// Stop signal of a job, for the engine's computation and for waiting tasks alike.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stop {
     reason: Arc<OnceLock<Reason>>,
@@ -33,7 +33,7 @@ impl Stop {
         self.signal.cancel();
     }
 
-    /// Stops the job when the worker hands its jobs back; it listens until the task is aborted.
+    /// Stops the job when the worker hands its jobs back. The task waits until it is aborted.
     pub(crate) fn on_drain(&self, drain: &CancellationToken) -> JoinHandle<()> {
         let (drain, stop) = (drain.clone(), self.clone());
         tokio::spawn(async move {
@@ -46,7 +46,7 @@ impl Stop {
         self.reason.get().copied()
     }
 
-    /// What the engine checks.
+    /// The token that the engine checks.
     pub(crate) fn token(&self) -> &CancelToken {
         &self.token
     }

@@ -2,20 +2,21 @@
 
 use std::{ops::Range, time::Instant};
 
+use bendtwin_core::CancelToken;
 use bendtwin_engine::{
     Backend as _,
-    backend::{CancelToken, GradientRequest, Recording, Rollout},
+    backend::{GradientRequest, Outputs, Rollout},
 };
 use bendtwin_proto::v1::{RollOutResponse, roll_out_response::Timing};
 
 use super::{error::Error, initial::Starts, plan::Plan, reply};
-use crate::device::Lane;
+use crate::device::QueuedBackend;
 
 /// A plan being carried out.
 pub(super) struct Execution<'a> {
     pub(super) plan: &'a Plan,
     pub(super) starts: &'a Starts,
-    pub(super) lane: &'a Lane,
+    pub(super) backend: &'a QueuedBackend,
     pub(super) cancel: &'a CancelToken,
     /// When the request arrived.
     pub(super) arrived: Instant,
@@ -40,10 +41,10 @@ impl Execution<'_> {
         &self,
         emit: &mut impl FnMut(RollOutResponse) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let recording = self.plan.returns.recording();
+        let outputs = self.plan.returns.outputs();
         for range in self.parts() {
             let indices: Vec<usize> = range.clone().collect();
-            let rollouts = self.roll_out(&indices, &recording)?;
+            let rollouts = self.roll_out(&indices, &outputs)?;
             let mut part = reply::summary(self.plan, range, &rollouts);
             reply::add_recordings(self.plan, &indices, &rollouts, &mut part);
             self.add_gradients(&indices, &mut part)?;
@@ -59,12 +60,12 @@ impl Execution<'_> {
         best: usize,
         emit: &mut impl FnMut(RollOutResponse) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let recording = self.plan.returns.summary();
+        let outputs = self.plan.returns.summary();
         let mut costs = Vec::with_capacity(self.plan.instances());
         let mut held: Option<RollOutResponse> = None;
         for range in self.parts() {
             let indices: Vec<usize> = range.clone().collect();
-            let rollouts = self.roll_out(&indices, &recording)?;
+            let rollouts = self.roll_out(&indices, &outputs)?;
             costs.extend(rollouts.iter().map(reply::cost));
             let part = reply::summary(self.plan, range, &rollouts);
             if let Some(previous) = held.replace(part) {
@@ -74,7 +75,7 @@ impl Execution<'_> {
         let Some(mut last) = held else { return Ok(()) };
         let chosen = lowest(&costs, best);
         let rollouts = if self.plan.returns.has_recordings() {
-            self.roll_out(&chosen, &self.plan.returns.recording())?
+            self.roll_out(&chosen, &self.plan.returns.outputs())?
         } else {
             Vec::new()
         };
@@ -88,11 +89,11 @@ impl Execution<'_> {
         (0..count).step_by(part).map(move |start| start..(start + part).min(count))
     }
 
-    fn roll_out(&self, indices: &[usize], recording: &Recording) -> Result<Vec<Rollout>, Error> {
+    fn roll_out(&self, indices: &[usize], outputs: &Outputs) -> Result<Vec<Rollout>, Error> {
         let mut rollouts = Vec::with_capacity(indices.len());
         for chunk in indices.chunks(self.plan.chunk) {
             let batch: Vec<_> = chunk.iter().map(|i| self.plan.instance(*i, self.starts)).collect();
-            rollouts.extend(self.lane.roll_out(&batch, recording, self.cancel)?);
+            rollouts.extend(self.backend.roll_out(&batch, outputs, self.cancel)?);
         }
         Ok(rollouts)
     }
@@ -105,7 +106,7 @@ impl Execution<'_> {
         let mut gradients = Vec::with_capacity(indices.len());
         for chunk in indices.chunks(self.plan.chunk) {
             let batch: Vec<_> = chunk.iter().map(|i| self.plan.instance(*i, self.starts)).collect();
-            let results = self.lane.gradients(&batch, &request, self.cancel)?;
+            let results = self.backend.gradients(&batch, &request, self.cancel)?;
             // Per-spring gradients are not returned: let go of them at once.
             gradients.extend(results.into_iter().map(|g| g.controls));
         }
@@ -114,7 +115,7 @@ impl Execution<'_> {
     }
 
     fn signed(&self, mut part: RollOutResponse) -> RollOutResponse {
-        let compute = self.lane.compute();
+        let compute = self.backend.compute();
         let queue = self.arrived.elapsed().saturating_sub(compute);
         part.timing =
             Some(Timing { queue_s: queue.as_secs_f64(), compute_s: compute.as_secs_f64() });

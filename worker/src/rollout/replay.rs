@@ -7,10 +7,13 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use bendtwin_core::{Capture, Point, Twin, ids::CaptureId, ids::TwinId};
+use bendtwin_core::{
+    CancelToken, Capture, Point, Twin,
+    ids::{CaptureId, TwinId},
+};
 use bendtwin_engine::{
     Backend as _, Objective,
-    backend::{CancelToken, Instance, Recording},
+    backend::{Instance, Outputs},
     model::State,
 };
 use bendtwin_eval::{check_capture, initial_state};
@@ -22,7 +25,7 @@ use super::{
     lru::Lru,
     warm::Warm,
 };
-use crate::{Limits, artifact, device::Lane, link::Link, observation};
+use crate::{Limits, artifact, device::QueuedBackend, observation, server_client::ServerClient};
 
 /// Captures whose controls are kept, and replayed states that are kept.
 const KEPT_MOTIONS: usize = 8;
@@ -44,7 +47,7 @@ type Motions = Arc<Vec<Motion>>;
 
 /// Replays captures, and remembers.
 pub(crate) struct Replays {
-    link: Link,
+    server: ServerClient,
     dir: PathBuf,
     limits: Limits,
     motions: Mutex<Lru<(TwinId, CaptureId), Motions>>,
@@ -54,9 +57,9 @@ pub(crate) struct Replays {
 }
 
 impl Replays {
-    pub(crate) fn new(link: Link, dir: PathBuf, limits: Limits) -> Self {
+    pub(crate) fn new(server: ServerClient, dir: PathBuf, limits: Limits) -> Self {
         Self {
-            link,
+            server,
             dir,
             limits,
             motions: Mutex::new(Lru::new(KEPT_MOTIONS, KEPT_BYTES)),
@@ -70,7 +73,7 @@ impl Replays {
         &self,
         warm: &Arc<Warm>,
         at: CaptureFrame,
-        lane: &Arc<Lane>,
+        backend: &Arc<QueuedBackend>,
         cancel: &CancelToken,
         work_limit: u64,
     ) -> Result<Start, Error> {
@@ -78,10 +81,10 @@ impl Replays {
             return Ok(start);
         }
         let motions = self.motions(warm, at.capture).await?;
-        let (warm, lane, cancel) = (Arc::clone(warm), Arc::clone(lane), cancel.clone());
+        let (warm, backend, cancel) = (Arc::clone(warm), Arc::clone(backend), cancel.clone());
         let id = warm.id;
         let start = tokio::task::spawn_blocking(move || {
-            replay(&warm, &motions, at, work_limit, &lane, &cancel)
+            replay(&warm, &motions, at, work_limit, &backend, &cancel)
         })
         .await
         .map_err(|_| Error::Panicked)??;
@@ -99,9 +102,13 @@ impl Replays {
         if let Some(motions) = lock(&self.motions).get(&key) {
             return Ok(motions);
         }
-        let file =
-            artifact::fetch_file(&self.link, &observation::name(&id.to_string()), None, &self.dir)
-                .await?;
+        let file = artifact::fetch_file(
+            &self.server,
+            &observation::name(&id.to_string()),
+            None,
+            &self.dir,
+        )
+        .await?;
         let (warm, limits) = (Arc::clone(warm), self.limits);
         let motions = tokio::task::spawn_blocking(move || {
             let capture = observation::read(file.path(), &limits)
@@ -149,7 +156,7 @@ fn replay(
     motions: &[Motion],
     at: CaptureFrame,
     work_limit: u64,
-    lane: &Lane,
+    backend: &QueuedBackend,
     cancel: &CancelToken,
 ) -> Result<Start, Error> {
     let Some(motion) = motions.get(at.sequence) else {
@@ -196,8 +203,8 @@ fn replay(
         frames,
         objective: Objective::default(),
     };
-    let recording = Recording { final_state: true, ..Recording::default() };
-    let rollout = lane.roll_out(&[instance], &recording, cancel)?.into_iter().next();
+    let outputs = Outputs { final_state: true, ..Outputs::default() };
+    let rollout = backend.roll_out(&[instance], &outputs, cancel)?.into_iter().next();
     let rollout = rollout.unwrap_or_default();
     if let Some(divergence) = rollout.diverged {
         return Err(Error::ReplayDiverged { frame: motion.start_frame + divergence.frame });

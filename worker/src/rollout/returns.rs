@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bendtwin_core::Graph;
-use bendtwin_engine::backend::Recording;
+use bendtwin_engine::backend::Outputs;
 use bendtwin_proto::v1::{Returns as Wire, returns::Encoding};
 
 use super::error::Error;
@@ -66,8 +66,8 @@ impl Returns {
     }
 
     /// What the engine should record where arrays are wanted.
-    pub(super) fn recording(&self) -> Recording {
-        Recording {
+    pub(super) fn outputs(&self) -> Outputs {
+        Outputs {
             every: self.every,
             initial: false,
             nodes: self.nodes.clone(),
@@ -77,7 +77,7 @@ impl Returns {
     }
 
     /// What the engine should record where only costs count.
-    pub(super) fn summary(&self) -> Recording {
-        Recording { diagnostics: self.diagnostics, ..Recording::default() }
+    pub(super) fn summary(&self) -> Outputs {
+        Outputs { diagnostics: self.diagnostics, ..Outputs::default() }
     }
 }

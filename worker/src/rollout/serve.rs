@@ -41,9 +41,9 @@ impl Served {
         let missing = || rollout::Error::NoFastVariant { twin: warm.id.to_string() };
         let fast = warm.twin.quality.fast.ok_or_else(missing)?;
         let load = || async {
-            let lane = device.lane(Priority::Interactive);
+            let backend = device.backend(Priority::Interactive);
             let exact = Arc::clone(warm.loaded.model());
-            let load = move || lane.load(Arc::new(Reduction::from(&fast).apply(&exact)));
+            let load = move || backend.load(Arc::new(Reduction::from(&fast).apply(&exact)));
             let loaded = tokio::task::spawn_blocking(load).await.map_err(|_| Error::Panicked)??;
             tracing::info!(twin = %warm.id, substeps = fast.substeps, "fast variant loaded");
             Ok::<_, Error>(loaded)

@@ -9,8 +9,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use bendtwin_core::{Problem as _, ids::TwinId};
-use bendtwin_engine::backend::{self, CancelToken};
+use bendtwin_core::{CancelToken, Problem as _, ids::TwinId};
+use bendtwin_engine::backend;
 use bendtwin_proto::{
     deadline::timeout,
     fault,
@@ -214,7 +214,7 @@ impl Call {
         let fidelity = rollout::fidelity(wire.fidelity)?;
         let warm = inner.twins.get(id).await?;
         let served = Served::choose(Arc::clone(&warm), fidelity, &inner.device).await?;
-        let lane = Arc::new(inner.device.lane(Priority::Interactive));
+        let backend = Arc::new(inner.device.backend(Priority::Interactive));
         let limits = inner.limits();
         // Reading and checking a hundred megabytes of actions takes a while.
         let (plan, wanted) = tokio::task::spawn_blocking(move || {
@@ -226,7 +226,7 @@ impl Call {
             Wanted::Ready(starts) => starts,
             Wanted::Frame(at) => {
                 let start =
-                    inner.replays.start(&warm, at, &lane, &self.cancel, limits.work).await?;
+                    inner.replays.start(&warm, at, &backend, &self.cancel, limits.work).await?;
                 Starts::Shared(start)
             }
         };
@@ -239,7 +239,7 @@ impl Call {
             let execution = Execution {
                 plan: &plan,
                 starts: &starts,
-                lane: &lane,
+                backend: &backend,
                 cancel: &cancel,
                 arrived,
                 worker: &worker,

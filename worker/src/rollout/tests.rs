@@ -6,10 +6,10 @@ mod fidelity;
 use std::{sync::Arc, time::Instant};
 
 use bendtwin_core::{
-    Category, Contact, Environment, Graph, NodeKind, Params, Problem as _, Quality, Timing, Twin,
-    environment::ControlVelocity, ids::TwinId, twin::Provenance,
+    CancelToken, Category, Contact, Environment, Graph, NodeKind, Params, Problem as _, Quality,
+    Timing, Twin, environment::ControlVelocity, ids::TwinId, twin::Provenance,
 };
-use bendtwin_engine::{Backend, Model, backend::CancelToken};
+use bendtwin_engine::{Backend, Model};
 use bendtwin_proto::rollout::{self, Limits};
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, InitialState, Returns, RollOutRequest, RollOutResponse, Tensor,
@@ -30,7 +30,7 @@ use super::{
     serve::Served,
     warm::Warm,
 };
-use crate::device::{Device, Lane, Priority};
+use crate::device::{Device, Priority, QueuedBackend};
 
 /// A chain of four nodes that hangs from one control point.
 pub(super) fn twin() -> Twin {
@@ -85,7 +85,7 @@ impl Bench {
         let device = Device::spawn(move || Ok(backend), fatal).unwrap();
         let twin = twin();
         let model = Arc::new(Model::from(&twin));
-        let loaded = device.lane(Priority::Interactive).load(model).unwrap();
+        let loaded = device.backend(Priority::Interactive).load(model).unwrap();
         let warm = Warm { id: TwinId::generate(), twin, loaded, fast: OnceCell::new() };
         (Self { device, warm: Arc::new(warm) }, died)
     }
@@ -97,19 +97,25 @@ impl Bench {
     fn run(&self, request: RollOutRequest, part: u32) -> Result<Vec<RollOutResponse>, Error> {
         let (plan, wanted) = self.plan(request, part)?;
         let Wanted::Ready(starts) = wanted else { panic!("no captures here") };
-        let lane = self.device.lane(Priority::Interactive);
-        self.execute(&plan, &starts, &lane)
+        let backend = self.device.backend(Priority::Interactive);
+        self.execute(&plan, &starts, &backend)
     }
 
     fn execute(
         &self,
         plan: &Plan,
         starts: &Starts,
-        lane: &Lane,
+        backend: &QueuedBackend,
     ) -> Result<Vec<RollOutResponse>, Error> {
         let cancel = CancelToken::default();
-        let execution =
-            Execution { plan, starts, lane, cancel: &cancel, arrived: Instant::now(), worker: "w" };
+        let execution = Execution {
+            plan,
+            starts,
+            backend,
+            cancel: &cancel,
+            arrived: Instant::now(),
+            worker: "w",
+        };
         let mut parts = Vec::new();
         execution.run(|part| {
             parts.push(part);

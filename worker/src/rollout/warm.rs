@@ -9,7 +9,7 @@ use bytes::Bytes;
 use tokio::sync::OnceCell;
 
 use super::{error::Error, lru::Lru};
-use crate::{Limits, artifact, device::Device, device::Priority, link::Link};
+use crate::{Limits, artifact, device::Device, device::Priority, server_client::ServerClient};
 
 /// Memory of a loaded twin and its fast variant [times the file's size, estimated].
 const LOADED_FACTOR: u64 = 6;
@@ -27,7 +27,7 @@ type Shared = Arc<Mutex<Lru<TwinId, Arc<Warm>>>>;
 
 /// The loaded twins, bounded by number and memory.
 pub(crate) struct WarmTwins {
-    link: Link,
+    server: ServerClient,
     device: Device,
     limits: Limits,
     twins: Shared,
@@ -36,12 +36,12 @@ pub(crate) struct WarmTwins {
 }
 
 impl WarmTwins {
-    pub(crate) fn new(link: Link, device: Device, limits: Limits) -> Self {
+    pub(crate) fn new(server: ServerClient, device: Device, limits: Limits) -> Self {
         let lru = Lru::new(limits.warm_twins.max(1), limits.warm_bytes);
         let twins = Arc::new(Mutex::new(lru));
         let shared = Arc::clone(&twins);
         device.on_shortage(move |bytes| spare(&shared, bytes));
-        Self { link, device, limits, twins, loading: tokio::sync::Mutex::default() }
+        Self { server, device, limits, twins, loading: tokio::sync::Mutex::default() }
     }
 
     /// The twins that are loaded, the most recently used first.
@@ -58,7 +58,7 @@ impl WarmTwins {
         if let Some(warm) = self.lock().get(&id) {
             return Ok(warm);
         }
-        let file = artifact::fetch(&self.link, &id.to_string(), self.limits.twin_bytes).await?;
+        let file = artifact::fetch(&self.server, &id.to_string(), self.limits.twin_bytes).await?;
         self.load(id, file).await
     }
 
@@ -68,7 +68,8 @@ impl WarmTwins {
         let device = self.device.clone();
         let warm = tokio::task::spawn_blocking(move || {
             let twin = Twin::decode(&file).map_err(Error::StoredTwin)?;
-            let loaded = device.lane(Priority::Interactive).load(Arc::new(Model::from(&twin)))?;
+            let loaded =
+                device.backend(Priority::Interactive).load(Arc::new(Model::from(&twin)))?;
             Ok::<_, Error>(Arc::new(Warm { id, twin, loaded, fast: OnceCell::new() }))
         })
         .await

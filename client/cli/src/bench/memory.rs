@@ -1,11 +1,11 @@
-//! How much memory a measurement takes: the device's where the backend can tell, otherwise this process's.
+//! Memory of a measurement: the device's if the backend reports it, otherwise this process's.
 
 use std::sync::Arc;
 
 use bendtwin_bench::{DeviceMemory, MemoryProbe};
 use bendtwin_engine::Backend;
 
-/// The probe that fits the backend.
+/// The probe for this backend.
 pub(super) fn probe(backend: &Arc<dyn Backend>) -> Box<dyn MemoryProbe> {
     match DeviceMemory::new(backend) {
         Some(device) => Box::new(device),
@@ -14,7 +14,7 @@ pub(super) fn probe(backend: &Arc<dyn Backend>) -> Box<dyn MemoryProbe> {
     }
 }
 
-/// The most memory that this process had resident. Only Linux tells.
+/// Peak of the resident memory of this process. Known on Linux only.
 struct ProcessMemory;
 
 impl MemoryProbe for ProcessMemory {

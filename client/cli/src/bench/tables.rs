@@ -1,4 +1,4 @@
-//! A report as tables for people; `-` where a number is not known or was left out.
+//! The report as tables for people; `-` for numbers that are unknown or were left out.
 
 use bendtwin_bench::{
     Report, SceneName, Scheme,
@@ -8,7 +8,7 @@ use bendtwin_bench::{
 
 use crate::{output, table::Table};
 
-/// The scenes that there are.
+/// The table of scenes.
 pub(super) fn names() -> String {
     let mut table = Table::new(["scene", "nodes", "control points"]);
     for name in SceneName::ALL {
@@ -183,7 +183,7 @@ fn or_dash<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| "-".to_owned(), text)
 }
 
-/// Three digits that count, more before the point if there are.
+/// Three significant digits, or more before the decimal point.
 fn significant(value: f64) -> String {
     let decimals = match value.abs() {
         0.0..1e-3 => 5,

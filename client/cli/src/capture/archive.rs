@@ -1,5 +1,5 @@
-//! A folder as a ZIP archive, the same bytes whenever the folder has the same
-//! files: so that an upload that broke off is found again by its content.
+//! Packing a folder as a ZIP archive. The same files give the same bytes, so that an interrupted
+//! upload is found again by its content.
 
 use std::{
     fs::File,
@@ -12,8 +12,9 @@ use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
 use crate::failure::Usage;
 
-/// Contents that are compressed already: deflating them again costs time and saves nothing.
-const STORED: [&str; 16] = [
+/// Extensions of files that are compressed already: deflating them again costs time and saves
+/// nothing.
+const COMPRESSED_EXTENSIONS: [&str; 16] = [
     "png",
     "jpg",
     "jpeg",
@@ -31,29 +32,29 @@ const STORED: [&str; 16] = [
     "pth",
     "safetensors",
 ];
-/// From this size on an entry needs the long form of its header [bytes].
-const LONG: u64 = u32::MAX as u64;
+/// Size from which an entry needs the long form of its header [bytes].
+const ZIP64_BYTES: u64 = u32::MAX as u64;
 const CHUNK: usize = 256 << 10;
 
-/// The files of a folder, in the order in which they are packed.
+/// The files of a folder, in the order of packing.
 pub(super) struct Listing {
     root: PathBuf,
-    /// The folder's own name, under which they stand in the archive.
+    /// Name of the folder, the prefix of entries in the archive.
     name: String,
     /// Names relative to the root, with their sizes [bytes].
     files: Vec<(String, u64)>,
-    /// Links and other things that are no regular files, left out.
+    /// Number of links and other entries that are no regular files; they are left out.
     pub(super) skipped: usize,
 }
 
 impl Listing {
-    /// Lists all regular files under a folder but hidden ones.
+    /// Lists all regular files under a folder except hidden ones.
     pub(super) fn of(root: &Path) -> anyhow::Result<Self> {
         let full = root.canonicalize().with_context(|| root.display().to_string())?;
         let name = full.file_name().and_then(|n| n.to_str()).map(str::to_owned);
         let name = name.ok_or_else(|| Usage::error(format!("{} has no name", root.display())))?;
         let mut listing = Self { root: full, name, files: Vec::new(), skipped: 0 };
-        listing.enter(&mut String::new())?;
+        listing.list_folder(&mut String::new())?;
         // By their names as bytes: no two systems list a folder in the same order.
         listing.files.sort_unstable();
         if listing.files.is_empty() {
@@ -67,7 +68,7 @@ impl Listing {
         self.files.iter().map(|(_, size)| size).sum()
     }
 
-    fn enter(&mut self, prefix: &mut String) -> anyhow::Result<()> {
+    fn list_folder(&mut self, prefix: &mut String) -> anyhow::Result<()> {
         let folder = self.root.join(prefix.as_str());
         let at = || folder.display().to_string();
         for entry in std::fs::read_dir(&folder).with_context(at)? {
@@ -84,7 +85,7 @@ impl Listing {
             prefix.push_str(&name);
             if kind.is_dir() {
                 prefix.push('/');
-                self.enter(prefix)?;
+                self.list_folder(prefix)?;
             } else if kind.is_file() {
                 self.files.push((prefix.clone(), entry.metadata().with_context(at)?.len()));
             } else {
@@ -95,7 +96,7 @@ impl Listing {
         Ok(())
     }
 
-    /// Writes the archive; `packed` is told how many bytes of the files are in it.
+    /// Writes the archive; `packed` gets the number of bytes of files in it so far.
     pub(super) fn pack(&self, into: impl Write + Seek, packed: impl Fn(u64)) -> anyhow::Result<()> {
         let mut archive = ZipWriter::new(into);
         let (mut total, mut chunk) = (0, vec![0; CHUNK]);
@@ -109,7 +110,7 @@ impl Listing {
                 .compression_level((method(name) == CompressionMethod::Deflated).then_some(1))
                 .last_modified_time(zip::DateTime::default())
                 .unix_permissions(0o644)
-                .large_file(*size >= LONG);
+                .large_file(*size >= ZIP64_BYTES);
             archive.start_file(format!("{}/{name}", self.name), options).with_context(at)?;
             loop {
                 let read = match file.read(&mut chunk) {
@@ -118,22 +119,22 @@ impl Listing {
                     Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
                     Err(error) => return Err(error).with_context(at),
                 };
-                archive.write_all(&chunk[..read]).map_err(room)?;
+                archive.write_all(&chunk[..read]).map_err(disk_error)?;
                 total += read as u64;
                 packed(total);
             }
         }
-        archive.finish().map_err(io::Error::from).map_err(room)?.flush().map_err(room)
+        archive.finish().map_err(io::Error::from).map_err(disk_error)?.flush().map_err(disk_error)
     }
 }
 
 fn method(name: &str) -> CompressionMethod {
     let ending = name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
-    let stored = STORED.contains(&ending.as_str());
+    let stored = COMPRESSED_EXTENSIONS.contains(&ending.as_str());
     if stored { CompressionMethod::Stored } else { CompressionMethod::Deflated }
 }
 
-fn room(error: io::Error) -> anyhow::Error {
+fn disk_error(error: io::Error) -> anyhow::Error {
     anyhow::Error::from(error).context(
         "cannot write the archive to the folder of temporary files (TMPDIR names another one)",
     )

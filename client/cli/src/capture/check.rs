@@ -5,12 +5,11 @@ use std::path::Path;
 use bendtwin_capture::{
     CheckReport, Finding, Limits, Opened, Severity, check_path, raw::Recording,
 };
-use bendtwin_core::Problem as _;
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::{CancelToken, Problem as _};
 
-use crate::{args::Global, failure, output};
+use crate::{failure, global::Global, output};
 
-/// The code of what is raw and not processed.
+/// Code of the finding about a raw recording that has not been processed.
 const RAW_CAPTURE: &str = "RAW_CAPTURE";
 
 pub(super) async fn run(path: &Path, global: &Global) -> anyhow::Result<()> {
@@ -37,7 +36,7 @@ pub(super) async fn check_locally(path: &Path) -> anyhow::Result<CheckReport> {
     Ok(checked.await?)
 }
 
-/// What is wrong with a raw recording.
+/// Findings about a raw recording.
 fn look(recording: &Recording) -> Vec<Finding> {
     let (cameras, frames) = (recording.cameras.len(), recording.frame_count);
     let message = format!("a raw recording of {cameras} cameras over {frames} frames");
@@ -52,12 +51,12 @@ fn finding(severity: Severity, code: &str, message: String) -> Finding {
     Finding { severity, code: code.to_owned(), message }
 }
 
-/// The findings and what to make of them.
+/// The findings and the conclusion.
 pub(super) fn text(report: &CheckReport) -> String {
     let verdict = match (report.is_usable(), report.of(Severity::Warning).count()) {
         (false, _) => "This capture cannot be fitted as it is.",
-        (true, 0) => "This capture is fit for fitting.",
-        (true, _) => "This capture can be fitted; the warnings say what holds it back.",
+        (true, 0) => "This capture can be fitted.",
+        (true, _) => "This capture can be fitted; the warnings name what limits the result.",
     };
     lines(&report.findings) + verdict
 }

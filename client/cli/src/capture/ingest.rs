@@ -7,7 +7,7 @@ use bendtwin_client::{CaptureId, IngestSettings};
 use clap::Args;
 
 use super::reading::follow;
-use crate::{args::Global, failure::Usage, output};
+use crate::{failure::Usage, global::Global, output};
 
 #[derive(Debug, Args)]
 pub(crate) struct IngestArgs {

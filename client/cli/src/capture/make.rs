@@ -9,26 +9,26 @@ use bendtwin_capture::{
 use clap::Args;
 use serde_json::json;
 
-use crate::{args::Global, failure, output};
+use crate::{failure, global::Global, output};
 
 #[derive(Debug, Args)]
 pub(crate) struct Make {
-    /// What to simulate: rope, bar, thick_bar, toy or cable
+    /// Scene to simulate: rope, bar, thick_bar, toy or cable
     #[arg(value_parser = scene)]
     scene: Scene,
-    /// The ZIP archive to write [default: {scene}.zip, or {scene}_raw.zip]
+    /// ZIP archive to write [default: {scene}.zip, or {scene}_raw.zip]
     file: Option<PathBuf>,
     /// Seed of noise, occlusion and motion
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Frames of a recording [default: the scene's own number]
+    /// Number of frames [default: the scene's own]
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     frames: usize,
-    /// A coarse variant of a few dozen points
+    /// Use a coarse version of a few dozen points
     #[arg(long)]
     tiny: bool,
-    /// Film it: images, depth, masks and 2D tracks of three cameras (two small cameras if --tiny); a PhysTwin case, or a
-    /// BendTwin bundle if the name ends with .zip
+    /// Film the scene: images, depth, masks and 2D tracks of three cameras (two small ones with
+    /// --tiny). Writes a PhysTwin case, or a BendTwin bundle if the name ends with .zip
     #[arg(long)]
     raw: bool,
 }

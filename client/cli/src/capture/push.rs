@@ -1,5 +1,5 @@
-//! `bendtwin capture push`: checks here, packs what is no archive yet, uploads
-//! resumably: the same command again goes on after whatever came in between.
+//! `bendtwin capture push`: checks a capture, packs it if it is no archive yet, and uploads it. An
+//! interrupted upload is resumed by the same command.
 
 use std::{
     fs::File,
@@ -17,19 +17,19 @@ use super::{
     check::{check_locally, text},
     reading::follow,
 };
-use crate::{args::Global, failure, output, progress, signals};
+use crate::{failure, global::Global, output, progress, signals};
 
 #[derive(Debug, Args)]
 pub(crate) struct Push {
     /// A folder, a ZIP archive, or motion capture as .npz with its .json
     path: PathBuf,
-    /// What to call it [default: the file's name]
+    /// Display name [default: the file's name]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
-    /// Upload without the check on this machine
+    /// Do not check the capture on this machine first
     #[arg(long)]
     no_check: bool,
-    /// Follow how the server reads it, and say what it found
+    /// Follow the ingest on the server and show its findings
     #[arg(long)]
     watch: bool,
 }
@@ -50,7 +50,7 @@ pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
     let capture = tokio::select! {
         capture = upload(&client, &args.path, &name, global.json) => capture?,
         () = signals::shutdown().cancelled_owned() => {
-            anyhow::bail!("interrupted: push it again, and the upload goes on where it is now")
+            anyhow::bail!("interrupted: push it again to resume the upload")
         }
     };
     if args.watch {
@@ -81,7 +81,8 @@ pub(crate) async fn upload(
     Ok(uploaded?)
 }
 
-/// A folder as an archive, or motion capture as a bundle, in a temporary file; nothing for what is an archive already.
+/// A folder as an archive, or motion capture as a bundle, in a temporary file; none if it is an
+/// archive already.
 async fn pack(path: &Path, quiet: bool) -> anyhow::Result<Option<NamedTempFile>> {
     let is_npz = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
     let is_document = path.file_name().is_some_and(|n| n == "capture.json");

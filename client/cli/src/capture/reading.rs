@@ -1,4 +1,4 @@
-//! What reading a capture on the server gave: followed while it goes on, and fetched.
+//! Captures on the server: following their ingest, and fetching its results.
 
 use std::path::Path;
 
@@ -11,9 +11,9 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::check;
-use crate::{args::Global, failure::Failed, output, progress::FitBar};
+use crate::{failure::Failed, global::Global, output, progress::FitBar};
 
-/// What is shown of a report without its page.
+/// The part of a report that is shown without its page.
 #[derive(Deserialize)]
 struct Summary {
     verdict: String,
@@ -24,7 +24,7 @@ struct Summary {
 struct Found {
     #[serde(flatten)]
     finding: Finding,
-    /// What to do about it, where the message does not say.
+    /// The action to take, where the message does not name it.
     #[serde(default)]
     advice: String,
 }
@@ -39,14 +39,14 @@ impl From<Found> for Finding {
     }
 }
 
-/// Where to put what is fetched.
+/// Files to write.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Files<'a> {
     /// The report as a page.
     pub(super) html: Option<&'a Path>,
     /// The report as a document.
     pub(super) document: Option<&'a Path>,
-    /// What fits work on.
+    /// The observation, the input of fits.
     pub(super) observation: Option<&'a Path>,
 }
 
@@ -88,15 +88,17 @@ fn text(report: &Value) -> String {
 
 fn sentence(verdict: &str) -> String {
     match verdict {
-        "good" => "This capture is fit for fitting.".to_owned(),
-        "usable" => "This capture can be fitted; the warnings say what holds it back.".to_owned(),
+        "good" => "This capture can be fitted.".to_owned(),
+        "usable" => {
+            "This capture can be fitted; the warnings name what limits the result.".to_owned()
+        }
         "unusable" => "This capture cannot be fitted as it is.".to_owned(),
         other => format!("Verdict: {other}."),
     }
 }
 
-/// How far reading a capture is, and what came of it.
-pub(super) fn in_a_word(capture: &Capture) -> String {
+/// State and verdict of a capture's ingest in a word.
+pub(super) fn status(capture: &Capture) -> String {
     let state = capture.ingest.state;
     match (&capture.verdict, state, &capture.ingest.progress) {
         (_, JobState::Running, Some(p)) => format!("running {:.0} %", 100.0 * p.fraction),
@@ -117,7 +119,7 @@ pub(super) async fn watch(
     while let Some(capture) = states.next().await {
         let capture = capture?;
         if capture.ingest.state == JobState::Queued && last.is_none() {
-            bar.say("waiting for a worker");
+            bar.print("waiting for a worker");
         }
         if let Some(progress) = &capture.ingest.progress {
             bar.show(progress);
@@ -125,11 +127,11 @@ pub(super) async fn watch(
         last = Some(capture);
     }
     bar.finish();
-    last.context("the server said nothing about the capture")
+    last.context("the server sent no state of the capture")
 }
 
-/// Follows the ingest of a capture and tells what came of it. One that cannot be fitted is a failure of the
-/// command that waited for it.
+/// Follows the ingest of a capture and prints its result. The command fails if the capture cannot
+/// be fitted.
 pub(super) async fn follow(
     client: &Client,
     name: CaptureId,

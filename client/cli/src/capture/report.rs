@@ -1,12 +1,12 @@
-//! `bendtwin capture report`: what is wrong with a capture, as a page and as a document; of one that lies here, without a
-//! server, or what the server found in one that it has.
+//! `bendtwin capture report`: the report of a capture as a page and as a document, measured on this
+//! machine or fetched from the server.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use bendtwin_capture::{Limits, Opened};
 use bendtwin_client::CaptureId;
-use bendtwin_engine::backend::CancelToken;
+use bendtwin_core::CancelToken;
 use bendtwin_inspect::{Inspection, Report, inspect, inspect_observed};
 use clap::Args;
 
@@ -15,23 +15,24 @@ use super::{
     reading::{self, Files},
 };
 use crate::{
-    args::Global,
     failure::{self, Usage},
+    global::Global,
     output,
 };
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// A raw recording or a capture: a folder, a ZIP archive, or motion capture as .npz with its .json; or a capture of
-    /// the server's: captures/{uuid}
+    /// A raw recording or a capture: a folder, a ZIP archive, or motion capture as .npz with its
+    /// .json; or a capture on the server: captures/{uuid}
     path: PathBuf,
-    /// Write a page with pictures that needs nothing else
+    /// Write the page: HTML with pictures, in one file
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Write the document for programs
+    /// Write the document: JSON
     #[arg(long, value_name = "FILE")]
     document: Option<PathBuf>,
-    /// Write what fits of a capture of the server's work on: tracked points as a bundle
+    /// Write the observation of a capture on the server: tracked points as a bundle, the input of
+    /// fits
     #[arg(long, value_name = "FILE")]
     observation: Option<PathBuf>,
 }
@@ -67,13 +68,13 @@ pub(super) async fn run(args: Arguments, global: &Global) -> anyhow::Result<()> 
     })
 }
 
-/// The capture of the server's that is meant, if it is one.
+/// The capture on the server, if the argument names one.
 fn stored(path: &Path) -> Option<CaptureId> {
     let name = path.to_str().filter(|name| name.starts_with("captures/"))?;
     name.parse().ok()
 }
 
-/// Looks at a capture of any kind on this machine.
+/// Inspects a capture of any kind on this machine.
 fn open_and_inspect(path: &Path) -> anyhow::Result<Inspection> {
     match bendtwin_capture::open(path, &Limits::default()).map_err(failure::failed)? {
         Opened::Observed(capture, _) => Ok(inspect_observed(&capture)),

@@ -2,13 +2,13 @@
 
 use bendtwin_client::Point;
 
-/// How far the hands go [m].
+/// Distance of the hands' motion [m].
 const REACH: f32 = 0.12;
 /// Knots of an action: start, halfway, end.
 pub(super) const KNOTS: usize = 3;
 
-/// A batch of control trajectories, shape [count, KNOTS, C]. The directions cover the upper half
-/// of a sphere evenly (a Fibonacci lattice); each action swerves a little on its way.
+/// A batch of control trajectories, shape [count, KNOTS, C]. The directions cover the upper half of
+/// a sphere evenly (a Fibonacci lattice); each action curves a little.
 pub(super) fn candidates(start: &[Point], count: usize) -> Vec<Point> {
     let golden = std::f32::consts::PI * (3.0 - 5f32.sqrt());
     let mut positions = Vec::with_capacity(count * KNOTS * start.len());
@@ -24,7 +24,7 @@ pub(super) fn candidates(start: &[Point], count: usize) -> Vec<Point> {
     positions
 }
 
-/// Where an action of a batch ends, as a displacement [m].
+/// Displacement of an action of a batch from its start to its end [m].
 pub(super) fn displacement(start: &[Point], batch: &[Point], instance: usize) -> Point {
     let last = (instance * KNOTS + KNOTS - 1) * start.len();
     match (batch.get(last), start.first()) {

@@ -3,19 +3,19 @@
 use std::{sync::Arc, time::Duration};
 
 use bendtwin_client::JobProgress;
-use bendtwin_core::{Capture, FitSettings, Progress, Twin};
-use bendtwin_engine::{Backend, backend::CancelToken};
-use bendtwin_fit::{FitJob, Observer, ObserverError};
+use bendtwin_core::{CancelToken, Capture, FitSettings, Observer, Progress, Twin};
+use bendtwin_engine::Backend;
+use bendtwin_fit::FitJob;
 
 use crate::{failure, progress::FitBar};
 
-/// What a fit made.
+/// The twins that a fit made.
 pub(super) struct Fitted {
     pub(super) twin: Twin,
     pub(super) axial: Option<Twin>,
 }
 
-/// Fits a capture; also says how long that took.
+/// Fits a capture; also returns the time it took.
 pub(super) fn fit(
     capture: &Capture,
     settings: FitSettings,
@@ -23,7 +23,7 @@ pub(super) fn fit(
     cancel: &CancelToken,
     quiet: bool,
 ) -> anyhow::Result<(Fitted, Duration)> {
-    let mut bar = Bar(FitBar::new(quiet));
+    let mut bar = BarObserver(FitBar::new(quiet));
     let job = FitJob {
         capture,
         capture_digest: bendtwin_capture::digest(capture),
@@ -36,9 +36,9 @@ pub(super) fn fit(
     Ok((Fitted { twin: outcome.twin, axial: outcome.axial }, took))
 }
 
-struct Bar(FitBar);
+struct BarObserver(FitBar);
 
-impl Observer for Bar {
+impl Observer<Progress> for BarObserver {
     fn progress(&mut self, progress: Progress) {
         self.0.show(&JobProgress {
             stage: progress.stage.as_str().to_owned(),
@@ -51,9 +51,5 @@ impl Observer for Bar {
             eta_s: progress.eta_s,
             note: progress.note.unwrap_or_default(),
         });
-    }
-
-    fn checkpoint(&mut self, _checkpoint: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
     }
 }

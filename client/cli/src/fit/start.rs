@@ -4,18 +4,18 @@ use bendtwin_client::CaptureId;
 use clap::Args;
 
 use super::{ended_well, shown, watch};
-use crate::{args::Global, output, settings::SettingsArgs};
+use crate::{global::Global, output, settings::SettingsArgs};
 
 #[derive(Debug, Args)]
 pub(crate) struct Start {
-    /// What to fit: captures/{uuid}
+    /// Capture to fit: captures/{uuid}
     capture: CaptureId,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Higher runs earlier, -100 to 100
+    /// Priority, -100 to 100; higher ones run earlier
     #[arg(long, default_value_t = 0, allow_hyphen_values = true)]
     priority: i32,
-    /// Repeating the command with the same word starts nothing new
+    /// Idempotency key: repeating the command with the same one starts no second fit
     #[arg(long, value_name = "WORD")]
     request_id: Option<String>,
     /// Follow it until it has ended

@@ -7,7 +7,7 @@ use futures::StreamExt as _;
 
 use crate::{failure::Failed, progress::FitBar};
 
-/// Follows a fit until it has ended, however it ends.
+/// Follows a fit until it has ended, well or not.
 pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::Result<Fit> {
     let mut bar = FitBar::new(quiet);
     let mut states = client.fits().watch(name);
@@ -16,9 +16,9 @@ pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::
         let fit = fit?;
         let before = last.as_ref().map(|f| (f.job.state, f.job.attempts));
         match fit.job.state {
-            JobState::Queued if before.is_none() => bar.say("waiting for a worker"),
+            JobState::Queued if before.is_none() => bar.print("waiting for a worker"),
             JobState::Queued if before.is_some_and(|(state, _)| state == JobState::Running) => {
-                bar.say("the worker is gone; waiting for another one");
+                bar.print("the worker is gone; waiting for another one");
             }
             _ => {}
         }
@@ -28,10 +28,10 @@ pub(crate) async fn watch(client: &Client, name: FitId, quiet: bool) -> anyhow::
         last = Some(fit);
     }
     bar.finish();
-    last.context("the server said nothing about the fit")
+    last.context("the server sent no state of the fit")
 }
 
-/// A fit that ended without a twin is a failure of the command that waited for it.
+/// Fails unless the fit has a twin.
 pub(crate) fn ended_well(fit: &Fit) -> anyhow::Result<()> {
     match fit.job.state {
         JobState::Succeeded => Ok(()),

@@ -56,7 +56,7 @@ impl Server {
 mod tests {
     use std::path::PathBuf;
 
-    use bendtwin_worker::BackendChoice;
+    use bendtwin_backends as backends;
 
     use super::*;
 
@@ -84,7 +84,7 @@ mod tests {
             "data_dir = \"from-file\"\nlease_s = 12.0\n[workers]\ncount = 3\ndevices = [1]\n",
         )
         .unwrap();
-        let backend = Some(BackendChoice::Cuda);
+        let backend = Some(backends::Choice::Cuda);
         let args = Server { config: Some(path), workers: Some(2), backend, ..server() };
         let options = args.options().unwrap();
         assert_eq!(options.data_dir, PathBuf::from("from-file"));

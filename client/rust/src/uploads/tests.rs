@@ -1,4 +1,4 @@
-//! Against a server of a few lines that does what each test needs.
+//! Tests against a small scripted server.
 
 use std::{
     collections::VecDeque,
@@ -14,8 +14,9 @@ use super::*;
 
 const NAME: &str = "captures/0190a000-0000-7000-8000-000000000001";
 
-/// One answer: to which method, at which offset of the client, what. An empty one closes the connection.
-type Scene = (&'static str, Option<u64>, String);
+/// One expected request, by method and offset, and the response to it. An empty response closes the
+/// connection.
+type Exchange = (&'static str, Option<u64>, String);
 
 fn answer(status: &str, headers: &str) -> String {
     format!(
@@ -23,16 +24,18 @@ fn answer(status: &str, headers: &str) -> String {
     )
 }
 
-/// Plays the scenes in turn, a connection each; returns the address.
-async fn play(scenes: Vec<Scene>) -> (String, Arc<Mutex<VecDeque<Scene>>>) {
+/// Serves the exchanges in order, one connection each; returns the address.
+async fn serve_script(exchanges: Vec<Exchange>) -> (String, Arc<Mutex<VecDeque<Exchange>>>) {
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let url = format!("http://{}", listener.local_addr().unwrap());
-    let scenes = Arc::new(Mutex::new(VecDeque::from(scenes)));
-    let left = scenes.clone();
+    let exchanges = Arc::new(Mutex::new(VecDeque::from(exchanges)));
+    let left = exchanges.clone();
     tokio::spawn(async move {
         loop {
             let (mut stream, _) = listener.accept().await.unwrap();
-            let Some((method, offset, answer)) = scenes.lock().unwrap().pop_front() else { return };
+            let Some((method, offset, answer)) = exchanges.lock().unwrap().pop_front() else {
+                return;
+            };
             let mut request = Vec::new();
             while !request.windows(4).any(|w| w == b"\r\n\r\n") {
                 assert!(stream.read_buf(&mut request).await.unwrap() > 0);
@@ -57,10 +60,10 @@ async fn play(scenes: Vec<Scene>) -> (String, Arc<Mutex<VecDeque<Scene>>>) {
     (url, left)
 }
 
-async fn push(scenes: Vec<Scene>) -> Result<CaptureId, Error> {
+async fn push(exchanges: Vec<Exchange>) -> Result<CaptureId, Error> {
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), b"0123456789").unwrap();
-    let (url, left) = play(scenes).await;
+    let (url, left) = serve_script(exchanges).await;
     let http = reqwest::Client::new();
     let sender = Sender::new(&http, &url, file.path(), "digest", "rope").await.unwrap();
     let pushed = sender.send(&|_| ()).await;
@@ -68,7 +71,7 @@ async fn push(scenes: Vec<Scene>) -> Result<CaptureId, Error> {
     pushed
 }
 
-fn created() -> Scene {
+fn created() -> Exchange {
     ("POST", None, answer("201 Created", "location: /v1/uploads/a\r\nupload-offset: 0\r\n"))
 }
 
@@ -76,7 +79,7 @@ fn done() -> String {
     answer("204 No Content", &format!("upload-offset: 10\r\nbendtwin-capture: {NAME}\r\n"))
 }
 
-fn at(offset: u64) -> Scene {
+fn at(offset: u64) -> Exchange {
     ("HEAD", None, answer("200 OK", &format!("upload-offset: {offset}\r\n")))
 }
 

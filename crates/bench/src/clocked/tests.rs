@@ -14,9 +14,12 @@ fn every_method_of_a_backend_is_passed_on() {
 }
 
 #[test]
-fn every_method_of_a_descent_is_passed_on() {
+fn every_method_of_an_optimizer_is_passed_on() {
     let wanted =
-        methods(include_str!("../../../engine/src/descent.rs"), "pub trait Descent: Send {");
+        methods(include_str!("../../../engine/src/optimizer.rs"), "pub trait Optimizer: Send {");
     assert!(wanted.len() >= 4, "{wanted:?}");
-    assert_eq!(methods(include_str!("descent.rs"), "impl Descent for ClockedDescent {"), wanted);
+    assert_eq!(
+        methods(include_str!("optimizer.rs"), "impl Optimizer for ClockedOptimizer {"),
+        wanted
+    );
 }

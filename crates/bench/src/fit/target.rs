@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Capture, NodeKind, Sequence};
+use bendtwin_core::{CancelToken, Capture, NodeKind, Sequence};
 use bendtwin_engine::{
     Backend, Model,
-    backend::{CancelToken, Instance, Recording},
+    backend::{Instance, Outputs},
     model::State,
 };
 use rand::{RngExt, SeedableRng};
@@ -44,14 +44,14 @@ pub(super) fn capture(
         frames: steps,
         objective: bendtwin_engine::Objective::default(),
     };
-    let recording = Recording {
+    let outputs = Outputs {
         every: 1,
         initial: true,
         nodes: Some(Arc::new((0..surface as u32).collect())),
-        ..Recording::default()
+        ..Outputs::default()
     };
     let mut points = Vec::new();
-    for rollout in backend.roll_out(&[instance], &recording, cancel)? {
+    for rollout in backend.roll_out(&[instance], &outputs, cancel)? {
         if let Some(d) = rollout.diverged {
             let scene = scene.name.as_str();
             return Err(Error::Diverged { scene, frame: d.frame, node: d.node });

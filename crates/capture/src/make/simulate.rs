@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Pin, Point, Timing, environment::ControlVelocity,
+    CancelToken, Contact, Environment, Graph, NodeKind, Params, Pin, Point, Timing,
+    environment::ControlVelocity,
 };
 use bendtwin_engine::{
     Backend, Model, Objective,
-    backend::{CancelToken, Instance, Recording},
+    backend::{Instance, Outputs},
     model::State,
     stable_substeps,
 };
@@ -68,8 +69,8 @@ pub(super) fn simulate(
             objective: Objective::default(),
         })
         .collect();
-    let recording = Recording { every: 1, initial: true, ..Recording::default() };
-    let rollouts = backend.roll_out(&batch, &recording, &CancelToken::default()).map_err(failed)?;
+    let outputs = Outputs { every: 1, initial: true, ..Outputs::default() };
+    let rollouts = backend.roll_out(&batch, &outputs, &CancelToken::default()).map_err(failed)?;
     rollouts
         .into_iter()
         .map(|rollout| match rollout.diverged {

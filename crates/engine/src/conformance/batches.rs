@@ -5,9 +5,11 @@ use super::{
     random::{RandomOptions, random_model, random_motion, random_objective},
     scene::{Scene, only},
 };
+use bendtwin_core::CancelToken;
+
 use crate::{
     Backend, Error,
-    backend::{CancelToken, GradientRequest, Instance, Recording},
+    backend::{GradientRequest, Instance, Outputs},
 };
 
 /// Scenes of different sizes, lengths and features.
@@ -36,8 +38,8 @@ fn mixed() -> Vec<Scene> {
         .collect()
 }
 
-const RECORDING: Recording =
-    Recording { every: 1, initial: true, nodes: None, final_state: true, diagnostics: true };
+const OUTPUTS: Outputs =
+    Outputs { every: 1, initial: true, nodes: None, final_state: true, diagnostics: true };
 const REQUEST: GradientRequest =
     GradientRequest { cut_every: 0, controls: true, initial: true, final_state: true };
 
@@ -48,7 +50,7 @@ fn instances(backend: &dyn Backend) -> Result<Vec<Instance>, String> {
 /// Results of all three calls, as text in which equal means bit for bit (floats print exactly).
 fn everything(backend: &dyn Backend, batch: &[Instance]) -> Result<Vec<String>, String> {
     let cancel = CancelToken::default();
-    let rollouts = backend.roll_out(batch, &RECORDING, &cancel).map_err(|e| e.to_string())?;
+    let rollouts = backend.roll_out(batch, &OUTPUTS, &cancel).map_err(|e| e.to_string())?;
     let losses = backend.losses(batch, &cancel).map_err(|e| e.to_string())?;
     let gradients = backend.gradients(batch, &REQUEST, &cancel).map_err(|e| e.to_string())?;
     let counts = [rollouts.len(), losses.len(), gradients.len()];
@@ -139,7 +141,7 @@ pub(super) fn cancellation_stops_everything(backend: &dyn Backend) -> Outcome {
     cancelled.cancel();
     let calls = |batch: &[Instance], cancel: &CancelToken| {
         [
-            backend.roll_out(batch, &RECORDING, cancel).err(),
+            backend.roll_out(batch, &OUTPUTS, cancel).err(),
             backend.losses(batch, cancel).err(),
             backend.gradients(batch, &REQUEST, cancel).err(),
         ]

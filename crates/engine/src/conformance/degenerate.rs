@@ -8,9 +8,11 @@ use super::{
     random::{RandomOptions, random_model, random_motion, random_objective},
     scene::Scene,
 };
+use bendtwin_core::CancelToken;
+
 use crate::{
     Backend, PointLoss, Term,
-    backend::{CancelToken, Gradient, GradientRequest, Recording},
+    backend::{Gradient, GradientRequest, Outputs},
     objective::WeightedTerm,
 };
 
@@ -192,9 +194,9 @@ pub(super) fn divergence_says_where(backend: &dyn Backend) -> Outcome {
         scene.instance(scene.load(backend)?),
         calm.instance(calm.load(backend)?),
     ];
-    let recording = Recording { every: 1, final_state: true, ..Recording::default() };
+    let outputs = Outputs { every: 1, final_state: true, ..Outputs::default() };
     let cancel = CancelToken::default();
-    let rollouts = backend.roll_out(&batch, &recording, &cancel).map_err(|e| e.to_string())?;
+    let rollouts = backend.roll_out(&batch, &outputs, &cancel).map_err(|e| e.to_string())?;
     let losses = backend.losses(&batch, &cancel).map_err(|e| e.to_string())?;
     let gradients = backend.gradients(&batch, &EVERYTHING, &cancel).map_err(|e| e.to_string())?;
     let (Some(rollout), Some(loss), Some(gradient)) =

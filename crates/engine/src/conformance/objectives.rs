@@ -1,4 +1,4 @@
-//! Losses, recordings and diagnostics against their definitions.
+//! Losses, outputs and diagnostics against their definitions.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     Backend, PointLoss, Term,
-    backend::{GradientRequest, Recording},
+    backend::{GradientRequest, Outputs},
 };
 
 fn measured(seed: u64) -> Scene {
@@ -103,7 +103,7 @@ pub(super) fn losses_match_their_definitions(backend: &dyn Backend) -> Outcome {
 }
 
 /// Every k-th frame, selected nodes, with and without frame 0: the same numbers as in full.
-pub(super) fn recordings_are_as_asked(backend: &dyn Backend) -> Outcome {
+pub(super) fn outputs_are_as_asked(backend: &dyn Backend) -> Outcome {
     let mut scene = measured(1);
     scene.objective = Default::default();
     let n = scene.graph.node_count();
@@ -114,16 +114,15 @@ pub(super) fn recordings_are_as_asked(backend: &dyn Backend) -> Outcome {
         "the last recorded frame is not the final state".to_owned()
     })?;
     let nodes = vec![5_u32, 0, 17];
-    let recording =
-        Recording { every: 4, nodes: Some(Arc::new(nodes.clone())), ..Recording::default() };
-    let some = scene.roll_out_raw(backend, &recording)?;
+    let outputs = Outputs { every: 4, nodes: Some(Arc::new(nodes.clone())), ..Outputs::default() };
+    let some = scene.roll_out_raw(backend, &outputs)?;
     ensure(some.frames == [4], || format!("frames {:?} of every 4th of 6", some.frames))?;
     let expected: Vec<Point> = nodes.iter().map(|&i| full.positions[4 * n + i as usize]).collect();
     ensure(some.positions == expected, || "selected nodes differ from the full record".into())?;
     ensure(some.final_state.is_none() && some.diagnostics.is_none(), || {
         "a final state or diagnostics came unasked".to_owned()
     })?;
-    let none = scene.roll_out_raw(backend, &Recording::default())?;
+    let none = scene.roll_out_raw(backend, &Outputs::default())?;
     ensure(none.positions.is_empty() && none.frames.is_empty(), || "recorded unasked".to_owned())
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Pin, Plane, environment::ControlVelocity};
+use bendtwin_core::{CancelToken, Pin, Plane, environment::ControlVelocity};
 
 use super::{
     expect::{Outcome, ensure},
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     Backend, Error, Loaded, PointLoss, Term,
-    backend::{CancelToken, GradientRequest, Instance, Recording},
+    backend::{GradientRequest, Instance, Outputs},
     objective::WeightedTerm,
 };
 
@@ -137,7 +137,7 @@ pub(super) fn wrong_models_are_refused(backend: &dyn Backend) -> Outcome {
 /// What one call is asked to do.
 struct Request {
     instance: Instance,
-    recording: Recording,
+    outputs: Outputs,
 }
 
 fn state(request: &mut Request) -> &mut crate::model::State {
@@ -153,7 +153,7 @@ fn track(nodes: Vec<u32>, targets: Vec<[f32; 3]>) -> Term {
     Term::Track { nodes, targets, loss: PointLoss::Distance }
 }
 
-/// Every input that does not fit its model is InvalidInput, in all three calls (a wrong recording:
+/// Every input that does not fit its model is InvalidInput, in all three calls (wrong outputs:
 /// in the one that records), and a good input after it still runs.
 pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
     let breaks: [Break<Request>; 19] = [
@@ -187,7 +187,7 @@ pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
                 term.weight = f32::NAN;
             }
         }),
-        ("a recording of no node", |r| r.recording.nodes = Some(Arc::new(vec![0, 9999]))),
+        ("outputs of no node", |r| r.outputs.nodes = Some(Arc::new(vec![0, 9999]))),
         ("a model of another backend", |r| {
             let model = r.instance.model.model().clone();
             r.instance.model = Loaded::new(model, Arc::new("not yours"));
@@ -198,12 +198,12 @@ pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
     let cancel = CancelToken::default();
     for (what, break_it) in breaks {
         let mut request =
-            Request { instance: scene.instance(loaded.clone()), recording: Recording::default() };
+            Request { instance: scene.instance(loaded.clone()), outputs: Outputs::default() };
         break_it(&mut request);
-        let records = request.recording != Recording::default();
+        let records = request.outputs != Outputs::default();
         let good = scene.instance(loaded.clone());
         let batch = [good.clone(), request.instance];
-        let mut errors = vec![backend.roll_out(&batch, &request.recording, &cancel).err()];
+        let mut errors = vec![backend.roll_out(&batch, &request.outputs, &cancel).err()];
         if !records {
             errors.push(backend.losses(&batch, &cancel).err());
             errors.push(backend.gradients(&batch, &GradientRequest::default(), &cancel).err());

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use bendtwin_core::{
-    Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
+    CancelToken, Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
     environment::ControlVelocity,
 };
 
 use crate::{
     Backend, Error, Loaded, Model, Objective,
-    backend::{CancelToken, Gradient, GradientRequest, Instance, Loss, Recording, Rollout},
+    backend::{Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
     build::{NodeSample, rest_geometry},
     model::State,
 };
@@ -208,14 +208,9 @@ impl Scene {
 
     /// Rolls out alone: every frame, the initial one too, final state and diagnostics.
     pub(super) fn roll_out(&self, backend: &dyn Backend) -> Result<Rollout, String> {
-        let recording = Recording {
-            every: 1,
-            initial: true,
-            nodes: None,
-            final_state: true,
-            diagnostics: true,
-        };
-        let rollout = self.roll_out_raw(backend, &recording)?;
+        let outputs =
+            Outputs { every: 1, initial: true, nodes: None, final_state: true, diagnostics: true };
+        let rollout = self.roll_out_raw(backend, &outputs)?;
         match rollout.diverged {
             None => Ok(rollout),
             Some(d) => Err(format!("diverged in frame {} at node {}", d.frame, d.node)),
@@ -225,10 +220,10 @@ impl Scene {
     pub(super) fn roll_out_raw(
         &self,
         backend: &dyn Backend,
-        recording: &Recording,
+        outputs: &Outputs,
     ) -> Result<Rollout, String> {
         let batch = [self.instance(self.load(backend)?)];
-        let rollouts = backend.roll_out(&batch, recording, &CancelToken::default());
+        let rollouts = backend.roll_out(&batch, outputs, &CancelToken::default());
         only(rollouts.map_err(|e| format!("roll_out: {e}"))?)
     }
 
@@ -240,7 +235,7 @@ impl Scene {
     /// States after each frame, the initial one first. Restarts every frame, as velocities are
     /// returned for the last frame only.
     pub(super) fn states(&self, backend: &dyn Backend) -> Result<Vec<State>, String> {
-        let recording = Recording { final_state: true, ..Recording::default() };
+        let outputs = Outputs { final_state: true, ..Outputs::default() };
         let loaded = self.load(backend)?;
         let c = self.graph.control_count();
         let mut states = vec![self.initial.clone()];
@@ -250,7 +245,7 @@ impl Scene {
             step.objective = Objective::default();
             step.controls = Arc::new(self.controls[frame * c..(frame + 2) * c].to_vec());
             step.initial = Arc::new(states[frame].clone());
-            let rollouts = backend.roll_out(&[step], &recording, &CancelToken::default());
+            let rollouts = backend.roll_out(&[step], &outputs, &CancelToken::default());
             let rollout = only(rollouts.map_err(|e| format!("roll_out: {e}"))?)?;
             match (rollout.final_state, rollout.diverged) {
                 (Some(state), None) => states.push(state),

@@ -105,9 +105,9 @@ pub(crate) fn rest_bend<T: Real>(rest_angle_rad: T) -> T {
 }
 
 /// What the two arms and their normal give before anything is divided by it. Made one block ahead of
-/// [`Bent`], as everything there waits for this root.
+/// [`BendState`], as everything there waits for this root.
 #[derive(Clone, Copy)]
-struct Elbow<P: Pack> {
+struct BendGeometry<P: Pack> {
     /// u x n and n x w.
     across_u: Pack3<P>,
     across_w: Pack3<P>,
@@ -123,7 +123,7 @@ struct Elbow<P: Pack> {
     armed: P::Mask,
 }
 
-impl<P: Pack> Elbow<P> {
+impl<P: Pack> BendGeometry<P> {
     #[inline(always)]
     fn new<T: Real, M: Machine<T, Pack = P>>(m: M, u: Pack3<P>, w: Pack3<P>) -> Self {
         let least = m.splat(T::from_f64(MIN_ARM_M * MIN_ARM_M));
@@ -146,8 +146,8 @@ impl<P: Pack> Elbow<P> {
     }
 }
 
-/// What force and adjoint share; m is [`Elbow::sine`].
-struct Bent<P: Pack> {
+/// What force and adjoint share; m is [`BendGeometry::sine`].
+struct BendState<P: Pack> {
     /// 1/m; 1/(u . w) in the straight limit; 1 where the triplet is skipped.
     inverse: P,
     /// q - q0.
@@ -162,9 +162,9 @@ struct Bent<P: Pack> {
     straight: P::Mask,
 }
 
-impl<P: Pack> Bent<P> {
+impl<P: Pack> BendState<P> {
     #[inline(always)]
-    fn new<T: Real, M: Machine<T, Pack = P>>(m: M, e: &Elbow<P>, rest_bend: P) -> Self {
+    fn new<T: Real, M: Machine<T, Pack = P>>(m: M, e: &BendGeometry<P>, rest_bend: P) -> Self {
         let (zero, one) = (m.splat(T::ZERO), m.splat(T::ONE));
         let sine2 = (e.sine * e.inverse_u2) * (e.sine * e.inverse_w2);
         let regular = e.armed & sine2.not_below(m.splat(T::from_f64(MIN_SINE * MIN_SINE)));
@@ -187,14 +187,14 @@ impl<P: Pack> Bent<P> {
 
 /// The geometry of a block, made one block ahead.
 #[derive(Clone, Copy)]
-struct Reach<P: Pack> {
-    elbow: Elbow<P>,
+struct BendKinematics<P: Pack> {
+    geometry: BendGeometry<P>,
     /// Rates of the arms across themselves, |u|² m g_i . u_dot and |w|² m g_k . w_dot.
     swing_u: P,
     swing_w: P,
 }
 
-impl<P: Pack> Reach<P> {
+impl<P: Pack> BendKinematics<P> {
     #[inline(always)]
     fn new<T: Real, M: Machine<T, Pack = P>>(
         m: M,
@@ -203,10 +203,10 @@ impl<P: Pack> Reach<P> {
         b: &TripletBlock<T>,
     ) -> Self {
         let ((x_i, v_i), (x_k, v_k)) = (m.gather(nodes, &b.i), m.gather(nodes, &b.k));
-        let elbow = Elbow::new(m, v3::sub(x_i, centre.0), v3::sub(x_k, centre.0));
-        let swing_u = v3::dot(elbow.across_u, v3::sub(v_i, centre.1));
-        let swing_w = v3::dot(elbow.across_w, v3::sub(v_k, centre.1));
-        Self { elbow, swing_u, swing_w }
+        let geometry = BendGeometry::new(m, v3::sub(x_i, centre.0), v3::sub(x_k, centre.0));
+        let swing_u = v3::dot(geometry.across_u, v3::sub(v_i, centre.1));
+        let swing_w = v3::dot(geometry.across_w, v3::sub(v_k, centre.1));
+        Self { geometry, swing_u, swing_w }
     }
 }
 
@@ -223,35 +223,35 @@ pub(crate) fn bend_forces<T: Real, M: Machine<T>>(
         let Some((mut b, later)) = blocks.split_first() else { continue };
         let centre = m.gather(nodes, &strip.owners);
         let mut sum = [m.splat(T::ZERO); 3];
-        let mut reach = Reach::new(m, centre, nodes, b);
+        let mut kinematics = BendKinematics::new(m, centre, nodes, b);
         for next in later {
-            let ahead = Reach::new(m, centre, nodes, next);
-            sum = push(m, b, &reach, sum, forces);
-            (b, reach) = (next, ahead);
+            let ahead = BendKinematics::new(m, centre, nodes, next);
+            sum = apply_force(m, b, &kinematics, sum, forces);
+            (b, kinematics) = (next, ahead);
         }
-        sum = push(m, b, &reach, sum, forces);
+        sum = apply_force(m, b, &kinematics, sum, forces);
         m.scatter_add(forces, &strip.owners, sum);
     }
 }
 
 /// Adds a block's forces to the outer ends, and takes them from the sum of the centres'.
 #[inline(always)]
-fn push<T: Real, M: Machine<T>>(
+fn apply_force<T: Real, M: Machine<T>>(
     m: M,
     b: &TripletBlock<T>,
-    reach: &Reach<M::Pack>,
+    kinematics: &BendKinematics<M::Pack>,
     sum: Pack3<M::Pack>,
     forces: &mut [Quad<T>],
 ) -> Pack3<M::Pack> {
-    let e = &reach.elbow;
-    let t = Bent::new(m, e, m.load(&b.rest_bend));
-    let rate = reach.swing_u.mul_add(e.inverse_u2, reach.swing_w * e.inverse_w2);
+    let e = &kinematics.geometry;
+    let t = BendState::new(m, e, m.load(&b.rest_bend));
+    let rate = kinematics.swing_u.mul_add(e.inverse_u2, kinematics.swing_w * e.inverse_w2);
     let inverse = t.ease * t.inverse;
     let moment = m.load(&b.stiffness) * t.deviation.or(t.regular, m.splat(T::ONE));
     let damping = (m.load(&b.damping) * rate * inverse).only_if(t.regular);
-    let push = -((moment + damping) * inverse).only_if(t.regular | t.straight);
-    let f_i = v3::scale(e.across_u, push * e.inverse_u2);
-    let f_k = v3::scale(e.across_w, push * e.inverse_w2);
+    let coefficient = -((moment + damping) * inverse).only_if(t.regular | t.straight);
+    let f_i = v3::scale(e.across_u, coefficient * e.inverse_u2);
+    let f_k = v3::scale(e.across_w, coefficient * e.inverse_w2);
     m.scatter_add(forces, &b.i, f_i);
     m.scatter_add(forces, &b.k, f_k);
     v3::sub(v3::sub(sum, f_i), f_k)
@@ -285,8 +285,8 @@ pub(crate) fn bend_adjoint<T: Real, M: Machine<T>>(
             let pull_u = v3::sub(m.gather_quads(lambda, &b.i), lambda_j);
             let pull_w = v3::sub(m.gather_quads(lambda, &b.k), lambda_j);
             let (stiffness, damping) = (m.load(&b.stiffness), m.load(&b.damping));
-            let e = Elbow::new(m, u, w);
-            let t = Bent::new(m, &e, m.load(&b.rest_bend));
+            let e = BendGeometry::new(m, u, w);
+            let t = BendState::new(m, &e, m.load(&b.rest_bend));
             let g_u = v3::scale(e.across_u, e.inverse_u2 * t.inverse);
             let g_w = v3::scale(e.across_w, e.inverse_w2 * t.inverse);
             let rate = t.ease * (v3::dot(g_u, u_dot) + v3::dot(g_w, w_dot));
@@ -331,7 +331,7 @@ pub(crate) fn bend_adjoint<T: Real, M: Machine<T>>(
 #[inline(always)]
 fn rest_slope<T: Real, M: Machine<T>>(
     m: M,
-    t: &Bent<M::Pack>,
+    t: &BendState<M::Pack>,
     stiffness: M::Pack,
     moments: M::Pack,
     rest_bend: M::Pack,
@@ -348,7 +348,7 @@ type Arms<P> = (Pack3<P>, Pack3<P>);
 #[inline(always)]
 fn hessian_product<T: Real, M: Machine<T>>(
     m: M,
-    e: &Elbow<M::Pack>,
+    e: &BendGeometry<M::Pack>,
     inverse: M::Pack,
     (u, w): Arms<M::Pack>,
     g: Arms<M::Pack>,
@@ -373,8 +373,8 @@ fn hessian_product<T: Real, M: Machine<T>>(
 #[inline(always)]
 fn straight_adjoint<T: Real, M: Machine<T>>(
     m: M,
-    e: &Elbow<M::Pack>,
-    t: &Bent<M::Pack>,
+    e: &BendGeometry<M::Pack>,
+    t: &BendState<M::Pack>,
     stiffness: M::Pack,
     (u, w): Arms<M::Pack>,
     (pull_u, pull_w): Arms<M::Pack>,
@@ -399,8 +399,8 @@ fn straight_adjoint<T: Real, M: Machine<T>>(
 /// q - q0 of one triplet; zero where an arm is missing.
 pub(crate) fn deviation(u: [f64; 3], w: [f64; 3], rest_bend: f64) -> f64 {
     let m = Portable;
-    let e = Elbow::new(m, u.map(|c| m.splat(c)), w.map(|c| m.splat(c)));
-    let t = Bent::new(m, &e, m.splat(rest_bend));
+    let e = BendGeometry::new(m, u.map(|c| m.splat(c)), w.map(|c| m.splat(c)));
+    let t = BendState::new(m, &e, m.splat(rest_bend));
     m.store(t.deviation.only_if(e.armed))[0]
 }
 

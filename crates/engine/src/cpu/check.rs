@@ -4,7 +4,7 @@ use bendtwin_core::{Point, environment::ControlVelocity};
 
 use crate::{
     Model,
-    backend::{Error, Instance, Recording},
+    backend::{Error, Instance, Outputs},
     objective::{Objective, PointLoss, Term, WeightedTerm},
     stability::enough_substeps,
 };
@@ -169,9 +169,9 @@ fn term(t: &WeightedTerm, frames: usize, groups: usize, nodes: usize) -> Result<
 ///
 /// # Errors
 /// The first fault, as a sentence.
-pub fn recording(index: usize, of: &Instance, recording: &Recording) -> Result<(), Error> {
+pub fn outputs(index: usize, of: &Instance, outputs: &Outputs) -> Result<(), Error> {
     let n = of.model.model().graph.node_count();
-    let outside = recording.nodes.as_ref().and_then(|s| s.iter().find(|&&i| i as usize >= n));
+    let outside = outputs.nodes.as_ref().and_then(|s| s.iter().find(|&&i| i as usize >= n));
     match outside {
         Some(node) => Err(Error::InvalidInput(format!(
             "instance {index}: node {node} is to be recorded, but the model has {n} nodes"

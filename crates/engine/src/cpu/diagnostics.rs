@@ -9,7 +9,7 @@ use super::{
     system::System,
 };
 use crate::{
-    backend::{Diagnostics, Loss, Recording, Rollout},
+    backend::{Diagnostics, Loss, Outputs, Rollout},
     energy,
     model::State,
 };
@@ -20,17 +20,17 @@ const ON_GROUND_M: f64 = 1e-3;
 /// Watches a rollout.
 pub(crate) struct Observer<'a, T> {
     system: &'a System<T>,
-    recording: &'a Recording,
+    outputs: &'a Outputs,
     frames: usize,
     rollout: Rollout,
     sanity: Diagnostics,
 }
 
 impl<'a, T: Real> Observer<'a, T> {
-    pub(crate) fn new(case: &'a Case<'_, T>, recording: &'a Recording) -> Self {
+    pub(crate) fn new(case: &'a Case<'_, T>, outputs: &'a Outputs) -> Self {
         Self {
             system: case.system,
-            recording,
+            outputs,
             frames: case.frames,
             rollout: Rollout::default(),
             sanity: Diagnostics::default(),
@@ -39,25 +39,25 @@ impl<'a, T: Real> Observer<'a, T> {
 
     pub(crate) fn see(&mut self, frame: usize, now: &Workspace<T>) {
         let nodes = &now.nodes[..self.system.nodes];
-        let every = self.recording.every;
+        let every = self.outputs.every;
         let wanted = if frame == 0 {
-            self.recording.initial
+            self.outputs.initial
         } else {
             every > 0 && frame.is_multiple_of(every)
         };
         if wanted {
             self.rollout.frames.push(frame);
             let positions = &mut self.rollout.positions;
-            match &self.recording.nodes {
+            match &self.outputs.nodes {
                 None => positions.extend(nodes.iter().map(|n| point(n.x))),
                 Some(some) => positions.extend(some.iter().map(|&i| point(nodes[i as usize].x))),
             }
         }
         let last = frame == self.frames;
-        if self.recording.final_state && last {
+        if self.outputs.final_state && last {
             self.rollout.final_state = Some(state_of(nodes, &now.twists));
         }
-        if self.recording.diagnostics && (frame > 0 || last) {
+        if self.outputs.diagnostics && (frame > 0 || last) {
             self.measure(now, last);
         }
     }
@@ -87,7 +87,7 @@ impl<'a, T: Real> Observer<'a, T> {
             group_costs: loss.groups,
             diverged: loss.diverged,
             final_state: self.rollout.final_state.filter(|_| ended),
-            diagnostics: (self.recording.diagnostics && ended).then_some(self.sanity),
+            diagnostics: (self.outputs.diagnostics && ended).then_some(self.sanity),
             ..self.rollout
         }
     }

@@ -10,7 +10,9 @@ use super::{
     real::{Quad, Real, add},
     rollout::{Case, Scorer},
 };
-use crate::backend::{CancelToken, Error, Loss};
+use bendtwin_core::CancelToken;
+
+use crate::backend::{Error, Loss};
 
 /// Loss and gradient in the simulation's scalar.
 #[derive(Debug)]

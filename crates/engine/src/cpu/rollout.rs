@@ -1,6 +1,6 @@
 //! One instance through all its frames, in any scalar.
 
-use bendtwin_core::Graph;
+use bendtwin_core::{CancelToken, Graph};
 
 use super::{
     control::FrameControls,
@@ -11,7 +11,7 @@ use super::{
     system::System,
 };
 use crate::{
-    backend::{CancelToken, Divergence, Error, Loss},
+    backend::{Divergence, Error, Loss},
     model::State,
     objective::Objective,
 };

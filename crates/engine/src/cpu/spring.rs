@@ -100,7 +100,7 @@ impl<T: Real> SpringGradient<T> {
 /// What a block's springs need of their ends, and the root and the division that all else waits for. It
 /// is made one block ahead, so that neither these nor memory keep the block before it waiting.
 #[derive(Clone, Copy)]
-struct Reach<P> {
+struct SpringGeometry<P> {
     /// The other end relative to the owner.
     r: Pack3<P>,
     w: Pack3<P>,
@@ -110,7 +110,7 @@ struct Reach<P> {
     inverse2: P,
 }
 
-impl<P: Pack> Reach<P> {
+impl<P: Pack> SpringGeometry<P> {
     #[inline(always)]
     fn new<T: Real, M: Machine<T, Pack = P>>(
         m: M,
@@ -139,32 +139,32 @@ pub(crate) fn spring_forces<T: Real, M: Machine<T>>(
         let Some((mut b, later)) = springs.blocks[strip.blocks()].split_first() else { continue };
         let owners = m.gather(nodes, &strip.owners);
         let mut sum = [m.splat(T::ZERO); 3];
-        let mut s = Reach::new(m, owners, nodes, &b.other);
+        let mut s = SpringGeometry::new(m, owners, nodes, &b.other);
         for next in later {
-            let ahead = Reach::new(m, owners, nodes, &next.other);
-            sum = push(m, b, s, sum, forces);
+            let ahead = SpringGeometry::new(m, owners, nodes, &next.other);
+            sum = apply_force(m, b, s, sum, forces);
             (b, s) = (next, ahead);
         }
-        sum = push(m, b, s, sum, forces);
+        sum = apply_force(m, b, s, sum, forces);
         m.scatter_add(forces, &strip.owners, sum);
     }
 }
 
 /// Adds a block's forces to the other ends, and to the sum of the owners'.
 #[inline(always)]
-fn push<T: Real, M: Machine<T>>(
+fn apply_force<T: Real, M: Machine<T>>(
     m: M,
     b: &SpringBlock<T>,
-    s: Reach<M::Pack>,
+    s: SpringGeometry<M::Pack>,
     sum: Pack3<M::Pack>,
     forces: &mut [Quad<T>],
 ) -> Pack3<M::Pack> {
     // The force on the other end is against r where the spring is stretched.
     let elastic = m.load(&b.rate) * (m.load(&b.rest) - s.length);
     let damping = m.load(&b.dashpot) * v3::dot(s.w, s.r);
-    let push = elastic.mul_add(s.length * s.inverse2, -(damping * s.inverse2));
-    m.scatter_add(forces, &b.other, v3::scale(s.r, push));
-    v3::sub_scaled(sum, push, s.r)
+    let coefficient = elastic.mul_add(s.length * s.inverse2, -(damping * s.inverse2));
+    m.scatter_add(forces, &b.other, v3::scale(s.r, coefficient));
+    v3::sub_scaled(sum, coefficient, s.r)
 }
 
 /// Adjoint of [`spring_forces`]: given d loss / d force in `lambda`, adds d loss / d (position,
@@ -190,25 +190,25 @@ pub(crate) fn spring_adjoint<T: Real, M: Machine<T>>(
         let lambda_owners = m.gather_quads(lambda, &strip.owners);
         let zero = [m.splat(T::ZERO); 3];
         let mut sum = (zero, zero);
-        let mut s = Reach::new(m, owners, nodes, &b.other);
+        let mut s = SpringGeometry::new(m, owners, nodes, &b.other);
         let mut pull = v3::sub(m.gather_quads(lambda, &b.other), lambda_owners);
         for (next, g_next) in later.iter().zip(g_later) {
-            let ahead = Reach::new(m, owners, nodes, &next.other);
+            let ahead = SpringGeometry::new(m, owners, nodes, &next.other);
             let pull_ahead = v3::sub(m.gather_quads(lambda, &next.other), lambda_owners);
-            sum = push_back(m, b, s, pull, sum, adjoint, g);
+            sum = apply_force_adjoint(m, b, s, pull, sum, adjoint, g);
             (b, g, s, pull) = (next, g_next, ahead, pull_ahead);
         }
-        sum = push_back(m, b, s, pull, sum, adjoint, g);
+        sum = apply_force_adjoint(m, b, s, pull, sum, adjoint, g);
         m.scatter_add_nodes(adjoint, &strip.owners, sum.0, sum.1);
     }
 }
 
-/// The adjoint of [`push`]; i is the owner, j the other end. `pull` is lambda_j - lambda_i.
+/// The adjoint of [`apply_force`]; i is the owner, j the other end. `pull` is lambda_j - lambda_i.
 #[inline(always)]
-fn push_back<T: Real, M: Machine<T>>(
+fn apply_force_adjoint<T: Real, M: Machine<T>>(
     m: M,
     b: &SpringBlock<T>,
-    s: Reach<M::Pack>,
+    s: SpringGeometry<M::Pack>,
     pull: Pack3<M::Pack>,
     (x_sum, v_sum): (Pack3<M::Pack>, Pack3<M::Pack>),
     adjoint: &mut [Node<T>],

@@ -103,14 +103,14 @@ fn instance(backend: &dyn Backend, model: Model, frames: usize) -> Instance {
     }
 }
 
-fn everything() -> (Recording, GradientRequest) {
+fn everything() -> (Outputs, GradientRequest) {
     (
-        Recording {
+        Outputs {
             every: 1,
             initial: true,
             final_state: true,
             diagnostics: true,
-            ..Recording::default()
+            ..Outputs::default()
         },
         GradientRequest { controls: true, initial: true, final_state: true, cut_every: 0 },
     )
@@ -127,9 +127,8 @@ fn roll(model: Model, initial: State, frames: usize) -> Rollout {
         frames,
         objective: Objective::default(),
     };
-    let recording =
-        Recording { every: 1, final_state: true, diagnostics: true, ..Recording::default() };
-    backend.roll_out(&[instance], &recording, &CancelToken::default()).unwrap().remove(0)
+    let outputs = Outputs { every: 1, final_state: true, diagnostics: true, ..Outputs::default() };
+    backend.roll_out(&[instance], &outputs, &CancelToken::default()).unwrap().remove(0)
 }
 
 #[test]
@@ -152,9 +151,9 @@ fn single_precision_agrees_with_the_reference() {
     let backend = cpu_with_threads(1);
     let model = chain(13);
     let batch = [instance(&*backend, model.clone(), 6)];
-    let (recording, request) = everything();
+    let (outputs, request) = everything();
     let cancel = CancelToken::default();
-    let out = backend.roll_out(&batch, &recording, &cancel).unwrap().remove(0);
+    let out = backend.roll_out(&batch, &outputs, &cancel).unwrap().remove(0);
     let reference = Reference::new(&model, 6).unwrap();
     let exact = reference.roll_out().unwrap();
     for (f, state) in exact.iter().enumerate() {
@@ -184,13 +183,13 @@ fn single_precision_agrees_with_the_reference() {
 
 #[test]
 fn results_repeat_bit_for_bit_on_any_number_of_threads() {
-    let (recording, request) = everything();
+    let (outputs, request) = everything();
     let cancel = CancelToken::default();
     let run = |threads: usize| {
         let backend = cpu_with_threads(threads);
         let batch: Vec<_> = (3..9).map(|n| instance(&*backend, chain(n), 4)).collect();
         (
-            backend.roll_out(&batch, &recording, &cancel).unwrap(),
+            backend.roll_out(&batch, &outputs, &cancel).unwrap(),
             backend.gradients(&batch, &request, &cancel).unwrap(),
         )
     };
@@ -202,18 +201,18 @@ fn results_repeat_bit_for_bit_on_any_number_of_threads() {
 #[test]
 fn a_rollout_may_be_cut_at_any_frame() {
     let backend = cpu_with_threads(1);
-    let (recording, _) = everything();
+    let (outputs, _) = everything();
     let cancel = CancelToken::default();
     let mut whole = instance(&*backend, chain(7), 6);
     let moving = (0..7).map(|f| [0.01 * f as f32, 0.003 * (f * f) as f32, 0.1]).collect();
     whole.controls = Arc::new(moving);
-    let at_once = backend.roll_out(&[whole.clone()], &recording, &cancel).unwrap().remove(0);
+    let at_once = backend.roll_out(&[whole.clone()], &outputs, &cancel).unwrap().remove(0);
     let part = |initial: Arc<State>, rows: std::ops::Range<usize>| {
         let frames = rows.len() - 1;
         let controls = Arc::new(whole.controls[rows].to_vec());
         let objective = Objective::default();
         let part = Instance { initial, controls, frames, objective, ..whole.clone() };
-        backend.roll_out(&[part], &recording, &cancel).unwrap().remove(0).final_state.unwrap()
+        backend.roll_out(&[part], &outputs, &cancel).unwrap().remove(0).final_state.unwrap()
     };
     let middle = part(whole.initial.clone(), 0..3);
     assert_eq!(at_once.final_state.unwrap(), part(Arc::new(middle), 2..7));
@@ -225,8 +224,8 @@ fn pinned_nodes_follow_their_control_point() {
     let mut moving = instance(&*backend, chain(5), 3);
     moving.controls =
         Arc::new(vec![[0.1, 0.2, 0.3], [0.13, 0.2, 0.3], [0.13, 0.26, 0.3], [0.0, 0.0, 0.0]]);
-    let (recording, _) = everything();
-    let out = backend.roll_out(&[moving.clone()], &recording, &CancelToken::default()).unwrap();
+    let (outputs, _) = everything();
+    let out = backend.roll_out(&[moving.clone()], &outputs, &CancelToken::default()).unwrap();
     for (row, control) in moving.controls.iter().enumerate() {
         assert_eq!(out[0].positions[row * 5], *control);
     }
@@ -237,7 +236,7 @@ fn pinned_nodes_follow_their_control_point() {
 #[test]
 fn degenerate_models_stay_finite() {
     let backend = cpu_with_threads(1);
-    let (recording, request) = everything();
+    let (outputs, request) = everything();
     let coincident = model(vec![[0.1; 3]; 3], vec![], vec![[0, 1], [1, 2]], vec![[0, 1, 2]]);
     let mut no_rest = coincident.clone();
     no_rest.params.rest_lengths_m.fill(0.0);
@@ -255,7 +254,7 @@ fn degenerate_models_stay_finite() {
         for frames in [0, 2] {
             let batch = [instance(&*backend, model.clone(), frames)];
             let cancel = CancelToken::default();
-            let out = backend.roll_out(&batch, &recording, &cancel).unwrap().remove(0);
+            let out = backend.roll_out(&batch, &outputs, &cancel).unwrap().remove(0);
             assert!(out.cost.is_finite() && out.diverged.is_none(), "model {i}");
             assert!(out.positions.iter().flatten().all(|x| x.is_finite()), "model {i}");
             assert_eq!(out.frames.len(), frames + 1);
@@ -274,9 +273,9 @@ fn divergence_says_where_and_is_no_error() {
     let mut initial = State::clone(&wild.initial);
     initial.velocities[2] = [0.0, 3e38, 0.0];
     wild.initial = Arc::new(initial);
-    let (recording, request) = everything();
+    let (outputs, request) = everything();
     let cancel = CancelToken::default();
-    let out = backend.roll_out(&[calm, wild.clone()], &recording, &cancel).unwrap();
+    let out = backend.roll_out(&[calm, wild.clone()], &outputs, &cancel).unwrap();
     assert!(out[0].diverged.is_none() && out[0].cost.is_finite());
     let at = out[1].diverged.unwrap();
     assert_eq!(at.frame, 1);
@@ -317,8 +316,8 @@ fn wrong_inputs_are_refused() {
         );
     }
     let nodes = Some(Arc::new(vec![4]));
-    let recording = Recording { nodes, ..Recording::default() };
-    assert!(backend.roll_out(&[good], &recording, &cancel).is_err());
+    let outputs = Outputs { nodes, ..Outputs::default() };
+    assert!(backend.roll_out(&[good], &outputs, &cancel).is_err());
 }
 
 #[test]

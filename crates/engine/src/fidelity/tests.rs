@@ -82,9 +82,11 @@ fn overdamped_models_lose_damping_first() {
 
 #[test]
 fn the_backend_takes_every_variant_and_it_does_not_diverge() {
+    use bendtwin_core::CancelToken;
+
     use crate::{
         Objective,
-        backend::{CancelToken, Instance, Recording},
+        backend::{Instance, Outputs},
         model::State,
     };
     let backend = crate::cpu_with_threads(1);
@@ -100,8 +102,8 @@ fn the_backend_takes_every_variant_and_it_does_not_diverge() {
             model: loaded,
             objective: Objective::default(),
         };
-        let recording = Recording { final_state: true, ..Recording::default() };
-        let out = backend.roll_out(&[instance], &recording, &CancelToken::default()).unwrap();
+        let outputs = Outputs { final_state: true, ..Outputs::default() };
+        let out = backend.roll_out(&[instance], &outputs, &CancelToken::default()).unwrap();
         assert_eq!(out[0].diverged, None);
     }
 }

@@ -7,32 +7,31 @@ fn identity(digest: &str) -> Identity {
     Identity {
         capture_digest: digest.into(),
         settings: FitSettings::default(),
-        build: "bendtwin 1".into(),
         backend: "cpu".into(),
     }
 }
 
 fn checkpoint() -> Checkpoint {
     let search = CmaEs::new(vec![0.5; 3], 0.2, 0, 7);
-    Checkpoint { identity: identity("a"), variants: vec![VariantState::Search(search)] }
+    Checkpoint { models: vec![ModelFitState::Search(search)] }
 }
 
 #[test]
 fn survives_the_way_to_bytes_and_back() {
-    let bytes = checkpoint().to_bytes().unwrap();
+    let bytes = checkpoint().to_bytes(&identity("a")).unwrap();
     assert_eq!(Checkpoint::from_bytes(&bytes, &identity("a")).unwrap(), checkpoint());
 }
 
 #[test]
 fn belongs_to_one_fit_only() {
-    let bytes = checkpoint().to_bytes().unwrap();
+    let bytes = checkpoint().to_bytes(&identity("a")).unwrap();
     let error = Checkpoint::from_bytes(&bytes, &identity("b")).unwrap_err();
     assert_eq!(error.reason(), "CHECKPOINT_OF_ANOTHER_FIT");
 }
 
 #[test]
 fn another_version_is_refused_by_its_number() {
-    let mut bytes = checkpoint().to_bytes().unwrap();
+    let mut bytes = checkpoint().to_bytes(&identity("a")).unwrap();
     bytes[4] = 99;
     let error = Checkpoint::from_bytes(&bytes, &identity("a")).unwrap_err();
     assert!(error.to_string().contains("version 99"), "{error}");
@@ -43,7 +42,7 @@ proptest! {
 
     #[test]
     fn damaged_bytes_are_errors(cut in 0_usize..200, at: usize, value: u8) {
-        let whole = checkpoint().to_bytes().unwrap();
+        let whole = checkpoint().to_bytes(&identity("a")).unwrap();
         prop_assert!(Checkpoint::from_bytes(&whole[..cut.min(whole.len() - 1)], &identity("a")).is_err());
         let mut bytes = whole;
         let at = at % bytes.len();

@@ -1,6 +1,6 @@
 use bendtwin_capture::{MakeOptions, Scene, make};
 use bendtwin_core::{
-    Problem,
+    ObserverError, Problem,
     settings::{GradientWindow, Substeps},
 };
 
@@ -35,7 +35,7 @@ struct Recorder {
     cancel_after: Option<(usize, CancelToken)>,
 }
 
-impl Observer for Recorder {
+impl Observer<Progress> for Recorder {
     fn progress(&mut self, progress: Progress) {
         self.progress.push(progress);
     }

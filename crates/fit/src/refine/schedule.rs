@@ -1,4 +1,4 @@
-//! Which steps a pass makes: mini-batches of sequences, each in windows of frames.
+//! The steps of a pass: mini-batches of sequences, each in windows of frames.
 
 use bendtwin_core::settings::GradientWindow;
 use rand::{SeedableRng, seq::SliceRandom};
@@ -7,19 +7,19 @@ use rand_chacha::ChaCha8Rng;
 use super::windows::Window;
 use crate::task::Task;
 
-/// Keeps the order of sequences apart from the search's random numbers.
+/// Stream of random numbers for the order of sequences, separate from the search's.
 const STREAM: u64 = 1 << 63;
 
 /// One step of Adam.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Step {
-    /// What it sees.
+    /// Windows whose gradients it follows.
     pub(crate) windows: Vec<Window>,
-    /// Whether another window of the same sequences follows, from the state that this one ends in.
-    pub(crate) goes_on: bool,
+    /// True if another window of the same sequences follows, from the final states of this one.
+    pub(crate) has_next: bool,
 }
 
-/// The steps of a pass. Sequences are dealt out to mini-batches anew in every pass, by seed and pass.
+/// The steps of a pass. Sequences are assigned to mini-batches anew in every pass, by seed and pass.
 pub(crate) fn steps(task: &Task<'_>, pass: u32) -> Vec<Step> {
     let refine = &task.settings.refine;
     let mut order: Vec<usize> = (0..task.training.len()).collect();
@@ -43,7 +43,7 @@ pub(crate) fn steps(task: &Task<'_>, pass: u32) -> Vec<Step> {
                 Some(Window { sequence, first, count: left.min(length) })
             };
             let windows = group.iter().filter_map(window).collect();
-            steps.push(Step { windows, goes_on: first + length < longest });
+            steps.push(Step { windows, has_next: first + length < longest });
         }
     }
     steps

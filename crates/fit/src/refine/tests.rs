@@ -1,14 +1,14 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use bendtwin_capture::{MakeOptions, Scene, make};
-use bendtwin_core::{FitSettings, Params, Progress, Stage, settings::GradientWindow};
+use bendtwin_core::{FitSettings, Observer, Params, Progress, Stage, settings::GradientWindow};
 use bendtwin_engine::{
     Device, Loaded, Model,
-    backend::{Error as EngineError, Gradient, Loss, Recording, Rollout},
-    descent::HostDescent,
+    backend::{Error as EngineError, Gradient, Loss, Outputs, Rollout},
+    optimizer::HostOptimizer,
 };
 
-use crate::{FitJob, Observer, ObserverError};
+use crate::FitJob;
 
 use super::*;
 
@@ -44,10 +44,10 @@ impl Backend for Watched {
     fn roll_out(
         &self,
         batch: &[Instance],
-        recording: &Recording,
+        outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, EngineError> {
-        self.cpu.roll_out(batch, recording, cancel)
+        self.cpu.roll_out(batch, outputs, cancel)
     }
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, EngineError> {
         self.scored.fetch_add(1, Ordering::Relaxed);
@@ -64,22 +64,23 @@ impl Backend for Watched {
         let spoilt = |g: Gradient| Gradient { overflowed: g.overflowed || self.explodes, ..g };
         Ok(gradients.into_iter().map(spoilt).collect())
     }
-    fn descent(&self, starts: Vec<Start>, decay: Decay) -> Result<Box<dyn Descent>, EngineError> {
-        Ok(Box::new(HostDescent::new(Arc::new(self.clone()), starts, decay)?))
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, EngineError> {
+        Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
     }
 }
 
 #[derive(Default)]
 struct Passes(Vec<Progress>);
 
-impl Observer for Passes {
+impl Observer<Progress> for Passes {
     fn progress(&mut self, progress: Progress) {
         if progress.stage == Stage::Refine {
             self.0.push(progress);
         }
-    }
-    fn checkpoint(&mut self, _: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
     }
 }
 
@@ -183,13 +184,10 @@ struct Counting {
     after_passes: Vec<usize>,
 }
 
-impl Observer for Counting {
+impl Observer<Progress> for Counting {
     fn progress(&mut self, progress: Progress) {
         if progress.stage == Stage::Refine {
             self.after_passes.push(self.scored.load(Ordering::Relaxed));
         }
-    }
-    fn checkpoint(&mut self, _: Vec<u8>) -> Result<(), ObserverError> {
-        Ok(())
     }
 }

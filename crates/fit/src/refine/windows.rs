@@ -1,5 +1,5 @@
-//! What each window of the training frames is driven and measured by, made once: a backend that keeps what
-//! it makes of controls and objectives finds the same ones in every pass.
+//! Controls and objective of each window of the training frames, built once: a backend that caches
+//! what it derives from them finds the same ones in every pass.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -19,7 +19,7 @@ pub(crate) struct Window {
     pub(crate) count: usize,
 }
 
-/// Windows that were asked for.
+/// Cache of the controls and objectives of windows.
 #[derive(Default)]
 pub(crate) struct Windows {
     made: HashMap<Window, (Arc<Vec<Point>>, Objective)>,

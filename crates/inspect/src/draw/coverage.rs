@@ -1,31 +1,38 @@
-//! Where a camera has depth on the object and where it has none.
+//! Pictures of depth coverage: where a camera has depth on the object and where it has none.
 
 use bendtwin_picture::{Canvas, Color, Error, Photograph, Rect};
 
-use super::{HOLE, Plate, Plates, enlarged};
+use super::{Figure, Figures, HOLE, enlargement};
 use crate::{
-    gallery::{Gallery, Wall},
-    watch::sketch::{Label, Sketch},
+    picture_inputs::{CameraPictures, PictureInputs},
+    scan::crop::{Crop, Label},
 };
 
+/// Width of a picture [px].
 const WIDTH: f32 = 340.0;
 /// Cameras that are shown.
-const MOST: usize = 6;
+const MAX_CAMERAS: usize = 6;
 
 /// A picture for each camera, of the frame with the most holes.
-pub(crate) fn coverage(gallery: &Gallery) -> Plates {
-    gallery.walls.iter().enumerate().take(MOST).filter_map(|(i, w)| one(i, w).transpose()).collect()
+pub(crate) fn coverage(inputs: &PictureInputs) -> Figures {
+    inputs
+        .cameras
+        .iter()
+        .enumerate()
+        .take(MAX_CAMERAS)
+        .filter_map(|(i, w)| one(i, w).transpose())
+        .collect()
 }
 
-fn one(index: usize, wall: &Wall) -> Result<Option<Plate>, Error> {
-    let share = |sketch: &Sketch| {
-        let labels = sketch.labels.iter().zip(&sketch.depth);
+fn one(index: usize, pictures: &CameraPictures) -> Result<Option<Figure>, Error> {
+    let share = |crop: &Crop| {
+        let labels = crop.labels.iter().zip(&crop.depth);
         let object = labels.filter(|(l, _)| **l == Label::Object);
         let (all, holes) =
             object.fold((0, 0), |(all, holes), (_, d)| (all + 1, holes + usize::from(*d <= 0.0)));
         crate::statistics::share(holes, all)
     };
-    let Some(worst) = wall.sketches.iter().max_by(|a, b| share(a).total_cmp(&share(b))) else {
+    let Some(worst) = pictures.crops.iter().max_by(|a, b| share(a).total_cmp(&share(b))) else {
         return Ok(None);
     };
     let Some(photograph) = photograph(worst, |cell, color| {
@@ -41,29 +48,30 @@ fn one(index: usize, wall: &Wall) -> Result<Option<Plate>, Error> {
     };
     let caption = format!(
         "Camera {index} ({}), frame {}: {:.1} % of the object without depth (pink).",
-        wall.camera.name,
+        pictures.camera.name,
         worst.frame,
         100.0 * share(worst)
     );
-    Ok(Some(Plate { png: framed(&photograph)?, caption }))
+    Ok(Some(Figure { png: framed(&photograph)?, caption }))
 }
 
 /// The cells of a sketch as pixels.
 pub(super) fn photograph(
-    sketch: &Sketch,
+    crop: &Crop,
     shade: impl Fn(usize, [u8; 3]) -> [u8; 3],
 ) -> Option<Photograph> {
-    let pixels = sketch.color.iter().enumerate().map(|(cell, color)| shade(cell, *color));
-    Photograph::new(sketch.width, sketch.height, pixels.collect())
+    let pixels = crop.color.iter().enumerate().map(|(cell, color)| shade(cell, *color));
+    Photograph::new(crop.width, crop.height, pixels.collect())
 }
 
-/// Towards grey: what is not the matter.
+/// A colour faded towards grey, for what a picture is not about.
 pub(super) fn faded(color: [u8; 3], keep: f32) -> [u8; 3] {
     color.map(|c| (keep * f32::from(c) + (1.0 - keep) * 150.0) as u8)
 }
 
+/// A photograph alone on a canvas, enlarged, as PNG.
 pub(super) fn framed(photograph: &Photograph) -> Result<Vec<u8>, Error> {
-    let scale = enlarged(photograph.width().max(photograph.height()), WIDTH);
+    let scale = enlargement(photograph.width().max(photograph.height()), WIDTH);
     let (width, height) =
         ((scale * photograph.width() as f32).floor(), (scale * photograph.height() as f32).floor());
     let mut canvas = Canvas::new(width.max(1.0), height.max(1.0), Color(150, 150, 150))?;

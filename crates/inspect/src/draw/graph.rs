@@ -4,13 +4,15 @@ use bendtwin_core::{Graph, NodeKind, Point, settings::FitSettings};
 use bendtwin_engine::build::{Connectivity, NodeSample, connect, sample_nodes};
 use bendtwin_picture::{Canvas, Color, Error, Photograph, Rect, View};
 
-use super::{ACCENT, HAND, Plate, Plates, enlarged};
-use crate::gallery::{Gallery, Wall};
+use super::{ACCENT, Figure, Figures, HAND, enlargement};
+use crate::picture_inputs::{CameraPictures, PictureInputs};
 
+/// Width of a picture [px].
 const WIDTH: f32 = 640.0;
-const MOST: usize = 3;
-/// Of more springs, only so many are drawn.
-const SPRINGS: usize = 6000;
+/// Cameras that are shown.
+const MAX_CAMERAS: usize = 3;
+/// Most springs that are drawn.
+const MAX_SPRINGS: usize = 6000;
 const SPRING: Color = Color(255, 255, 255);
 const INNER: Color = Color(240, 190, 60);
 const COMPLETED: Color = Color(150, 120, 220);
@@ -18,22 +20,24 @@ const COMPLETED: Color = Color(150, 120, 220);
 const BORDER: f32 = 0.25;
 
 /// A picture for each camera; without images, one picture from the side. None without a capture that can be joined.
-pub(crate) fn graph(gallery: &Gallery) -> Plates {
-    let Some(capture) = &gallery.capture else { return Ok(Vec::new()) };
+pub(crate) fn graph(inputs: &PictureInputs) -> Figures {
+    let Some(capture) = &inputs.capture else { return Ok(Vec::new()) };
     let settings = FitSettings::default();
     let Ok(sample) = sample_nodes(capture, &settings.graph, settings.seed) else {
         return Ok(Vec::new());
     };
     let graph = connect(&sample, &Connectivity::from_settings(&settings.graph, settings.bending));
     let drawing = Drawing { graph: &graph, sample: &sample };
-    let stills = gallery.walls.iter().enumerate().filter(|(_, w)| w.still.is_some());
-    let plates: Vec<Option<Plate>> =
-        stills.take(MOST).map(|(i, wall)| drawing.over(i, wall)).collect::<Result<_, _>>()?;
-    let mut plates: Vec<Plate> = plates.into_iter().flatten().collect();
-    if plates.is_empty() {
-        plates.extend(drawing.alone(gallery)?);
+    let with_image = inputs.cameras.iter().enumerate().filter(|(_, w)| w.first_image.is_some());
+    let figures: Vec<Option<Figure>> = with_image
+        .take(MAX_CAMERAS)
+        .map(|(i, pictures)| drawing.over(i, pictures))
+        .collect::<Result<_, _>>()?;
+    let mut figures: Vec<Figure> = figures.into_iter().flatten().collect();
+    if figures.is_empty() {
+        figures.extend(drawing.alone(inputs)?);
     }
-    Ok(plates)
+    Ok(figures)
 }
 
 struct Drawing<'a> {
@@ -42,7 +46,7 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    fn words(&self) -> String {
+    fn caption(&self) -> String {
         format!(
             "{} nodes (teal: tracked, violet: completed, yellow: inside), {} springs, {} bending triplets, {} control points (red); \
              the topology that a fit starts from",
@@ -53,26 +57,30 @@ impl Drawing<'_> {
         )
     }
 
-    fn over(&self, index: usize, wall: &Wall) -> Result<Option<Plate>, Error> {
-        let Some((frame, still)) = &wall.still else { return Ok(None) };
-        let pixel =
-            |p: &Point| wall.camera.project(*p, *frame).map(|(pixel, _)| pixel.map(|x| x as f32));
+    fn over(&self, index: usize, pictures: &CameraPictures) -> Result<Option<Figure>, Error> {
+        let Some((frame, first_image)) = &pictures.first_image else { return Ok(None) };
+        let pixel = |p: &Point| {
+            pictures.camera.project(*p, *frame).map(|(pixel, _)| pixel.map(|x| x as f32))
+        };
         let places: Vec<Option<[f32; 2]>> = self.sample.positions.iter().map(pixel).collect();
         let controls: Vec<Option<[f32; 2]>> = self.sample.control_rest.iter().map(pixel).collect();
         let inside = |p: &&[f32; 2]| {
-            (0.0..still.width as f32).contains(&p[0]) && (0.0..still.height as f32).contains(&p[1])
+            (0.0..first_image.width as f32).contains(&p[0])
+                && (0.0..first_image.height as f32).contains(&p[1])
         };
         let shown: Vec<[f32; 2]> =
             places.iter().chain(&controls).flatten().filter(inside).copied().collect();
-        let Some(area) = crop(&shown, still.width, still.height) else { return Ok(None) };
+        let Some(area) = crop(&shown, first_image.width, first_image.height) else {
+            return Ok(None);
+        };
         let [x0, y0, x1, y1] = area;
         let rows = (y0..y1).flat_map(|row| {
-            still.row(row)[x0..x1].iter().map(|p| p.map(|c| (f32::from(c) * 0.72) as u8))
+            first_image.row(row)[x0..x1].iter().map(|p| p.map(|c| (f32::from(c) * 0.72) as u8))
         });
         let Some(photograph) = Photograph::new(x1 - x0, y1 - y0, rows.collect()) else {
             return Ok(None);
         };
-        let scale = enlarged(x1 - x0, WIDTH);
+        let scale = enlargement(x1 - x0, WIDTH);
         let extent = |pixels: usize| (scale * pixels as f32).floor().max(1.0);
         let (width, height) = (extent(x1 - x0), extent(y1 - y0));
         let mut canvas = Canvas::new(width, height, Color(0, 0, 0))?;
@@ -83,15 +91,18 @@ impl Drawing<'_> {
         let places: Vec<_> = places.iter().map(place).collect();
         let controls: Vec<_> = controls.iter().map(place).collect();
         self.draw(&mut canvas, &places, &controls, SPRING);
-        let caption =
-            format!("Camera {index} ({}), frame {frame}: {}.", wall.camera.name, self.words());
-        Ok(Some(Plate { png: canvas.to_png()?, caption }))
+        let caption = format!(
+            "Camera {index} ({}), frame {frame}: {}.",
+            pictures.camera.name,
+            self.caption()
+        );
+        Ok(Some(Figure { png: canvas.to_png()?, caption }))
     }
 
-    fn alone(&self, gallery: &Gallery) -> Result<Option<Plate>, Error> {
+    fn alone(&self, inputs: &PictureInputs) -> Result<Option<Figure>, Error> {
         let points = self.sample.positions.iter().chain(&self.sample.control_rest).copied();
         let points = points.filter(|p| p.iter().all(|x| x.is_finite())).collect();
-        let Some(view) = View::of(points, gallery.environment.gravity) else { return Ok(None) };
+        let Some(view) = View::of(points, inputs.environment.gravity) else { return Ok(None) };
         let height = (WIDTH * view.aspect()).clamp(160.0, 640.0);
         let area = Rect { x: 0.0, y: 0.0, width: WIDTH, height };
         let mut canvas = Canvas::transparent(WIDTH, height)?;
@@ -99,7 +110,7 @@ impl Drawing<'_> {
         let places: Vec<_> = self.sample.positions.iter().map(place).collect();
         let controls: Vec<_> = self.sample.control_rest.iter().map(place).collect();
         self.draw(&mut canvas, &places, &controls, super::FAINT);
-        Ok(Some(Plate { png: canvas.to_png()?, caption: format!("{}.", self.words()) }))
+        Ok(Some(Figure { png: canvas.to_png()?, caption: format!("{}.", self.caption()) }))
     }
 
     fn draw(
@@ -109,7 +120,7 @@ impl Drawing<'_> {
         controls: &[Option<[f32; 2]>],
         spring: Color,
     ) {
-        let every = self.graph.springs.len().div_ceil(SPRINGS).max(1);
+        let every = self.graph.springs.len().div_ceil(MAX_SPRINGS).max(1);
         for &[a, b] in self.graph.springs.iter().step_by(every) {
             let end = |i: u32| places.get(i as usize).copied().flatten();
             if let (Some(a), Some(b)) = (end(a), end(b)) {

@@ -1,22 +1,26 @@
-//! Points over time, from one viewpoint: as cameras saw them, and as they were lifted.
+//! Pictures of points over time, from one viewpoint: as cameras saw them, and as they were lifted.
 
 use bendtwin_core::{Environment, Point, Sequence};
 use bendtwin_picture::{Canvas, Color, Error, Rect, View};
 
-use super::{FAINT, HAND, Plate};
+use super::{FAINT, Figure, HAND};
 use crate::{
-    gallery::Gallery,
+    picture_inputs::PictureInputs,
+    scan::crop::Label,
     vector::{Upright, Vector, add, cross, dot, scaled, to_world, unit, wide},
-    watch::sketch::Label,
 };
 
+/// Frames that are shown, side by side.
 const PANELS: usize = 5;
-const PANEL: f32 = 300.0;
-const GAP: f32 = 12.0;
+/// Width of a panel [px].
+const PANEL_PX: f32 = 300.0;
+/// Distance between panels [px].
+const GAP_PX: f32 = 12.0;
 /// Points of one camera in one panel.
-const MOST: usize = 7000;
+const MAX_POINTS: usize = 7000;
 /// Points of one camera in one frame that decide the view.
-const FEW: usize = 300;
+const MAX_VIEW_POINTS: usize = 300;
+/// Smallest distance between lines on the ground [m].
 const GRID_M: f64 = 0.05;
 
 /// A coloured point.
@@ -27,43 +31,44 @@ struct Dot {
 }
 
 /// The points that all cameras saw, at a few frames.
-pub(crate) fn seen(gallery: &Gallery) -> Result<Option<Plate>, Error> {
+pub(crate) fn seen(inputs: &PictureInputs) -> Result<Option<Figure>, Error> {
     let mut frames: Vec<usize> =
-        gallery.walls.iter().flat_map(|w| w.sketches.iter().map(|s| s.frame)).collect();
+        inputs.cameras.iter().flat_map(|c| c.crops.iter().map(|s| s.frame)).collect();
     frames.sort_unstable();
     frames.dedup();
-    let frames = spread(&frames);
-    let panels: Vec<Vec<Dot>> = frames.iter().map(|f| dots_of_cameras(gallery, *f, MOST)).collect();
-    let Some(png) = strip(&panels, gallery)? else { return Ok(None) };
+    let frames = evenly_taken(&frames);
+    let panels: Vec<Vec<Dot>> =
+        frames.iter().map(|f| dots_of_cameras(inputs, *f, MAX_POINTS)).collect();
+    let Some(png) = strip(&panels, inputs)? else { return Ok(None) };
     let caption = format!(
         "Measured points of object and hand (red) in frames {}, all cameras together, from one viewpoint.",
         list(&frames)
     );
-    Ok(Some(Plate { png, caption }))
+    Ok(Some(Figure { png, caption }))
 }
 
 /// The points of a capture, at a few frames.
-pub(crate) fn lifted(gallery: &Gallery) -> Result<Option<Plate>, Error> {
-    let Some(capture) = &gallery.capture else { return Ok(None) };
+pub(crate) fn lifted(inputs: &PictureInputs) -> Result<Option<Figure>, Error> {
+    let Some(capture) = &inputs.capture else { return Ok(None) };
     let Some(sequence) = capture.sequences.first() else { return Ok(None) };
     let frames: Vec<usize> = (sequence.start_frame()..sequence.frame_count).collect();
-    let frames = spread(&frames);
+    let frames = evenly_taken(&frames);
     let colors = &capture.object.colors;
     let panels: Vec<Vec<Dot>> =
         frames.iter().map(|f| dots_of_points(sequence, colors, *f)).collect();
-    let Some(png) = strip(&panels, gallery)? else { return Ok(None) };
+    let Some(png) = strip(&panels, inputs)? else { return Ok(None) };
     let caption = format!(
         "Tracked points and control points (red) in frames {}: what a fit will see.",
         list(&frames)
     );
-    Ok(Some(Plate { png, caption }))
+    Ok(Some(Figure { png, caption }))
 }
 
 fn list(frames: &[usize]) -> String {
     frames.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
 }
 
-fn spread(frames: &[usize]) -> Vec<usize> {
+fn evenly_taken(frames: &[usize]) -> Vec<usize> {
     let last = frames.len().saturating_sub(1);
     let mut chosen: Vec<usize> =
         (0..PANELS).filter_map(|i| frames.get(i * last / (PANELS - 1)).copied()).collect();
@@ -71,18 +76,18 @@ fn spread(frames: &[usize]) -> Vec<usize> {
     chosen
 }
 
-fn dots_of_cameras(gallery: &Gallery, frame: usize, most: usize) -> Vec<Dot> {
+fn dots_of_cameras(inputs: &PictureInputs, frame: usize, most: usize) -> Vec<Dot> {
     let mut dots = Vec::new();
-    for wall in &gallery.walls {
-        let Some(sketch) = wall.sketches.iter().find(|s| s.frame == frame) else { continue };
-        let pose = wall.camera.pose(frame);
-        for spot in sketch.surfels(&wall.camera, most) {
-            let at = to_world(pose, spot.at).map(|x| x as f32);
+    for pictures in &inputs.cameras {
+        let Some(crop) = pictures.crops.iter().find(|s| s.frame == frame) else { continue };
+        let pose = pictures.camera.pose(frame);
+        for surfel in crop.surfels(&pictures.camera, most) {
+            let at = to_world(pose, surfel.at).map(|x| x as f32);
             if !at.iter().all(|x| x.is_finite()) {
                 continue;
             }
-            let [r, g, b] = spot.color;
-            let color = if spot.label == Label::Manipulator { HAND } else { Color(r, g, b) };
+            let [r, g, b] = surfel.color;
+            let color = if surfel.label == Label::Manipulator { HAND } else { Color(r, g, b) };
             dots.push(Dot { at, color, radius: 1.5 });
         }
     }
@@ -108,28 +113,29 @@ fn dots_of_points(sequence: &Sequence, colors: &[Point], frame: usize) -> Vec<Do
 }
 
 /// Points that decide the view: those that cameras saw, so that both strips have one view, or else the lifted ones.
-fn scene(gallery: &Gallery, panels: &[Vec<Dot>]) -> Vec<Point> {
+fn scene(inputs: &PictureInputs, panels: &[Vec<Dot>]) -> Vec<Point> {
     let frames: Vec<usize> =
-        gallery.walls.iter().flat_map(|w| w.sketches.iter().map(|s| s.frame)).collect();
-    let seen = frames.iter().flat_map(|f| dots_of_cameras(gallery, *f, FEW)).map(|d| d.at);
+        inputs.cameras.iter().flat_map(|c| c.crops.iter().map(|s| s.frame)).collect();
+    let seen =
+        frames.iter().flat_map(|f| dots_of_cameras(inputs, *f, MAX_VIEW_POINTS)).map(|d| d.at);
     let seen: Vec<Point> = seen.collect();
     if seen.is_empty() { panels.iter().flatten().map(|d| d.at).collect() } else { seen }
 }
 
-fn strip(panels: &[Vec<Dot>], gallery: &Gallery) -> Result<Option<Vec<u8>>, Error> {
-    let environment = &gallery.environment;
-    let eyes: Vec<Vector> = gallery.walls.iter().map(|w| w.camera.pose(0).translation).collect();
+fn strip(panels: &[Vec<Dot>], inputs: &PictureInputs) -> Result<Option<Vec<u8>>, Error> {
+    let environment = &inputs.environment;
+    let eyes: Vec<Vector> = inputs.cameras.iter().map(|c| c.camera.pose(0).translation).collect();
     let eye = scaled(eyes.iter().fold([0.0; 3], |s, e| add(s, *e)), 1.0 / eyes.len().max(1) as f64);
     let eye = (!eyes.is_empty()).then(|| eye.map(|x| x as f32));
-    let trimmed = trim(scene(gallery, panels));
+    let trimmed = trim(scene(inputs, panels));
     let Some(view) = View::from_side(trimmed.clone(), environment.gravity, eye) else {
         return Ok(None);
     };
-    let height = (PANEL * view.aspect()).clamp(120.0, 420.0);
+    let height = (PANEL_PX * view.aspect()).clamp(120.0, 420.0);
     let count = panels.len() as f32;
-    let mut canvas = Canvas::transparent(count * PANEL + (count - 1.0) * GAP, height)?;
+    let mut canvas = Canvas::transparent(count * PANEL_PX + (count - 1.0) * GAP_PX, height)?;
     for (i, dots) in panels.iter().enumerate() {
-        let area = Rect { x: i as f32 * (PANEL + GAP), y: 0.0, width: PANEL, height };
+        let area = Rect { x: i as f32 * (PANEL_PX + GAP_PX), y: 0.0, width: PANEL_PX, height };
         let clip = canvas.clip(area);
         for [from, to] in grid(&trimmed, environment) {
             let (from, to) = (view.place(from, area), view.place(to, area));

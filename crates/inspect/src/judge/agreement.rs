@@ -1,28 +1,29 @@
-//! Whether the cameras see one world, and if not, which mistake explains it, or which camera is off and by how much.
+//! Judge of multi-view consistency: whether the cameras agree; if not, which mistake with the calibration explains it, or
+//! which camera is off and by how much.
 
 mod labels;
 mod mistakes;
 
-use super::{Case, Record, named};
+use super::{Assessment, Context, named};
 use crate::{
     Finding,
-    agree::{
-        Court,
-        correct::{Correction, correct},
-        scale,
-        setup::Setup,
-        suspect, witnesses,
+    consistency::{
+        ViewSet,
+        correction::{Correction, correct},
+        depth_scale,
+        hypothesis::Hypothesis,
+        mistake, views,
     },
     inspection::{Agreement, PairReport},
     statistics::{mean, median},
 };
 
 /// Frames in which cameras are compared.
-const CALM_FRAMES: usize = 4;
+const COMPARED_FRAMES: usize = 4;
 /// From this misfit on, mistakes are suspected.
 const SUSPICIOUS: f64 = 0.06;
-/// For that, every so many spots are enough.
-const RUMOUR: usize = 3;
+/// Stride over surfels while mistakes are tried.
+const SCREENING_STRIDE: usize = 3;
 /// What may remain of the misfit if a mistake explains it, as a share and at all.
 const EXPLAINED: [f64; 2] = [0.4, 0.2];
 /// A mistake, which is one thing, must explain as much as a rigid correction, which is six numbers.
@@ -33,92 +34,93 @@ const CORRECTED: f64 = 0.8;
 /// A camera that is so far off spoils a fit [m].
 const BAD_M: f64 = 0.025;
 /// Cameras that are named one after the other; beyond, nothing can be trusted.
-const MOST_BLAMED: usize = 4;
+const MAX_FLAGGED: usize = 4;
 /// Misfit of a pair, and its surfaces' distance [m], that is too much even if no correction is found.
 const DISAGREE: f64 = 0.3;
 const DISAGREE_M: f64 = 0.012;
 /// A depth scale that differs by less is none's fault.
 const SCALE: f64 = 0.015;
 
-pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
-    let mut court = Court {
-        witnesses: witnesses(&case.recording.cameras, case.logs),
+pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
+    let mut set = ViewSet {
+        views: views(&context.recording.cameras, context.scans),
         frames: Vec::new(),
-        every: 1,
+        stride: 1,
     };
-    if court.witnesses.len() < 2 {
+    if set.views.len() < 2 {
         return;
     }
-    court.frames = calm_frames(case, &court);
-    let declared = Setup::declared(court.witnesses.len());
-    let Some(misfit) = court.misfit(&declared) else { return };
-    pairs(&court, &declared, record);
-    labels::judge(case, &court, &declared, record);
-    let corrections = corrections(&court, &declared);
-    report(&court, misfit, &corrections, record);
-    // Of an object of 20 m, noise and agreement in millimetres mean nothing; but units can be told.
-    let size = record.scene.object_size_m;
+    set.frames = compared_frames(context, &set);
+    let declared = Hypothesis::declared(set.views.len());
+    let Some(misfit) = set.misfit(&declared) else { return };
+    pairs(&set, &declared, assessment);
+    labels::judge(context, &set, &declared, assessment);
+    let corrections = corrections(&set, &declared);
+    report(&set, misfit, &corrections, assessment);
+    // Of an object of 20 m, noise and agreement in millimetres mean nothing; but units can be named.
+    let size = assessment.scene.object_size_m;
     let has_size = size.is_none_or(|size| super::scale::OBJECT_M.contains(&size));
     let rigid = corrections.iter().flatten().map(|c| c.1).fold(misfit, f64::min);
-    court.every = RUMOUR;
-    let explanation = (misfit > SUSPICIOUS).then(|| suspect::explain(&court)).flatten();
-    court.every = 1;
+    set.stride = SCREENING_STRIDE;
+    let explanation = (misfit > SUSPICIOUS).then(|| mistake::explain(&set)).flatten();
+    set.stride = 1;
     if let Some(found) = explanation
         && found.misfit < EXPLAINED[0] * misfit
         && found.misfit < EXPLAINED[1]
         && found.misfit < AS_GOOD * rigid
         && (has_size || found.mistake.is_about_units())
     {
-        record.findings.push(mistakes::tell(case, &court, &found, size));
+        assessment.findings.push(mistakes::finding(context, &set, &found, size));
         return;
     }
-    if has_size && !scales(case, &court, &declared, misfit, &corrections, record) {
-        off(case, &court, misfit, corrections, record);
+    if has_size && !judge_depth_scale(context, &set, &declared, misfit, &corrections, assessment) {
+        misplaced_cameras(context, &set, misfit, corrections, assessment);
     }
 }
 
-/// The sketched frames in which the object moves least: there, skew does no harm.
-fn calm_frames(case: &Case<'_>, court: &Court<'_>) -> Vec<usize> {
-    let steps = super::paths::steps(&case.paths.object, case.recording.frame_count);
+/// The frames with crops in which the object moves least: there, skew does no harm.
+fn compared_frames(context: &Context<'_>, set: &ViewSet<'_>) -> Vec<usize> {
+    let steps = super::paths::steps(&context.paths.object, context.recording.frame_count);
     let speed = |f: usize| {
         let around = [f, f + 1].into_iter().filter_map(|f| *steps.get(f)?);
         around.fold(0.0, f64::max)
     };
     let mut frames: Vec<usize> =
-        court.witnesses.iter().flat_map(|w| w.views.iter().map(|v| v.sketch.frame)).collect();
+        set.views.iter().flat_map(|w| w.crops.iter().map(|v| v.crop.frame)).collect();
     frames.sort_unstable();
     let seen_by = |f: usize| frames.iter().filter(|other| **other == f).count();
     let mut shared: Vec<usize> = frames.iter().copied().filter(|f| seen_by(*f) >= 2).collect();
     shared.dedup();
-    // Those that most cameras saw first: a camera that dropped a frame should still be heard.
+    // Those that most cameras saw first: a camera that dropped a frame should still be compared.
     shared.sort_by(|a, b| {
         seen_by(*b).cmp(&seen_by(*a)).then(speed(*a).total_cmp(&speed(*b))).then(a.cmp(b))
     });
-    shared.truncate(CALM_FRAMES);
+    shared.truncate(COMPARED_FRAMES);
     shared
 }
 
-fn pairs(court: &Court<'_>, setup: &Setup, record: &mut Record) {
-    for a in 0..court.witnesses.len() {
-        for b in a + 1..court.witnesses.len() {
-            let meeting = court.hear(a, b, setup).both(&court.hear(b, a, setup));
-            let (a, b) = (court.witnesses[a].index, court.witnesses[b].index);
+fn pairs(set: &ViewSet<'_>, hypothesis: &Hypothesis, assessment: &mut Assessment) {
+    for a in 0..set.views.len() {
+        for b in a + 1..set.views.len() {
+            let reprojection =
+                set.reproject(a, b, hypothesis).both(&set.reproject(b, a, hypothesis));
+            let (a, b) = (set.views[a].index, set.views[b].index);
             let mm = |m: Option<f64>| m.map(|m| 1e3 * m);
             let skew_ms =
-                record.pairs.iter().find(|p| (p.a, p.b) == (a, b)).and_then(|p| p.skew_ms);
-            record.pairs.retain(|p| (p.a, p.b) != (a, b));
-            record.pairs.push(PairReport {
-                compared: meeting.differences.len(),
-                disagreement_mm: mm(meeting.disagreement_m()),
-                offset_mm: mm(meeting.offset_m()),
-                conflict: meeting.conflict(),
-                misfit: meeting.misfit(),
+                assessment.pairs.iter().find(|p| (p.a, p.b) == (a, b)).and_then(|p| p.skew_ms);
+            assessment.pairs.retain(|p| (p.a, p.b) != (a, b));
+            assessment.pairs.push(PairReport {
+                compared: reprojection.differences.len(),
+                disagreement_mm: mm(reprojection.disagreement_m()),
+                offset_mm: mm(reprojection.offset_m()),
+                conflict: reprojection.conflict(),
+                misfit: reprojection.misfit(),
                 skew_ms,
                 ..PairReport::of(a, b)
             });
         }
     }
-    record.pairs.sort_by_key(|p| (p.a, p.b));
+    assessment.pairs.sort_by_key(|p| (p.a, p.b));
 }
 
 impl PairReport {
@@ -140,24 +142,22 @@ impl PairReport {
 /// A correction and the misfit that it leaves.
 type Corrected = Option<(Correction, f64)>;
 
-fn corrections(court: &Court<'_>, setup: &Setup) -> Vec<Corrected> {
+fn corrections(set: &ViewSet<'_>, hypothesis: &Hypothesis) -> Vec<Corrected> {
     let one = |which: usize| {
-        let correction = correct(court, setup, which)?;
-        let moved = setup.with(which, |s| s.moved = Some(correction.motion));
-        Some((correction, court.misfit(&moved)?))
+        let correction = correct(set, hypothesis, which)?;
+        let moved = hypothesis.with(which, |s| s.moved = Some(correction.motion));
+        Some((correction, set.misfit(&moved)?))
     };
-    (0..court.witnesses.len()).map(one).collect()
+    (0..set.views.len()).map(one).collect()
 }
 
-fn report(court: &Court<'_>, misfit: f64, corrections: &[Corrected], record: &mut Record) {
-    for (witness, corrected) in court.witnesses.iter().zip(corrections) {
+fn report(set: &ViewSet<'_>, misfit: f64, corrections: &[Corrected], assessment: &mut Assessment) {
+    for (view, corrected) in set.views.iter().zip(corrections) {
         // A correction that gains nothing is noise along what the surface does not determine.
         let corrected = corrected.filter(|(_, left)| *left < CORRECTED * misfit);
         let of = |has: bool| {
-            let own = record
-                .pairs
-                .iter()
-                .filter(|p| (p.a == witness.index || p.b == witness.index) == has);
+            let own =
+                assessment.pairs.iter().filter(|p| (p.a == view.index || p.b == view.index) == has);
             median(own.filter_map(|p| p.disagreement_mm))
         };
         let agreement = Agreement {
@@ -166,93 +166,98 @@ fn report(court: &Court<'_>, misfit: f64, corrections: &[Corrected], record: &mu
             correction_deg: corrected.map(|(c, _)| c.angle.to_degrees()),
             correction_mm: corrected.map(|(c, _)| 1e3 * c.shift_m),
         };
-        if let Some(camera) = record.cameras.get_mut(witness.index) {
+        if let Some(camera) = assessment.cameras.get_mut(view.index) {
             camera.agreement = Some(agreement);
         }
     }
 }
 
 /// Whether a wrong depth scale explains the misfit as well as any rigid correction does, with one number instead of six.
-fn scales(
-    case: &Case<'_>,
-    court: &Court<'_>,
-    declared: &Setup,
+fn judge_depth_scale(
+    context: &Context<'_>,
+    set: &ViewSet<'_>,
+    declared: &Hypothesis,
     misfit: f64,
     corrections: &[Corrected],
-    record: &mut Record,
+    assessment: &mut Assessment,
 ) -> bool {
     let rigid = corrections.iter().flatten().map(|c| c.1).fold(misfit, f64::min);
     let explains = |left: f64| left < CORRECTED * misfit && left < AS_GOOD * rigid;
     let mut best: Option<(Option<usize>, f64, f64)> = None;
-    let mut consider = |which: Option<usize>, factor: f64, setup: Setup| {
-        let Some(left) = court.misfit(&setup) else { return };
+    let mut consider = |which: Option<usize>, factor: f64, hypothesis: Hypothesis| {
+        let Some(left) = set.misfit(&hypothesis) else { return };
         let is_better = best.is_none_or(|(_, _, other)| left < other);
         if (factor - 1.0).abs() > SCALE && explains(left) && is_better {
             best = Some((which, factor, left));
         }
     };
-    if let Some(found) = scale::of_all(court, declared) {
+    if let Some(found) = depth_scale::of_all(set, declared) {
         consider(None, found.factor, declared.with_all(|s| s.depth_scale = found.factor));
     }
     // With two cameras, a factor of one is as good as the inverse of the other.
-    if court.witnesses.len() > 2 {
-        for which in 0..court.witnesses.len() {
-            if let Some(found) = scale::of_one(court, declared, which) {
-                let setup = declared.with(which, |s| s.depth_scale = found.factor);
-                consider(Some(which), found.factor, setup);
+    if set.views.len() > 2 {
+        for which in 0..set.views.len() {
+            if let Some(found) = depth_scale::of_one(set, declared, which) {
+                let hypothesis = declared.with(which, |s| s.depth_scale = found.factor);
+                consider(Some(which), found.factor, hypothesis);
             }
         }
     }
     let Some((which, factor, _)) = best else { return false };
     let is_bad = (factor - 1.0).abs() > 0.04;
-    record.findings.push(match which {
-        Some(which) => mistakes::depth_of_one(case, court, which, factor, is_bad),
+    assessment.findings.push(match which {
+        Some(which) => mistakes::depth_of_one(context, set, which, factor, is_bad),
         None => mistakes::depth_of_all(factor, is_bad),
     });
     true
 }
 
-/// Names the cameras that are off, one after the other, or the pairs that disagree.
-fn off(
-    case: &Case<'_>,
-    court: &Court<'_>,
+/// Findings of the cameras that are off, one after the other, or of the pairs that disagree.
+fn misplaced_cameras(
+    context: &Context<'_>,
+    set: &ViewSet<'_>,
     mut misfit: f64,
     mut found: Vec<Corrected>,
-    record: &mut Record,
+    assessment: &mut Assessment,
 ) {
-    let n = court.witnesses.len();
-    let mut setup = Setup::declared(n);
-    let mut blamed = Vec::new();
-    while blamed.len() + 2 < n.max(3) && blamed.len() < MOST_BLAMED {
+    let n = set.views.len();
+    let mut hypothesis = Hypothesis::declared(n);
+    let mut flagged = Vec::new();
+    while flagged.len() + 2 < n.max(3) && flagged.len() < MAX_FLAGGED {
         let is_off =
             |c: &Corrected| c.filter(|(c, left)| c.shift_m > OFF_M && *left < CORRECTED * misfit);
-        let candidates = found.iter().enumerate().filter(|(i, _)| !blamed.contains(i));
+        let candidates = found.iter().enumerate().filter(|(i, _)| !flagged.contains(i));
         let best = candidates
             .filter_map(|(i, c)| Some((i, is_off(c)?)))
             .min_by(|a, b| a.1.1.total_cmp(&b.1.1));
         let Some((which, (correction, left))) = best else { break };
         if n == 2 {
-            record.findings.push(two_disagree(case, court, &correction));
+            assessment.findings.push(two_cameras_disagree(context, set, &correction));
             return;
         }
-        record.findings.push(one_is_off(case, court, which, &correction));
-        blamed.push(which);
-        setup = setup.with(which, |s| s.moved = Some(correction.motion));
+        assessment.findings.push(misplaced_camera(context, set, which, &correction));
+        flagged.push(which);
+        hypothesis = hypothesis.with(which, |s| s.moved = Some(correction.motion));
         misfit = left;
-        found = corrections(court, &setup);
+        found = corrections(set, &hypothesis);
     }
-    if blamed.is_empty() && misfit > 0.5 * DISAGREE {
-        odd_one_out(case, court, &setup, misfit, &mut blamed, record);
+    if flagged.is_empty() && misfit > 0.5 * DISAGREE {
+        inconsistent_camera(context, set, &hypothesis, misfit, &mut flagged, assessment);
     }
-    disagreeing_pairs(case, court, &blamed, record);
+    disagreeing_pairs(context, set, &flagged, assessment);
 }
 
-fn one_is_off(case: &Case<'_>, court: &Court<'_>, which: usize, c: &Correction) -> Finding {
-    let index = court.witnesses[which].index;
+fn misplaced_camera(
+    context: &Context<'_>,
+    set: &ViewSet<'_>,
+    which: usize,
+    c: &Correction,
+) -> Finding {
+    let index = set.views[which].index;
     let message = format!(
         "{} sees the object {:.0} mm away from where the other cameras see it (limit {:.0}); turning it by {:.1} degrees and \
          moving it would correct that",
-        named(case.recording, index),
+        named(context.recording, index),
         1e3 * c.shift_m,
         1e3 * OFF_M,
         c.angle.to_degrees()
@@ -263,12 +268,12 @@ fn one_is_off(case: &Case<'_>, court: &Court<'_>, which: usize, c: &Correction) 
         .number("angle_deg", c.angle.to_degrees())
 }
 
-fn two_disagree(case: &Case<'_>, court: &Court<'_>, c: &Correction) -> Finding {
-    let [a, b] = [0, 1].map(|i| court.witnesses.get(i).map_or(i, |w| w.index));
+fn two_cameras_disagree(context: &Context<'_>, set: &ViewSet<'_>, c: &Correction) -> Finding {
+    let [a, b] = [0, 1].map(|i| set.views.get(i).map_or(i, |w| w.index));
     let message = format!(
         "{} and {} see the object {:.0} mm apart (limit {:.0}); with two cameras nothing tells which one is off",
-        named(case.recording, a),
-        named(case.recording, b),
+        named(context.recording, a),
+        named(context.recording, b),
         1e3 * c.shift_m,
         1e3 * OFF_M
     );
@@ -277,48 +282,53 @@ fn two_disagree(case: &Case<'_>, court: &Court<'_>, c: &Correction) -> Finding {
         .number("shift_mm", 1e3 * c.shift_m)
 }
 
-/// A camera without which the others agree is off, even if it is too far off to be corrected.
-fn odd_one_out(
-    case: &Case<'_>,
-    court: &Court<'_>,
-    setup: &Setup,
+/// Finding of a camera without which the others agree: it is off, even if it is too far off to be corrected.
+fn inconsistent_camera(
+    context: &Context<'_>,
+    set: &ViewSet<'_>,
+    hypothesis: &Hypothesis,
     misfit: f64,
-    blamed: &mut Vec<usize>,
-    record: &mut Record,
+    flagged: &mut Vec<usize>,
+    assessment: &mut Assessment,
 ) {
-    if court.witnesses.len() < 3 {
+    if set.views.len() < 3 {
         return;
     }
-    let without = |which: usize| court.misfit_of(setup, |a, b| a != which && b != which);
-    let best = (0..court.witnesses.len())
+    let without = |which: usize| set.misfit_of(hypothesis, |a, b| a != which && b != which);
+    let best = (0..set.views.len())
         .filter_map(|which| Some((which, without(which)?)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let Some((which, left)) = best.filter(|(_, left)| *left < 0.35 * misfit) else { return };
-    let index = court.witnesses[which].index;
+    let index = set.views[which].index;
     let message = format!(
         "{} contradicts the other cameras in {:.0} % of what it sees, and without it they agree",
-        named(case.recording, index),
-        100.0 * court.misfit_of(setup, |a, b| a == which || b == which).unwrap_or(misfit)
+        named(context.recording, index),
+        100.0 * set.misfit_of(hypothesis, |a, b| a == which || b == which).unwrap_or(misfit)
     );
-    record.findings.push(
+    assessment.findings.push(
         Finding::error("CAMERA_OFF", message)
             .cameras([index])
             .number("misfit", misfit)
             .number("misfit_without", left),
     );
-    blamed.push(which);
+    flagged.push(which);
 }
 
-fn disagreeing_pairs(case: &Case<'_>, court: &Court<'_>, blamed: &[usize], record: &mut Record) {
-    let blamed: Vec<usize> =
-        blamed.iter().filter_map(|w| court.witnesses.get(*w)).map(|w| w.index).collect();
+fn disagreeing_pairs(
+    context: &Context<'_>,
+    set: &ViewSet<'_>,
+    flagged: &[usize],
+    assessment: &mut Assessment,
+) {
+    let flagged: Vec<usize> =
+        flagged.iter().filter_map(|w| set.views.get(*w)).map(|w| w.index).collect();
     let bad = |p: &&PairReport| {
         let apart = p.disagreement_mm.is_some_and(|mm| mm > 1e3 * DISAGREE_M) && p.compared > 50;
         (apart || p.misfit.is_some_and(|m| m > DISAGREE))
-            && !blamed.contains(&p.a)
-            && !blamed.contains(&p.b)
+            && !flagged.contains(&p.a)
+            && !flagged.contains(&p.b)
     };
-    let pairs: Vec<PairReport> = record.pairs.iter().filter(bad).copied().collect();
+    let pairs: Vec<PairReport> = assessment.pairs.iter().filter(bad).copied().collect();
     let Some(worst) =
         pairs.iter().max_by(|x, y| x.misfit.unwrap_or(0.0).total_cmp(&y.misfit.unwrap_or(0.0)))
     else {
@@ -332,12 +342,12 @@ fn disagreeing_pairs(case: &Case<'_>, court: &Court<'_>, blamed: &[usize], recor
         .map_or(String::new(), |mm| format!(" and measure it {mm:.0} mm apart"));
     let message = format!(
         "{} and {} contradict each other in {:.0} % of what they see of the object{distance}",
-        named(case.recording, worst.a),
-        named(case.recording, worst.b),
+        named(context.recording, worst.a),
+        named(context.recording, worst.b),
         100.0 * worst.conflict
     );
     let misfit = mean(pairs.iter().filter_map(|p| p.misfit)).unwrap_or(0.0);
-    record.findings.push(
+    assessment.findings.push(
         Finding::graded(misfit > DISAGREE, "CAMERAS_DISAGREE", message)
             .cameras(cameras)
             .number("conflict", worst.conflict)

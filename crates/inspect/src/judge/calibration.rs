@@ -1,8 +1,8 @@
-//! Whether intrinsics and poses are possible at all, each for itself.
+//! Judge of calibrations: whether intrinsics and poses are possible at all, each for itself.
 
 use bendtwin_capture::raw::{Camera, Pose};
 
-use super::{Case, Record, named};
+use super::{Assessment, Context, named};
 use crate::{
     Finding,
     vector::{cross, dot, length},
@@ -17,14 +17,14 @@ const MIDDLE: std::ops::RangeInclusive<f64> = 0.25..=0.75;
 /// Poses that differ by less are one [m], and as a chord of rotations.
 const SAME: f64 = 1e-6;
 
-pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
-    let recording = case.recording;
+pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
+    let recording = context.recording;
     for (index, camera) in recording.cameras.iter().enumerate() {
         let name = named(recording, index);
-        record.findings.extend(intrinsics(camera, &name).map(|f| f.cameras([index])));
-        record.findings.extend(poses(camera, &name).map(|f| f.cameras([index])));
+        assessment.findings.extend(intrinsics(camera, &name).map(|f| f.cameras([index])));
+        assessment.findings.extend(poses(camera, &name).map(|f| f.cameras([index])));
     }
-    coinciding(case, record);
+    coinciding(context, assessment);
 }
 
 fn intrinsics(camera: &Camera, name: &str) -> Option<Finding> {
@@ -85,8 +85,8 @@ fn poses(camera: &Camera, name: &str) -> Option<Finding> {
     None
 }
 
-fn coinciding(case: &Case<'_>, record: &mut Record) {
-    let cameras = &case.recording.cameras;
+fn coinciding(context: &Context<'_>, assessment: &mut Assessment) {
+    let cameras = &context.recording.cameras;
     for (b, second) in cameras.iter().enumerate() {
         let Some(pose) = second.poses.first() else { continue };
         let same = |first: &Camera| {
@@ -99,9 +99,9 @@ fn coinciding(case: &Case<'_>, record: &mut Record) {
             })
         };
         if let Some(a) = cameras.iter().take(b).position(same) {
-            let (first, second) = (named(case.recording, a), named(case.recording, b));
+            let (first, second) = (named(context.recording, a), named(context.recording, b));
             let message = format!("{first} and {second} stand at exactly the same place");
-            record.findings.push(Finding::error("CAMERAS_COINCIDE", message).cameras([a, b]));
+            assessment.findings.push(Finding::error("CAMERAS_COINCIDE", message).cameras([a, b]));
             // A copied calibration of many cameras needs to be told once.
             return;
         }

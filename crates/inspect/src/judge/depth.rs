@@ -1,10 +1,10 @@
-//! Depth over the object: coverage, what does not belong to it, numbers that are none.
+//! Judge of depth over the object: coverage, depth that does not belong to it, numbers that are not finite.
 
-use super::{Case, Record, named};
+use super::{Assessment, Context, named};
 use crate::{
     Finding,
+    scan::{CameraScan, FrameStats},
     statistics::{median, share},
-    watch::{Glance, Log},
 };
 
 /// Share of the object that should have depth.
@@ -14,64 +14,66 @@ const POOR: f64 = 0.1;
 /// Share of a mask's points that may lie far from the rest.
 const APART: f64 = 0.12;
 
-pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
-    let masked = |l: &Log| l.glances.iter().any(|g| g.object.is_some_and(|p| p.area_px > 0));
-    let lifted = |l: &Log| l.glances.iter().any(|g| g.object.is_some_and(|p| p.depth_px > 0));
-    if case.logs.iter().any(masked) && !case.logs.iter().any(lifted) {
+pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
+    let masked = |l: &CameraScan| l.frames.iter().any(|g| g.object.is_some_and(|p| p.area_px > 0));
+    let lifted = |l: &CameraScan| l.frames.iter().any(|g| g.object.is_some_and(|p| p.depth_px > 0));
+    if context.scans.iter().any(masked) && !context.scans.iter().any(lifted) {
         let message = "no camera has depth on a single pixel of the object";
-        record.findings.push(Finding::error("DEPTH_EMPTY", message));
+        assessment.findings.push(Finding::error("DEPTH_EMPTY", message));
         return;
     }
-    for (index, log) in case.logs.iter().enumerate() {
-        coverage(case, index, log, record);
-        apart(case, index, log, record);
-        not_finite(case, index, log, record);
+    for (index, scan) in context.scans.iter().enumerate() {
+        coverage(context, index, scan, assessment);
+        apart(context, index, scan, assessment);
+        not_finite(context, index, scan, assessment);
     }
 }
 
-fn coverage(case: &Case<'_>, index: usize, log: &Log, record: &mut Record) {
-    let covered = |g: &Glance| {
+fn coverage(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let covered = |g: &FrameStats| {
         let patch = g.object.filter(|p| p.area_px > 0)?;
         g.depth.map(|_| share(patch.depth_px, patch.area_px))
     };
-    let shares: Vec<Option<f64>> = log.glances.iter().map(covered).collect();
+    let shares: Vec<Option<f64>> = scan.frames.iter().map(covered).collect();
     let middle = median(shares.iter().flatten().copied());
-    if let Some(report) = record.cameras.get_mut(index) {
+    if let Some(report) = assessment.cameras.get_mut(index) {
         report.coverage = shares;
         report.median_coverage = middle;
     }
     let Some(middle) = middle.filter(|m| *m < GOOD) else { return };
     let message = format!(
         "{} measures depth on {:.0} % of the object's pixels (at least {:.0} % are good)",
-        named(case.recording, index),
+        named(context.recording, index),
         100.0 * middle,
         100.0 * GOOD
     );
     let finding = Finding::graded(middle < POOR, "DEPTH_SPARSE", message);
-    record.findings.push(finding.cameras([index]).number("median_coverage", middle));
+    assessment.findings.push(finding.cameras([index]).number("median_coverage", middle));
 }
 
-fn apart(case: &Case<'_>, index: usize, log: &Log, record: &mut Record) {
-    let shares = log.glances.iter().filter_map(|g| Some(g.object?.surface?.apart));
+fn apart(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let shares = scan.frames.iter().filter_map(|g| Some(g.object?.surface?.apart));
     let Some(part) = median(shares).filter(|p| *p > APART) else { return };
     let message = format!(
         "{:.0} % of the depth on the object in {} lies far before or behind it",
         100.0 * part,
-        named(case.recording, index)
+        named(context.recording, index)
     );
     let finding = Finding::warning("DEPTH_MISALIGNED", message);
-    record.findings.push(finding.cameras([index]).number("share_apart", part));
+    assessment.findings.push(finding.cameras([index]).number("share_apart", part));
 }
 
-fn not_finite(case: &Case<'_>, index: usize, log: &Log, record: &mut Record) {
-    let bad: usize = log.glances.iter().map(|g| g.bad_depth_px).sum();
+fn not_finite(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let bad: usize = scan.frames.iter().map(|g| g.bad_depth_px).sum();
     if bad == 0 {
         return;
     }
-    let frames = log.glances.iter().enumerate().filter(|(_, g)| g.bad_depth_px > 0);
-    let message =
-        format!("{bad} depths of {} are NaN, infinite or negative", named(case.recording, index));
-    record.findings.push(
+    let frames = scan.frames.iter().enumerate().filter(|(_, g)| g.bad_depth_px > 0);
+    let message = format!(
+        "{bad} depths of {} are NaN, infinite or negative",
+        named(context.recording, index)
+    );
+    assessment.findings.push(
         Finding::warning("DEPTH_NOT_FINITE", message)
             .cameras([index])
             .frames(frames.map(|(f, _)| f))

@@ -1,7 +1,7 @@
-//! Whether anything moves, how fast, whether motion jumps, whether the hand touches the object.
+//! Judge of motion and contact: whether anything moves, how fast, whether motion jumps, whether the hand touches the object.
 
 use super::{
-    Case, Record, named,
+    Assessment, Context, named,
     paths::{Path, step, steps, travel},
 };
 use crate::{
@@ -30,36 +30,41 @@ const SKIP_M: f64 = 0.006;
 const SKIPS: f64 = 0.1;
 const SKIPS_COUNT: usize = 3;
 
-pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
-    let frames = case.recording.frame_count;
-    let object = travel(&case.paths.object);
-    let hand = travel(&case.paths.manipulator);
-    record.scene.travel_m = object;
-    record.scene.manipulator_travel_m = hand;
-    let by_frame = steps(&case.paths.object, frames);
-    let fps = case.recording.fps;
+pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
+    let frames = context.recording.frame_count;
+    let object = travel(&context.paths.object);
+    let hand = travel(&context.paths.manipulator);
+    assessment.scene.travel_m = object;
+    assessment.scene.manipulator_travel_m = hand;
+    let by_frame = steps(&context.paths.object, frames);
+    let fps = context.recording.fps;
     let fastest = by_frame.iter().flatten().copied().max_by(f64::total_cmp);
-    record.scene.fastest_m_s = fastest.map(|s| s * fps).filter(|s| s.is_finite());
-    record.scene.gap_m = (0..frames)
+    assessment.scene.fastest_m_s = fastest.map(|s| s * fps).filter(|s| s.is_finite());
+    assessment.scene.gap_m = (0..frames)
         .map(|f| {
-            let gaps = case.logs.iter().filter_map(|log| log.glances.get(f)?.gap_m);
+            let gaps = context.scans.iter().filter_map(|scan| scan.frames.get(f)?.gap_m);
             gaps.min_by(f64::total_cmp)
         })
         .collect();
-    still(case, object, hand, record);
-    fast(case, &by_frame, record);
-    for (index, path) in case.paths.object.iter().enumerate() {
-        skips(case, index, path, record);
+    first_image(context, object, hand, assessment);
+    fast(context, &by_frame, assessment);
+    for (index, path) in context.paths.object.iter().enumerate() {
+        skips(context, index, path, assessment);
     }
-    contact(record);
+    contact(assessment);
 }
 
-fn still(case: &Case<'_>, object: Option<f64>, hand: Option<f64>, record: &mut Record) {
+fn first_image(
+    context: &Context<'_>,
+    object: Option<f64>,
+    hand: Option<f64>,
+    assessment: &mut Assessment,
+) {
     let Some(object) = object.filter(|m| *m < STILL_M) else { return };
     // An object that bends in place moves its rim and its tracks.
-    let tracks = case.logs.iter().filter_map(|l| l.track_reach_px).max_by(f64::total_cmp);
-    let areas = case.logs.iter().filter_map(|log| {
-        let areas = log.glances.iter().filter_map(|g| Some(g.object?.area_px as f64));
+    let tracks = context.scans.iter().filter_map(|l| l.track_reach_px).max_by(f64::total_cmp);
+    let areas = context.scans.iter().filter_map(|scan| {
+        let areas = scan.frames.iter().filter_map(|g| Some(g.object?.area_px as f64));
         let mut areas: Vec<f64> = areas.filter(|a| *a > 0.0).collect();
         let high = crate::statistics::quantile(&mut areas, 0.95)?;
         Some(high / crate::statistics::quantile(&mut areas, 0.05)?)
@@ -85,19 +90,19 @@ fn still(case: &Case<'_>, object: Option<f64>, hand: Option<f64>, record: &mut R
             ),
         ),
     };
-    record.findings.push(finding.number("object_travel_mm", 1e3 * object));
+    assessment.findings.push(finding.number("object_travel_mm", 1e3 * object));
 }
 
-fn fast(case: &Case<'_>, by_frame: &[Option<f64>], record: &mut Record) {
+fn fast(context: &Context<'_>, by_frame: &[Option<f64>], assessment: &mut Assessment) {
     let pixels = |frame: usize| {
-        let one = |(camera, log): (&bendtwin_capture::raw::Camera, &crate::watch::Log)| {
+        let one = |(camera, scan): (&bendtwin_capture::raw::Camera, &crate::scan::CameraScan)| {
             let middle = |f: usize| {
-                log.glances.get(f)?.object.filter(|p| p.area_px > 0).map(|p| p.middle_px)
+                scan.frames.get(f)?.object.filter(|p| p.area_px > 0).map(|p| p.middle_px)
             };
             let (a, b) = (middle(frame.checked_sub(1)?)?, middle(frame)?);
             Some((a[0] - b[0]).hypot(a[1] - b[1]) / camera.width.max(1) as f64)
         };
-        median(case.recording.cameras.iter().zip(case.logs).filter_map(one))
+        median(context.recording.cameras.iter().zip(context.scans).filter_map(one))
     };
     let is_fast = |(frame, moved): (usize, &Option<f64>)| {
         let widths = pixels(frame);
@@ -114,14 +119,14 @@ fn fast(case: &Case<'_>, by_frame: &[Option<f64>], record: &mut Record) {
         1e3 * fastest,
         frames.len()
     );
-    record.findings.push(
+    assessment.findings.push(
         Finding::warning("MOTION_TOO_FAST", message)
             .frames(frames)
             .number("largest_step_mm", 1e3 * fastest),
     );
 }
 
-fn skips(case: &Case<'_>, index: usize, path: &Path, record: &mut Record) {
+fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Assessment) {
     let mut moving = 0;
     let mut skipped = Vec::new();
     for frame in 2..path.len().saturating_sub(2) {
@@ -142,10 +147,10 @@ fn skips(case: &Case<'_>, index: usize, path: &Path, record: &mut Record) {
         let message = format!(
             "in {}, the object jumps ahead in {} of the {moving} frames in which it moves: frames were dropped and the others \
              numbered without gaps",
-            named(case.recording, index),
+            named(context.recording, index),
             skipped.len()
         );
-        record.findings.push(
+        assessment.findings.push(
             Finding::warning("FRAMES_SKIPPED", message)
                 .cameras([index])
                 .frames(skipped)
@@ -154,8 +159,8 @@ fn skips(case: &Case<'_>, index: usize, path: &Path, record: &mut Record) {
     }
 }
 
-fn contact(record: &mut Record) {
-    let gaps = &record.scene.gap_m;
+fn contact(assessment: &mut Assessment) {
+    let gaps = &assessment.scene.gap_m;
     let Some(nearest) = gaps.iter().flatten().copied().min_by(f64::total_cmp) else { return };
     if nearest > CONTACT_M {
         let message = format!(
@@ -164,6 +169,6 @@ fn contact(record: &mut Record) {
             1e3 * CONTACT_M
         );
         let finding = Finding::error("NO_CONTACT", message);
-        record.findings.push(finding.number("nearest_mm", 1e3 * nearest));
+        assessment.findings.push(finding.number("nearest_mm", 1e3 * nearest));
     }
 }

@@ -1,16 +1,16 @@
-//! Skew between cameras, measured from motion: the shift in time that best aligns the paths that two cameras saw. It needs
-//! no times, and finds what times do not tell.
+//! Judge of skew between cameras, measured from motion: the shift in time that best aligns the paths that two cameras saw. It
+//! needs no times, and finds skew that times do not show.
 
 use super::{
-    Case, Record, named,
+    Assessment, Context, named,
     paths::{Path, Paths},
 };
 use crate::{
     Finding,
     inspection::PairReport,
+    scan::COMPARED_CAMERAS,
     statistics::{mean, median},
     vector::{Vector, add, distance, scaled, sub},
-    watch::COMPARED_CAMERAS,
 };
 
 /// Longest skew that is looked for [s], and as a share of the recording.
@@ -29,8 +29,8 @@ const BAD_FRAMES: f64 = 3.0;
 /// A skew that grows by so many frames from one half to the other drifts.
 const DRIFT_FRAMES: f64 = 1.8;
 
-pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
-    let recording = case.recording;
+pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
+    let recording = context.recording;
     let n = recording.cameras.len().min(COMPARED_CAMERAS);
     let frames = recording.frame_count;
     if n < 2 || !(recording.fps.is_finite() && recording.fps > 0.0) {
@@ -42,7 +42,7 @@ pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
     let mut drifts = vec![vec![None; n]; n];
     for a in 0..n {
         for b in a + 1..n {
-            let between = |from, to| shift(&case.paths, a, b, from, to, window);
+            let between = |from, to| shift(&context.paths, a, b, from, to, window);
             let whole = between(0, frames);
             let drift = between(0, frames / 2)
                 .zip(between(frames / 2, frames))
@@ -53,7 +53,7 @@ pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
             };
             set(&mut shifts, whole);
             set(&mut drifts, drift);
-            record
+            assessment
                 .pairs
                 .push(PairReport { skew_ms: whole.map(|s| s * frame_ms), ..PairReport::of(a, b) });
         }
@@ -61,27 +61,27 @@ pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
     for camera in 0..n {
         let against_others = |table: &Vec<Vec<Option<f64>>>| {
             let known: Vec<f64> = table[camera].iter().flatten().copied().collect();
-            // Its own zero counts too, so that the odd one out of three is the one that is blamed.
+            // Its own zero counts too, so that of three cameras the one that differs is flagged.
             (!known.is_empty()).then(|| median(known.into_iter().chain([0.0])).unwrap_or(0.0))
         };
         let (skew, drift) = (against_others(&shifts), against_others(&drifts));
-        if let Some(report) = record.cameras.get_mut(camera) {
+        if let Some(report) = assessment.cameras.get_mut(camera) {
             report.skew_ms = skew.map(|s| s * frame_ms);
             report.drift_ms = drift.map(|d| d * frame_ms);
         }
-        blame(case, camera, skew, drift, record);
+        flag(context, camera, skew, drift, assessment);
     }
 }
 
-fn blame(
-    case: &Case<'_>,
+fn flag(
+    context: &Context<'_>,
     camera: usize,
     skew: Option<f64>,
     drift: Option<f64>,
-    record: &mut Record,
+    assessment: &mut Assessment,
 ) {
-    let name = named(case.recording, camera);
-    let frame_ms = 1e3 / case.recording.fps;
+    let name = named(context.recording, camera);
+    let frame_ms = 1e3 / context.recording.fps;
     if let Some(drift) = drift.filter(|d| d.abs() > DRIFT_FRAMES) {
         let message = format!(
             "{name} runs {} the others by {:.0} ms from the first half to the second: its frames were dropped and closed up, \
@@ -90,12 +90,13 @@ fn blame(
             drift.abs() * frame_ms
         );
         let finding = Finding::warning("CLOCKS_DRIFT", message);
-        record.findings.push(finding.cameras([camera]).number("drift_ms", drift * frame_ms));
+        assessment.findings.push(finding.cameras([camera]).number("drift_ms", drift * frame_ms));
         return;
     }
     let Some(skew) = skew.filter(|s| s.abs() > WARN_FRAMES) else { return };
-    let told = record.findings.iter().any(|f| f.code == "CAMERAS_SKEWED" && f.cameras == [camera]);
-    if told {
+    let is_known =
+        assessment.findings.iter().any(|f| f.code == "CAMERAS_SKEWED" && f.cameras == [camera]);
+    if is_known {
         return;
     }
     let is_bad = skew.abs() >= BAD_FRAMES && skew.abs() * frame_ms >= 1e3 * BAD_S;
@@ -105,14 +106,14 @@ fn blame(
         skew.abs(),
         if skew > 0.0 { "later" } else { "earlier" }
     );
-    record.findings.push(
+    assessment.findings.push(
         Finding::graded(is_bad, "CAMERAS_SKEWED", message)
             .cameras([camera])
             .number("skew_ms", skew * frame_ms),
     );
 }
 
-/// How many frames later camera `a` shows things than camera `b`, between two frames. `None` if nothing moves enough.
+/// Number of frames by which camera `a` shows things later than camera `b`, between two frames. `None` if nothing moves enough.
 fn shift(paths: &Paths, a: usize, b: usize, from: usize, to: usize, window: i64) -> Option<f64> {
     let things: Vec<(&Path, &Path)> = [&paths.manipulator, &paths.object]
         .into_iter()

@@ -2,45 +2,48 @@ use bendtwin_capture::raw::Recording;
 
 use crate::{
     Inspection, Verdict,
-    agree::setup::Change,
+    consistency::hypothesis::PoseChange,
     inspect,
-    testing::{FRAMES, Stage, disturbed, healthy, record},
+    testing::{FRAMES, TestScene, disturbed, filmed, healthy},
 };
 
-fn look(stage: Stage, recording: Recording) -> Inspection {
-    inspect(&record(stage, recording), &Default::default(), &mut |_| {}).unwrap()
+fn inspected(scene: TestScene, recording: Recording) -> Inspection {
+    inspect(&filmed(scene, recording), &Default::default(), &mut |_| {}).unwrap()
 }
 
 /// The finding of a recording with one fault: there is no other that asks for something to be done.
 #[track_caller]
 fn one(seen: &Inspection, code: &str) -> crate::Finding {
-    let told: Vec<String> = seen
+    let findings: Vec<String> = seen
         .findings
         .iter()
         .filter(|f| f.severity != bendtwin_capture::Severity::Info)
         .map(|f| format!("{} {}", f.code, f.sentence()))
         .collect();
-    assert!(told.iter().all(|t| t.starts_with(code)) && !told.is_empty(), "{code}: {told:#?}");
-    println!("{}", told.join("\n"));
+    assert!(
+        findings.iter().all(|t| t.starts_with(code)) && !findings.is_empty(),
+        "{code}: {findings:#?}"
+    );
+    println!("{}", findings.join("\n"));
     seen.findings[0].clone()
 }
 
-fn shown(change: impl FnOnce(&mut Stage)) -> Inspection {
-    let (mut stage, recording) = healthy();
-    change(&mut stage);
-    look(stage, recording)
+fn shown(change: impl FnOnce(&mut TestScene)) -> Inspection {
+    let (mut scene, recording) = healthy();
+    change(&mut scene);
+    inspected(scene, recording)
 }
 
 fn declared(change: impl FnOnce(&mut Recording)) -> Inspection {
-    let (stage, mut recording) = healthy();
+    let (scene, mut recording) = healthy();
     change(&mut recording);
-    look(stage, recording)
+    inspected(scene, recording)
 }
 
 #[test]
 fn a_healthy_recording_is_good() {
-    let (stage, recording) = healthy();
-    let seen = look(stage, recording);
+    let (scene, recording) = healthy();
+    let seen = inspected(scene, recording);
     assert_eq!((seen.verdict, seen.findings.len()), (Verdict::Good, 0), "{:?}", seen.findings);
     let size = seen.scene.object_size_m.unwrap();
     assert!((0.13..0.2).contains(&size), "{size}");
@@ -53,8 +56,8 @@ fn a_healthy_recording_is_good() {
 
 #[test]
 fn results_do_not_depend_on_threads() {
-    let (stage, recording) = healthy();
-    let recording = record(stage, recording);
+    let (scene, recording) = healthy();
+    let recording = filmed(scene, recording);
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let many = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
     let look = || inspect(&recording, &Default::default(), &mut |_| {}).unwrap();
@@ -141,27 +144,28 @@ fn depth_that_is_sparse_scaled_or_in_other_units() {
 
 #[test]
 fn everything_in_centimetres_is_too_large() {
-    let (mut stage, mut recording) = healthy();
-    stage.depth_factor = vec![100.0; 3];
+    let (mut scene, mut recording) = healthy();
+    scene.depth_factor = vec![100.0; 3];
     for camera in &mut recording.cameras {
-        camera.poses[0] = Change::Units(100.0).apply(&camera.poses[0]);
+        camera.poses[0] = PoseChange::Units(100.0).apply(&camera.poses[0]);
     }
-    one(&look(stage, recording), "SCALE_TOO_LARGE");
+    one(&inspected(scene, recording), "SCALE_TOO_LARGE");
 }
 
 #[test]
 fn mistakes_with_poses_are_told_apart() {
-    let all = |change: Change| {
+    let all = |change: PoseChange| {
         declared(|r| r.cameras.iter_mut().for_each(|c| c.poses[0] = change.apply(&c.poses[0])))
     };
-    let alone =
-        |change: Change| declared(|r| r.cameras[2].poses[0] = change.apply(&r.cameras[2].poses[0]));
+    let alone = |change: PoseChange| {
+        declared(|r| r.cameras[2].poses[0] = change.apply(&r.cameras[2].poses[0]))
+    };
     for (change, code) in [
-        (Change::Inverse, "EXTRINSICS_INVERTED"),
-        (Change::OpenGl, "EXTRINSICS_AXES"),
-        (Change::Mirrored(1), "EXTRINSICS_MIRRORED"),
-        (Change::MirroredPlace(0), "EXTRINSICS_MIRRORED"),
-        (Change::Units(100.0), "EXTRINSICS_UNITS"),
+        (PoseChange::Inverse, "EXTRINSICS_INVERTED"),
+        (PoseChange::OpenGl, "EXTRINSICS_AXES"),
+        (PoseChange::Mirrored(1), "EXTRINSICS_MIRRORED"),
+        (PoseChange::MirroredPlace(0), "EXTRINSICS_MIRRORED"),
+        (PoseChange::Units(100.0), "EXTRINSICS_UNITS"),
     ] {
         one(&all(change), code);
         assert_eq!(one(&alone(change), code).cameras, [2]);
@@ -195,19 +199,19 @@ fn a_camera_that_is_off_is_named_with_its_correction() {
         let found = one(&seen, "CAMERA_OFF");
         assert_eq!(found.cameras, [camera]);
         let shift = 1e3 * shift[0] + degrees.to_radians() * 620.0;
-        let told = found.numbers["shift_mm"];
-        assert!((told - shift).abs() < 0.3 * shift, "{told} mm for {shift} mm");
+        let shift_mm = found.numbers["shift_mm"];
+        assert!((shift_mm - shift).abs() < 0.3 * shift, "{shift_mm} mm for {shift} mm");
     }
 }
 
 #[test]
 fn two_cameras_that_disagree_are_both_named() {
-    let (mut stage, mut recording) = healthy();
-    stage.moments.truncate(2);
+    let (mut scene, mut recording) = healthy();
+    scene.moments.truncate(2);
     recording.cameras.truncate(2);
     let pose = &mut recording.cameras[1].poses[0];
     *pose = disturbed(pose, 2.0, [0.0; 3]);
-    assert_eq!(one(&look(stage, recording), "CAMERAS_DISAGREE").cameras, [0, 1]);
+    assert_eq!(one(&inspected(scene, recording), "CAMERAS_DISAGREE").cameras, [0, 1]);
 }
 
 #[test]
@@ -270,7 +274,7 @@ fn one_frame_and_none() {
 #[test]
 fn a_request_to_stop_is_heard() {
     let (_, recording) = healthy();
-    let cancel = bendtwin_engine::backend::CancelToken::default();
+    let cancel = bendtwin_core::CancelToken::default();
     let stop = cancel.clone();
     let error = inspect(&recording, &cancel, &mut |_| stop.cancel()).unwrap_err();
     assert!(matches!(error, crate::Error::Cancelled));

@@ -1,12 +1,12 @@
-//! Dropped, repeated, frozen and late frames; times against the frame rate.
+//! Judge of timing: dropped, repeated, frozen and late frames; times against the frame rate.
 
 use bendtwin_capture::raw::Camera;
 
-use super::{Case, Record, named};
+use super::{Assessment, Context, named};
 use crate::{
     Finding,
+    scan::{CameraScan, FrameStats},
     statistics::{median, share},
-    watch::{Glance, Log},
 };
 
 /// Share of missing frames from which a fit is meaningless.
@@ -22,24 +22,24 @@ const RATE: f64 = 0.03;
 /// A skew by times of so many frames is worth a warning.
 const SKEW_FRAMES: f64 = 0.5;
 
-pub(super) fn judge(case: &Case<'_>, record: &mut Record) {
-    let same = repeats(case.logs);
-    for (index, log) in case.logs.iter().enumerate() {
-        missing(case, index, log, record);
-        repeated(case, index, &same, record);
-        frozen_depth(case, index, log, record);
+pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
+    let same = repeats(context.scans);
+    for (index, scan) in context.scans.iter().enumerate() {
+        missing(context, index, scan, assessment);
+        repeated(context, index, &same, assessment);
+        frozen_depth(context, index, scan, assessment);
     }
-    for (index, camera) in case.recording.cameras.iter().enumerate() {
-        late(case, index, camera, record);
+    for (index, camera) in context.recording.cameras.iter().enumerate() {
+        late(context, index, camera, assessment);
     }
-    skew_by_times(case, record);
+    skew_by_times(context, assessment);
 }
 
-fn missing(case: &Case<'_>, index: usize, log: &Log, record: &mut Record) {
-    let lacks = |g: &Glance| g.color.is_none() || g.depth.is_none();
+fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let lacks = |g: &FrameStats| g.color.is_none() || g.depth.is_none();
     let frames: Vec<usize> =
-        log.glances.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
-    let all = log.glances.len();
+        scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
+    let all = scan.frames.len();
     if !frames.is_empty() && frames.len() < all {
         let part = share(frames.len(), all);
         let ends =
@@ -47,19 +47,19 @@ fn missing(case: &Case<'_>, index: usize, log: &Log, record: &mut Record) {
         let message = if ends {
             format!(
                 "{} ends at frame {}: the last {} of {all} frames are missing",
-                named(case.recording, index),
+                named(context.recording, index),
                 frames.first().copied().unwrap_or(0),
                 frames.len()
             )
         } else {
             format!(
                 "{} lacks colour or depth in {} of {all} frames ({:.0} %)",
-                named(case.recording, index),
+                named(context.recording, index),
                 frames.len(),
                 100.0 * part
             )
         };
-        record.findings.push(
+        assessment.findings.push(
             Finding::graded(part > MANY, "FRAMES_DROPPED", message)
                 .cameras([index])
                 .frames(frames.iter().copied())
@@ -67,23 +67,23 @@ fn missing(case: &Case<'_>, index: usize, log: &Log, record: &mut Record) {
                 .number("missing_frames", frames.len() as f64),
         );
     }
-    if let Some(report) = record.cameras.get_mut(index) {
+    if let Some(report) = assessment.cameras.get_mut(index) {
         report.missing_frames = frames;
     }
 }
 
 /// Whether each camera shows the same in a frame as in the one before, shape [camera][T].
-fn repeats(logs: &[Log]) -> Vec<Vec<bool>> {
-    let same = |(before, now): (&Glance, &Glance)| {
+fn repeats(scans: &[CameraScan]) -> Vec<Vec<bool>> {
+    let same = |(before, now): (&FrameStats, &FrameStats)| {
         let color = now.color.is_some() && before.color == now.color;
         let depth = now.depth.is_none() || before.depth == now.depth;
         color && depth
     };
-    let one = |log: &Log| {
-        let pairs = log.glances.iter().zip(log.glances.iter().skip(1));
-        std::iter::once(false).chain(pairs.map(same)).take(log.glances.len()).collect()
+    let one = |scan: &CameraScan| {
+        let pairs = scan.frames.iter().zip(scan.frames.iter().skip(1));
+        std::iter::once(false).chain(pairs.map(same)).take(scan.frames.len()).collect()
     };
-    logs.iter().map(one).collect()
+    scans.iter().map(one).collect()
 }
 
 /// A still scene without noise looks like repeated frames in all cameras; it is none if it lasts or if it is the beginning
@@ -99,7 +99,7 @@ fn is_pause(same: &[Vec<bool>], frame: usize) -> bool {
     first <= 1 || last + 1 == frames || last - first + 1 >= PAUSE
 }
 
-fn repeated(case: &Case<'_>, index: usize, same: &[Vec<bool>], record: &mut Record) {
+fn repeated(context: &Context<'_>, index: usize, same: &[Vec<bool>], assessment: &mut Assessment) {
     let Some(own) = same.get(index) else { return };
     let frames: Vec<usize> = own
         .iter()
@@ -113,10 +113,10 @@ fn repeated(case: &Case<'_>, index: usize, same: &[Vec<bool>], record: &mut Reco
             "{} of {} frames of {} ({:.0} %) repeat the frame before",
             frames.len(),
             own.len(),
-            named(case.recording, index),
+            named(context.recording, index),
             100.0 * part
         );
-        record.findings.push(
+        assessment.findings.push(
             Finding::graded(part > MANY, "FRAMES_DUPLICATED", message)
                 .cameras([index])
                 .frames(frames.iter().copied())
@@ -124,26 +124,31 @@ fn repeated(case: &Case<'_>, index: usize, same: &[Vec<bool>], record: &mut Reco
                 .number("repeated_frames", frames.len() as f64),
         );
     }
-    if let Some(report) = record.cameras.get_mut(index) {
+    if let Some(report) = assessment.cameras.get_mut(index) {
         report.repeated_frames = frames;
     }
 }
 
-fn frozen_depth(case: &Case<'_>, index: usize, log: &Log, record: &mut Record) {
-    let pairs = log.glances.iter().zip(log.glances.iter().skip(1)).enumerate();
+fn frozen_depth(
+    context: &Context<'_>,
+    index: usize,
+    scan: &CameraScan,
+    assessment: &mut Assessment,
+) {
+    let pairs = scan.frames.iter().zip(scan.frames.iter().skip(1)).enumerate();
     let frozen: Vec<usize> = pairs
         .filter(|(_, (a, b))| b.depth.is_some() && a.depth == b.depth && a.color != b.color)
         .map(|(f, _)| f + 1)
         .collect();
-    let part = share(frozen.len(), log.glances.len());
+    let part = share(frozen.len(), scan.frames.len());
     if part > 0.1 && frozen.len() > 2 {
         let message = format!(
             "depth of {} does not change in {} of {} frames, while colour does",
-            named(case.recording, index),
+            named(context.recording, index),
             frozen.len(),
-            log.glances.len()
+            scan.frames.len()
         );
-        record.findings.push(
+        assessment.findings.push(
             Finding::graded(part > MANY, "DEPTH_FROZEN", message)
                 .cameras([index])
                 .frames(frozen)
@@ -152,15 +157,15 @@ fn frozen_depth(case: &Case<'_>, index: usize, log: &Log, record: &mut Record) {
     }
 }
 
-fn late(case: &Case<'_>, index: usize, camera: &Camera, record: &mut Record) {
-    let fps = case.recording.fps;
+fn late(context: &Context<'_>, index: usize, camera: &Camera, assessment: &mut Assessment) {
+    let fps = context.recording.fps;
     let known: Vec<(usize, f64)> =
         camera.times_s.iter().copied().enumerate().filter(|(_, t)| t.is_finite()).collect();
     let (Some(first), Some(last)) = (known.first(), known.last()) else { return };
     if !(fps.is_finite() && fps > 0.0) || last.0 <= first.0 {
         return;
     }
-    let name = named(case.recording, index);
+    let name = named(context.recording, index);
     let interval = median(known.windows(2).filter_map(|w| match w {
         [a, b] => Some((b.1 - a.1) / (b.0 - a.0).max(1) as f64),
         _ => None,
@@ -170,7 +175,7 @@ fn late(case: &Case<'_>, index: usize, camera: &Camera, record: &mut Record) {
         let message = format!(
             "by its times, {name} records {measured:.2} frames per second; {fps} are declared"
         );
-        record.findings.push(
+        assessment.findings.push(
             Finding::warning("FPS_MISMATCH", message)
                 .cameras([index])
                 .number("measured_fps", measured)
@@ -192,27 +197,27 @@ fn late(case: &Case<'_>, index: usize, camera: &Camera, record: &mut Record) {
             known.len(),
             LATE
         );
-        record.findings.push(
+        assessment.findings.push(
             Finding::warning("FRAMES_LATE", message)
                 .cameras([index])
                 .frames(late.iter().copied())
                 .number("late_share", share(late.len(), known.len())),
         );
     }
-    if let Some(report) = record.cameras.get_mut(index) {
+    if let Some(report) = assessment.cameras.get_mut(index) {
         report.late_frames = late;
     }
 }
 
-fn skew_by_times(case: &Case<'_>, record: &mut Record) {
-    let cameras = &case.recording.cameras;
+fn skew_by_times(context: &Context<'_>, assessment: &mut Assessment) {
+    let cameras = &context.recording.cameras;
     let time = |c: &Camera, f: usize| c.times_s.get(f).copied().filter(|t| t.is_finite());
     if cameras.iter().filter(|c| !c.times_s.is_empty()).count() < 2 {
         return;
     }
     // Enough frames for a median; a recording of hours has the same skew.
-    let step = case.recording.frame_count.div_ceil(2000).max(1);
-    let frames = || (0..case.recording.frame_count).step_by(step);
+    let step = context.recording.frame_count.div_ceil(2000).max(1);
+    let frames = || (0..context.recording.frame_count).step_by(step);
     let middles: Vec<Option<f64>> =
         frames().map(|f| median(cameras.iter().filter_map(|c| time(c, f)))).collect();
     for (index, camera) in cameras.iter().enumerate() {
@@ -220,20 +225,24 @@ fn skew_by_times(case: &Case<'_>, record: &mut Record) {
             frames().zip(&middles).filter_map(|(f, middle)| Some(time(camera, f)? - (*middle)?));
         let Some(skew) = median(offsets) else { continue };
         let skew_ms = 1e3 * skew;
-        if let Some(report) = record.cameras.get_mut(index) {
+        if let Some(report) = assessment.cameras.get_mut(index) {
             report.skew_by_times_ms = Some(skew_ms);
         }
-        if skew.abs() * case.recording.fps > SKEW_FRAMES {
-            let name = named(case.recording, index);
+        if skew.abs() * context.recording.fps > SKEW_FRAMES {
+            let name = named(context.recording, index);
             let order = if skew > 0.0 { "after" } else { "before" };
             let message = format!(
                 "by its times, {name} takes its frames {:.0} ms {order} the others",
                 skew_ms.abs()
             );
-            record.findings.push(
-                Finding::graded(skew.abs() * case.recording.fps > 3.0, "CAMERAS_SKEWED", message)
-                    .cameras([index])
-                    .number("skew_ms", skew_ms),
+            assessment.findings.push(
+                Finding::graded(
+                    skew.abs() * context.recording.fps > 3.0,
+                    "CAMERAS_SKEWED",
+                    message,
+                )
+                .cameras([index])
+                .number("skew_ms", skew_ms),
             );
         }
     }

@@ -3,15 +3,15 @@ use bendtwin_capture::{MakeOptions, Scene, make};
 use super::*;
 use crate::{
     Verdict, inspect, inspect_observed,
-    testing::{healthy, record},
+    testing::{filmed, healthy},
 };
 
 fn inspected() -> Inspection {
-    let (mut stage, mut recording) = healthy();
-    stage.moments[1][9] = None;
+    let (mut scene, mut recording) = healthy();
+    scene.moments[1][9] = None;
     recording.name = "<script>alert('1')</script> & \"toy\"".to_owned();
     recording.cameras[0].name = "<b>front</b>".to_owned();
-    inspect(&record(stage, recording), &Default::default(), &mut |_| {}).unwrap()
+    inspect(&filmed(scene, recording), &Default::default(), &mut |_| {}).unwrap()
 }
 
 /// Every element that is opened is closed, in order; nothing is loaded from elsewhere; no script.
@@ -82,8 +82,8 @@ fn what_was_lifted_is_judged_and_shown() {
         "cameras": [{"name": "<i>a</i>", "lifts": {"object": 12, "off_mask": 3}}],
         "findings": [{"severity": "warning", "code": "FEW_CONTROLS", "message": "few: add some"}],
     });
-    let (stage, recording) = healthy();
-    let seen = inspect(&record(stage, recording), &Default::default(), &mut |_| {}).unwrap();
+    let (scene, recording) = healthy();
+    let seen = inspect(&filmed(scene, recording), &Default::default(), &mut |_| {}).unwrap();
     let report = Report::new(seen, Some(Lifted { capture, evidence: Some(evidence.clone()) }));
     assert_eq!(report.inspection().verdict, Verdict::Unusable);
     assert!(report.inspection().has("SPLIT_EMPTY") && report.inspection().has("FEW_CONTROLS"));

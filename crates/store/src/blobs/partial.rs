@@ -1,6 +1,5 @@
-//! Files of uploads that can be resumed: `partial/{id}` beside the blobs, so that
-//! whole content becomes one by a change of its name. Unlike `incoming` they
-//! outlive the process.
+//! Files of resumable uploads: `partial/{id}` beside the blobs, so that renaming makes complete
+//! content a blob. Unlike `incoming` they outlive the process.
 
 use std::{io::ErrorKind, path::PathBuf};
 
@@ -20,12 +19,12 @@ pub(super) fn object(id: UploadId) -> Path {
 }
 
 impl Blobs {
-    /// Where the file of an upload is.
+    /// Path of the file of an upload.
     pub(crate) fn partial(&self, id: UploadId) -> PathBuf {
         self.root.join(PARTIAL).join(id.uuid().to_string())
     }
 
-    /// Opens the file of an upload for writing. One that is made has its name synced.
+    /// Opens the file of an upload for writing. If it is created, its name is synced.
     pub(crate) async fn open_partial(&self, id: UploadId, create: bool) -> Result<File> {
         let folder = self.root.join(PARTIAL);
         if create {

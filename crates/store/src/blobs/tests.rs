@@ -51,6 +51,6 @@ async fn equal_content_is_shared_until_the_last_reference_goes() {
     let (_, content) = bench.store.captures().content(b.id).await.unwrap();
     bench.store.captures().delete(b.id).await.unwrap();
     assert_eq!(bench.blob_count().await, 0);
-    // Whoever reads goes on reading.
+    // Open readers are not affected.
     assert_eq!(content.chunks.try_collect::<Vec<_>>().await.unwrap().concat(), b"same");
 }

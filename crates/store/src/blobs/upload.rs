@@ -1,5 +1,5 @@
-//! Content on its way in: hashed and counted as it streams, synced when whole.
-//! Dropped at any point, it removes what it wrote.
+//! Receiving content: hashed and counted as it streams, synced when complete. Dropped at any point,
+//! it removes what it wrote.
 
 use bytes::{Bytes, BytesMut};
 use object_store::{MultipartUpload, path::Path};
@@ -38,7 +38,7 @@ impl Upload {
     /// Appends a chunk.
     ///
     /// # Errors
-    /// [`Error::TooLarge`], [`Error::DiskFull`]; give the upload up then.
+    /// [`Error::TooLarge`], [`Error::DiskFull`]; drop the upload then.
     pub async fn write(&mut self, chunk: Bytes) -> Result<()> {
         self.size_bytes = self.size_bytes.saturating_add(chunk.len() as u64);
         if self.size_bytes > self.limit {
@@ -74,7 +74,7 @@ impl Upload {
     }
 }
 
-/// Whole content that no row refers to yet: give it to the `create` of an aggregate.
+/// Complete content that no row refers to yet: give it to the `create` of an aggregate.
 #[derive(Debug)]
 pub struct Staged {
     blobs: Blobs,
@@ -82,7 +82,7 @@ pub struct Staged {
     path: Option<Path>,
     digest: Digest,
     size_bytes: u64,
-    /// The resumable upload that it is the content of: its file stays until the upload has ended.
+    /// The resumable upload of this content: its file stays until the upload has ended.
     upload: Option<UploadId>,
 }
 
@@ -104,12 +104,12 @@ impl Staged {
         self.digest
     }
 
-    /// Size in bytes.
+    /// Size [bytes].
     pub fn size_bytes(&self) -> u64 {
         self.size_bytes
     }
 
-    /// The resumable upload that it came by.
+    /// The resumable upload of this content.
     pub(crate) fn upload(&self) -> Option<UploadId> {
         self.upload
     }

@@ -1,4 +1,4 @@
-//! How attempts end other than in a twin, and what becomes of the job then.
+//! Ends of attempts without a result, and the job's next state.
 
 use bendtwin_core::{Category, Fault, ids::WorkerId};
 use sqlx::{Sqlite, Transaction};
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{Error, Result, failpoint::Failpoint};
 
-/// Why an attempt ended.
+/// Reason for the end of an attempt.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AttemptEnd {
     /// It failed; another attempt may do better.
@@ -57,9 +57,8 @@ impl Jobs<'_> {
         Ok(swept)
     }
 
-    /// Ends all attempts of a worker that is known to be gone, without waiting
-    /// for its leases. `counts` is false where its end says nothing about the job
-    /// (the server itself went down).
+    /// Ends all attempts of a worker that is known to be gone, without waiting for its leases.
+    /// `counts` is false if its end has nothing to do with the job (the server itself went down).
     ///
     /// # Errors
     /// Database errors.
@@ -117,7 +116,7 @@ impl Jobs<'_> {
         Ok(Some(job))
     }
 
-    /// Writes what becomes of a running job.
+    /// Writes the next state of a running job.
     pub(super) async fn apply(
         &self,
         tx: &mut Transaction<'_, Sqlite>,
@@ -162,7 +161,7 @@ impl Jobs<'_> {
         updated.try_into()
     }
 
-    /// After the commit: tells of the changes and lets go of what nobody needs any more.
+    /// After the commit: notifies watchers and deletes content that nothing refers to any more.
     pub(super) async fn settled(
         &self,
         job: &Job,

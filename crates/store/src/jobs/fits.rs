@@ -1,4 +1,4 @@
-//! What is a fit's own: asked for, listed, ended with a twin.
+//! Operations on fits alone: created, listed, ended with a twin.
 
 use bendtwin_core::{
     Category, Fault,
@@ -18,11 +18,11 @@ use crate::{
 /// A fit to be queued.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewFit {
-    /// What to fit.
+    /// The capture to be fitted.
     pub capture: CaptureId,
     /// Settings as JSON, the same text for the same settings.
     pub settings: String,
-    /// Higher runs earlier.
+    /// Jobs of higher priority run earlier.
     pub priority: i32,
     /// Makes creation idempotent, if given.
     pub request_id: Option<String>,
@@ -31,9 +31,9 @@ pub struct NewFit {
 }
 
 impl Jobs<'_> {
-    /// Queues a fit. It waits for its capture's ingest; where that has failed
-    /// already, so has the fit, with the same fault. The same request id with the
-    /// same payload gives the job that it made before.
+    /// Queues a fit. It waits for its capture's ingest; if that has failed already, the fit fails
+    /// with the same fault. The same request id with the same payload returns the job created
+    /// before.
     ///
     /// # Errors
     /// [`Error::NotFound`] if there is no such capture, [`Error::RequestIdTaken`].
@@ -109,8 +109,8 @@ impl Jobs<'_> {
         Ok(Page::cut(items, page, &listing, |f: &Job| f.id.uuid()))
     }
 
-    /// Stores the twin and ends the fit, in one transaction. Asked again under
-    /// the same lease with the same content, it answers the same.
+    /// Stores the twin and ends the fit, in one transaction. Called again under the same lease with
+    /// the same content, it returns the same.
     ///
     /// # Errors
     /// [`Error::StaleLease`], file errors.
@@ -139,7 +139,8 @@ impl Jobs<'_> {
         stored.map(|(twin, _)| twin)
     }
 
-    /// The transaction of [`Jobs::complete_fit`]; also says which checkpoint is obsolete.
+    /// The transaction of [`Jobs::complete_fit`]; also returns the checkpoint that is obsolete
+    /// afterwards.
     async fn complete_published(
         &self,
         lease: Lease,
@@ -207,8 +208,8 @@ impl Jobs<'_> {
         Ok(twins::insert(tx, new).await?.id)
     }
 
-    /// Fails the fits that wait for an ingest, if that has ended without an
-    /// observation; each with the checkpoint that it leaves behind.
+    /// Fails the fits that wait for an ingest that has ended without an observation. Returns each
+    /// with its checkpoint.
     pub(super) async fn fail_followers(
         &self,
         tx: &mut Transaction<'_, Sqlite>,
@@ -240,7 +241,7 @@ impl Jobs<'_> {
     }
 }
 
-/// Why fits of a capture cannot run, if its ingest has ended in vain.
+/// Reason for which fits of a capture cannot run, if its ingest has ended without an observation.
 fn why_not(ingest: &Job) -> Option<Fault> {
     match (ingest.id, ingest.state) {
         (super::JobId::Ingest(_), State::Failed) => ingest.fault.clone(),

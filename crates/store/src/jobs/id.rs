@@ -1,11 +1,11 @@
-//! Names of jobs: of either kind, told apart by the collection.
+//! Names of jobs. The collection tells the kind.
 
 use std::{fmt, str::FromStr};
 
 use bendtwin_core::ids::{FitId, IngestId, InvalidName};
 use uuid::Uuid;
 
-/// What a job does.
+/// Kind of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// Capture in, observation and report out.
@@ -15,7 +15,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The word in the database and in metrics.
+    /// Name of the kind in the database and in metrics.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Ingest => "ingest",
@@ -38,7 +38,7 @@ pub enum JobId {
 }
 
 impl JobId {
-    /// What the job does.
+    /// Kind of the job.
     pub fn kind(self) -> Kind {
         match self {
             Self::Ingest(_) => Kind::Ingest,
@@ -62,7 +62,7 @@ impl JobId {
         }
     }
 
-    /// As a row has it.
+    /// Id from the columns of a row.
     pub(super) fn stored(kind: &str, id: &str) -> Option<Self> {
         Some(Self::new(Kind::parse(kind)?, Uuid::try_parse(id).ok()?))
     }
@@ -97,7 +97,7 @@ impl fmt::Display for JobId {
     }
 }
 
-/// Takes full names only: a bare UUID does not say what it names.
+/// Parses full names only: a bare UUID does not tell the kind.
 impl FromStr for JobId {
     type Err = InvalidName;
     fn from_str(name: &str) -> Result<Self, InvalidName> {

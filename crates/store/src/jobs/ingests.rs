@@ -1,5 +1,5 @@
-//! What is an ingest's own: one for each capture, made with it, ended with an
-//! observation and a report, run again when somebody asks.
+//! Operations on ingests alone: one for each capture, created with it, ended with an observation
+//! and a report, repeated on request.
 
 use bendtwin_core::ids::{CaptureId, IngestId};
 use sqlx::{Sqlite, Transaction};
@@ -13,11 +13,11 @@ use crate::{Digest, Error, Result, Staged, failpoint::Failpoint, observations};
 /// An ingest to be run again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewIngest {
-    /// What to read.
+    /// The capture to be read.
     pub capture: CaptureId,
     /// Settings as JSON, the same text for the same settings.
     pub settings: String,
-    /// Makes the call idempotent, until the next one of the same capture.
+    /// Idempotency key, valid until the next ingest of the same capture.
     pub request_id: Option<String>,
     /// W3C traceparent of the call.
     pub trace_parent: Option<String>,
@@ -28,27 +28,27 @@ pub struct NewIngest {
 pub struct NewReport {
     /// Its verdict: one lower-case word.
     pub verdict: String,
-    /// The document.
+    /// The report as JSON.
     pub json: Staged,
-    /// The page.
+    /// The report as HTML.
     pub html: Staged,
 }
 
-/// How an attempt at an ingest ended, with what it leaves.
+/// End of an attempt at an ingest, with its results.
 #[derive(Debug)]
 pub enum IngestResult {
-    /// There is something to fit.
+    /// The capture can be fitted.
     Observed {
         /// The bundle that fits read.
         observation: Staged,
-        /// What is to be said of it.
+        /// The report of the capture.
         report: NewReport,
     },
-    /// There is nothing to fit, and this is why.
+    /// The capture cannot be fitted.
     Refused {
-        /// How the attempt ended.
+        /// End of the attempt.
         end: AttemptEnd,
-        /// What is to be said of the capture.
+        /// The report of the capture.
         report: NewReport,
     },
 }
@@ -100,7 +100,7 @@ impl Jobs<'_> {
         row.ok_or_else(|| Error::NotFound { name: capture.to_string() })?.try_into()
     }
 
-    /// The ingests of captures between two, these included.
+    /// The ingests of the captures between two ids, both included.
     pub(crate) async fn ingests_between(&self, from: &str, to: &str) -> Result<Vec<Job>> {
         let rows: Vec<Row> = sqlx::query_as(
             "select * from jobs where kind = 'ingest' and capture >= $1 and capture <= $2",
@@ -112,8 +112,8 @@ impl Jobs<'_> {
         rows.into_iter().map(Job::try_from).collect()
     }
 
-    /// Runs the ingest of a capture again, in place of the one before. What that one made stays
-    /// until this one has made it anew.
+    /// Runs the ingest of a capture again, in place of the previous one, whose results stay until
+    /// this one has replaced them.
     ///
     /// # Errors
     /// [`Error::NotFound`], [`Error::RequestIdTaken`], [`Error::IngestUnderWay`];
@@ -164,8 +164,8 @@ impl Jobs<'_> {
         Ok(job)
     }
 
-    /// Stores what an ingest made and ends its attempt, in one transaction. Asked
-    /// again under the same lease with the same observation, it answers the same.
+    /// Stores the results of an ingest and ends its attempt, in one transaction. Called again under
+    /// the same lease with the same observation, it returns the same.
     ///
     /// # Errors
     /// [`Error::StaleLease`], file errors.
@@ -201,7 +201,8 @@ impl Jobs<'_> {
         stored.map(|(job, _)| job)
     }
 
-    /// The transaction of [`Jobs::end_ingest`]; also says which content is obsolete.
+    /// The transaction of [`Jobs::end_ingest`]; also returns the content that is obsolete
+    /// afterwards.
     async fn end_published(
         &self,
         lease: Lease,

@@ -1,4 +1,4 @@
-//! What workers do to jobs. Every write is fenced by the lease's epoch.
+//! Operations of workers on jobs. Every write is fenced by the lease's epoch.
 
 use std::time::Duration;
 
@@ -20,16 +20,16 @@ pub struct Lease {
     pub epoch: u64,
 }
 
-/// What a worker learns when it reports.
+/// Answer to a worker's report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reported {
-    /// Whether the job has been asked to stop.
+    /// True if the job has been asked to stop.
     pub cancel_requested: bool,
 }
 
 impl Jobs<'_> {
-    /// Takes the next job of a kind, if there is one. A fit is taken when its capture's ingest has
-    /// ended, not before.
+    /// Claims the next job of a kind, if there is one. A fit is claimed only once its capture's
+    /// ingest has ended.
     ///
     /// # Errors
     /// Database errors.
@@ -68,7 +68,7 @@ impl Jobs<'_> {
         Ok(Some(job))
     }
 
-    /// Takes the next job of a kind, waiting up to `wait` for one.
+    /// Claims the next job of a kind, waiting up to `wait` for one.
     ///
     /// # Errors
     /// Database errors.

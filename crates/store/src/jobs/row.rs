@@ -1,13 +1,13 @@
-//! A row of `jobs` and what it says.
+//! A row of `jobs` and its decoding.
 
 use bendtwin_core::Progress;
-use sqlx::{FromRow, Sqlite, Transaction};
+use sqlx::{Sqlite, Transaction};
 use uuid::Uuid;
 
 use super::{Job, JobId, Kind, Lease};
-use crate::{Digest, Error, Result, clock::from_micros};
+use crate::{Digest, Error, Result, clock::from_micros, row::row};
 
-/// Where a job is in its life.
+/// State of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum State {
     /// Waits for a worker.
@@ -18,12 +18,12 @@ pub enum State {
     Succeeded,
     /// Ended with a fault.
     Failed,
-    /// Ended because somebody asked for it.
+    /// Ended by a cancellation.
     Cancelled,
 }
 
 impl State {
-    /// The word in the database and in metrics.
+    /// Name of the state in the database and in metrics.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Queued => "queued",
@@ -34,7 +34,7 @@ impl State {
         }
     }
 
-    /// Whether nothing will happen to the job any more.
+    /// True if the state is final.
     pub fn has_ended(self) -> bool {
         matches!(self, Self::Succeeded | Self::Failed | Self::Cancelled)
     }
@@ -46,32 +46,33 @@ impl State {
     }
 }
 
-#[derive(FromRow)]
-pub(super) struct Row {
-    pub(super) id: String,
-    kind: String,
-    pub(super) capture: String,
-    state: String,
-    priority: i64,
-    settings: String,
-    pub(super) attempts: i64,
-    pub(super) stalled: i64,
-    pub(super) furthest: f64,
-    pub(super) lease_epoch: i64,
-    lease_until: Option<i64>,
-    pub(super) worker: Option<String>,
-    progress: Option<String>,
-    pub(super) checkpoint: Option<String>,
-    pub(super) cancel_requested: bool,
-    pub(super) twin: Option<String>,
-    fault: Option<String>,
-    pub(super) attempt_faults: String,
-    trace_parent: Option<String>,
-    request_id: Option<String>,
-    created_at: i64,
-    started_at: Option<i64>,
-    ended_at: Option<i64>,
-    pub(super) revision: i64,
+row! {
+    pub(super) struct Row {
+        pub(super) id: String,
+        kind: String,
+        pub(super) capture: String,
+        state: String,
+        priority: i64,
+        settings: String,
+        pub(super) attempts: i64,
+        pub(super) stalled: i64,
+        pub(super) furthest: f64,
+        pub(super) lease_epoch: i64,
+        lease_until: Option<i64>,
+        pub(super) worker: Option<String>,
+        progress: Option<String>,
+        pub(super) checkpoint: Option<String>,
+        pub(super) cancel_requested: bool,
+        pub(super) twin: Option<String>,
+        fault: Option<String>,
+        pub(super) attempt_faults: String,
+        trace_parent: Option<String>,
+        request_id: Option<String>,
+        created_at: i64,
+        started_at: Option<i64>,
+        ended_at: Option<i64>,
+        pub(super) revision: i64,
+    }
 }
 
 impl Row {
@@ -83,7 +84,7 @@ impl Row {
         self.lease_until.is_some_and(|until| until < now)
     }
 
-    /// Whether its last lease is this one.
+    /// True if the job's last lease is this one.
     pub(super) fn is_of(&self, lease: Lease) -> bool {
         self.lease_epoch == i64::try_from(lease.epoch).unwrap_or(-1)
     }
@@ -106,7 +107,7 @@ impl TryFrom<Row> for Job {
         let state = row.state()?;
         let mut progress: Option<Progress> = row.json(&row.progress)?;
         if state == State::Succeeded {
-            // The worker's last report came before its last word.
+            // The worker's last report came before the end of its attempt.
             progress.iter_mut().for_each(|p| (p.fraction, p.eta_s) = (1.0, Some(0.0)));
         }
         Ok(Self {
@@ -182,7 +183,7 @@ pub(super) async fn ingest_of(
     Ok(row)
 }
 
-/// How many fits of a capture are queued or running.
+/// Number of fits of a capture that are queued or running.
 pub(crate) async fn fits_under_way(tx: &mut Transaction<'_, Sqlite>, capture: &str) -> Result<u64> {
     let fits: i64 = sqlx::query_scalar(
         "select count(*) from jobs

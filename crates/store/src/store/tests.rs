@@ -1,4 +1,4 @@
-//! Opening, locking, and what crashes at every failpoint leave behind.
+//! Opening, locking, and recovery from a crash at every failpoint.
 
 use std::{sync::Arc, time::Duration};
 
@@ -12,7 +12,7 @@ use crate::{
 
 pub(crate) const LEASE: Duration = Duration::from_secs(30);
 
-/// A store in a folder of its own, on a clock that stands still.
+/// A store in a folder of its own, with a stopped clock.
 pub(crate) struct Bench {
     pub(crate) dir: tempfile::TempDir,
     pub(crate) clock: Arc<ManualClock>,
@@ -27,7 +27,7 @@ impl Bench {
         Self { dir, clock, store }
     }
 
-    /// What a process sees that starts after this one died.
+    /// The store as a process sees it that starts after this one has died.
     pub(crate) async fn reopen(self) -> Self {
         self.store.close().await;
         drop(self.store);
@@ -47,7 +47,7 @@ impl Bench {
         self.store.captures().create(new_capture("a rope", content)).await.unwrap()
     }
 
-    /// A capture whose ingest is behind it, for tests of what comes later.
+    /// A capture whose ingest has ended.
     pub(crate) async fn capture(&self, content: &'static str) -> Capture {
         let capture = self.fresh_capture(content).await;
         let mut tx = self.store.inner.database.write().await.unwrap();
@@ -97,8 +97,8 @@ async fn one_server_per_folder() {
     bench.reopen().await.store.ping().await.unwrap();
 }
 
-/// A crash at any point of a capture's life: afterwards it is either wholly
-/// there or wholly gone, and no content is left over.
+/// A crash at any point of a capture's life: afterwards it is either complete or absent, and no
+/// content is left over.
 #[tokio::test]
 async fn captures_survive_crashes_whole() {
     for point in Failpoint::ALL {
@@ -123,7 +123,7 @@ async fn captures_survive_crashes_whole() {
     }
 }
 
-/// A crash at any point of a completion: the worker asks again, and there is one twin.
+/// A crash at any point of a completion: the worker repeats its call, and there is one twin.
 #[tokio::test]
 async fn completion_survives_crashes() {
     for point in Failpoint::ALL {

@@ -1,4 +1,4 @@
-//! Beginning an upload, or finding the one that was begun under the same request id.
+//! Creating an upload, or finding the one created before under the same request id.
 
 use std::time::Duration;
 
@@ -8,27 +8,27 @@ use sqlx::{Sqlite, Transaction};
 use super::{IN_USE, ResumableUpload, UploadState, Uploads, row::Row};
 use crate::{Digest, Error, Result};
 
-/// An upload to be begun.
+/// An upload to be created.
 #[derive(Clone, Debug)]
 pub struct NewResumableUpload {
-    /// A person's name for the capture.
+    /// Display name of the capture.
     pub display_name: String,
-    /// Makes creation of the upload and of its capture idempotent, if given.
+    /// Idempotency key for the upload and its capture, if given.
     pub request_id: Option<String>,
     /// BLAKE3 of the whole, checked at the end, if given.
     pub expected_digest: Option<Digest>,
-    /// What the client wrote about it, verbatim.
+    /// Metadata of the client, verbatim.
     pub metadata: String,
     /// Size of the whole, if known.
     pub length_bytes: Option<u64>,
-    /// How long it is kept without further bytes.
+    /// Time for which it is kept without further bytes.
     pub keep: Duration,
 }
 
-/// How much all uploads under way may hold together.
+/// Bounds on all unfinished uploads together.
 #[derive(Clone, Copy, Debug)]
 pub struct UploadBounds {
-    /// How many there may be.
+    /// Number of uploads.
     pub count: u64,
     /// Their sizes together [bytes].
     pub bytes: u64,
@@ -55,9 +55,9 @@ impl UploadBounds {
 }
 
 impl Uploads<'_> {
-    /// Begins an upload. The same request id with the same length and metadata gives the upload that was begun
-    /// before, however far it is. Where a capture of the declared digest was made under that request id
-    /// already, the upload is whole at once.
+    /// Creates an upload. The same request id with the same length and metadata returns the upload
+    /// created before, however far it is. If a capture of the declared digest exists under that
+    /// request id, the upload is complete at once.
     ///
     /// # Errors
     /// [`Error::RequestIdTaken`]; [`Error::UploadsFull`] beyond `bounds`.
@@ -105,7 +105,7 @@ impl Uploads<'_> {
     }
 }
 
-/// The upload that was begun under the same request id, unless its capture has been deleted since.
+/// The upload created under the same request id, unless its capture has been deleted since.
 async fn begun_before(
     tx: &mut Transaction<'static, Sqlite>,
     new: &NewResumableUpload,
@@ -164,6 +164,6 @@ async fn made_before(
         let (request_id, name) = (request_id.to_owned(), format!("captures/{id}"));
         return Err(Error::RequestIdTaken { request_id, name });
     }
-    // Without a digest only the content itself can tell.
+    // Without a digest only the content itself could be compared.
     Ok(given.map(|_| (id, size)))
 }

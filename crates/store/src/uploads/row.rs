@@ -1,72 +1,72 @@
-//! An upload as it is stored.
+//! The row of an upload.
 
 use bendtwin_core::ids::{CaptureId, UploadId};
 use jiff::Timestamp;
-use sqlx::FromRow;
 use uuid::Uuid;
 
-use crate::{Digest, Error, Result, clock::from_micros};
+use crate::{Digest, Error, Result, clock::from_micros, row::row};
 
-/// Where an upload stands.
+/// State of an upload.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum UploadState {
-    /// Bytes are missing, or all are here and the capture is about to be made.
+    /// Bytes are missing, or the capture is about to be made.
     Receiving,
-    /// Whole, and this capture.
+    /// Complete; the id of its capture.
     Stored(CaptureId),
-    /// Terminated, expired or refused, and why.
+    /// Terminated, expired or refused; the reason.
     Gone(String),
 }
 
-/// An upload that can be resumed.
+/// A resumable upload.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResumableUpload {
     /// Its id.
     pub id: UploadId,
-    /// Where it stands.
+    /// State of the upload.
     pub state: UploadState,
-    /// A person's name for the capture.
+    /// Display name of the capture.
     pub display_name: String,
-    /// Makes creation of the upload and of its capture idempotent, if given.
+    /// Idempotency key for the upload and its capture, if given.
     pub request_id: Option<String>,
-    /// What the client wrote about it, verbatim.
+    /// Metadata of the client, verbatim.
     pub metadata: String,
     /// BLAKE3 that the client declared.
     pub expected_digest: Option<Digest>,
     /// Size of the whole; none while the client does not know it.
     pub length_bytes: Option<u64>,
-    /// Bytes that are here for good.
+    /// Number of bytes that are stored durably.
     pub offset_bytes: u64,
-    /// When it was created.
+    /// Time of creation.
     pub created: Timestamp,
-    /// When it is given up unless more arrives, or forgotten if it has ended.
+    /// Time at which it is ended unless more bytes arrive, or forgotten if it has ended.
     pub expires: Timestamp,
-    /// Digest of whole content whose way into a capture has begun.
+    /// Digest of complete content that is becoming a capture.
     pub(crate) digest: Option<Digest>,
 }
 
 impl ResumableUpload {
-    /// Whether every byte is here.
+    /// True if all bytes have arrived.
     pub fn is_whole(&self) -> bool {
         self.length_bytes == Some(self.offset_bytes)
     }
 }
 
-#[derive(FromRow)]
-pub(super) struct Row {
-    id: String,
-    state: String,
-    display_name: String,
-    request_id: Option<String>,
-    expected_digest: Option<String>,
-    metadata: String,
-    length_bytes: Option<i64>,
-    offset_bytes: i64,
-    digest: Option<String>,
-    capture: Option<String>,
-    why: Option<String>,
-    created_at: i64,
-    expires_at: i64,
+row! {
+    pub(super) struct Row {
+        id: String,
+        state: String,
+        display_name: String,
+        request_id: Option<String>,
+        expected_digest: Option<String>,
+        metadata: String,
+        length_bytes: Option<i64>,
+        offset_bytes: i64,
+        digest: Option<String>,
+        capture: Option<String>,
+        why: Option<String>,
+        created_at: i64,
+        expires_at: i64,
+    }
 }
 
 impl TryFrom<Row> for ResumableUpload {

@@ -1,7 +1,7 @@
-//! One writer per upload, and the way to take an upload over. A connection that
-//! broke may look alive here for minutes, while its client is back already and
-//! wants to go on: so whoever holds an upload learns that another waits for it,
-//! saves what has arrived and makes room.
+//! One writer per upload, and a way to take an upload over. A broken connection may look alive here
+//! for minutes, while its client has returned already and wants to resume. So the writer of an
+//! upload learns that another waits for it, saves the bytes that have arrived and releases the
+//! upload.
 
 use std::{
     collections::HashMap,
@@ -12,7 +12,7 @@ use std::{
 use bendtwin_core::ids::UploadId;
 use tokio::sync::{Mutex as AsyncMutex, OwnedMutexGuard, watch};
 
-/// The seats of all uploads that somebody holds or waits for.
+/// The uploads that have a writer or a waiting one.
 #[derive(Debug, Default)]
 pub(crate) struct Seats {
     seats: Mutex<HashMap<UploadId, Weak<Seat>>>,
@@ -21,11 +21,11 @@ pub(crate) struct Seats {
 #[derive(Debug)]
 struct Seat {
     taken: Arc<AsyncMutex<()>>,
-    /// How many wait for it.
+    /// Number of waiting writers.
     waiting: watch::Sender<usize>,
 }
 
-/// An upload held; dropping it lets the next one in.
+/// The right to write to an upload; dropping it admits the next writer.
 #[derive(Debug)]
 pub(crate) struct Held {
     _guard: OwnedMutexGuard<()>,
@@ -36,7 +36,7 @@ pub(crate) struct Held {
 struct Waiting<'a>(&'a Seat);
 
 impl Seats {
-    /// Asks whoever holds the upload to make room, and waits that long for it.
+    /// Asks the writer to release the upload, and waits up to that long for it.
     pub(crate) async fn take(&self, id: UploadId, patience: Duration) -> Option<Held> {
         let seat = self.seat(id);
         let guard = {
@@ -46,7 +46,7 @@ impl Seats {
         Some(Held { _guard: guard, seat })
     }
 
-    /// Takes the upload if nobody holds it.
+    /// Takes the upload if it has no writer.
     pub(crate) fn take_idle(&self, id: UploadId) -> Option<Held> {
         let seat = self.seat(id);
         let guard = seat.taken.clone().try_lock_owned().ok()?;
@@ -66,11 +66,11 @@ impl Seats {
 }
 
 impl Held {
-    /// Waits until another waits for the upload.
+    /// Waits until another writer waits for the upload.
     pub(crate) fn wanted(&self) -> impl Future<Output = ()> + Send + use<> {
         let mut waiting = self.seat.waiting.subscribe();
         async move {
-            // The sender lives as long as the seat: an error means that nobody can want it any more.
+            // The sender lives as long as the seat: an error means that no writer can wait any more.
             if waiting.wait_for(|n| *n > 0).await.is_err() {
                 std::future::pending::<()>().await;
             }

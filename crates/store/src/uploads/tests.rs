@@ -76,7 +76,7 @@ async fn what_is_committed_survives_and_what_is_not_is_cut_off() {
     assert!(bench.store.blobs().partials().await.unwrap().is_empty(), "renamed, not copied");
 }
 
-/// A crash at any point between the last byte and the capture: the rest is done again, once.
+/// A crash at any point between the last byte and the capture: the remaining steps run again, once.
 #[tokio::test]
 async fn whole_content_becomes_one_capture_whatever_crashes() {
     for point in Failpoint::ALL {
@@ -143,7 +143,7 @@ async fn a_request_id_finds_the_upload_that_was_begun() {
     bench.store.uploads().sweep(KEEP).await.unwrap();
     let found = bench.store.uploads().create(new("whole"), BOUNDS).await.unwrap();
     assert_eq!((found.state.clone(), found.is_whole()), (UploadState::Stored(capture.id), true));
-    // Once the capture is deleted, all begins anew.
+    // Once the capture is deleted, the upload starts again.
     bench.store.captures().delete(capture.id).await.unwrap();
     let anew = bench.store.uploads().create(new("whole"), BOUNDS).await.unwrap();
     assert_eq!((anew.state, anew.offset_bytes), (UploadState::Receiving, 0));

@@ -11,20 +11,20 @@ use tokio::{
 use super::{ResumableUpload, UploadBounds, UploadState, row::Row, seat::Held};
 use crate::{Digest, Error, Result, Staged, Store};
 
-/// Bytes collected before they are handed to the file.
+/// Bytes buffered before they are written to the file.
 const BUFFER: usize = 1 << 20;
 
-/// An upload that is nobody else's for as long as this lives. Bytes count once they are committed; those that are
-/// not are cut off, at the latest by the next writer.
+/// Exclusive access to an upload. Bytes count once they are committed; others are cut off, at the
+/// latest by the next writer.
 #[derive(Debug)]
 pub struct UploadWriter {
     store: Store,
     held: Held,
     upload: ResumableUpload,
-    /// Opened by the first write, at the end of what is acknowledged.
+    /// Opened by the first write, at the end of the acknowledged bytes.
     file: Option<File>,
     buffer: BytesMut,
-    /// Bytes written or collected since the last commit.
+    /// Bytes written or buffered since the last commit.
     pending: u64,
 }
 
@@ -33,7 +33,7 @@ impl UploadWriter {
         Self { store, held, upload, file: None, buffer: BytesMut::new(), pending: 0 }
     }
 
-    /// The upload as it stands.
+    /// The upload in its current state.
     pub fn upload(&self) -> &ResumableUpload {
         &self.upload
     }
@@ -43,15 +43,15 @@ impl UploadWriter {
         self.pending
     }
 
-    /// Waits until another wants to take the upload over: commit and make room then.
+    /// Waits until another writer wants the upload: commit and drop this one then.
     pub fn wanted(&self) -> impl Future<Output = ()> + Send + use<> {
         self.held.wanted()
     }
 
-    /// Says how long the whole is, once.
+    /// Sets the size of the whole, once.
     ///
     /// # Errors
-    /// [`Error::UploadLength`] if it contradicts what is known; [`Error::UploadsFull`].
+    /// [`Error::UploadLength`] if it contradicts the known size; [`Error::UploadsFull`].
     pub async fn set_length(&mut self, length_bytes: u64, bounds: UploadBounds) -> Result<()> {
         let known = self.upload.length_bytes;
         if known == Some(length_bytes) {
@@ -73,8 +73,8 @@ impl UploadWriter {
         Ok(())
     }
 
-    /// How many more bytes there may be: what is missing, or, while the length is not known, what there is room
-    /// for up to `limit`.
+    /// Number of bytes that may still be appended: the missing ones, or, while the size is unknown,
+    /// the room up to `limit`.
     ///
     /// # Errors
     /// If the database fails; [`Error::UploadsFull`].
@@ -89,7 +89,8 @@ impl UploadWriter {
         Ok(end.saturating_sub(self.upload.offset_bytes))
     }
 
-    /// Appends bytes; the caller has made sure that there is room. After an error, [`UploadWriter::discard`].
+    /// Appends bytes; the caller has checked that there is room. After an error, call
+    /// [`UploadWriter::discard`].
     ///
     /// # Errors
     /// [`Error::DiskFull`], file errors.
@@ -99,10 +100,11 @@ impl UploadWriter {
         if self.buffer.len() >= BUFFER { self.flush().await } else { Ok(()) }
     }
 
-    /// Makes what was written last: syncs it, then moves the offset. It is kept that long from now.
+    /// Makes the written bytes durable: syncs them, then moves the offset. The upload is kept for
+    /// `keep` from now on.
     ///
     /// # Errors
-    /// File and database errors: then nothing of it counts.
+    /// File and database errors: then none of these bytes count.
     pub async fn commit(&mut self, keep: Duration) -> Result<()> {
         if self.pending == 0 {
             return Ok(());
@@ -128,7 +130,7 @@ impl UploadWriter {
         Ok(())
     }
 
-    /// Forgets what was written since the last commit.
+    /// Discards the bytes written since the last commit.
     ///
     /// # Errors
     /// File errors; the next writer tries again.
@@ -142,7 +144,7 @@ impl UploadWriter {
         Ok(())
     }
 
-    /// Whole content, ready to become a capture: give it to [`crate::Captures::create`], which ends the upload.
+    /// The complete content, to be given to [`crate::Captures::create`], which ends the upload.
     /// Hashes the file in a thread of its own unless that was done before a crash.
     ///
     /// # Errors
@@ -184,8 +186,8 @@ impl UploadWriter {
         Ok(digest)
     }
 
-    /// Ends the upload without a capture and frees what it held. Why is remembered for `keep`. A capture that was
-    /// made of it stays.
+    /// Ends the upload without a capture and frees its storage. The reason is remembered for
+    /// `keep`. A capture that was made of it stays.
     ///
     /// # Errors
     /// Database and file errors.
@@ -208,7 +210,7 @@ impl UploadWriter {
         }
     }
 
-    /// Whether its capture has been made.
+    /// True if its capture has been made.
     pub fn is_stored(&self) -> bool {
         matches!(self.upload.state, UploadState::Stored(_))
     }
@@ -224,7 +226,7 @@ impl UploadWriter {
         Ok(())
     }
 
-    /// The file, cut to what is acknowledged and at its end.
+    /// The file, cut off after the acknowledged bytes and positioned there.
     async fn open(&self) -> Result<File> {
         let offset = self.upload.offset_bytes;
         let opened = self.store.blobs().open_partial(self.upload.id, offset == 0).await;

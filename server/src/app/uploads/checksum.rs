@@ -1,5 +1,5 @@
-//! Checksums of single requests: they find what a connection damaged before it
-//! costs a whole upload.
+//! Checksums of single requests, which detect damage by a connection before it costs a whole
+//! upload.
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use sha1::{Digest as _, Sha1};
@@ -10,7 +10,7 @@ use super::super::{Error, Result};
 /// The algorithms, as clients name them.
 pub(crate) const ALGORITHMS: [&str; 3] = ["sha1", "sha256", "blake3"];
 
-/// A checksum as declared, and of what has come so far.
+/// A declared checksum, and the checksum of the bytes so far.
 pub(crate) struct Checksum {
     hasher: Hasher,
     declared: Vec<u8>,
@@ -33,7 +33,7 @@ impl Checksum {
             "blake3" => (Hasher::Blake3(Box::default()), 32),
             _ => {
                 let known = ALGORITHMS.join(", ");
-                return Err(invalid(format!("has an algorithm that is none of {known}")));
+                return Err(invalid(format!("has an unknown algorithm: use one of {known}")));
             }
         };
         let declared = BASE64_STANDARD.decode(value.trim()).ok().filter(|v| v.len() == size);
@@ -41,7 +41,7 @@ impl Checksum {
         Ok(Self { hasher, declared: declared.ok_or_else(fault)? })
     }
 
-    /// Counts bytes in.
+    /// Adds bytes.
     pub(crate) fn update(&mut self, bytes: &[u8]) {
         match &mut self.hasher {
             Hasher::Sha1(hasher) => hasher.update(bytes),
@@ -50,7 +50,7 @@ impl Checksum {
         }
     }
 
-    /// Compares what came with what was declared.
+    /// Compares the checksum of the bytes with the declared one.
     pub(crate) fn verify(self) -> Result<()> {
         let same = match self.hasher {
             Hasher::Sha1(hasher) => hasher.finalize().as_slice() == self.declared,

@@ -1,14 +1,14 @@
-//! What a client says about an upload: comma-separated `key base64` pairs, of
-//! which those below mean something here. The others are kept for the client.
+//! The metadata of an upload: comma-separated `key base64` pairs. The keys below have a meaning
+//! here; the others are kept for the client.
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 
 use super::super::{Error, Result};
 
 /// Longest metadata that is kept [bytes].
-const LONGEST: usize = 4096;
+const MAX_LENGTH: usize = 4096;
 
-/// The pairs that mean something here; empty where they were not given.
+/// The pairs with a meaning here; empty if not given.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Metadata {
     pub(super) filename: String,
@@ -23,8 +23,8 @@ pub(super) struct Metadata {
 impl Metadata {
     pub(super) fn parse(text: &str) -> Result<Self> {
         let invalid = |fault: &str| Error::invalid("upload-metadata", fault);
-        if text.len() > LONGEST {
-            return Err(invalid(&format!("is longer than {LONGEST} bytes")));
+        if text.len() > MAX_LENGTH {
+            return Err(invalid(&format!("is longer than {MAX_LENGTH} bytes")));
         }
         let (mut metadata, mut seen) = (Self::default(), Vec::new());
         for pair in text.split(',').map(str::trim).filter(|_| !text.trim().is_empty()) {
@@ -53,7 +53,7 @@ impl Metadata {
         Ok(metadata)
     }
 
-    /// What to call the capture: its display name, else its file's without the ending.
+    /// Display name of the capture: the given one, else the file name without its extension.
     pub(super) fn capture_name(&self) -> String {
         if !self.display_name.is_empty() {
             return self.display_name.clone();

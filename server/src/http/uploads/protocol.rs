@@ -1,5 +1,4 @@
-//! The headers of tus 1.0.0: names, what every request and answer carries, and
-//! how values are read.
+//! The headers of tus 1.0.0: their names, those of every request and response, and their parsing.
 
 use axum::{
     extract::Request,
@@ -26,7 +25,7 @@ pub(super) const EXTENSIONS: [&str; 6] = [
 ];
 /// The media type of every part of an upload.
 pub(super) const OFFSET_TYPE: &str = "application/offset+octet-stream";
-/// Under which uploads are.
+/// Path of all uploads.
 const PATH: &str = "/v1/uploads";
 
 const TUS_RESUMABLE: HeaderName = HeaderName::from_static("tus-resumable");
@@ -45,8 +44,11 @@ const UPLOAD_CHECKSUM: HeaderName = HeaderName::from_static("upload-checksum");
 pub(super) const BENDTWIN_CAPTURE: HeaderName = HeaderName::from_static("bendtwin-capture");
 const METHOD_OVERRIDE: HeaderName = HeaderName::from_static("x-http-method-override");
 
-/// A request with the method that it means: clients that cannot send PATCH or DELETE name it in a header.
-pub(crate) fn with_its_method<B>(mut request: axum::http::Request<B>) -> axum::http::Request<B> {
+/// Replaces the method by the one of `X-HTTP-Method-Override`, for clients that cannot send PATCH
+/// or DELETE.
+pub(crate) fn with_overridden_method<B>(
+    mut request: axum::http::Request<B>,
+) -> axum::http::Request<B> {
     let path = request.uri().path();
     let is_ours =
         path.strip_prefix(PATH).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
@@ -59,15 +61,15 @@ pub(crate) fn with_its_method<B>(mut request: axum::http::Request<B>) -> axum::h
     request
 }
 
-/// Refuses other versions of the protocol, and says in every answer which one is spoken. OPTIONS is how clients find
-/// out, and GET is no part of the protocol.
-pub(super) async fn versioned(request: Request, next: Next) -> Response {
+/// Refuses other versions of the protocol, and names the supported one in every response. OPTIONS
+/// needs no version, because clients learn it there, and GET is not part of the protocol.
+pub(super) async fn require_version(request: Request, next: Next) -> Response {
     let free = [Method::OPTIONS, Method::GET].contains(request.method());
     let version = request.headers().get(TUS_RESUMABLE);
     let mut response = if free || version.is_some_and(|v| v == VERSION) {
         next.run(request).await
     } else {
-        let message = "send `Tus-Resumable: 1.0.0`: no other version of tus is spoken here";
+        let message = "send `Tus-Resumable: 1.0.0`, the only version of tus that is supported";
         let status = StatusCode::PRECONDITION_FAILED;
         let mut response =
             Refusal::http_only(status, "TUS_VERSION_UNSUPPORTED", message).into_response();
@@ -99,10 +101,11 @@ pub(super) fn number(headers: &HeaderMap, name: &HeaderName) -> Result<Option<u6
     number.map(Some).ok_or_else(|| invalid(name, "is not a non-negative integer"))
 }
 
-/// Where the body begins.
+/// Offset at which the body begins.
 pub(super) fn offset(headers: &HeaderMap) -> Result<u64> {
-    number(headers, &UPLOAD_OFFSET)?
-        .ok_or_else(|| invalid(&UPLOAD_OFFSET, "is missing: say where the body begins"))
+    number(headers, &UPLOAD_OFFSET)?.ok_or_else(|| {
+        invalid(&UPLOAD_OFFSET, "is missing: send the offset at which the body begins")
+    })
 }
 
 /// The length of a new upload, or none if it is declared to be unknown yet.
@@ -122,7 +125,7 @@ pub(super) fn declared_length(headers: &HeaderMap) -> Result<Option<u64>> {
     }
 }
 
-/// Size of the body where it is declared.
+/// Size of the body, if declared.
 pub(super) fn body_size(headers: &HeaderMap) -> Result<Option<u64>> {
     number(headers, &header::CONTENT_LENGTH)
 }
@@ -131,7 +134,7 @@ pub(super) fn checksum(headers: &HeaderMap) -> Result<Option<Checksum>> {
     Ok(text(headers, &UPLOAD_CHECKSUM)?.map(Checksum::parse).transpose()?)
 }
 
-/// Refuses every type but that of the protocol; unlike elsewhere, silence is refused too.
+/// Refuses every type but that of the protocol; a missing type is refused too, unlike elsewhere.
 pub(super) fn expect_offset_type(headers: &HeaderMap) -> Result<()> {
     if headers.contains_key(header::CONTENT_TYPE) {
         return extract::expect_type(headers, &[OFFSET_TYPE]);

@@ -17,7 +17,7 @@ use tonic::{
     transport::{Channel, Endpoint},
 };
 
-use super::pace::until;
+use super::waiting::until;
 
 const CHUNK: usize = 256 * 1024;
 
@@ -153,7 +153,7 @@ impl Api {
         Ok(self.workers().list_workers(request).await?.into_inner().workers)
     }
 
-    /// Waits until a fit is as wanted; calls that fail are repeated.
+    /// Waits until a fit is in the wanted state; failed calls are repeated.
     pub(crate) async fn fit_when(
         &self,
         name: &str,
@@ -175,17 +175,17 @@ impl Api {
     }
 }
 
-/// Whether nothing about a fit will change any more.
+/// True if the state of a fit is final.
 pub(crate) fn has_ended(fit: &Fit) -> bool {
     !matches!(fit.state(), State::Queued | State::Running)
 }
 
-/// The worker that is at a fit; empty if none is.
+/// The worker that runs a fit; empty if none does.
 pub(crate) fn worker(fit: &Fit) -> &str {
     fit.job.as_ref().map_or("", |job| &job.worker)
 }
 
-/// How far a fit is, 0..=1.
+/// Progress of a fit, 0..=1.
 pub(crate) fn fraction(fit: &Fit) -> f64 {
     let progress = fit.job.as_ref().and_then(|job| job.progress.as_ref());
     progress.map_or(0.0, |p| p.fraction)

@@ -1,4 +1,4 @@
-//! The `bendtwin` command itself.
+//! The `bendtwin` command.
 
 use std::{
     path::{Path, PathBuf},
@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &[&str]) -> Output {
     bendtwin().args(arguments).output().unwrap()
 }
 
-/// Runs `bendtwin`, which must end well, and returns what it printed.
+/// Runs `bendtwin`, which must succeed, and returns its output.
 pub(crate) fn run_ok(arguments: &[&str]) -> String {
     let output = run(arguments);
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();

@@ -9,7 +9,7 @@ use tokio::{
     net::TcpStream,
 };
 
-use super::pace::within;
+use super::waiting::within;
 
 const DEADLINE: Duration = Duration::from_secs(60);
 

@@ -1,26 +1,26 @@
-//! Processes of a world, found and killed by a mark in their environment that
-//! children inherit, so that nothing outlives a test.
+//! Processes of a cluster, found and killed by an environment variable that children inherit, so
+//! that nothing outlives a test.
 
 use std::{
     path::Path,
     process::{Child, Command, Stdio},
 };
 
-/// The environment variable that marks a world's processes.
-const MARK: &str = "BENDTWIN_E2E_WORLD";
+/// The environment variable that marks a cluster's processes.
+const MARK: &str = "BENDTWIN_E2E_CLUSTER";
 
-/// A world's processes.
+/// A cluster's processes.
 #[derive(Debug)]
 pub(crate) struct Processes {
     mark: String,
 }
 
 impl Processes {
-    pub(crate) fn new(world: &Path) -> Self {
-        Self { mark: format!("{MARK}={}", world.display()) }
+    pub(crate) fn new(cluster: &Path) -> Self {
+        Self { mark: format!("{MARK}={}", cluster.display()) }
     }
 
-    /// Starts a process of this world; its output goes to `log`.
+    /// Starts a process of this cluster; its output goes to `log`.
     pub(crate) fn start(&self, command: &mut Command, log: &Path) -> Child {
         let log = std::fs::OpenOptions::new().create(true).append(true).open(log).unwrap();
         let (name, value) = self.mark.split_once('=').unwrap();
@@ -64,7 +64,7 @@ impl Processes {
 
 impl Drop for Processes {
     fn drop(&mut self) {
-        // A process that is just being started escapes one look; none escapes until nothing is left.
+        // A process that is just being started may be missed once, so this repeats until none is left.
         for _ in 0..10 {
             let all = self.all();
             if all.is_empty() {

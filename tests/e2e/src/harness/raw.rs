@@ -1,4 +1,4 @@
-//! gRPC calls with whatever bytes a test likes.
+//! gRPC calls with arbitrary bytes.
 
 use bytes::{Buf as _, BufMut as _, Bytes};
 use tonic::{
@@ -8,7 +8,7 @@ use tonic::{
     transport::Channel,
 };
 
-/// Messages as they are.
+/// A codec that passes bytes through.
 #[derive(Clone, Copy, Debug, Default)]
 struct Raw;
 

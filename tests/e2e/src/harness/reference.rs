@@ -1,17 +1,16 @@
-//! One small capture and the twin that an undisturbed fit makes of it, made once
-//! for all stories.
+//! One small capture, and its twin by an undisturbed fit, made once for all tests.
 
 use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use tokio::sync::OnceCell;
 
-use super::{Company, Server, Setup, command::run_ok};
+use super::{Isolation, Setup, TestCluster, command::run_ok};
 
-/// How long a small fit may take, however often it is disturbed.
+/// Longest time for a small fit, even if it is disturbed often.
 pub(crate) const FIT: Duration = Duration::from_secs(300);
 
-/// A fit of seconds, with all stages and enough steps to be disturbed in.
+/// A fit of seconds, with all stages and enough steps for disturbances.
 pub(crate) const SETTINGS: &str = r#"{
     "seed": 11,
     "graph": {"max_nodes": 40},
@@ -25,7 +24,7 @@ pub(crate) const ENDLESS: &str = r#"{
     "search": {"generations": 10000, "population": 8}
 }"#;
 
-/// What an undisturbed fit makes of the capture.
+/// Result of an undisturbed fit of the capture.
 #[derive(Clone, Debug)]
 pub(crate) struct Reference {
     /// BLAKE3 of the twin file.
@@ -56,10 +55,11 @@ pub(crate) async fn reference() -> Reference {
     REFERENCE.get_or_init(|| undisturbed(SETTINGS)).await.clone()
 }
 
-/// Fits [`capture`] in peace.
+/// Fits [`capture`] without disturbances.
 pub(crate) async fn undisturbed(settings: &str) -> Reference {
-    // Whoever asks may have taken a turn already.
-    let server = Server::start(Setup { company: Company::Any, ..Setup::default() }).await;
+    // The caller may hold a slot already.
+    let server =
+        TestCluster::start(Setup { isolation: Isolation::Nested, ..Setup::default() }).await;
     let api = server.api();
     let capture = api.upload(&capture().await, "").await.unwrap();
     let started = Instant::now();

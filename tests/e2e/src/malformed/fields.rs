@@ -1,6 +1,6 @@
-//! Values that are wrong in whatever field they stand.
+//! Values that are invalid in any message.
 
-/// Settings that are no settings.
+/// Invalid settings.
 pub(super) fn bad_settings() -> Vec<String> {
     let mut settings: Vec<String> = [
         "{",
@@ -42,7 +42,7 @@ pub(super) fn bad_settings() -> Vec<String> {
     settings
 }
 
-/// Page tokens that no page gave.
+/// Invalid page tokens.
 pub(super) fn bad_page_tokens() -> Vec<String> {
     ["x", "AAAA", "-1", "0", "%00", "' or 1=1", "eyJpZCI6MX0=", "\u{1f4a5}"]
         .map(str::to_owned)
@@ -56,7 +56,7 @@ pub(super) fn too_long() -> String {
     "n".repeat(100_000)
 }
 
-/// Digests that are no BLAKE3 in hex.
+/// Strings that are no BLAKE3 digest in hex.
 pub(super) fn bad_digests() -> Vec<String> {
     ["x", "00", "zz", "0x00"].map(str::to_owned).into_iter().chain(["0".repeat(63)]).collect()
 }

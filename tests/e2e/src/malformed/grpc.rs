@@ -1,4 +1,4 @@
-//! Over gRPC.
+//! Malformed requests over gRPC.
 
 use bendtwin_proto::v1::{
     CaptureMetadata, CreateCaptureRequest, CreateFitRequest, CreateTwinRequest, GetTwinRequest,
@@ -8,34 +8,34 @@ use bytes::Bytes;
 use prost::Message;
 use tonic::Code;
 
-use super::{World, bad_names, fields, rollouts};
+use super::{Fixture, bad_names, fields, rollouts};
 use crate::harness::{raw, reference::capture, within};
 
 const ANSWER: std::time::Duration = std::time::Duration::from_secs(60);
 
-/// How calls are described whose bytes are no message.
+/// Description of calls whose bytes are no message.
 const UNREADABLE: &str = "bytes that are no message:";
 
-/// One call: what is wrong with it, the method, the messages.
+/// One call: its fault, the method, the messages.
 type Call = (String, &'static str, Vec<Bytes>);
 
 #[tokio::test]
 async fn malformed_calls_are_refused_with_their_code() {
-    let world = World::new().await;
+    let fixture = Fixture::new().await;
     let unknown_capture = "captures/0190a000-0000-7000-8000-00000000dead".to_owned();
     let mut calls = names();
     calls.extend(lists());
     calls.extend(fits(&unknown_capture));
-    calls.extend(uploads(&capture().await, &world.file));
+    calls.extend(uploads(&capture().await, &fixture.file));
     calls.extend(broken_bytes());
-    for (what, request) in rollouts::requests(&world.twin, &world.file) {
+    for (what, request) in rollouts::requests(&fixture.twin, &fixture.file) {
         let message = Bytes::from(request.encode_to_vec());
         calls.push((what.clone(), "RolloutService/RollOut", vec![message.clone()]));
         calls.push((what, "RolloutService/StreamRollOut", vec![message]));
     }
     assert!(calls.len() >= 200, "only {} calls", calls.len());
 
-    let channel = world.server.api().channel;
+    let channel = fixture.server.api().channel;
     let mut wrong = Vec::new();
     for (what, method, messages) in &calls {
         let path = format!("/bendtwin.v1.{method}");
@@ -48,10 +48,10 @@ async fn malformed_calls_are_refused_with_their_code() {
             wrong.push(format!("{method}, {what}: {code:?}"));
         }
     }
-    world.still_stands(calls.len(), &wrong).await;
+    fixture.still_stands(calls.len(), &wrong).await;
 }
 
-/// Codes that say: the request is wrong, not the server.
+/// Codes of faults in the request, not in the server.
 fn is_the_clients(code: Code) -> bool {
     matches!(
         code,
@@ -174,7 +174,7 @@ fn uploads(archive: &Bytes, twin_file: &Bytes) -> Vec<Call> {
     calls
 }
 
-/// Twin files that are damaged or lie.
+/// Twin files that are damaged or contradict themselves.
 fn twin_files(good: &Bytes) -> Vec<Call> {
     let patched = |at: usize, value: u8| {
         let mut bytes = good.to_vec();

@@ -1,9 +1,9 @@
-//! Over HTTP, by a library and by hand.
+//! Malformed requests over HTTP, by a library and by hand.
 
 use reqwest::{Method, RequestBuilder};
 use serde_json::json;
 
-use super::{World, bad_names, fields};
+use super::{Fixture, bad_names, fields};
 use crate::harness::http::Http;
 
 /// The server's default limit on JSON bodies [bytes].
@@ -11,9 +11,9 @@ const LARGEST_JSON: usize = 1 << 20;
 
 #[tokio::test]
 async fn malformed_requests_are_refused_with_a_problem_document() {
-    let world = World::new().await;
-    let http = world.server.http();
-    let twin = format!("/v1/{}", world.twin.name);
+    let fixture = Fixture::new().await;
+    let http = fixture.server.http();
+    let twin = format!("/v1/{}", fixture.twin.name);
     let mut requests = paths(&http);
     requests.extend(methods(&http, &twin));
     requests.extend(queries(&http));
@@ -44,13 +44,13 @@ async fn malformed_requests_are_refused_with_a_problem_document() {
             wrong.push(format!("{what}: {status} but content type {kind:?}"));
         }
     }
-    world.still_stands(count, &wrong).await;
+    fixture.still_stands(count, &wrong).await;
 }
 
 #[tokio::test]
 async fn bytes_that_are_no_http_end_the_connection_and_nothing_else() {
-    let world = World::new().await;
-    let http = world.server.http();
+    let fixture = Fixture::new().await;
+    let http = fixture.server.http();
     let line = "a".repeat(1 << 20);
     let many = "x: y\r\n".repeat(20_000);
     let requests: Vec<(&str, Vec<u8>)> = vec![
@@ -87,12 +87,12 @@ async fn bytes_that_are_no_http_end_the_connection_and_nothing_else() {
             wrong.push(format!("{what}: {status}"));
         }
     }
-    world.still_stands(count, &wrong).await;
+    fixture.still_stands(count, &wrong).await;
 }
 
 type Named = (String, RequestBuilder);
 
-/// Bad names in every path that takes one, and paths that lead nowhere.
+/// Bad names in every path that takes one, and paths that do not exist.
 fn paths(http: &Http) -> Vec<Named> {
     const ROUTES: [(&str, Method, &str); 9] = [
         ("captures", Method::GET, ""),

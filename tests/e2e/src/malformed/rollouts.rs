@@ -1,4 +1,4 @@
-//! Rollout requests that are right but for one thing.
+//! Rollout requests with one fault each.
 
 use bendtwin_proto::v1::{
     ControlTrajectories, Cost, GripperPoses, InitialState, Returns, RollOutRequest, Tensor, Twin,
@@ -11,7 +11,7 @@ use bytes::Bytes;
 
 use super::bad_names;
 
-/// Each with what is wrong.
+/// The requests, each with its fault.
 pub(super) fn requests(twin: &Twin, file: &Bytes) -> Vec<(String, RollOutRequest)> {
     let rest = crate::rollouts::rest_controls(file);
     let good = crate::rollouts::request(twin, &rest);
@@ -56,7 +56,7 @@ pub(super) fn requests(twin: &Twin, file: &Bytes) -> Vec<(String, RollOutRequest
     requests
 }
 
-/// Tensors that are none of FLOAT32 and this shape.
+/// Tensors that are not FLOAT32 or not of this shape.
 fn tensors(shape: &[usize]) -> Vec<(&'static str, Option<Tensor>)> {
     let count = shape.iter().product();
     let good = Tensor::pack(shape, &vec![0.01f32; count]);

@@ -22,13 +22,13 @@ async fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
     let choose = |fidelity| Served::choose(Arc::clone(&bench.warm), fidelity, &bench.device);
     let (exact, fast) =
         (choose(Fidelity::Exact).await.unwrap(), choose(Fidelity::Fast).await.unwrap());
-    let lane = bench.device.lane(Priority::Interactive);
+    let backend = bench.device.backend(Priority::Interactive);
     let run = |served: Served| {
         let mut request = request(2);
         request.returns = Some(Returns { final_state: true, ..Returns::default() });
         let (plan, wanted) = Plan::new(request, "", 0, served, &limits()).unwrap();
         let Wanted::Ready(starts) = wanted else { panic!("no captures here") };
-        bench.execute(&plan, &starts, &lane).unwrap().remove(0)
+        bench.execute(&plan, &starts, &backend).unwrap().remove(0)
     };
     let (exact, fast) = (run(exact), run(fast));
     assert_eq!((exact.fidelity(), exact.substeps), (v1::Fidelity::Exact, 60));

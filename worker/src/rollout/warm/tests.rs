@@ -13,8 +13,8 @@ fn warm(room: usize) -> (WarmTwins, Arc<Script>) {
     let (fatal, _) = mpsc::unbounded_channel();
     let device = Device::spawn(move || Ok(Arc::new(backend) as _), fatal).unwrap();
     // Nothing listens there: these twins come from memory.
-    let link = Link::new("http://127.0.0.1:1", "a-token").unwrap();
-    (WarmTwins::new(link, device, Limits::default()), script)
+    let server = ServerClient::new("http://127.0.0.1:1", "a-token").unwrap();
+    (WarmTwins::new(server, device, Limits::default()), script)
 }
 
 async fn load(twins: &WarmTwins, id: TwinId) -> Result<Arc<Warm>, Error> {
@@ -55,7 +55,7 @@ async fn what_never_fits_unloads_nothing() {
     load(&twins, a).await.unwrap();
     // The device says that it is smaller than any model.
     script.room.store(0, std::sync::atomic::Ordering::SeqCst);
-    twins.device.look_now();
+    twins.device.sample_memory_now();
     assert!(load(&twins, TwinId::generate()).await.is_err());
     assert_eq!(twins.ids(), [a]);
 }

@@ -5,13 +5,13 @@
 //! shows). Steps change the loss by about a thousandth, which drowns the rounding of an f32
 //! simulation; a five-point stencil keeps the truncation below it.
 
-use bendtwin_core::{Params, Point};
+use bendtwin_core::{CancelToken, Params, Point};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
     Backend,
-    backend::{CancelToken, Gradient, GradientRequest},
+    backend::{Gradient, GradientRequest},
     conformance::{
         expect::{Outcome, close, ensure},
         scene::Scene,

@@ -1,27 +1,28 @@
-//! Mistakes in words.
+//! Findings of mistakes with calibrations, in words.
 
-use super::super::{Case, named, scale::OBJECT_M};
+use super::super::{Context, named, scale::OBJECT_M};
 use crate::{
     Finding,
-    agree::{
-        Court,
-        setup::Change,
-        suspect::{Explanation, Mistake},
+    consistency::{
+        ViewSet,
+        hypothesis::PoseChange,
+        mistake::{Explanation, Mistake},
     },
 };
 
-pub(super) fn tell(
-    case: &Case<'_>,
-    court: &Court<'_>,
+/// The finding of a mistake that explains the misfit.
+pub(super) fn finding(
+    context: &Context<'_>,
+    set: &ViewSet<'_>,
     found: &Explanation,
     object_size_m: Option<f64>,
 ) -> Finding {
-    let index = |witness: usize| court.witnesses.get(witness).map_or(witness, |w| w.index);
+    let index = |view: usize| set.views.get(view).map_or(view, |w| w.index);
     let finding = match &found.mistake {
-        Mistake::All(Change::Units(factor)) => units(1.0 / factor, object_size_m),
+        Mistake::All(PoseChange::Units(factor)) => units(1.0 / factor, object_size_m),
         Mistake::Depth(factor) if is_unit(*factor) => units(*factor, object_size_m),
         Mistake::Depth(factor) => depth_of_all(*factor, true),
-        Mistake::DepthOfOne(which, factor) => depth_of_one(case, court, *which, *factor, true),
+        Mistake::DepthOfOne(which, factor) => depth_of_one(context, set, *which, *factor, true),
         Mistake::All(change) => {
             let (code, fault) = pose_fault(*change);
             let message = format!("the cameras agree if {fault} of every pose is undone");
@@ -29,7 +30,7 @@ pub(super) fn tell(
         }
         Mistake::One(which, change) => {
             let (code, fault) = pose_fault(*change);
-            let name = named(case.recording, index(*which));
+            let name = named(context.recording, index(*which));
             let message = format!("{name} agrees with the others if {fault} of its pose is undone");
             Finding::error(code, message).cameras([index(*which)])
         }
@@ -51,17 +52,17 @@ pub(super) fn tell(
     finding.number("misfit_repaired", found.misfit)
 }
 
-fn pose_fault(change: Change) -> (&'static str, &'static str) {
+fn pose_fault(change: PoseChange) -> (&'static str, &'static str) {
     match change {
-        Change::Inverse | Change::None => ("EXTRINSICS_INVERTED", "the inversion"),
-        Change::RotationInverse => ("EXTRINSICS_INVERTED", "the transposition of the rotation"),
-        Change::OpenGl => ("EXTRINSICS_AXES", "OpenGL's axes (y up, z towards the viewer)"),
-        Change::InverseOpenGl => ("EXTRINSICS_INVERTED", "the inversion, with OpenGL's axes,"),
-        Change::Mirrored(_) => ("EXTRINSICS_MIRRORED", "a mirrored axis"),
-        Change::MirroredPlace(_) => {
+        PoseChange::Inverse | PoseChange::None => ("EXTRINSICS_INVERTED", "the inversion"),
+        PoseChange::RotationInverse => ("EXTRINSICS_INVERTED", "the transposition of the rotation"),
+        PoseChange::OpenGl => ("EXTRINSICS_AXES", "OpenGL's axes (y up, z towards the viewer)"),
+        PoseChange::InverseOpenGl => ("EXTRINSICS_INVERTED", "the inversion, with OpenGL's axes,"),
+        PoseChange::Mirrored(_) => ("EXTRINSICS_MIRRORED", "a mirrored axis"),
+        PoseChange::MirroredPlace(_) => {
             ("EXTRINSICS_MIRRORED", "the sign of one coordinate of the translation")
         }
-        Change::Units(_) => ("EXTRINSICS_UNITS", "the unit of the translation"),
+        PoseChange::Units(_) => ("EXTRINSICS_UNITS", "the unit of the translation"),
     }
 }
 
@@ -72,8 +73,8 @@ fn is_unit(factor: f64) -> bool {
     is_power || (power.abs() - 39.37_f64.log10()).abs() < 0.02
 }
 
-/// Depth times `factor` would suit the poses: which of the two is in the wrong units tells the size of the object, which
-/// follows from depth alone.
+/// The finding of units that differ between depth and poses: depth times `factor` would suit the poses. The size of the object,
+/// which follows from depth alone, tells which of the two is wrong.
 fn units(factor: f64, object_size_m: Option<f64>) -> Finding {
     let times = if factor < 1.0 { 1.0 / factor } else { factor };
     let round = if times > 2.0 { format!("{times:.0}") } else { format!("{times:.2}") };
@@ -96,16 +97,16 @@ pub(super) fn depth_of_all(factor: f64, is_bad: bool) -> Finding {
 }
 
 pub(super) fn depth_of_one(
-    case: &Case<'_>,
-    court: &Court<'_>,
+    context: &Context<'_>,
+    set: &ViewSet<'_>,
     which: usize,
     factor: f64,
     is_bad: bool,
 ) -> Finding {
-    let index = court.witnesses.get(which).map_or(which, |w| w.index);
+    let index = set.views.get(which).map_or(which, |w| w.index);
     let message = format!(
         "{} agrees with the others if its depth is multiplied by {factor:.3}: it is {}",
-        named(case.recording, index),
+        named(context.recording, index),
         too(factor)
     );
     Finding::graded(is_bad, "DEPTH_SCALE", message).cameras([index]).number("depth_factor", factor)

@@ -41,7 +41,7 @@ async fn a_capture_is_made_with_its_ingest_and_fits_wait_for_it() {
 
     let ended = observe(&bench, lease_of(&ingest), "seen").await.unwrap();
     assert_eq!(ended.state, State::Succeeded);
-    // The reply was lost, say.
+    // As if the reply was lost.
     assert_eq!(observe(&bench, lease_of(&ingest), "seen").await.unwrap(), ended);
     let other = observe(&bench, lease_of(&ingest), "other").await;
     assert!(matches!(other, Err(Error::StaleLease { .. })));
@@ -157,7 +157,7 @@ async fn captures_from_before_get_their_ingest_at_the_next_start() {
     assert_eq!(bench.store.jobs().depth().await.unwrap().count(Kind::Ingest, State::Queued), 1);
 }
 
-/// A crash at any point of an ingest's end: the worker asks again, and all of it is there.
+/// A crash at any point of an ingest's end: the worker repeats its call, and all of it is stored.
 #[tokio::test]
 async fn an_ingests_end_survives_crashes() {
     for point in Failpoint::ALL {

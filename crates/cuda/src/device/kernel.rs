@@ -1,0 +1,198 @@
+//! The kernels' sources, and what a launch of them is specialised for at compile time.
+
+use std::fmt::Write as _;
+
+use super::{
+    job::{Job, Measure, Record, Share, Start, Term, Topology},
+    team::Meeting,
+};
+
+/// Threads of a block of the small kernels.
+pub(crate) const THREADS: u32 = 256;
+
+const HEADERS: &[(&str, &str)] = &[
+    ("vector.cuh", include_str!("../../kernels/vector.cuh")),
+    ("spring.cuh", include_str!("../../kernels/spring.cuh")),
+    ("bend.cuh", include_str!("../../kernels/bend.cuh")),
+    ("rod.cuh", include_str!("../../kernels/rod.cuh")),
+    ("impulse.cuh", include_str!("../../kernels/impulse.cuh")),
+    ("ground.cuh", include_str!("../../kernels/ground.cuh")),
+    ("job.cuh", include_str!("../../kernels/job.cuh")),
+    ("team.cuh", include_str!("../../kernels/team.cuh")),
+    ("contact.cuh", include_str!("../../kernels/contact.cuh")),
+    ("share.cuh", include_str!("../../kernels/share.cuh")),
+];
+
+/// A source file of kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Source {
+    /// Initial states.
+    Start,
+    /// Frames forward.
+    Integrate,
+    /// A frame backward.
+    Adjoint,
+    /// Contact candidates.
+    Partners,
+    /// Objectives.
+    Loss,
+    /// Parameters and their gradients.
+    Params,
+    /// Adam.
+    Descent,
+    /// What a rollout returns.
+    Record,
+}
+
+impl Source {
+    pub(crate) const SMALL: [Self; 6] =
+        [Self::Start, Self::Partners, Self::Loss, Self::Params, Self::Descent, Self::Record];
+
+    /// Whether its kernels keep states in dynamic shared memory.
+    pub(crate) fn is_persistent(self) -> bool {
+        matches!(self, Self::Integrate | Self::Adjoint)
+    }
+
+    /// Its files, the last one with the kernels.
+    fn files(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Self::Start => &[("start.cu", include_str!("../../kernels/start.cu"))],
+            Self::Integrate => &[("integrate.cu", include_str!("../../kernels/integrate.cu"))],
+            Self::Adjoint => &[
+                ("adjoint_state.cuh", include_str!("../../kernels/adjoint_state.cuh")),
+                ("adjoint_forces.cuh", include_str!("../../kernels/adjoint_forces.cuh")),
+                ("adjoint.cu", include_str!("../../kernels/adjoint.cu")),
+            ],
+            Self::Partners => &[("partners.cu", include_str!("../../kernels/partners.cu"))],
+            Self::Loss => &[("loss.cu", include_str!("../../kernels/loss.cu"))],
+            Self::Params => &[("params.cu", include_str!("../../kernels/params.cu"))],
+            Self::Descent => &[("descent.cu", include_str!("../../kernels/descent.cu"))],
+            Self::Record => &[("record.cu", include_str!("../../kernels/record.cu"))],
+        }
+    }
+}
+
+/// What a kernel is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Variant {
+    pub(crate) source: Source,
+    pub(crate) meeting: Meeting,
+    /// Blocks of a team.
+    pub(crate) blocks: u32,
+    /// Instances that a team simulates together.
+    pub(crate) instances: u32,
+    /// Lanes that share a node; a power of two up to 32.
+    pub(crate) lanes: u32,
+    pub(crate) threads: u32,
+    /// Every warp has one row of nodes at most.
+    pub(crate) one_row: bool,
+    /// Pairs of half-springs of a lane in registers (forward); whether their sums are there (backward).
+    pub(crate) held: u32,
+    /// Of these, how many every row has.
+    pub(crate) held_always: u32,
+    /// Pairs that have their sums in registers.
+    pub(crate) held_sums: u32,
+    /// All springs have the same dashpot.
+    pub(crate) uniform_dashpot: bool,
+    /// With triplets or rods.
+    pub(crate) bending: bool,
+    /// Rods of an instance.
+    pub(crate) rods: u32,
+    pub(crate) ground: bool,
+    pub(crate) contact: bool,
+    pub(crate) tape: bool,
+    pub(crate) half_springs_in_shared: bool,
+    pub(crate) bend_in_shared: bool,
+}
+
+impl Variant {
+    /// Of a source without specialisation.
+    pub(crate) fn small(source: Source) -> Self {
+        Self {
+            source,
+            meeting: Meeting::Block,
+            blocks: 1,
+            instances: 1,
+            lanes: 1,
+            threads: THREADS,
+            one_row: true,
+            held: 0,
+            held_always: 0,
+            held_sums: 0,
+            uniform_dashpot: false,
+            bending: false,
+            rods: 0,
+            ground: false,
+            contact: false,
+            tape: false,
+            half_springs_in_shared: false,
+            bend_in_shared: false,
+        }
+    }
+
+    /// Whether a block works on triplets with its half-springs or their forces outside shared memory.
+    pub(crate) fn spills(&self) -> bool {
+        self.bending && !(self.bend_in_shared && self.half_springs_in_shared)
+    }
+
+    /// The whole source with its constants in front.
+    pub(crate) fn text(&self) -> String {
+        let mut text = String::new();
+        let sizes = [
+            ("SIZE_OF_SHARE", size_of::<Share>()),
+            ("SIZE_OF_TOPOLOGY", size_of::<Topology>()),
+            ("SIZE_OF_JOB", size_of::<Job>()),
+            ("SIZE_OF_TERM", size_of::<Term>()),
+            ("SIZE_OF_MEASURE", size_of::<Measure>()),
+            ("SIZE_OF_RECORD", size_of::<Record>()),
+            ("SIZE_OF_START", size_of::<Start>()),
+        ];
+        let constants = [
+            ("SHAPE", self.meeting as u32),
+            ("BLOCKS", self.blocks),
+            ("INSTANCES", self.instances),
+            ("LANES", self.lanes),
+            ("THREADS", self.threads),
+            ("ONE_ROW", self.one_row.into()),
+            ("HELD", self.held),
+            ("HELD_ALWAYS", self.held_always),
+            ("HELD_SUMS", self.held_sums),
+            ("UNIFORM_DASHPOT", self.uniform_dashpot.into()),
+            ("BENDING", self.bending.into()),
+            ("RODS", self.rods),
+            ("GROUND", self.ground.into()),
+            ("CONTACT", self.contact.into()),
+            ("TAPE", self.tape.into()),
+            ("HALF_SPRINGS_IN_SHARED", self.half_springs_in_shared.into()),
+            ("BEND_IN_SHARED", self.bend_in_shared.into()),
+        ];
+        // Writing to a string cannot fail.
+        for (name, value) in sizes {
+            let _ = writeln!(text, "#define {name} {value}");
+        }
+        for (name, value) in constants {
+            let _ = writeln!(text, "#define {name} {value}");
+        }
+        for (name, body) in HEADERS.iter().chain(self.source.files()) {
+            let _ = writeln!(text, "#line 1 \"{name}\"\n{body}");
+        }
+        text
+    }
+}
+
+/// Options for an architecture, 90 for sm_90 say. Square roots and quotients within two units in
+/// the last place are exact enough, and subnormal numbers are no lengths.
+pub(crate) fn options(architecture: u32) -> Vec<String> {
+    [
+        format!("--gpu-architecture=sm_{architecture}"),
+        "--std=c++17".to_owned(),
+        "--ftz=true".to_owned(),
+        "--prec-div=false".to_owned(),
+        "--prec-sqrt=false".to_owned(),
+        "--device-as-default-execution-space".to_owned(),
+    ]
+    .to_vec()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,122 @@
+//! A stream with what its work shares: launches in order, staging memory for what comes back.
+
+use std::sync::Arc;
+
+use bendtwin_engine::Error;
+use cudarc::driver::{CudaEvent, CudaStream};
+
+use super::{
+    Device, fault,
+    kernel::Source,
+    launch::Arguments,
+    staging::Staging,
+    synchronize,
+    team::{Meeting, Team},
+};
+
+/// One of a device's two queues.
+pub(crate) struct Queue {
+    pub(crate) device: Arc<Device>,
+    pub(crate) stream: Arc<CudaStream>,
+    pub(crate) staging: Staging,
+    /// Its callers wait for nobody else's work, on the host neither.
+    pub(crate) is_urgent: bool,
+    sides: Vec<Arc<CudaStream>>,
+}
+
+/// Streams for kernels that run side by side.
+pub(crate) struct Sides<'a> {
+    queue: &'a Queue,
+    used: &'a [Arc<CudaStream>],
+}
+
+impl Sides<'_> {
+    /// The stream of the k-th kernel, which is a team's. A grid has its barriers on the queue's own stream.
+    pub(crate) fn of(&self, k: usize, team: &Team) -> &CudaStream {
+        match self.used.len() {
+            0 => &self.queue.stream,
+            _ if team.meeting == Meeting::Grid => &self.queue.stream,
+            count => &self.used[k % count],
+        }
+    }
+}
+
+impl Queue {
+    pub(crate) fn normal(device: &Arc<Device>) -> Self {
+        Self::new(device, &device.normal, &device.beside_normal, false)
+    }
+
+    pub(crate) fn urgent(device: &Arc<Device>) -> Self {
+        Self::new(device, &device.urgent, &device.beside_urgent, true)
+    }
+
+    fn new(
+        device: &Arc<Device>,
+        stream: &Arc<CudaStream>,
+        sides: &[Arc<CudaStream>],
+        is_urgent: bool,
+    ) -> Self {
+        Self {
+            device: device.clone(),
+            stream: stream.clone(),
+            sides: sides.to_vec(),
+            staging: Staging::default(),
+            is_urgent,
+        }
+    }
+
+    /// Launches so many kernels on streams side by side: behind all that has been launched, and before all that will be.
+    pub(crate) fn side_by_side(
+        &self,
+        kernels: usize,
+        mut launch: impl FnMut(usize, &Sides<'_>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let count = if kernels > 1 { kernels.min(self.sides.len()) } else { 0 };
+        let sides = Sides { queue: self, used: &self.sides[..count] };
+        if count > 0 {
+            let mark = self.mark()?;
+            for side in sides.used {
+                side.wait(&mark).map_err(|e| fault("forking a stream", e))?;
+            }
+        }
+        let launched = (0..kernels).try_for_each(|k| launch(k, &sides));
+        // Even if one failed: memory that the others use is freed behind what the queue has.
+        let joined = sides.used.iter().map(|side| self.join(side)).fold(Ok(()), Result::and);
+        launched.and(joined)
+    }
+
+    /// Puts what comes behind what a side has; if that fails, waits for the side.
+    fn join(&self, side: &CudaStream) -> Result<(), Error> {
+        let joined = side.record_event(None).and_then(|mark| self.stream.wait(&mark));
+        joined.map_err(|e| {
+            let _ = side.synchronize();
+            fault("joining a stream", e)
+        })
+    }
+
+    /// Launches a kernel that is not specialised.
+    ///
+    /// # Safety
+    /// As [`crate::device::launch::Function::launch`].
+    pub(crate) unsafe fn launch(
+        &self,
+        source: Source,
+        name: &'static str,
+        grid: (u32, u32, u32),
+        arguments: &Arguments,
+    ) -> Result<(), Error> {
+        let function = self.device.small(source, name)?;
+        // SAFETY: the caller's promise.
+        unsafe { function.launch(&self.stream, grid, 0, arguments) }
+    }
+
+    /// Waits for all work.
+    pub(crate) fn synchronize(&self) -> Result<(), Error> {
+        synchronize(&self.stream)
+    }
+
+    /// Marks what has been launched so far.
+    pub(crate) fn mark(&self) -> Result<CudaEvent, Error> {
+        self.stream.record_event(None).map_err(|e| fault("recording an event", e))
+    }
+}

@@ -1,0 +1,93 @@
+//! Teams of blocks: how many simulate an instance, and how they exchange state.
+
+use super::Ability;
+
+/// Threads of a block that is a team of its own, and of one among several.
+pub(crate) const BLOCK_THREADS: u32 = 1024;
+pub(crate) const TEAM_THREADS: u32 = 512;
+
+/// How a team's blocks meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Meeting {
+    /// One block.
+    Block = 0,
+    /// A cluster of blocks through distributed shared memory.
+    Cluster = 1,
+    /// Any blocks through global memory.
+    Grid = 2,
+}
+
+/// A team of blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Team {
+    pub(crate) meeting: Meeting,
+    pub(crate) blocks: u32,
+    /// Threads that a block may have.
+    pub(crate) threads: u32,
+    /// Instances of one model that it simulates together.
+    pub(crate) instances: u32,
+}
+
+/// How a named team is written: `block`, `block4` (instances), `cluster16` or `grid66` (blocks), each perhaps
+/// with the threads of a block: `cluster16@256`.
+impl std::str::FromStr for Team {
+    type Err = String;
+    fn from_str(s: &str) -> Result<Self, String> {
+        let (s, given) = match s.split_once('@') {
+            Some((s, threads)) => (s, threads.parse::<u32>().ok()),
+            None => (s, None),
+        };
+        let digits = s.trim_start_matches(|c: char| !c.is_ascii_digit());
+        let name = &s[..s.len() - digits.len()];
+        let number = match digits {
+            "" => Ok(1),
+            digits => digits.parse::<u32>().map_err(|e| format!("`{s}`: {e}")),
+        }?;
+        let team = |meeting, blocks, threads, instances| {
+            let threads = given.unwrap_or(threads).clamp(64, 1024).next_multiple_of(32);
+            Self { meeting, blocks, threads, instances }
+        };
+        match (name, number) {
+            ("block", 1 | 2 | 4) => Ok(team(Meeting::Block, 1, BLOCK_THREADS, number)),
+            ("cluster", 2 | 4 | 8 | 16) => Ok(team(Meeting::Cluster, number, BLOCK_THREADS, 1)),
+            ("grid", 1..=1024) => Ok(team(Meeting::Grid, number, TEAM_THREADS, 1)),
+            _ => Err(format!(
+                "`{s}` is no team: use block, block2, block4, cluster2 to cluster16 or grid1 to grid1024"
+            )),
+        }
+    }
+}
+
+impl Team {
+    /// Makes one block of a team of several.
+    pub(crate) fn keep_together(&mut self) {
+        if self.meeting != Meeting::Block {
+            (self.meeting, self.blocks, self.threads) = (Meeting::Block, 1, BLOCK_THREADS);
+        }
+    }
+
+    /// Whether a device has room for such a team, and if not, why.
+    pub(crate) fn check(&self, ability: &Ability) -> Result<(), String> {
+        let most = match self.meeting {
+            Meeting::Block => 1,
+            Meeting::Cluster => ability.cluster,
+            Meeting::Grid => ability.processors,
+        };
+        if self.blocks > most {
+            return Err(format!("{self}: this device has room for {most} blocks"));
+        }
+        Ok(())
+    }
+}
+
+impl std::fmt::Display for Team {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { meeting, blocks, instances, .. } = self;
+        match (meeting, instances) {
+            (Meeting::Block, 1) => write!(f, "a block per instance"),
+            (Meeting::Block, n) => write!(f, "{n} instances interleaved in a block"),
+            (Meeting::Cluster, _) => write!(f, "a cluster of {blocks} blocks per instance"),
+            (Meeting::Grid, _) => write!(f, "a grid of {blocks} blocks per instance"),
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! Which team simulates an instance: how many blocks, how they meet, how many instances at once. Chosen by
+//! a model of what a substep costs, and reported.
+
+use bendtwin_core::Graph;
+use bendtwin_engine::{Error, Model};
+
+use crate::{
+    device::{
+        Ability,
+        kernel::{Source, Variant},
+        team::{BLOCK_THREADS, Meeting, TEAM_THREADS, Team},
+    },
+    plan::{
+        graph::{Cut, CutGraph},
+        layout::Layout,
+        resident::{Resident, has_contact},
+    },
+};
+
+/// What a team is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Purpose {
+    /// Frames forward.
+    Forward,
+    /// Frames forward onto tape.
+    Tape,
+    /// A frame backward.
+    Backward,
+}
+
+impl Purpose {
+    /// The kernel for it.
+    pub(crate) fn kernel(self) -> &'static str {
+        match self {
+            Self::Forward | Self::Tape => "advance_frames",
+            Self::Backward => "back_frame",
+        }
+    }
+}
+
+/// A kernel of a team for a model: the variant, and its dynamic shared memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fitted {
+    pub(crate) team: Team,
+    pub(crate) variant: Variant,
+    pub(crate) shared_bytes: u32,
+    /// Float4s that a block needs in global memory.
+    pub(crate) spill_stride: u32,
+    /// Estimated microseconds of a substep of the whole batch.
+    pub(crate) substep_us: f64,
+}
+
+/// Microseconds of a substep that do not shrink with more blocks: latencies of a node's update and of meetings.
+const BLOCK_US: f64 = 0.1;
+const CLUSTER_US: f64 = 0.62;
+const GRID_US: f64 = 2.2;
+const GRID_BACK_US: f64 = 3.3;
+/// Of a half-spring on one multiprocessor, forward and backward.
+const HALF_SPRING_US: f64 = 0.265e-3;
+const HALF_SPRING_BACK_US: f64 = 0.64e-3;
+/// How much slower a way back is whose sums are all in memory.
+const SUMS_IN_MEMORY: f64 = 0.3;
+/// Of one end of a triplet, in half-springs.
+const TRIPLET_END: f64 = 1.5;
+/// Registers of a multiprocessor, and those that a thread needs beside its half-springs and sums.
+const REGISTERS: u32 = 65_536;
+const WORKING_REGISTERS: u32 = 72;
+const WORKING_REGISTERS_BACKWARD: u32 = 86;
+
+/// The best team for a batch of so many instances of one graph, of those that fit the device.
+/// `alike` says how many of them share their parameters.
+pub(crate) fn choose(
+    ability: &Ability,
+    resident: &Resident,
+    model: &Model,
+    purpose: Purpose,
+    batch: usize,
+    alike: usize,
+) -> Result<Fitted, Error> {
+    let mut candidates = match resident.device.team {
+        Some(team) => vec![(BLOCK_US, for_purpose(team, purpose))],
+        None => candidates(ability, &model.graph, purpose, batch, alike),
+    };
+    if !model.graph.rods.is_empty() {
+        // A rod's twist is the business of all of its nodes: they stay in one block.
+        let chosen = resident.device.team.is_some();
+        candidates.iter_mut().filter(|_| chosen).for_each(|(_, t)| t.keep_together());
+        candidates.retain(|(_, t)| t.meeting == Meeting::Block);
+    }
+    if has_contact(model) {
+        candidates.iter_mut().for_each(|(_, t)| t.instances = 1);
+    }
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let chosen = resident.device.team.is_some();
+    let wasteful = |f: &Fitted| !chosen && f.team.instances > 1 && f.variant.spills();
+    let mut least = u64::MAX;
+    let mut best: Option<Fitted> = None;
+    for (substep_us, team) in candidates {
+        if best.is_some_and(|b| b.substep_us <= substep_us) {
+            break;
+        }
+        match fit(ability, resident, model, purpose, team)? {
+            // Interleaved instances pay for what does not fit several times.
+            Ok(fitted) if wasteful(&fitted) => {}
+            Ok(fitted) => {
+                let fitted = Fitted { substep_us: substep_us * fitted.substep_us, ..fitted };
+                if best.is_none_or(|b| fitted.substep_us < b.substep_us) {
+                    best = Some(fitted);
+                }
+            }
+            Err(bytes) => least = least.min(bytes),
+        }
+    }
+    best.ok_or_else(|| {
+        Error::InvalidModel(format!(
+            "a block would need {least} bytes of shared memory, it can have {}: use a coarser twin",
+            ability.shared_bytes
+        ))
+    })
+}
+
+/// The same team for another purpose.
+fn for_purpose(team: Team, purpose: Purpose) -> Team {
+    let instances = if purpose == Purpose::Forward { team.instances } else { 1 };
+    Team { instances, ..team }
+}
+
+/// Teams with the microseconds that a substep of the whole batch takes at least.
+fn candidates(
+    ability: &Ability,
+    graph: &Graph,
+    purpose: Purpose,
+    batch: usize,
+    alike: usize,
+) -> Vec<(f64, Team)> {
+    let work = 2.0 * graph.springs.len() as f64 + TRIPLET_END * 3.0 * graph.triplets.len() as f64;
+    let (half_spring_us, grid_us) = match purpose {
+        Purpose::Backward => (HALF_SPRING_BACK_US, GRID_BACK_US),
+        _ => (HALF_SPRING_US, GRID_US),
+    };
+    let mut found = Vec::new();
+    let mut add =
+        |meeting, blocks: u32, threads: u32, instances: u32, fixed_us: f64, capacity: f64| {
+            let teams = (batch as f64 / f64::from(instances)).ceil();
+            let own = work / f64::from(blocks);
+            let one = fixed_us + own * f64::from(instances) * half_spring_us;
+            let rounds = (teams / capacity.max(1.0)).ceil().max(1.0);
+            found.push((rounds * one, Team { meeting, blocks, threads, instances }));
+        };
+    let processors = f64::from(ability.processors);
+    add(Meeting::Block, 1, BLOCK_THREADS, 1, BLOCK_US, processors);
+    if purpose == Purpose::Forward {
+        for instances in [2, 4] {
+            if alike >= ability.processors as usize * instances as usize {
+                add(Meeting::Block, 1, BLOCK_THREADS, instances, BLOCK_US, processors);
+            }
+        }
+    }
+    for blocks in [2, 4, 8, 16].into_iter().filter(|&b| b <= ability.cluster) {
+        // Clusters do not fill the device: their blocks share a part of it.
+        let capacity =
+            (processors * (1.0 - 0.0078 * f64::from(blocks)) / f64::from(blocks)).floor();
+        add(Meeting::Cluster, blocks, BLOCK_THREADS, 1, CLUSTER_US, capacity);
+    }
+    let mut blocks = 32;
+    while blocks <= ability.processors {
+        let capacity = (processors / f64::from(blocks)).floor();
+        add(Meeting::Grid, blocks, TEAM_THREADS, 1, grid_us, capacity);
+        blocks *= 2;
+    }
+    add(Meeting::Grid, ability.processors, TEAM_THREADS, 1, grid_us, 1.0);
+    found
+}
+
+/// The kernel of a team for a model, with how much slower than estimated it is; the bytes that it would need if it
+/// does not fit.
+pub(crate) fn fit(
+    ability: &Ability,
+    resident: &Resident,
+    model: &Model,
+    purpose: Purpose,
+    team: Team,
+) -> Result<Result<Fitted, u64>, Error> {
+    let cut = match resident.graph.cut(&resident.device, Cut::of(&team)) {
+        Ok(cut) => cut,
+        // Too many local nodes for this cut: another may do.
+        Err(Error::InvalidModel(_)) => return Ok(Err(u64::MAX)),
+        Err(e) => return Err(e),
+    };
+    let room = u64::from(ability.dynamic_shared());
+    let states = 16 * state_float4s(&cut, purpose, team.instances);
+    if states > room {
+        return Ok(Err(states));
+    }
+    let mut variant = variant(&cut, resident, model, purpose, team);
+    let mut used = states;
+    // Vectors of three floats; float4s.
+    let per_triplet = if purpose == Purpose::Backward { 4 } else { 2 * team.instances };
+    let bend = (u64::from(cut.layout.max_triplets) * u64::from(per_triplet) * 3).div_ceil(4);
+    variant.bend_in_shared = used + 16 * bend <= room;
+    if variant.bend_in_shared {
+        used += 16 * bend;
+    }
+    let pair_bytes = if variant.uniform_dashpot { 20 } else { 28 };
+    let pairs = match purpose {
+        Purpose::Backward => cut.layout.max_all_pairs,
+        _ => cut.layout.max_pairs,
+    };
+    let half_springs = (u64::from(pairs) * pair_bytes).next_multiple_of(16);
+    let in_registers = purpose != Purpose::Backward && variant.held >= cut.layout.max_row_pairs;
+    variant.half_springs_in_shared = !in_registers && used + half_springs <= room;
+    if variant.half_springs_in_shared {
+        used += half_springs;
+    }
+    let spill_stride = if variant.bend_in_shared { 0 } else { bend as u32 };
+    let shared_bytes = used as u32;
+    let substep_us = match purpose {
+        Purpose::Backward => 1.0 + SUMS_IN_MEMORY * share_in_memory(&cut.layout, &variant),
+        _ => 1.0,
+    };
+    Ok(Ok(Fitted { team, variant, shared_bytes, spill_stride, substep_us }))
+}
+
+/// Share of the springs' sums that are not in registers.
+fn share_in_memory(layout: &Layout, variant: &Variant) -> f64 {
+    let rows: u32 = layout.shares.iter().map(|s| s.rows).sum();
+    let mean = f64::from(layout.sum_pairs) / f64::from(rows.max(1));
+    ((mean - f64::from(variant.held_sums)) / mean.max(1.0)).clamp(0.0, 1.0)
+}
+
+fn state_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
+    let stride = u64::from(cut.layout.stride());
+    match purpose {
+        Purpose::Backward => 5 * stride + 2 * u64::from(cut.layout.control_base),
+        _ => 3 * stride * u64::from(instances),
+    }
+}
+
+fn variant(
+    cut: &CutGraph,
+    resident: &Resident,
+    model: &Model,
+    purpose: Purpose,
+    team: Team,
+) -> Variant {
+    let layout = &cut.layout;
+    let one_row = layout.max_rows * 32 <= team.threads;
+    // Graphs that differ a little share a kernel. Registers are handed out to four warps at a time anyway.
+    let threads = if one_row { (layout.max_rows * 32).next_multiple_of(128) } else { team.threads };
+    let threads = threads.clamp(64, team.threads.max(64));
+    let even = |pairs: u32| pairs.next_multiple_of(2);
+    let registers = (REGISTERS / threads.next_multiple_of(128) / 8 * 8).min(248);
+    let uniform_dashpot = resident.dashpot.is_some();
+    let (held, held_sums) = match purpose {
+        Purpose::Backward => {
+            let room = registers.saturating_sub(WORKING_REGISTERS_BACKWARD) / 6;
+            let sums = if one_row { room.min(even(layout.max_sum_pairs)) } else { 0 };
+            (sums, sums)
+        }
+        _ if one_row && team.instances == 1 => {
+            let a_pair = if uniform_dashpot { 5 } else { 7 };
+            let room = registers.saturating_sub(WORKING_REGISTERS) / a_pair;
+            (room.min(even(layout.max_row_pairs)), 0)
+        }
+        _ => (0, 0),
+    };
+    Variant {
+        source: match purpose {
+            Purpose::Backward => Source::Adjoint,
+            _ => Source::Integrate,
+        },
+        meeting: team.meeting,
+        blocks: team.blocks,
+        instances: team.instances,
+        lanes: layout.lanes,
+        threads,
+        one_row,
+        held,
+        held_always: held.min(layout.min_row_pairs) / 2 * 2,
+        held_sums,
+        uniform_dashpot,
+        bending: !(model.graph.triplets.is_empty() && model.graph.rods.is_empty()),
+        rods: model.graph.rods.len() as u32,
+        ground: model.environment.ground.is_some(),
+        contact: has_contact(model),
+        tape: purpose == Purpose::Tape,
+        half_springs_in_shared: false,
+        bend_in_shared: false,
+    }
+}

@@ -1,0 +1,207 @@
+//! What the device keeps of a graph, for all parameters on it.
+
+use std::sync::Arc;
+
+use bendtwin_core::Graph;
+use bendtwin_engine::Error;
+
+use crate::{
+    device::{
+        Device,
+        job::{self, LocalPin, Share, Triplet},
+        memo::Memo,
+        memory::Buffer,
+        team::Team,
+    },
+    plan::layout::Layout,
+};
+
+/// How a graph is cut: into so many blocks for about so many threads each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Cut {
+    pub(crate) blocks: u32,
+    pub(crate) threads: u32,
+}
+
+impl Cut {
+    /// The cut for a team.
+    pub(crate) fn of(team: &Team) -> Self {
+        Self { blocks: team.blocks, threads: team.threads }
+    }
+}
+
+/// A graph on the device.
+pub(crate) struct DeviceGraph {
+    pub(crate) graph: Arc<Graph>,
+    /// Zero where pinned.
+    inverse_mass: Buffer<f32>,
+    pins: Buffer<job::Pin>,
+    pin_of: Buffer<i32>,
+    pub(crate) object_ids: Buffer<u32>,
+    /// Shape [E, 2].
+    pub(crate) springs: Buffer<[u32; 2]>,
+    /// Made when self contact first asks for it.
+    joined: Memo<(), Arc<Joined>>,
+    cuts: Memo<Cut, Arc<CutGraph>>,
+}
+
+/// Which nodes a spring joins to each node.
+pub(crate) struct Joined {
+    /// First neighbour of each node, shape [N + 1].
+    pub(crate) starts: Buffer<u32>,
+    /// Neighbours, ascending for each node.
+    pub(crate) nodes: Buffer<u32>,
+}
+
+/// A graph cut for one shape of launch.
+pub(crate) struct CutGraph {
+    pub(crate) layout: Layout,
+    pub(crate) topology: job::Topology,
+    pub(crate) springs: Buffer<u32>,
+    pub(crate) others: Buffer<u32>,
+    pub(crate) triplet_of: Buffer<u32>,
+    /// Where each spring's sums begin; see `layout.rs`.
+    pub(crate) sum_of: Buffer<u32>,
+    /// Where each node is on a tape that this cut writes.
+    pub(crate) tape_slots: Buffer<u32>,
+    /// Keeps alive what `topology` points to.
+    _parts: Parts,
+}
+
+struct Parts {
+    _shares: Buffer<Share>,
+    _nodes: Buffer<u32>,
+    _rows: Buffer<u32>,
+    _triplets: Buffer<Triplet>,
+    _arms: Buffer<u32>,
+    _arm_refs: Buffer<u32>,
+    _local_pins: Buffer<LocalPin>,
+    _exports: Buffer<u32>,
+    _export_refs: Buffer<u32>,
+    _sum_rows: Buffer<u32>,
+    _rod_turns: Buffer<u32>,
+}
+
+impl DeviceGraph {
+    pub(crate) fn new(device: &Device, graph: &Arc<Graph>) -> Result<Self, Error> {
+        let stream = &device.normal;
+        let mut inverse_mass: Vec<f32> = graph.masses.iter().map(|m| 1.0 / m).collect();
+        let mut pin_of = vec![-1_i32; graph.node_count()];
+        for (p, pin) in graph.pins.iter().enumerate() {
+            inverse_mass[pin.node as usize] = 0.0;
+            pin_of[pin.node as usize] = p as i32;
+        }
+        let pins: Vec<job::Pin> = graph
+            .pins
+            .iter()
+            .map(|p| job::Pin { control: p.control, offset: p.offset_m })
+            .collect();
+        Ok(Self {
+            inverse_mass: Buffer::of(stream, &inverse_mass)?,
+            pins: Buffer::of(stream, &pins)?,
+            pin_of: Buffer::of(stream, &pin_of)?,
+            object_ids: Buffer::of(stream, &graph.object_ids)?,
+            springs: Buffer::of(stream, &graph.springs)?,
+            joined: Memo::default(),
+            cuts: Memo::default(),
+            graph: graph.clone(),
+        })
+    }
+
+    /// Addresses of each node's pin, -1 where it has none, and of the pins.
+    pub(crate) fn pins(&self) -> (job::Address, job::Address) {
+        (self.pin_of.address(), self.pins.address())
+    }
+
+    /// The graph cut in this way; made at first use.
+    pub(crate) fn cut(&self, device: &Device, cut: Cut) -> Result<Arc<CutGraph>, Error> {
+        self.cuts.get_or_make(cut, || {
+            let layout = Layout::new(&self.graph, cut.blocks as usize, cut.threads)?;
+            Ok(Arc::new(self.upload(device, layout)?))
+        })
+    }
+
+    fn upload(&self, device: &Device, layout: Layout) -> Result<CutGraph, Error> {
+        let stream = &device.normal;
+        let parts = Parts {
+            _shares: Buffer::of(stream, &layout.shares)?,
+            _nodes: Buffer::of(stream, &layout.nodes)?,
+            _rows: Buffer::of(stream, &layout.rows)?,
+            _triplets: Buffer::of(stream, &layout.triplets)?,
+            _arms: Buffer::of(stream, &layout.arms)?,
+            _arm_refs: Buffer::of(stream, &layout.arm_refs)?,
+            _local_pins: Buffer::of(stream, &layout.local_pins)?,
+            _exports: Buffer::of(stream, &layout.exports)?,
+            _export_refs: Buffer::of(stream, &layout.export_refs)?,
+            _sum_rows: Buffer::of(stream, &layout.sum_rows)?,
+            _rod_turns: Buffer::of(stream, &layout.rod_turns)?,
+        };
+        let triplet_of = Buffer::of(stream, &layout.triplet_of)?;
+        let topology = job::Topology {
+            shares: parts._shares.address(),
+            nodes: parts._nodes.address(),
+            rows: parts._rows.address(),
+            triplets: parts._triplets.address(),
+            arms: parts._arms.address(),
+            arm_refs: parts._arm_refs.address(),
+            local_pins: parts._local_pins.address(),
+            pins: self.pins.address(),
+            pin_of: self.pin_of.address(),
+            exports: parts._exports.address(),
+            export_refs: parts._export_refs.address(),
+            inverse_mass: self.inverse_mass.address(),
+            sum_rows: parts._sum_rows.address(),
+            triplet_of: triplet_of.address(),
+            node_count: self.graph.node_count() as u32,
+            controls: layout.controls,
+            control_base: layout.control_base,
+            stride: layout.stride(),
+            max_triplets: layout.max_triplets,
+            max_pairs: layout.max_pairs,
+            max_all_pairs: layout.max_all_pairs,
+            rods: self.graph.rods.len() as u32,
+            rod_turns: parts._rod_turns.address(),
+        };
+        let springs = Buffer::of(stream, &layout.springs)?;
+        let others = Buffer::of(stream, &layout.others)?;
+        let sum_of = Buffer::of(stream, &layout.sum_of)?;
+        let tape_slots = Buffer::of(stream, &layout.tape_slots())?;
+        // The urgent stream may use it next.
+        crate::device::synchronize(stream)?;
+        Ok(CutGraph {
+            topology,
+            springs,
+            others,
+            triplet_of,
+            sum_of,
+            tape_slots,
+            layout,
+            _parts: parts,
+        })
+    }
+
+    /// Neighbours by springs; kept as long as the graph.
+    pub(crate) fn joined(&self, device: &Device) -> Result<Arc<Joined>, Error> {
+        self.joined.get_or_make((), || {
+            let n = self.graph.node_count();
+            let mut near: Vec<Vec<u32>> = vec![Vec::new(); n];
+            for &[a, b] in self.graph.springs.iter().filter(|s| (s[1] as usize) < n) {
+                near[a as usize].push(b);
+                near[b as usize].push(a);
+            }
+            let (mut starts, mut all) = (vec![0], Vec::new());
+            for mut list in near {
+                list.sort_unstable();
+                list.dedup();
+                all.extend(list);
+                starts.push(all.len() as u32);
+            }
+            let made = Joined {
+                starts: Buffer::of(&device.normal, &starts)?,
+                nodes: Buffer::of(&device.normal, &all)?,
+            };
+            crate::device::synchronize(&device.normal)?;
+            Ok(Arc::new(made))
+        })
+    }
+}

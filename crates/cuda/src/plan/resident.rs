@@ -1,0 +1,227 @@
+//! A model on the device: its graph, shared by all parameters on it, and its parameters, packed for each
+//! shape of launch that has asked for them.
+
+use std::sync::Arc;
+
+use bendtwin_core::{Params, environment::ControlVelocity};
+use bendtwin_engine::{Error, Loaded, Model};
+
+use crate::{
+    device::{
+        Device,
+        job::Job,
+        kernel::{Source, THREADS, Variant},
+        launch::Arguments,
+        memo::Memo,
+        memory::Buffer,
+    },
+    plan::graph::{Cut, CutGraph, DeviceGraph},
+};
+
+/// Numbers behind the arrays of elements: drag, and restitution and friction of ground and objects.
+pub(crate) const LAWS: usize = 5;
+
+/// A loaded model.
+pub(crate) struct Resident {
+    pub(crate) device: Arc<Device>,
+    pub(crate) graph: Arc<DeviceGraph>,
+    /// Stiffness, dashpot, rest length [E each]; bend stiffness, bend damping, rest angle [T each]; twist stiffness,
+    /// twist damping, rest twist [R each]; [`LAWS`] more.
+    pub(crate) params: Buffer<f32>,
+    /// The dashpot of all springs, if they are alike: then it need not be loaded again and again.
+    pub(crate) dashpot: Option<f32>,
+    packed: Memo<Cut, Arc<Packed>>,
+}
+
+/// Parameters as one shape of launch wants them.
+pub(crate) struct Packed {
+    pub(crate) cut: Arc<CutGraph>,
+    rates: Buffer<[f32; 4]>,
+    others: Buffer<u32>,
+    dashpots: Buffer<[f32; 2]>,
+    bends: Buffer<[f32; 4]>,
+}
+
+impl Resident {
+    pub(crate) fn new(
+        device: &Arc<Device>,
+        graph: &Arc<DeviceGraph>,
+        params: &Params,
+    ) -> Result<Self, Error> {
+        let first = params.spring_dashpot.first().copied().unwrap_or_default();
+        let alike = params.spring_dashpot.iter().all(|&d| d == first);
+        Ok(Self {
+            params: Buffer::of(&device.normal, &flatten(params))?,
+            dashpot: alike.then_some(first),
+            device: device.clone(),
+            graph: graph.clone(),
+            packed: Memo::default(),
+        })
+    }
+
+    /// One whose parameters on the device will change.
+    pub(crate) fn varying(self) -> Self {
+        Self { dashpot: None, ..self }
+    }
+
+    /// Packed for a cut; made at first use, on the stream that fits and loads use.
+    pub(crate) fn packed(&self, cut: Cut) -> Result<Arc<Packed>, Error> {
+        self.packed.get_or_make(cut, || Ok(Arc::new(self.pack(cut)?)))
+    }
+
+    fn pack(&self, cut: Cut) -> Result<Packed, Error> {
+        let stream = &self.device.normal;
+        let cut = self.graph.cut(&self.device, cut)?;
+        let pairs = cut.springs.len() / 2;
+        let rates = Buffer::empty(stream, pairs)?;
+        let others = Buffer::empty(stream, pairs)?;
+        let dashpots = Buffer::empty(stream, pairs)?;
+        let bends = Buffer::empty(stream, cut.triplet_of.len())?;
+        let packed = Packed { cut, rates, others, dashpots, bends };
+        self.fill(&packed)?;
+        crate::device::synchronize(stream)?;
+        Ok(packed)
+    }
+
+    fn fill(&self, packed: &Packed) -> Result<(), Error> {
+        let (device, cut) = (&self.device, &packed.cut);
+        let variant = Variant::small(Source::Params);
+        let (e, t) =
+            (self.graph.graph.springs.len() as u32, self.graph.graph.triplets.len() as u32);
+        let (pairs, triplets) = (packed.rates.len() as u32, cut.triplet_of.len() as u32);
+        let arguments = Arguments::default()
+            .with(packed.rates.address())
+            .with(packed.others.address())
+            .with(packed.dashpots.address())
+            .with(cut.springs.address())
+            .with(cut.others.address())
+            .with(self.params.address())
+            .with(pairs)
+            .with(e);
+        let function = device.function(&variant, "pack_half_springs")?;
+        let grid = (pairs.div_ceil(THREADS), 1, 1);
+        // SAFETY: outputs and indices are of so many pairs, parameters are laid out for E springs.
+        unsafe { function.launch(&device.normal, grid, 0, &arguments)? };
+        let arguments = Arguments::default()
+            .with(packed.bends.address())
+            .with(cut.triplet_of.address())
+            .with(self.params.address())
+            .with(triplets)
+            .with(e)
+            .with(t);
+        let function = device.function(&variant, "pack_bends")?;
+        let grid = (triplets.div_ceil(THREADS), 1, 1);
+        // SAFETY: as above, for T triplets.
+        unsafe { function.launch(&device.normal, grid, 0, &arguments) }
+    }
+
+    /// Packs again what has been packed, after the parameters on the device have changed.
+    pub(crate) fn repack(&self) -> Result<(), Error> {
+        self.packed.values().iter().try_for_each(|p| self.fill(p))
+    }
+}
+
+impl Packed {
+    /// A job of a model: everything that does not depend on the instance.
+    pub(crate) fn job(&self, model: &Model) -> Job {
+        let (contact, drag) = (&model.params.contact, f64::from(model.params.drag));
+        let dt = model.timing.dt_s();
+        let gravity = model.environment.gravity;
+        let ground = model.environment.ground;
+        Job {
+            topology: self.cut.topology,
+            rates: self.rates.address(),
+            others: self.others.address(),
+            dashpots: self.dashpots.address(),
+            bends: self.bends.address(),
+            tape_slots: self.cut.tape_slots.address(),
+            kick: gravity.map(|g| g * dt as f32),
+            ground_normal: ground.map_or([0.0; 3], |g| g.normal),
+            ground_offset: ground.map_or(0.0, |g| g.offset_m),
+            ground_law: [contact.ground_restitution, contact.ground_friction],
+            object_law: [contact.object_restitution, contact.object_friction],
+            dt: dt as f32,
+            decay: (-dt * drag).exp() as f32,
+            frame_s: model.timing.frame_s() as f32,
+            collision_distance: contact.collision_distance_m,
+            substeps: model.timing.substeps,
+            controls_move: u32::from(model.control_velocity == ControlVelocity::True),
+            triplets: model.graph.triplets.len() as u32,
+            pins: model.graph.pins.len() as u32,
+            between_objects: u32::from(contact.between_objects),
+            within_object: u32::from(contact.within_object),
+            ..Job::default()
+        }
+    }
+}
+
+/// Whether nodes of a model can collide with each other.
+pub(crate) fn has_contact(model: &Model) -> bool {
+    let contact = &model.params.contact;
+    let several = || model.graph.object_ids.windows(2).any(|w| w[0] != w[1]);
+    contact.collision_distance_m > 0.0
+        && (contact.within_object || (contact.between_objects && several()))
+}
+
+/// Parameters in the kernels' order.
+pub(crate) fn flatten(p: &Params) -> Vec<f32> {
+    let c = &p.contact;
+    let laws =
+        [p.drag, c.ground_restitution, c.ground_friction, c.object_restitution, c.object_friction];
+    let arrays = [
+        &p.spring_stiffness,
+        &p.spring_dashpot,
+        &p.rest_lengths_m,
+        &p.bend_stiffness,
+        &p.bend_damping,
+        &p.rest_angles_rad,
+        &p.twist_stiffness,
+        &p.twist_damping,
+        &p.rest_twists_rad,
+    ];
+    let mut all = arrays.map(Vec::as_slice).concat();
+    all.extend(laws);
+    all
+}
+
+/// What this backend keeps of a model.
+pub(crate) fn resident(loaded: &Loaded) -> Result<&Resident, Error> {
+    loaded.resident().ok_or_else(|| {
+        Error::InvalidInput("the model was loaded by another backend: load it here".into())
+    })
+}
+
+/// Parameters from the kernels' order; what is no number there is as in `base`.
+pub(crate) fn unflatten(base: &Params, flat: &[f32]) -> Params {
+    let mut rest = flat;
+    let mut take = |count: usize| {
+        let (own, more) = rest.split_at(count.min(rest.len()));
+        rest = more;
+        own.to_vec()
+    };
+    let (e, t) = (base.spring_stiffness.len(), base.bend_stiffness.len());
+    let (spring_stiffness, spring_dashpot, rest_lengths_m) = (take(e), take(e), take(e));
+    let (bend_stiffness, bend_damping, rest_angles_rad) = (take(t), take(t), take(t));
+    let r = base.twist_stiffness.len();
+    let (twist_stiffness, twist_damping, rest_twists_rad) = (take(r), take(r), take(r));
+    let law = |k: usize| rest.get(k).copied().unwrap_or_default();
+    Params {
+        spring_stiffness,
+        spring_dashpot,
+        rest_lengths_m,
+        bend_stiffness,
+        bend_damping,
+        rest_angles_rad,
+        twist_stiffness,
+        twist_damping,
+        rest_twists_rad,
+        drag: law(0),
+        contact: bendtwin_core::Contact {
+            ground_restitution: law(1),
+            ground_friction: law(2),
+            object_restitution: law(3),
+            object_friction: law(4),
+            ..base.contact
+        },
+    }
+}

@@ -1,0 +1,113 @@
+//! What substeps leave behind for the way back.
+
+use std::sync::Arc;
+
+use bendtwin_core::Graph;
+use bendtwin_engine::{Error, backend::Instance};
+use cudarc::driver::CudaStream;
+
+use crate::device::{
+    job::{Address, Job},
+    memory::Buffer,
+};
+
+/// Bytes of a node's substep on tape.
+pub(crate) const NODE_BYTES: u64 = 36;
+/// Bytes of a rod's.
+pub(crate) const ROD_BYTES: u64 = 4;
+
+/// States that substeps began in, and velocities before contact: an entry for each node of each substep; and
+/// twists, an entry for each rod of each.
+pub(crate) struct Tape {
+    /// x, y, z, vx.
+    x: Buffer<[f32; 4]>,
+    /// vy, vz.
+    v: Buffer<[f32; 2]>,
+    before: Buffer<[f32; 3]>,
+    twists: Buffer<f32>,
+}
+
+/// Entries of a tape: of nodes, and of rods.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Entries {
+    pub(crate) nodes: usize,
+    pub(crate) rods: usize,
+}
+
+impl Entries {
+    /// Of so many substeps of a graph.
+    pub(crate) fn of(graph: &Graph, substeps: usize) -> Self {
+        Self { nodes: substeps * graph.node_count(), rods: substeps * graph.rods.len() }
+    }
+
+    fn after(self, before: Self) -> Self {
+        Self { nodes: before.nodes + self.nodes, rods: before.rods + self.rods }
+    }
+
+    fn bytes(self) -> u64 {
+        NODE_BYTES * self.nodes as u64 + ROD_BYTES * self.rods as u64
+    }
+}
+
+/// Tapes of all frames of all instances, written as they ran.
+pub(crate) struct Kept {
+    tape: Tape,
+    starts: Vec<Entries>,
+    /// By instance, where each node is on tape.
+    slots: Vec<Address>,
+}
+
+impl Tape {
+    /// With room for so many entries.
+    pub(crate) fn new(stream: &Arc<CudaStream>, entries: Entries) -> Result<Self, Error> {
+        Ok(Self {
+            x: Buffer::empty(stream, entries.nodes)?,
+            v: Buffer::empty(stream, entries.nodes)?,
+            before: Buffer::empty(stream, entries.nodes)?,
+            twists: Buffer::empty(stream, entries.rods)?,
+        })
+    }
+
+    /// Lets a job write or read from an entry on.
+    pub(crate) fn place(&self, entry: Entries, job: &mut Job) {
+        job.tape_x = self.x.at(entry.nodes);
+        job.tape_v = self.v.at(entry.nodes);
+        job.tape_b = self.before.at(entry.nodes);
+        job.tape_twists = self.twists.at(entry.rods);
+    }
+}
+
+impl Kept {
+    /// Bytes that it takes for these instances.
+    pub(crate) fn bytes_of(instances: &[Instance]) -> u64 {
+        instances.iter().map(|i| entries(i, i.frames).bytes()).sum()
+    }
+
+    pub(crate) fn new(stream: &Arc<CudaStream>, instances: &[Instance]) -> Result<Self, Error> {
+        let (mut starts, mut end) = (Vec::with_capacity(instances.len()), Entries::default());
+        for instance in instances {
+            starts.push(end);
+            end = entries(instance, instance.frames).after(end);
+        }
+        let slots = vec![0; instances.len()];
+        Ok(Self { tape: Tape::new(stream, end)?, starts, slots })
+    }
+
+    /// Lets the job of an instance write all its frames.
+    pub(crate) fn write(&mut self, index: usize, job: &mut Job) {
+        self.tape.place(self.starts[index], job);
+        self.slots[index] = job.tape_slots;
+    }
+
+    /// Lets a job of an instance read from a frame on.
+    pub(crate) fn read(&self, instances: &[Instance], index: usize, frame: usize, job: &mut Job) {
+        self.tape.place(entries(&instances[index], frame).after(self.starts[index]), job);
+        job.tape_slots = self.slots[index];
+    }
+}
+
+/// Entries of so many frames.
+fn entries(instance: &Instance, frames: usize) -> Entries {
+    let model = instance.model.model();
+    Entries::of(&model.graph, frames * model.timing.substeps as usize)
+}

@@ -1,0 +1,425 @@
+//! The backend: checks, cuts batches to what memory holds, and runs them.
+
+use std::{ops::Range, sync::Arc};
+
+use bendtwin_core::{CancelToken, Params};
+use bendtwin_engine::{
+    Backend, Device as Description, Error, Loaded, Model,
+    backend::{Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
+    check,
+    model::State,
+    optimizer::{Decay, Optimizer, OptimizerInit},
+};
+
+use crate::{
+    device::{Device, queue::Queue},
+    plan::{
+        choice::{Purpose, choose},
+        graphs::Graphs,
+        resident::{Resident, resident, unflatten},
+        tape::Kept,
+    },
+    run::{
+        backward::{self, Gradients, Way},
+        descent::DeviceDescent,
+        objective::Objectives,
+        recording::{Recorded, keeps},
+        scoring::{Scores, loss, refuse_too_long},
+        simulation::{self, Keep, Simulation},
+    },
+};
+
+/// Share of the budget that a batch's working memory may take.
+const WORKING_SHARE: u64 = 2;
+/// Most rods of a graph: their twists are among the static variables of a block.
+const MAX_RODS: usize = 16;
+
+/// A queue with the objectives that have been sent through it.
+type Channel = (Arc<Queue>, Arc<Objectives>);
+
+/// One queue of a device.
+#[derive(Clone)]
+pub(crate) struct CudaBackend {
+    device: Arc<Device>,
+    pub(crate) queue: Arc<Queue>,
+    /// On the device through this queue.
+    objectives: Arc<Objectives>,
+    normal: Channel,
+    urgent: Channel,
+    graphs: Arc<Graphs>,
+}
+
+/// A simulation that has been run and scored.
+pub(crate) struct Measured<'a> {
+    simulation: Simulation<'a>,
+    scores: Option<Scores>,
+    divergences: Vec<Option<Divergence>>,
+}
+
+impl CudaBackend {
+    pub(crate) fn new(device: &Arc<Device>) -> Self {
+        let normal: Channel = (Arc::new(Queue::normal(device)), Arc::default());
+        let urgent: Channel = (Arc::new(Queue::urgent(device)), Arc::default());
+        let (queue, objectives) = normal.clone();
+        let (device, graphs) = (device.clone(), Arc::default());
+        Self { device, queue, objectives, normal, urgent, graphs }
+    }
+
+    /// The same backend on another queue.
+    fn on(&self, (queue, objectives): &Channel) -> Self {
+        Self { queue: queue.clone(), objectives: objectives.clone(), ..self.clone() }
+    }
+
+    /// Memory that batches may work with [bytes].
+    fn room(&self) -> u64 {
+        self.device.budget / WORKING_SHARE
+    }
+
+    /// Checks that a model is on this device.
+    fn own(&self, resident: &Resident) -> Result<(), Error> {
+        match Arc::ptr_eq(&resident.device, &self.device) {
+            true => Ok(()),
+            false => Err(Error::InvalidInput("the model is on another device".into())),
+        }
+    }
+
+    /// Checks instances against their models, which must have been loaded on this device.
+    pub(crate) fn check(&self, batch: &[Instance]) -> Result<(), Error> {
+        for (index, instance) in batch.iter().enumerate() {
+            self.own(resident(&instance.model)?)?;
+            check::instance(index, instance)?;
+        }
+        Ok(())
+    }
+
+    /// Parts of a batch that fit into the room side by side; at least one instance each.
+    fn chunks(
+        batch: &[Instance],
+        room: u64,
+        bytes: impl Fn(&Instance) -> u64,
+    ) -> Vec<Range<usize>> {
+        let mut chunks = Vec::new();
+        let (mut first, mut sum) = (0, 0_u64);
+        for (i, instance) in batch.iter().enumerate() {
+            let own = bytes(instance);
+            if i > first && sum.saturating_add(own) > room {
+                chunks.push(first..i);
+                (first, sum) = (i, 0);
+            }
+            sum = sum.saturating_add(own);
+        }
+        if first < batch.len() {
+            chunks.push(first..batch.len());
+        }
+        chunks
+    }
+
+    /// Parts of a batch whose gradients fit; half of the room is for tapes.
+    pub(crate) fn gradient_chunks(&self, batch: &[Instance]) -> Vec<Range<usize>> {
+        let bytes =
+            |i: &Instance| simulation::bytes_of(i, Keep::All).saturating_add(backward::bytes_of(i));
+        Self::chunks(batch, self.room() / 2, bytes)
+    }
+
+    fn refuse_too_large(&self, bytes: u64) -> Result<(), Error> {
+        let available = self.room();
+        if bytes > available {
+            return Err(Error::OutOfMemory { needed: bytes, available });
+        }
+        Ok(())
+    }
+
+    /// Runs checked instances forward and backward.
+    pub(crate) fn measure<'a>(
+        &'a self,
+        batch: &'a [Instance],
+        request: &GradientRequest,
+        cancel: &CancelToken,
+    ) -> Result<(Measured<'a>, Gradients), Error> {
+        refuse_too_long(batch)?;
+        let needed = batch.iter().map(|i| simulation::bytes_of(i, Keep::All)).sum::<u64>();
+        self.refuse_too_large(needed)?;
+        let simulation = Simulation::new(&self.queue, batch, Keep::All)?;
+        let gradients = batch.iter().map(backward::bytes_of).sum::<u64>();
+        let mut room = self.room().saturating_sub(needed).saturating_sub(gradients);
+        // Tapes that fit are written on the way forward; others when they are needed.
+        let bytes = Kept::bytes_of(batch);
+        let mut tape = if bytes <= room / 4 * 3 {
+            room -= bytes;
+            Some(Kept::new(&self.queue.stream, batch)?)
+        } else {
+            None
+        };
+        simulation.run(tape.as_mut(), cancel)?;
+        let scores = Scores::new(&simulation, &self.objectives, Some(request.cut_every))?;
+        let way = Way { simulation: &simulation, scores: &scores, kept: tape.as_ref() };
+        let gradients = Gradients::new(&way, request, room, cancel)?;
+        let divergences = simulation.divergences()?;
+        Ok((Measured { simulation, scores: Some(scores), divergences }, gradients))
+    }
+
+    /// Runs checked instances forward and scores them.
+    fn score<'a>(
+        &'a self,
+        batch: &'a [Instance],
+        keep: Keep,
+        cancel: &CancelToken,
+    ) -> Result<Measured<'a>, Error> {
+        self.refuse_too_large(batch.iter().map(|i| simulation::bytes_of(i, keep)).sum())?;
+        let simulation = Simulation::new(&self.queue, batch, keep)?;
+        simulation.run(None, cancel)?;
+        let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
+        let scores =
+            if scored { Some(Scores::new(&simulation, &self.objectives, None)?) } else { None };
+        let divergences = simulation.divergences()?;
+        Ok(Measured { simulation, scores, divergences })
+    }
+
+    /// Waits for what a failed call has left on the queue: its models may be gone next.
+    fn settled<T>(&self, result: Result<T, Error>) -> Result<T, Error> {
+        if result.is_err() {
+            let _ = self.queue.synchronize();
+        }
+        result
+    }
+
+    fn roll_out_chunk(
+        &self,
+        batch: &[Instance],
+        outputs: &Outputs,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Rollout>, Error> {
+        let measured = self.score(batch, keeps(batch, outputs), cancel)?;
+        let losses = measured.losses()?;
+        let recorded = Recorded::new(&measured.simulation, outputs)?;
+        recorded.rollouts(&measured.simulation, outputs, losses)
+    }
+
+    fn gradient_chunk(
+        &self,
+        batch: &[Instance],
+        request: &GradientRequest,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Gradient>, Error> {
+        let (measured, gradients) = self.measure(batch, request, cancel)?;
+        let params = self.queue.fetch(&gradients.params)?;
+        let controls = self.queue.fetch(&gradients.controls)?;
+        let initial = match request.initial || request.controls {
+            true => self.queue.fetch(&gradients.initial)?,
+            false => Vec::new(),
+        };
+        let initial_twists = match request.initial {
+            true => self.queue.fetch(&gradients.initial_twists)?,
+            false => Vec::new(),
+        };
+        let mut out = Vec::with_capacity(batch.len());
+        for (i, (instance, loss)) in batch.iter().zip(measured.losses()?).enumerate() {
+            let model = instance.model.model();
+            let ended = loss.diverged.is_none();
+            let own = &params[gradients.starts[i]..gradients.starts[i + 1]];
+            let zeros = vec![0.0; if ended { 0 } else { own.len() }];
+            let own = if ended { own } else { &zeros };
+            let n = model.graph.node_count();
+            let start = gradients.initial_starts[i];
+            let point = |p: &[f32; 4]| [p[0], p[1], p[2]].map(narrow);
+            let r = model.graph.rods.len();
+            let at = gradients.initial_twist_starts[i];
+            let twist_bars = match initial_twists.get(at..at + r) {
+                Some(bars) if ended => bars.iter().map(|&x| narrow(x)).collect(),
+                _ => vec![0.0; r],
+            };
+            let mut at_start = match initial.get(start..start + 2 * n) {
+                Some(bars) if ended => State {
+                    positions: bars[..n].iter().map(point).collect(),
+                    velocities: bars[n..].iter().map(point).collect(),
+                    twists: twist_bars,
+                },
+                _ => State {
+                    positions: vec![[0.0; 3]; n],
+                    velocities: vec![[0.0; 3]; n],
+                    twists: twist_bars,
+                },
+            };
+            let span = gradients.control_starts[i]..gradients.control_starts[i + 1];
+            let mut paths: Vec<[f32; 3]> = match ended {
+                true => controls[span].iter().map(|p| p.map(narrow)).collect(),
+                false => vec![[0.0; 3]; span.len()],
+            };
+            // Pinned nodes start on their control points.
+            for pin in &model.graph.pins {
+                let x = std::mem::take(&mut at_start.positions[pin.node as usize]);
+                at_start.velocities[pin.node as usize] = [0.0; 3];
+                if let Some(path) = paths.get_mut(pin.control as usize) {
+                    (0..3).for_each(|k| path[k] += x[k]);
+                }
+            }
+            let final_state = match request.final_state && ended {
+                true => Some(measured.state(i, instance.frames)?),
+                false => None,
+            };
+            let narrowed: Vec<f32> = own.iter().map(|&x| narrow(x)).collect();
+            out.push(Gradient {
+                loss,
+                overflowed: own.iter().any(|x| !x.is_finite()),
+                params: gradient_params(model, &narrowed),
+                controls: paths,
+                initial: request.initial.then_some(at_start),
+                final_state,
+            });
+        }
+        Ok(out)
+    }
+}
+
+/// What has no derivative stays at its default or zero.
+fn gradient_params(model: &Model, flat: &[f32]) -> Params {
+    let mut params = unflatten(&model.params, flat);
+    params.contact = bendtwin_core::Contact {
+        collision_distance_m: 0.0,
+        between_objects: bendtwin_core::Contact::default().between_objects,
+        within_object: bendtwin_core::Contact::default().within_object,
+        ..params.contact
+    };
+    params
+}
+
+/// What is beyond f32 becomes its largest, NaN zero.
+fn narrow(x: f32) -> f32 {
+    if x.is_nan() { 0.0 } else { x.clamp(-f32::MAX, f32::MAX) }
+}
+
+impl Measured<'_> {
+    /// The losses; waits for the device.
+    pub(crate) fn losses(&self) -> Result<Vec<Loss>, Error> {
+        match &self.scores {
+            Some(scores) => scores.losses(&self.simulation, &self.divergences),
+            None => {
+                let each = self.simulation.instances.iter().zip(&self.divergences);
+                let zeros = |i: &Instance| vec![0.0; i.objective.groups.len()];
+                Ok(each.map(|(i, d)| loss(*d, zeros(i))).collect())
+            }
+        }
+    }
+
+    /// State of an instance at the end of a frame.
+    pub(crate) fn state(&self, index: usize, frame: usize) -> Result<State, Error> {
+        self.simulation.state(index, frame)
+    }
+}
+
+impl Backend for CudaBackend {
+    fn device(&self) -> Description {
+        Description {
+            kind: "cuda".into(),
+            name: self.device.name.clone(),
+            lanes: self.device.ability.processors as usize,
+        }
+    }
+
+    fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
+        check::loadable(&model)?;
+        let rods = model.graph.rods.len();
+        if rods > MAX_RODS {
+            return Err(Error::InvalidModel(format!(
+                "{rods} rods: on this device {MAX_RODS} are the most, use the CPU or fit with graph.twist off"
+            )));
+        }
+        self.refuse_too_large(resident_bytes(&model))?;
+        let graph = self.graphs.get(&self.device, &model.graph)?;
+        let resident = Resident::new(&self.device, &graph, &model.params)?;
+        // One shape is made now, so that what cannot run is refused here.
+        choose(&self.device.ability, &resident, &model, Purpose::Forward, 1, 1)?;
+        crate::device::synchronize(&self.device.normal)?;
+        Ok(Loaded::new(model, Arc::new(resident)))
+    }
+
+    fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
+        let before = resident(loaded)?;
+        self.own(before)?;
+        let model = Model { params, ..Model::clone(loaded.model()) };
+        model.params.check(&model.graph).map_err(Error::InvalidModel)?;
+        let resident = Resident::new(&self.device, &before.graph, &model.params)?;
+        crate::device::synchronize(&self.device.normal)?;
+        Ok(Loaded::new(Arc::new(model), Arc::new(resident)))
+    }
+
+    fn roll_out(
+        &self,
+        batch: &[Instance],
+        outputs: &Outputs,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Rollout>, Error> {
+        self.check(batch)?;
+        for (index, instance) in batch.iter().enumerate() {
+            check::outputs(index, instance, outputs)?;
+        }
+        let keep = keeps(batch, outputs);
+        let bytes = |i: &Instance| simulation::bytes_of(i, keep).saturating_mul(2);
+        let mut rollouts = Vec::with_capacity(batch.len());
+        for chunk in Self::chunks(batch, self.room(), bytes) {
+            let done = self.roll_out_chunk(&batch[chunk], outputs, cancel);
+            rollouts.extend(self.settled(done)?);
+        }
+        Ok(rollouts)
+    }
+
+    fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
+        self.check(batch)?;
+        let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
+        let keep = if scored { Keep::All } else { Keep::Last };
+        let bytes = |i: &Instance| simulation::bytes_of(i, keep);
+        let mut losses = Vec::with_capacity(batch.len());
+        for chunk in Self::chunks(batch, self.room(), bytes) {
+            let done = self.score(&batch[chunk], keep, cancel).and_then(|m| m.losses());
+            losses.extend(self.settled(done)?);
+        }
+        Ok(losses)
+    }
+
+    fn gradients(
+        &self,
+        batch: &[Instance],
+        request: &GradientRequest,
+        cancel: &CancelToken,
+    ) -> Result<Vec<Gradient>, Error> {
+        self.check(batch)?;
+        let mut gradients = Vec::with_capacity(batch.len());
+        for chunk in self.gradient_chunks(batch) {
+            let done = self.gradient_chunk(&batch[chunk], request, cancel);
+            gradients.extend(self.settled(done)?);
+        }
+        Ok(gradients)
+    }
+
+    fn optimizer(
+        &self,
+        inits: Vec<OptimizerInit>,
+        decay: Decay,
+    ) -> Result<Box<dyn Optimizer>, Error> {
+        let normal = self.on(&self.normal);
+        Ok(Box::new(DeviceDescent::new(normal, inits, decay)?))
+    }
+
+    fn memory(&self) -> Option<Memory> {
+        self.device.memory()
+    }
+
+    fn urgent(&self) -> Option<Arc<dyn Backend>> {
+        Some(Arc::new(self.on(&self.urgent)))
+    }
+
+    fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
+        let resident = resident(model).ok()?;
+        let (ability, purpose) = (&self.device.ability, Purpose::Forward);
+        let fitted = choose(ability, resident, model.model(), purpose, batch, batch).ok()?;
+        Some(fitted.team.to_string())
+    }
+}
+
+/// Bytes that a model takes on the device: its graph for two shapes of launch, its parameters.
+fn resident_bytes(model: &Model) -> u64 {
+    let graph = &model.graph;
+    let (n, e, t) =
+        (graph.node_count() as u64, graph.springs.len() as u64, graph.triplets.len() as u64);
+    64 * n + 2 * (2 * e * 28 + 3 * t * 32) + 20 * (e + t)
+}

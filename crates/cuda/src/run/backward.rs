@@ -1,0 +1,189 @@
+//! Gradients: every instance once forward, then its windows backward side by side, frame by frame, along
+//! the tape of each.
+
+mod slots;
+mod windows;
+
+use bendtwin_core::{CancelToken, Graph};
+use bendtwin_engine::{Error, backend::GradientRequest};
+
+use self::{
+    slots::Slots,
+    windows::{SideBySide, Window},
+};
+use crate::{
+    device::{
+        kernel::{Source, THREADS},
+        launch::Arguments,
+        memory::{Buffer, end_of},
+    },
+    plan::{
+        resident::{LAWS, resident},
+        tape::Kept,
+    },
+    run::{
+        scoring::Scores,
+        simulation::{Simulation, contact_nodes},
+    },
+};
+
+/// Gradients of a simulation's instances, on the device.
+pub(crate) struct Gradients {
+    /// d loss / d parameters by instance, in the kernels' order; `starts` says where.
+    pub(crate) params: Buffer<f32>,
+    pub(crate) starts: Vec<usize>,
+    /// d loss / d controls by instance, shape [F + 1, C, 3]; empty if not asked for.
+    pub(crate) controls: Buffer<[f32; 3]>,
+    pub(crate) control_starts: Vec<usize>,
+    /// d loss / d initial state by instance: positions [N], then velocities [N], padded to four.
+    pub(crate) initial: Buffer<[f32; 4]>,
+    pub(crate) initial_starts: Vec<usize>,
+    /// d loss / d initial twists by instance.
+    pub(crate) initial_twists: Buffer<f32>,
+    pub(crate) initial_twist_starts: Vec<usize>,
+}
+
+/// Bytes of device memory that an instance's gradient takes beside one window's tape.
+pub(crate) fn bytes_of(simulated: &bendtwin_engine::backend::Instance) -> u64 {
+    let graph = &simulated.model.model().graph;
+    let (n, elements) = (graph.node_count() as u64, (graph.springs.len() + hinges(graph)) as u64);
+    // The gradient and its sums, what seeds it, and d loss / d initial state.
+    24 * elements + crate::run::scoring::seed_bytes(simulated.frames, n as usize) + 32 * n
+}
+
+/// Triplets and rods: elements with three parameters each whose gradients are summed as they are.
+fn hinges(graph: &Graph) -> usize {
+    graph.triplets.len() + graph.rods.len()
+}
+
+/// What the way back needs of the way forward.
+#[derive(Clone, Copy)]
+pub(crate) struct Way<'a> {
+    pub(crate) simulation: &'a Simulation<'a>,
+    pub(crate) scores: &'a Scores,
+    /// Tapes of all frames, if they were written on the way forward.
+    pub(crate) kept: Option<&'a Kept>,
+}
+
+impl Gradients {
+    /// Gradients of instances that have been run and scored, with `room` bytes for windows.
+    pub(crate) fn new(
+        way: &Way<'_>,
+        request: &GradientRequest,
+        room: u64,
+        cancel: &CancelToken,
+    ) -> Result<Self, Error> {
+        let instances = way.simulation.instances;
+        let this = Self::empty(way.simulation, request)?;
+        // Windows of like shape go side by side: of one graph, with as many substeps, and with contact or without.
+        let mut order: Vec<usize> = (0..instances.len()).collect();
+        let key = |i: usize| {
+            let loaded = &instances[i].model;
+            let resident = resident(loaded)?;
+            let substeps = loaded.model().timing.substeps;
+            let graph = std::ptr::from_ref(&*resident.graph) as usize;
+            Ok::<_, Error>((graph, substeps, contact_nodes(loaded.model())))
+        };
+        let keys = order.iter().map(|&i| key(i)).collect::<Result<Vec<_>, _>>()?;
+        order.sort_by_key(|&i| (keys[i], i));
+        for alike in order.chunk_by(|&a, &b| keys[a] == keys[b]) {
+            Backward { way: *way, request, out: &this, cancel }.run(alike, room)?;
+        }
+        Ok(this)
+    }
+
+    fn empty(simulation: &Simulation<'_>, request: &GradientRequest) -> Result<Self, Error> {
+        let stream = &simulation.queue.stream;
+        let (mut starts, mut control_starts, mut initial_starts) = (vec![0], vec![0], vec![0]);
+        let mut initial_twist_starts = vec![0];
+        for instance in simulation.instances {
+            let graph = &instance.model.model().graph;
+            let length = 3 * (graph.springs.len() + hinges(graph)) + LAWS;
+            starts.push(end_of(&starts) + length);
+            let controls = if request.controls { instance.controls.len() } else { 0 };
+            control_starts.push(end_of(&control_starts) + controls);
+            initial_starts.push(end_of(&initial_starts) + 2 * graph.node_count());
+            initial_twist_starts.push(end_of(&initial_twist_starts) + graph.rods.len());
+        }
+        Ok(Self {
+            params: Buffer::zeros(stream, end_of(&starts))?,
+            controls: Buffer::zeros(stream, end_of(&control_starts))?,
+            initial: Buffer::zeros(stream, end_of(&initial_starts))?,
+            initial_twists: Buffer::zeros(stream, end_of(&initial_twist_starts))?,
+            starts,
+            control_starts,
+            initial_starts,
+            initial_twist_starts,
+        })
+    }
+}
+
+/// The way back of instances of one graph.
+struct Backward<'a> {
+    way: Way<'a>,
+    request: &'a GradientRequest,
+    out: &'a Gradients,
+    cancel: &'a CancelToken,
+}
+
+impl Backward<'_> {
+    fn run(&self, members: &[usize], room: u64) -> Result<(), Error> {
+        let Some(&first) = members.first() else { return Ok(()) };
+        let simulation = self.way.simulation;
+        // Not all at once: there may be as many as frames.
+        let all = || members.iter().enumerate().flat_map(|(place, &i)| self.windows(place, i));
+        let shape = all().fold((0, 0), |(count, most), w| (count + 1, most.max(w.len())));
+        let (e, t) = self.elements(first);
+        // No team has more.
+        let blocks = simulation.queue.device.ability.processors as usize;
+        let stride = 3 * (e + t) + LAWS * blocks;
+        let total: Buffer<f32> = Buffer::zeros(&simulation.queue.stream, stride * members.len())?;
+        let slots = Slots::new(self, first, shape, room)?;
+        let mut windows = all();
+        loop {
+            let together: Vec<Window> = windows.by_ref().take(slots.windows).collect();
+            if together.is_empty() {
+                break;
+            }
+            SideBySide::new(self, &together, &slots)?.run(|place| total.at(place * stride))?;
+        }
+        for (place, &i) in members.iter().enumerate() {
+            self.finish(i, total.at(place * stride), blocks)?;
+        }
+        Ok(())
+    }
+
+    fn windows(&self, place: usize, instance: usize) -> impl Iterator<Item = Window> + use<> {
+        let frames = self.way.simulation.instances[instance].frames;
+        let every = match self.request.cut_every {
+            0 => frames.max(1),
+            every => every,
+        };
+        let window =
+            move |first: usize| Window { instance, place, first, end: (first + every).min(frames) };
+        (0..frames.max(1)).step_by(every).map(window)
+    }
+
+    /// Springs, and triplets and rods.
+    fn elements(&self, instance: usize) -> (usize, usize) {
+        let graph = &self.way.simulation.instances[instance].model.model().graph;
+        (graph.springs.len(), hinges(graph))
+    }
+
+    fn finish(&self, instance: usize, sums: u64, blocks: usize) -> Result<(), Error> {
+        let (e, t) = self.elements(instance);
+        let simulation = self.way.simulation;
+        let resident = resident(&simulation.instances[instance].model)?;
+        let arguments = Arguments::default()
+            .with(self.out.params.at(self.out.starts[instance]))
+            .with(sums)
+            .with(resident.params.address())
+            .with(e as u32)
+            .with(t as u32)
+            .with(blocks as u32);
+        let length = 3 * (e + t) + LAWS;
+        let grid = ((length as u32).div_ceil(THREADS), 1, 1);
+        // SAFETY: sums and parameters are those of a graph of E springs and T triplets and rods.
+        unsafe { simulation.queue.launch(Source::Params, "finish_gradient", grid, &arguments) }
+    }
+}

@@ -1,0 +1,162 @@
+//! How many windows go backward side by side, how many frames of each are on tape at a time, and the arrays for
+//! it.
+
+use std::ops::Range;
+
+use bendtwin_engine::Error;
+
+use super::Backward;
+use crate::{
+    device::{job::Job, launch::MOST_BLOCKS, memory::Buffer},
+    plan::{
+        resident::LAWS,
+        tape::{self, Entries, Tape},
+    },
+    run::simulation::{Contact, contact_nodes},
+};
+
+/// Bytes that contact takes a node.
+const CONTACT_BYTES: u64 = 2_088;
+/// Frames that go onto tape together, a multiprocessor: more would not be quicker.
+const FRAMES_A_PROCESSOR: usize = 2;
+/// Most jobs that are made ready together. They stand in the host's memory too, where a small twin's would
+/// take far more than its frames on the device.
+const JOBS_AT_ONCE: usize = 1 << 16;
+
+/// Arrays of windows that go backward side by side.
+pub(super) struct Slots {
+    /// How many windows.
+    pub(super) windows: usize,
+    /// Frames of each that are made ready at a time; they are on tape together.
+    pub(super) frames: usize,
+    /// Substeps of a frame that are on tape at a time: all of them, unless not even one frame fits.
+    segment: usize,
+    substeps: usize,
+    pub(super) nodes: usize,
+    pub(super) rods: usize,
+    pub(super) bar_x: Buffer<[f32; 4]>,
+    pub(super) bar_v: Buffer<[f32; 4]>,
+    pub(super) twist_bars: Buffer<f32>,
+    /// None if all tapes were written on the way forward.
+    tape: Option<Tape>,
+    contact: Option<Contact>,
+}
+
+/// Bytes of a window.
+struct Bytes {
+    /// Whatever is on tape.
+    fixed: u64,
+    /// Of each frame on tape.
+    frame: u64,
+    /// Of each substep of it.
+    substep: u64,
+}
+
+impl Slots {
+    /// For `all` windows of one graph, of which an instance is one, and of at most `deepest` frames, in `room` bytes.
+    pub(super) fn new(
+        way_back: &Backward<'_>,
+        instance: usize,
+        (all, deepest): (usize, usize),
+        room: u64,
+    ) -> Result<Self, Error> {
+        let simulation = way_back.way.simulation;
+        let stream = &simulation.queue.stream;
+        let model = simulation.instances[instance].model.model();
+        let (nodes, substeps) = (model.graph.node_count(), model.timing.substeps as usize);
+        let rods = model.graph.rods.len();
+        let (most, deepest) = (all.clamp(1, MOST_BLOCKS), deepest.max(1));
+        let bytes = way_back.bytes(instance);
+        let fit = |room: u64, each: u64| (room / each.max(1)) as usize;
+        let kept = way_back.way.kept.is_some();
+        let (count, frames, segment) = if kept {
+            let count = fit(room, bytes.fixed).clamp(1, most);
+            (count, deepest.min(JOBS_AT_ONCE / count).max(1), substeps)
+        } else {
+            let count = fit(room, bytes.fixed + bytes.frame).clamp(1, most);
+            let left = room.saturating_sub(count as u64 * bytes.fixed);
+            let processors = simulation.queue.device.ability.processors as usize;
+            let useful = (FRAMES_A_PROCESSOR * processors / count).max(1);
+            let frames = fit(left, count as u64 * bytes.frame).clamp(1, deepest.min(useful));
+            let longest = fit(left, bytes.substep).clamp(1, substeps.max(1));
+            // Segments of equal length.
+            let segment = substeps.div_ceil(substeps.div_ceil(longest).max(1));
+            (count, frames, segment)
+        };
+        // With tapes of their own the windows need none here, and one frame's candidates each.
+        let (on_tape, contacts) = if kept { (0, count) } else { (count * frames, count * frames) };
+        let contact = contact_nodes(model);
+        Ok(Self {
+            windows: count,
+            frames,
+            segment,
+            substeps,
+            nodes,
+            rods,
+            bar_x: Buffer::empty(stream, count * nodes)?,
+            bar_v: Buffer::empty(stream, count * nodes)?,
+            twist_bars: Buffer::empty(stream, count * rods)?,
+            tape: match on_tape {
+                0 => None,
+                frames => Some(Tape::new(stream, Entries::of(&model.graph, frames * segment))?),
+            },
+            contact: match contact {
+                0 => None,
+                nodes => {
+                    let each = std::iter::repeat_n(nodes, contacts);
+                    Some(Contact::new(simulation.queue, each)?)
+                }
+            },
+        })
+    }
+
+    /// The parts of a frame that go onto tape one after the other: one, unless not even a frame fits.
+    pub(super) fn segments(&self) -> impl DoubleEndedIterator<Item = Range<u32>> + use<> {
+        let (segment, substeps) = (self.segment.max(1), self.substeps);
+        let part = move |s: usize| (s * segment) as u32..((s + 1) * segment).min(substeps) as u32;
+        (0..substeps.div_ceil(segment)).map(part)
+    }
+
+    pub(super) fn last_segment(&self) -> Range<u32> {
+        self.segments().next_back().unwrap_or(0..0)
+    }
+
+    /// Gives a job the arrays of a frame of a window on tape, counted from the first that is.
+    pub(super) fn place(&self, window: usize, frame: usize, job: &mut Job) {
+        let slot = window * self.frames + frame;
+        if let Some(tape) = &self.tape {
+            let before = slot * self.segment;
+            let entries = Entries { nodes: before * self.nodes, rods: before * self.rods };
+            tape.place(entries, job);
+        }
+        if let Some(contact) = &self.contact {
+            contact.place(if self.tape.is_some() { slot } else { window }, job);
+        }
+    }
+}
+
+impl Backward<'_> {
+    fn bytes(&self, instance: usize) -> Bytes {
+        let simulation = self.way.simulation;
+        let model = simulation.instances[instance].model.model();
+        let graph = &model.graph;
+        let (n, e, t, r) =
+            (graph.node_count(), graph.springs.len(), graph.triplets.len(), graph.rods.len());
+        let blocks = simulation.queue.device.ability.processors as usize;
+        let paths = if self.request.controls {
+            blocks * graph.control_count() + graph.pins.len()
+        } else {
+            0
+        };
+        // A spring has three sums, in rows that are not full.
+        let sums = 5 * e + 3 * (t + r) + r + LAWS * blocks;
+        let fixed = (32 * n + 4 * sums + 36 * paths) as u64;
+        let contact = CONTACT_BYTES * contact_nodes(model) as u64;
+        let substep = tape::NODE_BYTES * n as u64 + tape::ROD_BYTES * r as u64;
+        let substeps = u64::from(model.timing.substeps);
+        match self.way.kept {
+            Some(_) => Bytes { fixed: fixed + contact, frame: 0, substep: 0 },
+            None => Bytes { fixed, frame: substep * substeps + contact, substep },
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Objectives on the device.
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use bendtwin_engine::{Error, Objective, PointLoss, Term, objective::WeightedTerm};
+use cudarc::driver::CudaStream;
+
+use crate::device::{
+    job::{self, Measure},
+    memory::Buffer,
+};
+
+/// Targets kept at a time (a few hundred megabytes): a fit asks for the same ones again and again.
+const KEPT_TARGETS: usize = 1 << 24;
+/// Objectives kept at a time.
+const KEPT: usize = 256;
+
+/// An objective's terms, ordered by frame.
+pub(crate) struct DeviceObjective {
+    /// Keeps the address that it is known by.
+    terms: Arc<Vec<WeightedTerm>>,
+    on_device: Buffer<job::Term>,
+    frame_terms: Buffer<u32>,
+    targets: Buffer<[f32; 3]>,
+    target_nodes: Buffer<u32>,
+    /// Index in the objective of each term here.
+    pub(crate) order: Vec<u32>,
+    pub(crate) target_count: usize,
+    frames: usize,
+}
+
+/// The objectives that a queue has seen lately.
+#[derive(Default)]
+pub(crate) struct Objectives(Mutex<HashMap<(usize, usize), Arc<DeviceObjective>>>);
+
+impl Objectives {
+    /// The device's copy of a checked objective of a rollout of so many frames.
+    pub(crate) fn get(
+        &self,
+        stream: &Arc<CudaStream>,
+        objective: &Objective,
+        frames: usize,
+    ) -> Result<Arc<DeviceObjective>, Error> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (Arc::as_ptr(&objective.terms) as usize, frames);
+        if let Some(found) = kept.get(&key) {
+            return Ok(found.clone());
+        }
+        let made = Arc::new(DeviceObjective::new(stream, &objective.terms, frames)?);
+        let targets = kept.values().map(|o| o.target_count).sum::<usize>() + made.target_count;
+        if kept.len() >= KEPT || targets > KEPT_TARGETS {
+            kept.clear();
+        }
+        kept.insert(key, made.clone());
+        Ok(made)
+    }
+}
+
+impl DeviceObjective {
+    fn new(
+        stream: &Arc<CudaStream>,
+        terms: &Arc<Vec<WeightedTerm>>,
+        frames: usize,
+    ) -> Result<Self, Error> {
+        let mut order: Vec<u32> = (0..terms.len() as u32).collect();
+        order.sort_by_key(|&t| terms[t as usize].frame);
+        let (mut targets, mut target_nodes, mut on_device) = (Vec::new(), Vec::new(), Vec::new());
+        let mut frame_terms = vec![0_u32; frames + 2];
+        for &t in &order {
+            let weighted = &terms[t as usize];
+            frame_terms[weighted.frame + 1] += 1;
+            let first = targets.len() as u32;
+            let mut term = job::Term {
+                frame: weighted.frame as u32,
+                first,
+                weight: weighted.weight,
+                ..job::Term::default()
+            };
+            match &weighted.term {
+                Term::Chamfer { targets: own } => {
+                    term.kind = 0;
+                    targets.extend_from_slice(own);
+                    target_nodes.resize(targets.len(), 0);
+                }
+                Term::Track { nodes, targets: own, loss } => {
+                    term.kind = 1;
+                    (term.loss, term.beta) = match *loss {
+                        PointLoss::SmoothL1 { beta_m } => (0, beta_m),
+                        PointLoss::Distance => (1, 0.0),
+                        PointLoss::SquaredDistance => (2, 0.0),
+                    };
+                    targets.extend_from_slice(own);
+                    target_nodes.extend_from_slice(nodes);
+                }
+                Term::Acceleration => term.kind = 2,
+            }
+            term.count = targets.len() as u32 - first;
+            on_device.push(term);
+        }
+        for f in 0..=frames {
+            frame_terms[f + 1] += frame_terms[f];
+        }
+        Ok(Self {
+            on_device: Buffer::of(stream, &on_device)?,
+            frame_terms: Buffer::of(stream, &frame_terms)?,
+            targets: Buffer::of(stream, &targets)?,
+            target_nodes: Buffer::of(stream, &target_nodes)?,
+            target_count: targets.len(),
+            terms: terms.clone(),
+            order,
+            frames,
+        })
+    }
+
+    /// A job's objective; `nearest` has room for its targets, `values` for its terms.
+    pub(crate) fn measure(&self, nodes: usize, surface: usize) -> Measure {
+        Measure {
+            terms: self.on_device.address(),
+            frame_terms: self.frame_terms.address(),
+            targets: self.targets.address(),
+            target_nodes: self.target_nodes.address(),
+            nodes: nodes as u32,
+            surface: surface as u32,
+            frames: self.frames as u32,
+            term_count: self.on_device.len() as u32,
+            ..Measure::default()
+        }
+    }
+
+    /// Weighted sums by group of values in this order.
+    pub(crate) fn groups(&self, values: &[f64], groups: usize) -> Vec<f64> {
+        let mut sums = vec![0.0; groups];
+        // Added up in the objective's order within a frame, as terms are ordered by frame here.
+        for (&t, value) in self.order.iter().zip(values) {
+            sums[self.terms[t as usize].group] += value;
+        }
+        sums
+    }
+}

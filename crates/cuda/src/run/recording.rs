@@ -1,0 +1,204 @@
+//! What a rollout returns beside its costs.
+
+use bendtwin_engine::{
+    Error,
+    backend::{Diagnostics, Divergence, Instance, Loss, Outputs, Rollout},
+    energy,
+    model::State,
+};
+
+use crate::{
+    device::{
+        job::Record,
+        kernel::{Source, THREADS},
+        launch::{Arguments, MOST_BLOCKS},
+        memory::{Buffer, end_of},
+    },
+    plan::resident::resident,
+    run::simulation::{Keep, Simulation},
+};
+
+/// Nodes lower than this above the ground [m] stand on it.
+const ON_GROUND_M: f32 = 1e-3;
+
+/// Recorded arrays of a simulation's instances, on the device.
+pub(crate) struct Recorded {
+    frames: Vec<Vec<u32>>,
+    positions: Buffer<[f32; 3]>,
+    starts: Vec<usize>,
+    extremes: Buffer<[f32; 2]>,
+    extreme_starts: Vec<usize>,
+}
+
+/// Which states a rollout needs.
+pub(crate) fn keeps(batch: &[Instance], outputs: &Outputs) -> Keep {
+    let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
+    let all = scored || outputs.every > 0 || outputs.initial || outputs.diagnostics;
+    if all { Keep::All } else { Keep::Last }
+}
+
+/// Frames that a rollout records.
+fn frames(instance: &Instance, outputs: &Outputs) -> Vec<u32> {
+    let every = outputs.every;
+    (0..=instance.frames)
+        .filter(|&f| if f == 0 { outputs.initial } else { every > 0 && f % every == 0 })
+        .map(|f| f as u32)
+        .collect()
+}
+
+impl Recorded {
+    /// Gathers what is to be recorded of instances that have been run.
+    pub(crate) fn new(simulation: &Simulation<'_>, outputs: &Outputs) -> Result<Self, Error> {
+        let (queue, instances) = (simulation.queue, simulation.instances);
+        let stream = &queue.stream;
+        let frames: Vec<Vec<u32>> = instances.iter().map(|i| frames(i, outputs)).collect();
+        let node_count = |i: &Instance| i.model.model().graph.node_count();
+        let nodes = |i: &Instance| outputs.nodes.as_ref().map_or(node_count(i), |n| n.len());
+        let (mut starts, mut extreme_starts, mut frame_starts) = (vec![0], vec![0], vec![0]);
+        for (instance, frames) in instances.iter().zip(&frames) {
+            starts.push(end_of(&starts) + frames.len() * nodes(instance));
+            let measured = if outputs.diagnostics { instance.frames } else { 0 };
+            extreme_starts.push(end_of(&extreme_starts) + measured);
+            frame_starts.push(end_of(&frame_starts) + frames.len());
+        }
+        let positions = Buffer::empty(stream, end_of(&starts))?;
+        let extremes = Buffer::empty(stream, end_of(&extreme_starts))?;
+        let all_frames = Buffer::of(stream, &frames.concat())?;
+        let selected = match &outputs.nodes {
+            Some(nodes) => Some(Buffer::of(stream, nodes)?),
+            None => None,
+        };
+        let mut jobs = Vec::with_capacity(instances.len());
+        for (i, instance) in instances.iter().enumerate() {
+            let resident = resident(&instance.model)?;
+            let graph = &resident.graph.graph;
+            jobs.push(Record {
+                states: simulation.states_of(i),
+                frames: all_frames.at(frame_starts[i]),
+                nodes: selected.as_ref().map_or(0, Buffer::address),
+                positions: positions.at(starts[i]),
+                springs: resident.graph.springs.address(),
+                params: resident.params.address(),
+                controls: simulation.controls_of(i),
+                extremes: extremes.at(extreme_starts[i]),
+                node_count: graph.node_count() as u32,
+                recorded_nodes: nodes(instance) as u32,
+                recorded_frames: frames[i].len() as u32,
+                slots: simulation.slots_of(i) as u32,
+                spring_count: graph.springs.len() as u32,
+                controls_count: graph.control_count() as u32,
+                frame_count: instance.frames as u32,
+                unused: 0,
+            });
+        }
+        let jobs = Buffer::of(stream, &jobs)?;
+        let most_nodes = instances.iter().map(nodes).max().unwrap_or(0) as u32;
+        let most_frames = frames.iter().map(Vec::len).max().unwrap_or(0);
+        let longest = instances.iter().map(|i| i.frames).max().unwrap_or(0);
+        for first in (0..instances.len()).step_by(MOST_BLOCKS) {
+            let count = MOST_BLOCKS.min(instances.len() - first) as u32;
+            let arguments = Arguments::default().with(jobs.at(first));
+            if most_frames > MOST_BLOCKS {
+                return Err(Error::InvalidInput(format!(
+                    "{most_frames} recorded frames: {MOST_BLOCKS} is the most on this device"
+                )));
+            }
+            let grid = (most_nodes.div_ceil(THREADS), most_frames as u32, count);
+            // SAFETY: the arrays have room for all recorded frames and nodes, which exist.
+            unsafe { queue.launch(Source::Record, "record", grid, &arguments)? };
+            if outputs.diagnostics {
+                let grid = (longest as u32, count, 1);
+                // SAFETY: as above, for every frame.
+                unsafe { queue.launch(Source::Record, "extremes", grid, &arguments)? };
+            }
+        }
+        Ok(Self { frames, positions, starts, extremes, extreme_starts })
+    }
+
+    /// The rollouts; waits for the device.
+    pub(crate) fn rollouts(
+        &self,
+        simulation: &Simulation<'_>,
+        outputs: &Outputs,
+        losses: Vec<Loss>,
+    ) -> Result<Vec<Rollout>, Error> {
+        let positions = simulation.queue.fetch(&self.positions)?;
+        let extremes = self.extremes.read()?;
+        let mut rollouts = Vec::with_capacity(losses.len());
+        for (i, loss) in losses.into_iter().enumerate() {
+            let instance = &simulation.instances[i];
+            let ended = loss.diverged.is_none();
+            let whole = |d: Option<Divergence>| d.map_or(usize::MAX, |d| d.frame);
+            let kept = self.frames[i].iter().take_while(|&&f| (f as usize) < whole(loss.diverged));
+            let frames: Vec<usize> = kept.map(|&f| f as usize).collect();
+            let own = &positions[self.starts[i]..self.starts[i + 1]];
+            let a_frame = own.len() / self.frames[i].len().max(1);
+            let last = match ended && (outputs.final_state || outputs.diagnostics) {
+                true => Some(simulation.state(i, instance.frames)?),
+                false => None,
+            };
+            let span = self.extreme_starts[i]..self.extreme_starts[i + 1];
+            let diagnostics = match &last {
+                Some(state) if outputs.diagnostics => {
+                    Some(diagnose(instance, state, &extremes[span]))
+                }
+                _ => None,
+            };
+            rollouts.push(Rollout {
+                positions: own[..frames.len() * a_frame].to_vec(),
+                frames,
+                cost: loss.total,
+                group_costs: loss.groups,
+                final_state: last.filter(|_| outputs.final_state),
+                diagnostics,
+                diverged: loss.diverged,
+            });
+        }
+        Ok(rollouts)
+    }
+}
+
+fn diagnose(instance: &Instance, last: &State, extremes: &[[f32; 2]]) -> Diagnostics {
+    let model = instance.model.model();
+    let controls = model.graph.control_count();
+    let held = &instance.controls[instance.frames * controls..];
+    let most = |k: usize| extremes.iter().map(|e| e[k]).fold(0.0, f32::max);
+    let energy = energy(model, last, held).unwrap_or_default();
+    let low = |x: &[f32; 3]| {
+        model.environment.ground.is_some_and(|g| {
+            let height: f32 = x.iter().zip(g.normal).map(|(x, n)| x * n).sum();
+            height - g.offset_m < ON_GROUND_M
+        })
+    };
+    let mut found = Diagnostics {
+        max_strain: most(0),
+        max_speed_m_s: most(1),
+        kinetic_energy: energy.kinetic as f32,
+        elastic_energy: energy.elastic as f32,
+        ground_contacts: last.positions.iter().filter(|x| low(x)).count() as u32,
+    };
+    if instance.frames == 0 {
+        (found.max_strain, found.max_speed_m_s) = at_rest(instance, last);
+    }
+    found
+}
+
+/// Largest strain and speed of a state that no frame has followed.
+fn at_rest(instance: &Instance, state: &State) -> (f32, f32) {
+    let model = instance.model.model();
+    let n = model.graph.node_count();
+    let at = |e: u32| match e as usize {
+        i if i < n => state.positions[i],
+        i => instance.controls[i - n],
+    };
+    let length = |d: [f32; 3]| d.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let strains = model.graph.springs.iter().zip(&model.params.rest_lengths_m);
+    let strain = strains
+        .filter(|(_, rest)| **rest > 0.0)
+        .map(|(&[a, b], rest)| {
+            let (a, b) = (at(a), at(b));
+            (length(std::array::from_fn(|k| b[k] - a[k])) / rest - 1.0).abs()
+        })
+        .fold(0.0, f32::max);
+    (strain, state.velocities.iter().map(|&v| length(v)).fold(0.0, f32::max))
+}

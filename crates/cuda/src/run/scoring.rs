@@ -1,0 +1,158 @@
+//! What the objectives of simulated instances say: values by term, and d loss / d positions at frame ends.
+
+use std::sync::Arc;
+
+use bendtwin_engine::{
+    Error,
+    backend::{Divergence, Instance, Loss},
+};
+
+use crate::{
+    device::{
+        job::Measure,
+        kernel::{Source, THREADS},
+        launch::{Arguments, MOST_BLOCKS},
+        memory::{Buffer, end_of},
+    },
+    run::{
+        objective::{DeviceObjective, Objectives},
+        simulation::Simulation,
+    },
+};
+
+/// Objectives of all instances of a simulation.
+pub(crate) struct Scores {
+    objectives: Vec<Arc<DeviceObjective>>,
+    measures: Buffer<Measure>,
+    _nearest: Buffer<u32>,
+    values: Buffer<f64>,
+    value_starts: Vec<usize>,
+    seeds: Option<Buffer<f32>>,
+    seed_starts: Vec<usize>,
+}
+
+/// Bytes that seeds of an instance of so many frames and nodes take.
+pub(crate) fn seed_bytes(frames: usize, nodes: usize) -> u64 {
+    12 * (frames as u64 + 1) * nodes as u64
+}
+
+/// Refuses gradients of more frames than are seeded at once, before anything is simulated.
+pub(crate) fn refuse_too_long(instances: &[Instance]) -> Result<(), Error> {
+    let most = MOST_BLOCKS - 1;
+    match instances.iter().map(|i| i.frames).find(|&frames| frames > most) {
+        Some(frames) => Err(Error::InvalidInput(format!(
+            "{frames} frames in one gradient: {most} is the most on this device"
+        ))),
+        None => Ok(()),
+    }
+}
+
+impl Scores {
+    /// Scores all instances, whose frames have been run and kept. With `cut_every` also finds
+    /// what seeds their adjoints, cut at every so many frames; see [`refuse_too_long`]. `known` has
+    /// the objectives that are on the device already.
+    pub(crate) fn new(
+        simulation: &Simulation<'_>,
+        known: &Objectives,
+        cut_every: Option<usize>,
+    ) -> Result<Self, Error> {
+        let (queue, instances) = (simulation.queue, simulation.instances);
+        let stream = &queue.stream;
+        let objectives = instances
+            .iter()
+            .map(|i| known.get(stream, &i.objective, i.frames))
+            .collect::<Result<Vec<_>, Error>>()?;
+        let (mut nearest_starts, mut value_starts, mut seed_starts) = (vec![0], vec![0], vec![0]);
+        for (instance, objective) in instances.iter().zip(&objectives) {
+            let n = instance.model.model().graph.node_count();
+            nearest_starts.push(end_of(&nearest_starts) + objective.target_count);
+            value_starts.push(end_of(&value_starts) + objective.order.len());
+            seed_starts.push(end_of(&seed_starts) + 3 * n * (instance.frames + 1));
+        }
+        let nearest = Buffer::empty(stream, end_of(&nearest_starts))?;
+        let values = Buffer::empty(stream, end_of(&value_starts))?;
+        let seeds = match cut_every {
+            Some(_) => Some(Buffer::empty(stream, end_of(&seed_starts))?),
+            None => None,
+        };
+        let mut measures = Vec::with_capacity(instances.len());
+        for (i, (instance, objective)) in instances.iter().zip(&objectives).enumerate() {
+            let graph = &instance.model.model().graph;
+            measures.push(Measure {
+                states: simulation.states_of(i),
+                nearest: nearest.at(nearest_starts[i]),
+                values: values.at(value_starts[i]),
+                seeds: seeds.as_ref().map_or(0, |s: &Buffer<f32>| s.at(seed_starts[i])),
+                cut_every: cut_every.unwrap_or(0).min(u32::MAX as usize) as u32,
+                ..objective.measure(graph.node_count(), graph.surface_count())
+            });
+        }
+        let measures = Buffer::of(stream, &measures)?;
+        let this = Self {
+            objectives,
+            measures,
+            _nearest: nearest,
+            values,
+            value_starts,
+            seeds,
+            seed_starts,
+        };
+        this.launch(simulation)?;
+        Ok(this)
+    }
+
+    fn launch(&self, simulation: &Simulation<'_>) -> Result<(), Error> {
+        let (queue, instances) = (simulation.queue, simulation.instances);
+        let terms = self.objectives.iter().map(|o| o.order.len()).max().unwrap_or(0);
+        let graph = |i: &Instance| i.model.model().graph.node_count();
+        let nodes = instances.iter().map(graph).max().unwrap_or(0);
+        let frames = instances.iter().map(|i| i.frames).max().unwrap_or(0);
+        for first in (0..instances.len()).step_by(MOST_BLOCKS) {
+            let jobs = MOST_BLOCKS.min(instances.len() - first) as u32;
+            let arguments = Arguments::default().with(self.measures.at(first));
+            let grid = (terms.min(MOST_BLOCKS) as u32, jobs, 1);
+            // SAFETY: the measures' arrays have room for all terms, targets, frames and nodes.
+            unsafe { queue.launch(Source::Loss, "score", grid, &arguments)? };
+            if self.seeds.is_none() {
+                continue;
+            }
+            let grid = ((nodes as u32).div_ceil(THREADS), frames as u32 + 1, jobs);
+            // SAFETY: as above.
+            unsafe { queue.launch(Source::Loss, "seed", grid, &arguments)? };
+        }
+        Ok(())
+    }
+
+    /// Address of d loss / d positions of an instance at the end of a frame.
+    pub(crate) fn seed(&self, simulation: &Simulation<'_>, index: usize, frame: usize) -> u64 {
+        let n = simulation.instances[index].model.model().graph.node_count();
+        let at = self.seed_starts[index] + 3 * n * frame;
+        self.seeds.as_ref().map_or(0, |s| s.at(at))
+    }
+
+    /// The losses; waits for the device.
+    pub(crate) fn losses(
+        &self,
+        simulation: &Simulation<'_>,
+        diverged: &[Option<Divergence>],
+    ) -> Result<Vec<Loss>, Error> {
+        let values = self.values.read()?;
+        let each = simulation.instances.iter().zip(&self.objectives).enumerate();
+        let loss = each.map(|(i, (instance, objective))| {
+            let groups = instance.objective.groups.len();
+            let own = &values[self.value_starts[i]..self.value_starts[i + 1]];
+            loss(diverged[i], objective.groups(own, groups))
+        });
+        Ok(loss.collect())
+    }
+}
+
+/// A loss of these groups; infinite if it diverged.
+pub(crate) fn loss(diverged: Option<Divergence>, groups: Vec<f64>) -> Loss {
+    let groups = match diverged {
+        None => groups,
+        Some(_) => vec![f64::INFINITY; groups.len()],
+    };
+    let total = if diverged.is_some() { f64::INFINITY } else { groups.iter().sum() };
+    Loss { total, groups, diverged }
+}

@@ -1,0 +1,426 @@
+//! Instances under way on the device: where they start, and frames forward.
+
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
+
+use bendtwin_core::{CancelToken, Point, environment::ControlVelocity};
+use bendtwin_engine::{
+    Error, Model,
+    backend::{Divergence, Instance},
+    model::State,
+};
+use cudarc::driver::CudaStream;
+use rayon::prelude::*;
+
+use crate::{
+    device::{
+        job::{Job, Start},
+        kernel::{Source, THREADS, Variant},
+        launch::{Arguments, MOST_BLOCKS},
+        memory::{Buffer, end_of},
+        pace::Pace,
+        queue::Queue,
+    },
+    plan::{
+        choice::{Fitted, Purpose, choose},
+        graph::Cut,
+        resident::{Packed, has_contact, resident},
+        tape::Kept,
+    },
+    run::group::{Group, Jobs, Stretch},
+};
+
+/// A node keeps its nearest so many contact candidates.
+const MAX_PARTNERS: usize = 512;
+/// How long a launch should take at most [us]: what others wait for, and a cancellation.
+const LAUNCH_US: f64 = 15_000.0;
+
+/// Which frames' states are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Keep {
+    /// All of them.
+    All,
+    /// The last one.
+    Last,
+}
+
+/// Instances of a batch on the device.
+pub(crate) struct Simulation<'a> {
+    pub(crate) queue: &'a Queue,
+    pub(crate) instances: &'a [Instance],
+    /// States of each instance, shape [slots, 6, N].
+    states: Buffer<f32>,
+    state_starts: Vec<usize>,
+    /// Twists of each instance's rods, shape [slots, R].
+    twists: Buffer<f32>,
+    twist_starts: Vec<usize>,
+    keep: Keep,
+    controls: Buffer<Point>,
+    control_starts: Vec<usize>,
+    divergence: Buffer<u64>,
+    contact: Contact,
+}
+
+/// Contact's arrays of simulations that run side by side.
+pub(crate) struct Contact {
+    partners: Buffer<u32>,
+    counts: Buffer<u32>,
+    scratch: Buffer<u32>,
+    x: Buffer<[f32; 4]>,
+    v: Buffer<[f32; 4]>,
+    /// First node of each in these.
+    starts: Vec<usize>,
+}
+
+/// Bytes of device memory that an instance takes while it is simulated.
+pub(crate) fn bytes_of(instance: &Instance, keep: Keep) -> u64 {
+    let model = instance.model.model();
+    let n = model.graph.node_count() as u64;
+    let states = (24 * n + 4 * model.graph.rods.len() as u64) * slots(instance, keep) as u64;
+    let contact = if has_contact(model) { n * (4 * MAX_PARTNERS as u64 + 40) } else { 0 };
+    states + contact + 12 * instance.controls.len() as u64
+}
+
+fn slots(instance: &Instance, keep: Keep) -> usize {
+    match keep {
+        Keep::All => instance.frames + 1,
+        Keep::Last => 2,
+    }
+}
+
+impl<'a> Simulation<'a> {
+    /// Puts checked instances onto the device, at their initial states.
+    pub(crate) fn new(
+        queue: &'a Queue,
+        instances: &'a [Instance],
+        keep: Keep,
+    ) -> Result<Self, Error> {
+        let stream = &queue.stream;
+        let (mut state_starts, mut control_starts) = (vec![0], vec![0]);
+        let mut twist_starts = vec![0];
+        for instance in instances {
+            let graph = &instance.model.model().graph;
+            let (n, r) = (graph.node_count(), graph.rods.len());
+            state_starts.push(end_of(&state_starts) + 6 * n * slots(instance, keep));
+            twist_starts.push(end_of(&twist_starts) + r * slots(instance, keep));
+            control_starts.push(end_of(&control_starts) + instance.controls.len());
+        }
+        let all: Vec<Point> = instances.iter().flat_map(|i| i.controls.iter()).copied().collect();
+        let divergence = Buffer::empty(stream, instances.len())?;
+        divergence.fill(0xff)?;
+        let this = Self {
+            states: Buffer::empty(stream, end_of(&state_starts))?,
+            twists: Buffer::empty(stream, end_of(&twist_starts))?,
+            controls: Buffer::of(stream, &all)?,
+            contact: Contact::new(queue, instances.iter().map(|i| contact_nodes(i.model.model())))?,
+            queue,
+            instances,
+            state_starts,
+            twist_starts,
+            keep,
+            control_starts,
+            divergence,
+        };
+        start(&this)?;
+        Ok(this)
+    }
+
+    /// Address of an instance's states.
+    pub(crate) fn states_of(&self, index: usize) -> u64 {
+        self.states.at(self.state_starts[index])
+    }
+
+    /// Address of an instance's twists.
+    fn twists_of(&self, index: usize) -> u64 {
+        self.twists.at(self.twist_starts[index])
+    }
+
+    /// Address of an instance's controls.
+    pub(crate) fn controls_of(&self, index: usize) -> u64 {
+        self.controls.at(self.control_starts[index])
+    }
+
+    /// Slots of an instance's states.
+    pub(crate) fn slots_of(&self, index: usize) -> usize {
+        slots(&self.instances[index], self.keep)
+    }
+
+    /// The job of an instance, for these packed parameters.
+    pub(crate) fn job(&self, index: usize, packed: &Packed) -> Result<Job, Error> {
+        let instance = &self.instances[index];
+        let model = instance.model.model();
+        let resident = resident(&instance.model)?;
+        let mut job = Job {
+            controls: self.controls_of(index),
+            states: self.states_of(index),
+            rods: resident.params.at(3 * (model.graph.springs.len() + model.graph.triplets.len())),
+            twists: self.twists_of(index),
+            divergence: self.divergence.at(index),
+            slots: self.slots_of(index) as u32,
+            frames: instance.frames as u32,
+            object_ids: resident.graph.object_ids.address(),
+            dashpot: resident.dashpot.unwrap_or_default(),
+            ..packed.job(model)
+        };
+        if has_contact(model) {
+            if model.params.contact.within_object {
+                let joined = resident.graph.joined(&resident.device)?;
+                (job.joined_starts, job.joined) = (joined.starts.address(), joined.nodes.address());
+            }
+            self.contact.place(index, &mut job);
+        }
+        Ok(job)
+    }
+
+    /// Runs all frames, with all that happens in them onto tape if there is one.
+    pub(crate) fn run(&self, tape: Option<&mut Kept>, cancel: &CancelToken) -> Result<(), Error> {
+        let all: Vec<usize> = (0..self.instances.len()).collect();
+        let purpose = if tape.is_some() { Purpose::Tape } else { Purpose::Forward };
+        let mut groups = self.groups(&all, purpose)?;
+        if let Some(tape) = tape {
+            for (index, job) in groups.iter_mut().flat_map(Group::members_mut) {
+                tape.write(index, job);
+            }
+        }
+        let longest = self.instances.iter().map(|i| i.frames).max().unwrap_or(0);
+        let jobs: Vec<Buffer<Job>> = groups
+            .iter()
+            .map(|g| Buffer::of(&self.queue.stream, g.jobs()))
+            .collect::<Result<_, _>>()?;
+        let step = if groups.iter().any(|g| g.fitted.variant.contact) {
+            1
+        } else {
+            let frame_us: f64 = groups.iter().map(|g| self.frame_us(g)).sum();
+            ((LAUNCH_US / frame_us.max(1e-3)) as usize).clamp(1, longest.max(1))
+        };
+        let mut pace = Pace::default();
+        for first in (0..longest).step_by(step) {
+            if cancel.is_cancelled() {
+                self.queue.synchronize()?;
+                return Err(Error::Cancelled);
+            }
+            let stretch = Stretch::frames(first, first + step);
+            // Different graphs take different kernels, none of which fills the device: they run side by side.
+            self.queue.side_by_side(groups.len(), |k, sides| {
+                let (group, jobs) = (&groups[k], Jobs::all(&jobs[k]));
+                let stream = sides.of(k, &group.fitted.team);
+                if group.fitted.variant.contact {
+                    self.find_partners(stream, jobs, first as u32)?;
+                }
+                group.advance(self.queue, stream, jobs, &stretch)
+            })?;
+            pace.step(self.queue)?;
+        }
+        Ok(())
+    }
+
+    fn frame_us(&self, group: &Group) -> f64 {
+        let model = |&i: &usize| self.instances[i].model.model();
+        let substeps = group.members.iter().map(model).map(|m| m.timing.substeps).max();
+        group.fitted.substep_us * f64::from(substeps.unwrap_or(1))
+    }
+
+    /// Finds the contact candidates of a frame.
+    pub(crate) fn find_partners(
+        &self,
+        stream: &CudaStream,
+        jobs: Jobs,
+        frame: u32,
+    ) -> Result<(), Error> {
+        let arguments = Arguments::default().with(jobs.address).with(frame);
+        let grid = (jobs.count as u32, 1, 1);
+        let function = self.queue.device.small(Source::Partners, "find_partners")?;
+        // SAFETY: jobs with contact have its arrays; the kernel looks at frames that exist.
+        unsafe { function.launch(stream, grid, 0, &arguments) }
+    }
+
+    /// Jobs of some instances, in groups that one launch serves; an instance may have several. Groups' members
+    /// are indices in `of`.
+    pub(crate) fn groups(&self, of: &[usize], purpose: Purpose) -> Result<Vec<Group>, Error> {
+        let device = &self.queue.device;
+        let model = |m: usize| &self.instances[of[m]].model;
+        // Where there are no nodes, nothing moves.
+        let moves = |&m: &usize| model(m).model().graph.node_count() > 0;
+        let members: Vec<usize> = (0..of.len()).filter(moves).collect();
+        // The first member of each model, and how many it has.
+        let mut alike: HashMap<usize, (usize, usize)> = HashMap::new();
+        for &m in &members {
+            let key = std::ptr::from_ref(resident(model(m))?) as usize;
+            alike.entry(key).or_insert((m, 0)).1 += 1;
+        }
+        let firsts: Vec<usize> = alike.values().map(|&(first, _)| first).collect();
+        let fitted = side_by_side(self.queue, &firsts, |&m| {
+            let (resident, model) = (resident(model(m))?, model(m).model());
+            let key = std::ptr::from_ref(resident) as usize;
+            let (batch, alike) = (members.len(), alike[&key].1);
+            let fit = choose(&device.ability, resident, model, purpose, batch, alike)?;
+            Ok((key, (fit, resident.packed(Cut::of(&fit.team))?)))
+        })?;
+        let known: HashMap<usize, (Fitted, Arc<Packed>)> = fitted.into_iter().collect();
+        let variants: HashSet<Variant> = known.values().map(|(fit, _)| fit.variant).collect();
+        let variants: Vec<Variant> = variants.into_iter().collect();
+        side_by_side(self.queue, &variants, |variant| device.function(variant, purpose.kernel()))?;
+        let mut groups: Vec<Group> = Vec::new();
+        for &m in &members {
+            let (fit, packed) = &known[&(std::ptr::from_ref(resident(model(m))?) as usize)];
+            let job = self.job(of[m], packed)?;
+            // Instances that are simulated together share their model, and groups of them are full.
+            let at = match groups.iter().position(|g| g.takes(fit, packed)) {
+                Some(at) => at,
+                None => {
+                    groups.push(Group::new(*fit));
+                    groups.len() - 1
+                }
+            };
+            groups[at].add(m, job, fit, packed);
+        }
+        groups.iter_mut().try_for_each(|g| g.complete(self.queue))?;
+        Ok(groups)
+    }
+
+    /// Where instances diverged.
+    pub(crate) fn divergences(&self) -> Result<Vec<Option<Divergence>>, Error> {
+        let found = self.divergence.read()?;
+        let decode = |key: u64| {
+            let (frame, node) = ((key >> 32) as usize, (key & 0xffff_ffff) as usize);
+            (key != u64::MAX).then_some(Divergence { frame, node })
+        };
+        Ok(found.into_iter().map(decode).collect())
+    }
+
+    /// State of an instance at the end of a frame; waits for the device.
+    pub(crate) fn state(&self, index: usize, frame: usize) -> Result<State, Error> {
+        let graph = &self.instances[index].model.model().graph;
+        let (n, r) = (graph.node_count(), graph.rods.len());
+        let slot = frame % self.slots_of(index);
+        let twists = match r {
+            0 => Vec::new(),
+            r => self.twists.read_from(self.twist_starts[index] + slot * r, r)?,
+        };
+        let planes = self.states.read_from(self.state_starts[index] + slot * 6 * n, 6 * n)?;
+        let point = |first: usize, i: usize| {
+            [planes[first * n + i], planes[(first + 1) * n + i], planes[(first + 2) * n + i]]
+        };
+        Ok(State {
+            positions: (0..n).map(|i| point(0, i)).collect(),
+            velocities: (0..n).map(|i| point(3, i)).collect(),
+            twists,
+        })
+    }
+}
+
+/// Makes something of each, on several threads if there are several: new graphs are cut and kernels compiled. Who is
+/// in a hurry does it alone: the threads may be busy with a fit.
+fn side_by_side<T: Sync, U: Send>(
+    queue: &Queue,
+    of: &[T],
+    make: impl Fn(&T) -> Result<U, Error> + Sync + Send,
+) -> Result<Vec<U>, Error> {
+    match of {
+        [] | [_] => of.iter().map(make).collect(),
+        _ if queue.is_urgent => of.iter().map(make).collect(),
+        several => several.par_iter().map(make).collect(),
+    }
+}
+
+/// Puts initial states, which instances may share, to where each instance's first frame is.
+fn start(this: &Simulation<'_>) -> Result<(), Error> {
+    let stream = &this.queue.stream;
+    let each = this.instances.iter().map(|i| (&*i.initial, i.model.model().graph.rods.len()));
+    let (planes, places) = initial_planes(each);
+    let initial = Buffer::of(stream, &planes)?;
+    let mut starts = Vec::with_capacity(this.instances.len());
+    for ((i, instance), &(at, twists_at)) in this.instances.iter().enumerate().zip(&places) {
+        let model = instance.model.model();
+        let moves = model.control_velocity == ControlVelocity::True && instance.frames > 0;
+        let (pin_of, pins) = resident(&instance.model)?.graph.pins();
+        starts.push(Start {
+            initial: initial.at(at),
+            initial_twists: initial.at(twists_at),
+            twists: this.twists_of(i),
+            rods: model.graph.rods.len() as u32,
+            unused: 0,
+            states: this.states_of(i),
+            controls: this.controls_of(i),
+            pin_of,
+            pins,
+            frame_s: model.timing.frame_s() as f32,
+            nodes: model.graph.node_count() as u32,
+            control_count: model.graph.control_count() as u32,
+            controls_move: u32::from(moves),
+        });
+    }
+    let most = starts.iter().map(|s| s.nodes).max().unwrap_or(0);
+    let on_device = Buffer::of(stream, &starts)?;
+    for first in (0..starts.len()).step_by(MOST_BLOCKS) {
+        let count = MOST_BLOCKS.min(starts.len() - first) as u32;
+        let arguments = Arguments::default().with(on_device.at(first));
+        let grid = (most.div_ceil(THREADS), count, 1);
+        // SAFETY: every start has its instance's nodes, controls of its first frames, and room for its states.
+        unsafe { this.queue.launch(Source::Start, "start", grid, &arguments)? };
+    }
+    Ok(())
+}
+
+/// States as planes, each state followed by its twists, and where both of each instance's begin. Instances may share a
+/// state though their models have different numbers of rods: it is there once for each number.
+fn initial_planes<'a>(
+    initial: impl Iterator<Item = (&'a State, usize)>,
+) -> (Vec<f32>, Vec<(usize, usize)>) {
+    let mut known: HashMap<(*const State, usize), (usize, usize)> = HashMap::new();
+    let mut planes: Vec<f32> = Vec::new();
+    let mut place = |(state, rods): (&'a State, usize)| {
+        *known.entry((std::ptr::from_ref(state), rods)).or_insert_with(|| {
+            let at = planes.len();
+            let State { positions, velocities, twists } = state;
+            for points in [positions, velocities] {
+                (0..3).for_each(|k| planes.extend(points.iter().map(|p| p[k])));
+            }
+            let twists_at = planes.len();
+            planes.extend((0..rods).map(|r| twists.get(r).copied().unwrap_or(0.0)));
+            (at, twists_at)
+        })
+    };
+    let places = initial.map(&mut place).collect();
+    (planes, places)
+}
+
+/// Nodes that contact's arrays need for a model.
+pub(crate) fn contact_nodes(model: &Model) -> usize {
+    if has_contact(model) { model.graph.node_count() } else { 0 }
+}
+
+impl Contact {
+    /// For simulations with contact of so many nodes each.
+    pub(crate) fn new(queue: &Queue, nodes: impl Iterator<Item = usize>) -> Result<Self, Error> {
+        let mut starts = vec![0];
+        for nodes in nodes {
+            starts.push(end_of(&starts) + nodes);
+        }
+        let (n, stream) = (end_of(&starts), &queue.stream);
+        Ok(Self {
+            partners: Buffer::empty(stream, n * MAX_PARTNERS)?,
+            counts: Buffer::empty(stream, n)?,
+            scratch: Buffer::empty(stream, n)?,
+            x: Buffer::empty(stream, n)?,
+            v: Buffer::empty(stream, n)?,
+            starts,
+        })
+    }
+
+    /// Gives a job the arrays of one of the simulations.
+    pub(crate) fn place(&self, index: usize, job: &mut Job) {
+        let at = self.starts[index];
+        job.partners = self.partners.at(at * MAX_PARTNERS);
+        job.partner_counts = self.counts.at(at);
+        job.partner_scratch = self.scratch.at(at);
+        job.contact_x = self.x.at(at);
+        job.contact_v = self.v.at(at);
+        job.max_partners = MAX_PARTNERS as u32;
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,87 @@
+//! Progress of a fit in units of simulated frames, and the estimated time to its end.
+
+use std::time::Instant;
+
+use bendtwin_core::{Progress, Stage};
+
+use crate::task::Task;
+
+/// Cost of a frame with its gradient, relative to a frame without, scoring included.
+const GRADIENT_COST: f64 = 5.0;
+/// Share of the job that evaluation takes.
+const EVALUATION_SHARE: f64 = 0.02;
+
+/// The planned work of a fit, to estimate progress by.
+pub(crate) struct ProgressEstimator {
+    generation_frames: f64,
+    pass_frames: f64,
+    generations: u32,
+    passes: u32,
+    /// Time and fraction done at this process's first report.
+    origin: Option<(Instant, f64)>,
+}
+
+/// Progress of one model.
+pub(crate) struct ModelProgress {
+    pub(crate) model: String,
+    pub(crate) stage: Stage,
+    /// Completed iterations of the stage.
+    pub(crate) iteration: u32,
+    pub(crate) loss: Option<f64>,
+    pub(crate) best_loss: Option<f64>,
+    pub(crate) note: Option<String>,
+}
+
+impl ProgressEstimator {
+    pub(crate) fn new(task: &Task<'_>, search_frames: usize, population: usize) -> Self {
+        let frames: usize = task.training.iter().map(|t| t.frames).sum();
+        Self {
+            generation_frames: (search_frames * population) as f64,
+            pass_frames: frames as f64 * GRADIENT_COST,
+            generations: task.generations(),
+            passes: task.settings.refine.passes,
+            origin: None,
+        }
+    }
+
+    fn fraction(&self, stage: Stage, iteration: u32) -> f64 {
+        let search = self.generation_frames * f64::from(self.generations);
+        let refine = self.pass_frames * f64::from(self.passes);
+        let total = search + refine;
+        let done = match stage {
+            Stage::Ingest => 0.0,
+            Stage::Search => self.generation_frames * f64::from(iteration),
+            Stage::Refine => search + self.pass_frames * f64::from(iteration),
+            Stage::Evaluate => total,
+        };
+        let share = if total > 0.0 { done / total } else { 1.0 };
+        if stage == Stage::Evaluate && iteration > 0 {
+            return 1.0;
+        }
+        if stage == Stage::Ingest { 0.0 } else { share * (1.0 - EVALUATION_SHARE) }
+    }
+
+    /// A model's progress with the fraction of the whole fit that is done, and the time left.
+    pub(crate) fn progress(&mut self, report: ModelProgress) -> Progress {
+        let fraction = self.fraction(report.stage, report.iteration);
+        let (began, from) = *self.origin.get_or_insert_with(|| (Instant::now(), fraction));
+        let gained = fraction - from;
+        let eta_s = (gained > 1e-3)
+            .then(|| began.elapsed().as_secs_f64() / gained * (1.0 - fraction).max(0.0));
+        Progress {
+            stage: report.stage,
+            variant: report.model,
+            iteration: report.iteration,
+            iterations: match report.stage {
+                Stage::Search => self.generations,
+                Stage::Refine => self.passes,
+                Stage::Ingest | Stage::Evaluate => 1,
+            },
+            fraction,
+            loss: report.loss.filter(|l| l.is_finite()),
+            best_loss: report.best_loss.filter(|l| l.is_finite()),
+            eta_s,
+            note: report.note,
+        }
+    }
+}

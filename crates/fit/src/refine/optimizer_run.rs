@@ -1,0 +1,345 @@
+//! The refinement of one model: its best parameters, the length of its steps, and when it returns to
+//! the best parameters. The engine's optimizer takes the steps and holds the current position.
+
+use std::sync::Arc;
+
+use bendtwin_core::{Environment, Graph, Params, Timing, settings::Substeps};
+use bendtwin_engine::{
+    Backend, Loaded, backend, enough_substeps,
+    optimizer::{GradientNorm, Optimizer, OptimizerInit, Parameterization, Position},
+};
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Error,
+    built_graph::{Refusal, build_model, load},
+    parameterization::parameterization,
+    refine::step_control::StepControl,
+    sequences,
+    task::Task,
+};
+
+/// Margin of stability below which substeps are added.
+const MIN_MARGIN: f64 = 1.15;
+
+/// The part of a run that a checkpoint keeps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct RunState {
+    /// Passes that are done.
+    pub(crate) pass: u32,
+    /// Position after the last pass.
+    position: Position,
+    substeps: u32,
+    step_control: StepControl,
+    /// The last loss measured over all training frames: at the start of the last pass if that was a
+    /// single step, otherwise at its end.
+    pub(crate) loss: f64,
+    pub(crate) best: Best,
+}
+
+/// The best parameters so far, by their loss over all training frames.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Best {
+    theta: Vec<f64>,
+    substeps: u32,
+    pub(crate) loss: f64,
+}
+
+/// The optimizer run that refines one model.
+pub(crate) struct OptimizerRun<'a> {
+    /// Index of the model in the fit.
+    pub(crate) model: usize,
+    pub(crate) state: RunState,
+    pub(crate) graph: Arc<Graph>,
+    /// The model as of the last call of [`OptimizerRun::sync`]; within a pass the optimizer is ahead
+    /// of it.
+    pub(crate) loaded: Loaded,
+    /// A message for people about the last pass.
+    pub(crate) note: Option<String>,
+    parameterization: Parameterization,
+    paused: bool,
+    task: &'a Task<'a>,
+}
+
+impl<'a> OptimizerRun<'a> {
+    /// A run from the parameters that the search found.
+    pub(crate) fn new(
+        model: usize,
+        task: &'a Task<'a>,
+        graph: Arc<Graph>,
+        params: Params,
+        environment: Environment,
+        backend: &dyn Backend,
+    ) -> Result<(Self, OptimizerInit), Error> {
+        let parameterization = parameterization(task, params);
+        let position = Position::at_rest(parameterization.start());
+        let params = parameterization.params(&position.theta);
+        let initial = build_model(task, &graph, params, environment).map_err(too_stiff)?;
+        let substeps = initial.timing.substeps;
+        let loaded = load(backend, initial)?.map_err(too_stiff)?;
+        let best = Best { theta: position.theta.clone(), substeps, loss: f64::INFINITY };
+        let state = RunState {
+            pass: 0,
+            position,
+            substeps,
+            step_control: StepControl::new(task.settings.refine.reach),
+            loss: f64::INFINITY,
+            best,
+        };
+        Ok(Self::at(model, task, graph, loaded, parameterization, state))
+    }
+
+    /// A run from a checkpoint; `params` are those that the search found.
+    pub(crate) fn restore(
+        model: usize,
+        task: &'a Task<'a>,
+        graph: Arc<Graph>,
+        params: Params,
+        environment: Environment,
+        state: RunState,
+        backend: &dyn Backend,
+    ) -> Result<(Self, OptimizerInit), Error> {
+        let parameterization = parameterization(task, params);
+        let best = Position::at_rest(state.best.theta.clone());
+        for position in [&state.position, &best] {
+            parameterization
+                .check_position(position)
+                .map_err(|e| Error::Checkpoint(e.to_string()))?;
+        }
+        let params = parameterization.params(&state.position.theta);
+        let mut current = build_model(task, &graph, params, environment).map_err(too_stiff)?;
+        current.timing.substeps = state.substeps;
+        let loaded = load(backend, current)?.map_err(too_stiff)?;
+        Ok(Self::at(model, task, graph, loaded, parameterization, state))
+    }
+
+    fn at(
+        model: usize,
+        task: &'a Task<'a>,
+        graph: Arc<Graph>,
+        loaded: Loaded,
+        parameterization: Parameterization,
+        state: RunState,
+    ) -> (Self, OptimizerInit) {
+        let init = OptimizerInit {
+            loaded: loaded.clone(),
+            parameterization: parameterization.clone(),
+            position: state.position.clone(),
+        };
+        let (note, paused) = (None, false);
+        (Self { model, state, graph, loaded, note, parameterization, paused, task }, init)
+    }
+
+    /// Whether it takes part in the steps of this pass.
+    pub(crate) fn is_active(&self) -> bool {
+        !self.paused
+    }
+
+    /// How far gradients of this run reach back.
+    pub(crate) fn reach(&self) -> usize {
+        self.state.step_control.reach()
+    }
+
+    pub(crate) fn begin_pass(&mut self) {
+        self.note = None;
+        self.resume();
+    }
+
+    /// Ends a pause after a rollback, unless steps have become too short to matter.
+    pub(crate) fn resume(&mut self) {
+        self.paused = !self.state.step_control.can_continue();
+    }
+
+    pub(crate) fn end_pass(&mut self) {
+        self.state.pass += 1;
+    }
+
+    /// The best parameters, and the timing that they were scored with.
+    pub(crate) fn best(&self) -> (Params, Timing) {
+        let best = &self.state.best;
+        (self.parameterization.params(&best.theta), self.timing(best.substeps))
+    }
+
+    fn timing(&self, substeps: u32) -> Timing {
+        Timing { fps: self.task.capture.fps, substeps }
+    }
+
+    /// Moves this run, which has this index in the optimizer, to a position.
+    fn move_to(
+        &mut self,
+        index: usize,
+        position: Position,
+        substeps: u32,
+        optimizer: &mut dyn Optimizer,
+    ) -> Result<Result<(), Refusal>, Error> {
+        match optimizer.move_to(index, &position, self.timing(substeps)) {
+            Ok(()) => {
+                self.loaded = optimizer.loaded(index)?;
+                (self.state.position, self.state.substeps) = (position, substeps);
+                Ok(Ok(()))
+            }
+            Err(backend::Error::Unstable { needed, .. }) => Ok(Err(Refusal::TooStiff(needed))),
+            Err(e) => Err(e.into()),
+        }
+    }
+
+    /// Learning rate of the current pass.
+    fn learning_rate(&self) -> f64 {
+        let refine = &self.task.settings.refine;
+        let steps = self.state.position.adam.steps;
+        refine.learning_rate * self.state.step_control.rate(self.state.pass, refine.passes, steps)
+    }
+
+    /// One optimizer step down the mean of the gradients that were just measured.
+    pub(crate) fn step(
+        &mut self,
+        index: usize,
+        gradients: &[GradientNorm],
+        optimizer: &mut dyn Optimizer,
+    ) -> Result<(), Error> {
+        if let Some(d) = gradients.iter().find_map(|g| g.loss.diverged) {
+            let why = format!("the simulation diverged in frame {}", d.frame);
+            let change = self.state.step_control.halve_rate();
+            return self.rollback(index, &why, &change, optimizer);
+        }
+        if gradients.iter().any(|g| !(g.norm.is_finite() && g.loss.total.is_finite())) {
+            let change = self.state.step_control.shorten_reach();
+            return self.rollback(index, "the gradient is not finite", &change, optimizer);
+        }
+        let losses: Vec<f64> = gradients.iter().map(|g| g.loss.total).collect();
+        let scales = sequences::gradient_scales(self.task.sequence_mean(), &losses);
+        let norms: Vec<f64> =
+            gradients.iter().zip(&scales).map(|(g, scale)| scale * g.norm).collect();
+        let mut weights = weights(&norms);
+        let norm = norms.iter().zip(&weights).map(|(norm, weight)| norm * weight).sum();
+        let clip = self.state.step_control.clip_factor(norm);
+        weights.iter_mut().zip(&scales).for_each(|(weight, scale)| *weight *= scale * clip);
+        Ok(optimizer.step(index, &weights, self.learning_rate())?)
+    }
+
+    /// Takes over the optimizer's position after the steps of a pass.
+    pub(crate) fn sync(
+        &mut self,
+        index: usize,
+        optimizer: &mut dyn Optimizer,
+    ) -> Result<(), Error> {
+        self.loaded = optimizer.loaded(index)?;
+        self.state.position = optimizer.position(index)?;
+        self.raise_substeps(index, optimizer)
+    }
+
+    /// Adds substeps where stiffness has grown; rolls back where the limit is reached.
+    fn raise_substeps(&mut self, index: usize, optimizer: &mut dyn Optimizer) -> Result<(), Error> {
+        let current = self.loaded.model();
+        let margin = match self.task.settings.substeps {
+            Substeps::Auto { safety, .. } => safety.min(MIN_MARGIN),
+            Substeps::Fixed(_) => 1.0,
+        };
+        let with_margin = (f64::from(self.state.substeps) / margin) as u32;
+        if enough_substeps(current, with_margin).is_ok() {
+            return Ok(());
+        }
+        let moved = match build_model(
+            self.task,
+            &self.graph,
+            current.params.clone(),
+            current.environment,
+        ) {
+            // At the limit the margin is reduced.
+            Ok(model) if model.timing.substeps <= self.state.substeps => return Ok(()),
+            Ok(model) => {
+                let position = self.state.position.clone();
+                self.move_to(index, position, model.timing.substeps, optimizer)?
+            }
+            Err(refusal) => Err(refusal),
+        };
+        match moved {
+            Ok(()) => {
+                self.note(format!("raised to {} substeps a frame", self.state.substeps));
+                Ok(())
+            }
+            Err(Refusal::TooStiff(n)) => {
+                let change = self.state.step_control.halve_rate();
+                self.rollback(
+                    index,
+                    &format!("it would need {n} substeps a frame"),
+                    &change,
+                    optimizer,
+                )
+            }
+        }
+    }
+
+    /// Records the loss of the current parameters over all training frames: keeps them if they are
+    /// the best so far, returns to the best after too many passes without a gain.
+    pub(crate) fn record_loss(
+        &mut self,
+        index: usize,
+        loss: f64,
+        optimizer: &mut dyn Optimizer,
+    ) -> Result<(), Error> {
+        self.state.loss = loss;
+        if loss < self.state.best.loss {
+            let (theta, substeps) = (self.state.position.theta.clone(), self.state.substeps);
+            self.state.best = Best { theta, substeps, loss };
+            self.state.step_control.record_gain();
+            return Ok(());
+        }
+        let passes = self.task.settings.refine.passes;
+        if !loss.is_finite() {
+            let change = self.state.step_control.halve_rate();
+            self.rollback(index, "the simulation diverged", &change, optimizer)?;
+        } else if !self.paused
+            && let Some(patience) = self.state.step_control.record_no_gain(passes)
+        {
+            let change = self.state.step_control.back_off();
+            self.rollback(index, &format!("no gain in {patience} passes"), &change, optimizer)?;
+        }
+        Ok(())
+    }
+
+    /// Appends to the message about this pass.
+    fn note(&mut self, what: String) {
+        match &mut self.note {
+            Some(note) => note.extend(["; ", &what]),
+            None => self.note = Some(what),
+        }
+    }
+
+    /// Returns to the best parameters, without momentum, and pauses until the next pass. `why` and
+    /// `change` go into the message about this pass.
+    fn rollback(
+        &mut self,
+        index: usize,
+        why: &str,
+        change: &str,
+        optimizer: &mut dyn Optimizer,
+    ) -> Result<(), Error> {
+        let best = &self.state.best;
+        let (position, substeps) = (Position::at_rest(best.theta.clone()), best.substeps);
+        self.move_to(index, position, substeps, optimizer)?.map_err(too_stiff)?;
+        self.paused = true;
+        self.note(format!("{why}: went back to the best parameters, {change}"));
+        Ok(())
+    }
+}
+
+/// Weights of the gradients of a batch, from their norms. A long rollout occasionally comes near a
+/// bifurcation of the motion, and its gradient is larger than all others by orders of magnitude
+/// without carrying more information: no gradient counts with more than the median norm.
+fn weights(norms: &[f64]) -> Vec<f64> {
+    // Sequences without a gradient must not lower the median.
+    let mut sorted: Vec<f64> = norms.iter().copied().filter(|l| *l > 0.0).collect();
+    sorted.sort_by(f64::total_cmp);
+    let even = 1.0 / norms.len().max(1) as f64;
+    let Some(&median) = sorted.get(sorted.len() / 2) else { return vec![even; norms.len()] };
+    norms.iter().map(|&l| if l > median { even * median / l } else { even }).collect()
+}
+
+fn too_stiff(refusal: Refusal) -> Error {
+    let Refusal::TooStiff(needed) = refusal;
+    Error::NothingStable(format!("the found parameters need {needed} substeps a frame"))
+}
+
+#[cfg(test)]
+mod tests;

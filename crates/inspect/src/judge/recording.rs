@@ -1,0 +1,96 @@
+//! Judge of the recording as a whole: length, frame rate, split, damaged files, number of cameras.
+
+use super::{Assessment, Context, named};
+use crate::{Finding, scan::COMPARED_CAMERAS};
+
+const FEW_FRAMES: usize = 15;
+const USUAL_FPS: std::ops::RangeInclusive<f64> = 5.0..=1000.0;
+
+pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
+    let recording = context.recording;
+    let findings = &mut assessment.findings;
+    length(recording.frame_count, recording.train_frame_count, findings);
+    frame_rate(recording.fps, findings);
+    for (index, scan) in context.scans.iter().enumerate() {
+        if let Some(report) = assessment.cameras.get_mut(index) {
+            report.damaged_files = scan.damaged_file_count;
+        }
+        damage(context, index, scan, findings);
+        let usable = scan.frames.iter().any(|g| g.color.is_some() && g.depth.is_some());
+        if !usable && recording.frame_count > 0 {
+            let name = named(recording, index);
+            let message = format!("{name} has no frame with both colour and depth");
+            findings.push(Finding::error("CAMERA_EMPTY", message).cameras([index]));
+        }
+    }
+    let count = recording.cameras.len();
+    if count == 0 {
+        findings.push(Finding::error("NO_FRAMES", "the recording has no cameras"));
+    }
+    if count == 1 {
+        let message = "there is one camera, so half of the object is never seen";
+        findings.push(Finding::info("SINGLE_CAMERA", message));
+    }
+    if count > COMPARED_CAMERAS {
+        let message =
+            format!("there are {count} cameras; only the first {COMPARED_CAMERAS} are compared");
+        let finding = Finding::warning("TOO_MANY_CAMERAS", message);
+        findings.push(finding.number("cameras", count as f64));
+    }
+}
+
+fn length(frames: usize, train: usize, findings: &mut Vec<Finding>) {
+    match frames {
+        0 => findings.push(Finding::error("NO_FRAMES", "the recording has no frames")),
+        1 => findings
+            .push(Finding::error("ONE_FRAME", "the recording has one frame, so nothing moves")),
+        2..FEW_FRAMES => findings.push(
+            Finding::warning(
+                "FEW_FRAMES",
+                format!(
+                    "the recording has {frames} frames, too few to tell stiffness from damping"
+                ),
+            )
+            .number("frames", frames as f64),
+        ),
+        _ => {}
+    }
+    if train < 2 && frames > 1 {
+        let message = format!("only {train} of {frames} frames are for fitting");
+        findings.push(Finding::error("SPLIT_EMPTY", message).number("frames", train as f64));
+    }
+}
+
+fn frame_rate(fps: f64, findings: &mut Vec<Finding>) {
+    if !(fps.is_finite() && fps > 0.0) {
+        findings.push(Finding::error("FPS_INVALID", format!("the frame rate is {fps} fps")));
+    } else if !USUAL_FPS.contains(&fps) {
+        let message = format!("the frame rate is {fps} fps");
+        findings.push(Finding::warning("FPS_IMPLAUSIBLE", message).number("fps", fps));
+    }
+}
+
+fn damage(
+    context: &Context<'_>,
+    index: usize,
+    scan: &crate::scan::CameraScan,
+    findings: &mut Vec<Finding>,
+) {
+    let Some(first) = scan.damaged_files.first() else { return };
+    let files = scan.damaged_file_count;
+    let frames = context.recording.frame_count;
+    let message = format!(
+        "{files} file{} of {} cannot be read; the first ({}): {}",
+        if files == 1 { "" } else { "s" },
+        named(context.recording, index),
+        first.reason,
+        first.message
+    );
+    let finding = Finding::graded(10 * files > frames, "FRAMES_DAMAGED", message);
+    findings.push(
+        finding
+            .cameras([index])
+            .frames(scan.damaged_files.iter().map(|d| d.frame))
+            .number("files", files as f64),
+    );
+}

@@ -1,0 +1,167 @@
+//! Why a recording cannot become a capture, in words that tell its owner what to do.
+
+use bendtwin_core::{CancelToken, Category, ObserverError, Problem, checkpoint::Refusal};
+
+/// Why an ingest fails.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Settings out of range.
+    #[error("the ingest's settings are wrong: {}", .0.join("; "))]
+    Settings(Vec<String>),
+    /// Frames cannot be read.
+    #[error(transparent)]
+    Recording(#[from] bendtwin_capture::Error),
+    /// A recording that contradicts itself.
+    #[error("the recording is inconsistent: {0}")]
+    Inconsistent(String),
+    /// More tracks than fit into memory.
+    #[error(
+        "the cameras have {tracks} tracks over {frames} frames, beyond the limits of 100000 tracks and of 12 million tracks \
+         times frames: track fewer points, or split the recording"
+    )]
+    TooManyTracks {
+        /// Tracks of all cameras.
+        tracks: usize,
+        /// Frames.
+        frames: usize,
+    },
+    /// No object in any mask.
+    #[error(
+        "no camera's mask shows the object with depth behind it: check that the object's masks are not empty, belong to these \
+         images, and that depth was recorded there ({0})"
+    )]
+    NoObject(String),
+    /// Nobody tracked anything on the object.
+    #[error(
+        "none of {tracks} tracks lies on the object in the first frame ({detail}): check that the tracks' columns and \
+         rows are in order, and that the first frame shows the object"
+    )]
+    NoTracks {
+        /// Tracks of all cameras.
+        tracks: usize,
+        /// Where they were lost.
+        detail: String,
+    },
+    /// Every track is gone after the first frames.
+    #[error(
+        "only {seen} of {tracks} tracks on the object are still seen in frame {frame}: a fit needs some; check for cameras \
+         that moved, masks that jump, or cut the recording there"
+    )]
+    TracksLost {
+        /// Tracks on the object in the first frame.
+        tracks: usize,
+        /// How many of them are seen.
+        seen: usize,
+        /// In which frame.
+        frame: usize,
+    },
+    /// Masks show a hand, but not where it starts.
+    #[error(
+        "the masks show a hand or gripper, but hardly in the first frame, where {tracks} tracks lie on it and {needed} are \
+         needed: let the recording begin when the hand is in view"
+    )]
+    NoHandTracks {
+        /// Tracks on the hand.
+        tracks: usize,
+        /// Tracks needed.
+        needed: usize,
+    },
+    /// A hand that is hidden for long.
+    #[error(
+        "hand {hand} is not tracked from frame {from} to {to}, and gaps are filled up to {limit} frames: cut the recording \
+         there, or raise controls.max_gap_frames"
+    )]
+    HandLost {
+        /// Which hand, from 0.
+        hand: usize,
+        /// First frame without it.
+        from: usize,
+        /// Last frame without it.
+        to: usize,
+        /// Longest gap that is filled.
+        limit: usize,
+    },
+    /// The mesh cannot be read or aligned.
+    #[error("the mesh `{name}` cannot be used: {why}; repair it, or set completion.mesh to false")]
+    Mesh {
+        /// Its file.
+        name: String,
+        /// What is wrong.
+        why: String,
+    },
+    /// The built-in tracker failed.
+    #[error(transparent)]
+    Tracker(bendtwin_flow::Error),
+    /// The checkpoint is damaged or of another version.
+    #[error("the checkpoint cannot be read ({0}): start the ingest again without it")]
+    Checkpoint(String),
+    /// The checkpoint belongs to another ingest.
+    #[error(
+        "the checkpoint belongs to another recording, other settings or another build: start the ingest again without it"
+    )]
+    OtherCheckpoint,
+    /// The observer could not keep a checkpoint (a lost lease, say).
+    #[error("the ingest's checkpoint could not be kept: {0}")]
+    Observer(#[source] ObserverError),
+    /// Somebody asked to stop.
+    #[error("the ingest was cancelled")]
+    Cancelled,
+}
+
+/// Ends the ingest if somebody asked for that.
+pub(crate) fn check(cancel: &CancelToken) -> Result<(), Error> {
+    if cancel.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+}
+
+impl From<bendtwin_flow::Error> for Error {
+    fn from(error: bendtwin_flow::Error) -> Self {
+        match error {
+            bendtwin_flow::Error::Cancelled => Self::Cancelled,
+            bendtwin_flow::Error::Recording(error) => Self::Recording(error),
+            other => Self::Tracker(other),
+        }
+    }
+}
+
+impl From<Refusal> for Error {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::OtherWork => Self::OtherCheckpoint,
+            other => Self::Checkpoint(other.to_string()),
+        }
+    }
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::Recording(e) => e.category(),
+            Self::Tracker(e) => e.category(),
+            Self::TooManyTracks { .. } => Category::ResourceExhausted,
+            Self::Checkpoint(_) | Self::OtherCheckpoint => Category::FailedPrecondition,
+            Self::Observer(_) => Category::Aborted,
+            Self::Cancelled => Category::Cancelled,
+            _ => Category::InvalidArgument,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Settings(_) => "INVALID_INGEST_SETTINGS",
+            Self::Recording(e) => e.reason(),
+            Self::Inconsistent(_) => "RECORDING_INCONSISTENT",
+            Self::TooManyTracks { .. } => "TOO_MANY_TRACKS",
+            Self::NoObject(_) => "OBJECT_NOT_SEEN",
+            Self::NoTracks { .. } => "OBJECT_NOT_TRACKED",
+            Self::TracksLost { .. } => "TRACKS_LOST",
+            Self::NoHandTracks { .. } => "HAND_NOT_TRACKED",
+            Self::HandLost { .. } => "HAND_LOST",
+            Self::Mesh { .. } => "MESH_UNUSABLE",
+            Self::Tracker(e) => e.reason(),
+            Self::Checkpoint(_) => "CHECKPOINT_UNREADABLE",
+            Self::OtherCheckpoint => "CHECKPOINT_OF_ANOTHER_INGEST",
+            Self::Observer(_) => "CHECKPOINT_NOT_KEPT",
+            Self::Cancelled => "CANCELLED",
+        }
+    }
+}

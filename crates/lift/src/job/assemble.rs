@@ -1,0 +1,150 @@
+//! From what all units saw to one capture.
+
+use bendtwin_capture::{Finding, Severity};
+use bendtwin_core::{
+    CancelToken, Capture, Sequence, capture::Object, settings::ingest::IngestSettings,
+};
+use bendtwin_flow::Texture;
+
+use super::{
+    Observation,
+    gather::Assembly,
+    refuse::{refuse_lost, refuse_nothing},
+};
+use crate::{
+    Error, Evidence,
+    complete::{Shape, complete},
+    error::check,
+    evidence::TrackEvidence,
+    hands::{self, LEAST_TRACKS},
+    motion,
+    shape::shape,
+    survey::Sight,
+    thin::one_per_spot,
+    tracks::Tracks,
+};
+
+/// Makes the capture, and tells how it came about.
+pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Observation, Error> {
+    let Assembly { recording, settings, .. } = *from;
+    let mut evidence = Evidence { cameras: from.cameras(), ..Evidence::default() };
+    let mut object = from.gather(Sight::Object);
+    let hand = from.gather(Sight::Manipulator);
+    refuse_nothing(&evidence, from.tracks, &object)?;
+    check(cancel)?;
+
+    for camera in &evidence.cameras {
+        if let Some(t) =
+            camera.tracker.as_ref().filter(|t| matches!(t.verdict, Texture::Poor | Texture::None))
+        {
+            evidence.findings.push(Finding {
+                severity: Severity::Warning,
+                code: "POOR_TEXTURE".to_owned(),
+                message: t.summary.clone(),
+            });
+        }
+    }
+    let (mut kept, valid) = believe(&mut object, settings, &mut evidence.tracks, cancel)?;
+    refuse_lost(recording, &kept, &mut evidence.findings)?;
+    check(cancel)?;
+
+    let mut controls = Vec::new();
+    let shown: u64 = evidence.cameras.iter().map(|c| c.manipulator.kept).sum();
+    if shown > 0 {
+        let made = if hand.count >= LEAST_TRACKS {
+            hands::controls(&hand, &settings.controls)?
+        } else {
+            hands::cloud::controls(&from.hands(), hand.count, &settings.controls)?
+        };
+        controls = made.points;
+        evidence.hands = made.hands;
+        evidence.findings.extend(made.findings);
+    } else {
+        evidence.findings.push(Finding {
+            severity: Severity::Warning,
+            code: "NO_HAND".to_owned(),
+            message: "no mask shows a hand or gripper, so nothing moves the object but gravity: add masks of what \
+                      holds it"
+                .to_owned(),
+        });
+    }
+    check(cancel)?;
+    let observed = from.surface();
+    let shape = match shape(recording, &observed, settings, &mut evidence.findings)? {
+        None => Shape::default(),
+        Some((shape, mut told)) => {
+            let shape = complete(kept.points_at(0), &shape, &settings.completion);
+            (told.surface, told.interior) = (shape.surface.len(), shape.interior.len());
+            evidence.shape = Some(told);
+            shape
+        }
+    };
+
+    kept.fill_unseen();
+    let sequence = Sequence {
+        name: recording.name.clone(),
+        frame_count: kept.frames,
+        train_frame_count: recording.train_frame_count,
+        points: kept.points,
+        visible: kept.seen,
+        motion_valid: valid,
+        controls,
+        truth_tracks: recording.truth_tracks.clone(),
+        start_frames: 1,
+    };
+    let capture = Capture {
+        name: recording.name.clone(),
+        fps: recording.fps,
+        environment: recording.environment,
+        source_to_world: recording.source_to_world,
+        object: Object {
+            point_count: kept.count,
+            colors: kept.colors,
+            completed_surface: shape.surface,
+            interior: shape.interior,
+            ..Object::default()
+        },
+        sequences: vec![sequence],
+    };
+    Ok(Observation { capture, evidence })
+}
+
+/// The tracks that are believed, one for each spot, and whether their motions are valid, shape [T, N].
+fn believe(
+    object: &mut Tracks,
+    settings: &IngestSettings,
+    evidence: &mut TrackEvidence,
+    cancel: &CancelToken,
+) -> Result<(Tracks, Vec<bool>), Error> {
+    let before = object.survival();
+    let verdict = motion::judge(object, &settings.motion, cancel)?;
+    let steady: Vec<usize> =
+        (0..object.count).filter(|i| 2 * verdict.drifts[*i] <= before[*i]).collect();
+    let survival = object.survival();
+    let worth: Vec<usize> = steady.iter().map(|i| survival[*i]).collect();
+    let candidates = object.select(&steady);
+    let spots = one_per_spot(&candidates, &worth, settings.spacing_m);
+    let kept: Vec<usize> = spots.iter().map(|i| steady[*i]).collect();
+
+    let valid: Vec<bool> = (0..object.frames)
+        .flat_map(|f| kept.iter().map(move |i| (f, i)))
+        .map(|(f, i)| verdict.valid[f * object.count + i])
+        .collect();
+    let count = kept.len();
+    let share =
+        |flags: &[bool]| flags.iter().filter(|v| **v).count() as f32 / flags.len().max(1) as f32;
+    let ratio = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
+    let kept = object.select(&kept);
+    *evidence = TrackEvidence {
+        on_object: object.count,
+        unreliable: object.count - steady.len(),
+        thinned: steady.len() - count,
+        kept: count,
+        seen: kept.seen.chunks(count.max(1)).map(share).collect(),
+        motion_valid: valid.chunks(count.max(1)).map(share).collect(),
+        drifted: ratio(verdict.drifted, verdict.seen),
+        unconfirmed: ratio(verdict.unconfirmed, verdict.moved),
+        motion_residual_m: verdict.residual_m,
+    };
+    Ok((kept, valid))
+}

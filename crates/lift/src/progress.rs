@@ -1,0 +1,26 @@
+//! Progress of lifting.
+
+use serde::{Deserialize, Serialize};
+
+/// What an ingest is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Step {
+    /// Tracking points through the colour images, where the recording has no tracks.
+    Track,
+    /// Reading frames, cleaning masks, lifting tracks.
+    Lift,
+    /// Filtering motion, thinning, control points.
+    Assemble,
+    /// Aligning and sampling the mesh.
+    Complete,
+}
+
+/// How far an ingest is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// The step under way.
+    pub step: Step,
+    /// Share of the whole ingest that is done, 0..=1.
+    pub fraction: f64,
+}

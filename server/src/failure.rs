@@ -1,0 +1,141 @@
+//! The error of use cases and of dispatch, below both. It knows no transport: `error.rs` turns it into one.
+
+use std::time::Duration;
+
+use bendtwin_core::{Category, Fault, Problem, ids::InvalidName};
+
+/// Result with this module's [`Error`].
+pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// An error of a use case, or of the routing below it.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Error {
+    #[error(transparent)]
+    Store(#[from] bendtwin_store::Error),
+    #[error("{0}")]
+    Name(InvalidName),
+    #[error("`{field}` {fault}")]
+    Invalid { field: &'static str, fault: String },
+    #[error(transparent)]
+    Rollout(#[from] bendtwin_proto::rollout::Error),
+    #[error("the settings are not accepted: {}", .0.join("; "))]
+    Settings(Vec<String>),
+    #[error(transparent)]
+    TwinFile(#[from] bendtwin_core::twin::format::FormatError),
+    #[error("the upload was interrupted: {0}")]
+    UploadBroken(String),
+    #[error("the upload was silent for {} s: send it again", .0.as_secs())]
+    UploadIdle(Duration),
+    #[error(
+        "the upload continues at byte {offset}, not at {given}: query its offset and send from there"
+    )]
+    UploadOffset { given: u64, offset: u64 },
+    #[error("the upload would be longer than {limit} bytes, which is its length or the limit")]
+    UploadTooLong { limit: u64 },
+    #[error("another request has taken over the upload: wait for its end, then resume")]
+    UploadTakenOver,
+    #[error("the checksum does not match the bytes received: send them again")]
+    ChecksumMismatch,
+    #[error("the worker token is missing or unknown")]
+    BadToken,
+    #[error("{0} is not registered: register it first")]
+    WorkerUnknown(String),
+    #[error("no worker is ready for rollouts: retry, or start one")]
+    NoWorker,
+    #[error("the worker failed during the rollout and no other could take over: retry")]
+    WorkerLost,
+    #[error("{waiting} rollouts wait for each worker already: retry later, or start more workers")]
+    Busy { waiting: usize },
+    #[error("the deadline passed before the rollout was done: ask for less or allow more time")]
+    Deadline,
+    #[error("the server is stopping: retry")]
+    Stopping,
+    /// The answer of a worker, unchanged.
+    #[error("{0}")]
+    Worker(Fault),
+    #[error("{0}")]
+    Internal(String),
+}
+
+impl Error {
+    pub(crate) fn invalid(field: &'static str, fault: impl Into<String>) -> Self {
+        Self::Invalid { field, fault: fault.into() }
+    }
+
+    /// Delay after which another attempt makes sense, if it does.
+    pub(crate) fn retry_after(&self) -> Option<Duration> {
+        match self {
+            Self::Busy { .. } | Self::WorkerLost => Some(Duration::from_millis(250)),
+            Self::Store(bendtwin_store::Error::UploadLocked { .. })
+            | Self::UploadTakenOver
+            | Self::NoWorker
+            | Self::Stopping => Some(Duration::from_secs(1)),
+            Self::Worker(fault) if fault.category == Category::ResourceExhausted => {
+                Some(Duration::from_millis(250))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::Store(error) => error.category(),
+            Self::TwinFile(error) => error.category(),
+            Self::Rollout(error) => error.category(),
+            Self::Worker(fault) => fault.category,
+            Self::Name(_)
+            | Self::Invalid { .. }
+            | Self::Settings(_)
+            | Self::UploadBroken(_)
+            | Self::UploadIdle(_)
+            | Self::UploadTooLong { .. }
+            | Self::ChecksumMismatch => Category::InvalidArgument,
+            Self::UploadOffset { .. } | Self::UploadTakenOver => Category::Aborted,
+            Self::BadToken => Category::Unauthenticated,
+            Self::WorkerUnknown(_) => Category::NotFound,
+            Self::NoWorker | Self::WorkerLost | Self::Stopping => Category::Unavailable,
+            Self::Busy { .. } => Category::ResourceExhausted,
+            Self::Deadline => Category::DeadlineExceeded,
+            Self::Internal(_) => Category::Internal,
+        }
+    }
+
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Store(error) => error.reason(),
+            Self::TwinFile(error) => error.reason(),
+            Self::Rollout(error) => error.reason(),
+            Self::Name(_) => "INVALID_NAME",
+            Self::Invalid { .. } => "INVALID_FIELD",
+            Self::Settings(_) => "INVALID_SETTINGS",
+            Self::UploadBroken(_) => "UPLOAD_BROKEN",
+            Self::UploadIdle(_) => "UPLOAD_IDLE",
+            Self::UploadOffset { .. } => "UPLOAD_OFFSET",
+            Self::UploadTooLong { .. } => "CONTENT_TOO_LARGE",
+            Self::UploadTakenOver => "UPLOAD_TAKEN_OVER",
+            Self::ChecksumMismatch => "CHECKSUM_MISMATCH",
+            Self::BadToken => "BAD_WORKER_TOKEN",
+            Self::WorkerUnknown(_) => "WORKER_UNKNOWN",
+            Self::NoWorker => "NO_WORKER",
+            Self::WorkerLost => "WORKER_LOST",
+            Self::Busy { .. } => "WORKERS_BUSY",
+            Self::Deadline => "DEADLINE_EXCEEDED",
+            Self::Stopping => "STOPPING",
+            Self::Worker(_) => "WORKER_FAULT",
+            Self::Internal(_) => "INTERNAL",
+        }
+    }
+
+    fn fault(&self) -> Fault {
+        match self {
+            Self::Worker(fault) => fault.clone(),
+            _ => Fault {
+                category: self.category(),
+                reason: self.reason().to_owned(),
+                message: self.to_string(),
+            },
+        }
+    }
+}

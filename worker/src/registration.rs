@@ -1,0 +1,109 @@
+//! Registration of the worker with the server, kept up by heartbeats.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::Duration,
+};
+
+use bendtwin_core::Category;
+use bendtwin_proto::worker::v1::{BeatRequest, RegisterRequest};
+use tokio::time::Instant;
+use tokio_util::sync::CancellationToken;
+
+use crate::{
+    Error,
+    device::Device,
+    rollout::Rollouts,
+    server_client::{Backoff, CallError, ServerClient},
+};
+
+/// This worker's entry in the server's list.
+#[derive(Clone)]
+pub(crate) struct Registration {
+    server: ServerClient,
+    request: Arc<RegisterRequest>,
+    rollouts: Rollouts,
+    device: Device,
+    /// Interval that the server asked for [ms].
+    heartbeat_interval_ms: Arc<AtomicU64>,
+}
+
+impl Registration {
+    pub(crate) fn new(
+        server: ServerClient,
+        request: RegisterRequest,
+        rollouts: Rollouts,
+        device: Device,
+    ) -> Self {
+        let heartbeat_interval_ms = Arc::new(AtomicU64::new(5_000));
+        Self { server, request: Arc::new(request), rollouts, device, heartbeat_interval_ms }
+    }
+
+    /// Registers, trying again while the server cannot be reached.
+    pub(crate) async fn register(&self, timeout: Duration) -> Result<(), Error> {
+        let started = Instant::now();
+        let mut backoff = Backoff::default();
+        loop {
+            match self.server.register((*self.request).clone()).await {
+                Ok(answer) => {
+                    let limits = answer.rollout_limits.as_ref();
+                    self.rollouts.set_limits(limits.map(Into::into).unwrap_or_default());
+                    // An absurd answer must not make this worker spin or fall silent.
+                    let every = answer.beat_interval_s;
+                    let every = if every.is_finite() { every.clamp(0.05, 60.0) } else { 5.0 };
+                    self.heartbeat_interval_ms.store((every * 1000.0) as u64, Ordering::Relaxed);
+                    return Ok(());
+                }
+                Err(CallError::Unavailable(fault)) if started.elapsed() < timeout => {
+                    tracing::info!("waiting for the server: {fault}");
+                    backoff.wait().await;
+                }
+                Err(error) => return Err(Error::Refused(error.fault().message)),
+            }
+        }
+    }
+
+    /// Sends heartbeats until the task is aborted. A server that asks the worker to end cancels
+    /// `drain`.
+    pub(crate) async fn heartbeat(self, drain: CancellationToken) {
+        loop {
+            let every = Duration::from_millis(self.heartbeat_interval_ms.load(Ordering::Relaxed));
+            tokio::time::sleep(every).await;
+            let memory = self.device.memory();
+            let beat = BeatRequest {
+                worker: self.request.worker.clone(),
+                warm_twins: self.rollouts.warm_twins().iter().map(ToString::to_string).collect(),
+                rollouts_in_flight: u32::try_from(self.rollouts.in_flight()).unwrap_or(u32::MAX),
+                memory_used_bytes: memory.map_or(0, |m| m.used),
+                memory_total_bytes: memory.map_or(0, |m| m.total),
+            };
+            match self.server.heartbeat(beat).await {
+                Ok(answer) if answer.drain => {
+                    tracing::info!("the server asks this worker to end");
+                    return drain.cancel();
+                }
+                Ok(_) => {}
+                Err(error) if is_unknown(&error) => self.register_again().await,
+                Err(error) => tracing::warn!("no answer to a heartbeat: {}", error.fault()),
+            }
+        }
+    }
+
+    /// Registers after the server has forgotten the worker, for example because it was away for
+    /// long.
+    pub(crate) async fn register_again(&self) {
+        tracing::info!("the server does not know this worker: registering again");
+        if let Err(error) = self.register(Duration::ZERO).await {
+            tracing::warn!("{error}");
+        }
+    }
+}
+
+/// True if the server answered that it does not know this worker.
+pub(crate) fn is_unknown(error: &CallError) -> bool {
+    matches!(error, CallError::Refused(fault)
+        if matches!(fault.category, Category::NotFound | Category::FailedPrecondition))
+}
