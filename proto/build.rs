@@ -1,4 +1,7 @@
-//! Compiles the .proto files with protox, so no protoc is needed.
+//! Compiles the .proto files with protox, so no protoc is needed, and writes how rollouts look in JSON.
+
+#[path = "build/json.rs"]
+mod json;
 
 use prost::Message as _;
 
@@ -16,9 +19,12 @@ const FILES: [&str; 9] = [
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo:rerun-if-changed=bendtwin");
+    println!("cargo:rerun-if-changed=build");
     let descriptors = protox::compile(FILES, ["."])?;
     let out = std::path::PathBuf::from(std::env::var("OUT_DIR")?);
     std::fs::write(out.join("descriptors.bin"), descriptors.encode_to_vec())?;
+    let rollout = descriptors.file.iter().find(|f| f.name() == "bendtwin/v1/rollout.proto");
+    std::fs::write(out.join("json.rs"), json::implementations(rollout.ok_or("no rollout.proto")?))?;
     tonic_prost_build::configure().bytes(".").compile_fds(descriptors)?;
     Ok(())
 }

@@ -5,6 +5,7 @@
 pub mod deadline;
 pub mod fault;
 mod job;
+pub mod json;
 pub mod rollout;
 pub mod tensor;
 

@@ -2,6 +2,7 @@
 //! and a document that describes all of it. No decisions are made here.
 
 mod captures;
+mod describe;
 mod docs;
 mod events;
 mod extract;
@@ -11,7 +12,6 @@ mod origin;
 mod resource;
 mod rollouts;
 pub(crate) mod root_service;
-mod tensors;
 mod twins;
 pub(crate) mod uploads;
 mod workers;

@@ -15,6 +15,7 @@ from bendtwin.v1 import (
     capture_pb2_grpc,
     fit_pb2,
     fit_pb2_grpc,
+    job_pb2,
     rollout_pb2,
     rollout_pb2_grpc,
     tensor_pb2,
@@ -58,8 +59,8 @@ class Fake(
     fit_request: fit_pb2.CreateFitRequest | None = None
     rollout_request: rollout_pb2.RollOutRequest | None = None
     ingest_request: capture_pb2.IngestCaptureRequest | None = None
-    reads: int = capture_pb2.Ingest.SUCCEEDED
-    ends: int = fit_pb2.Fit.SUCCEEDED
+    reads: int = job_pb2.Job.SUCCEEDED
+    ends: int = job_pb2.Job.SUCCEEDED
     watched_from: list[int] = field(default_factory=list)
 
     def CreateCapture(self, messages, context):
@@ -75,23 +76,23 @@ class Fake(
 
     def IngestCapture(self, request, context):
         self.ingest_request = request
-        return self._capture(1, capture_pb2.Ingest.QUEUED)
+        return self._capture(1, job_pb2.Job.QUEUED)
 
     def CancelIngest(self, request, context):
-        return self._capture(4, capture_pb2.Ingest.CANCELLED)
+        return self._capture(4, job_pb2.Job.CANCELLED)
 
     def WatchIngest(self, request, context):
         """Breaks off after every message, as if the server restarted each time."""
         self.watched_from.append(request.after_revision)
         revision = request.after_revision + 1
-        yield self._capture(revision, capture_pb2.Ingest.RUNNING if revision < 4 else self.reads)
+        yield self._capture(revision, job_pb2.Job.RUNNING if revision < 4 else self.reads)
         if revision < 4:
             context.abort(grpc.StatusCode.UNAVAILABLE, "the server restarts")
 
     def _capture(self, revision, state):
         capture = capture_pb2.Capture(name=CAPTURE, verdict="usable" if revision == 4 else "")
-        capture.ingest.CopyFrom(capture_pb2.Ingest(state=state, revision=revision))
-        if state == capture_pb2.Ingest.FAILED:
+        capture.ingest.CopyFrom(job_pb2.Job(state=state, revision=revision))
+        if state == job_pb2.Job.FAILED:
             capture.ingest.fault.category = "INVALID_ARGUMENT"
             capture.ingest.fault.reason = "OBJECT_NOT_SEEN"
             capture.ingest.fault.message = "no mask shows the object: segment it again"
@@ -117,7 +118,7 @@ class Fake(
 
     def CreateFit(self, request, context):
         self.fit_request = request
-        return self._fit(1, fit_pb2.Fit.QUEUED)
+        return self._fit(1, job_pb2.Job.QUEUED)
 
     def GetFit(self, request, context):
         return self._fit(4, self.ends)
@@ -126,19 +127,20 @@ class Fake(
         """Breaks off after every message, as if the server restarted each time."""
         self.watched_from.append(request.after_revision)
         revision = request.after_revision + 1
-        yield self._fit(revision, fit_pb2.Fit.RUNNING if revision < 4 else self.ends)
+        yield self._fit(revision, job_pb2.Job.RUNNING if revision < 4 else self.ends)
         if revision < 4:
             context.abort(grpc.StatusCode.UNAVAILABLE, "the server restarts")
 
     def _fit(self, revision, state):
-        fit = fit_pb2.Fit(name=FIT, capture=CAPTURE, state=state, revision=revision)
-        fit.progress.CopyFrom(fit_pb2.Progress(stage="search", fraction=revision / 4, loss=0.5))
-        if state == fit_pb2.Fit.SUCCEEDED:
+        job = job_pb2.Job(state=state, revision=revision)
+        fit = fit_pb2.Fit(name=FIT, capture=CAPTURE, job=job)
+        fit.job.progress.CopyFrom(job_pb2.Progress(stage="search", fraction=revision / 4, loss=0.5))
+        if state == job_pb2.Job.SUCCEEDED:
             fit.twin = TWIN
-        if state == fit_pb2.Fit.FAILED:
-            fit.fault.category = "INVALID_ARGUMENT"
-            fit.fault.reason = "CAPTURE_WITHOUT_POINTS"
-            fit.fault.message = "the capture has no points: record again"
+        if state == job_pb2.Job.FAILED:
+            fit.job.fault.category = "INVALID_ARGUMENT"
+            fit.job.fault.reason = "CAPTURE_WITHOUT_POINTS"
+            fit.job.fault.message = "the capture has no points: record again"
         return fit
 
     def GetTwin(self, request, context):

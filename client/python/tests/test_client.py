@@ -4,8 +4,8 @@ from io import BytesIO
 import pytest
 from fake import CAPTURE, FIT, TWIN
 
-from bendtwin import BendTwinError, Category, Client, FitFailed, FitState, IngestFailed
-from bendtwin.v1 import capture_pb2, fit_pb2
+from bendtwin import BendTwinError, Category, Client, FitFailed, IngestFailed, JobState
+from bendtwin.v1 import job_pb2
 
 
 def test_an_archive_is_uploaded_in_chunks(client, fake, tmp_path):
@@ -40,8 +40,8 @@ def test_a_fit_is_waited_for_over_restarts_of_the_server(client, fake):
     fit = client.fit(CAPTURE, {"seed": 7}, priority=5)
     assert fake.fit_request.settings_json == '{"seed": 7}'
     assert fake.fit_request.request_id
-    ended = client.wait(fit, timeout_s=30, on_progress=lambda f: seen.append(f.revision))
-    assert ended.state is FitState.SUCCEEDED
+    ended = client.wait(fit, timeout_s=30, on_progress=lambda f: seen.append(f.job.revision))
+    assert ended.state is JobState.SUCCEEDED
     assert ended.twin == TWIN
     assert seen == [1, 2, 3, 4]
     assert fake.watched_from == [0, 1, 2, 3]
@@ -50,7 +50,7 @@ def test_a_fit_is_waited_for_over_restarts_of_the_server(client, fake):
 
 
 def test_a_failed_fit_says_why(client, fake):
-    fake.ends = fit_pb2.Fit.FAILED
+    fake.ends = job_pb2.Job.FAILED
     with pytest.raises(FitFailed, match="record again") as failure:
         client.wait(FIT, timeout_s=30)
     assert failure.value.reason == "CAPTURE_WITHOUT_POINTS"
@@ -67,7 +67,7 @@ def test_a_capture_is_watched_until_it_is_read(client, fake, tmp_path):
     ended = client.wait_for_capture(
         capture, timeout_s=30, on_progress=lambda c: seen.append(c.ingest.revision)
     )
-    assert (ended.ingest.state, ended.verdict) == (FitState.SUCCEEDED, "usable")
+    assert (ended.ingest.state, ended.verdict) == (JobState.SUCCEEDED, "usable")
     assert seen == [1, 2, 3, 4]
     assert client.capture_report(CAPTURE) == {"verdict": "usable", "findings": []}
     client.save_capture_report(CAPTURE, tmp_path / "report.html")
@@ -77,13 +77,13 @@ def test_a_capture_is_watched_until_it_is_read(client, fake, tmp_path):
 
 
 def test_a_capture_that_cannot_be_fitted_says_why(client, fake):
-    fake.reads = capture_pb2.Ingest.FAILED
+    fake.reads = job_pb2.Job.FAILED
     with pytest.raises(IngestFailed, match="segment it again") as failure:
         client.wait_for_capture(CAPTURE, timeout_s=30)
     assert failure.value.reason == "OBJECT_NOT_SEEN"
-    assert client.ingest_capture(CAPTURE, {"spacing_m": 0.01}).ingest.state is FitState.QUEUED
+    assert client.ingest_capture(CAPTURE, {"spacing_m": 0.01}).ingest.state is JobState.QUEUED
     assert fake.ingest_request.settings_json == '{"spacing_m": 0.01}'
-    assert client.cancel_ingest(CAPTURE).ingest.state is FitState.CANCELLED
+    assert client.cancel_ingest(CAPTURE).ingest.state is JobState.CANCELLED
 
 
 def test_errors_carry_category_reason_and_request(client):

@@ -12,7 +12,7 @@ from bendtwin import (
     CaptureFrame,
     Category,
     Client,
-    FitState,
+    JobState,
     Keypoints,
     Mppi,
     Returns,
@@ -65,8 +65,8 @@ def twin(client, folder):
     assert client.capture_report(capture.name)["verdict"] == read.verdict
     seen = []
     fit = client.wait(client.fit(capture.name, SETTINGS), timeout_s=120, on_progress=seen.append)
-    assert fit.state is FitState.SUCCEEDED
-    assert seen[-1].state is FitState.SUCCEEDED
+    assert fit.state is JobState.SUCCEEDED
+    assert seen[-1].state is JobState.SUCCEEDED
     assert fit.settings["graph"]["max_nodes"] == 30
     twin = client.twin(fit.twin)
     assert [t.name for t in client.twins(capture.name)] == [twin.name]
@@ -166,6 +166,6 @@ def test_fits_are_cancelled_and_workers_are_listed(client, twin):
     fit = client.fit(twin.info.capture, {"search": {"generations": 10000}})
     client.cancel_fit(fit.name)
     states = [f.state for f in client.watch(fit.name, timeout_s=30)]
-    assert states[-1] is FitState.CANCELLED
+    assert states[-1] is JobState.CANCELLED
     client.delete_fit(fit.name)
     assert fit.name not in [f.name for f in client.fits(twin.info.capture)]

@@ -1,17 +1,19 @@
 //! `/v1/twins/{id}/rollouts`: the HTTP form of a rollout, as JSON or as the
 //! protobuf messages of `bendtwin.v1`.
 
-mod document;
+mod schema;
 
 use std::time::Duration;
 
 use axum::{
-    Json,
     extract::{Request, State},
     http::header,
     response::{IntoResponse, Response},
 };
-use bendtwin_proto::v1::RollOutRequest;
+use bendtwin_proto::{
+    json::{Read, TensorFormat, Write},
+    v1::{RollOutRequest, RollOutResponse},
+};
 use prost::Message;
 use serde::Deserialize;
 use utoipa::IntoParams;
@@ -19,7 +21,6 @@ use utoipa::IntoParams;
 use super::{
     Result,
     extract::{self, Id, Params},
-    tensors::TensorFormat,
 };
 use crate::{
     app::{self, App, Error},
@@ -27,7 +28,6 @@ use crate::{
     error::ProblemDocument,
 };
 use bendtwin_core::ids::TwinId;
-use document::{RollOutDocument, RollOutResult};
 
 const PROTOBUF: &str = "application/x-protobuf";
 
@@ -38,7 +38,7 @@ const PROTOBUF: &str = "application/x-protobuf";
 pub(super) struct ReplyParams {
     /// `lists` (nested lists of numbers, the default) or `base64`.
     #[serde(default)]
-    #[param(inline)]
+    #[param(value_type = String, pattern = "lists|base64")]
     tensors: TensorFormat,
     /// Give up after so many seconds.
     timeout_s: Option<f64>,
@@ -51,8 +51,9 @@ pub(super) struct ReplyParams {
 /// RollOutResponse of bendtwin.v1.
 #[utoipa::path(post, path = "/v1/twins/{id}/rollouts", tag = "rollouts",
     params(("id" = String, Path), ReplyParams),
-    request_body = RollOutDocument,
-    responses((status = 200, body = RollOutResult), (status = "default", body = ProblemDocument)))]
+    request_body(content((schema::RollOutRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
+    responses((status = 200, content((schema::RollOutResponse = "application/json"), (Vec<u8> = "application/x-protobuf"))),
+        (status = "default", body = ProblemDocument)))]
 pub(super) async fn create(
     State(app): State<App>,
     Id(id): Id,
@@ -69,20 +70,30 @@ pub(super) async fn create(
         RollOutRequest::decode(bytes)
             .map_err(|e| Error::invalid("body", format!("is no RollOutRequest: {e}")))?
     } else {
-        extract::json::<RollOutDocument>(&bytes)?.read()?
+        extract::json::<Read<RollOutRequest>>(&bytes)?.0
     };
     let timeout = params
         .timeout_s
         .map(Duration::try_from_secs_f64)
         .transpose()
         .map_err(|_| Error::invalid("timeout_s", "is negative, too large or not a number"))?;
+    if !message.twin.is_empty() && message.twin != twin.to_string() {
+        let fault = format!("is {}, the path names {twin}: leave it out", message.twin);
+        return Err(Error::invalid("twin", fault).into());
+    }
     let request = RollOutRequest { twin: twin.to_string(), ..message };
     let response = app.dispatch.roll_out(RollOut { request, timeout, in_parts: false }).await?;
     if wants_protobuf || sends_protobuf {
         let headers = [(header::CONTENT_TYPE, PROTOBUF)];
         return Ok((headers, response.encode_to_vec()).into_response());
     }
-    Ok(Json(RollOutResult::new(&response, params.tensors)).into_response())
+    let json = document(&response, params.tensors)?;
+    Ok(([(header::CONTENT_TYPE, "application/json")], json).into_response())
+}
+
+fn document(response: &RollOutResponse, tensors: TensorFormat) -> app::Result<Vec<u8>> {
+    serde_json::to_vec(&Write { message: response, tensors })
+        .map_err(|e| Error::Internal(format!("a reply that cannot be written as JSON: {e}")))
 }
 
 fn names_protobuf(request: &Request, name: header::HeaderName) -> bool {

@@ -15,7 +15,7 @@ from bendtwin.client import Client
 from bendtwin.costs import Cost, Keypoints, Smoothness, TargetCloud
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.mppi import Mppi
-from bendtwin.resources import Capture, Fault, Fit, FitState, Ingest, Progress, TwinInfo, Worker
+from bendtwin.resources import Capture, Fault, Fit, Job, JobState, Progress, TwinInfo, Worker
 from bendtwin.rollout import Deviation, Diagnostics, Divergence, Returns, RolloutResult, Timing
 from bendtwin.twin import Twin
 
@@ -32,11 +32,11 @@ __all__ = [
     "Fault",
     "Fit",
     "FitFailed",
-    "FitState",
     "GivenState",
-    "Ingest",
     "IngestFailed",
     "InitialState",
+    "Job",
+    "JobState",
     "Keypoints",
     "Mppi",
     "Progress",

@@ -14,7 +14,7 @@ import grpc
 
 from bendtwin.archive import archive_of, chunks_of
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed, translated
-from bendtwin.resources import Capture, Fit, FitState, TwinInfo, Worker
+from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
 from bendtwin.v1 import (
@@ -188,7 +188,7 @@ class Client:
             if on_progress is not None:
                 on_progress(last)
         ended = last if last is not None else self.capture(name)
-        if ended.ingest is not None and ended.ingest.state is not FitState.SUCCEEDED:
+        if ended.ingest is not None and ended.ingest.state is not JobState.SUCCEEDED:
             raise IngestFailed(ended)
         return ended
 
@@ -267,7 +267,7 @@ class Client:
             for message in self._fits.WatchFit(request, timeout=left):
                 yield Fit.from_proto(message)
 
-        return _watched(changes, lambda fit: (fit.revision, fit.state.has_ended), timeout_s)
+        return _watched(changes, lambda fit: (fit.job.revision, fit.state.has_ended), timeout_s)
 
     def wait(
         self,
@@ -283,7 +283,7 @@ class Client:
             if on_progress is not None:
                 on_progress(last)
         ended = last if last is not None else self.get_fit(name)
-        if ended.state is not FitState.SUCCEEDED:
+        if ended.state is not JobState.SUCCEEDED:
             raise FitFailed(ended)
         return ended
 

@@ -1,4 +1,4 @@
-"""What the server keeps, as plain values: captures, fits, twins, workers."""
+"""Resources of a server as plain values: captures, fits, twins, workers."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from datetime import datetime, timezone
 from typing import Any
 
 from bendtwin.errors import Category, category_named
-from bendtwin.v1 import capture_pb2, fault_pb2, fit_pb2, twin_pb2, worker_pb2
+from bendtwin.v1 import capture_pb2, fault_pb2, fit_pb2, job_pb2, twin_pb2, worker_pb2
 
 
-class FitState(enum.Enum):
-    """Where a fit stands, or the ingest of a capture: the numbers are the same."""
+class JobState(enum.Enum):
+    """State of a job: of a fit, or of the ingest of a capture."""
 
-    QUEUED = fit_pb2.Fit.QUEUED
-    RUNNING = fit_pb2.Fit.RUNNING
-    SUCCEEDED = fit_pb2.Fit.SUCCEEDED
-    FAILED = fit_pb2.Fit.FAILED
-    CANCELLED = fit_pb2.Fit.CANCELLED
+    QUEUED = job_pb2.Job.QUEUED
+    RUNNING = job_pb2.Job.RUNNING
+    SUCCEEDED = job_pb2.Job.SUCCEEDED
+    FAILED = job_pb2.Job.FAILED
+    CANCELLED = job_pb2.Job.CANCELLED
 
     @property
     def has_ended(self) -> bool:
         """Whether nothing will change any more."""
-        return self not in (FitState.QUEUED, FitState.RUNNING)
+        return self not in (JobState.QUEUED, JobState.RUNNING)
 
 
 @dataclass(frozen=True)
 class Fault:
-    """Why something failed."""
+    """Reason why something failed."""
 
     category: Category
     reason: str
@@ -43,7 +43,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a job is."""
+    """Progress of a running job."""
 
     #: ingest, search, refine or evaluate.
     stage: str
@@ -59,7 +59,7 @@ class Progress:
     note: str
 
     @classmethod
-    def from_proto(cls, message: fit_pb2.Progress) -> Progress:
+    def from_proto(cls, message: job_pb2.Progress) -> Progress:
         """Reads the wire form."""
         return cls(
             message.stage,
@@ -75,29 +75,30 @@ class Progress:
 
 
 @dataclass(frozen=True)
-class Ingest:
-    """The job that reads a capture. There is one for each; running it again replaces it."""
+class Job:
+    """Work that a worker does for a fit, or for the ingest of a capture."""
 
-    state: FitState
+    state: JobState
     settings: dict[str, Any]
     progress: Progress | None
-    #: Why it failed. Fits of the capture fail with it.
+    #: Reason of the failure.
     fault: Fault | None
     attempt_faults: list[Fault] = field(default_factory=list)
     attempts: int = 0
+    #: workers/{uuid} while it runs, else empty.
     worker: str = ""
     cancel_requested: bool = False
     create_time: datetime | None = None
     start_time: datetime | None = None
     end_time: datetime | None = None
-    #: Grows with every change, and on from one run to the next.
+    #: Number that grows with every change, and on from one run of an ingest to the next.
     revision: int = 0
 
     @classmethod
-    def from_proto(cls, message: capture_pb2.Ingest) -> Ingest:
+    def from_proto(cls, message: job_pb2.Job) -> Job:
         """Reads the wire form."""
         return cls(
-            state=FitState(message.state),
+            state=JobState(message.state),
             settings=_json(message.settings_json),
             progress=(
                 Progress.from_proto(message.progress) if message.HasField("progress") else None
@@ -124,8 +125,9 @@ class Capture:
     size_bytes: int
     #: BLAKE3 of the archive, hex.
     digest: str
-    #: How far reading it is; none from servers that do not say.
-    ingest: Ingest | None = None
+    #: The job that reads it. There is one for each; running it again replaces it. Fits of the
+    #: capture fail with its fault. None in an answer without it.
+    ingest: Job | None = None
     #: The report's: good, usable or unusable; empty until there is a report.
     verdict: str = ""
 
@@ -138,33 +140,22 @@ class Capture:
             _time(message, "create_time"),
             message.size_bytes,
             message.digest,
-            Ingest.from_proto(message.ingest) if message.HasField("ingest") else None,
+            Job.from_proto(message.ingest) if message.HasField("ingest") else None,
             message.verdict,
         )
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fit job."""
+    """A fit."""
 
     name: str
     capture: str
-    state: FitState
-    settings: dict[str, Any]
-    progress: Progress | None
     #: twins/{uuid} once it has succeeded, else empty.
     twin: str
-    fault: Fault | None
-    attempt_faults: list[Fault] = field(default_factory=list)
-    attempts: int = 0
+    job: Job
+    #: Fits of higher priority run earlier.
     priority: int = 0
-    worker: str = ""
-    cancel_requested: bool = False
-    create_time: datetime | None = None
-    start_time: datetime | None = None
-    end_time: datetime | None = None
-    #: Grows with every change.
-    revision: int = 0
 
     @classmethod
     def from_proto(cls, message: fit_pb2.Fit) -> Fit:
@@ -172,28 +163,30 @@ class Fit:
         return cls(
             name=message.name,
             capture=message.capture,
-            state=FitState(message.state),
-            settings=_json(message.settings_json),
-            progress=(
-                Progress.from_proto(message.progress) if message.HasField("progress") else None
-            ),
             twin=message.twin,
-            fault=Fault.from_proto(message.fault) if message.HasField("fault") else None,
-            attempt_faults=[Fault.from_proto(f) for f in message.attempt_faults],
-            attempts=message.attempts,
+            job=Job.from_proto(message.job),
             priority=message.priority,
-            worker=message.worker,
-            cancel_requested=message.cancel_requested,
-            create_time=_time(message, "create_time"),
-            start_time=_time(message, "start_time"),
-            end_time=_time(message, "end_time"),
-            revision=message.revision,
         )
+
+    @property
+    def state(self) -> JobState:
+        """State of its job."""
+        return self.job.state
+
+    @property
+    def progress(self) -> Progress | None:
+        """Progress of its job."""
+        return self.job.progress
+
+    @property
+    def fault(self) -> Fault | None:
+        """Reason why its job failed."""
+        return self.job.fault
 
 
 @dataclass(frozen=True)
 class TwinInfo:
-    """What the server says about a twin."""
+    """Facts of a stored twin."""
 
     name: str
     display_name: str

@@ -1,8 +1,7 @@
 import datetime
 
 from google.protobuf import timestamp_pb2 as _timestamp_pb2
-from bendtwin.v1 import fault_pb2 as _fault_pb2
-from bendtwin.v1 import fit_pb2 as _fit_pb2
+from bendtwin.v1 import job_pb2 as _job_pb2
 from google.protobuf.internal import containers as _containers
 from google.protobuf.internal import enum_type_wrapper as _enum_type_wrapper
 from google.protobuf import descriptor as _descriptor
@@ -26,51 +25,9 @@ class Capture(_message.Message):
     create_time: _timestamp_pb2.Timestamp
     size_bytes: int
     digest: str
-    ingest: Ingest
+    ingest: _job_pb2.Job
     verdict: str
-    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., ingest: _Optional[_Union[Ingest, _Mapping]] = ..., verdict: _Optional[str] = ...) -> None: ...
-
-class Ingest(_message.Message):
-    __slots__ = ("state", "settings_json", "progress", "fault", "attempt_faults", "attempts", "worker", "cancel_requested", "create_time", "start_time", "end_time", "revision")
-    class State(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
-        __slots__ = ()
-        STATE_UNSPECIFIED: _ClassVar[Ingest.State]
-        QUEUED: _ClassVar[Ingest.State]
-        RUNNING: _ClassVar[Ingest.State]
-        SUCCEEDED: _ClassVar[Ingest.State]
-        FAILED: _ClassVar[Ingest.State]
-        CANCELLED: _ClassVar[Ingest.State]
-    STATE_UNSPECIFIED: Ingest.State
-    QUEUED: Ingest.State
-    RUNNING: Ingest.State
-    SUCCEEDED: Ingest.State
-    FAILED: Ingest.State
-    CANCELLED: Ingest.State
-    STATE_FIELD_NUMBER: _ClassVar[int]
-    SETTINGS_JSON_FIELD_NUMBER: _ClassVar[int]
-    PROGRESS_FIELD_NUMBER: _ClassVar[int]
-    FAULT_FIELD_NUMBER: _ClassVar[int]
-    ATTEMPT_FAULTS_FIELD_NUMBER: _ClassVar[int]
-    ATTEMPTS_FIELD_NUMBER: _ClassVar[int]
-    WORKER_FIELD_NUMBER: _ClassVar[int]
-    CANCEL_REQUESTED_FIELD_NUMBER: _ClassVar[int]
-    CREATE_TIME_FIELD_NUMBER: _ClassVar[int]
-    START_TIME_FIELD_NUMBER: _ClassVar[int]
-    END_TIME_FIELD_NUMBER: _ClassVar[int]
-    REVISION_FIELD_NUMBER: _ClassVar[int]
-    state: Ingest.State
-    settings_json: str
-    progress: _fit_pb2.Progress
-    fault: _fault_pb2.Fault
-    attempt_faults: _containers.RepeatedCompositeFieldContainer[_fault_pb2.Fault]
-    attempts: int
-    worker: str
-    cancel_requested: bool
-    create_time: _timestamp_pb2.Timestamp
-    start_time: _timestamp_pb2.Timestamp
-    end_time: _timestamp_pb2.Timestamp
-    revision: int
-    def __init__(self, state: _Optional[_Union[Ingest.State, str]] = ..., settings_json: _Optional[str] = ..., progress: _Optional[_Union[_fit_pb2.Progress, _Mapping]] = ..., fault: _Optional[_Union[_fault_pb2.Fault, _Mapping]] = ..., attempt_faults: _Optional[_Iterable[_Union[_fault_pb2.Fault, _Mapping]]] = ..., attempts: _Optional[int] = ..., worker: _Optional[str] = ..., cancel_requested: bool = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., start_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., end_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., revision: _Optional[int] = ...) -> None: ...
+    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., ingest: _Optional[_Union[_job_pb2.Job, _Mapping]] = ..., verdict: _Optional[str] = ...) -> None: ...
 
 class CreateCaptureRequest(_message.Message):
     __slots__ = ("metadata", "chunk")

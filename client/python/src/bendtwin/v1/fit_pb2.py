@@ -22,39 +22,34 @@ _runtime_version.ValidateProtobufRuntimeVersion(
 _sym_db = _symbol_database.Default()
 
 
-from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
-from bendtwin.v1 import fault_pb2 as bendtwin_dot_v1_dot_fault__pb2
+from bendtwin.v1 import job_pb2 as bendtwin_dot_v1_dot_job__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x15\x62\x65ndtwin/v1/fit.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x1fgoogle/protobuf/timestamp.proto\x1a\x17\x62\x65ndtwin/v1/fault.proto\"\xba\x04\n\x03\x46it\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\t\x12%\n\x05state\x18\x03 \x01(\x0e\x32\x16.bendtwin.v1.Fit.State\x12\x15\n\rsettings_json\x18\x04 \x01(\t\x12\'\n\x08progress\x18\x05 \x01(\x0b\x32\x15.bendtwin.v1.Progress\x12\x0c\n\x04twin\x18\x06 \x01(\t\x12!\n\x05\x66\x61ult\x18\x07 \x01(\x0b\x32\x12.bendtwin.v1.Fault\x12*\n\x0e\x61ttempt_faults\x18\x08 \x03(\x0b\x32\x12.bendtwin.v1.Fault\x12\x10\n\x08\x61ttempts\x18\t \x01(\r\x12\x10\n\x08priority\x18\n \x01(\x05\x12\x0e\n\x06worker\x18\x0b \x01(\t\x12\x18\n\x10\x63\x61ncel_requested\x18\x0c \x01(\x08\x12/\n\x0b\x63reate_time\x18\r \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12.\n\nstart_time\x18\x0e \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12,\n\x08\x65nd_time\x18\x0f \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x10\n\x08revision\x18\x10 \x01(\x04\"a\n\x05State\x12\x15\n\x11STATE_UNSPECIFIED\x10\x00\x12\n\n\x06QUEUED\x10\x01\x12\x0b\n\x07RUNNING\x10\x02\x12\r\n\tSUCCEEDED\x10\x03\x12\n\n\x06\x46\x41ILED\x10\x04\x12\r\n\tCANCELLED\x10\x05\"\xd1\x01\n\x08Progress\x12\r\n\x05stage\x18\x01 \x01(\t\x12\x0f\n\x07variant\x18\x02 \x01(\t\x12\x11\n\titeration\x18\x03 \x01(\r\x12\x12\n\niterations\x18\x04 \x01(\r\x12\x10\n\x08\x66raction\x18\x05 \x01(\x01\x12\x11\n\x04loss\x18\x06 \x01(\x01H\x00\x88\x01\x01\x12\x16\n\tbest_loss\x18\x07 \x01(\x01H\x01\x88\x01\x01\x12\x12\n\x05\x65ta_s\x18\x08 \x01(\x01H\x02\x88\x01\x01\x12\x0c\n\x04note\x18\t \x01(\tB\x07\n\x05_lossB\x0c\n\n_best_lossB\x08\n\x06_eta_s\"`\n\x10\x43reateFitRequest\x12\x0f\n\x07\x63\x61pture\x18\x01 \x01(\t\x12\x15\n\rsettings_json\x18\x02 \x01(\t\x12\x10\n\x08priority\x18\x03 \x01(\x05\x12\x12\n\nrequest_id\x18\x04 \x01(\t\"\x1d\n\rGetFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"I\n\x0fListFitsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\"K\n\x10ListFitsResponse\x12\x1e\n\x04\x66its\x18\x01 \x03(\x0b\x32\x10.bendtwin.v1.Fit\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\" \n\x10\x43\x61ncelFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\" \n\x10\x44\x65leteFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x13\n\x11\x44\x65leteFitResponse\"7\n\x0fWatchFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x16\n\x0e\x61\x66ter_revision\x18\x02 \x01(\x04\x32\x93\x03\n\nFitService\x12<\n\tCreateFit\x12\x1d.bendtwin.v1.CreateFitRequest\x1a\x10.bendtwin.v1.Fit\x12\x36\n\x06GetFit\x12\x1a.bendtwin.v1.GetFitRequest\x1a\x10.bendtwin.v1.Fit\x12G\n\x08ListFits\x12\x1c.bendtwin.v1.ListFitsRequest\x1a\x1d.bendtwin.v1.ListFitsResponse\x12<\n\tCancelFit\x12\x1d.bendtwin.v1.CancelFitRequest\x1a\x10.bendtwin.v1.Fit\x12J\n\tDeleteFit\x12\x1d.bendtwin.v1.DeleteFitRequest\x1a\x1e.bendtwin.v1.DeleteFitResponse\x12<\n\x08WatchFit\x12\x1c.bendtwin.v1.WatchFitRequest\x1a\x10.bendtwin.v1.Fit0\x01\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x15\x62\x65ndtwin/v1/fit.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x15\x62\x65ndtwin/v1/job.proto\"c\n\x03\x46it\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x02 \x01(\t\x12\x0c\n\x04twin\x18\x03 \x01(\t\x12\x10\n\x08priority\x18\x04 \x01(\x05\x12\x1d\n\x03job\x18\x05 \x01(\x0b\x32\x10.bendtwin.v1.Job\"`\n\x10\x43reateFitRequest\x12\x0f\n\x07\x63\x61pture\x18\x01 \x01(\t\x12\x15\n\rsettings_json\x18\x02 \x01(\t\x12\x10\n\x08priority\x18\x03 \x01(\x05\x12\x12\n\nrequest_id\x18\x04 \x01(\t\"\x1d\n\rGetFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"I\n\x0fListFitsRequest\x12\x11\n\tpage_size\x18\x01 \x01(\r\x12\x12\n\npage_token\x18\x02 \x01(\t\x12\x0f\n\x07\x63\x61pture\x18\x03 \x01(\t\"K\n\x10ListFitsResponse\x12\x1e\n\x04\x66its\x18\x01 \x03(\x0b\x32\x10.bendtwin.v1.Fit\x12\x17\n\x0fnext_page_token\x18\x02 \x01(\t\" \n\x10\x43\x61ncelFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\" \n\x10\x44\x65leteFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\"\x13\n\x11\x44\x65leteFitResponse\"7\n\x0fWatchFitRequest\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x16\n\x0e\x61\x66ter_revision\x18\x02 \x01(\x04\x32\x93\x03\n\nFitService\x12<\n\tCreateFit\x12\x1d.bendtwin.v1.CreateFitRequest\x1a\x10.bendtwin.v1.Fit\x12\x36\n\x06GetFit\x12\x1a.bendtwin.v1.GetFitRequest\x1a\x10.bendtwin.v1.Fit\x12G\n\x08ListFits\x12\x1c.bendtwin.v1.ListFitsRequest\x1a\x1d.bendtwin.v1.ListFitsResponse\x12<\n\tCancelFit\x12\x1d.bendtwin.v1.CancelFitRequest\x1a\x10.bendtwin.v1.Fit\x12J\n\tDeleteFit\x12\x1d.bendtwin.v1.DeleteFitRequest\x1a\x1e.bendtwin.v1.DeleteFitResponse\x12<\n\x08WatchFit\x12\x1c.bendtwin.v1.WatchFitRequest\x1a\x10.bendtwin.v1.Fit0\x01\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.fit_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_FIT']._serialized_start=97
-  _globals['_FIT']._serialized_end=667
-  _globals['_FIT_STATE']._serialized_start=570
-  _globals['_FIT_STATE']._serialized_end=667
-  _globals['_PROGRESS']._serialized_start=670
-  _globals['_PROGRESS']._serialized_end=879
-  _globals['_CREATEFITREQUEST']._serialized_start=881
-  _globals['_CREATEFITREQUEST']._serialized_end=977
-  _globals['_GETFITREQUEST']._serialized_start=979
-  _globals['_GETFITREQUEST']._serialized_end=1008
-  _globals['_LISTFITSREQUEST']._serialized_start=1010
-  _globals['_LISTFITSREQUEST']._serialized_end=1083
-  _globals['_LISTFITSRESPONSE']._serialized_start=1085
-  _globals['_LISTFITSRESPONSE']._serialized_end=1160
-  _globals['_CANCELFITREQUEST']._serialized_start=1162
-  _globals['_CANCELFITREQUEST']._serialized_end=1194
-  _globals['_DELETEFITREQUEST']._serialized_start=1196
-  _globals['_DELETEFITREQUEST']._serialized_end=1228
-  _globals['_DELETEFITRESPONSE']._serialized_start=1230
-  _globals['_DELETEFITRESPONSE']._serialized_end=1249
-  _globals['_WATCHFITREQUEST']._serialized_start=1251
-  _globals['_WATCHFITREQUEST']._serialized_end=1306
-  _globals['_FITSERVICE']._serialized_start=1309
-  _globals['_FITSERVICE']._serialized_end=1712
+  _globals['_FIT']._serialized_start=61
+  _globals['_FIT']._serialized_end=160
+  _globals['_CREATEFITREQUEST']._serialized_start=162
+  _globals['_CREATEFITREQUEST']._serialized_end=258
+  _globals['_GETFITREQUEST']._serialized_start=260
+  _globals['_GETFITREQUEST']._serialized_end=289
+  _globals['_LISTFITSREQUEST']._serialized_start=291
+  _globals['_LISTFITSREQUEST']._serialized_end=364
+  _globals['_LISTFITSRESPONSE']._serialized_start=366
+  _globals['_LISTFITSRESPONSE']._serialized_end=441
+  _globals['_CANCELFITREQUEST']._serialized_start=443
+  _globals['_CANCELFITREQUEST']._serialized_end=475
+  _globals['_DELETEFITREQUEST']._serialized_start=477
+  _globals['_DELETEFITREQUEST']._serialized_end=509
+  _globals['_DELETEFITRESPONSE']._serialized_start=511
+  _globals['_DELETEFITRESPONSE']._serialized_end=530
+  _globals['_WATCHFITREQUEST']._serialized_start=532
+  _globals['_WATCHFITREQUEST']._serialized_end=587
+  _globals['_FITSERVICE']._serialized_start=590
+  _globals['_FITSERVICE']._serialized_end=993
 # @@protoc_insertion_point(module_scope)

@@ -25,17 +25,17 @@ _sym_db = _symbol_database.Default()
 from bendtwin.v1 import tensor_pb2 as bendtwin_dot_v1_dot_tensor__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/rollout.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x18\x62\x65ndtwin/v1/tensor.proto\"\xbd\x02\n\x0eRollOutRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12\x38\n\x0ctrajectories\x18\x02 \x01(\x0b\x32 .bendtwin.v1.ControlTrajectoriesH\x00\x12*\n\x05poses\x18\x03 \x01(\x0b\x32\x19.bendtwin.v1.GripperPosesH\x00\x12*\n\x07initial\x18\x04 \x01(\x0b\x32\x19.bendtwin.v1.InitialState\x12\x0e\n\x06\x66rames\x18\x05 \x01(\r\x12 \n\x05\x63osts\x18\x06 \x03(\x0b\x32\x11.bendtwin.v1.Cost\x12%\n\x07returns\x18\x07 \x01(\x0b\x32\x14.bendtwin.v1.Returns\x12\'\n\x08\x66idelity\x18\x08 \x01(\x0e\x32\x15.bendtwin.v1.FidelityB\t\n\x07\x61\x63tions\"p\n\x13\x43ontrolTrajectories\x12&\n\tpositions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x31\n\rinterpolation\x18\x02 \x01(\x0e\x32\x1a.bendtwin.v1.Interpolation\"\x96\x01\n\x0cGripperPoses\x12\"\n\x05poses\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12/\n\x12gripper_of_control\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x31\n\rinterpolation\x18\x03 \x01(\x0e\x32\x1a.bendtwin.v1.Interpolation\"\x8e\x03\n\x0cInitialState\x12.\n\x04rest\x18\x01 \x01(\x0b\x32\x1e.bendtwin.v1.InitialState.RestH\x00\x12?\n\rcapture_frame\x18\x02 \x01(\x0b\x32&.bendtwin.v1.InitialState.CaptureFrameH\x00\x12\x35\n\x05given\x18\x03 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenStateH\x00\x1a\x06\n\x04Rest\x1a@\n\x0c\x43\x61ptureFrame\x12\x0f\n\x07\x63\x61pture\x18\x01 \x01(\t\x12\x10\n\x08sequence\x18\x02 \x01(\r\x12\r\n\x05\x66rame\x18\x03 \x01(\r\x1a\x82\x01\n\nGivenState\x12&\n\tpositions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\'\n\nvelocities\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06twists\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\x07\n\x05state\"\xd8\x03\n\x04\x43ost\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x0e\n\x06weight\x18\x02 \x01(\x01\x12$\n\x04when\x18\x03 \x01(\x0e\x32\x16.bendtwin.v1.Cost.When\x12\x35\n\x0ctarget_cloud\x18\x04 \x01(\x0b\x32\x1d.bendtwin.v1.Cost.TargetCloudH\x00\x12\x30\n\tkeypoints\x18\x05 \x01(\x0b\x32\x1b.bendtwin.v1.Cost.KeypointsH\x00\x12\x32\n\nsmoothness\x18\x06 \x01(\x0b\x32\x1c.bendtwin.v1.Cost.SmoothnessH\x00\x1a\x32\n\x0bTargetCloud\x12#\n\x06points\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\x66\n\tKeypoints\x12\"\n\x05nodes\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07targets\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x0f\n\x07squared\x18\x03 \x01(\x08\x1a\x0c\n\nSmoothness\"=\n\x04When\x12\x14\n\x10WHEN_UNSPECIFIED\x10\x00\x12\x0e\n\nLAST_FRAME\x10\x01\x12\x0f\n\x0b\x45VERY_FRAME\x10\x02\x42\x06\n\x04kind\"\x85\x02\n\x07Returns\x12\x14\n\x0c\x65very_frames\x18\x01 \x01(\r\x12\"\n\x05nodes\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12/\n\x08\x65ncoding\x18\x03 \x01(\x0e\x32\x1d.bendtwin.v1.Returns.Encoding\x12\x0c\n\x04\x62\x65st\x18\x04 \x01(\r\x12\x13\n\x0b\x66inal_state\x18\x05 \x01(\x08\x12\x13\n\x0b\x64iagnostics\x18\x06 \x01(\x08\x12\x19\n\x11\x63ontrol_gradients\x18\x07 \x01(\x08\"<\n\x08\x45ncoding\x12\x18\n\x14\x45NCODING_UNSPECIFIED\x10\x00\x12\x0b\n\x07\x46LOAT32\x10\x01\x12\t\n\x05INT16\x10\x02\"\xae\x08\n\x0fRollOutResponse\x12\x16\n\x0e\x66irst_instance\x18\x01 \x01(\r\x12\"\n\x05\x63osts\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x12\n\ncost_names\x18\x03 \x03(\t\x12\'\n\ncost_terms\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\tinstances\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\tpositions\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x0f\x66inal_positions\x18\x08 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12-\n\x10\x66inal_velocities\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12.\n\x11\x63ontrol_gradients\x18\n \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12=\n\x0b\x64iagnostics\x18\x0b \x03(\x0b\x32(.bendtwin.v1.RollOutResponse.Diagnostics\x12\x39\n\x08\x64iverged\x18\x0c \x03(\x0b\x32\'.bendtwin.v1.RollOutResponse.Divergence\x12\x33\n\x06timing\x18\r \x01(\x0b\x32#.bendtwin.v1.RollOutResponse.Timing\x12\x0e\n\x06worker\x18\x0e \x01(\t\x12\'\n\x08\x66idelity\x18\x0f \x01(\x0e\x32\x15.bendtwin.v1.Fidelity\x12\x10\n\x08substeps\x18\x10 \x01(\r\x12\x39\n\tdeviation\x18\x11 \x01(\x0b\x32&.bendtwin.v1.RollOutResponse.Deviation\x12)\n\x0c\x66inal_twists\x18\x12 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\x81\x01\n\x0b\x44iagnostics\x12\x12\n\nmax_strain\x18\x01 \x01(\x02\x12\x15\n\rmax_speed_m_s\x18\x02 \x01(\x02\x12\x16\n\x0ekinetic_energy\x18\x03 \x01(\x02\x12\x16\n\x0e\x65lastic_energy\x18\x04 \x01(\x02\x12\x17\n\x0fground_contacts\x18\x05 \x01(\r\x1a;\n\nDivergence\x12\x10\n\x08instance\x18\x01 \x01(\r\x12\r\n\x05\x66rame\x18\x02 \x01(\r\x12\x0c\n\x04node\x18\x03 \x01(\r\x1a,\n\x06Timing\x12\x0f\n\x07queue_s\x18\x01 \x01(\x01\x12\x11\n\tcompute_s\x18\x02 \x01(\x01\x1aQ\n\tDeviation\x12\x0e\n\x06mean_m\x18\x01 \x01(\x01\x12\r\n\x05max_m\x18\x02 \x01(\x01\x12\x15\n\rmean_travel_m\x18\x03 \x01(\x01\x12\x0e\n\x06\x66rames\x18\x04 \x01(\r*9\n\x08\x46idelity\x12\x18\n\x14\x46IDELITY_UNSPECIFIED\x10\x00\x12\t\n\x05\x45XACT\x10\x01\x12\x08\n\x04\x46\x41ST\x10\x02*E\n\rInterpolation\x12\x1d\n\x19INTERPOLATION_UNSPECIFIED\x10\x00\x12\n\n\x06LINEAR\x10\x01\x12\t\n\x05\x43UBIC\x10\x02\x32\xa4\x01\n\x0eRolloutService\x12\x44\n\x07RollOut\x12\x1b.bendtwin.v1.RollOutRequest\x1a\x1c.bendtwin.v1.RollOutResponse\x12L\n\rStreamRollOut\x12\x1b.bendtwin.v1.RollOutRequest\x1a\x1c.bendtwin.v1.RollOutResponse0\x01\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/rollout.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x18\x62\x65ndtwin/v1/tensor.proto\"\xbd\x02\n\x0eRollOutRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12\x38\n\x0ctrajectories\x18\x02 \x01(\x0b\x32 .bendtwin.v1.ControlTrajectoriesH\x00\x12*\n\x05poses\x18\x03 \x01(\x0b\x32\x19.bendtwin.v1.GripperPosesH\x00\x12*\n\x07initial\x18\x04 \x01(\x0b\x32\x19.bendtwin.v1.InitialState\x12\x0e\n\x06\x66rames\x18\x05 \x01(\r\x12 \n\x05\x63osts\x18\x06 \x03(\x0b\x32\x11.bendtwin.v1.Cost\x12%\n\x07returns\x18\x07 \x01(\x0b\x32\x14.bendtwin.v1.Returns\x12\'\n\x08\x66idelity\x18\x08 \x01(\x0e\x32\x15.bendtwin.v1.FidelityB\t\n\x07\x61\x63tions\"p\n\x13\x43ontrolTrajectories\x12&\n\tpositions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x31\n\rinterpolation\x18\x02 \x01(\x0e\x32\x1a.bendtwin.v1.Interpolation\"\x96\x01\n\x0cGripperPoses\x12\"\n\x05poses\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12/\n\x12gripper_of_control\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x31\n\rinterpolation\x18\x03 \x01(\x0e\x32\x1a.bendtwin.v1.Interpolation\"\x8e\x03\n\x0cInitialState\x12.\n\x04rest\x18\x01 \x01(\x0b\x32\x1e.bendtwin.v1.InitialState.RestH\x00\x12?\n\rcapture_frame\x18\x02 \x01(\x0b\x32&.bendtwin.v1.InitialState.CaptureFrameH\x00\x12\x35\n\x05given\x18\x03 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenStateH\x00\x1a\x06\n\x04Rest\x1a@\n\x0c\x43\x61ptureFrame\x12\x0f\n\x07\x63\x61pture\x18\x01 \x01(\t\x12\x10\n\x08sequence\x18\x02 \x01(\r\x12\r\n\x05\x66rame\x18\x03 \x01(\r\x1a\x82\x01\n\nGivenState\x12&\n\tpositions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\'\n\nvelocities\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06twists\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\x07\n\x05state\"\xe8\x03\n\x04\x43ost\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x13\n\x06weight\x18\x02 \x01(\x01H\x01\x88\x01\x01\x12$\n\x04when\x18\x03 \x01(\x0e\x32\x16.bendtwin.v1.Cost.When\x12\x35\n\x0ctarget_cloud\x18\x04 \x01(\x0b\x32\x1d.bendtwin.v1.Cost.TargetCloudH\x00\x12\x30\n\tkeypoints\x18\x05 \x01(\x0b\x32\x1b.bendtwin.v1.Cost.KeypointsH\x00\x12\x32\n\nsmoothness\x18\x06 \x01(\x0b\x32\x1c.bendtwin.v1.Cost.SmoothnessH\x00\x1a\x32\n\x0bTargetCloud\x12#\n\x06points\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\x66\n\tKeypoints\x12\"\n\x05nodes\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07targets\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x0f\n\x07squared\x18\x03 \x01(\x08\x1a\x0c\n\nSmoothness\"=\n\x04When\x12\x14\n\x10WHEN_UNSPECIFIED\x10\x00\x12\x0e\n\nLAST_FRAME\x10\x01\x12\x0f\n\x0b\x45VERY_FRAME\x10\x02\x42\x06\n\x04kindB\t\n\x07_weight\"\x85\x02\n\x07Returns\x12\x14\n\x0c\x65very_frames\x18\x01 \x01(\r\x12\"\n\x05nodes\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12/\n\x08\x65ncoding\x18\x03 \x01(\x0e\x32\x1d.bendtwin.v1.Returns.Encoding\x12\x0c\n\x04\x62\x65st\x18\x04 \x01(\r\x12\x13\n\x0b\x66inal_state\x18\x05 \x01(\x08\x12\x13\n\x0b\x64iagnostics\x18\x06 \x01(\x08\x12\x19\n\x11\x63ontrol_gradients\x18\x07 \x01(\x08\"<\n\x08\x45ncoding\x12\x18\n\x14\x45NCODING_UNSPECIFIED\x10\x00\x12\x0b\n\x07\x46LOAT32\x10\x01\x12\t\n\x05INT16\x10\x02\"\xae\x08\n\x0fRollOutResponse\x12\x16\n\x0e\x66irst_instance\x18\x01 \x01(\r\x12\"\n\x05\x63osts\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x12\n\ncost_names\x18\x03 \x03(\t\x12\'\n\ncost_terms\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\tinstances\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\tpositions\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x0f\x66inal_positions\x18\x08 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12-\n\x10\x66inal_velocities\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12.\n\x11\x63ontrol_gradients\x18\n \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12=\n\x0b\x64iagnostics\x18\x0b \x03(\x0b\x32(.bendtwin.v1.RollOutResponse.Diagnostics\x12\x39\n\x08\x64iverged\x18\x0c \x03(\x0b\x32\'.bendtwin.v1.RollOutResponse.Divergence\x12\x33\n\x06timing\x18\r \x01(\x0b\x32#.bendtwin.v1.RollOutResponse.Timing\x12\x0e\n\x06worker\x18\x0e \x01(\t\x12\'\n\x08\x66idelity\x18\x0f \x01(\x0e\x32\x15.bendtwin.v1.Fidelity\x12\x10\n\x08substeps\x18\x10 \x01(\r\x12\x39\n\tdeviation\x18\x11 \x01(\x0b\x32&.bendtwin.v1.RollOutResponse.Deviation\x12)\n\x0c\x66inal_twists\x18\x12 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\x81\x01\n\x0b\x44iagnostics\x12\x12\n\nmax_strain\x18\x01 \x01(\x02\x12\x15\n\rmax_speed_m_s\x18\x02 \x01(\x02\x12\x16\n\x0ekinetic_energy\x18\x03 \x01(\x02\x12\x16\n\x0e\x65lastic_energy\x18\x04 \x01(\x02\x12\x17\n\x0fground_contacts\x18\x05 \x01(\r\x1a;\n\nDivergence\x12\x10\n\x08instance\x18\x01 \x01(\r\x12\r\n\x05\x66rame\x18\x02 \x01(\r\x12\x0c\n\x04node\x18\x03 \x01(\r\x1a,\n\x06Timing\x12\x0f\n\x07queue_s\x18\x01 \x01(\x01\x12\x11\n\tcompute_s\x18\x02 \x01(\x01\x1aQ\n\tDeviation\x12\x0e\n\x06mean_m\x18\x01 \x01(\x01\x12\r\n\x05max_m\x18\x02 \x01(\x01\x12\x15\n\rmean_travel_m\x18\x03 \x01(\x01\x12\x0e\n\x06\x66rames\x18\x04 \x01(\r*9\n\x08\x46idelity\x12\x18\n\x14\x46IDELITY_UNSPECIFIED\x10\x00\x12\t\n\x05\x45XACT\x10\x01\x12\x08\n\x04\x46\x41ST\x10\x02*E\n\rInterpolation\x12\x1d\n\x19INTERPOLATION_UNSPECIFIED\x10\x00\x12\n\n\x06LINEAR\x10\x01\x12\t\n\x05\x43UBIC\x10\x02\x32\xa4\x01\n\x0eRolloutService\x12\x44\n\x07RollOut\x12\x1b.bendtwin.v1.RollOutRequest\x1a\x1c.bendtwin.v1.RollOutResponse\x12L\n\rStreamRollOut\x12\x1b.bendtwin.v1.RollOutRequest\x1a\x1c.bendtwin.v1.RollOutResponse0\x01\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.rollout_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_FIDELITY']._serialized_start=2868
-  _globals['_FIDELITY']._serialized_end=2925
-  _globals['_INTERPOLATION']._serialized_start=2927
-  _globals['_INTERPOLATION']._serialized_end=2996
+  _globals['_FIDELITY']._serialized_start=2884
+  _globals['_FIDELITY']._serialized_end=2941
+  _globals['_INTERPOLATION']._serialized_start=2943
+  _globals['_INTERPOLATION']._serialized_end=3012
   _globals['_ROLLOUTREQUEST']._serialized_start=69
   _globals['_ROLLOUTREQUEST']._serialized_end=386
   _globals['_CONTROLTRAJECTORIES']._serialized_start=388
@@ -51,29 +51,29 @@ if not _descriptor._USE_C_DESCRIPTORS:
   _globals['_INITIALSTATE_GIVENSTATE']._serialized_start=915
   _globals['_INITIALSTATE_GIVENSTATE']._serialized_end=1045
   _globals['_COST']._serialized_start=1057
-  _globals['_COST']._serialized_end=1529
-  _globals['_COST_TARGETCLOUD']._serialized_start=1290
-  _globals['_COST_TARGETCLOUD']._serialized_end=1340
-  _globals['_COST_KEYPOINTS']._serialized_start=1342
-  _globals['_COST_KEYPOINTS']._serialized_end=1444
-  _globals['_COST_SMOOTHNESS']._serialized_start=1446
-  _globals['_COST_SMOOTHNESS']._serialized_end=1458
-  _globals['_COST_WHEN']._serialized_start=1460
-  _globals['_COST_WHEN']._serialized_end=1521
-  _globals['_RETURNS']._serialized_start=1532
-  _globals['_RETURNS']._serialized_end=1793
-  _globals['_RETURNS_ENCODING']._serialized_start=1733
-  _globals['_RETURNS_ENCODING']._serialized_end=1793
-  _globals['_ROLLOUTRESPONSE']._serialized_start=1796
-  _globals['_ROLLOUTRESPONSE']._serialized_end=2866
-  _globals['_ROLLOUTRESPONSE_DIAGNOSTICS']._serialized_start=2547
-  _globals['_ROLLOUTRESPONSE_DIAGNOSTICS']._serialized_end=2676
-  _globals['_ROLLOUTRESPONSE_DIVERGENCE']._serialized_start=2678
-  _globals['_ROLLOUTRESPONSE_DIVERGENCE']._serialized_end=2737
-  _globals['_ROLLOUTRESPONSE_TIMING']._serialized_start=2739
-  _globals['_ROLLOUTRESPONSE_TIMING']._serialized_end=2783
-  _globals['_ROLLOUTRESPONSE_DEVIATION']._serialized_start=2785
-  _globals['_ROLLOUTRESPONSE_DEVIATION']._serialized_end=2866
-  _globals['_ROLLOUTSERVICE']._serialized_start=2999
-  _globals['_ROLLOUTSERVICE']._serialized_end=3163
+  _globals['_COST']._serialized_end=1545
+  _globals['_COST_TARGETCLOUD']._serialized_start=1295
+  _globals['_COST_TARGETCLOUD']._serialized_end=1345
+  _globals['_COST_KEYPOINTS']._serialized_start=1347
+  _globals['_COST_KEYPOINTS']._serialized_end=1449
+  _globals['_COST_SMOOTHNESS']._serialized_start=1451
+  _globals['_COST_SMOOTHNESS']._serialized_end=1463
+  _globals['_COST_WHEN']._serialized_start=1465
+  _globals['_COST_WHEN']._serialized_end=1526
+  _globals['_RETURNS']._serialized_start=1548
+  _globals['_RETURNS']._serialized_end=1809
+  _globals['_RETURNS_ENCODING']._serialized_start=1749
+  _globals['_RETURNS_ENCODING']._serialized_end=1809
+  _globals['_ROLLOUTRESPONSE']._serialized_start=1812
+  _globals['_ROLLOUTRESPONSE']._serialized_end=2882
+  _globals['_ROLLOUTRESPONSE_DIAGNOSTICS']._serialized_start=2563
+  _globals['_ROLLOUTRESPONSE_DIAGNOSTICS']._serialized_end=2692
+  _globals['_ROLLOUTRESPONSE_DIVERGENCE']._serialized_start=2694
+  _globals['_ROLLOUTRESPONSE_DIVERGENCE']._serialized_end=2753
+  _globals['_ROLLOUTRESPONSE_TIMING']._serialized_start=2755
+  _globals['_ROLLOUTRESPONSE_TIMING']._serialized_end=2799
+  _globals['_ROLLOUTRESPONSE_DEVIATION']._serialized_start=2801
+  _globals['_ROLLOUTRESPONSE_DEVIATION']._serialized_end=2882
+  _globals['_ROLLOUTSERVICE']._serialized_start=3015
+  _globals['_ROLLOUTSERVICE']._serialized_end=3179
 # @@protoc_insertion_point(module_scope)

@@ -1,0 +1,68 @@
+//! Rollouts as JSON: requests and replies with the fields of the messages, by their names in the .proto files.
+//! Which fields a message has is generated from its descriptor; by hand are tensors and the words of enums.
+//! An unknown field is refused, a field that is null or left out has its default.
+
+mod fields;
+mod tensor;
+
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer,
+    de::{MapAccess, Visitor},
+    ser::SerializeMap,
+};
+
+use self::{
+    fields::{
+        Fields, Words, message, messages, only_one, word, write_message, write_messages, write_word,
+    },
+    tensor::{tensor, write_tensor},
+};
+use crate::v1::tensor::Dtype;
+
+pub use self::tensor::TensorFormat;
+
+/// A message read from JSON.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Read<T>(pub T);
+
+/// A message to be written as JSON.
+#[derive(Clone, Copy, Debug)]
+pub struct Write<'m, T> {
+    /// The message.
+    pub message: &'m T,
+    /// Form of its tensors.
+    pub tensors: TensorFormat,
+}
+
+impl<'de, T: Fields> Deserialize<'de> for Read<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(MessageVisitor(std::marker::PhantomData)).map(Self)
+    }
+}
+
+impl<T: Fields> Serialize for Write<'_, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        self.message.write(self.tensors, &mut map)?;
+        map.end()
+    }
+}
+
+struct MessageVisitor<T>(std::marker::PhantomData<T>);
+
+impl<'de, T: Fields> Visitor<'de> for MessageVisitor<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "an object with fields of {}", T::NAME)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        fields::read(map)
+    }
+}
+
+include!(concat!(env!("OUT_DIR"), "/json.rs"));
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,107 @@
+//! Completes the OpenAPI document that is derived from the handlers: what holds of every operation stands here
+//! once.
+
+use serde_json::{Map, Value, json};
+use utoipa::openapi::OpenApi;
+
+/// Ids in paths.
+const ID: &str = "^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$";
+const PROBLEM: &str = "#/components/schemas/ProblemDocument";
+
+/// The document as JSON.
+pub(super) fn complete(description: &OpenApi) -> Value {
+    let mut document = serde_json::to_value(description).unwrap_or_default();
+    let paths = document.get_mut("paths").and_then(Value::as_object_mut);
+    for methods in paths.into_iter().flat_map(Map::values_mut) {
+        for operation in methods.as_object_mut().into_iter().flat_map(Map::values_mut) {
+            name(operation);
+            operation.get_mut("parameters").map(parameters);
+            operation.get_mut("responses").map(responses);
+        }
+    }
+    document
+}
+
+/// Handlers of several resources have the same name: ids of operations are `{tag}.{handler}`.
+fn name(operation: &mut Value) {
+    let tag = operation.pointer("/tags/0").and_then(Value::as_str).unwrap_or_default();
+    let handler = operation.get("operationId").and_then(Value::as_str).unwrap_or_default();
+    let id = format!("{tag}.{handler}");
+    if operation.is_object() {
+        operation["operationId"] = id.into();
+    }
+}
+
+fn parameters(parameters: &mut Value) {
+    for parameter in parameters.as_array_mut().into_iter().flatten() {
+        if parameter["name"] == "id" && parameter["in"] == "path" {
+            parameter["schema"] = json!({"type": "string", "pattern": ID});
+            parameter["description"] = "The uuid of the resource's name.".into();
+        }
+    }
+}
+
+fn responses(responses: &mut Value) {
+    for (status, response) in responses.as_object_mut().into_iter().flatten() {
+        if response["description"].as_str().is_none_or(str::is_empty) {
+            response["description"] = meaning(status).into();
+        }
+        let content = response.get_mut("content").and_then(Value::as_object_mut);
+        if let Some(content) = content
+            && content.get("application/json").is_some_and(|c| c["schema"]["$ref"] == PROBLEM)
+            && let Some(problem) = content.remove("application/json")
+        {
+            content.insert("application/problem+json".to_owned(), problem);
+        }
+    }
+}
+
+fn meaning(status: &str) -> &'static str {
+    match status {
+        "200" => "Success.",
+        "201" => "Created.",
+        "202" => "Accepted: it is under way.",
+        "204" => "Success, without content.",
+        "503" => "Not ready.",
+        "default" => "An RFC 9457 problem document: what happened and what to do.",
+        _ => "See the description of the operation.",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn the_document_is_complete() {
+        let (_, description) = crate::http::described().split_for_parts();
+        let document = complete(&description);
+        let mut ids = HashSet::new();
+        for (path, methods) in document["paths"].as_object().unwrap() {
+            for (method, operation) in methods.as_object().unwrap() {
+                let what = format!("{method} {path}");
+                let id = operation["operationId"].as_str().unwrap();
+                assert!(ids.insert(id.to_owned()), "{what}: {id} is taken");
+                for (status, response) in operation["responses"].as_object().unwrap() {
+                    assert_ne!(response["description"].as_str(), None, "{what} {status}");
+                    assert_ne!(response["description"], "", "{what} {status}");
+                    let is_problem = response.to_string().contains(PROBLEM);
+                    let media = response["content"].get("application/problem+json");
+                    assert_eq!(is_problem, media.is_some(), "{what} {status}");
+                }
+                let ids = operation["parameters"].as_array().into_iter().flatten();
+                for id in ids.filter(|p| p["name"] == "id") {
+                    assert_eq!(id["schema"]["pattern"], ID, "{what}");
+                }
+            }
+        }
+        // Every reference has its target.
+        let text = document.to_string();
+        for reference in text.split("\"$ref\":\"#").skip(1) {
+            let target = reference.split('"').next().unwrap();
+            assert!(document.pointer(target).is_some(), "{target} is missing");
+        }
+    }
+}
