@@ -1,5 +1,5 @@
-//! A small recording that is computed, not stored: a textured ellipsoid that a ball carries over a floor, seen by three
-//! cameras with a little noise. Tests change it in one way each.
+//! A small recording that is computed, not stored: a textured ellipsoid that a ball carries over a
+//! floor, seen by three cameras with a little noise. Tests change it in one way each.
 
 use std::sync::Arc;
 
@@ -26,7 +26,8 @@ const NOISE_M: f64 = 0.001;
 pub(crate) struct TestScene {
     /// The cameras with their true poses.
     pub(crate) cameras: Vec<Camera>,
-    /// The moment [frames] that a camera shows in a frame; `None`: it was dropped. Shape [camera][T].
+    /// The moment [frames] that a camera shows in a frame; `None`: it was dropped. Shape
+    /// [camera][T].
     pub(crate) moments: Vec<Vec<Option<f64>>>,
     /// Factor that each camera's depth is multiplied by.
     pub(crate) depth_factor: Vec<f32>,
@@ -128,7 +129,8 @@ impl TestScene {
         add(middle, [0.0, 0.0, AXES[2] + 0.6 * BALL_M + self.standoff_m])
     }
 
-    /// The first thing on a ray, its depth along it in units of the direction, and the place on the thing.
+    /// The first thing on a ray, its depth along it in units of the direction, and the place on the
+    /// thing.
     fn hit(&self, eye: Vector, ray: Vector, moment: f64) -> Option<(Body, f64, Vector)> {
         let (middle, turned) = self.object(moment);
         let into = |v: Vector| -> Vector {

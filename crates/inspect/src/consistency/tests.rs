@@ -4,6 +4,7 @@ use super::{
 };
 use crate::{
     testing::{disturbed, filmed, healthy},
+    thresholds::Thresholds,
     vector::distance,
 };
 
@@ -14,8 +15,15 @@ fn a_disturbed_camera_is_put_back() {
     recording.cameras[2].poses[0] = disturbed(&right, 2.0, [0.004, -0.003, 0.006]);
     recording.frame_count = 1;
     let recording = filmed(scene, recording);
-    let scans = crate::scan::scan(&recording, &Default::default(), &mut |_| {}).unwrap();
-    let set = ViewSet { views: views(&recording.cameras, &scans), frames: vec![0], stride: 1 };
+    let thresholds = Thresholds::default();
+    let cancel = Default::default();
+    let scans = crate::scan::scan(&recording, &thresholds.scan, &cancel, &mut |_| {}).unwrap();
+    let set = ViewSet {
+        views: views(&recording.cameras, &scans, &thresholds.consistency),
+        frames: vec![0],
+        stride: 1,
+        thresholds: &thresholds.consistency,
+    };
     let declared = Hypothesis::declared(3);
     let found = correction::correct(&set, &declared, 2).unwrap();
     let moved = declared.with(2, |s| s.moved = Some(found.motion));

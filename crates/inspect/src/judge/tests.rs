@@ -4,7 +4,9 @@ use crate::{
     Inspection, Verdict,
     consistency::hypothesis::PoseChange,
     inspect,
+    inspect::inspect_with,
     testing::{FRAMES, TestScene, disturbed, filmed, healthy},
+    thresholds::Thresholds,
 };
 
 fn inspected(scene: TestScene, recording: Recording) -> Inspection {
@@ -278,4 +280,19 @@ fn a_request_to_stop_is_heard() {
     let stop = cancel.clone();
     let error = inspect(&recording, &cancel, &mut |_| stop.cancel()).unwrap_err();
     assert!(matches!(error, crate::Error::Cancelled));
+}
+
+#[test]
+fn thresholds_decide() {
+    let (mut scene, recording) = healthy();
+    scene.holes = 0.3;
+    let recording = filmed(scene, recording);
+    let is_sparse = |good_coverage: f64| {
+        let mut thresholds = Thresholds::default();
+        thresholds.depth.good_coverage = good_coverage;
+        let cancel = Default::default();
+        let seen = inspect_with(&recording, &thresholds, &cancel, &mut |_| {}).unwrap();
+        seen.has("DEPTH_SPARSE")
+    };
+    assert!(!is_sparse(0.6) && is_sparse(0.8));
 }
