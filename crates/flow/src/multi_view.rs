@@ -73,7 +73,7 @@ pub(crate) fn contradicts(other: PosedView<'_>, point: Point, tolerance_m: f64) 
         // All that is seen about there is farther away than the point.
         seen.is_some_and(|seen| seen > depth + tolerance_m)
     } else {
-        // It would stand before the background, unless something that nobody masked hides it.
+        // It would stand before the background, unless something without a mask hides it.
         seen.is_none_or(|seen| seen > depth - tolerance_m)
     }
 }

@@ -25,7 +25,7 @@ pub(crate) struct View {
     depth: DepthImage,
 }
 
-/// Largest distance that is told apart [px].
+/// Largest distance that is represented [px].
 const MAX_INSET_PX: u8 = 255;
 
 impl View {

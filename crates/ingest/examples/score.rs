@@ -61,7 +61,7 @@ fn main() -> Result<(), Failure> {
         println!("{}", serde_json::to_string_pretty(&lifted.evidence)?);
         lifted.capture
     };
-    told(&capture)?;
+    print_score(&capture)?;
     let capture = match &request.judge {
         Some(path) => judged_by(capture, &bendtwin_capture::read(path, &limits)?)?,
         None => capture,
@@ -93,7 +93,7 @@ fn judged_by(mut own: Capture, other: &Capture) -> Result<Capture, Failure> {
     Ok(own)
 }
 
-fn told(capture: &Capture) -> Result<(), Failure> {
+fn print_score(capture: &Capture) -> Result<(), Failure> {
     println!(
         "{} tracked points, {} completed on the surface, {} inside, {} control points",
         capture.object.point_count,

@@ -4,7 +4,7 @@
 //! these it judges time (dropped, repeated, late frames; skew, also without times), depth, masks,
 //! tracks, scale, motion and contact, and whether the cameras see one world: if not, it tries the
 //! mistakes that people make with calibrations and names the one that explains it.
-//! [`inspect_observed()`] does what can be done for points that somebody else lifted. A [`Report`]
+//! [`inspect_observed()`] does what can be done for points that were lifted elsewhere. A [`Report`]
 //! is a JSON document and one page without scripts. [`CODES`] has every code with what to do.
 
 mod codes;

@@ -65,7 +65,7 @@ pub enum Error {
         /// The file.
         at: String,
     },
-    /// Something that its format allows and nobody needs here.
+    /// A feature of its format that is not supported.
     #[error("the mesh `{at}` uses {what}, which is not read: export plain triangles")]
     Unsupported {
         /// The file.

@@ -74,7 +74,7 @@ fn a_mesh_completes_the_ball() {
 }
 
 #[test]
-fn a_mesh_that_does_not_fit_is_left_out_and_told() {
+fn a_mesh_that_does_not_fit_is_left_out_with_a_finding() {
     let settings = IngestSettings::default();
     // In centimetres, and on its own without alignment.
     let (result, findings) = made(given(100.0 * BALL_M as f32), &settings, ball());

@@ -98,7 +98,7 @@ fn coinciding(context: &Context<'_>, assessment: &mut Assessment) {
             let (first, second) = (named(context.recording, a), named(context.recording, b));
             let message = format!("{first} and {second} stand at exactly the same place");
             assessment.findings.push(Finding::error("CAMERAS_COINCIDE", message).cameras([a, b]));
-            // A copied calibration of many cameras needs to be told once.
+            // A copied calibration of many cameras is one finding.
             return;
         }
     }

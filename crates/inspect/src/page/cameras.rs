@@ -23,8 +23,8 @@ pub(super) fn section(seen: &Inspection) -> String {
 }
 
 fn row(seen: &Inspection, index: usize, camera: &CameraReport) -> String {
-    let told = seen.findings.iter().filter(|f| f.cameras.contains(&index));
-    let worst = told.map(|f| f.severity).min();
+    let own = seen.findings.iter().filter(|f| f.cameras.contains(&index));
+    let worst = own.map(|f| f.severity).min();
     let class = match worst {
         Some(bendtwin_capture::Severity::Error) => "error",
         Some(bendtwin_capture::Severity::Warning) => "warning",
