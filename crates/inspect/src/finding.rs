@@ -1,4 +1,4 @@
-//! What a report finds, and what it makes of all of it.
+//! Findings of a report, and the verdict that follows from them.
 
 use std::collections::BTreeMap;
 
@@ -107,7 +107,7 @@ impl From<&Finding> for check::Finding {
     }
 }
 
-/// What to make of a recording.
+/// Judgement of a recording as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -120,7 +120,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// What findings amount to.
+    /// The verdict that findings amount to.
     pub fn of(findings: &[Finding]) -> Self {
         match findings.iter().map(|f| f.severity).min() {
             Some(Severity::Error) => Self::Unusable,

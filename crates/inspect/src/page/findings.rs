@@ -1,4 +1,4 @@
-//! What was found, a card each.
+//! The findings, a card each.
 
 use bendtwin_capture::Severity;
 
