@@ -1,4 +1,4 @@
-//! What fitting changes: one number per spring, per triplet, per rod, and a few global ones.
+//! Fitted parameters: one number per spring, per triplet, per rod, and a few global ones.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! How far a fit job is.
+//! Progress of a fit.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +33,7 @@ impl Stage {
 pub struct Progress {
     /// The stage under way.
     pub stage: Stage,
-    /// Which model is being fitted, where a job fits more than one: `bending` or `axial`.
+    /// Model that is being fitted, where a job fits more than one: `bending` or `axial`.
     pub variant: String,
     /// Iterations of the stage that are done.
     pub iteration: u32,

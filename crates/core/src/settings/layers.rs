@@ -33,8 +33,8 @@ pub fn unknown_fields(document: &Value) -> Vec<String> {
     found
 }
 
-/// What settings change of the defaults, as dotted paths with their values: over the defaults, they give the
-/// same settings again.
+/// The differences of settings from the defaults, as dotted paths with their values: applied to the
+/// defaults, they give the same settings again.
 pub fn changes(settings: &FitSettings) -> Vec<(String, Value)> {
     let document = serde_json::to_value(settings).unwrap_or_default();
     let mut found = Vec::new();

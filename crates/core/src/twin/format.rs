@@ -40,7 +40,7 @@ pub enum FormatError {
     Tensor {
         /// The tensor's name.
         name: &'static str,
-        /// What is wrong with it.
+        /// Description of the fault.
         fault: String,
     },
     /// Tensors contradict one another or hold impossible numbers.
