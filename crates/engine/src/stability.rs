@@ -35,7 +35,7 @@ const ROUNDS: usize = 4;
 /// Relative change of dt from one to the next at which it has converged.
 const TOLERANCE: f64 = 1e-3;
 
-/// How finely a model's frames must be divided.
+/// The number of substeps that a model needs, and the node that requires them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StableSubsteps {
     /// Fewest stable substeps a frame.
@@ -46,7 +46,7 @@ pub struct StableSubsteps {
     pub dt_s: f64,
 }
 
-/// What a model without anything stiff needs.
+/// The result for a model without anything stiff.
 const NOT_STIFF: StableSubsteps =
     StableSubsteps { needed: 1, stiffest_node: 0, dt_s: f64::INFINITY };
 
@@ -59,11 +59,11 @@ pub fn stable_substeps(model: &Model) -> StableSubsteps {
     }
 }
 
-/// Whether so many substeps a frame are at least what [`stable_substeps`] says, which is asked only where a
-/// bound does not prove it. A model that contradicts itself needs one.
+/// Checks that this many substeps a frame are at least those of [`stable_substeps`], which are only
+/// computed if a bound does not prove it. A contradictory model needs one.
 ///
 /// # Errors
-/// What the model needs, if it is more.
+/// The substeps that the model needs, if they are more.
 pub fn enough_substeps(model: &Model, substeps: u32) -> Result<(), StableSubsteps> {
     let needs = match check::unstepped_model(model) {
         Ok(()) => {

@@ -1,4 +1,4 @@
-//! What one core can do, measured in the same run: fused multiply-adds a second
+//! Limits of one core, measured in the same run: fused multiply-adds a second
 //! in single precision, and bytes a second read and written by a triad.
 
 use std::hint::black_box;

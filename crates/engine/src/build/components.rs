@@ -1,4 +1,4 @@
-//! Which nodes hang together, and how pieces that do not are joined.
+//! Connected components of a graph, and springs that join them.
 
 use std::{collections::HashMap, num::NonZero};
 

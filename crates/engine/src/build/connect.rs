@@ -14,7 +14,7 @@ const FALLBACK_NODES: usize = 4;
 /// Of such a hand, control points up to this times as far as the nearest one are attached.
 const FALLBACK_REACH: f32 = 1.5;
 
-/// What was done beyond the letter of a [`Connectivity`]; worth a warning to the user.
+/// Changes beyond what a [`Connectivity`] asks for; worth a warning to the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Notes {
     /// Hands that had no node within the control radius and were attached to

@@ -149,7 +149,7 @@ pub(super) fn optimizer_hands_out_its_model(backend: &dyn Backend) -> Outcome {
     ensure(loss().ok() == Some(before), || "the model handed out moved on".into())
 }
 
-/// Forgotten gradients leave no trace; back at an earlier position, with or without momentum, a run goes
+/// Discarded gradients leave no trace; back at an earlier position, with or without momentum, a run goes
 /// on as it did from there: the same bits.
 pub(super) fn optimizer_goes_back_exactly(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
@@ -221,7 +221,7 @@ pub(super) fn optimizer_stays_within_bounds(backend: &dyn Backend) -> Outcome {
     ensure(reached > 0, || "no bound was reached: the case is no test".into())
 }
 
-/// What contradicts itself is refused and moves nothing.
+/// Contradictory input is refused and changes nothing.
 pub(super) fn optimizer_refuses_nonsense(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;

@@ -77,7 +77,7 @@ impl<T: Real> Parameters<T> {
         }
     }
 
-    /// Whether all numbers are finite, in f32 too.
+    /// True if all numbers are finite, in f32 too.
     #[allow(clippy::cast_possible_truncation)]
     pub(crate) fn fit_f32(&self) -> bool {
         let fits = |x: &T| (x.to_f64() as f32).is_finite();

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::Model;
 
-/// What depends on the graph only; shared by all parameter sets on it.
+/// The part of a system that depends on the graph only; shared by all parameter sets on it.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
     spring_order: Arc<Strips>,
@@ -70,7 +70,7 @@ pub(crate) struct PinnedNode<T> {
     pub(crate) offset: Quad<T>,
 }
 
-/// Which pairs of nodes may touch.
+/// The pairs of nodes that may touch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactRule {
     pub(crate) distance: f64,
@@ -109,7 +109,7 @@ pub(crate) struct System<T> {
     pub(crate) substeps: usize,
     /// exp(-dt drag).
     pub(crate) decay: T,
-    /// Whether control points have a velocity.
+    /// True if control points have a velocity.
     pub(crate) controls_move: bool,
 }
 

@@ -38,7 +38,7 @@ pub(super) struct Twist {
 }
 
 impl Twist {
-    /// What the pattern weighs, given the roots of its ends.
+    /// Weight of the pattern, given the roots of its ends.
     pub(super) fn square(&self, roots: &[f64]) -> f64 {
         let parts = self.ends.iter().zip(&self.pattern);
         parts.map(|(&e, &g)| dot(g, g) * roots[e as usize].powi(2)).sum()
