@@ -11,7 +11,7 @@ use std::{
 use bendtwin_core::{Category, Fault};
 use bendtwin_engine::backend::CancelToken;
 use bendtwin_study::{
-    Folder, Invocation, Plan, PlanOptions, Selection, Suite, Table, Tally, draw_pictures,
+    Folder, Invocation, Plan, PlanOptions, Selection, Suite, Summary, Table, draw_pictures,
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
@@ -94,7 +94,7 @@ fn work(
     let work = if args.table_only { 0 } else { plan.pending() };
     let backends = args.backend.open_several(args.jobs, work)?;
     let result = if args.table_only {
-        Ok(Tally::default())
+        Ok(Summary::default())
     } else {
         let mut board = Board::new(&plan, &backends, quiet);
         let result = plan.run(&backends, cancel, &mut |event| board.show(&event));

@@ -21,7 +21,7 @@ pub enum Category {
     PermissionDenied,
     /// A quota, queue or memory limit is reached; retry later or ask for less.
     ResourceExhausted,
-    /// A concurrent change won (a stale lease, say).
+    /// A concurrent change won (for example, the lease is stale).
     Aborted,
     /// The caller's deadline passed.
     DeadlineExceeded,
@@ -42,7 +42,7 @@ pub trait Problem: std::error::Error {
     /// A stable UPPER_SNAKE_CASE word for programs to branch on.
     fn reason(&self) -> &'static str;
 
-    /// The portable form: what a failed job keeps and a client is told.
+    /// The portable form, which a failed job keeps and a client receives.
     fn fault(&self) -> Fault {
         Fault {
             category: self.category(),

@@ -59,7 +59,7 @@ pub struct Quality {
     /// Warnings for the user: what is suspicious about the fit or the data.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// The twin's fast variant and how far it strays; none if nobody could measure that.
+    /// The twin's fast variant with its deviation; none if that could not be measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fast: Option<FastVariant>,
 }

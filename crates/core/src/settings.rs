@@ -258,7 +258,8 @@ impl Default for RefineSettings {
 }
 
 impl FitSettings {
-    /// Close to PhysTwin's scheme as published (docs/settings.md says what differs): full sampling, 667 substeps, a step a frame.
+    /// Settings close to PhysTwin's scheme as published (docs/settings.md lists the differences): full
+    /// sampling, 667 substeps, one step per frame.
     pub fn phystwin() -> Self {
         Self {
             bending: false,

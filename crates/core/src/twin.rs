@@ -41,7 +41,7 @@ pub struct Provenance {
     pub settings: Option<FitSettings>,
     /// Version of the software, `bendtwin 0.1.0`.
     pub build: String,
-    /// The backend that fitted it, `cpu` say.
+    /// The backend that fitted it, for example `cpu`.
     pub backend: String,
     /// Rotation from the capture's source frame to the twin's, row-major.
     pub source_to_world: [[f32; 3]; 3],

@@ -3,7 +3,7 @@
 //! the same capture, settings and seed give the same graph.
 //!
 //! [`sample_nodes`] decides which points become nodes, [`connect`] joins them,
-//! [`rest_geometry`] measures what the joints look like undeformed.
+//! [`rest_geometry`] measures their undeformed geometry.
 
 mod components;
 mod connect;

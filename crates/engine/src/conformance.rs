@@ -35,7 +35,7 @@ pub use self::random::{RandomOptions, random_model, random_motion};
 pub struct Case {
     /// Name, unique within the suite.
     pub name: &'static str,
-    /// Runs it; the error says what was expected and what came.
+    /// Runs the case; the error states the expected and the actual values.
     pub check: fn(&dyn Backend) -> Result<(), String>,
 }
 

@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// Rate limits that are considered: an element alone is unstable above 4; where even the lower
-/// end is unstable, nearly every element would have to give way.
+/// end is unstable, nearly every element would have to be softened.
 const LIMITS: std::ops::Range<f64> = 0.02..4.0;
 /// The rate limit is found up to this factor.
 const PRECISION: f64 = 1.05;
@@ -41,8 +41,8 @@ impl From<&FastVariant> for Reduction {
 }
 
 impl Reduction {
-    /// The gentlest reduction with which a model is stable at so many substeps, as far as the estimate can tell;
-    /// none if too much would have to give way, or the model contradicts itself.
+    /// The least reduction with which a model is stable at this many substeps, according to the estimate;
+    /// none if too much would have to be softened, or the model is contradictory.
     pub fn to(model: &Model, substeps: u32) -> Option<Self> {
         let is_stable = |rate_limit| {
             let reduced = Self { substeps, rate_limit }.apply(model);

@@ -59,7 +59,7 @@ pub struct WeightedTerm {
 /// A sum of weighted terms. Empty terms (no targets) count as zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Objective {
-    /// Names of the groups in which values are reported, `chamfer` and `track` say.
+    /// Names of the groups in which values are reported, for example `chamfer` and `track`.
     pub groups: Vec<String>,
     /// Terms, ordered by frame.
     pub terms: Arc<Vec<WeightedTerm>>,

@@ -11,10 +11,10 @@
 //! so the estimate approaches from above, hence [`MARGIN`]. Springs count with their
 //! tension's lateral stiffness, straight triplets in both directions across; a compressed spring's negative
 //! stiffness is left out. Rods count as bent to and fro by 60 degrees at every node that is straighter at rest, and as twisted
-//! once around: at rest they often resist nothing. Drag only helps and contact is no linear force: neither counts.
+//! once around: at rest they often have no stiffness. Drag is stabilizing and contact is no linear force: neither counts.
 //!
-//! **Shortcut.** Whether a given number of substeps is enough is often plain from a bound that costs a
-//! fraction of an estimate; see `bound`.
+//! **Shortcut.** A bound that costs a fraction of an estimate often proves that a given number of
+//! substeps is enough; see `bound`.
 
 mod bound;
 mod lanczos;

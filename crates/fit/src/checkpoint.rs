@@ -1,4 +1,4 @@
-//! What a fit needs to go on in another process: a magic word, a version, then postcard.
+//! Checkpoint of a fit, to continue it in another process: a magic word, a version, then postcard.
 
 use bendtwin_core::FitSettings;
 use serde::{Deserialize, Serialize};
@@ -7,19 +7,19 @@ use crate::{Error, cmaes::CmaEs, refine::RunState};
 
 /// The first bytes of every checkpoint.
 const MAGIC: &[u8; 4] = b"BTFC";
-/// Raised by every change of [`Checkpoint`] or of what a stage computes from it.
+/// Format version; raised by every change of [`Checkpoint`] or of what a stage computes from it.
 const VERSION: u32 = 5;
 
-/// All that changes during a fit.
+/// The state of a fit that changes while it runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
-    /// What it belongs to.
+    /// The fit that it belongs to.
     pub(crate) identity: Identity,
     /// The state of each model's fit, in the order of the fit.
     pub(crate) models: Vec<ModelFitState>,
 }
 
-/// Which fit a checkpoint belongs to.
+/// Identity of the fit that a checkpoint belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Identity {
     pub(crate) capture_digest: String,

@@ -21,32 +21,32 @@ use crate::{
     warnings,
 };
 
-/// One fit: what to fit, how, and on which device.
+/// One fit: capture, settings and device.
 #[derive(Clone)]
 pub struct FitJob<'a> {
-    /// What was recorded.
+    /// The capture to fit to.
     pub capture: &'a Capture,
     /// BLAKE3 digest of the capture's content, hex; kept in the twin's provenance.
     pub capture_digest: String,
-    /// How to fit.
+    /// Settings of the fit.
     pub settings: FitSettings,
-    /// What simulates.
+    /// Backend that simulates.
     pub backend: Arc<dyn Backend>,
 }
 
-/// Who is told how a fit goes on.
+/// Callbacks for the progress of a fit.
 pub trait Observer {
     /// Called after every iteration.
     fn progress(&mut self, progress: Progress);
 
-    /// Called after every iteration with all that is needed to go on from there in another process.
+    /// Called after every iteration with a checkpoint, from which another process can continue.
     ///
     /// # Errors
     /// If the fit should end, because the checkpoint cannot be kept.
     fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError>;
 }
 
-/// An observer that looks away.
+/// No-op observer.
 impl Observer for () {
     fn progress(&mut self, _progress: Progress) {}
 
@@ -55,7 +55,7 @@ impl Observer for () {
     }
 }
 
-/// What a fit makes.
+/// The result of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// The twin with its quality table. The same capture, settings, build and device give the same

@@ -66,7 +66,7 @@ pub struct MotionSettings {
     pub radius_m: f64,
     /// So many of them at most, the nearest.
     pub neighbours: u32,
-    /// With fewer that are seen a motion counts as not valid, since nobody confirms it.
+    /// Least number of visible neighbours; with fewer a motion is invalid, since nothing confirms it.
     pub min_neighbours: u32,
     /// Largest difference of a valid motion from frame to frame from that of its neighbours [m].
     pub tolerance_m: f64,

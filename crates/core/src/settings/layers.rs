@@ -7,7 +7,7 @@ use super::FitSettings;
 /// Fields that are one value although they look like objects: one of several variants.
 const VARIANTS: [&str; 2] = ["substeps", "refine.window"];
 
-/// Takes over what a document says; what it leaves out stays.
+/// Takes over the fields of a document; other fields stay as they are.
 pub fn merge(into: &mut Value, from: Value) {
     match (into, from) {
         // An enum with one variant as its only key ({"fixed": 100}) is replaced, not mixed.

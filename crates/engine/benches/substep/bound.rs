@@ -35,8 +35,16 @@ const BEND_GEOMETRY: f64 = 41.0;
 /// difference (3).
 const BEND_STATE: f64 = 45.0;
 /// Turn both ends; u, w and rates (12); geometry; angle; damping rate (8); moment (10); forces (8); centre's sum (6); add twice.
-const TRIPLET: f64 =
-    2.0 * TURN_NODES + 12.0 + BEND_GEOMETRY + 6.0 + BEND_STATE + 2.0 + 10.0 + 8.0 + 6.0 + 2.0 * ADD_QUADS;
+const TRIPLET: f64 = 2.0 * TURN_NODES
+    + 12.0
+    + BEND_GEOMETRY
+    + 6.0
+    + BEND_STATE
+    + 2.0
+    + 10.0
+    + 8.0
+    + 6.0
+    + 2.0 * ADD_QUADS;
 /// Turn nodes and lambda twice; differences (18); geometry; angle; g (8); rate, rho, kappa and products (16); y (12); Hessian's
 /// product (74); x_bar (12), v_bar (8), test for the straight limit (1); sums for parameters (5); centre's sums (12); add twice.
 const TRIPLET_BACK: f64 = 2.0 * (TURN_NODES + TURN_QUADS + ADD_NODES)

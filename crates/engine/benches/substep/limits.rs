@@ -14,7 +14,7 @@ pub(crate) fn fused_flops_per_s() -> f64 {
     operations / seconds
 }
 
-/// Runs multiply-adds and says how many operations they were.
+/// Runs multiply-adds and returns the number of operations.
 struct Fused;
 
 impl WithSimd for Fused {

@@ -121,7 +121,7 @@ pub(super) fn optimizer_slices_equal_one_batch(backend: &dyn Backend) -> Outcome
 }
 
 /// `loaded` is the model at the point: its parameters are the parameterization's there, its losses those that the
-/// optimizer measures, and it stays when the run goes on. Its parameters to 1e-5.
+/// optimizer measures, and later steps do not change it. Its parameters to 1e-5.
 pub(super) fn optimizer_hands_out_its_model(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
@@ -261,7 +261,7 @@ pub(super) fn optimizer_refuses_nonsense(backend: &dyn Backend) -> Outcome {
     optimizer.step(0, &[1.0, 1.0], 0.1).map_err(|e| format!("the step after them: {e}"))
 }
 
-/// A gradient beyond f32 says so, and so does its length: here a weight of 1e38 and an error of 20 m.
+/// A gradient beyond f32 is marked as such, and its norm is not finite: here a weight of 1e38 and an error of 20 m.
 pub(super) fn overflowing_gradients_say_so(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0]]);
     scene.spring([0, 1], 10.0, 0.1);

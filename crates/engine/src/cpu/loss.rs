@@ -53,7 +53,7 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// Adds d loss / d position of the terms of a frame to `bar`, as far as they look at that frame itself.
+    /// Adds d loss / d position of the terms of a frame to `bar`, as far as they depend on that frame itself.
     pub(crate) fn add_gradient<T: Real>(
         &self,
         frame: usize,

@@ -37,7 +37,7 @@ pub struct Parameters<T> {
     pub object_friction: T,
 }
 
-// The scalars are f32 and f64; nobody outside needs the trait that says so.
+// The scalars are f32 and f64; the trait for them is private.
 #[allow(private_bounds)]
 impl<T: Real> Parameters<T> {
     /// The same numbers in another scalar.

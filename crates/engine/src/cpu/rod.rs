@@ -73,7 +73,7 @@ pub(crate) struct Rods<T> {
 }
 
 impl<T: Real> Rods<T> {
-    /// Rods along these paths; `has_arm` tells whether the last node is that of a branch, `parameters` gives stiffness,
+    /// Rods along these paths; `has_arm` is true if the last node is that of a branch, `parameters` gives stiffness,
     /// damping and rest twist of each.
     pub(crate) fn new(
         paths: &[Vec<u32>],

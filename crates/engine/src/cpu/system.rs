@@ -1,4 +1,4 @@
-//! A model in the form that the substep loop wants: elements in blocks sorted
+//! A model in the form that the substep loop uses: elements in blocks sorted
 //! for locality, parameters combined with rest geometry, everything that is
 //! constant over a rollout computed once.
 
@@ -21,7 +21,7 @@ use crate::Model;
 pub(crate) struct Layout {
     spring_order: Arc<Strips>,
     triplet_order: Arc<Strips>,
-    /// Sorted node pairs that a spring joins; made when self contact first asks for them.
+    /// Sorted node pairs that a spring joins; built at the first use by self contact.
     joined: OnceLock<Vec<[u32; 2]>>,
 }
 

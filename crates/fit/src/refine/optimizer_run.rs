@@ -130,12 +130,12 @@ impl<'a> OptimizerRun<'a> {
         (Self { model, state, graph, loaded, note, parameterization, paused, task }, init)
     }
 
-    /// Whether it takes part in the steps of this pass.
+    /// True if the run takes part in the steps of this pass.
     pub(crate) fn is_active(&self) -> bool {
         !self.paused
     }
 
-    /// How far gradients of this run reach back.
+    /// Reach of this run's gradients [frames]; 0 is the whole window.
     pub(crate) fn reach(&self) -> usize {
         self.state.step_control.reach()
     }
