@@ -1,7 +1,8 @@
-//! The least time that a device's instruction issue allows, counted by hand. A fraction of it says how much
-//! of the machine a backend uses; it says nothing of better algorithms, which need fewer instructions.
+//! The least time that a device's instruction issue allows, counted by hand. The fraction reached shows
+//! how much of the machine a backend uses; better algorithms, which need fewer instructions, are not
+//! considered.
 //!
-//! **What is counted.** A bound is (instructions of a substep) / (instructions that the whole device issues
+//! **Count.** A bound is (instructions of a substep) / (instructions that the whole device issues
 //! a second). Only what no arrangement avoids is counted: the arithmetic of the formulas in the engine's
 //! `spring.rs`, `bend.rs`, `ground.rs` and `integrate.rs`, and on a GPU the loads of operands. Barriers, latency,
 //! bank conflicts, loop counters and losses are not, nor is contact between nodes. A single instance is
@@ -25,21 +26,21 @@ pub struct Instructions {
     pub node: f64,
 }
 
-/// A device's instruction issue and what the physics asks of it.
+/// A device's instruction issue, and the instructions that the physics needs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IssueBound {
     /// Forward, per element.
     pub forward: Instructions,
     /// Forward once more and backward together, per element; triplets are not counted.
     pub gradient: Instructions,
-    /// Whether a spring is evaluated once from each node that it holds (as a gather without atomics does)
+    /// True if a spring is evaluated once from each of its nodes (as a gather without atomics does)
     /// rather than once.
     pub both_ends: bool,
     /// Elements an instruction works on.
     pub lanes: f64,
     /// Instructions a second, whole device.
     pub per_second: f64,
-    /// How all that was counted or measured, in sentences for the reader of the report.
+    /// Method of counting and measuring, in sentences for the reader of the report.
     pub how: String,
 }
 

@@ -21,10 +21,10 @@ use crate::{
     scene::Scene,
 };
 
-/// How far a target lies from where its node is at rest [m].
+/// Distance of a target from its node at rest [m].
 const TARGET_OFFSET_M: Point = [1e-3, 0.0, 1e-3];
 
-/// How long measurements may take.
+/// Time limits of measurements.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Budget {
     /// Repeats of one measurement end after this.

@@ -4,16 +4,16 @@ use std::sync::Arc;
 
 use bendtwin_engine::Backend;
 
-/// Knows how much memory the work takes.
+/// Probe of the memory that work takes.
 pub trait MemoryProbe {
-    /// Called before a scene is loaded: what was used at most before no longer counts, where that can be told apart.
+    /// Resets the peak. Called before a scene is loaded; without effect on probes that measure no peak.
     fn reset(&self);
 
     /// Bytes in use now, or at most in use since [`MemoryProbe::reset`]; `None` if unknown.
     fn used_bytes(&self) -> Option<u64>;
 }
 
-/// A probe that knows nothing.
+/// No-op probe.
 impl MemoryProbe for () {
     fn reset(&self) {}
 
@@ -30,7 +30,7 @@ pub struct DeviceMemory {
 }
 
 impl DeviceMemory {
-    /// A probe of the backend's device; `None` if that cannot tell.
+    /// A probe of the backend's device; `None` if its memory is not known.
     pub fn new(backend: &Arc<dyn Backend>) -> Option<Self> {
         let before = backend.memory()?.used;
         Some(Self { backend: backend.clone(), before })

@@ -121,13 +121,13 @@ impl FromStr for SceneName {
 pub struct Scene {
     /// Its name.
     pub name: SceneName,
-    /// Whether it has triplets.
+    /// True if it has triplets.
     pub bending: bool,
     /// Graph, parameters and surroundings.
     pub model: Arc<Model>,
     /// Mean stiffness of its springs [N per unit strain].
     pub stiffness: f32,
-    /// How its control points move.
+    /// Motion of its control points.
     pub motion: Motion,
 }
 
@@ -184,7 +184,7 @@ impl Scene {
     }
 }
 
-/// How nodes are joined, as in PhysTwin.
+/// Connections between nodes, as in PhysTwin.
 pub(crate) fn graph_settings() -> GraphSettings {
     GraphSettings {
         sampling_ratio: 1.0,

@@ -13,7 +13,7 @@ use uuid::Uuid;
 pub struct InvalidName {
     /// The collection that was expected.
     pub collection: &'static str,
-    /// What was given, cut to 80 characters.
+    /// The given text, cut to 80 characters.
     pub given: String,
 }
 

@@ -1,4 +1,4 @@
-//! What fitting changes: one number per spring, per triplet, per rod, and a few global ones.
+//! Fitted parameters: one number per spring, per triplet, per rod, and a few global ones.
 
 use serde::{Deserialize, Serialize};
 
@@ -40,8 +40,8 @@ impl Default for Contact {
     }
 }
 
-/// The parameters of a twin. A node's mass is 1 unless the graph says
-/// otherwise, so stiffness is per unit node mass.
+/// The parameters of a twin. A node's mass is 1 unless the graph has
+/// masses, so stiffness is per unit node mass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Params {
     /// Axial stiffness [N per unit strain], shape [E].

@@ -1,4 +1,4 @@
-//! How good a twin is: the table that evaluation makes and a twin carries.
+//! Quality of a twin: the table that an evaluation computes and a twin carries.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub struct ErrorSummary {
     pub padded_rms_m: Option<f64>,
 }
 
-/// What a row of the table is about.
+/// The predictor that a row of the table is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Predictor {
@@ -40,7 +40,7 @@ pub enum Predictor {
 /// One predictor's errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
-    /// Who predicted.
+    /// Predictor of this row.
     pub predictor: Predictor,
     /// Over the training frames ("reconstruction").
     pub train: ErrorSummary,
@@ -59,7 +59,7 @@ pub struct Quality {
     /// Warnings for the user: what is suspicious about the fit or the data.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// The twin's fast variant and how far it strays; none if nobody could measure that.
+    /// The twin's fast variant with its deviation; none if that could not be measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fast: Option<FastVariant>,
 }

@@ -1,5 +1,5 @@
-//! What a substep costs on one core: microseconds by number of nodes, forward and with the gradient, spring
-//! evaluations a second, and the share of what a hand count of instructions allows; then what it costs to look at a
+//! Cost of a substep on one core: microseconds by number of nodes, forward and with the gradient, spring
+//! evaluations a second, and the share of what a hand count of instructions allows; then the cost of checking a
 //! model's stability. Prints Markdown tables.
 //!
 //! `cargo bench -p bendtwin-engine`
@@ -108,7 +108,7 @@ fn small(backend: &dyn Backend, flops: f64) {
     );
 }
 
-/// What it costs to find out how many substeps a model needs, and that those it has are enough.
+/// Cost of computing how many substeps a model needs, and of checking that those it has are enough.
 fn stability() {
     println!("\nStability of a model, looked at once\n");
     println!(

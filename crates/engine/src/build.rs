@@ -3,7 +3,7 @@
 //! the same capture, settings and seed give the same graph.
 //!
 //! [`sample_nodes`] decides which points become nodes, [`connect`] joins them,
-//! [`rest_geometry`] measures what the joints look like undeformed.
+//! [`rest_geometry`] measures their undeformed geometry.
 
 mod components;
 mod connect;
@@ -68,7 +68,7 @@ impl NodeSample {
     }
 }
 
-/// How many points of the capture could not become nodes, by reason.
+/// Numbers of points of the capture that could not become nodes, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LeftOut {
     /// Position at the start frame is not a finite number.
@@ -86,7 +86,7 @@ impl LeftOut {
     }
 }
 
-/// How nodes are joined: the topology variables of a fit's search.
+/// Connections between nodes: the topology variables of a fit's search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Connectivity {
     /// Spring radius at full sampling [m].
@@ -99,16 +99,16 @@ pub struct Connectivity {
     pub control_neighbours: usize,
     /// Bending triplets, if any.
     pub triplets: Option<Triplets>,
-    /// Whether what lies between two clamps of a cable with known edges is a rod that twists.
+    /// Rods that twist between two clamps of a cable with known edges.
     pub rods: bool,
 }
 
-/// How triplets are chosen.
+/// Choice of triplets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Triplets {
     /// Most triplets with the same centre.
     pub max_per_node: usize,
-    /// Which pairs of neighbours form them.
+    /// Pairs of neighbours that form them.
     pub reference: TripletReference,
 }
 

@@ -66,7 +66,7 @@ pub fn cpu_with_threads(threads: usize) -> Arc<dyn Backend> {
     Arc::new(CpuBackend::new(threads))
 }
 
-/// What the CPU keeps of a model.
+/// The CPU backend's part of a loaded model.
 struct Resident {
     system: System<f32>,
     layout: Arc<Layout>,

@@ -1,6 +1,6 @@
 //! The fast variant of a model: the same model with fewer substeps, softened where it must be.
 //!
-//! **Softening.** A model can have fewer substeps than its stiffest mode allows only if that mode gives way. An
+//! **Softening.** A model can have fewer substeps than its stiffest mode allows only if that mode is softened. An
 //! element by itself has a stiffness κ [1/s²] and a damping ζ [1/s], both per mass: for a spring
 //! `κ = w k / l0` and `ζ = w γ` with `w = 1/m_i + 1/m_j`; for a triplet `κ = w kθ` and `ζ = w c_b` with
 //! `w = 1/(m_i lu²) + 1/(m_k lw²) + (1/lu + 1/lw)²/m_j` and lu, lw the lengths of its arms at rest; for a rod
@@ -9,7 +9,7 @@
 //! `dt² κ <= λ` and damping so that `2 dt ζ <= λ`; most elements stay as they are. A model is stable where the same
 //! expressions of all elements together stay below 4 (see `stability.rs`), so λ lies below 4 too.
 //!
-//! A softened model is another model. How far it strays is for measurement to say.
+//! A softened model is another model: its deviation has to be measured.
 
 use bendtwin_core::{FastVariant, Point};
 
@@ -20,12 +20,12 @@ use crate::{
 };
 
 /// Rate limits that are considered: an element alone is unstable above 4; where even the lower
-/// end is unstable, nearly every element would have to give way.
+/// end is unstable, nearly every element would have to be softened.
 const LIMITS: std::ops::Range<f64> = 0.02..4.0;
 /// The rate limit is found up to this factor.
 const PRECISION: f64 = 1.05;
 
-/// How a variant differs from its model.
+/// The difference of a fast variant from its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
     /// Substeps per frame.
@@ -41,8 +41,8 @@ impl From<&FastVariant> for Reduction {
 }
 
 impl Reduction {
-    /// The gentlest reduction with which a model is stable at so many substeps, as far as the estimate can tell;
-    /// none if too much would have to give way, or the model contradicts itself.
+    /// The least reduction with which a model is stable at this many substeps, according to the estimate;
+    /// none if too much would have to be softened, or the model is contradictory.
     pub fn to(model: &Model, substeps: u32) -> Option<Self> {
         let is_stable = |rate_limit| {
             let reduced = Self { substeps, rate_limit }.apply(model);

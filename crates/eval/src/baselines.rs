@@ -1,4 +1,4 @@
-//! Predictors that cost nothing: what a twin has to beat.
+//! Free baselines: predictors without a fit, which a twin has to beat.
 
 use bendtwin_core::{Capture, Graph, Point, Sequence};
 
@@ -102,8 +102,8 @@ fn predicted(
     Trajectory { start_frame: first, node_count: n, positions, diverged: None }
 }
 
-/// How much of each pin's displacement a node takes over: one at the pin, zero at the others, and in between the mean
-/// of the neighbours, weighted by one over rest length. Shape [pins, N].
+/// Share of each pin's displacement that a node takes over: one at the pin, zero at the others, and in
+/// between the mean of the neighbours, weighted by one over rest length. Shape [pins, N].
 fn harmonic_shares(graph: &Graph) -> Vec<Vec<f64>> {
     let n = graph.node_count();
     let mut edges: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];

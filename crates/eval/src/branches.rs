@@ -5,7 +5,7 @@
 //! for each branch that it belongs to, and the zeros count as points without an error: the result is smaller
 //! than the true root mean square by a factor that depends on the cable alone (1.33 on BDLO1).
 
-/// How often each point of a branched cable counts, and among how many places.
+/// Multiplicity of each point of a branched cable, and the number of places in all.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Branches {
     /// Branches that a point belongs to, shape [P].

@@ -18,8 +18,8 @@ use crate::{
     distance::{chamfer, euclidean, is_finite, nearest},
 };
 
-/// What of a sequence predictions are compared with.
-pub(crate) struct Yardstick<'a> {
+/// The observations of a sequence that predictions are compared with.
+pub(crate) struct Reference<'a> {
     sequence: &'a Sequence,
     surface_count: usize,
     /// Clean tracks: (node, track).
@@ -29,8 +29,8 @@ pub(crate) struct Yardstick<'a> {
     branches: Option<Branches>,
 }
 
-impl<'a> Yardstick<'a> {
-    /// For nodes that stand at `start` in the start frame, shape [N, 3].
+impl<'a> Reference<'a> {
+    /// The reference for nodes that are at `start` in the start frame, shape [N, 3].
     pub(crate) fn new(
         capture: &Capture,
         sequence: &'a Sequence,
@@ -87,7 +87,7 @@ impl<'a> Yardstick<'a> {
     }
 }
 
-/// Every point with the node that it is; `None` if a point has no node.
+/// Every point with its own node; `None` if a point has no node.
 fn own_nodes(graph: &Graph, point_count: usize) -> Option<Vec<(usize, usize)>> {
     let mut own = vec![None; point_count];
     for (node, &p) in graph.observed_points.iter().enumerate() {
@@ -111,7 +111,7 @@ fn weighted_mean(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
 
 /// Means over frames of many sequences.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Totals {
+pub(crate) struct ErrorSums {
     chamfer_l1: (f64, f64),
     chamfer_l2: (f64, f64),
     track: (f64, f64),
@@ -120,9 +120,9 @@ pub(crate) struct Totals {
     padded: (f64, f64),
 }
 
-impl Totals {
-    /// Adds the errors of consecutive frames; `divisor_frames` is what the sums of the metrics of motion capture
-    /// are divided by.
+impl ErrorSums {
+    /// Adds the errors of consecutive frames. The sums of the metrics of motion capture are divided by
+    /// `divisor_frames`.
     pub(crate) fn add(&mut self, frames: &[ErrorSummary], divisor_frames: usize) {
         for f in frames {
             let add = |to: &mut (f64, f64), x: Option<f64>| {
@@ -158,19 +158,19 @@ impl Totals {
 
 /// Errors of one predictor: training and future frames, and each frame by its distance from the start.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Account {
-    pub(crate) train: Totals,
-    pub(crate) future: Totals,
-    per_frame: Vec<Totals>,
+pub(crate) struct PredictorErrors {
+    pub(crate) train: ErrorSums,
+    pub(crate) future: ErrorSums,
+    per_frame: Vec<ErrorSums>,
 }
 
-impl Account {
+impl PredictorErrors {
     /// Adds a sequence. With `future_only`, training frames do not count.
-    pub(crate) fn add(&mut self, yardstick: &Yardstick<'_>, prediction: &Trajectory) {
-        let s = yardstick.sequence;
+    pub(crate) fn add(&mut self, reference: &Reference<'_>, prediction: &Trajectory) {
+        let s = reference.sequence;
         let first = s.start_frame() + 1;
         let errors: Vec<ErrorSummary> = (first..s.frame_count)
-            .filter_map(|f| Some(yardstick.measure(f, prediction.at(f)?)))
+            .filter_map(|f| Some(reference.measure(f, prediction.at(f)?)))
             .collect();
         let (train, future) =
             errors.split_at(s.train_frame_count.saturating_sub(first).min(errors.len()));
@@ -180,14 +180,14 @@ impl Account {
         };
         self.train.add(train, divisor(train));
         self.future.add(future, divisor(future));
-        self.per_frame.resize(self.per_frame.len().max(errors.len()), Totals::default());
-        for (totals, error) in self.per_frame.iter_mut().zip(&errors) {
-            totals.add(std::slice::from_ref(error), 1);
+        self.per_frame.resize(self.per_frame.len().max(errors.len()), ErrorSums::default());
+        for (sums, error) in self.per_frame.iter_mut().zip(&errors) {
+            sums.add(std::slice::from_ref(error), 1);
         }
     }
 
     pub(crate) fn per_frame(&self) -> Vec<ErrorSummary> {
-        self.per_frame.iter().map(Totals::summary).collect()
+        self.per_frame.iter().map(ErrorSums::summary).collect()
     }
 }
 

@@ -21,7 +21,7 @@ pub struct Trajectory {
     /// Positions [m], shape [frames, N, 3]; row 0 belongs to `start_frame`. After a divergence the
     /// last finite frame is repeated, so that every frame of the sequence has a row.
     pub positions: Vec<Point>,
-    /// Where the simulation diverged, if it did.
+    /// The divergence of the simulation, if any.
     pub diverged: Option<Divergence>,
 }
 
@@ -73,8 +73,8 @@ pub fn predict(
     Ok(trajectories)
 }
 
-/// How many instances to submit at once: enough to fill the device, few enough
-/// that others who share it are served in between.
+/// Number of instances to submit at once: enough to fill the device, few enough that others who share
+/// it are served in between.
 pub fn slice_len(backend: &dyn Backend) -> usize {
     2 * backend.device().lanes.max(1)
 }
@@ -147,7 +147,7 @@ pub(crate) fn difference(a: Point, b: Point) -> Point {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-/// Whether shapes agree, so that nothing below needs to ask.
+/// Checks that shapes agree, so that no later code has to.
 pub(crate) fn check(twin: &Twin, capture: &Capture) -> Result<(), Error> {
     check_capture(capture)?;
     if (twin.timing.fps - capture.fps).abs() > 1e-6 * capture.fps.abs() {
@@ -174,7 +174,7 @@ pub(crate) fn check(twin: &Twin, capture: &Capture) -> Result<(), Error> {
     Ok(())
 }
 
-/// Checks that the arrays of a capture have the shapes that they say.
+/// Checks that the arrays of a capture have the declared shapes.
 ///
 /// # Errors
 /// The first contradiction.

@@ -1,10 +1,10 @@
-//! CMA-ES with ask and tell: minimises a black box over the unit cube.
+//! CMA-ES with an ask-and-tell interface: minimises a black box over the unit cube.
 //!
 //! After Hansen, "The CMA Evolution Strategy: A Tutorial" (arXiv 1604.00772), with positive weights, rank-one
 //! and rank-mu update and cumulative step-size adaptation. Bounds are kept by reflection: the strategy
-//! walks through unbounded space in which the cube is repeated as in mirrors, so that its statistics
+//! works in unbounded space, which is mapped to the cube by repeated reflection, so that its statistics
 //! stay undisturbed. Samples depend on seed and generation only: a strategy that was stored and
-//! restored asks exactly what it would have asked otherwise.
+//! restored generates exactly the samples that it would have generated otherwise.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::SeedableRng;
@@ -17,7 +17,7 @@ const SIGMA_RANGE: [f64; 2] = [1e-12, 1.0];
 /// Smallest ratio of the shortest to the longest axis of the sampling ellipsoid (variances).
 const MIN_CONDITION: f64 = 1e-14;
 
-/// A stored strategy is all that is needed to go on.
+/// A CMA-ES strategy. Its serialized form is a complete checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CmaEs {
     seed: u64,
@@ -32,7 +32,7 @@ pub struct CmaEs {
     best: Option<Best>,
 }
 
-/// The best point told so far.
+/// The best point so far.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Best {
     /// The point, in the unit cube.
@@ -76,7 +76,7 @@ impl CmaEs {
         }
     }
 
-    /// Generations told so far.
+    /// Number of completed generations.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -96,7 +96,7 @@ impl CmaEs {
         self.mean.iter().map(|&x| reflect(x)).collect()
     }
 
-    /// The best point told so far; `None` while no loss was finite.
+    /// The best point so far; `None` while no loss was finite.
     pub fn best(&self) -> Option<&Best> {
         self.best.as_ref()
     }
@@ -119,8 +119,8 @@ impl CmaEs {
             .collect()
     }
 
-    /// Learns from the losses of [`CmaEs::ask`]'s samples. NaN and infinity are worse than everything and
-    /// teach nothing; a generation without any finite loss only lets the step size shrink.
+    /// Updates the strategy with the losses of [`CmaEs::ask`]'s samples. NaN and infinity rank last and
+    /// do not contribute; a generation without any finite loss only lets the step size shrink.
     pub fn tell(&mut self, samples: &[Sample], losses: &[f64]) {
         let mut order: Vec<usize> =
             (0..samples.len().min(losses.len())).filter(|&i| losses[i].is_finite()).collect();

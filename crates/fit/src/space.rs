@@ -2,7 +2,7 @@
 //! connectivity of its nodes. Every variable is scaled to 0..=1.
 //!
 //! Stiffness, dashpots, drag and bending are searched in logarithms: what matters about them is their
-//! order of magnitude, and the useful part of a linear scale (PhysTwin's 0..1e5, say) would be a thin
+//! order of magnitude, and the useful part of a linear scale (PhysTwin's 0..1e5, for example) would be a thin
 //! slice at one end. Ratios and lengths are searched as they are. Variables without effect on the
 //! capture (friction of an object in the air) are left out: each costs the search evaluations.
 
@@ -129,7 +129,7 @@ pub(crate) struct Candidate {
     twist_damping: f64,
     rest_twist: f64,
     contact: Contact,
-    /// Gravity as a multiple of what the capture says.
+    /// Gravity as a multiple of the capture's.
     gravity: f64,
 }
 
@@ -155,7 +155,7 @@ impl Space {
             axes.push(Axis::log(BendStiffness, 0.1 * square, 1e5 * square, stiffness));
             axes.push(Axis::log(BendDamping, 1e-2 * square, 1e3 * square, damping));
             if is_cable && task.sample.rest_shape.is_some() {
-                // An angle does not know its direction: a cable that twists bends back
+                // An angle has no direction: a cable that twists bends back
                 // towards its rest angle on the wrong side. Often a part of it fits best.
                 axes.push(Axis::linear(RestBend, 0.0, 1.0, 0.5));
             }

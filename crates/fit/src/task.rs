@@ -252,9 +252,9 @@ fn controls_of(sequence: &Sequence, first: usize, count: usize) -> Vec<Point> {
 /// Mean over frames of Chamfer distance and tracking loss.
 ///
 /// - Chamfer: visible points against the surface. Left out where every visible point is tracked
-///   by a node of its own: then it has nothing to add.
+///   by a node of its own: then it adds no information.
 /// - Track: points whose motion is valid against their own nodes, pinned ones excepted. Smooth L1 is
-///   scaled by beta (which makes it Huber's loss), so that beta says where outliers begin without
+///   scaled by beta (which makes it Huber's loss), so that beta sets where outliers begin without
 ///   changing the weight against the Chamfer distance.
 fn objective(
     sequence: &Sequence,
@@ -315,7 +315,7 @@ fn objective(
     Objective { groups: GROUPS.map(str::to_owned).to_vec(), terms: Arc::new(terms) }
 }
 
-/// Mean length of known edges, mean distance of surface nodes otherwise; 1 cm where neither says anything.
+/// Mean length of known edges, mean distance of surface nodes otherwise; 1 cm if neither is available.
 fn spacing(sample: &NodeSample) -> f64 {
     let points = sample.undeformed();
     let length = |&[a, b]: &[u32; 2]| {

@@ -30,8 +30,8 @@ fn fit(scene: Scene, bending: bool) -> Twin {
     job.run(None, &mut (), &CancelToken::default()).unwrap().twin
 }
 
-/// How far the free end of a twin sags below where it is at rest [m], when its hand stays where it is and nothing lies
-/// beneath: what flexural rigidity by weight decides, whichever of springs and triplets carry it.
+/// Distance by which the free end of a twin sags below its rest position [m], with a fixed hand and
+/// without ground. It follows from flexural rigidity by weight, whether springs or triplets carry it.
 fn sag(twin: &Twin) -> f32 {
     let mut model = Model::from(twin);
     model.environment.ground = None;

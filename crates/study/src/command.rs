@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use bendtwin_core::{FitSettings, settings::layers::changes};
 use serde_json::Value;
 
-/// How a suite was started.
+/// The command that started a suite.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Invocation {
     /// The suite's file, as it was given.

@@ -66,7 +66,7 @@ fn rate(threads: usize) -> Option<f64> {
     })
 }
 
-/// Runs independent multiply-adds and says how many instructions a second they were.
+/// Runs independent multiply-adds and returns the number of instructions a second.
 struct MultiplyAdds;
 
 impl WithSimd for MultiplyAdds {

@@ -1,4 +1,4 @@
-//! What a timed fit is made to find: a capture of the scene's body with a softer, uneven material.
+//! Target of a timed fit: a capture of the scene's body with a softer, uneven material.
 
 use std::sync::Arc;
 
@@ -26,7 +26,8 @@ const DASHPOT: f32 = 10.0;
 /// a fit leaves out where every point is tracked.
 const TRUSTED: f64 = 0.8;
 
-/// What `frames` frames of the scene's motion look like: the surface tracked, the inside known at the start.
+/// A capture of `frames` frames of the scene's motion: the surface tracked, the interior known at the
+/// start.
 pub(super) fn capture(
     scene: &Scene,
     frames: usize,

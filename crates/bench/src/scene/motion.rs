@@ -1,4 +1,4 @@
-//! How the control points of a scene move: gently out and back, each instance in a direction of its own.
+//! Motion of the control points of a scene: gently out and back, each instance in a direction of its own.
 
 use std::f32::consts::TAU;
 

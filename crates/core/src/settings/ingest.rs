@@ -1,5 +1,5 @@
-//! What a user may choose about how a raw recording is lifted to tracked points. Every field has a default, unknown
-//! fields are refused, and [`IngestSettings::validate`] reports all faults at once.
+//! Settings of lifting a raw recording to tracked points. Every field has a default, unknown fields are
+//! refused, and [`IngestSettings::validate`] reports all faults at once.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,20 +7,20 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct IngestSettings {
-    /// How masks are cleaned.
+    /// Cleaning of masks.
     pub masks: MaskSettings,
-    /// How pixels become points.
+    /// Lifting of pixels to points.
     pub lift: LiftSettings,
-    /// Which tracks are believed.
+    /// Filtering of tracks.
     pub motion: MotionSettings,
     /// Least distance between two points of the capture at the first frame [m]: where several cameras track one
     /// spot, the track that is seen longest stays.
     pub spacing_m: f64,
-    /// How control points are made.
+    /// Construction of control points.
     pub controls: ControlSettings,
-    /// How what no camera saw is filled in.
+    /// Completion of the surface that no camera saw.
     pub completion: CompletionSettings,
-    /// Where points inside the object come from.
+    /// Source of points inside the object.
     pub interior: Interior,
 }
 
@@ -66,12 +66,12 @@ pub struct MotionSettings {
     pub radius_m: f64,
     /// So many of them at most, the nearest.
     pub neighbours: u32,
-    /// With fewer that are seen a motion counts as not valid, since nobody confirms it.
+    /// Least number of visible neighbours; with fewer a motion is invalid, since nothing confirms it.
     pub min_neighbours: u32,
-    /// How far a motion from frame to frame may be from what the neighbours say, and still be valid [m].
+    /// Largest difference of a valid motion from frame to frame from that of its neighbours [m].
     pub tolerance_m: f64,
-    /// How far a point may be from where the neighbours say since the first frame, and still count as the same
-    /// spot [m]; it is not seen in frames in which it is farther.
+    /// Largest distance of a point from the position that its neighbours predict since the first frame
+    /// [m]; it counts as unseen in frames in which it is farther.
     pub drift_m: f64,
 }
 
@@ -96,9 +96,9 @@ pub struct ControlSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CompletionSettings {
-    /// Whether a mesh that lies in the recording is used.
+    /// Use of a mesh that comes with the recording.
     pub mesh: bool,
-    /// Whether a mesh without alignment is aligned here; otherwise it is an error.
+    /// Alignment of a mesh that comes without one; if off, such a mesh is an error.
     pub align: bool,
     /// Least distance of completed points from observed ones and from each other [m].
     pub spacing_m: f64,
@@ -108,7 +108,7 @@ pub struct CompletionSettings {
     pub max_points: u32,
 }
 
-/// Where points inside the object come from.
+/// Source of points inside the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Interior {

@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// Newest version that this build reads and writes; it reads every earlier one. A twin is written in the earliest
-/// version that can say it, so that older programs read what they understand and refuse the rest.
+/// version that can hold it, so that older programs read the twins that they support and refuse others.
 pub const VERSION: u32 = 2;
 
 /// The version with rods.
@@ -40,7 +40,7 @@ pub enum FormatError {
     Tensor {
         /// The tensor's name.
         name: &'static str,
-        /// What is wrong with it.
+        /// Description of the fault.
         fault: String,
     },
     /// Tensors contradict one another or hold impossible numbers.

@@ -30,19 +30,27 @@ const SPRING_BACK: f64 =
     TURN_NODES + TURN_QUADS + 9.0 + 9.0 + 4.0 + 13.0 + 9.0 + 3.0 + 3.0 + 6.0 + ADD_NODES;
 
 /// Lengths (6), their product's inverse with masks and limits (10), normal and two more cross products (18), |n| (4), u.w (3).
-const ELBOW: f64 = 41.0;
-/// Which formula holds (11), 1/m (3), the angle: reduction (12), division and polynomial (8), quadrants (8), sign and
+const BEND_GEOMETRY: f64 = 41.0;
+/// Choice of the formula (11), 1/m (3), the angle: reduction (12), division and polynomial (8), quadrants (8), sign and
 /// difference (3).
-const BENT: f64 = 45.0;
-/// Turn both ends; u, w and rates (12); elbow; angle; damping rate (8); moment (10); forces (8); centre's sum (6); add twice.
-const TRIPLET: f64 =
-    2.0 * TURN_NODES + 12.0 + ELBOW + 6.0 + BENT + 2.0 + 10.0 + 8.0 + 6.0 + 2.0 * ADD_QUADS;
-/// Turn nodes and lambda twice; differences (18); elbow; angle; g (8); rate, rho, kappa and products (16); y (12); Hessian's
+const BEND_STATE: f64 = 45.0;
+/// Turn both ends; u, w and rates (12); geometry; angle; damping rate (8); moment (10); forces (8); centre's sum (6); add twice.
+const TRIPLET: f64 = 2.0 * TURN_NODES
+    + 12.0
+    + BEND_GEOMETRY
+    + 6.0
+    + BEND_STATE
+    + 2.0
+    + 10.0
+    + 8.0
+    + 6.0
+    + 2.0 * ADD_QUADS;
+/// Turn nodes and lambda twice; differences (18); geometry; angle; g (8); rate, rho, kappa and products (16); y (12); Hessian's
 /// product (74); x_bar (12), v_bar (8), test for the straight limit (1); sums for parameters (5); centre's sums (12); add twice.
 const TRIPLET_BACK: f64 = 2.0 * (TURN_NODES + TURN_QUADS + ADD_NODES)
     + 18.0
-    + ELBOW
-    + BENT
+    + BEND_GEOMETRY
+    + BEND_STATE
     + 8.0
     + 16.0
     + 12.0
@@ -59,7 +67,7 @@ const NODE_BACK: f64 = 67.0;
 /// Eight nodes on tape are 12 stores of 256 bits at one a cycle.
 const TAPE: f64 = 12.0 * PIPES;
 
-/// What is counted.
+/// Numbers of the elements that are counted.
 #[derive(Clone, Copy)]
 pub(crate) struct Elements {
     pub(crate) nodes: usize,

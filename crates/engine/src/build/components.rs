@@ -1,4 +1,4 @@
-//! Which nodes hang together, and how pieces that do not are joined.
+//! Connected components of a graph, and springs that join them.
 
 use std::{collections::HashMap, num::NonZero};
 
@@ -95,7 +95,7 @@ impl Pieces<'_> {
         };
         let elsewhere =
             |i: usize| move |k: usize| self.roots[k] != self.roots[i] && objects[k] == objects[i];
-        // Nodes that see another piece among a few neighbours spare most others the look at all.
+        // Most nodes are ruled out by those that have another component among a few neighbours.
         let mut unseen = Vec::new();
         for (i, root) in self.roots.iter().enumerate() {
             if first.get(&objects[i]) != Some(root) {

@@ -9,12 +9,12 @@ use super::{Connectivity, MIN_REST_LENGTH_M, NodeSample, components, rods, sprea
 
 /// Control points nearer than this to each other belong to one hand [m].
 const HAND_LINK_M: f32 = 0.08;
-/// Nodes that a control point of a hand which reaches nothing is attached to.
+/// Number of nodes that a control point is attached to if its hand reaches no node.
 const FALLBACK_NODES: usize = 4;
 /// Of such a hand, control points up to this times as far as the nearest one are attached.
 const FALLBACK_REACH: f32 = 1.5;
 
-/// What was done beyond the letter of a [`Connectivity`]; worth a warning to the user.
+/// Changes beyond what a [`Connectivity`] asks for; worth a warning to the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Notes {
     /// Hands that had no node within the control radius and were attached to

@@ -1,11 +1,11 @@
-//! Why a capture cannot become a graph.
+//! Errors of building a graph from a capture.
 
 use bendtwin_core::{Category, Problem};
 
-/// Why no nodes can be sampled from a capture.
+/// An error that prevents sampling nodes from a capture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
-    /// There is nothing to make nodes of.
+    /// No point of the capture can become a node.
     #[error(
         "the capture has no usable point at frame {frame} of its first sequence \
          ({left_out} of {points} tracked points are missing or hidden there): \
@@ -19,7 +19,7 @@ pub enum Error {
         /// Tracked points in all.
         points: usize,
     },
-    /// An array of the capture does not have the shape that it says.
+    /// An array of the capture does not have the declared shape.
     #[error("the capture contradicts itself: {0}; write it again with arrays of matching shapes")]
     Inconsistent(String),
     /// A point that cannot be left out has no position at the start.
@@ -31,7 +31,7 @@ pub enum Error {
         point: usize,
         /// The start frame.
         frame: usize,
-        /// Why it is needed.
+        /// Reason why the point is needed.
         why: &'static str,
     },
     /// A control point has no position at the start.

@@ -1,4 +1,4 @@
-//! What springs and triplets look like undeformed.
+//! Rest lengths of springs and rest angles of triplets.
 
 use bendtwin_core::{Graph, Point};
 

@@ -1,16 +1,16 @@
 //! Rods that twist: the ways through a cable from one clamp to another, or to the first branch.
 //!
 //! A *clamp* is an edge whose two nodes are both pinned: it gives the cable a direction there, and with it a frame. A
-//! free end has none and turns as it likes, and neither has a single pinned node: no torque gets there. What lies between
-//! two clamps carries one.
+//! free end has no frame and turns freely, and neither has a single pinned node: no torque reaches them. The part of a
+//! cable between two clamps carries one.
 //!
-//! Where a branch without clamps begins, it stands off to a side of the cable, and that side is where the cable's frame
-//! is: a junction is stiff. The cable cannot turn there without lifting the branch, so the first such junction
+//! A branch without clamps stands off to a side of the cable, and that side defines the cable's frame
+//! there: a junction is stiff. The cable cannot turn there without lifting the branch, so the first such junction
 //! ends a rod, with the branch's first node as its arm; of several, the one that stands most nearly square to
-//! the rod. Between two such junctions there is none: where it is not twisted no start of a rollout can tell, as
-//! it can of a clamp.
+//! the rod. Between two such junctions there is no rod: the start of a rollout does not determine the orientation without
+//! twist there, as it does at a clamp.
 //!
-//! Where all branches at a junction lead to clamps, it turns until the torques of what meets there add up to zero: a
+//! If all branches at a junction lead to clamps, it turns until the torques of what meets there add up to zero: a
 //! star of torsion springs about one free angle. Eliminating that angle leaves one spring for every pair of
 //! clamps (as a star of resistors is a mesh of them): one rod for every pair, each with a stiffness of its own.
 //!
@@ -128,7 +128,7 @@ impl Cable<'_> {
         })
     }
 
-    /// Whether a clamp lies beyond an edge of a piece that is a tree.
+    /// True if a clamp lies beyond an edge of a component that is a tree.
     fn leads_to_clamp(&self, from: u32, to: u32) -> bool {
         let mut ways = vec![[from, to]];
         while let Some([before, at]) = ways.pop() {

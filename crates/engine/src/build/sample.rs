@@ -1,4 +1,4 @@
-//! Which points of a capture become nodes, and in what order.
+//! Choice and order of the points of a capture that become nodes.
 
 use std::collections::{HashMap, HashSet};
 
@@ -232,7 +232,7 @@ impl Pool {
         chosen
     }
 
-    /// How many nodes of each kind make `wanted`: in proportion, by largest remainders.
+    /// Number of nodes of each kind that make `wanted`: in proportion, by largest remainders.
     fn shares(&self, wanted: usize) -> [(NodeKind, usize); 3] {
         let kinds = [NodeKind::Observed, NodeKind::Completed, NodeKind::Interior];
         let counts = kinds.map(|kind| self.kinds.iter().filter(|&&k| k == kind).count());

@@ -136,7 +136,7 @@ fn small_deflections(links: usize, gravity: f64) -> Vec<f64> {
 /// The chain settles at the exact equilibrium of the discrete beam, for a small load
 /// (deflection 1 % of the length, where the linear closed form holds to 0.1 % too) and for a large
 /// one (half of the length). To 0.2 % of the tip's deflection plus 20 µm: at the small
-/// load f32 knows the angles, of 0.001 to 0.006 rad, to some 1e-6.
+/// load f32 resolves the angles, of 0.001 to 0.006 rad, to some 1e-6.
 pub(super) fn cantilever_bends_like_the_discrete_beam(backend: &dyn Backend) -> Outcome {
     let links = 8;
     for gravity in [0.25, 20.0] {
@@ -159,7 +159,7 @@ pub(super) fn cantilever_bends_like_the_discrete_beam(backend: &dyn Backend) -> 
 /// The middle of three nodes, its neighbours fixed, swings through the straight line, where the
 /// direction of the bending force is 0/0: w² = 4 k_theta / (m h²), and semi-implicit
 /// Euler's solution as for the oscillator. Once with 1 mm, and once with 2 µm, where the
-/// line is never left by more than 4e-5 rad. To 1 % of the amplitude: f32 knows the
+/// line is never left by more than 4e-5 rad. To 1 % of the amplitude: f32 resolves the
 /// angle of the larger swing, 0.02 rad, to 1e-6 at best, over 2,000 substeps; the smaller one's
 /// differences of coordinates are exact, as they cross zero.
 pub(super) fn straight_rod_stays_smooth_through_pi(backend: &dyn Backend) -> Outcome {

@@ -18,7 +18,7 @@ use crate::{
     Backend, Objective, PointLoss, Term, backend::GradientRequest, objective::WeightedTerm,
 };
 
-/// A random scene with terms of one kind only, tracks unless told otherwise.
+/// A random scene with terms of one kind only, tracks by default.
 fn tracked(seed: u64, options: &RandomOptions, frames: usize) -> Scene {
     let model = random_model(seed, options);
     let (mut state, controls) = random_motion(seed, &model, frames);

@@ -16,7 +16,7 @@ use crate::{
     objective::WeightedTerm,
 };
 
-/// What a random model is made of.
+/// Composition of a random model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RandomOptions {
     /// Nodes, scattered 3 cm apart.

@@ -104,8 +104,8 @@ pub(crate) fn rest_bend<T: Real>(rest_angle_rad: T) -> T {
     T::from_f64(if bend.abs() < STRAIGHT_RAD { 0.0 } else { bend })
 }
 
-/// What the two arms and their normal give before anything is divided by it. Made one block ahead of
-/// [`BendState`], as everything there waits for this root.
+/// Products of the two arms and their normal. Computed one block ahead of [`BendState`], which depends
+/// on this root everywhere.
 #[derive(Clone, Copy)]
 struct BendGeometry<P: Pack> {
     /// u x n and n x w.
@@ -146,7 +146,7 @@ impl<P: Pack> BendGeometry<P> {
     }
 }
 
-/// What force and adjoint share; m is [`BendGeometry::sine`].
+/// Quantities that force and adjoint share; m is [`BendGeometry::sine`].
 struct BendState<P: Pack> {
     /// 1/m; 1/(u . w) in the straight limit; 1 where the triplet is skipped.
     inverse: P,
@@ -185,11 +185,11 @@ impl<P: Pack> BendState<P> {
     }
 }
 
-/// The geometry of a block, made one block ahead.
+/// Geometry and rates of a block, computed one block ahead.
 #[derive(Clone, Copy)]
 struct BendKinematics<P: Pack> {
     geometry: BendGeometry<P>,
-    /// Rates of the arms across themselves, |u|² m g_i . u_dot and |w|² m g_k . w_dot.
+    /// Rates of the arms perpendicular to themselves, |u|² m g_i . u_dot and |w|² m g_k . w_dot.
     swing_u: P,
     swing_w: P,
 }

@@ -22,7 +22,7 @@ pub(crate) struct Candidates {
 }
 
 impl Candidates {
-    /// Whether nothing can touch.
+    /// True if no nodes can touch.
     pub(crate) fn is_empty(&self) -> bool {
         self.partners.is_empty()
     }

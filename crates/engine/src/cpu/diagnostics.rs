@@ -1,4 +1,4 @@
-//! What a rollout returns beside its costs: recorded positions, final state and physical sanity.
+//! Outputs of a rollout beside its costs: recorded positions, final state and diagnostics.
 
 use super::{
     integrate::Workspace,

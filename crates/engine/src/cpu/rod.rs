@@ -41,7 +41,7 @@ pub(crate) struct RodBlock {
     before: Index,
     at: Index,
     after: Index,
-    /// Whether the node after is that of a branch.
+    /// True if the next node is that of a branch.
     is_arm: bool,
 }
 
@@ -73,7 +73,7 @@ pub(crate) struct Rods<T> {
 }
 
 impl<T: Real> Rods<T> {
-    /// Rods along these paths; `has_arm` tells whether the last node is that of a branch, `parameters` gives stiffness,
+    /// Rods along these paths; `has_arm` is true if the last node is that of a branch, `parameters` gives stiffness,
     /// damping and rest twist of each.
     pub(crate) fn new(
         paths: &[Vec<u32>],
@@ -210,7 +210,7 @@ impl<P: Pack> Turn<P> {
     }
 }
 
-/// What happens to the frame at a block's inner nodes.
+/// The change of the frame at a block's inner nodes.
 #[derive(Clone, Copy)]
 enum Joint<P: Pack> {
     /// It is carried on by parallel transport.
@@ -304,7 +304,7 @@ fn across(points: &[[f64; 3]]) -> [f64; 3] {
     if length > MIN_EDGE_M { normal.map(|x| x / length) } else { [0.0, 0.0, 1.0] }
 }
 
-/// What the nodes before and after have more than the one between them.
+/// Values at the previous and the next node relative to the node between them.
 #[derive(Clone, Copy)]
 struct Triple<P: Pack> {
     before: Pack3<P>,
@@ -330,7 +330,7 @@ impl<P: Pack> Triple<P> {
         Self { before: v3::scale(self.before, s), after: v3::scale(self.after, s) }
     }
 
-    /// What the node between them has of something that they have opposite shares of.
+    /// The share of the node between them of a quantity that sums to zero over the three.
     #[inline(always)]
     fn rest(&self) -> Pack3<P> {
         v3::neg(v3::add(self.before, self.after))

@@ -47,7 +47,7 @@ pub(crate) fn twists_of<T: Real>(state: &State, graph: &Graph) -> Vec<T> {
 }
 
 impl<T: Real> Case<'_, T> {
-    /// What the controls do during a frame, 0-based.
+    /// Motion of the controls during a frame, 0-based.
     pub(crate) fn controls_of(&self, frame: usize) -> FrameControls<'_, T> {
         let row = |f: usize| {
             let c = self.system.controls;

@@ -12,7 +12,7 @@ use super::lanes::{Index, LANES};
 /// Rows of like length are put together among so many successive ones: wide enough to find some, narrow
 /// enough to stay near in memory.
 const WINDOW: usize = 8 * LANES;
-/// How many of an owner's waiting elements are looked at for the next step.
+/// Number of an owner's remaining elements that are considered for the next step.
 const CHOICE: usize = 32;
 /// A slot without an element.
 const EMPTY: u32 = u32::MAX;

@@ -39,7 +39,7 @@ struct Twist {
 /// `dt² K + 2 dt C`.
 pub(super) struct Operator {
     roots: Vec<f32>,
-    /// Where each endpoint's bars begin, and one more.
+    /// Index of each endpoint's first bar, and the number of bars.
     starts: Vec<u32>,
     bars: Vec<Bar>,
     hinges: Vec<Hinge>,
@@ -214,7 +214,7 @@ fn largest_eigenvalue(diagonal: &[f64], beside: &[f64]) -> f64 {
     high
 }
 
-/// Whether a number is above all eigenvalues: every pivot of the matrix less that number is negative.
+/// True if a number is above all eigenvalues: every pivot of the matrix less that number is negative.
 fn is_above(diagonal: &[f64], beside: &[f64], x: f64) -> bool {
     let mut pivot = -1.0;
     for (i, d) in diagonal.iter().enumerate() {
@@ -228,8 +228,8 @@ fn is_above(diagonal: &[f64], beside: &[f64], x: f64) -> bool {
 }
 
 /// The eigenvector of the largest eigenvalue, by two inverse iterations from just above it, where the
-/// matrix is definite and elimination needs no pivoting. What stands beside the diagonal is positive, so
-/// that vector is as well, and ones are a start.
+/// matrix is definite and elimination needs no pivoting. The off-diagonal entries are positive, so
+/// that vector is as well, and ones are a valid start.
 fn eigenvector(diagonal: &[f64], beside: &[f64], largest: f64) -> Vec<f64> {
     let shift = largest + (1e-9 * largest.abs()).max(f64::MIN_POSITIVE);
     let n = diagonal.len();

@@ -38,7 +38,7 @@ pub(super) struct Twist {
 }
 
 impl Twist {
-    /// What the pattern weighs, given the roots of its ends.
+    /// Weight of the pattern, given the roots of its ends.
     pub(super) fn square(&self, roots: &[f64]) -> f64 {
         let parts = self.ends.iter().zip(&self.pattern);
         parts.map(|(&e, &g)| dot(g, g) * roots[e as usize].powi(2)).sum()
@@ -200,8 +200,8 @@ fn bar(ends: [u32; 2], r: Vector, k: f64, rest: f64, damping: f64) -> Bar {
     Bar { ends, direction: r.map(|x| x / length), along, across, damping }
 }
 
-/// A twisted rod wants to coil, also where it is straight. In slopes s of its edges (displacements over length)
-/// that is a torque times a sum of `s_j x s_(j+1)`, which is never more than the sum of their squares.
+/// Destabilizing torque of a twisted rod, which tends to coil also where it is straight. In slopes s of its
+/// edges (displacements over length) that is a torque times a sum of `s_j x s_(j+1)`, which is never more than the sum of their squares.
 fn slanted(ends: [u32; 2], x: &[Vector], torque: f64) -> Bar {
     let edge: Vector = std::array::from_fn(|c| x[1][c] - x[0][c]);
     let square = dot(edge, edge);

@@ -249,7 +249,7 @@ fn the_margin_covers_unfinished_iteration() {
     }
 }
 
-/// What the bound proves, the estimate finds as well; and it is worth asking.
+/// The estimate confirms all that the bound proves, and the bound proves enough to be useful.
 #[test]
 fn the_bound_agrees_with_the_estimate_where_it_speaks() {
     for (i, model) in awkward_models().iter().enumerate() {

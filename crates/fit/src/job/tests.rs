@@ -6,7 +6,7 @@ use bendtwin_core::{
 
 use super::*;
 
-/// A fit of a second or so, with both variants, both stages and all windows of one kind.
+/// A fit of a second or so, with both models, both stages and all windows of one kind.
 fn settings(window: GradientWindow) -> FitSettings {
     let mut s = FitSettings { seed: 5, compare_axial: true, ..FitSettings::default() };
     s.graph.max_nodes = 24;

@@ -46,7 +46,7 @@ impl StepControl {
         self.reach as usize
     }
 
-    /// Whether steps are still long enough to matter.
+    /// True if steps are still long enough to matter.
     pub(crate) fn can_continue(&self) -> bool {
         self.rate >= MIN_RATE
     }

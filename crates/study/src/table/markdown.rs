@@ -132,9 +132,8 @@ fn lay_out(lines: &[Vec<String>], text_columns: usize) -> String {
         let cells: Vec<String> = line.iter().enumerate().map(pad).collect();
         let _ = writeln!(text, "| {} |", cells.join(" | "));
         if index == 0 {
-            let rule = |(c, w): (usize, &usize)| match c < text_columns {
-                true => "-".repeat(*w),
-                false => "-".repeat(w - 1) + ":",
+            let rule = |(c, w): (usize, &usize)| {
+                if c < text_columns { "-".repeat(*w) } else { "-".repeat(w - 1) + ":" }
             };
             let rules: Vec<String> = widths.iter().enumerate().map(rule).collect();
             let _ = writeln!(text, "| {} |", rules.join(" | "));

@@ -73,7 +73,7 @@ impl Maker<'_> {
             match groups.iter_mut().find(|(_, kept)| agree(kept, &row)) {
                 Some((names, kept)) => {
                     names.push(name);
-                    // Runs that failed have no baselines: the row that knows most stays.
+                    // Runs that failed have no baselines: the row with most values stays.
                     if (row.captures, row.seeds) > (kept.captures, kept.seeds) {
                         *kept = row;
                     }

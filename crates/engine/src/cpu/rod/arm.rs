@@ -1,4 +1,4 @@
-//! Where a rod ends in a branch: its direction holds the frame there, as a clamp would.
+//! Arms of rods that end in a branch: the branch's direction holds the frame there, as a clamp would.
 
 use super::{Edges, Triple};
 use crate::cpu::{

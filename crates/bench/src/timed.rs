@@ -1,4 +1,4 @@
-//! A backend that notes how long each kind of call takes, so that a fit's time can be split.
+//! A backend that times each kind of call, so that a fit's time can be split.
 
 mod optimizer;
 mod stopwatch;
@@ -15,16 +15,16 @@ use bendtwin_engine::{
     optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
-use self::{optimizer::ClockedOptimizer, stopwatch::Stopwatch};
+use self::{optimizer::TimedOptimizer, stopwatch::Stopwatch};
 
-/// Passes every call on to another backend. A method that the trait gains must be passed on here too, or
-/// its default would be timed instead of the backend's own; a test sees to it.
-pub(crate) struct Clocked {
+/// A backend that forwards every call to another one and times it. New methods of the trait must be
+/// forwarded here too, or the default would be timed instead of the backend's own; a test checks that.
+pub(crate) struct TimedBackend {
     inner: Arc<dyn Backend>,
-    clocks: Arc<Clocks>,
+    times: Arc<CallTimes>,
 }
 
-/// What a call is for.
+/// The kind of a call.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Load,
@@ -34,33 +34,33 @@ enum Kind {
     Step,
 }
 
-/// What calls took.
+/// Time of calls, and the number of rollouts.
 #[derive(Debug, Default)]
-struct Clocks {
+struct CallTimes {
     /// By [`Kind`].
     watches: [Stopwatch; 5],
     /// Instances that were rolled out without a gradient.
     rollouts: AtomicU64,
 }
 
-/// Seconds spent so far in each kind of call, and what for. Calls of a kind that run side by side count once.
+/// Seconds spent so far in each kind of call. Calls of a kind that run at the same time count once.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Spent {
+pub(crate) struct TimeSpent {
     /// Loading models.
     pub(crate) load_s: f64,
-    /// Handing parameters to and fro.
+    /// Transfers of parameters.
     pub(crate) params_s: f64,
     /// Rollouts and losses.
     pub(crate) forward_s: f64,
     /// Gradients.
     pub(crate) gradient_s: f64,
-    /// Steps of the optimiser.
+    /// Steps of the optimizer.
     pub(crate) step_s: f64,
     /// Instances that were rolled out without a gradient.
     pub(crate) rollouts: u64,
 }
 
-impl std::ops::Sub for Spent {
+impl std::ops::Sub for TimeSpent {
     type Output = Self;
 
     fn sub(self, earlier: Self) -> Self {
@@ -75,14 +75,14 @@ impl std::ops::Sub for Spent {
     }
 }
 
-impl Spent {
+impl TimeSpent {
     /// Seconds of all calls.
     pub(crate) fn total_s(self) -> f64 {
         self.load_s + self.params_s + self.forward_s + self.gradient_s + self.step_s
     }
 }
 
-impl Clocks {
+impl CallTimes {
     fn time<R>(&self, kind: Kind, work: impl FnOnce() -> R) -> R {
         self.watches[kind as usize].time(work)
     }
@@ -97,34 +97,34 @@ impl Clocks {
     }
 }
 
-impl Clocked {
+impl TimedBackend {
     pub(crate) fn new(inner: Arc<dyn Backend>) -> Self {
-        Self { inner, clocks: Arc::default() }
+        Self { inner, times: Arc::default() }
     }
 
-    pub(crate) fn spent(&self) -> Spent {
-        Spent {
-            load_s: self.clocks.seconds(Kind::Load),
-            params_s: self.clocks.seconds(Kind::Params),
-            forward_s: self.clocks.seconds(Kind::Forward),
-            gradient_s: self.clocks.seconds(Kind::Gradient),
-            step_s: self.clocks.seconds(Kind::Step),
-            rollouts: self.clocks.rollouts.load(Ordering::Relaxed),
+    pub(crate) fn spent(&self) -> TimeSpent {
+        TimeSpent {
+            load_s: self.times.seconds(Kind::Load),
+            params_s: self.times.seconds(Kind::Params),
+            forward_s: self.times.seconds(Kind::Forward),
+            gradient_s: self.times.seconds(Kind::Gradient),
+            step_s: self.times.seconds(Kind::Step),
+            rollouts: self.times.rollouts.load(Ordering::Relaxed),
         }
     }
 }
 
-impl Backend for Clocked {
+impl Backend for TimedBackend {
     fn device(&self) -> Device {
         self.inner.device()
     }
 
     fn load(&self, model: Arc<Model>) -> Result<Loaded, Error> {
-        self.clocks.time(Kind::Load, || self.inner.load(model))
+        self.times.time(Kind::Load, || self.inner.load(model))
     }
 
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
-        self.clocks.time(Kind::Params, || self.inner.with_params(loaded, params))
+        self.times.time(Kind::Params, || self.inner.with_params(loaded, params))
     }
 
     fn roll_out(
@@ -133,11 +133,11 @@ impl Backend for Clocked {
         outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        self.clocks.roll_out(batch.len(), || self.inner.roll_out(batch, outputs, cancel))
+        self.times.roll_out(batch.len(), || self.inner.roll_out(batch, outputs, cancel))
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
-        self.clocks.roll_out(batch.len(), || self.inner.losses(batch, cancel))
+        self.times.roll_out(batch.len(), || self.inner.losses(batch, cancel))
     }
 
     fn gradients(
@@ -146,7 +146,7 @@ impl Backend for Clocked {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
-        self.clocks.time(Kind::Gradient, || self.inner.gradients(batch, request, cancel))
+        self.times.time(Kind::Gradient, || self.inner.gradients(batch, request, cancel))
     }
 
     fn optimizer(
@@ -154,8 +154,8 @@ impl Backend for Clocked {
         inits: Vec<OptimizerInit>,
         decay: Decay,
     ) -> Result<Box<dyn Optimizer>, Error> {
-        let inner = self.clocks.time(Kind::Load, || self.inner.optimizer(inits, decay))?;
-        Ok(Box::new(ClockedOptimizer { inner, clocks: self.clocks.clone() }))
+        let inner = self.times.time(Kind::Load, || self.inner.optimizer(inits, decay))?;
+        Ok(Box::new(TimedOptimizer { inner, times: self.times.clone() }))
     }
 
     fn memory(&self) -> Option<Memory> {
@@ -164,7 +164,7 @@ impl Backend for Clocked {
 
     fn urgent(&self) -> Option<Arc<dyn Backend>> {
         let inner = self.inner.urgent()?;
-        Some(Arc::new(Self { inner, clocks: self.clocks.clone() }))
+        Some(Arc::new(Self { inner, times: self.times.clone() }))
     }
 
     fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {

@@ -1,5 +1,5 @@
-//! Watches a fit: passes its progress on, notes its losses, and keeps its checkpoints in the folder, so that it goes on
-//! where it was after any interruption.
+//! Observer of a fit: forwards its progress, records its losses, and keeps its checkpoints in the folder, so
+//! that the fit can continue after any interruption.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{folder::Folder, record::Losses, suite::RunId};
 
-/// What stands before a fit's own checkpoint, as a line of JSON.
+/// Header before a fit's own checkpoint, as a line of JSON.
 #[derive(Debug, Serialize, Deserialize)]
 struct Header {
     /// Digest of the run that it belongs to.
@@ -18,7 +18,7 @@ struct Header {
     losses: Losses,
 }
 
-/// Where a fit was.
+/// The point from which an interrupted fit continues.
 #[derive(Debug, Default)]
 pub(crate) struct Resumption {
     /// The fit's checkpoint; none if it starts anew.
@@ -28,7 +28,7 @@ pub(crate) struct Resumption {
 }
 
 impl Resumption {
-    /// What the folder has of a run.
+    /// The last checkpoint of a run in the folder; the default if there is none.
     pub(crate) fn find(folder: &Folder, id: &RunId, digest: &str) -> Self {
         let read = || {
             let mut bytes = folder.checkpoint(id)?;
@@ -45,8 +45,8 @@ impl Resumption {
     }
 }
 
-/// Watches one fit.
-pub(crate) struct Keeper<'a> {
+/// Observer of one fit.
+pub(crate) struct FitObserver<'a> {
     folder: &'a Folder,
     id: &'a RunId,
     digest: &'a str,
@@ -56,11 +56,12 @@ pub(crate) struct Keeper<'a> {
     spent_before_s: f64,
     losses: Losses,
     written: Instant,
-    /// The last checkpoint. It is written when the next one comes, for its own iteration's losses are told after it.
+    /// The last checkpoint. It is written when the next one comes, since the losses of its iteration are
+    /// reported after it.
     pending: Option<Vec<u8>>,
 }
 
-impl<'a> Keeper<'a> {
+impl<'a> FitObserver<'a> {
     pub(crate) fn new(
         folder: &'a Folder,
         (id, digest): (&'a RunId, &'a str),
@@ -106,7 +107,7 @@ impl<'a> Keeper<'a> {
     }
 }
 
-impl Observer<Progress> for Keeper<'_> {
+impl Observer<Progress> for FitObserver<'_> {
     fn progress(&mut self, progress: Progress) {
         match progress.stage {
             Stage::Search => self.losses.search = progress.best_loss,

@@ -10,7 +10,7 @@ fn every_method_of_a_backend_is_passed_on() {
     let wanted =
         methods(include_str!("../../../engine/src/backend.rs"), "pub trait Backend: Send + Sync {");
     assert!(wanted.len() >= 6, "{wanted:?}");
-    assert_eq!(methods(include_str!("../clocked.rs"), "impl Backend for Clocked {"), wanted);
+    assert_eq!(methods(include_str!("../timed.rs"), "impl Backend for TimedBackend {"), wanted);
 }
 
 #[test]
@@ -19,7 +19,7 @@ fn every_method_of_an_optimizer_is_passed_on() {
         methods(include_str!("../../../engine/src/optimizer.rs"), "pub trait Optimizer: Send {");
     assert!(wanted.len() >= 4, "{wanted:?}");
     assert_eq!(
-        methods(include_str!("optimizer.rs"), "impl Optimizer for ClockedOptimizer {"),
+        methods(include_str!("optimizer.rs"), "impl Optimizer for TimedOptimizer {"),
         wanted
     );
 }

@@ -1,18 +1,18 @@
-//! Time while at least one of several calls is under way, whichever threads they come from.
+//! Time during which at least one of several calls runs, on any thread.
 
 use std::{
     sync::{Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
-/// Adds up the time of calls; what overlaps counts once.
+/// Total time of calls; overlapping calls count once.
 #[derive(Debug, Default)]
 pub(super) struct Stopwatch(Mutex<Calls>);
 
 #[derive(Debug, Default)]
 struct Calls {
     running: usize,
-    /// When the first of those that run began.
+    /// Start of the first of the running calls.
     since: Option<Instant>,
     spent: Duration,
 }
