@@ -11,6 +11,7 @@ pub mod checkpoint;
 pub mod environment;
 pub mod error;
 pub mod fidelity;
+pub mod geometry;
 pub mod graph;
 pub mod ids;
 pub mod observer;

@@ -1,10 +1,9 @@
-//! The physics: graph building, the [`Backend`] trait, the CPU backend that
+//! The physics: the [`Backend`] trait, the CPU backend that
 //! defines what is correct, its hand-written adjoint, and the conformance suite
 //! that every backend must pass. Knows no network, no files, and of
 //! fitting only how to take a step downhill ([`descent`]).
 
 pub mod backend;
-pub mod build;
 pub mod conformance;
 mod cpu;
 pub mod descent;

@@ -1,7 +1,7 @@
 //! Why a fit cannot start, go on or end.
 
 use bendtwin_core::{Category, ObserverError, Problem, checkpoint::Refusal};
-use bendtwin_engine::{backend, build};
+use bendtwin_engine::backend;
 
 /// Why a fit fails.
 #[derive(Debug, thiserror::Error)]
@@ -14,7 +14,7 @@ pub enum Error {
     Capture(String),
     /// The capture cannot become a graph.
     #[error(transparent)]
-    Graph(#[from] build::Error),
+    Graph(#[from] bendtwin_graph::Error),
     /// The simulation failed.
     #[error(transparent)]
     Backend(#[from] backend::Error),

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 use bendtwin_core::{
     Contact, Environment, Params, environment::ControlVelocity, params::MAX_SPRING_STIFFNESS,
 };
-use bendtwin_engine::build::Connectivity;
+use bendtwin_graph::Connectivity;
 
 use crate::{fabric::Fabric, task::Task};
 

@@ -7,9 +7,9 @@ mod files;
 use std::sync::OnceLock;
 
 use bendtwin_core::Capture;
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
-use crate::{MakeOptions, Scene, make};
 
 fn rope() -> Capture {
     static ROPE: OnceLock<Capture> = OnceLock::new();

@@ -1,7 +1,7 @@
 //! The graph that a fit with default settings would start from, over the first image of each camera.
 
 use bendtwin_core::{Graph, NodeKind, Point, settings::FitSettings};
-use bendtwin_engine::build::{Connectivity, NodeSample, connect, sample_nodes};
+use bendtwin_graph::{Connectivity, NodeSample, connect, sample_nodes};
 use bendtwin_picture::{Canvas, Color, Error, Photograph, Rect, View};
 
 use super::{ACCENT, HAND, Plate, Plates, enlarged};
