@@ -23,7 +23,7 @@ mod pickle;
 mod structure;
 
 pub use bundle::{write_bundle, write_bundle_file};
-pub use check::{CheckReport, Finding, Severity, check, check_path};
+pub use check::{CheckReport, check, check_path};
 pub use digest::digest;
 pub use error::Error;
 pub use limits::Limits;

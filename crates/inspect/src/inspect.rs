@@ -47,7 +47,9 @@ fn too_long(recording: &Recording, images: usize) -> Inspection {
     let mut inspection = unseen(recording);
     let message = format!("the recording has {images} images (limit {MOST_IMAGES})");
     let finding = Finding::error("RECORDING_TOO_LONG", message).number("images", images as f64);
-    inspection.add([finding]);
+    let mut findings = [finding];
+    crate::finding::advise(&mut findings);
+    inspection.add(findings);
     inspection
 }
 

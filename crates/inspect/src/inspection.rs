@@ -201,7 +201,7 @@ impl Inspection {
 
     /// What to do first, if anything has to be done.
     pub fn first_step(&self) -> Option<&Finding> {
-        self.findings.first().filter(|f| f.severity != bendtwin_capture::Severity::Info)
+        self.findings.first().filter(|f| f.severity != bendtwin_core::Severity::Info)
     }
 
     /// Whether a code was found.
@@ -211,6 +211,6 @@ impl Inspection {
 
     /// The findings as a check of the capture gives them.
     pub fn check_report(&self) -> bendtwin_capture::CheckReport {
-        bendtwin_capture::CheckReport { findings: self.findings.iter().map(Into::into).collect() }
+        bendtwin_capture::CheckReport { findings: self.findings.clone() }
     }
 }

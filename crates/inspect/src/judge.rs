@@ -62,6 +62,7 @@ pub(crate) fn judge(recording: &Recording, logs: &[Log]) -> Record {
     agreement::judge(&case, &mut record);
     tracks::judge(&case, &mut record);
     leave_out_consequences(&mut record.findings);
+    crate::finding::advise(&mut record.findings);
     crate::finding::sort(&mut record.findings);
     record
 }
@@ -77,6 +78,7 @@ pub(crate) fn judge_unseen(recording: &Recording) -> Vec<Finding> {
     let mut record = Record::default();
     setting::judge(&case, &mut record);
     calibration::judge(&case, &mut record);
+    crate::finding::advise(&mut record.findings);
     record.findings
 }
 

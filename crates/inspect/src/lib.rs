@@ -22,10 +22,12 @@ mod statistics;
 mod vector;
 mod watch;
 
+use bendtwin_core::Finding;
+
 pub use self::{
     codes::{CODES, Code},
     error::Error,
-    finding::{Finding, Verdict},
+    finding::Verdict,
     inspect::inspect,
     inspection::{
         Agreement, CameraReport, Inspection, Kind, ObservedReport, PairReport, Scene, TrackReport,

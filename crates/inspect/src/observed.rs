@@ -4,7 +4,7 @@ use bendtwin_capture::check;
 use bendtwin_core::{Capture, Point, Sequence};
 
 use crate::{
-    Finding, Verdict, finding,
+    Verdict, finding,
     gallery::Gallery,
     inspection::{Inspection, Kind, ObservedReport, Scene},
     statistics::median,
@@ -16,7 +16,7 @@ const SAMPLE: usize = 400;
 
 /// Says what is wrong with an observed capture. Its findings are those of [`bendtwin_capture::check()`].
 pub fn inspect_observed(capture: &Capture) -> Inspection {
-    let mut findings: Vec<Finding> = check(capture).findings.into_iter().map(Into::into).collect();
+    let mut findings = check(capture).findings;
     finding::sort(&mut findings);
     let sequence = capture.sequences.first();
     Inspection {

@@ -1,6 +1,6 @@
 //! What an ingest saw and decided, in numbers: material for the capture's report.
 
-use bendtwin_capture::Finding;
+use bendtwin_core::Finding;
 use bendtwin_flow::TrackerQuality;
 use serde::{Deserialize, Serialize};
 

@@ -26,7 +26,7 @@ fn lacks(report: &CheckReport, severity: Severity, code: &str, names: &str) -> O
     let Some(found) = report.findings.iter().find(|f| f.code == code) else {
         return Some(format!("{code} ({names}) is missing: {:#?}", report.findings));
     };
-    let named = report.findings.iter().any(|f| f.code == code && f.message.contains(names));
+    let named = report.findings.iter().any(|f| f.code == code && f.sentence().contains(names));
     (found.severity != severity || !named)
         .then(|| format!("{code} does not name {names:?} as {severity:?}: {found:?}"))
 }
@@ -39,7 +39,7 @@ fn expect(report: &CheckReport, severity: Severity, code: &str, names: &str) {
 fn repetitions_are_shortened() {
     let finding = |n: usize| Finding::warning("A", n.to_string());
     let merged =
-        report::merge((0..70).map(finding).chain([Finding::error("B", "x".into())]).collect());
+        report::merge((0..70).map(finding).chain([Finding::error("B", "x")]).collect());
     assert_eq!(merged.len(), 5);
     assert_eq!(merged[0].severity, Severity::Error);
     assert!(merged.iter().any(|f| f.message == "the same in 67 more places"));

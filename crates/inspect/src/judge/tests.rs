@@ -17,7 +17,7 @@ fn one(seen: &Inspection, code: &str) -> crate::Finding {
     let told: Vec<String> = seen
         .findings
         .iter()
-        .filter(|f| f.severity != bendtwin_capture::Severity::Info)
+        .filter(|f| f.severity != bendtwin_core::Severity::Info)
         .map(|f| format!("{} {}", f.code, f.sentence()))
         .collect();
     assert!(told.iter().all(|t| t.starts_with(code)) && !told.is_empty(), "{code}: {told:#?}");
