@@ -1,14 +1,14 @@
 //! Why a measurement cannot be made.
 
 use bendtwin_core::{Category, Problem};
-use bendtwin_engine::{backend, build};
+use bendtwin_engine::backend;
 
 /// Why a benchmark fails.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The scene's points could not be joined.
     #[error(transparent)]
-    Graph(#[from] build::Error),
+    Graph(#[from] bendtwin_graph::Error),
     /// The simulation failed.
     #[error(transparent)]
     Backend(#[from] backend::Error),

@@ -18,11 +18,8 @@ use bendtwin_core::{
     environment::ControlVelocity,
     settings::{GraphSettings, TripletReference},
 };
-use bendtwin_engine::{
-    Model,
-    build::{Connectivity, connect, rest_geometry, sample_nodes},
-    enough_substeps,
-};
+use bendtwin_engine::{Model, enough_substeps};
+use bendtwin_graph::{Connectivity, connect, rest_geometry, sample_nodes};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

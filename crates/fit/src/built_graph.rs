@@ -6,11 +6,8 @@ use std::sync::Arc;
 use bendtwin_core::{
     CancelToken, Environment, Graph, Params, Timing, capture::Subject, settings::Substeps,
 };
-use bendtwin_engine::{
-    Backend, Loaded, Model, backend,
-    build::{Connectivity, MIN_REST_LENGTH_M, Notes, connect_with_notes, rest_geometry},
-    enough_substeps, stable_substeps,
-};
+use bendtwin_engine::{Backend, Loaded, Model, backend, enough_substeps, stable_substeps};
+use bendtwin_graph::{Connectivity, MIN_REST_LENGTH_M, Notes, connect_with_notes, rest_geometry};
 use rayon::prelude::*;
 
 use crate::{Error, task::Task};

@@ -1,7 +1,7 @@
 //! Errors of a fit.
 
 use bendtwin_core::{Category, ObserverError, Problem, checkpoint::Refusal};
-use bendtwin_engine::{backend, build};
+use bendtwin_engine::backend;
 
 /// An error that ends a fit.
 #[derive(Debug, thiserror::Error)]
@@ -14,7 +14,7 @@ pub enum Error {
     Capture(String),
     /// The capture cannot become a graph.
     #[error(transparent)]
-    Graph(#[from] build::Error),
+    Graph(#[from] bendtwin_graph::Error),
     /// The simulation failed.
     #[error(transparent)]
     Backend(#[from] backend::Error),

@@ -12,7 +12,7 @@ use bendtwin_core::{
     Contact, Environment, Params, capture::Subject, environment::ControlVelocity,
     params::MAX_SPRING_STIFFNESS,
 };
-use bendtwin_engine::build::Connectivity;
+use bendtwin_graph::Connectivity;
 
 use crate::{built_graph::BuiltGraph, task::Task};
 

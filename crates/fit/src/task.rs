@@ -6,13 +6,11 @@ use bendtwin_core::{
     Capture, FitSettings, Graph, Point, Sequence, capture::Subject, settings::SequenceMean,
 };
 use bendtwin_engine::{
-    Loaded, Objective, PointLoss, Term,
-    backend::Instance,
-    build::{Connectivity, NodeSample, connect, mean_spacing, sample_nodes},
-    model::State,
-    objective::WeightedTerm,
+    Loaded, Objective, PointLoss, Term, backend::Instance, model::State, objective::WeightedTerm,
 };
 use bendtwin_eval::initial_state;
+
+use bendtwin_graph::{Connectivity, NodeSample, connect, mean_spacing, sample_nodes};
 
 use crate::{Error, sequences, subject::Defaults};
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_capture::{MakeOptions, Scene, digest, make};
+use bendtwin_capture::digest;
 use bendtwin_core::{CancelToken, FitSettings, Twin};
 use bendtwin_engine::{
     Model, Objective,
@@ -10,6 +10,7 @@ use bendtwin_engine::{
     model::State,
 };
 use bendtwin_fit::FitJob;
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 /// Frames after which a bar that was let go hangs nearly still.
 const FRAMES: usize = 90;

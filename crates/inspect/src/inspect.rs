@@ -59,7 +59,9 @@ fn too_long(recording: &Recording, images: usize, thresholds: &Thresholds) -> In
     let mut inspection = unread(recording, thresholds);
     let message = format!("the recording has {images} images (limit {MAX_IMAGES})");
     let finding = Finding::error("RECORDING_TOO_LONG", message).number("images", images as f64);
-    inspection.add([finding]);
+    let mut findings = [finding];
+    crate::finding::advise(&mut findings);
+    inspection.add(findings);
     inspection
 }
 

@@ -203,7 +203,7 @@ impl Inspection {
 
     /// The finding to deal with first, if anything has to be done.
     pub fn first_step(&self) -> Option<&Finding> {
-        self.findings.first().filter(|f| f.severity != bendtwin_capture::Severity::Info)
+        self.findings.first().filter(|f| f.severity != bendtwin_core::Severity::Info)
     }
 
     /// True if a code was found.
@@ -213,6 +213,6 @@ impl Inspection {
 
     /// The findings as a check of the capture gives them.
     pub fn check_report(&self) -> bendtwin_capture::CheckReport {
-        bendtwin_capture::CheckReport { findings: self.findings.iter().map(Into::into).collect() }
+        bendtwin_capture::CheckReport { findings: self.findings.clone() }
     }
 }

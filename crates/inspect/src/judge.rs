@@ -70,6 +70,7 @@ pub(crate) fn judge(
     agreement::judge(&context, &mut assessment);
     tracks::judge(&context, &mut assessment);
     leave_out_consequences(&mut assessment.findings);
+    crate::finding::advise(&mut assessment.findings);
     crate::finding::sort(&mut assessment.findings);
     assessment
 }
@@ -86,6 +87,7 @@ pub(crate) fn judge_unread(recording: &Recording, thresholds: &Thresholds) -> Ve
     let mut assessment = Assessment::default();
     recording::judge(&context, &mut assessment);
     calibration::judge(&context, &mut assessment);
+    crate::finding::advise(&mut assessment.findings);
     assessment.findings
 }
 

@@ -24,10 +24,12 @@ mod statistics;
 mod thresholds;
 mod vector;
 
+use bendtwin_core::Finding;
+
 pub use self::{
     codes::{CODES, Code},
     error::Error,
-    finding::{Finding, Verdict},
+    finding::Verdict,
     inspect::inspect,
     inspection::{
         Agreement, CameraReport, Inspection, Kind, ObservedReport, PairReport, Scene, TrackReport,

@@ -5,7 +5,7 @@ use bendtwin_capture::check;
 use bendtwin_core::{Capture, Point, Sequence};
 
 use crate::{
-    Finding, Verdict, finding,
+    Verdict, finding,
     inspection::{Inspection, Kind, ObservedReport, Scene},
     picture_inputs::PictureInputs,
     statistics::median,
@@ -17,7 +17,7 @@ const MAX_POINTS: usize = 400;
 
 /// Inspects an observed capture. Its findings are those of [`bendtwin_capture::check()`].
 pub fn inspect_observed(capture: &Capture) -> Inspection {
-    let mut findings: Vec<Finding> = check(capture).findings.into_iter().map(Into::into).collect();
+    let mut findings = check(capture).findings;
     finding::sort(&mut findings);
     let sequence = capture.sequences.first();
     Inspection {

@@ -9,7 +9,7 @@ mod markup;
 mod pictures;
 mod timeline;
 
-use bendtwin_capture::Severity;
+use bendtwin_core::Severity;
 
 use self::markup::escape;
 use crate::{Kind, Report, Verdict};

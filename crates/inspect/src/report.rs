@@ -1,7 +1,7 @@
 //! The capture report: a document for programs and a page for people.
 
-use bendtwin_capture::{Severity, check};
-use bendtwin_core::Capture;
+use bendtwin_capture::check;
+use bendtwin_core::{Capture, Severity};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -56,11 +56,11 @@ impl Report {
     pub fn new(mut inspection: Inspection, lifted: Option<Lifted>) -> Self {
         let mut evidence = None;
         if let Some(lifted) = lifted {
-            let checked = check(&lifted.capture).findings.into_iter().map(Finding::from);
+            let checked = check(&lifted.capture).findings;
             let found = lifted.evidence.as_ref().and_then(|e| e.get("findings"));
-            let found = found.and_then(|f| Vec::<check::Finding>::deserialize(f).ok());
-            let found = found.unwrap_or_default().into_iter().map(Finding::from);
-            for finding in checked.chain(found) {
+            let found = found.and_then(|f| Vec::<Finding>::deserialize(f).ok());
+            let found = found.unwrap_or_default();
+            for finding in checked.into_iter().chain(found) {
                 let known = |f: &Finding| f.code == finding.code && f.message == finding.message;
                 if !inspection.findings.iter().any(known) {
                     inspection.add([finding]);

@@ -9,13 +9,10 @@
 
 use std::{path::PathBuf, time::Instant};
 
-use bendtwin_capture::{
-    Limits,
-    make::{FilmOptions, Scene, film},
-    raw, write_bundle_file,
-};
+use bendtwin_capture::{Limits, raw, write_bundle_file};
 use bendtwin_core::{CancelToken, Capture, Observer, settings::ingest::IngestSettings};
 use bendtwin_lift::{Progress, lift, score};
+use bendtwin_synth::{FilmOptions, Scene, film};
 
 type Failure = Box<dyn std::error::Error>;
 

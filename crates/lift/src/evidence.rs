@@ -1,6 +1,6 @@
 //! The evidence of an ingest: its measurements and decisions, as material for the capture's report.
 
-use bendtwin_capture::Finding;
+use bendtwin_core::Finding;
 use bendtwin_flow::TrackerQuality;
 use serde::{Deserialize, Serialize};
 

@@ -5,7 +5,7 @@ mod body;
 pub(crate) mod cloud;
 mod cluster;
 
-use bendtwin_capture::{Finding, Severity};
+use bendtwin_core::{Finding, Severity};
 use bendtwin_core::{Point, settings::ingest::ControlSettings};
 
 use self::{body::Body, cluster::clusters};
@@ -77,16 +77,16 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
         let picked: Vec<usize> =
             farthest_first(&starts, wanted).into_iter().map(|i| chosen[i]).collect();
         if !body.is_rigid() {
-            findings.push(Finding {
-                severity: Severity::Info,
-                code: "HAND_NOT_RIGID".to_owned(),
-                message: format!(
+            findings.push(Finding::from_sentence(
+                Severity::Info,
+                "HAND_NOT_RIGID",
+                format!(
                     "tracks on hand {hand} are {:.1} mm from a rigid motion in the median (limit {:.1}): it opens or \
                      closes, and its control points move each on its own",
                     1e3 * body.residual_m(),
                     1e3 * settings.rigid_m
                 ),
-            });
+            ));
         }
         hands.push(HandEvidence {
             tracks: group.len(),
@@ -101,7 +101,7 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
 }
 
 fn warning(code: &str, message: String) -> Finding {
-    Finding { severity: Severity::Warning, code: code.to_owned(), message }
+    Finding::from_sentence(Severity::Warning, code, message)
 }
 
 #[cfg(test)]

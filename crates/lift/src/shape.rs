@@ -1,12 +1,9 @@
 //! The object's whole shape at the first frame: from a mesh that lies in the recording, or a guess
 //! from the convex parts of what was observed.
 
-use bendtwin_capture::{
-    Finding, Severity,
-    raw::{Alignment, MeshFile, Recording},
-};
+use bendtwin_capture::raw::{Alignment, MeshFile, Recording};
 use bendtwin_core::{
-    Point,
+    Finding, Point, Severity,
     settings::ingest::{IngestSettings, Interior},
 };
 use bendtwin_mesh::{Bvh, Limits, Mesh, Similarity, align, convex_interior, parse};
@@ -121,13 +118,13 @@ fn error_code(error: &bendtwin_mesh::Error) -> &'static str {
 }
 
 fn unused(code: &str, name: &str, why: &str) -> Finding {
-    Finding {
-        severity: Severity::Warning,
-        code: code.to_owned(),
-        message: format!(
+    Finding::from_sentence(
+        Severity::Warning,
+        code,
+        format!(
             "the mesh `{name}` is not used: {why}; the capture has only what cameras saw of the surface"
         ),
-    }
+    )
 }
 
 #[cfg(test)]

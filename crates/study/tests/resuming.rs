@@ -2,12 +2,13 @@
 
 use std::{path::Path, sync::Arc, time::Duration};
 
-use bendtwin_capture::{Limits, MakeOptions, Scene, make, write_bundle_file};
+use bendtwin_capture::{Limits, write_bundle_file};
 use bendtwin_core::{CancelToken, Capture, Fault, Problem};
 use bendtwin_engine::{Backend, cpu_with_threads};
 use bendtwin_study::{
     Event, Folder, Invocation, Plan, PlanOptions, Suite, Summary, Table, draw_pictures,
 };
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 const SUITE: &str = r#"{
     "version": 1,

@@ -6,15 +6,11 @@ use bendtwin_core::{
     Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
     environment::ControlVelocity, settings::TripletReference,
 };
+use bendtwin_graph::{Connectivity, LeftOut, NodeSample, Triplets, connect, rest_geometry};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{
-    Model, Objective, PointLoss, Term,
-    build::{Connectivity, LeftOut, NodeSample, Triplets, connect, rest_geometry},
-    model::State,
-    objective::WeightedTerm,
-};
+use crate::{Model, Objective, PointLoss, Term, model::State, objective::WeightedTerm};
 
 /// Composition of a random model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

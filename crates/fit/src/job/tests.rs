@@ -1,8 +1,8 @@
-use bendtwin_capture::{MakeOptions, Scene, make};
 use bendtwin_core::{
     ObserverError, Problem,
     settings::{GradientWindow, Substeps},
 };
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
 

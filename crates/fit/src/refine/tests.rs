@@ -1,12 +1,12 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use bendtwin_capture::{MakeOptions, Scene, make};
 use bendtwin_core::{FitSettings, Observer, Params, Progress, Stage, settings::GradientWindow};
 use bendtwin_engine::{
     Device, Loaded, Model,
     backend::{Error as EngineError, Gradient, Loss, Outputs, Rollout},
     optimizer::HostOptimizer,
 };
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use crate::FitJob;
 

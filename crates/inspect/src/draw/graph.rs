@@ -2,7 +2,7 @@
 //! camera.
 
 use bendtwin_core::{Graph, NodeKind, Point, settings::FitSettings};
-use bendtwin_engine::build::{Connectivity, NodeSample, connect, sample_nodes};
+use bendtwin_graph::{Connectivity, NodeSample, connect, sample_nodes};
 use bendtwin_picture::{Canvas, Color, Error, Photograph, Rect, View};
 
 use super::{ACCENT, Figure, Figures, HAND, enlargement};

@@ -19,7 +19,7 @@ fn one(seen: &Inspection, code: &str) -> crate::Finding {
     let findings: Vec<String> = seen
         .findings
         .iter()
-        .filter(|f| f.severity != bendtwin_capture::Severity::Info)
+        .filter(|f| f.severity != bendtwin_core::Severity::Info)
         .map(|f| format!("{} {}", f.code, f.sentence()))
         .collect();
     assert!(

@@ -26,8 +26,8 @@ fn row(seen: &Inspection, index: usize, camera: &CameraReport) -> String {
     let own = seen.findings.iter().filter(|f| f.cameras.contains(&index));
     let worst = own.map(|f| f.severity).min();
     let class = match worst {
-        Some(bendtwin_capture::Severity::Error) => "error",
-        Some(bendtwin_capture::Severity::Warning) => "warning",
+        Some(bendtwin_core::Severity::Error) => "error",
+        Some(bendtwin_core::Severity::Warning) => "warning",
         _ => "fine",
     };
     let count = |frames: &[usize]| match frames.len() {

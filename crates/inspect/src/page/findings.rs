@@ -1,6 +1,6 @@
 //! The findings, a card each.
 
-use bendtwin_capture::Severity;
+use bendtwin_core::Severity;
 
 use super::{capitalised, markup::escape};
 use crate::Inspection;

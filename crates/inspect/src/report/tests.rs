@@ -1,4 +1,4 @@
-use bendtwin_capture::{MakeOptions, Scene, make};
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
 use crate::{

@@ -6,7 +6,7 @@
 //! (Chen and Medioni, 1992), robustly, from where the motion so far leads. Turns that the shape
 //! does not determine, of a ball say, are damped.
 
-use bendtwin_capture::{Finding, Severity};
+use bendtwin_core::{Finding, Severity};
 use bendtwin_core::{Point, settings::ingest::ControlSettings};
 use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 
@@ -72,14 +72,14 @@ pub(crate) fn controls(
         columns.extend(picked.into_iter().map(trajectory).collect::<Vec<Vec<Point>>>());
     }
     let points = (0..clouds.len()).flat_map(|f| columns.iter().map(move |c| c[f])).collect();
-    let findings = vec![Finding {
-        severity: Severity::Info,
-        code: "HAND_FOLLOWED_BY_SHAPE".to_owned(),
-        message: format!(
+    let findings = vec![Finding::from_sentence(
+        Severity::Info,
+        "HAND_FOLLOWED_BY_SHAPE",
+        format!(
             "{tracks} tracks lie on the hand, too few: its motion is taken from its shape in the depth images, which does not \
              tell every turn; tracks on the hand would"
         ),
-    }];
+    )];
     Ok(Controls { points, hands, findings })
 }
 

@@ -1,9 +1,9 @@
 //! Assembly of one capture from the results of all units.
 
-use bendtwin_capture::{Finding, Severity};
 use bendtwin_core::{
     CancelToken, Capture, Sequence, capture::Object, settings::ingest::IngestSettings,
 };
+use bendtwin_core::{Finding, Severity};
 use bendtwin_flow::Texture;
 
 use super::{
@@ -37,11 +37,11 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
         if let Some(t) =
             camera.tracker.as_ref().filter(|t| matches!(t.verdict, Texture::Poor | Texture::None))
         {
-            evidence.findings.push(Finding {
-                severity: Severity::Warning,
-                code: "POOR_TEXTURE".to_owned(),
-                message: t.summary.clone(),
-            });
+            evidence.findings.push(Finding::from_sentence(
+                Severity::Warning,
+                "POOR_TEXTURE",
+                t.summary.clone(),
+            ));
         }
     }
     let (mut kept, valid) = filter_tracks(&mut object, settings, &mut evidence.tracks, cancel)?;
@@ -60,13 +60,8 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
         evidence.hands = made.hands;
         evidence.findings.extend(made.findings);
     } else {
-        evidence.findings.push(Finding {
-            severity: Severity::Warning,
-            code: "NO_HAND".to_owned(),
-            message: "no mask shows a hand or gripper, so nothing moves the object but gravity: add masks of what \
-                      holds it"
-                .to_owned(),
-        });
+        evidence.findings.push(Finding::from_sentence(Severity::Warning, "NO_HAND", "no mask shows a hand or gripper, so nothing moves the object but gravity: add masks of what \
+                      holds it"));
     }
     check(cancel)?;
     let observed = from.surface();

@@ -1,9 +1,8 @@
 //! Errors of recordings that cannot be lifted although every frame could be read.
 
-use bendtwin_capture::{
-    Finding, Severity,
-    raw::{self, Recording},
-};
+use bendtwin_capture::raw::{self, Recording};
+
+use bendtwin_core::{Finding, Severity};
 
 use crate::{Error, Evidence, evidence::CameraEvidence, tracks::Tracks};
 
@@ -71,13 +70,9 @@ pub(super) fn refuse_lost(
         return Err(Error::TracksLost { tracks: kept.count, seen: seen(frame), frame });
     }
     if lost > 0 {
-        findings.push(Finding {
-            severity: Severity::Warning,
-            code: "TRACKS_LOST".to_owned(),
-            message: format!(
+        findings.push(Finding::from_sentence(Severity::Warning, "TRACKS_LOST", format!(
                 "hardly any track on the object is seen from frame {frame} on: the future is judged by the frames before"
-            ),
-        });
+            )));
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-use bendtwin_capture::Severity;
+use bendtwin_core::Severity;
 use nalgebra::{Rotation3, Vector3};
 
 use super::*;

@@ -1,7 +1,7 @@
 use bendtwin_core::{NodeKind, Pin};
 
 use super::*;
-use crate::build::LeftOut;
+use crate::LeftOut;
 
 /// A cable of nodes 0..n with these edges and held nodes.
 fn cable(n: u32, edges: &[[u32; 2]], held: &[u32]) -> NodeSample {

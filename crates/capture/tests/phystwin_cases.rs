@@ -1,9 +1,10 @@
-use super::*;
-use crate::{
-    Limits,
-    make::{FilmOptions, Scene, film},
-    raw,
+//! Raw recordings written as PhysTwin cases and read back.
+
+use bendtwin_capture::{
+    Error, Limits,
+    raw::{self, Camera, Distortion, Recording, Region, write_case},
 };
+use bendtwin_synth::{FilmOptions, Scene, film};
 
 #[test]
 fn a_film_comes_back_from_a_case() {

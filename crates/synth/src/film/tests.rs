@@ -1,5 +1,5 @@
 use super::*;
-use crate::raw::Region;
+use bendtwin_capture::raw::Region;
 
 fn tiny() -> Recording {
     film(Scene::Toy, &FilmOptions::tiny(3)).unwrap()
@@ -17,7 +17,7 @@ fn a_film_repeats_in_any_order() {
     }
     assert_eq!(forward.tracks().unwrap(), backward.tracks().unwrap());
     assert!(forward.color(20).unwrap().is_none());
-    assert!(matches!(a.source.frames(2).map(|_| ()), Err(Error::NoCamera(2))));
+    assert!(matches!(a.source.frames(2).map(|_| ()), Err(capture::Error::NoCamera(2))));
 }
 
 #[test]

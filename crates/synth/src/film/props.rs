@@ -2,7 +2,7 @@
 
 use bendtwin_core::Point;
 
-use crate::make::{
+use crate::{
     hand::{FOREARM_M, Hand, THICKNESS_M},
     pose::{Pose, add, scale, sub, unit},
     texture::dye,
@@ -96,7 +96,7 @@ fn hand_prop(hand: &Hand) -> Prop {
     prop.tube(&palm);
     let axis = unit(sub(end, hand.grasp));
     let aside = unit([-axis[1], axis[0], 0.3]);
-    let aside = unit(sub(aside, scale(axis, crate::make::pose::dot(aside, axis))));
+    let aside = unit(sub(aside, scale(axis, crate::pose::dot(aside, axis))));
     let across = [
         axis[1] * aside[2] - axis[2] * aside[1],
         axis[2] * aside[0] - axis[0] * aside[2],

@@ -1,7 +1,7 @@
 use bendtwin_core::Sequence;
 
 use super::*;
-use crate::{check::check, digest::digest};
+use bendtwin_capture::{check, digest};
 
 #[test]
 fn tiny_scenes_are_usable_and_repeat_exactly() {

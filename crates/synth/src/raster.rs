@@ -2,7 +2,7 @@
 
 use bendtwin_core::Point;
 
-use crate::raw::Camera;
+use bendtwin_capture::raw::Camera;
 
 /// Nearer than this nothing is drawn [m].
 const NEAR_M: f64 = 0.05;

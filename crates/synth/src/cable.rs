@@ -6,6 +6,7 @@ use std::f32::consts::TAU;
 use bendtwin_core::{
     Capture, Environment, Point, Sequence,
     capture::{HeldPoint, Object},
+    geometry::IDENTITY,
 };
 use bendtwin_engine::Backend;
 use rand::{RngExt, SeedableRng};
@@ -17,7 +18,7 @@ use super::{
     pose::{Pose, smoothstep},
     simulate::{Material, Specimen, simulate},
 };
-use crate::{Error, frame::IDENTITY};
+use crate::Error;
 
 const FPS: f64 = 100.0;
 const LENGTH_M: f32 = 0.9;

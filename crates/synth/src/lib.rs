@@ -1,10 +1,11 @@
-//! Small captures for tests and the demo. A body is simulated much more finely
+//! Synthetic captures, for tests and the demo. A body is simulated much more finely
 //! than any twin, on another topology and with other damping, and then observed
 //! as cameras and a tracker do, so that fitting it is no inverse crime.
 
 mod body;
 mod cable;
 mod camera;
+mod error;
 mod film;
 mod hand;
 mod observe;
@@ -15,11 +16,14 @@ mod simulate;
 mod skin;
 mod texture;
 
+use bendtwin_capture::validate;
 use bendtwin_core::Capture;
 use bendtwin_engine::Backend;
 
-pub use self::film::{FilmOptions, Shape, film, film_with};
-use crate::{Error, structure::validate};
+pub use self::{
+    error::Error,
+    film::{FilmOptions, Shape, film, film_with},
+};
 
 /// What is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -8,12 +8,12 @@ use super::{
     tracker,
 };
 use crate::{
+    pose::{dot, sub, unit},
+    raster::{Hit, Raster},
+    texture::{chance, normal},
+};
+use bendtwin_capture::{
     Error,
-    make::{
-        pose::{dot, sub, unit},
-        raster::{Hit, Raster},
-        texture::{chance, normal},
-    },
     raw::{Camera, ColorImage, DepthImage, Frames, Image, Mask, Region, Tracks},
 };
 

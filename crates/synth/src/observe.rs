@@ -1,8 +1,9 @@
 //! From a simulated body to what three depth cameras and a point tracker report
 //! of it: half of the surface, noise that grows, tracks that drift or get lost.
 
-use bendtwin_core::{Capture, Environment, Point, Sequence, capture::Object};
-use bendtwin_engine::{Backend, build::farthest_points};
+use bendtwin_core::{Capture, Environment, Point, Sequence, capture::Object, geometry::IDENTITY};
+use bendtwin_engine::Backend;
+use bendtwin_graph::farthest_points;
 use rand::{RngExt, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -15,7 +16,7 @@ use super::{
     scene::Setup,
     simulate::{Specimen, simulate},
 };
-use crate::{Error, frame::IDENTITY};
+use crate::Error;
 
 pub(super) const FPS: f64 = 30.0;
 pub(super) const TRAIN_SHARE: f64 = 0.7;

@@ -1,14 +1,12 @@
 //! What a point tracker makes of the film: points from the first frame's masks, followed with errors of its own.
 
+use bendtwin_capture::raw::Tracks;
 use bendtwin_core::Point;
 
 use super::{Stage, lens::blend, props::Thing};
 use crate::{
-    make::{
-        raster::Hit,
-        texture::{chance, normal},
-    },
-    raw::Tracks,
+    raster::Hit,
+    texture::{chance, normal},
 };
 
 /// Tracks of the object and of the hand at most.

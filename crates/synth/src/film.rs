@@ -9,7 +9,11 @@ mod tracker;
 
 use std::sync::Arc;
 
-use bendtwin_core::{Environment, Point};
+use bendtwin_capture as capture;
+use bendtwin_capture::raw::{
+    Alignment, Camera, Distortion, Frames, Intrinsics, MeshFile, Recording, Source,
+};
+use bendtwin_core::{Environment, Point, geometry::IDENTITY};
 use bendtwin_engine::Backend;
 use bendtwin_mesh::{Mesh, Similarity, write_glb};
 
@@ -21,11 +25,7 @@ use super::{
     skin::Skin,
     texture::normal,
 };
-use crate::{
-    Error,
-    frame::IDENTITY,
-    raw::{Alignment, Camera, Distortion, Frames, Intrinsics, MeshFile, Recording, Source},
-};
+use crate::Error;
 
 /// How a scene is filmed.
 #[derive(Clone, Debug, PartialEq)]
@@ -145,9 +145,9 @@ struct Stage {
 }
 
 impl Source for Stage {
-    fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
+    fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, capture::Error> {
         if camera >= self.cameras.len() {
-            return Err(Error::NoCamera(camera));
+            return Err(capture::Error::NoCamera(camera));
         }
         Ok(Box::new(Reader::new(self, camera)))
     }

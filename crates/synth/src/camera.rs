@@ -36,10 +36,10 @@ impl Camera {
     }
 
     /// Its place in the world, as OpenCV has it: x right, y down, z into the scene.
-    pub(super) fn pose(&self) -> crate::raw::Pose {
+    pub(super) fn pose(&self) -> bendtwin_capture::raw::Pose {
         let [right, down, forward] =
             [self.right, self.down, self.forward].map(|v| v.map(f64::from));
-        crate::raw::Pose {
+        bendtwin_capture::raw::Pose {
             rotation: std::array::from_fn(|i| [right[i], down[i], forward[i]]),
             translation: self.position.map(f64::from),
         }
