@@ -1,11 +1,10 @@
-//! Lifts a raw recording and says how near its tracks are to the clean ones: `cargo run --release
-//! -p bendtwin-ingest --example score -- RECORDING [--observation OUT.zip] [--settings JSON]`
+//! Lifts a raw recording and says how near its tracks are to the clean ones:
+//! `cargo run --release -p bendtwin-ingest --example score -- RECORDING [--observation OUT.zip] [--settings JSON]`
 //!
-//! With `--lifted` the path is a capture that is lifted already. With `--judged-by CAPTURE` what is
-//! written has only the start and the control points of the recording, and what the capture
-//! observed after that: `bendtwin eval OUT.zip --twin TWIN` then scores a twin of the one on what
-//! the other saw. With `--film` a scene is filmed by 3 cameras of 848 x 480 over 100 frames and
-//! written to the path, to be timed.
+//! With `--lifted` the path is a capture that is lifted already. With `--judged-by CAPTURE` what is written has only the start
+//! and the control points of the recording, and what the capture observed after that: `bendtwin eval OUT.zip --twin TWIN` then
+//! scores a twin of the one on what the other saw. With `--film` a scene is filmed by 3 cameras of 848 x 480 over 100 frames and written to
+//! the path, to be timed.
 
 use std::{path::PathBuf, time::Instant};
 

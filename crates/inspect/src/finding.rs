@@ -1,4 +1,4 @@
-//! Findings of a report, and the verdict that follows from them.
+//! What a report finds, and what it makes of all of it.
 
 use std::collections::BTreeMap;
 
