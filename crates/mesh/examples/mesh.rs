@@ -1,6 +1,11 @@
-//! Samples of a mesh, and its alignment: `cargo run --release -p bendtwin-mesh --example mesh --
-//! FILE [SPACING_M]` samples it, then hides what three cameras would not see, moves the rest, and
-//! prints how well alignment finds the way back.
+//! Samples of a mesh, and its alignment.
+//!
+//! ```text
+//! cargo run --release -p bendtwin-mesh --example mesh -- FILE [SPACING_M]
+//! ```
+//!
+//! It samples the mesh, then hides what three cameras would not see, moves the rest, and prints how
+//! well alignment finds the way back.
 
 use std::time::Instant;
 

@@ -3,7 +3,8 @@
 /// Depth over the object.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DepthThresholds {
-    /// Share of the object with depth below which there is a warning, 0..=1. Chosen by hand.
+    /// Share of the object with depth below which there is a warning, 0..=1. Chosen by hand;
+    /// cameras of healthy recordings have at least 0.78.
     pub(crate) good_coverage: f64,
     /// Share of the object with depth below which a camera contributes nothing, 0..=1. Chosen by
     /// hand.

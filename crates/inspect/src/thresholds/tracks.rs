@@ -3,7 +3,8 @@
 /// 2D tracks of each camera.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TrackThresholds {
-    /// Share of visible tracks that should lie on a mask, 0..=1. Chosen by hand.
+    /// Share of visible tracks that should lie on a mask, 0..=1. Chosen by hand; in healthy
+    /// recordings it is at least 0.99.
     pub(crate) min_inside_share: f64,
     /// Ratio of tracks on a mask with exchanged coordinates to those without, from which they are
     /// exchanged. Chosen by hand.
@@ -14,7 +15,7 @@ pub(crate) struct TrackThresholds {
     /// decides.
     pub(crate) max_not_finite_share: f64,
     /// Share of the tracks that should be visible at the end of the part for fitting, 0..=1. Chosen
-    /// by hand.
+    /// by hand; in healthy recordings more than half are.
     pub(crate) min_survival_share: f64,
     /// Frames at the end in which survivors are counted: a hand in front of the lens loses tracks
     /// for a moment. Chosen by hand.
