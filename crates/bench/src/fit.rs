@@ -1,5 +1,5 @@
-//! A whole fit as PhysTwin counts it: 20 generations of 11 candidates, then 200 passes, over 100 frames,
-//! through the same [`FitJob`] that a worker runs, timed by stage.
+//! A whole fit as PhysTwin counts it: 20 generations of 11 candidates, then 200 passes, over 100
+//! frames, through the same [`FitJob`] that a worker runs, timed by stage.
 
 mod target;
 
@@ -29,13 +29,14 @@ pub enum Scheme {
     Frame,
     /// A step of Adam a pass, the gradient through all frames: this project's default.
     Pass,
-    /// A step of Adam a pass, the gradient cut at each frame's start as PhysTwin cuts it, so that a GPU
-    /// runs all frames backward side by side.
+    /// A step of Adam a pass, the gradient cut at each frame's start as PhysTwin cuts it, so that a
+    /// GPU runs all frames backward side by side.
     Cut,
 }
 
-/// Learning rate of [`Scheme::Cut`]: of 0.05, 0.1, 0.2 and 0.4 the one with the least final loss (4.7, 4.3, 0.9
-/// and 1.4 in 1e-9) in `bendtwin bench rope --backend cpu --bending without --fit cut --frames 10 --generations 2`.
+/// Learning rate of [`Scheme::Cut`]: of 0.05, 0.1, 0.2 and 0.4 the one with the least final loss
+/// (4.7, 4.3, 0.9 and 1.4 in 1e-9) in
+/// `bendtwin bench rope --backend cpu --bending without --fit cut --frames 10 --generations 2`.
 const CUT_RATE: f64 = 0.2;
 
 impl Scheme {
@@ -99,7 +100,8 @@ pub struct FitRun {
 pub struct SearchTime {
     /// All of it.
     pub total_s: f64,
-    /// Candidates that were simulated; the others would have needed more substeps than the scene has.
+    /// Candidates that were simulated; the others would have needed more substeps than the scene
+    /// has.
     pub rollouts: u64,
     /// Rollouts with their losses.
     pub forward_s: f64,
@@ -126,7 +128,8 @@ pub struct RefineTime {
     pub host_s: f64,
 }
 
-/// Fits a capture that is made by the scene with hidden parameters, and times it. Making the capture does not count.
+/// Fits a capture that is made by the scene with hidden parameters, and times it. Making the
+/// capture does not count.
 ///
 /// # Errors
 /// If the backend or the fit fails, or on cancellation.

@@ -1,5 +1,5 @@
-//! Results of a benchmark, as data. Times are in seconds unless a name says otherwise; unknown values
-//! are `null`.
+//! Results of a benchmark, as data. Times are in seconds unless a name says otherwise; unknown
+//! values are `null`.
 
 use serde::Serialize;
 

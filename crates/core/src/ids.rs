@@ -1,6 +1,6 @@
-//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`,
-//! `uploads/{id}` and `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they
-//! sort by creation time.
+//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}` and
+//! `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they sort by
+//! creation time.
 
 use std::{fmt, str::FromStr};
 

@@ -50,7 +50,8 @@ use crate::{
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
 
-/// Runs on the CPU's cores; clones share the threads. Make one with [`cpu`] or [`cpu_with_threads`].
+/// Runs on the CPU's cores; clones share the threads. Make one with [`cpu`] or
+/// [`cpu_with_threads`].
 #[derive(Clone)]
 pub struct CpuBackend {
     /// `None` on a machine that gives us no threads: then the caller's own does everything.

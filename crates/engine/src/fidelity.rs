@@ -1,13 +1,14 @@
 //! The fast variant of a model: the same model with fewer substeps, softened where it must be.
 //!
-//! **Softening.** A model can have fewer substeps than its stiffest mode allows only if that mode is softened. An
-//! element by itself has a stiffness κ [1/s²] and a damping ζ [1/s], both per mass: for a spring
-//! `κ = w k / l0` and `ζ = w γ` with `w = 1/m_i + 1/m_j`; for a triplet `κ = w kθ` and `ζ = w c_b` with
-//! `w = 1/(m_i lu²) + 1/(m_k lw²) + (1/lu + 1/lw)²/m_j` and lu, lw the lengths of its arms at rest; for a rod
-//! the same with `w = sum |g|²/m` over its nodes, with the gradient g of its twist where it is stiff (see `stability.rs`). Pinned
-//! nodes and control points weigh infinitely much. With a rate limit λ, stiffness is scaled so that
-//! `dt² κ <= λ` and damping so that `2 dt ζ <= λ`; most elements stay as they are. A model is stable where the same
-//! expressions of all elements together stay below 4 (see `stability.rs`), so λ lies below 4 too.
+//! **Softening.** A model can have fewer substeps than its stiffest mode allows only if that mode
+//! is softened. An element by itself has a stiffness κ [1/s²] and a damping ζ [1/s], both per mass:
+//! for a spring `κ = w k / l0` and `ζ = w γ` with `w = 1/m_i + 1/m_j`; for a triplet `κ = w kθ` and
+//! `ζ = w c_b` with `w = 1/(m_i lu²) + 1/(m_k lw²) + (1/lu + 1/lw)²/m_j` and lu, lw the lengths of
+//! its arms at rest; for a rod the same with `w = sum |g|²/m` over its nodes, with the gradient g
+//! of its twist where it is stiff (see `stability.rs`). Pinned nodes and control points weigh
+//! infinitely much. With a rate limit λ, stiffness is scaled so that `dt² κ <= λ` and damping so
+//! that `2 dt ζ <= λ`; most elements stay as they are. A model is stable where the same expressions
+//! of all elements together stay below 4 (see `stability.rs`), so λ lies below 4 too.
 //!
 //! A softened model is another model: its deviation has to be measured.
 
@@ -41,8 +42,8 @@ impl From<&FastVariant> for Reduction {
 }
 
 impl Reduction {
-    /// The least reduction with which a model is stable at this many substeps, according to the estimate;
-    /// none if too much would have to be softened, or the model is contradictory.
+    /// The least reduction with which a model is stable at this many substeps, according to the
+    /// estimate; none if too much would have to be softened, or the model is contradictory.
     pub fn to(model: &Model, substeps: u32) -> Option<Self> {
         let is_stable = |rate_limit| {
             let reduced = Self { substeps, rate_limit }.apply(model);

@@ -1,6 +1,6 @@
-//! The physics: graph building, the [`Backend`] trait, the CPU backend that defines what is correct,
-//! its hand-written adjoint, and the conformance suite that every backend must pass. It uses no network
-//! and no files; of fitting it has only the gradient steps ([`optimizer`]).
+//! The physics: graph building, the [`Backend`] trait, the CPU backend that defines what is
+//! correct, its hand-written adjoint, and the conformance suite that every backend must pass. It
+//! uses no network and no files; of fitting it has only the gradient steps ([`optimizer`]).
 
 pub mod backend;
 pub mod build;

@@ -18,7 +18,8 @@ use crate::{
 /// A point or vector in double precision.
 pub type Point64 = [f64; 3];
 
-/// One simulation in double precision. Fields may be changed at will; lengths must stay as they are.
+/// One simulation in double precision. Fields may be changed at will; lengths must stay as they
+/// are.
 #[derive(Clone, Debug)]
 pub struct Reference {
     model: Model,

@@ -1,10 +1,11 @@
 //! The variables of the search: physical constants of the whole object and, if asked for, the
 //! connectivity of its nodes. Every variable is scaled to 0..=1.
 //!
-//! Stiffness, dashpots, drag and bending are searched in logarithms: what matters about them is their
-//! order of magnitude, and the useful part of a linear scale (PhysTwin's 0..1e5, for example) would be a thin
-//! slice at one end. Ratios and lengths are searched as they are. Variables without effect on the
-//! capture (friction of an object in the air) are left out: each costs the search evaluations.
+//! Stiffness, dashpots, drag and bending are searched in logarithms: what matters about them is
+//! their order of magnitude, and the useful part of a linear scale (PhysTwin's 0..1e5, for example)
+//! would be a thin slice at one end. Ratios and lengths are searched as they are. Variables without
+//! effect on the capture (friction of an object in the air) are left out: each costs the search
+//! evaluations.
 
 use std::f64::consts::PI;
 
@@ -84,7 +85,8 @@ impl Axis {
         Self { variable, low, high, start, is_log: true }
     }
 
-    /// An axis whose range grows where the start lies outside it, so that a setting is never overruled.
+    /// An axis whose range grows where the start lies outside it, so that a setting is never
+    /// overruled.
     fn linear(variable: Variable, low: f64, high: f64, start: f64) -> Self {
         Self { variable, low: low.min(start), high: high.max(start), start, is_log: false }
     }

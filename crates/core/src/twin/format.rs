@@ -13,8 +13,9 @@ use crate::{
     environment::ControlVelocity,
 };
 
-/// Newest version that this build reads and writes; it reads every earlier one. A twin is written in the earliest
-/// version that can hold it, so that older programs read the twins that they support and refuse others.
+/// Newest version that this build reads and writes; it reads every earlier one. A twin is written
+/// in the earliest version that can hold it, so that older programs read the twins that they
+/// support and refuse others.
 pub const VERSION: u32 = 2;
 
 /// The version with rods.

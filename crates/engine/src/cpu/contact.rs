@@ -180,8 +180,8 @@ pub(crate) fn collide<T: Real>(
     }
 }
 
-/// Adjoint of [`collide`]: turns d loss / d velocity after contact in `bar` into that before it, `after` is
-/// scratch; adds to the positions' adjoints and to `law_bar`.
+/// Adjoint of [`collide`]: turns d loss / d velocity after contact in `bar` into that before it,
+/// `after` is scratch; adds to the positions' adjoints and to `law_bar`.
 #[inline(always)]
 pub(crate) fn collide_adjoint<T: Real>(
     system: &System<T>,
