@@ -82,9 +82,9 @@ impl Reduction {
             let weight = of(i) + of(j);
             // Without a rest length a spring has no stiffness.
             if *rest > 0.0 {
-                give_way(k, dt * dt * weight / f64::from(*rest), limit);
+                limit_rate(k, dt * dt * weight / f64::from(*rest), limit);
             }
-            give_way(dashpot, 2.0 * dt * weight, limit);
+            limit_rate(dashpot, 2.0 * dt * weight, limit);
         }
         let triplets = params.bend_stiffness.iter_mut().zip(&mut params.bend_damping);
         for (&[i, j, k], (stiffness, damping)) in graph.triplets.iter().zip(triplets) {
@@ -93,8 +93,8 @@ impl Reduction {
             if u.min(w) > 0.0 {
                 let centre = (1.0 / u + 1.0 / w).powi(2);
                 let weight = of(i) / (u * u) + of(k) / (w * w) + of(j) * centre;
-                give_way(stiffness, dt * dt * weight, limit);
-                give_way(damping, 2.0 * dt * weight, limit);
+                limit_rate(stiffness, dt * dt * weight, limit);
+                limit_rate(damping, 2.0 * dt * weight, limit);
             }
         }
         let rods = params.twist_stiffness.iter_mut().zip(&mut params.twist_damping);
@@ -104,15 +104,15 @@ impl Reduction {
             let parts = rod.iter().zip(turned_pattern(&points, graph.has_arm(rod)));
             let weight: f64 =
                 parts.map(|(&e, g)| of(e) * g.iter().map(|x| x * x).sum::<f64>()).sum();
-            give_way(stiffness, dt * dt * weight, limit);
-            give_way(damping, 2.0 * dt * weight, limit);
+            limit_rate(stiffness, dt * dt * weight, limit);
+            limit_rate(damping, 2.0 * dt * weight, limit);
         }
         out
     }
 }
 
 /// Scales a parameter down until its rate, `per_unit` times itself, is within the limit.
-fn give_way(parameter: &mut f32, per_unit: f64, limit: f64) {
+fn limit_rate(parameter: &mut f32, per_unit: f64, limit: f64) {
     let rate = f64::from(*parameter) * per_unit;
     if rate > limit {
         *parameter = (f64::from(*parameter) * (limit / rate)) as f32;

@@ -278,7 +278,10 @@ impl Candidate {
             rest_lengths_m: rest_lengths_m.clone(),
             bend_stiffness: vec![self.bend_stiffness as f32; t],
             bend_damping: vec![self.bend_damping as f32; t],
-            rest_angles_rad: rest_angles_rad.iter().map(|&a| bent(a, self.rest_bend)).collect(),
+            rest_angles_rad: rest_angles_rad
+                .iter()
+                .map(|&a| scale_bend(a, self.rest_bend))
+                .collect(),
             twist_stiffness: vec![self.twist_stiffness as f32; r],
             twist_damping: vec![self.twist_damping as f32; r],
             rest_twists_rad: vec![self.rest_twist as f32; r],
@@ -289,7 +292,7 @@ impl Candidate {
 }
 
 /// A rest angle with a share of its bend.
-fn bent(angle_rad: f32, share: f64) -> f32 {
+fn scale_bend(angle_rad: f32, share: f64) -> f32 {
     let straight = std::f32::consts::PI;
     let bend = f64::from(straight - angle_rad) * share;
     ((f64::from(straight) - bend) as f32).clamp(0.0, straight)
