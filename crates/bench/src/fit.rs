@@ -66,7 +66,7 @@ pub struct FitPlan {
 }
 
 impl FitPlan {
-    /// As PhysTwin counts: 220 candidates, 200 passes, 100 frames.
+    /// PhysTwin's counts: 220 candidates, 200 passes, 100 frames.
     pub const fn phystwin(scheme: Scheme) -> Self {
         Self { scheme, frames: 100, generations: 20, candidates: 11, passes: 200 }
     }
@@ -122,13 +122,13 @@ pub struct RefineTime {
     pub forward_s: f64,
     /// Steps of Adam, and what it takes to simulate with the new parameters.
     pub step_s: f64,
-    /// Handing parameters to and fro, and loading anew where substeps change.
+    /// Transfers of parameters, and loading anew where substeps change.
     pub params_s: f64,
     /// Everything else: estimating stability, checkpoints.
     pub host_s: f64,
 }
 
-/// Fits a capture that is made by the scene with hidden parameters, and times it. Making the
+/// Times the fit of a capture that is simulated with hidden parameters. The time of simulating the
 /// capture does not count.
 ///
 /// # Errors

@@ -65,7 +65,7 @@ pub struct Graph {
     /// Nodes prescribed by control points.
     pub pins: Vec<Pin>,
     /// Rods that twist: each a path of nodes, in order, of at least [`Graph::MIN_ROD_NODES`]. Its
-    /// first two nodes are pinned: a clamp, which gives a position and a direction; what it does
+    /// first two nodes are pinned: a clamp, which gives a position and a direction; its rotation
     /// about that direction is carried along by parallel transport. Its last two are either a clamp
     /// too, or a junction and the first node of a branch there, its *arm*, whose direction holds
     /// the rod's frame.

@@ -94,7 +94,7 @@ id!(
     FitId, "fits"
 );
 id!(
-    /// A job that reads a capture: the way from what was uploaded to what is fitted.
+    /// A job that reads a capture, from the upload to the observation that is fitted.
     IngestId, "ingests"
 );
 id!(

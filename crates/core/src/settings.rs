@@ -88,11 +88,11 @@ pub enum SequenceMean {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Substeps {
-    /// As many as the stability estimate asks for, times a margin.
+    /// The number of the stability estimate, times a margin.
     Auto {
         /// Stable dt over used dt, above 1.
         safety: f64,
-        /// Never more than this; candidates that would need more count as unstable.
+        /// Upper limit; candidates that would need more count as unstable.
         max: u32,
     },
     /// Exactly this many; refused where unstable.

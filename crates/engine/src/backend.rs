@@ -19,7 +19,7 @@ use crate::{
     optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
-/// Why a backend refuses or fails.
+/// An error of a backend: a refusal or a failure.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The model contradicts itself.

@@ -1,4 +1,4 @@
-//! A cable with branches, as DEFT's metric sees it.
+//! A cable with branches, as in DEFT's metric.
 //!
 //! There every branch is an array of its own, from the point in which it begins to its tip, filled
 //! up with zeros to the length of the longest branch; the error is taken over the whole block. A
@@ -16,8 +16,8 @@ pub(crate) struct Branches {
 }
 
 impl Branches {
-    /// Of edges between so many points; `None` unless they form one tree with at least one
-    /// junction.
+    /// The branches of edges between this many points; `None` unless they form one tree with at
+    /// least one junction.
     ///
     /// Branches follow from the edges: as many as there are tips but one, of which the longest is
     /// the longest path there is, and at a junction of d edges d - 1 of them meet, however they are

@@ -44,7 +44,7 @@ pub struct Best {
     pub generation: u64,
 }
 
-/// A sample: where the strategy went, and the point of the cube that is meant.
+/// A sample: its unbounded coordinates, and the point of the cube that they map to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// Unbounded coordinates, for [`CmaEs::tell`].
@@ -53,7 +53,7 @@ pub struct Sample {
     pub point: Vec<f64>,
 }
 
-/// The population that Hansen recommends for so many variables.
+/// The population that Hansen recommends for this many variables.
 pub fn default_population(variables: usize) -> usize {
     4 + (3.0 * (variables.max(1) as f64).ln()).floor() as usize
 }

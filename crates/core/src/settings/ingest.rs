@@ -43,8 +43,8 @@ pub struct MaskSettings {
     pub min_component: f64,
     /// ...if they are farther than this from larger ones: a finger may cut a small part off [m].
     pub speck_gap_m: f64,
-    /// Within this distance an object's pixel needs as many neighbours of the object as of the
-    /// hand, and the other way round [m]; 0 leaves out the test.
+    /// Radius [m] within which an object's pixel needs as many neighbours of the object as of the
+    /// hand, and vice versa; 0 leaves out the test.
     pub contact_m: f64,
 }
 
@@ -62,9 +62,9 @@ pub struct LiftSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotionSettings {
-    /// Neighbours lie within this distance at the first frame [m].
+    /// Largest distance of a neighbour at the first frame [m].
     pub radius_m: f64,
-    /// So many of them at most, the nearest.
+    /// Largest number of neighbours, the nearest.
     pub neighbours: u32,
     /// Least number of visible neighbours; with fewer a motion is invalid, since nothing confirms
     /// it.
@@ -82,11 +82,11 @@ pub struct MotionSettings {
 pub struct ControlSettings {
     /// Control points of all hands together.
     pub count: u32,
-    /// Most hands.
+    /// Largest number of hands.
     pub max_hands: u32,
-    /// Tracks on one hand are not farther than this from the next one at the first frame [m].
+    /// Largest distance between neighbouring tracks on one hand at the first frame [m].
     pub hand_gap_m: f64,
-    /// Gaps up to so many frames are filled; a hand that is hidden longer is an error.
+    /// Largest gap that is filled [frames]; a hand that is hidden longer is an error.
     pub max_gap_frames: u32,
     /// A hand whose tracks stay within this distance of a rigid motion is smoothed as a rigid body
     /// [m]; one that opens or closes is not.
@@ -106,7 +106,7 @@ pub struct CompletionSettings {
     /// A mesh that is farther than this from the observed surface, in the median, does not fit and
     /// is not used [m].
     pub max_error_m: f64,
-    /// Most points on the completed surface, and most inside.
+    /// Largest number of points on the completed surface, and inside.
     pub max_points: u32,
 }
 

@@ -24,7 +24,7 @@ const WITH_RODS: u32 = 2;
 /// Key of the JSON document in the container's metadata.
 const METADATA_KEY: &str = "bendtwin.twin";
 
-/// Why a twin file cannot be read.
+/// The reason why a twin file cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
     /// Not a safetensors container, or a damaged one.
