@@ -1,12 +1,13 @@
-//! The least time that a device's instruction issue allows, counted by hand. The fraction reached shows
-//! how much of the machine a backend uses; better algorithms, which need fewer instructions, are not
-//! considered.
+//! The least time that a device's instruction issue allows, counted by hand. The fraction reached
+//! shows how much of the machine a backend uses; better algorithms, which need fewer instructions,
+//! are not considered.
 //!
-//! **Count.** A bound is (instructions of a substep) / (instructions that the whole device issues
-//! a second). Only what no arrangement avoids is counted: the arithmetic of the formulas in the engine's
-//! `spring.rs`, `bend.rs`, `ground.rs` and `integrate.rs`, and on a GPU the loads of operands. Barriers, latency,
-//! bank conflicts, loop counters and losses are not, nor is contact between nodes. A single instance is
-//! held against the whole device too, though it may not be able to fill it.
+//! **Count.** A bound is (instructions of a substep) / (instructions that the whole device issues a
+//! second). Only what no arrangement avoids is counted: the arithmetic of the formulas in the
+//! engine's `spring.rs`, `bend.rs`, `ground.rs` and `integrate.rs`, and on a GPU the loads of
+//! operands. Barriers, latency, bank conflicts, loop counters and losses are not, nor is contact
+//! between nodes. A single instance is held against the whole device too, though it may not be able
+//! to fill it.
 
 mod cpu;
 mod cuda;
@@ -45,8 +46,8 @@ pub struct IssueBound {
 }
 
 impl IssueBound {
-    /// The bound of a device, by the kind and name that its backend gives; `None` where it is not known.
-    /// On a CPU, its rate is measured: this takes about a tenth of a second.
+    /// The bound of a device, by the kind and name that its backend gives; `None` where it is not
+    /// known. On a CPU, its rate is measured: this takes about a tenth of a second.
     pub fn of(device: &bendtwin_engine::Device) -> Option<Self> {
         match device.kind.as_str() {
             "cpu" => cpu::bound(device.lanes),
@@ -60,8 +61,8 @@ impl IssueBound {
         self.seconds(&self.forward, scene)
     }
 
-    /// Least time of a substep's forward and backward of one instance [s]; `None` with triplets, whose
-    /// adjoint is not counted.
+    /// Least time of a substep's forward and backward of one instance [s]; `None` with triplets,
+    /// whose adjoint is not counted.
     pub fn gradient_s(&self, scene: &Scene) -> Option<f64> {
         let is_axial = scene.model.graph.triplets.is_empty();
         is_axial.then(|| self.seconds(&self.gradient, scene))

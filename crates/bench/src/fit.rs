@@ -1,5 +1,5 @@
-//! A whole fit as PhysTwin counts it: 20 generations of 11 candidates, then 200 passes, over 100 frames,
-//! through the same [`FitJob`] that a worker runs, timed by stage.
+//! A whole fit as PhysTwin counts it: 20 generations of 11 candidates, then 200 passes, over 100
+//! frames, through the same [`FitJob`] that a worker runs, timed by stage.
 
 mod target;
 
@@ -29,13 +29,14 @@ pub enum Scheme {
     Frame,
     /// A step of Adam a pass, the gradient through all frames: this project's default.
     Pass,
-    /// A step of Adam a pass, the gradient cut at each frame's start as PhysTwin cuts it, so that a GPU
-    /// runs all frames backward side by side.
+    /// A step of Adam a pass, the gradient cut at each frame's start as PhysTwin cuts it, so that a
+    /// GPU runs all frames backward side by side.
     Cut,
 }
 
-/// Learning rate of [`Scheme::Cut`]: of 0.05, 0.1, 0.2 and 0.4 the one with the least final loss (4.7, 4.3, 0.9
-/// and 1.4 in 1e-9) in `bendtwin bench rope --backend cpu --bending without --fit cut --frames 10 --generations 2`.
+/// Learning rate of [`Scheme::Cut`]: of 0.05, 0.1, 0.2 and 0.4 the one with the least final loss
+/// (4.7, 4.3, 0.9 and 1.4 in 1e-9) in
+/// `bendtwin bench rope --backend cpu --bending without --fit cut --frames 10 --generations 2`.
 const CUT_RATE: f64 = 0.2;
 
 impl Scheme {
@@ -65,7 +66,7 @@ pub struct FitPlan {
 }
 
 impl FitPlan {
-    /// As PhysTwin counts: 220 candidates, 200 passes, 100 frames.
+    /// PhysTwin's counts: 220 candidates, 200 passes, 100 frames.
     pub const fn phystwin(scheme: Scheme) -> Self {
         Self { scheme, frames: 100, generations: 20, candidates: 11, passes: 200 }
     }
@@ -99,7 +100,8 @@ pub struct FitRun {
 pub struct SearchTime {
     /// All of it.
     pub total_s: f64,
-    /// Candidates that were simulated; the others would have needed more substeps than the scene has.
+    /// Candidates that were simulated; the others would have needed more substeps than the scene
+    /// has.
     pub rollouts: u64,
     /// Rollouts with their losses.
     pub forward_s: f64,
@@ -120,13 +122,14 @@ pub struct RefineTime {
     pub forward_s: f64,
     /// Steps of Adam, and what it takes to simulate with the new parameters.
     pub step_s: f64,
-    /// Handing parameters to and fro, and loading anew where substeps change.
+    /// Transfers of parameters, and loading anew where substeps change.
     pub params_s: f64,
     /// Everything else: estimating stability, checkpoints.
     pub host_s: f64,
 }
 
-/// Fits a capture that is made by the scene with hidden parameters, and times it. Making the capture does not count.
+/// Times the fit of a capture that is simulated with hidden parameters. The time of simulating the
+/// capture does not count.
 ///
 /// # Errors
 /// If the backend or the fit fails, or on cancellation.

@@ -1,7 +1,8 @@
-//! Benchmarks of backends: named scenes of the sizes that are usual for twins, rollouts and gradients of
-//! batches of them, and whole fits; each time is given with the least time that the device's
-//! instruction issue allows. Everything goes through [`bendtwin_engine::Backend`], so all backends are
-//! measured alike. This crate prints nothing and reads no files; the command line does.
+//! Benchmarks of backends: named scenes of the sizes that are usual for twins, rollouts and
+//! gradients of batches of them, and whole fits; each time is given with the least time that the
+//! device's instruction issue allows. Everything goes through [`bendtwin_engine::Backend`], so all
+//! backends are measured alike. This crate prints nothing and reads no files; the command line
+//! does.
 
 pub mod bound;
 mod clock;

@@ -6,7 +6,8 @@ use bendtwin_engine::Backend;
 
 /// Probe of the memory that work takes.
 pub trait MemoryProbe {
-    /// Resets the peak. Called before a scene is loaded; without effect on probes that measure no peak.
+    /// Resets the peak. Called before a scene is loaded; without effect on probes that measure no
+    /// peak.
     fn reset(&self);
 
     /// Bytes in use now, or at most in use since [`MemoryProbe::reset`]; `None` if unknown.
@@ -22,8 +23,8 @@ impl MemoryProbe for () {
     }
 }
 
-/// Memory of a device beyond what was in use when the probe was made, which was before anything was loaded: its
-/// runtime's own share does not count, nor that of others as long as it stays the same.
+/// Memory of a device beyond what was in use when the probe was made, which was before anything was
+/// loaded: its runtime's own share does not count, nor that of others as long as it stays the same.
 pub struct DeviceMemory {
     backend: Arc<dyn Backend>,
     before: u64,

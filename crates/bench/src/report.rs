@@ -1,11 +1,11 @@
-//! Results of a benchmark, as data. Times are in seconds unless a name says otherwise; unknown values
-//! are `null`.
+//! Results of a benchmark, as data. Times are in seconds unless a name says otherwise; unknown
+//! values are `null`.
 
 use serde::Serialize;
 
 use crate::{bound::IssueBound, fit::FitRun};
 
-/// Everything that one run of the benchmark found.
+/// All results of one run of the benchmark.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// Version of the software.
@@ -73,7 +73,7 @@ pub struct Measured {
     pub batch: usize,
     /// Result; `None` if it was left out.
     pub run: Option<Run>,
-    /// Why it was left out: too slow, or too large for the device.
+    /// Reason why it was left out: too slow, or too large for the device.
     pub left_out: Option<String>,
 }
 
@@ -96,7 +96,7 @@ pub struct Run {
     pub frame_ms: f64,
     /// Time of a substep of the whole batch [us], by the median.
     pub us_per_substep: f64,
-    /// The same as the issue bound allows.
+    /// The least time of a substep that the issue bound allows [us].
     pub bound_us_per_substep: Option<f64>,
     /// Bound over measured, 0..=1.
     pub of_bound: Option<f64>,

@@ -46,8 +46,9 @@ pub struct Setup<'a> {
     pub cancel: &'a CancelToken,
 }
 
-/// Makes the measurements, and calls `say` with the name of each before it starts. Results are added to
-/// the report after every scene, so that a failure loses only the scene in which it happens.
+/// Makes the measurements, and calls `say` with the name of each before it starts. Results are
+/// added to the report after every scene, so that a failure loses only the scene in which it
+/// happens.
 ///
 /// # Errors
 /// If the backend fails or computes nonsense, or on cancellation.

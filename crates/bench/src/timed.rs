@@ -18,7 +18,8 @@ use bendtwin_engine::{
 use self::{optimizer::TimedOptimizer, stopwatch::Stopwatch};
 
 /// A backend that forwards every call to another one and times it. New methods of the trait must be
-/// forwarded here too, or the default would be timed instead of the backend's own; a test checks that.
+/// forwarded here too, or the default would be timed instead of the backend's own; a test checks
+/// that.
 pub(crate) struct TimedBackend {
     inner: Arc<dyn Backend>,
     times: Arc<CallTimes>,

@@ -89,8 +89,8 @@ pub struct Sequence {
     pub controls: Vec<Point>,
     /// Clean tracks for metrics only [m], shape [T, K, 3]; NaN where unknown; empty if none.
     pub truth_tracks: Vec<Point>,
-    /// Number of leading frames that give the initial state: 1 starts at rest in frame 0, 2 starts in
-    /// frame 1 with the velocity between frames 0 and 1.
+    /// Number of leading frames that give the initial state: 1 starts at rest in frame 0, 2 starts
+    /// in frame 1 with the velocity between frames 0 and 1.
     pub start_frames: usize,
 }
 

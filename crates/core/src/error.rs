@@ -1,5 +1,6 @@
-//! Categories of errors, independent of any transport. Every error of the project has a [`Category`]
-//! and a stable reason; only the server turns a category into an HTTP status or a gRPC code.
+//! Categories of errors, independent of any transport. Every error of the project has a
+//! [`Category`] and a stable reason; only the server turns a category into an HTTP status or a gRPC
+//! code.
 
 use serde::{Deserialize, Serialize};
 

@@ -13,7 +13,7 @@ pub enum Fidelity {
     Fast,
 }
 
-/// The fast variant of a twin: how it is made, and how far it strays from the exact one when both
+/// The fast variant of a twin: its definition, and its deviation from the exact twin when both
 /// follow the twin's own capture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FastVariant {

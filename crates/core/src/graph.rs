@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::Point;
 
-/// The kind of a node. Nodes are ordered by kind: all observed surface nodes, then completed surface,
-/// then interior. The numbers are the file format's.
+/// The kind of a node. Nodes are ordered by kind: all observed surface nodes, then completed
+/// surface, then interior. The numbers are the file format's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[repr(u8)]
@@ -64,10 +64,11 @@ pub struct Graph {
     pub triplets: Vec<[u32; 3]>,
     /// Nodes prescribed by control points.
     pub pins: Vec<Pin>,
-    /// Rods that twist: each a path of nodes, in order, of at least [`Graph::MIN_ROD_NODES`]. Its first two nodes
-    /// are pinned: a clamp, which gives a position and a direction; what it
-    /// does about that direction is carried along by parallel transport. Its last two are either a clamp too, or a
-    /// junction and the first node of a branch there, its *arm*, whose direction holds the rod's frame.
+    /// Rods that twist: each a path of nodes, in order, of at least [`Graph::MIN_ROD_NODES`]. Its
+    /// first two nodes are pinned: a clamp, which gives a position and a direction; its rotation
+    /// about that direction is carried along by parallel transport. Its last two are either a clamp
+    /// too, or a junction and the first node of a branch there, its *arm*, whose direction holds
+    /// the rod's frame.
     #[serde(default)]
     pub rods: Vec<Vec<u32>>,
 }

@@ -1,6 +1,6 @@
-//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`,
-//! `uploads/{id}` and `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they
-//! sort by creation time.
+//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}` and
+//! `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they sort by
+//! creation time.
 
 use std::{fmt, str::FromStr};
 
@@ -94,7 +94,7 @@ id!(
     FitId, "fits"
 );
 id!(
-    /// A job that reads a capture: the way from what was uploaded to what is fitted.
+    /// A job that reads a capture, from the upload to the observation that is fitted.
     IngestId, "ingests"
 );
 id!(

@@ -1,6 +1,6 @@
-//! Domain nouns of BendTwin: capture, graph, params, twin, settings, ids and
-//! error categories. No I/O, no async, no physics. All other crates use these types, so that one word
-//! means one thing everywhere.
+//! Domain nouns of BendTwin: capture, graph, params, twin, settings, ids and error categories. No
+//! I/O, no async, no physics. All other crates use these types, so that one word means one thing
+//! everywhere.
 //!
 //! Units are SI. Frames are right-handed; up and ground are declared, never
 //! guessed. Arrays are flat `Vec`s whose shape stands in the field's comment.

@@ -62,8 +62,8 @@ pub struct Params {
     /// Twist damping of a whole rod [N m s/rad], shape [R].
     #[serde(default)]
     pub twist_damping: Vec<f32>,
-    /// Twist at which a rod gives no torque, relative to how it is when a simulation begins [rad], shape [R];
-    /// of any sign and size.
+    /// Twist at which a rod gives no torque, relative to how it is when a simulation begins [rad],
+    /// shape [R]; of any sign and size.
     #[serde(default)]
     pub rest_twists_rad: Vec<f32>,
     /// Velocity decay rate [1/s].

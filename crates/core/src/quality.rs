@@ -15,8 +15,8 @@ pub struct ErrorSummary {
     pub track_m: Option<f64>,
     /// Mean absolute coordinate difference over all points (motion capture's metric).
     pub coordinate_m: Option<f64>,
-    /// Root mean square difference per coordinate over the branches of a cable, filled up with zeros to the longest
-    /// (DEFT's metric; motion capture of cables with branches).
+    /// Root mean square difference per coordinate over the branches of a cable, filled up with
+    /// zeros to the longest (DEFT's metric; motion capture of cables with branches).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub padded_rms_m: Option<f64>,
 }

@@ -88,11 +88,11 @@ pub enum SequenceMean {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Substeps {
-    /// As many as the stability estimate asks for, times a margin.
+    /// The number of the stability estimate, times a margin.
     Auto {
         /// Stable dt over used dt, above 1.
         safety: f64,
-        /// Never more than this; candidates that would need more count as unstable.
+        /// Upper limit; candidates that would need more count as unstable.
         max: u32,
     },
     /// Exactly this many; refused where unstable.
@@ -111,8 +111,8 @@ pub struct LossSettings {
     pub track_beta_m: f64,
     /// Acceleration smoothness, search stage only.
     pub acceleration_weight: f64,
-    /// Mean of the losses of several sequences; if left open, geometric in captures with known edges
-    /// (motion capture of cables) and arithmetic in others.
+    /// Mean of the losses of several sequences; if left open, geometric in captures with known
+    /// edges (motion capture of cables) and arithmetic in others.
     pub sequences: Option<SequenceMean>,
 }
 
@@ -120,9 +120,9 @@ pub struct LossSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchSettings {
-    /// Number of searches with different seeds, each with a refinement of its own; the twin is the one
-    /// with the lowest training loss. If left open, it depends on the capture: 3 where edges are known,
-    /// 1 in others.
+    /// Number of searches with different seeds, each with a refinement of its own; the twin is the
+    /// one with the lowest training loss. If left open, it depends on the capture: 3 where edges
+    /// are known, 1 in others.
     pub starts: Option<u32>,
     /// Number of generations; 0 skips the stage. If left open, it depends on the capture: 60 where
     /// edges are known, whose few nodes make them cheap and whose motion bifurcates, 25 in others.
@@ -166,13 +166,13 @@ pub struct RefineSettings {
     pub beta1: f64,
     /// Decay of the second moment.
     pub beta2: f64,
-    /// Strength of the pull of parameters towards the search's result, which is one material for the
-    /// whole object; 0 for none.
+    /// Strength of the pull of parameters towards the search's result, which is one material for
+    /// the whole object; 0 for none.
     pub prior: f64,
     /// Frames per step, and the reach of its gradients back in time.
     pub window: GradientWindow,
-    /// Largest reach of gradients within a window [frames] (0: the whole window); a fit that makes no
-    /// gain shortens it further.
+    /// Largest reach of gradients within a window [frames] (0: the whole window); a fit that makes
+    /// no gain shortens it further.
     pub reach: u32,
     /// Training sequences per step (0: all); each pass shuffles them anew.
     pub batch: usize,
@@ -258,8 +258,8 @@ impl Default for RefineSettings {
 }
 
 impl FitSettings {
-    /// Settings close to PhysTwin's scheme as published (docs/settings.md lists the differences): full
-    /// sampling, 667 substeps, one step per frame.
+    /// Settings close to PhysTwin's scheme as published (docs/settings.md lists the differences):
+    /// full sampling, 667 substeps, one step per frame.
     pub fn phystwin() -> Self {
         Self {
             bending: false,

@@ -28,12 +28,12 @@ pub struct Twin {
     pub quality: Quality,
 }
 
-/// The origin of a twin. Nothing here depends on the wall clock: the same capture, settings, build and
-/// device give the same twin, byte for byte.
+/// The origin of a twin. Nothing here depends on the wall clock: the same capture, settings, build
+/// and device give the same twin, byte for byte.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// BLAKE3 digest of the content of the capture that was fitted (a raw recording's observation), hex; empty if made by
-    /// hand. The same content has the same digest, whatever file it came in.
+    /// BLAKE3 digest of the content of the capture that was fitted (a raw recording's observation),
+    /// hex; empty if made by hand. The same content has the same digest, whatever file it came in.
     pub capture_digest: String,
     /// The capture's name.
     pub capture_name: String,

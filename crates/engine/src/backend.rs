@@ -13,7 +13,7 @@ use crate::{
     optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
-/// Why a backend refuses or fails.
+/// An error of a backend: a refusal or a failure.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The model contradicts itself.
@@ -121,10 +121,12 @@ impl std::fmt::Debug for Loaded {
 pub struct Instance {
     /// The loaded model.
     pub model: Loaded,
-    /// State at the start; pinned nodes are moved onto their control points and take their velocity.
+    /// State at the start; pinned nodes are moved onto their control points and take their
+    /// velocity.
     pub initial: Arc<State>,
     /// Control point positions at frame boundaries [m], shape [F + 1, C, 3]; row 0 belongs to the
-    /// initial state, F is the number of frames to simulate. With no control points, F comes from `frames`.
+    /// initial state, F is the number of frames to simulate. With no control points, F comes from
+    /// `frames`.
     pub controls: Arc<Vec<Point>>,
     /// Number of frames F to simulate.
     pub frames: usize,
@@ -177,8 +179,8 @@ pub struct Rollout {
     pub final_state: Option<State>,
     /// Diagnostics if asked for.
     pub diagnostics: Option<Diagnostics>,
-    /// The divergence, if any; nothing is recorded from that frame on, and there are neither final state
-    /// nor diagnostics.
+    /// The divergence, if any; nothing is recorded from that frame on, and there are neither final
+    /// state nor diagnostics.
     pub diverged: Option<Divergence>,
 }
 
@@ -198,7 +200,8 @@ pub struct Loss {
 pub struct GradientRequest {
     /// Cut the gradient at every k-th frame boundary (0: never): the state's adjoint is zeroed
     /// there, as in PhysTwin with 1. The terms of a boundary's own frame count for the window that
-    /// ends there; frame 0 is no boundary, so the first window's gradient reaches the initial state.
+    /// ends there; frame 0 is no boundary, so the first window's gradient reaches the initial
+    /// state.
     pub cut_every: usize,
     /// Also return gradients with respect to the controls.
     pub controls: bool,
@@ -213,18 +216,19 @@ pub struct GradientRequest {
 pub struct Gradient {
     /// The loss.
     pub loss: Loss,
-    /// d loss / d params, arrays and fields as in [`Params`] (contact switches and the
-    /// collision distance, which has no derivative, stay at their defaults or zero). The
-    /// occurrence and the partners of an impact, and the node nearest to a target, count as fixed; an
-    /// impact's time and impulse are differentiated.
+    /// d loss / d params, arrays and fields as in [`Params`] (contact switches and the collision
+    /// distance, which has no derivative, stay at their defaults or zero). The occurrence and the
+    /// partners of an impact, and the node nearest to a target, count as fixed; an impact's time
+    /// and impulse are differentiated.
     pub params: Params,
-    /// True if a component of `params` was not finite, or beyond f32; NaN is returned as zero then, and
-    /// too large a number as the largest.
+    /// True if a component of `params` was not finite, or beyond f32; NaN is returned as zero then,
+    /// and too large a number as the largest.
     pub overflowed: bool,
     /// d loss / d controls, shape [F + 1, C, 3]; empty if not asked for. Includes what reaches
     /// the loss through pinned nodes and through the controls' velocities.
     pub controls: Vec<Point>,
-    /// d loss / d initial state if asked for; zero for pinned nodes, which start on their control points.
+    /// d loss / d initial state if asked for; zero for pinned nodes, which start on their control
+    /// points.
     pub initial: Option<State>,
     /// State after the last frame if asked for.
     pub final_state: Option<State>,
@@ -255,7 +259,8 @@ pub trait Backend: Send + Sync {
     /// The device that it runs on.
     fn device(&self) -> Device;
 
-    /// Checks a model (indices, lengths, finiteness, stability of its substep) and makes it resident.
+    /// Checks a model (indices, lengths, finiteness, stability of its substep) and makes it
+    /// resident.
     ///
     /// # Errors
     /// If the model is inconsistent, unstable, or does not fit the device.
@@ -295,9 +300,11 @@ pub trait Backend: Send + Sync {
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error>;
 
-    /// An optimizer of several runs side by side; the models in `inits` were loaded by this backend.
+    /// An optimizer of several runs side by side; the models in `inits` were loaded by this
+    /// backend.
     ///
-    /// A backend whose device keeps no parameters and gradients returns a [`crate::optimizer::HostOptimizer`] over itself.
+    /// A backend whose device keeps no parameters and gradients returns a
+    /// [`crate::optimizer::HostOptimizer`] over itself.
     ///
     /// # Errors
     /// As [`OptimizerInit::check`] and [`Backend::with_params`].
@@ -312,8 +319,8 @@ pub trait Backend: Send + Sync {
         None
     }
 
-    /// A second queue onto the same device whose work goes before this one's; it takes the models that this
-    /// one loaded. `None` where the device has one queue: cut batches into slices there.
+    /// A second queue onto the same device whose work goes before this one's; it takes the models
+    /// that this one loaded. `None` where the device has one queue: cut batches into slices there.
     fn urgent(&self) -> Option<Arc<dyn Backend>> {
         None
     }

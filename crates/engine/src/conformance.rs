@@ -1,13 +1,13 @@
-//! Conformance suite of backends, as one list of named cases. A backend's crate turns each into a test
-//! of its own:
+//! Conformance suite of backends, as one list of named cases. A backend's crate turns each into a
+//! test of its own:
 //!
 //! ```ignore
 //! bendtwin_engine::conformance_tests!(MyBackend::new());
 //! ```
 //!
-//! A case derives the physics from first principles (closed forms, `f64` energies, conservation laws)
-//! or compares a backend with itself (batches, repeats, finite differences of its own losses). Every
-//! tolerance is stated at its use, with its reason.
+//! A case derives the physics from first principles (closed forms, `f64` energies, conservation
+//! laws) or compares a backend with itself (batches, repeats, finite differences of its own
+//! losses). Every tolerance is stated at its use, with its reason.
 
 mod batches;
 mod bending;

@@ -40,8 +40,9 @@ pub struct State {
     pub positions: Vec<Point>,
     /// Velocities [m/s], shape [N, 3].
     pub velocities: Vec<Point>,
-    /// Twist of each rod relative to an earlier state without twist [rad], shape [R]. It may be empty at
-    /// the start of a rollout: no rod is twisted. States that a backend returns have all of them.
+    /// Twist of each rod relative to an earlier state without twist [rad], shape [R]. It may be
+    /// empty at the start of a rollout: no rod is twisted. States that a backend returns have all
+    /// of them.
     pub twists: Vec<f32>,
 }
 

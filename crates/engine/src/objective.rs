@@ -1,5 +1,5 @@
-//! Objectives of rollouts: a fit's loss and a planner's cost alike are weighted terms, each on the node
-//! positions at the end of one frame.
+//! Objectives of rollouts: a fit's loss and a planner's cost alike are weighted terms, each on the
+//! node positions at the end of one frame.
 
 use std::sync::Arc;
 

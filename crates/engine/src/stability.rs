@@ -1,17 +1,18 @@
 //! The largest stable substep of a model, estimated before anything is simulated.
 //!
-//! **Criterion.** Linearised at rest, a substep is `v' = v - dt M⁻¹(K x + C v)`, `x' = x + dt v'`. For
-//! an eigenvector z of that map, `k = z*Kz` and `c = z*Cz` (mass-normalised, both real and not negative)
-//! give `mu² - (2 - c dt - k dt²) mu + (1 - c dt) = 0`, whose roots lie within the unit circle if and
-//! only if `dt² k + 2 dt c <= 4`. So the step is stable if the largest eigenvalue of `dt² K + 2 dt C` is at
-//! most 4; without damping that is the familiar `dt <= 2 / omega`.
+//! **Criterion.** Linearised at rest, a substep is `v' = v - dt M⁻¹(K x + C v)`, `x' = x + dt v'`.
+//! For an eigenvector z of that map, `k = z*Kz` and `c = z*Cz` (mass-normalised, both real and not
+//! negative) give `mu² - (2 - c dt - k dt²) mu + (1 - c dt) = 0`, whose roots lie within the unit
+//! circle if and only if `dt² k + 2 dt c <= 4`. So the step is stable if the largest eigenvalue of
+//! `dt² K + 2 dt C` is at most 4; without damping that is the familiar `dt <= 2 / omega`.
 //!
-//! **Method.** Lanczos iteration on `dt² K + 2 dt C` finds its stiffest mode, which sets dt to the root of
-//! the criterion for that mode, and again from there until dt stays. Every mode's dt is too large if anything,
-//! so the estimate approaches from above, hence [`MARGIN`]. Springs count with their
-//! tension's lateral stiffness, straight triplets in both directions across; a compressed spring's negative
-//! stiffness is left out. Rods count as bent to and fro by 60 degrees at every node that is straighter at rest, and as twisted
-//! once around: at rest they often have no stiffness. Drag is stabilizing and contact is no linear force: neither counts.
+//! **Method.** Lanczos iteration on `dt² K + 2 dt C` finds its stiffest mode, which sets dt to the
+//! root of the criterion for that mode, and again from there until dt stays. Every mode's dt is too
+//! large if anything, so the estimate approaches from above, hence [`MARGIN`]. Springs count with
+//! their tension's lateral stiffness, straight triplets in both directions across; a compressed
+//! spring's negative stiffness is left out. Rods count as bent to and fro by 60 degrees at every
+//! node that is straighter at rest, and as twisted once around: at rest they often have no
+//! stiffness. Drag is stabilizing and contact is no linear force: neither counts.
 //!
 //! **Shortcut.** A bound that costs a fraction of an estimate often proves that a given number of
 //! substeps is enough; see `bound`.
@@ -50,8 +51,9 @@ pub struct StableSubsteps {
 const NOT_STIFF: StableSubsteps =
     StableSubsteps { needed: 1, stiffest_node: 0, dt_s: f64::INFINITY };
 
-/// Estimates the substeps that a model needs; its own substeps are not looked at. Costs about as much
-/// as some tens of substeps. A model that contradicts itself, which loading refuses, needs one.
+/// Estimates the substeps that a model needs; its own substeps are not looked at. Costs about as
+/// much as some tens of substeps. A model that contradicts itself, which loading refuses, needs
+/// one.
 pub fn stable_substeps(model: &Model) -> StableSubsteps {
     match check::unstepped_model(model) {
         Ok(()) => estimate(model, &Linear::new(model)),

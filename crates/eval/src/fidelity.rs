@@ -1,10 +1,11 @@
 //! Finds a twin's fast variant: as few substeps as leave its motion nearly what it was.
 //!
-//! The twin follows the controls of its own capture, exactly and by each variant under comparison, over at most
-//! [`FRAMES`] frames of at most [`SEQUENCES`] recordings from their start; nodes are compared one by one. A variant will
-//! do if its mean deviation is within [`TOLERANCE_M`] and within [`TOLERANCE_OF_TRAVEL`] of how far nodes move on
-//! average (a capture in which little moves vouches for little), and if no node is ever off by more than [`WORST`] times
-//! that. The substeps are found by bisection, so the cost is that of a few short rollouts, and the same twin, capture,
+//! The twin follows the controls of its own capture, exactly and by each variant under comparison,
+//! over at most [`FRAMES`] frames of at most [`SEQUENCES`] recordings from their start; nodes are
+//! compared one by one. A variant will do if its mean deviation is within [`TOLERANCE_M`] and
+//! within [`TOLERANCE_OF_TRAVEL`] of how far nodes move on average (a capture in which little moves
+//! allows little), and if no node is ever off by more than [`WORST`] times that. The substeps
+//! are found by bisection, so the cost is that of a few short rollouts, and the same twin, capture,
 //! build and device give the same variant.
 
 use std::sync::Arc;
@@ -32,11 +33,12 @@ const TOLERANCE_M: f64 = 1e-3;
 const TOLERANCE_OF_TRAVEL: f64 = 0.02;
 /// Largest deviation of any node in any frame, as a multiple of the tolerance of the mean.
 const WORST: f64 = 10.0;
-/// Numbers of substeps nearer to each other than this factor are not told apart.
+/// Ratio of numbers of substeps below which they are not distinguished.
 const PRECISION: f64 = 1.1;
 
-/// The fast variant of a twin, measured on a capture; none if the twin diverges there, or there is nothing
-/// to follow. If no faster variant is good enough, it has the twin's own substeps and does not deviate.
+/// The fast variant of a twin, measured on a capture; none if the twin diverges there, or there is
+/// nothing to follow. If no faster variant is good enough, it has the twin's own substeps and does
+/// not deviate.
 ///
 /// # Errors
 /// If the twin does not fit the capture, on cancellation, or if the backend fails.

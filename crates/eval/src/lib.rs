@@ -1,5 +1,5 @@
-//! Quality of a twin: Chamfer distance, track error, free baselines, pictures. Independent of how a twin
-//! was fitted.
+//! Quality of a twin: Chamfer distance, track error, free baselines, pictures. Independent of how a
+//! twin was fitted.
 
 mod baselines;
 mod branches;

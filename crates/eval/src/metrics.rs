@@ -1,14 +1,16 @@
 //! The metrics, frame by frame and in total.
 //!
-//! - **Chamfer** (one-sided): mean over visible observed points of the distance to the nearest surface node, in
-//!   the L1 norm as PhysTwin's script has it, and Euclidean.
-//! - **Track**: mean Euclidean distance between clean tracks and the surface nodes nearest to them in the start
-//!   frame. Motion capture is its own clean track: every point against its own node.
-//! - **Coordinate** (motion capture, DEFORM's): mean |difference| per coordinate over all points. In total it is
-//!   summed over predicted frames and divided by the number of frames of the sequence, start frames included.
-//! - **Padded RMS** (motion capture of cables with branches, DEFT's): root of the mean squared difference per coordinate
-//!   over all branches, each filled up with zeros to the longest ([`crate::branches`]). In total the squares are
-//!   summed over predicted frames and divided by the number of frames, start frames included, before the root is taken.
+//! - **Chamfer** (one-sided): mean over visible observed points of the distance to the nearest
+//!   surface node, in the L1 norm as PhysTwin's script has it, and Euclidean.
+//! - **Track**: mean Euclidean distance between clean tracks and the surface nodes nearest to them
+//!   in the start frame. Motion capture is its own clean track: every point against its own node.
+//! - **Coordinate** (motion capture, DEFORM's): mean |difference| per coordinate over all points.
+//!   In total it is summed over predicted frames and divided by the number of frames of the
+//!   sequence, start frames included.
+//! - **Padded RMS** (motion capture of cables with branches, DEFT's): root of the mean squared
+//!   difference per coordinate over all branches, each filled up with zeros to the longest
+//!   ([`crate::branches`]). In total the squares are summed over predicted frames and divided by
+//!   the number of frames, start frames included, before the root is taken.
 
 use bendtwin_core::{Capture, Graph, Point, Sequence, quality::ErrorSummary};
 
@@ -121,8 +123,8 @@ pub(crate) struct ErrorSums {
 }
 
 impl ErrorSums {
-    /// Adds the errors of consecutive frames. The sums of the metrics of motion capture are divided by
-    /// `divisor_frames`.
+    /// Adds the errors of consecutive frames. The sums of the metrics of motion capture are divided
+    /// by `divisor_frames`.
     pub(crate) fn add(&mut self, frames: &[ErrorSummary], divisor_frames: usize) {
         for f in frames {
             let add = |to: &mut (f64, f64), x: Option<f64>| {
@@ -156,7 +158,8 @@ impl ErrorSums {
     }
 }
 
-/// Errors of one predictor: training and future frames, and each frame by its distance from the start.
+/// Errors of one predictor: training and future frames, and each frame by its distance from the
+/// start.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PredictorErrors {
     pub(crate) train: ErrorSums,
@@ -174,7 +177,8 @@ impl PredictorErrors {
             .collect();
         let (train, future) =
             errors.split_at(s.train_frame_count.saturating_sub(first).min(errors.len()));
-        // A sequence that is not split counts with all of its frames, as in DEFORM's and DEFT's metrics.
+        // A sequence that is not split counts with all of its frames, as in DEFORM's and DEFT's
+        // metrics.
         let divisor = |part: &[ErrorSummary]| {
             if part.len() == errors.len() { s.frame_count } else { part.len() }
         };

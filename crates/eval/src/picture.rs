@@ -1,5 +1,5 @@
-//! A picture of how well a twin predicts: its nodes and springs over the observed points at several frames, one row
-//! per model, and the error of every frame below.
+//! A picture of how well a twin predicts: its nodes and springs over the observed points at several
+//! frames, one row per model, and the error of every frame below.
 
 mod chart;
 

@@ -5,8 +5,9 @@
 //! cargo run --release -p bendtwin-fit --example fit_capture -- capture.zip settings.json picture.png
 //! ```
 //!
-//! `made:rope` and the other made scenes are generated; anything else is a path. Settings not named in the
-//! file keep their defaults; without a file (or with `-`), the axial-only model is fitted beside the twin.
+//! `made:rope` and the other made scenes are generated; anything else is a path. Settings not named
+//! in the file keep their defaults; without a file (or with `-`), the axial-only model is fitted
+//! beside the twin.
 
 use std::{path::Path, time::Instant};
 

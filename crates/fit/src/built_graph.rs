@@ -73,8 +73,9 @@ impl GraphCache {
     }
 }
 
-/// Sets the rest lengths of a cable's edges to their mean observed length over the training frames. A
-/// cable hardly stretches, and the mean is more accurate than one measurement of the undeformed cable.
+/// Sets the rest lengths of a cable's edges to their mean observed length over the training frames.
+/// A cable hardly stretches, and the mean is more accurate than one measurement of the undeformed
+/// cable.
 fn measure_lengths(task: &Task<'_>, graph: &Graph, lengths_m: &mut [f32]) {
     let n = graph.node_count();
     let springs = graph.springs.iter().zip(lengths_m);

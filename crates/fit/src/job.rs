@@ -131,7 +131,8 @@ impl<'a> Run<'a> {
         if self.cancel.is_cancelled() { Err(backend::Error::Cancelled.into()) } else { Ok(()) }
     }
 
-    /// Runs generations until all searches are done. Models that are past the search stay as they are.
+    /// Runs generations until all searches are done. Models that are past the search stay as they
+    /// are.
     fn search(&mut self) -> Result<(), Error> {
         let generations = u64::from(self.task.generations());
         let mut search = Search::new(self.task);

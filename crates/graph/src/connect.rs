@@ -99,8 +99,8 @@ pub fn connect_with_notes(sample: &NodeSample, connectivity: &Connectivity) -> (
     (graph, notes)
 }
 
-/// Masses of the nodes. Of a cable each stands for half of the edges that end in it, and those that are free weigh one on
-/// average; anything else is sampled evenly.
+/// Masses of the nodes. Of a cable each stands for half of the edges that end in it, and those that
+/// are free weigh one on average; anything else is sampled evenly.
 fn masses(sample: &NodeSample) -> Vec<f32> {
     let n = sample.node_count();
     let Some(edges) = &sample.edges else { return vec![1.0; n] };

@@ -1,21 +1,22 @@
 //! Rods that twist: the ways through a cable from one clamp to another, or to the first branch.
 //!
-//! A *clamp* is an edge whose two nodes are both pinned: it gives the cable a direction there, and with it a frame. A
-//! free end has no frame and turns freely, and neither has a single pinned node: no torque reaches them. The part of a
-//! cable between two clamps carries one.
+//! A *clamp* is an edge whose two nodes are both pinned: it gives the cable a direction there, and
+//! with it a frame. A free end has no frame and turns freely, and neither has a single pinned node:
+//! no torque reaches them. The part of a cable between two clamps carries one.
 //!
-//! A branch without clamps stands off to a side of the cable, and that side defines the cable's frame
-//! there: a junction is stiff. The cable cannot turn there without lifting the branch, so the first such junction
-//! ends a rod, with the branch's first node as its arm; of several, the one that stands most nearly square to
-//! the rod. Between two such junctions there is no rod: the start of a rollout does not determine the orientation without
-//! twist there, as it does at a clamp.
+//! A branch without clamps stands off to a side of the cable, and that side defines the cable's
+//! frame there: a junction is stiff. The cable cannot turn there without lifting the branch, so the
+//! first such junction ends a rod, with the branch's first node as its arm; of several, the one
+//! that stands most nearly square to the rod. Between two such junctions there is no rod: the start
+//! of a rollout does not determine the orientation without twist there, as it does at a clamp.
 //!
-//! If all branches at a junction lead to clamps, it turns until the torques of what meets there add up to zero: a
-//! star of torsion springs about one free angle. Eliminating that angle leaves one spring for every pair of
-//! clamps (as a star of resistors is a mesh of them): one rod for every pair, each with a stiffness of its own.
+//! If all branches at a junction lead to clamps, it turns until the torques of what meets there add
+//! up to zero: a star of torsion springs about one free angle. Eliminating that angle leaves one
+//! spring for every pair of clamps (as a star of resistors is a mesh of them): one rod for every
+//! pair, each with a stiffness of its own.
 //!
-//! A third clamp on the way ends the rod, as it holds the frame. In a piece with a loop a torque has two
-//! ways around, which no set of rods describes: it gets none.
+//! A third clamp on the way ends the rod, as it holds the frame. In a piece with a loop a torque
+//! has two ways around, which no set of rods describes: it gets none.
 
 use bendtwin_core::Point;
 
@@ -116,7 +117,8 @@ impl Cable<'_> {
         rods
     }
 
-    /// The arm of a rod that comes to a node from the one before; none unless branches without clamps begin there.
+    /// The arm of a rod that comes to a node from the one before; none unless branches without
+    /// clamps begin there.
     fn arm(&self, before: u32, at: u32) -> Option<u32> {
         let on = || self.near(at).iter().copied().filter(|&next| next != before);
         if self.is_pinned(at) || on().count() < 2 {

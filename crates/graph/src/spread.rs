@@ -5,9 +5,9 @@ use std::num::NonZero;
 use bendtwin_core::Point;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-/// Neighbour whose distance counts as spacing. The nearest one alone depends more on the regularity of
-/// a pattern than on its density: points from farthest-point sampling have no close pairs, scattered
-/// points have many.
+/// Neighbour whose distance counts as spacing. The nearest one alone depends more on the regularity
+/// of a pattern than on its density: points from farthest-point sampling have no close pairs,
+/// scattered points have many.
 const SPACING_NEIGHBOUR: usize = 6;
 
 /// Adds `count` of `candidates` to `chosen` by farthest-point sampling: each

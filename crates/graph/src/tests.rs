@@ -337,7 +337,8 @@ fn wrong_captures_are_refused() {
     }
 }
 
-/// A cable of nodes 10 cm apart along x, with branches: (first point of the trunk, points above it).
+/// A cable of nodes 10 cm apart along x, with branches: (first point of the trunk, points above
+/// it).
 fn branched(trunk: usize, branches: &[(usize, usize)], pins: &[u32]) -> NodeSample {
     let mut positions: Vec<Point> = (0..trunk).map(|i| [0.1 * i as f32, 0.0, 0.0]).collect();
     let mut edges: Vec<[u32; 2]> = (1..trunk as u32).map(|i| [i - 1, i]).collect();

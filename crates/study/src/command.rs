@@ -34,7 +34,8 @@ impl Invocation {
     }
 }
 
-/// The command that makes one run by itself: it has all settings that are not the defaults, the seed among them.
+/// The command that makes one run by itself: it has all settings that are not the defaults, the
+/// seed among them.
 pub(crate) fn of_run(capture: &Path, settings: &FitSettings, backend: &str) -> String {
     let mut words = vec![format!("bendtwin eval {} --backend {backend}", path(capture))];
     for (key, value) in changes(settings) {

@@ -1,5 +1,5 @@
-//! Parallel execution of runs: one at a time on each backend, in the suite's order, until all are done or
-//! the plan is cancelled.
+//! Parallel execution of runs: one at a time on each backend, in the suite's order, until all are
+//! done or the plan is cancelled.
 
 use std::{
     sync::{
@@ -62,8 +62,8 @@ enum Message {
 }
 
 impl Plan<'_> {
-    /// Executes the pending runs, on every backend at once, and takes over the results. Calls `tell` with
-    /// every event.
+    /// Executes the pending runs, on every backend at once, and takes over the results. Calls
+    /// `tell` with every event.
     ///
     /// # Errors
     /// If the folder cannot be written to; then the token is cancelled, too.
@@ -137,7 +137,8 @@ impl Plan<'_> {
     }
 }
 
-/// True if the device failed. It does not recover within a process: the other runs wait for the next one.
+/// True if the device failed. It does not recover within a process: the other runs wait for the
+/// next one.
 fn device_is_lost(end: &RunEnd) -> bool {
     match end {
         RunEnd::Recorded(record) => match &record.outcome {

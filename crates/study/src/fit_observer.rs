@@ -1,5 +1,5 @@
-//! Observer of a fit: forwards its progress, records its losses, and keeps its checkpoints in the folder, so
-//! that the fit can continue after any interruption.
+//! Observer of a fit: forwards its progress, records its losses, and keeps its checkpoints in the
+//! folder, so that the fit can continue after any interruption.
 
 use std::time::{Duration, Instant};
 
@@ -56,8 +56,8 @@ pub(crate) struct FitObserver<'a> {
     spent_before_s: f64,
     losses: Losses,
     written: Instant,
-    /// The last checkpoint. It is written when the next one comes, since the losses of its iteration are
-    /// reported after it.
+    /// The last checkpoint. It is written when the next one comes, since the losses of its
+    /// iteration are reported after it.
     pending: Option<Vec<u8>>,
 }
 

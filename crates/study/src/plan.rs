@@ -57,8 +57,8 @@ pub struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    /// Reads the captures of the selected runs and finds existing results. A capture that cannot be read
-    /// makes its runs fail; one that does not exist is an error here.
+    /// Reads the captures of the selected runs and finds existing results. A capture that cannot be
+    /// read makes its runs fail; one that does not exist is an error here.
     ///
     /// # Errors
     /// If nothing is selected, captures are missing, or reading was cancelled.

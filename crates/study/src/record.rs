@@ -15,7 +15,8 @@ pub struct Record {
     pub version: u32,
     /// Id of the run.
     pub run: RunId,
-    /// BLAKE3 digest of capture, settings and build, hex: a run that still has it need not be repeated.
+    /// BLAKE3 digest of capture, settings and build, hex: a run that still has it need not be
+    /// repeated.
     pub digest: String,
     /// BLAKE3 digest of the capture's content, hex; empty if it could not be read.
     pub capture_digest: String,
@@ -54,9 +55,11 @@ pub struct Finished {
     pub substeps: u32,
     /// Fewest substeps per frame that the stability estimate finds enough for it.
     pub stable_substeps: u32,
-    /// Errors of the twin and of the free baselines, warnings, and the fast variant with its fidelity.
+    /// Errors of the twin and of the free baselines, warnings, and the fast variant with its
+    /// fidelity.
     pub quality: Quality,
-    /// Time that fit and evaluation took [s], over all attempts; what was lost by an interruption does not count.
+    /// Time that fit and evaluation took [s], over all attempts; what was lost by an interruption
+    /// does not count.
     pub fit_s: f64,
 }
 
@@ -87,8 +90,8 @@ pub struct Losses {
 }
 
 impl Record {
-    /// True if the run would end the same way again: it finished, or its capture or settings were refused.
-    /// Other causes of failure, such as a device or a disk, may have passed.
+    /// True if the run would end the same way again: it finished, or its capture or settings were
+    /// refused. Other causes of failure, such as a device or a disk, may have passed.
     pub fn is_final(&self) -> bool {
         match &self.outcome {
             Outcome::Finished(_) => true,

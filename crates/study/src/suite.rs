@@ -63,8 +63,8 @@ pub struct Configuration {
 
 /// Two rows of the table, one measured by the other.
 ///
-/// A row is named by its configuration, by its reference, or as `configuration:baseline`, where the baseline is
-/// `standing_still`, `last_residual` or `clamp_interpolation`.
+/// A row is named by its configuration, by its reference, or as `configuration:baseline`, where the
+/// baseline is `standing_still`, `last_residual` or `clamp_interpolation`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Comparison {
     /// Row whose errors are compared.
@@ -120,8 +120,8 @@ impl Suite {
         parse::parse(file, &text).map_err(|faults| Error::Suite { file: file.to_owned(), faults })
     }
 
-    /// Path of a capture: under the data folder if there is one, by its path or by its file name alone,
-    /// otherwise relative to the suite's folder.
+    /// Path of a capture: under the data folder if there is one, by its path or by its file name
+    /// alone, otherwise relative to the suite's folder.
     pub fn locate(&self, capture: &CaptureEntry, data: Option<&Path>) -> PathBuf {
         let folder = match data {
             Some(data) => {

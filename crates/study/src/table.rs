@@ -1,5 +1,5 @@
-//! Results of a suite: a row for each capture and configuration, the free baselines and published figures,
-//! means over captures, and relative differences. All errors in millimetres.
+//! Results of a suite: a row for each capture and configuration, the free baselines and published
+//! figures, means over captures, and relative differences. All errors in millimetres.
 
 mod compare;
 mod markdown;
@@ -126,7 +126,8 @@ pub struct Difference {
     pub same_nodes: Option<bool>,
     /// Relative differences by metric and span [%]; negative is better.
     pub percent: BTreeMap<&'static str, f64>,
-    /// Number of captures on which it is better, and of captures compared; empty for a single capture.
+    /// Number of captures on which it is better, and of captures compared; empty for a single
+    /// capture.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub better: BTreeMap<&'static str, (usize, usize)>,
 }

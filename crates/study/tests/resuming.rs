@@ -112,7 +112,8 @@ fn an_interrupted_suite_ends_in_the_same_table() {
     }
     assert!(starts > 1 && resumed_ever);
 
-    // What is done stays done, and what was refused stays refused; what another build made is made again.
+    // What is done stays done, and what was refused stays refused; what another build made is made
+    // again.
     let folder = Folder::open(&place_of_parts).unwrap();
     let plan = Plan::new(&suite, &folder, options(), &read).unwrap();
     assert_eq!((plan.pending(), plan.done()), (0, 9));

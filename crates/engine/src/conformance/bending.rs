@@ -91,10 +91,10 @@ fn cantilever(links: u32, gravity: f32) -> Scene {
     scene
 }
 
-/// Heights of the nodes of [`cantilever`] in equilibrium, exactly: link q has the slope a_q and
-/// the length l_q that make E = sum k_theta (a_q - a_(q-1))²/2 + k (l_q - l0)²/(2 l0) + g z
-/// stationary, with W_q = g · (nodes beyond link q) on its end:
-/// k_theta (f_q - f_(q+1)) = -W_q l_q cos a_q, f_q = a_q - a_(q-1), and l_q = l0 (1 - W_q sin a_q / k).
+/// Heights of the nodes of [`cantilever`] in equilibrium, exactly: link q has the slope a_q and the
+/// length l_q that make E = sum k_theta (a_q - a_(q-1))²/2 + k (l_q - l0)²/(2 l0) + g z stationary,
+/// with W_q = g · (nodes beyond link q) on its end: k_theta (f_q - f_(q+1)) = -W_q l_q cos a_q, f_q
+/// = a_q - a_(q-1), and l_q = l0 (1 - W_q sin a_q / k).
 fn exact_heights(links: usize, gravity: f64) -> Vec<f64> {
     let (k, k_theta, l0) = (1e4, 128.0, 0.1);
     let load = |q: usize| gravity * (links - q) as f64;

@@ -1,5 +1,5 @@
-//! Degenerate inputs: random graphs, degenerate geometry, graphs without nodes or without springs, and
-//! motion that diverges.
+//! Degenerate inputs: random graphs, degenerate geometry, graphs without nodes or without springs,
+//! and motion that diverges.
 
 use std::{f32::consts::PI, sync::Arc};
 

@@ -1,4 +1,5 @@
-//! Everything that a client can get wrong about a model or an instance, found before the simulation starts.
+//! Everything that a client can get wrong about a model or an instance, found before the simulation
+//! starts.
 
 use bendtwin_core::{Point, environment::ControlVelocity};
 

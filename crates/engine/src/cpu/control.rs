@@ -36,7 +36,8 @@ impl<T: Real> FrameControls<'_, T> {
         add_scaled(scale(self.from[control], T::ONE - t), t, self.to[control])
     }
 
-    /// Starts the frame: control points and pinned nodes stand at its first boundary with its velocity.
+    /// Starts the frame: control points and pinned nodes stand at its first boundary with its
+    /// velocity.
     pub(crate) fn begin(&self, system: &System<T>, nodes: &mut [Node<T>]) {
         for c in 0..system.controls {
             nodes[system.nodes + c] = Node { x: self.from[c], v: self.velocity(system, c) };

@@ -24,8 +24,8 @@ fn hits<T: Real>(ground: &Ground<T>, v: Quad<T>, next: Quad<T>) -> bool {
     (height(ground, next) < T::ZERO) & (dot(ground.normal, v) < -T::from_f64(MIN_APPROACH_M_S))
 }
 
-/// True if any of [`LANES`] nodes can hit the ground, so that only few are checked one by one: [`hits`]
-/// with the same roundings; `true` for fewer nodes.
+/// True if any of [`LANES`] nodes can hit the ground, so that only few are checked one by one:
+/// [`hits`] with the same roundings; `true` for fewer nodes.
 #[inline(always)]
 pub(crate) fn may_hit<T: Real, M: Machine<T>>(
     m: M,

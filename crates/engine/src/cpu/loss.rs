@@ -53,7 +53,8 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// Adds d loss / d position of the terms of a frame to `bar`, as far as they depend on that frame itself.
+    /// Adds d loss / d position of the terms of a frame to `bar`, as far as they depend on that
+    /// frame itself.
     pub(crate) fn add_gradient<T: Real>(
         &self,
         frame: usize,
@@ -65,7 +66,8 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// Adds d loss / d position of the terms of a later frame that look back `back` frames (1 or 2).
+    /// Adds d loss / d position of the terms of a later frame that look back `back` frames (1 or
+    /// 2).
     pub(crate) fn add_gradient_back<T: Real>(
         &self,
         later: usize,

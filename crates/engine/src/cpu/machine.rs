@@ -1,6 +1,7 @@
 //! Interface of the kernels to an instruction set: arithmetic on [`LANES`] numbers at once, and
-//! transposition between endpoints' records in memory and coordinates in lanes. A kernel is written once over this;
-//! [`Portable`] runs it in any scalar, [`Avx2`] in `f32` with the shuffles placed by hand.
+//! transposition between endpoints' records in memory and coordinates in lanes. A kernel is written
+//! once over this; [`Portable`] runs it in any scalar, [`Avx2`] in `f32` with the shuffles placed
+//! by hand.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

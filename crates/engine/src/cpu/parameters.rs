@@ -128,7 +128,8 @@ impl<T: Real> Parameters<T> {
     }
 }
 
-/// To `f32`; a gradient that exploded beyond it saturates instead of becoming infinite, NaN becomes zero.
+/// To `f32`; a gradient that exploded beyond it saturates instead of becoming infinite, NaN becomes
+/// zero.
 #[allow(clippy::cast_possible_truncation)]
 pub(crate) fn narrow<T: Real>(x: T) -> f32 {
     let x = x.to_f64() as f32;

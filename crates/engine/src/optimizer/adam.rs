@@ -12,10 +12,10 @@ pub struct Decay {
     pub beta1: f64,
     /// Of the second moment, 0..1.
     pub beta2: f64,
-    /// Decoupled decay towards the start: share of the distance from it that a coordinate loses in a
-    /// step, per unit of learning rate (Loshchilov and Hutter, arXiv 1711.05101, around the start instead
-    /// of zero); 0 for none. Gradients whose mean is a share s of their size hold a coordinate
-    /// `s / prior` times its relative rate away from the start.
+    /// Decoupled decay towards the start: share of the distance from it that a coordinate loses in
+    /// a step, per unit of learning rate (Loshchilov and Hutter, arXiv 1711.05101, around the start
+    /// instead of zero); 0 for none. Gradients whose mean is a share s of their size hold a
+    /// coordinate `s / prior` times its relative rate away from the start.
     pub prior: f64,
 }
 
@@ -54,9 +54,9 @@ impl Adam {
         [1.0 - decay.beta1.powi(t), 1.0 - decay.beta2.powi(t)]
     }
 
-    /// Moves `theta` down the gradient: coordinate `i` by at most about `rate` times `rates[i]`, within
-    /// `bounds[i]`, and towards `start`. Gradients must be finite. All slices have the length of
-    /// [`Adam::new`].
+    /// Moves `theta` down the gradient: coordinate `i` by at most about `rate` times `rates[i]`,
+    /// within `bounds[i]`, and towards `start`. Gradients must be finite. All slices have the
+    /// length of [`Adam::new`].
     pub fn step(
         &mut self,
         theta: &mut [f64],

@@ -1,5 +1,5 @@
-//! Parameterization of a model: the parameters that an optimizer run changes, and their coordinates.
-//! Logarithms suit parameters that are positive and of unknown scale.
+//! Parameterization of a model: the parameters that an optimizer run changes, and their
+//! coordinates. Logarithms suit parameters that are positive and of unknown scale.
 
 use std::ops::Range;
 
@@ -74,8 +74,8 @@ impl Parameterization {
         Self { base, sections: Vec::new(), bounds: Vec::new() }
     }
 
-    /// Adds a field; a second time is ignored. `bounds` gives the bounds of a coordinate from its start,
-    /// and is widened to include the start.
+    /// Adds a field; a second time is ignored. `bounds` gives the bounds of a coordinate from its
+    /// start, and is widened to include the start.
     #[must_use]
     pub fn with(
         mut self,

@@ -18,7 +18,8 @@ fn close(a: Option<f64>, b: f64) -> bool {
 
 #[test]
 fn a_sequence_is_split_into_training_and_future() {
-    // Two of four points are wrong by 3 cm times the frame. Frames 1 and 2 train, 3 and 4 are the future.
+    // Two of four points are wrong by 3 cm times the frame. Frames 1 and 2 train, 3 and 4 are the
+    // future.
     let errors = errors(5, 3);
     let (train, future) = (errors.train.summary(), errors.future.summary());
     assert!(close(train.track_m, 0.5 * 0.03 * 1.5), "{train:?}");
@@ -49,7 +50,8 @@ fn branches_are_filled_up_to_the_longest_as_in_defts_metric() {
     let mut errors = PredictorErrors::default();
     let reference = Reference::new(&capture, sequence, &graph, start);
     errors.add(&reference, &standing_still(&graph, sequence, start));
-    // Two branches of four places: point 1 counts in both of them, 2 and 3 once, two places are filling.
+    // Two branches of four places: point 1 counts in both of them, 2 and 3 once, two places are
+    // filling.
     let of_frame = |f: f64| 4.0 * (0.03 * f).powi(2) / (3.0 * 8.0);
     assert!(close(errors.per_frame()[1].padded_rms_m, of_frame(2.0).sqrt()));
     let mean = (1..5).map(|f| of_frame(f64::from(f))).sum::<f64>() / 5.0;

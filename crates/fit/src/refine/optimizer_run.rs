@@ -1,5 +1,5 @@
-//! The refinement of one model: its best parameters, the length of its steps, and when it returns to
-//! the best parameters. The engine's optimizer takes the steps and holds the current position.
+//! The refinement of one model: its best parameters, the length of its steps, and when it returns
+//! to the best parameters. The engine's optimizer takes the steps and holds the current position.
 
 use std::sync::Arc;
 
@@ -51,8 +51,8 @@ pub(crate) struct OptimizerRun<'a> {
     pub(crate) model: usize,
     pub(crate) state: RunState,
     pub(crate) graph: Arc<Graph>,
-    /// The model as of the last call of [`OptimizerRun::sync`]; within a pass the optimizer is ahead
-    /// of it.
+    /// The model as of the last call of [`OptimizerRun::sync`]; within a pass the optimizer is
+    /// ahead of it.
     pub(crate) loaded: Loaded,
     /// A message for people about the last pass.
     pub(crate) note: Option<String>,

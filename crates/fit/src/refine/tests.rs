@@ -109,8 +109,8 @@ fn a_gradient_that_is_not_finite_takes_no_step() {
     assert_eq!(passes.0[0].best_loss, passes.0[1].best_loss);
 }
 
-/// The loss that a fit reports of its best parameters is that of a rollout of its twin, however it was
-/// computed, and whether steps led downhill or, being far too long, anywhere.
+/// The loss that a fit reports of its best parameters is that of a rollout of its twin, however it
+/// was computed, and whether steps led downhill or, being far too long, anywhere.
 #[test]
 fn the_best_loss_is_the_twins() {
     let capture = make(Scene::Cable, &MakeOptions::tiny(2)).unwrap();

@@ -1,5 +1,5 @@
-//! Selection of runs of a suite: `capture/configuration/seed`, with `*` for all; parts left out at the end stand
-//! for all, too.
+//! Selection of runs of a suite: `capture/configuration/seed`, with `*` for all; parts left out at
+//! the end stand for all, too.
 
 use std::str::FromStr;
 

@@ -1,4 +1,5 @@
-//! Relative differences between rows: capture by capture, and of the means over the captures that both rows have.
+//! Relative differences between rows: capture by capture, and of the means over the captures that
+//! both rows have.
 
 use std::collections::BTreeMap;
 

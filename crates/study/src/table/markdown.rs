@@ -117,7 +117,8 @@ fn differences(all: &[Difference]) -> String {
     lay_out(&lines, 3)
 }
 
-/// Columns as wide as their widest cell; the first `text_columns` begin on the left, the others end on the right.
+/// Columns as wide as their widest cell; the first `text_columns` begin on the left, the others end
+/// on the right.
 fn lay_out(lines: &[Vec<String>], text_columns: usize) -> String {
     let width = |c: usize| {
         lines.iter().filter_map(|l| l.get(c)).map(|s| s.chars().count()).max().unwrap_or(0).max(3)
