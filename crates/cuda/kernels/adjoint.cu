@@ -9,16 +9,16 @@
 
 // Starts copying a substep of the tape to a buffer and puts the control points there.
 DEVICE void fetch_tape(const Local& l, const Constants& c, u32 buffer, u32 tape, u32 substep) {
-    const Job& job = *l.job;
-    const u32* nodes = job.topology.nodes + l.share.nodes;
+    const InstanceArgs& instance = *l.instance;
+    const u32* nodes = instance.topology.nodes + l.share.nodes;
     const float4* xs = c.tape_x + (u64)tape * c.nodes;
     const float2* vs = c.tape_v + (u64)tape * c.nodes;
     for (u32 i = threadIdx.x; i < l.share.local; i += THREADS) {
-        u32 at = i == threadIdx.x ? c.first_slot : job.tape_slots[nodes[i]];
+        u32 at = i == threadIdx.x ? c.first_slot : instance.tape.slot_of[nodes[i]];
         copy_async(l.xs(buffer, 0) + i, xs + at);
         copy_async(l.vs(buffer, 0) + i, vs + at);
     }
-    Path path = path_of(job, job.first);
+    Path path = path_of(instance, instance.state.first_frame);
     float t = progress(substep, c.substeps);
     // The last threads: their rows are the shortest.
     for (u32 i = THREADS - 1 - threadIdx.x; i < l.controls; i += THREADS)
@@ -31,7 +31,7 @@ DEVICE void accelerate_adjoint(
     float3 v_bar, Sums& sums
 ) {
     if (p.pin >= 0) {
-        if (p.lane == 0) add_path(c.pin_sums, l.job->pins, p.pin, 0.0f, zero3(), v_bar);
+        if (p.lane == 0) add_path(c.pin_sums, l.instance->topology.pin_count, p.pin, 0.0f, zero3(), v_bar);
         v_bar = zero3();
     }
     if (p.lane == 0) sums.decay += dot(v_bar, before);
@@ -63,20 +63,20 @@ DEVICE void node_adjoint(
     const Local& l, const Constants& c, const Place& p, u32 buffer, u32 substep, u32 tape,
     const Entry& entry, float3 x_bar, float3 v_bar, Sums& sums
 ) {
-    const Job& job = *l.job;
+    const InstanceArgs& instance = *l.instance;
     float3 x = entry.x, before = entry.before;
     if (p.pin >= 0) {
         float t = progress(substep, c.substeps);
-        if (p.lane == 0) add_path(c.pin_sums, job.pins, p.pin, t, x_bar, v_bar);
+        if (p.lane == 0) add_path(c.pin_sums, instance.topology.pin_count, p.pin, t, x_bar, v_bar);
         x_bar = v_bar = zero3();
     }
     float3 after = before;
     Law law_bar = {0.0f, 0.0f};
 #if CONTACT
     u64 start = (u64)tape * c.nodes;
-    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, job.topology.inverse_mass, job.tape_slots};
+    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, instance.topology.inverse_mass, instance.tape.slot_of};
     float touches;
-    after = collide(job, nodes, p.at, p.valid, p.lane, touches);
+    after = collide(instance, nodes, p.at, p.valid, p.lane, touches);
 #endif
 #if GROUND
     advance_adjoint(c.ground, c.law, c.dt, x, after, x_bar, v_bar, law_bar);
@@ -91,7 +91,7 @@ DEVICE void node_adjoint(
 #if CONTACT
     if (p.lane == 0) {
         float share = touches > 0.0f ? -(p.inverse_mass / touches) : 0.0f;
-        __stcg(job.contact_v + p.at, with_w(scale(v_bar, share), 0.0f));
+        __stcg(instance.contact.v + p.at, with_w(scale(v_bar, share), 0.0f));
         bar_x_of(l)[p.node] = with_w(x_bar, 0.0f);
         bar_v_of(l)[p.node] = with_w(v_bar, 0.0f);
     }
@@ -104,16 +104,16 @@ DEVICE void node_adjoint(
 DEVICE void contact_adjoint(
     const Local& l, const Constants& c, const Place& p, u32 buffer, u32 tape, Sums& sums
 ) {
-    const Job& job = *l.job;
+    const InstanceArgs& instance = *l.instance;
     u64 start = (u64)tape * c.nodes;
-    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, job.topology.inverse_mass, job.tape_slots};
+    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, instance.topology.inverse_mass, instance.tape.slot_of};
     float3 x_bar = zero3(), v_bar = zero3();
     if (p.valid) {
         x_bar = xyz(bar_x_of(l)[p.node]);
         v_bar = xyz(bar_v_of(l)[p.node]);
     }
     __syncwarp();
-    collide_adjoint(job, nodes, p.at, p.valid, p.lane, job.contact_v, x_bar, v_bar, sums.object);
+    collide_adjoint(instance, nodes, p.at, p.valid, p.lane, instance.contact.v, x_bar, v_bar, sums.object);
     float4 x4;
     float3 before;
     nodes.load(p.at, x4, before);
@@ -136,24 +136,24 @@ DEVICE void add_block_sum(float value, float* to) {
 
 DEVICE void
 store_sums(const Local& l, const Constants& c, const Place& p, const HeldTriplet& triplet, const Sums& sums) {
-    const Job& job = *l.job;
+    const InstanceArgs& instance = *l.instance;
 #if HELD > 0
 #pragma unroll
     for (u32 k = 0; k < HELD_SUMS; k++) {
         if (k >= p.summed) continue;
-        float* to = job.spring_sums + p.sums + k * PAIR_SUMS;
+        float* to = instance.adjoint.spring_sums + p.sums + k * PAIR_SUMS;
         float before[6];
         for (u32 i = 0; i < 6; i++) before[i] = to[32 * i];
         add_sums(to, before, sums.springs[2 * k], sums.springs[2 * k + 1]);
     }
 #endif
     if (triplet.has && triplet.ends.owned) {
-        u32 at = job.topology.triplet_of[l.share.triplet + first_triplet()];
-        job.bend_sums[at] += sums.bend_stiffness;
-        job.bend_sums[job.triplets + at] += sums.bend_damping;
-        job.bend_sums[2 * job.triplets + at] += sums.bend_rest;
+        u32 at = instance.topology.triplet_of[l.share.triplet + first_triplet()];
+        instance.adjoint.bend_sums[at] += sums.bend_stiffness;
+        instance.adjoint.bend_sums[instance.topology.triplet_count + at] += sums.bend_damping;
+        instance.adjoint.bend_sums[2 * instance.topology.triplet_count + at] += sums.bend_rest;
     }
-    float* laws = job.law_sums + 5 * l.rank;
+    float* laws = instance.adjoint.law_sums + 5 * l.rank;
     add_block_sum(-c.dt * sums.decay, laws);
     add_block_sum(sums.ground.restitution, laws + 1);
     add_block_sum(sums.ground.friction, laws + 2);
@@ -190,27 +190,33 @@ DEVICE void meet_with_lambda(Local& l, const Halo& halo, u32 buffer) {
 
 DEVICE void begin_frame_adjoint(const Local& l, const Place& p, float3& x_bar, float3& v_bar) {
     if (p.pin >= 0) {
-        if (p.lane == 0) add_path(l.job->pin_sums, l.job->pins, p.pin, 0.0f, x_bar, v_bar);
+        if (p.lane == 0) add_path(l.instance->adjoint.pin_sums, l.instance->topology.pin_count, p.pin, 0.0f, x_bar, v_bar);
         x_bar = v_bar = zero3();
     }
 }
 
-// Turns `Job::bar_*` at the end of substep `to` - 1 of frame `Job::first` into that at the start of
-// substep `from`; substep `from` is the tape's first.
-extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all, u32 from, u32 to) {
-    const Job& job = all[blockIdx.x / BLOCKS];
-    Local l = local_of(&job, blockIdx.x % BLOCKS, sizeof(float4));
-    Constants c = {job.dt,       job.decay,    job.ground, job.ground_law, job.dashpot, job.substeps,
-                   job.topology.node_count, job.tape_x, job.tape_v, job.tape_b, job.pin_sums, job.spring_sums,
-                   threadIdx.x < l.share.local ? job.tape_slots[l.graph_node(threadIdx.x)] : 0};
-    u32 rows = l.share.rows + (job.control_sums ? l.share.control_rows : 0);
+struct BackFrameArgs {
+    const InstanceArgs* instances;
+    u32 from, to;  // substeps
+};
+
+// Turns `AdjointArgs::bar_*` at the end of substep `to` - 1 of frame `StateArgs::first_frame` into that at the start
+// of substep `from`; substep `from` is the tape's first.
+extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const __grid_constant__ BackFrameArgs args) {
+    const u32 from = args.from, to = args.to;
+    const InstanceArgs& instance = args.instances[blockIdx.x / BLOCKS];
+    Local l = local_of(&instance, blockIdx.x % BLOCKS, sizeof(float4));
+    Constants c = {instance.step.dt,       instance.parameters.decay,    instance.step.ground, instance.parameters.ground_law, instance.parameters.dashpot, instance.step.substeps,
+                   instance.topology.node_count, instance.tape.x, instance.tape.v, instance.tape.before, instance.adjoint.pin_sums, instance.adjoint.spring_sums,
+                   threadIdx.x < l.share.local ? instance.tape.slot_of[l.graph_node(threadIdx.x)] : 0};
+    u32 rows = l.share.rows + (instance.adjoint.control_sums ? l.share.control_rows : 0);
     Pairs pairs = pairs_of(l, rows, after_bars(l));
     float3* bends = bend_buffer(l);
-    const u32* refs = job.topology.arm_refs;
+    const u32* refs = instance.topology.arm_refs;
     HeldTriplet triplet = triplet_at(l, first_triplet());
 #if RODS
     HeldRod rod = rod_at(l, threadIdx.x / 32);
-    load_rod_bars(job);
+    load_rod_bars(instance);
 #endif
     Halo halo = halo_of(l);
     Sums sums = {};
@@ -228,11 +234,11 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
     expect_halo(l.arrivals, now);
 #if ONE_ROW
     node_adjoint(l, c, one, now, to - 1, to - 1 - from, entry_of(c, one, to - 1 - from),
-                 xyz(job.bar_x[one.at]), xyz(job.bar_v[one.at]), sums);
+                 xyz(instance.adjoint.bar_x[one.at]), xyz(instance.adjoint.bar_v[one.at]), sums);
 #else
     FOR_PLACES(p) {
         node_adjoint(l, c, p, now, to - 1, to - 1 - from, entry_of(c, p, to - 1 - from),
-                     xyz(job.bar_x[p.at]), xyz(job.bar_v[p.at]), sums);
+                     xyz(instance.adjoint.bar_x[p.at]), xyz(instance.adjoint.bar_v[p.at]), sums);
     }
 #endif
     contact_half(l, c, one, now, to - 1 - from, sums);
@@ -263,8 +269,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
             } else if (p.valid) {
                 if (from == 0) begin_frame_adjoint(l, p, x_bar, v_bar);
                 if (p.lane == 0) {
-                    job.bar_x[p.at] = with_w(x_bar, 0.0f);
-                    job.bar_v[p.at] = with_w(v_bar, 0.0f);
+                    instance.adjoint.bar_x[p.at] = with_w(x_bar, 0.0f);
+                    instance.adjoint.bar_v[p.at] = with_w(v_bar, 0.0f);
                 }
             }
         }
@@ -277,6 +283,6 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const Job* all,
     }
     store_sums(l, c, one, triplet, sums);
 #if RODS
-    store_rod_bars(job);
+    store_rod_bars(instance);
 #endif
 }

@@ -24,15 +24,15 @@ bend_adjoints(const Local& l, u32 now, float3* out, const HeldTriplet& first, Su
         sums.bend_damping += a.damping;
         sums.bend_rest += a.rest;
     }
-    const Job& job = *l.job;
+    const InstanceArgs& instance = *l.instance;
     for (u32 t = first_triplet() + THREADS; t < l.share.triplets; t += THREADS) {
         HeldTriplet h = triplet_at(l, t);
         BendAdjoint a = bend_one(l, now, out, t, h);
         if (h.ends.owned) {
-            u32 at = job.topology.triplet_of[l.share.triplet + t];
-            job.bend_sums[at] += a.stiffness;
-            job.bend_sums[job.triplets + at] += a.damping;
-            job.bend_sums[2 * job.triplets + at] += a.rest;
+            u32 at = instance.topology.triplet_of[l.share.triplet + t];
+            instance.adjoint.bend_sums[at] += a.stiffness;
+            instance.adjoint.bend_sums[instance.topology.triplet_count + at] += a.damping;
+            instance.adjoint.bend_sums[2 * instance.topology.triplet_count + at] += a.rest;
         }
     }
 #if !ONE_ROW
@@ -48,16 +48,16 @@ DEVICE float* rod_sums() {
     return sums;
 }
 
-DEVICE void load_rod_bars(const Job& job) {
-    for (u32 r = threadIdx.x; r < RODS; r += THREADS) rod_twists()[r] = job.twist_bars[r];
+DEVICE void load_rod_bars(const InstanceArgs& instance) {
+    for (u32 r = threadIdx.x; r < RODS; r += THREADS) rod_twists()[r] = instance.adjoint.bar_twists[r];
     for (u32 i = threadIdx.x; i < 3 * RODS; i += THREADS) rod_sums()[i] = 0.0f;
 }
 
-DEVICE void store_rod_bars(const Job& job) {
+DEVICE void store_rod_bars(const InstanceArgs& instance) {
     __syncthreads();
-    for (u32 r = threadIdx.x; r < RODS; r += THREADS) job.twist_bars[r] = rod_twists()[r];
+    for (u32 r = threadIdx.x; r < RODS; r += THREADS) instance.adjoint.bar_twists[r] = rod_twists()[r];
     for (u32 i = threadIdx.x; i < 3 * RODS; i += THREADS)
-        job.bend_sums[3 * job.triplets + i] += rod_sums()[i];
+        instance.adjoint.bend_sums[3 * instance.topology.triplet_count + i] += rod_sums()[i];
 }
 
 // The rods' part of a substep: from d loss / d twist at its end to that at its start, and what neighbours of inner
@@ -69,7 +69,7 @@ DEVICE void rod_adjoints(
     const float4* lambda = lambda_of(l, now);
     for_rods(l, first, [&](u32 r, const HeldRod& h) {
         u32 lane = threadIdx.x % 32;
-        float before = l.job->tape_twists[(u64)tape * RODS + r];
+        float before = l.instance->tape.twists[(u64)tape * RODS + r];
         float rate = 0.0f, pull = 0.0f;
         for (u32 t = h.first + lane; t < h.end; t += 32) {
             Inner in = inner_at(l, now, 0, t);
@@ -219,9 +219,9 @@ DEVICE void control_adjoint(
     const Local& l, const Constants& c, u32 now, u32 substep, const Pairs& pairs, const float3* bends,
     const u32* refs
 ) {
-    const Job& job = *l.job;
-    if (!job.control_sums) return;
-    const Topology& t = job.topology;
+    const InstanceArgs& instance = *l.instance;
+    if (!instance.adjoint.control_sums) return;
+    const TopologyArgs& t = instance.topology;
     const u32* rows = t.rows + l.share.row;
     u32 lane = threadIdx.x % LANES;
     for (u32 row = threadIdx.x / 32; row < l.share.control_rows; row += WARPS) {
@@ -245,7 +245,7 @@ DEVICE void control_adjoint(
         x_bar = sum_lanes(x_bar);
         v_bar = sum_lanes(v_bar);
         if (valid && lane == 0) {
-            float* to = job.control_sums + (u64)l.rank * 9 * l.controls;
+            float* to = instance.adjoint.control_sums + (u64)l.rank * 9 * l.controls;
             add_path(to, l.controls, control, progress(substep, c.substeps), x_bar, v_bar);
         }
     }

@@ -7,7 +7,7 @@ DEVICE float4* bar_v_of(const Local& l) { return l.after_states(2 * l.stride + l
 DEVICE float4* after_bars(const Local& l) { return l.after_states(2 * l.stride + 2 * l.control_base); }
 // d loss / d (x_i, x_k, v_i, v_k), by triplet.
 DEVICE float3* bend_buffer(const Local& l) {
-    u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.job->topology.max_all_pairs) : 0;
+    u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.instance->topology.max_all_pairs) : 0;
     return reinterpret_cast<float3*>(BEND_IN_SHARED ? after_bars(l) + before : l.spill());
 }
 

@@ -51,12 +51,12 @@ struct Taped {
 // the work; lanes without a node come along, not active, for the sums' sake.
 template <class Nodes>
 DEVICE float3
-collide(const Job& job, const Nodes& nodes, u32 node, bool active, u32 lane, float& touches) {
+collide(const InstanceArgs& instance, const Nodes& nodes, u32 node, bool active, u32 lane, float& touches) {
     float4 own_x;
     float3 own_v;
     nodes.load(node, own_x, own_v);
-    const u32* partners = job.partners + (u64)node * job.max_partners;
-    u32 count = active ? job.partner_counts[node] : 0;
+    const u32* partners = instance.contact.partners + (u64)node * instance.contact.max_partners;
+    u32 count = active ? instance.contact.partner_counts[node] : 0;
     float3 sum = zero3();
     float n = 0.0f;
     for (u32 k = lane; k < count; k += LANES) {
@@ -65,8 +65,8 @@ collide(const Job& job, const Nodes& nodes, u32 node, bool active, u32 lane, flo
         float3 other_v;
         nodes.load(other, other_x, other_v);
         Touch t;
-        if (touch(job.collision_distance, own_x, other_x, own_v, other_v, t)) {
-            sum = add_scaled(sum, t.mass, impact(job.object_law, t.v, t.normal));
+        if (touch(instance.contact.collision_distance, own_x, other_x, own_v, other_v, t)) {
+            sum = add_scaled(sum, t.mass, impact(instance.parameters.object_law, t.v, t.normal));
             n += 1.0f;
         }
     }
@@ -80,15 +80,15 @@ collide(const Job& job, const Nodes& nodes, u32 node, bool active, u32 lane, flo
 // -(1/m) / touches (zero where nothing touches); `law_bar` gets this node's impulses only.
 template <class Nodes>
 DEVICE void collide_adjoint(
-    const Job& job, const Nodes& nodes, u32 node, bool active, u32 lane, const float4* share,
+    const InstanceArgs& instance, const Nodes& nodes, u32 node, bool active, u32 lane, const float4* share,
     float3& x_bar, float3& v_bar, Law& law_bar
 ) {
     float4 own_x;
     float3 own_v;
     nodes.load(node, own_x, own_v);
     float3 own_share = xyz(__ldcg(share + node));
-    const u32* partners = job.partners + (u64)node * job.max_partners;
-    u32 count = active ? job.partner_counts[node] : 0;
+    const u32* partners = instance.contact.partners + (u64)node * instance.contact.max_partners;
+    u32 count = active ? instance.contact.partner_counts[node] : 0;
     float3 x_sum = zero3(), v_sum = zero3();
     for (u32 k = lane; k < count; k += LANES) {
         u32 other = partners[k];
@@ -96,13 +96,13 @@ DEVICE void collide_adjoint(
         float3 other_v;
         nodes.load(other, other_x, other_v);
         Touch t;
-        if (!touch(job.collision_distance, own_x, other_x, own_v, other_v, t)) continue;
-        ImpactAdjoint mine = impact_adjoint(job.object_law, t.v, t.normal, scale(own_share, t.mass));
+        if (!touch(instance.contact.collision_distance, own_x, other_x, own_v, other_v, t)) continue;
+        ImpactAdjoint mine = impact_adjoint(instance.parameters.object_law, t.v, t.normal, scale(own_share, t.mass));
         law_bar.restitution += mine.restitution;
         law_bar.friction += mine.friction;
         float3 theirs_in = scale(xyz(__ldcg(share + other)), t.mass);
         ImpactAdjoint theirs =
-            impact_adjoint(job.object_law, scale(t.v, -1.0f), scale(t.normal, -1.0f), theirs_in);
+            impact_adjoint(instance.parameters.object_law, scale(t.v, -1.0f), scale(t.normal, -1.0f), theirs_in);
         // Seen from the other end, this node is the second of the pair.
         float3 normal_bar = sub(theirs.normal, mine.normal);
         float3 flat = add_scaled(normal_bar, -dot(normal_bar, t.normal), t.normal);

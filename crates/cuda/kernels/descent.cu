@@ -10,15 +10,22 @@ DEVICE double slope_of(const float* gradient, const float* params, u32 index) {
     return index & LOGARITHM ? slope * (double)params[at] : slope;
 }
 
+struct SquareLengthsArgs {
+    double* out;                    // [gradients][blocks]
+    const float* const* gradients;
+    const float* params;
+    const u32* indices;             // [count]
+    u32 count;                      // coordinates
+    u32 unused;
+};
+
 // Sums of squares of d loss / d theta, one number a block, of gradient `blockIdx.y`.
-extern "C" __global__ void __launch_bounds__(THREADS) square_lengths(
-    double* out, const float* const* gradients, const float* params, const u32* indices, u32 count
-) {
+extern "C" __global__ void __launch_bounds__(THREADS) square_lengths(const __grid_constant__ SquareLengthsArgs args) {
     __shared__ double partial[THREADS / 32];
-    const float* gradient = gradients[blockIdx.y];
+    const float* gradient = args.gradients[blockIdx.y];
     double sum = 0.0;
-    for (u32 i = blockIdx.x * THREADS + threadIdx.x; i < count; i += gridDim.x * THREADS) {
-        double slope = slope_of(gradient, params, indices[i]);
+    for (u32 i = blockIdx.x * THREADS + threadIdx.x; i < args.count; i += gridDim.x * THREADS) {
+        double slope = slope_of(gradient, args.params, args.indices[i]);
         sum += slope * slope;
     }
     for (int mask = 16; mask > 0; mask /= 2) sum += __shfl_xor_sync(0xffffffffu, sum, mask);
@@ -27,42 +34,67 @@ extern "C" __global__ void __launch_bounds__(THREADS) square_lengths(
     if (threadIdx.x == 0) {
         double total = 0.0;
         for (u32 w = 0; w < THREADS / 32; w++) total += partial[w];
-        out[blockIdx.y * gridDim.x + blockIdx.x] = total;
+        args.out[blockIdx.y * gridDim.x + blockIdx.x] = total;
     }
 }
 
+struct WeighGradientsArgs {
+    double* sums;                   // [count]
+    u32* finite;
+    const float* const* gradients;  // [gradient_count]
+    const double* weights;          // [gradient_count]
+    const float* params;
+    const u32* indices;             // [count]
+    u32 gradient_count;
+    u32 count;                      // coordinates
+};
+
 // The weighted sum of gradients by theta; `finite` is cleared if a component is not.
-extern "C" __global__ void weigh_gradients(
-    double* sums, u32* finite, const float* const* gradients, const double* weights, u32 waiting,
-    const float* params, const u32* indices, u32 count
-) {
+extern "C" __global__ void weigh_gradients(const __grid_constant__ WeighGradientsArgs args) {
     u32 i = blockIdx.x * THREADS + threadIdx.x;
-    if (i >= count) return;
+    if (i >= args.count) return;
     double sum = 0.0;
-    for (u32 g = 0; g < waiting; g++)
-        sum += weights[g] * slope_of(gradients[g], params, indices[i]);
-    sums[i] = sum;
-    if (!isfinite(sum)) *finite = 0;
+    for (u32 g = 0; g < args.gradient_count; g++)
+        sum += args.weights[g] * slope_of(args.gradients[g], args.params, args.indices[i]);
+    args.sums[i] = sum;
+    if (!isfinite(sum)) *args.finite = 0;
 }
 
+struct StepAdamArgs {
+    double* theta;          // [count]: coordinates
+    double* first;          // [count]: first moments
+    double* second;         // [count]: second moments
+    const double* sums;     // [count]: the weighted gradient
+    const double* rates;    // [count]: step sizes relative to `rate`
+    const double2* bounds;  // [count]: least and largest value
+    const double* start;    // [count]: coordinates that `back` pulls towards
+    float* params;
+    const u32* indices;     // [count]
+    double back;            // share of the way back to `start`
+    double rate;
+    double beta1, beta2;
+    double unbias1, unbias2;
+    double epsilon;
+    u32 count;              // coordinates
+    u32 angles, angles_end; // parameters that are rest angles
+    u32 unused;
+};
+
 // One step of Adam down that sum, and back to the start by a share of the way; parameters follow.
-extern "C" __global__ void step_adam(
-    double* theta, double* first, double* second, const double* sums, const double* rates,
-    const double2* bounds, const double* start, double back, double rate, double beta1, double beta2, double unbias1, double unbias2,
-    double epsilon, float* params, const u32* indices, u32 count, u32 angles, u32 angles_end
-) {
+extern "C" __global__ void step_adam(const __grid_constant__ StepAdamArgs args) {
     u32 i = blockIdx.x * THREADS + threadIdx.x;
-    if (i >= count) return;
-    double g = sums[i];
-    double m = first[i] = beta1 * first[i] + (1.0 - beta1) * g;
-    double v = second[i] = beta2 * second[i] + (1.0 - beta2) * g * g;
-    double step = rates[i] * rate * (m / unbias1) / (sqrt(v / unbias2) + epsilon);
-    double x = theta[i] - step - back * (theta[i] - start[i]);
-    x = fmin(fmax(x, bounds[i].x), bounds[i].y);
-    theta[i] = x;
-    u32 index = indices[i], at = index & ~LOGARITHM;
+    if (i >= args.count) return;
+    const double beta1 = args.beta1, beta2 = args.beta2;
+    double g = args.sums[i];
+    double m = args.first[i] = beta1 * args.first[i] + (1.0 - beta1) * g;
+    double v = args.second[i] = beta2 * args.second[i] + (1.0 - beta2) * g * g;
+    double step = args.rates[i] * args.rate * (m / args.unbias1) / (sqrt(v / args.unbias2) + args.epsilon);
+    double x = args.theta[i] - step - args.back * (args.theta[i] - args.start[i]);
+    x = fmin(fmax(x, args.bounds[i].x), args.bounds[i].y);
+    args.theta[i] = x;
+    u32 index = args.indices[i], at = index & ~LOGARITHM;
     float value = (float)(index & LOGARITHM ? exp(x) : x);
     // Rounding must not carry an angle above pi.
-    if (at >= angles && at < angles_end) value = fminf(value, 3.14159274f);
-    params[at] = value;
+    if (at >= args.angles && at < args.angles_end) value = fminf(value, 3.14159274f);
+    args.params[at] = value;
 }

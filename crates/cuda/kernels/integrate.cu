@@ -14,27 +14,27 @@ struct Constants {
     float dashpot;
 };
 
-DEVICE Constants constants_of(const Job& job) {
+DEVICE Constants constants_of(const InstanceArgs& instance) {
     Constants c;
-    c.kick = load_v3(job.kick);
-    c.dt = job.dt;
-    c.decay = job.decay;
-    c.ground = job.ground;
-    c.law = job.ground_law;
-    c.dashpot = job.dashpot;
+    c.kick = load_v3(instance.step.kick);
+    c.dt = instance.step.dt;
+    c.decay = instance.parameters.decay;
+    c.ground = instance.step.ground;
+    c.law = instance.parameters.ground_law;
+    c.dashpot = instance.parameters.dashpot;
     return c;
 }
 
 #define NO_TAPE 0xffffffffu
 
-// A frame of a job; one that has ended stays in its last.
-DEVICE u32 frame_of(const Job& job, u32 frame) {
-    return job.first + min(frame, max(job.frames, 1u) - 1);
+// A frame of an instance; one that has ended stays in its last.
+DEVICE u32 frame_of(const InstanceArgs& instance, u32 frame) {
+    return instance.state.first_frame + min(frame, max(instance.state.frame_count, 1u) - 1);
 }
 
 // Forces of the ends i and k, by triplet and instance.
 DEVICE float3* bend_buffer(const Local& l) {
-    u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.job->topology.max_pairs) : 0;
+    u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.instance->topology.max_pairs) : 0;
     return reinterpret_cast<float3*>(BEND_IN_SHARED ? l.after_states(before) : l.spill());
 }
 
@@ -53,7 +53,7 @@ DEVICE void bend_one(const Local& l, u32 now, float3* forces, u32 t, const HeldT
 #if RODS
 // Moves the rods' twists and leaves what their inner nodes exert on their neighbours where triplets leave theirs.
 DEVICE void rod_forces(
-    const Local& l, const Constants& c, const Job* jobs, u32 now, float3* forces, const HeldRod& first,
+    const Local& l, const Constants& c, const InstanceArgs* instances, u32 now, float3* forces, const HeldRod& first,
     u32 tape
 ) {
     for_rods(l, first, [&](u32 r, const HeldRod& h) {
@@ -72,7 +72,7 @@ DEVICE void rod_forces(
             if (lane == 0) {
                 *kept = twist;
 #if TAPE
-                if (tape != NO_TAPE) jobs[m].tape_twists[(u64)tape * RODS + r] = before;
+                if (tape != NO_TAPE) instances[m].tape.twists[(u64)tape * RODS + r] = before;
 #endif
             }
             float torque = h.stiffness * (twist - h.rest_twist) + h.damping * rate;
@@ -87,19 +87,19 @@ DEVICE void rod_forces(
 }
 
 // Twists where a launch begins and where frames end, as states.
-DEVICE void load_twists(const Job* jobs, u32 frame) {
+DEVICE void load_twists(const InstanceArgs* instances, u32 frame) {
     for (u32 i = threadIdx.x; i < RODS * INSTANCES; i += THREADS) {
-        const Job& job = jobs[i / RODS];
-        rod_twists()[i] = job.twists[(u64)(frame_of(job, frame) % job.slots) * RODS + i % RODS];
+        const InstanceArgs& instance = instances[i / RODS];
+        rod_twists()[i] = instance.state.twists[(u64)(frame_of(instance, frame) % instance.state.slot_count) * RODS + i % RODS];
     }
 }
 
-DEVICE void store_twists(const Job* jobs, u32 frame) {
+DEVICE void store_twists(const InstanceArgs* instances, u32 frame) {
     for (u32 i = threadIdx.x; i < RODS * INSTANCES; i += THREADS) {
-        const Job& job = jobs[i / RODS];
-        if (frame >= job.frames) continue;
-        u32 reached = job.first + frame + 1;
-        job.twists[(u64)(reached % job.slots) * RODS + i % RODS] = rod_twists()[i];
+        const InstanceArgs& instance = instances[i / RODS];
+        if (frame >= instance.state.frame_count) continue;
+        u32 reached = instance.state.first_frame + frame + 1;
+        instance.state.twists[(u64)(reached % instance.state.slot_count) * RODS + i % RODS] = rod_twists()[i];
     }
 }
 #endif
@@ -140,12 +140,12 @@ DEVICE void travel(
 ) {
 #if TAPE
     if (p.lane == 0 && tape != NO_TAPE) {
-        const Job& job = *l.job;
+        const InstanceArgs& instance = *l.instance;
         // Nodes of a row side by side: scattered, they would cost more than the rest of the tape.
-        u64 at = (u64)tape * job.topology.node_count + l.share.slot + p.node;
-        job.tape_x[at] = with_w(s.x, s.v.x);
-        job.tape_v[at] = make_float2(s.v.y, s.v.z);
-        float* b = job.tape_b + 3 * at;
+        u64 at = (u64)tape * instance.topology.node_count + l.share.slot + p.node;
+        instance.tape.x[at] = with_w(s.x, s.v.x);
+        instance.tape.v[at] = make_float2(s.v.y, s.v.z);
+        float* b = instance.tape.before + 3 * at;
         b[0] = before.x;
         b[1] = before.y;
         b[2] = before.z;
@@ -226,8 +226,8 @@ DEVICE void work_on(
         if (p.pin >= 0) before = l.state(now, m, p.pin_control).v;
 #if CONTACT
         if (p.valid && p.lane == 0) {
-            __stcg(l.job->contact_x + p.at, with_w(s[m].x, p.inverse_mass));
-            __stcg(l.job->contact_v + p.at, with_w(before, 0.0f));
+            __stcg(l.instance->contact.x + p.at, with_w(s[m].x, p.inverse_mass));
+            __stcg(l.instance->contact.v + p.at, with_w(before, 0.0f));
         }
 #else
         if (p.valid) travel(l, c, p, m, now, s[m], before, before, tape);
@@ -238,11 +238,11 @@ DEVICE void work_on(
 DEVICE void work_on_contact(
     const Local& l, const Constants& c, const Place& p, u32 now, u32 tape
 ) {
-    const Job& job = *l.job;
+    const InstanceArgs& instance = *l.instance;
     float touches;
-    Live nodes = {job.contact_x, job.contact_v};
-    float3 after = collide(job, nodes, p.at, p.valid, p.lane, touches);
-    float3 before = xyz(__ldcg(job.contact_v + p.at));
+    Live nodes = {instance.contact.x, instance.contact.v};
+    float3 after = collide(instance, nodes, p.at, p.valid, p.lane, touches);
+    float3 before = xyz(__ldcg(instance.contact.v + p.at));
     if (p.valid) travel(l, c, p, 0, now, l.state(now, 0, p.node), before, after, tape);
 }
 
@@ -255,15 +255,15 @@ struct Moved {
     u32 substeps;
 };
 
-DEVICE Moved moved_of(const Local& l, const Job* jobs, u32 frame) {
+DEVICE Moved moved_of(const Local& l, const InstanceArgs* instances, u32 frame) {
     Moved w;
     w.control = THREADS - 1 - threadIdx.x;
-    w.substeps = jobs->substeps;
+    w.substeps = instances->step.substeps;
 #pragma unroll
     for (u32 m = 0; m < INSTANCES; m++) {
         w.from[m] = w.to[m] = w.velocity[m] = zero3();
         if (w.control < l.controls) {
-            Path path = path_of(jobs[m], frame_of(jobs[m], frame));
+            Path path = path_of(instances[m], frame_of(instances[m], frame));
             w.from[m] = load_v3(path.from + 3 * w.control);
             w.to[m] = load_v3(path.to + 3 * w.control);
             w.velocity[m] = control_velocity(path, w.control);
@@ -274,7 +274,7 @@ DEVICE Moved moved_of(const Local& l, const Job* jobs, u32 frame) {
 
 // Puts the control points where a substep's forces see them.
 DEVICE void place_controls(
-    const Local& l, const Job* jobs, const Moved& w, u32 buffer, u32 frame, u32 substep
+    const Local& l, const InstanceArgs* instances, const Moved& w, u32 buffer, u32 frame, u32 substep
 ) {
     if (w.control >= l.controls) return;
     float t = progress(substep, w.substeps);
@@ -283,7 +283,7 @@ DEVICE void place_controls(
         float3 at = add_scaled(scale(w.from[m], 1.0f - t), t, w.to[m]);
         l.put(buffer, m, l.control_base + w.control, at, w.velocity[m]);
         for (u32 c = w.control + THREADS; c < l.controls; c += THREADS) {
-            Path path = path_of(jobs[m], frame_of(jobs[m], frame));
+            Path path = path_of(instances[m], frame_of(instances[m], frame));
             l.put(buffer, m, l.control_base + c, control_position(path, t, c),
                   control_velocity(path, c));
         }
@@ -291,10 +291,10 @@ DEVICE void place_controls(
 }
 
 // Pinned nodes stand at the frame's start with its velocity, wherever they are known.
-DEVICE void begin_frame(const Local& l, const Job* jobs, u32 now, u32 frame) {
-    const Topology& t = l.job->topology;
+DEVICE void begin_frame(const Local& l, const InstanceArgs* instances, u32 now, u32 frame) {
+    const TopologyArgs& t = l.instance->topology;
     for (u32 m = 0; m < INSTANCES; m++) {
-        Path path = path_of(jobs[m], frame_of(jobs[m], frame));
+        Path path = path_of(instances[m], frame_of(instances[m], frame));
         for (u32 i = threadIdx.x; i < l.share.pins; i += THREADS) {
             LocalPin local = t.local_pins[l.share.pin + i];
             Pin pin = t.pins[local.pin];
@@ -305,10 +305,10 @@ DEVICE void begin_frame(const Local& l, const Job* jobs, u32 now, u32 frame) {
     }
 }
 
-DEVICE void load_states(const Local& l, const Job* jobs, u32 now, u32 frame) {
-    u32 n = l.job->topology.node_count;
+DEVICE void load_states(const Local& l, const InstanceArgs* instances, u32 now, u32 frame) {
+    u32 n = l.instance->topology.node_count;
     for (u32 m = 0; m < INSTANCES; m++) {
-        const float* s = jobs[m].states + (u64)(frame_of(jobs[m], frame) % jobs[m].slots) * 6 * n;
+        const float* s = instances[m].state.states + (u64)(frame_of(instances[m], frame) % instances[m].state.slot_count) * 6 * n;
         for (u32 i = threadIdx.x; i < l.share.local; i += THREADS) {
             u32 g = l.graph_node(i);
             l.put(now, m, i, v3(s[g], s[n + g], s[2 * n + g]),
@@ -324,13 +324,13 @@ DEVICE bool inside(const State& s) {
            isfinite(s.v.x) && isfinite(s.v.y) && isfinite(s.v.z);
 }
 
-DEVICE void store_states(const Local& l, const Job* jobs, u32 now, u32 frame) {
-    u32 n = l.job->topology.node_count;
+DEVICE void store_states(const Local& l, const InstanceArgs* instances, u32 now, u32 frame) {
+    u32 n = l.instance->topology.node_count;
     for (u32 m = 0; m < INSTANCES; m++) {
-        const Job& job = jobs[m];
-        if (frame >= job.frames) continue;
-        u32 reached = job.first + frame + 1;
-        float* to = job.states + (u64)(reached % job.slots) * 6 * n;
+        const InstanceArgs& instance = instances[m];
+        if (frame >= instance.state.frame_count) continue;
+        u32 reached = instance.state.first_frame + frame + 1;
+        float* to = instance.state.states + (u64)(reached % instance.state.slot_count) * 6 * n;
         for (u32 i = threadIdx.x; i < l.share.own; i += THREADS) {
             u32 g = l.graph_node(i);
             State s = l.state(now, m, i);
@@ -340,36 +340,44 @@ DEVICE void store_states(const Local& l, const Job* jobs, u32 now, u32 frame) {
             to[3 * n + g] = s.v.x;
             to[4 * n + g] = s.v.y;
             to[5 * n + g] = s.v.z;
-            if (!inside(s)) atomicMin(job.divergence, (u64)reached << 32 | g);
+            if (!inside(s)) atomicMin(instance.state.divergence, (u64)reached << 32 | g);
         }
     }
     __syncthreads();
 }
 
-DEVICE u32 longest(const Job* jobs) {
+DEVICE u32 longest(const InstanceArgs* instances) {
     u32 longest = 0;
-    for (u32 m = 0; m < INSTANCES; m++) longest = max(longest, jobs[m].frames);
+    for (u32 m = 0; m < INSTANCES; m++) longest = max(longest, instances[m].state.frame_count);
     return longest;
 }
 
-// Runs frames `first..end` of each job. With TAPE, each only as far as substep `to`, and what happens from
-// `from` on goes onto tape, frame after frame. If `keep`, frames leave the states that they end in.
-extern "C" __global__ void __launch_bounds__(THREADS)
-    advance_frames(const Job* all, u32 first, u32 end, u32 from, u32 to, u32 keep) {
-    const Job* jobs = all + (u64)(blockIdx.x / BLOCKS) * INSTANCES;
-    Local l = local_of(jobs, blockIdx.x % BLOCKS, sizeof(float4) + sizeof(float2));
+struct AdvanceFramesArgs {
+    const InstanceArgs* instances;
+    u32 first, end;  // frames
+    u32 from, to;    // substeps that go onto tape
+    u32 keep;        // whether frames store the states that they end in
+    u32 unused;
+};
+
+// Runs frames `first..end` of each instance. With TAPE, each only as far as substep `to`, and what happens from
+// `from` on goes onto tape, frame after frame.
+extern "C" __global__ void __launch_bounds__(THREADS) advance_frames(const __grid_constant__ AdvanceFramesArgs args) {
+    const u32 first = args.first, end = args.end, from = args.from, to = args.to, keep = args.keep;
+    const InstanceArgs* instances = args.instances + (u64)(blockIdx.x / BLOCKS) * INSTANCES;
+    Local l = local_of(instances, blockIdx.x % BLOCKS, sizeof(float4) + sizeof(float2));
     Pairs pairs = pairs_of(l, l.share.rows, l.after_states(0));
-    Constants c = constants_of(*jobs);
+    Constants c = constants_of(*instances);
     float3* bends = bend_buffer(l);
-    const u32* refs = jobs->topology.arm_refs;
+    const u32* refs = instances->topology.arm_refs;
     HeldTriplet triplet = triplet_at(l, first_triplet());
 #if RODS
     HeldRod rod = rod_at(l, threadIdx.x / 32);
-    load_twists(jobs, first);
+    load_twists(instances, first);
 #endif
     Halo halo = halo_of(l);
     u32 now = 0;
-    load_states(l, jobs, now, first);
+    load_states(l, instances, now, first);
     Held held;
 #if ONE_ROW
     Place p = place_of(l, threadIdx.x / 32);
@@ -381,19 +389,19 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 #endif
     // A cluster's blocks must all have started before one writes into another.
     meet(l.barrier, l.round);
-    u32 last_frame = min(end, longest(jobs));
+    u32 last_frame = min(end, longest(instances));
     for (u32 frame = first; frame < last_frame; frame++) {
-        Moved moved = moved_of(l, jobs, frame);
-        begin_frame(l, jobs, now, frame);
-        place_controls(l, jobs, moved, now, frame, 0);
+        Moved moved = moved_of(l, instances, frame);
+        begin_frame(l, instances, now, frame);
+        place_controls(l, instances, moved, now, frame, 0);
         __syncthreads();
         u32 last = TAPE ? min(to, moved.substeps) : moved.substeps;
         for (u32 s = 0; s < last; s++) {
             u32 tape = s >= from ? frame * (last - from) + s - from : NO_TAPE;
             expect_halo(l.arrivals, now ^ 1);
-            place_controls(l, jobs, moved, now ^ 1, frame, s + 1);
+            place_controls(l, instances, moved, now ^ 1, frame, s + 1);
 #if RODS
-            rod_forces(l, c, jobs, now, bends, rod, tape);
+            rod_forces(l, c, instances, now, bends, rod, tape);
 #endif
             bend_forces(l, now, bends, triplet);
 #if ONE_ROW
@@ -416,9 +424,9 @@ extern "C" __global__ void __launch_bounds__(THREADS)
             fetch_states(l, halo, now);
         }
 #if RODS
-        if (keep) store_twists(jobs, frame);
+        if (keep) store_twists(instances, frame);
 #endif
-        if (keep) store_states(l, jobs, now, frame);
+        if (keep) store_states(l, instances, now, frame);
     }
     // None may end while another still writes into it.
     meet(l.barrier, l.round);

@@ -1,6 +1,5 @@
 // An objective's terms: their values, and d loss / d positions at frame ends, gathered by node. The nearest
-// node of a Chamfer target counts as fixed in the gradient. The host's mirror of the structs is in
-// `src/objective.rs`.
+// node of a Chamfer target counts as fixed in the gradient.
 
 #define TILE 512
 #define CHAMFER 0
@@ -20,25 +19,31 @@ struct Term {
     u32 unused;
 };
 
-struct Measure {
+struct ObjectiveArgs {
     const float* states;      // [frames + 1][6][N]
     const Term* terms;        // ordered by frame
     const u32* frame_terms;   // [frames + 2]: first term of each frame
     const float* targets;     // [targets][3]
     const u32* target_nodes;  // of tracks
-    u32* nearest;             // [targets] of this job
-    double* values;           // [terms] of this job
+    u32* nearest;             // [targets] of this instance
+    double* values;           // [terms] of this instance
     float* seeds;             // [frames + 1][3][N], or null
-    u32 nodes, surface, frames, term_count;
+    u32 node_count, surface_count, frame_count, term_count;
     u32 cut_every;
     u32 unused;
 };
 
-static_assert(sizeof(Term) == SIZE_OF_TERM && sizeof(Measure) == SIZE_OF_MEASURE, "src/objective.rs");
+struct ScoreArgs {
+    const ObjectiveArgs* objectives;
+};
 
-DEVICE float3 position(const Measure& m, u32 frame, u32 node) {
-    const float* s = m.states + (u64)frame * 6 * m.nodes;
-    return v3(s[node], s[m.nodes + node], s[2 * m.nodes + node]);
+struct SeedArgs {
+    const ObjectiveArgs* objectives;
+};
+
+DEVICE float3 position(const ObjectiveArgs& m, u32 frame, u32 node) {
+    const float* s = m.states + (u64)frame * 6 * m.node_count;
+    return v3(s[node], s[m.node_count + node], s[2 * m.node_count + node]);
 }
 
 DEVICE double block_sum(double value) {
@@ -52,7 +57,7 @@ DEVICE double block_sum(double value) {
     return sum;
 }
 
-DEVICE float3 second_difference(const Measure& m, u32 frame, u32 node) {
+DEVICE float3 second_difference(const ObjectiveArgs& m, u32 frame, u32 node) {
     float3 two = position(m, frame - 2, node), one = position(m, frame - 1, node);
     return add(add_scaled(position(m, frame, node), -2.0f, one), two);
 }
@@ -84,7 +89,7 @@ DEVICE float3 point_gradient(const Term& t, float3 d) {
 }
 
 // Sum of squared distances of the thread's targets to their nearest surface nodes; ties go to the lower index.
-DEVICE double chamfer(const Measure& m, const Term& t) {
+DEVICE double chamfer(const ObjectiveArgs& m, const Term& t) {
     __shared__ float3 tile[TILE];
     double sum = 0.0;
     for (u32 base = 0; base < t.count; base += THREADS) {
@@ -93,9 +98,9 @@ DEVICE double chamfer(const Measure& m, const Term& t) {
         float3 target = has ? load_v3(m.targets + 3 * (u64)(t.first + i)) : zero3();
         float best = 1e30f;
         u32 winner = 0;
-        for (u32 start = 0; start < m.surface; start += TILE) {
+        for (u32 start = 0; start < m.surface_count; start += TILE) {
             __syncthreads();
-            u32 size = min((u32)TILE, m.surface - start);
+            u32 size = min((u32)TILE, m.surface_count - start);
             for (u32 k = threadIdx.x; k < size; k += THREADS)
                 tile[k] = position(m, t.frame, start + k);
             __syncthreads();
@@ -108,7 +113,7 @@ DEVICE double chamfer(const Measure& m, const Term& t) {
                 }
             }
         }
-        if (has && m.surface > 0) {
+        if (has && m.surface_count > 0) {
             m.nearest[t.first + i] = winner;
             float3 d = sub(position(m, t.frame, winner), target);
             sum += dot(d, d);
@@ -117,9 +122,9 @@ DEVICE double chamfer(const Measure& m, const Term& t) {
     return sum;
 }
 
-// Value of one term of one job: block (term, job).
-extern "C" __global__ void __launch_bounds__(THREADS) score(const Measure* jobs) {
-    const Measure& m = jobs[blockIdx.y];
+// Value of one term of one instance: block (term, instance).
+extern "C" __global__ void __launch_bounds__(THREADS) score(const __grid_constant__ ScoreArgs args) {
+    const ObjectiveArgs& m = args.objectives[blockIdx.y];
     for (u32 term = blockIdx.x; term < m.term_count; term += gridDim.x) {
         const Term t = m.terms[term];
         double sum = 0.0;
@@ -132,9 +137,9 @@ extern "C" __global__ void __launch_bounds__(THREADS) score(const Measure* jobs)
                 sum += point_loss(t, sub(x, load_v3(m.targets + 3 * (u64)(t.first + i))));
             }
         } else {
-            over = m.nodes;
+            over = m.node_count;
             if (t.frame >= 2) {
-                for (u32 i = threadIdx.x; i < m.nodes; i += THREADS) {
+                for (u32 i = threadIdx.x; i < m.node_count; i += THREADS) {
                     float3 d = second_difference(m, t.frame, i);
                     sum += dot(d, d);
                 }
@@ -146,28 +151,28 @@ extern "C" __global__ void __launch_bounds__(THREADS) score(const Measure* jobs)
 }
 
 // d loss / d position of a node by the accelerations of a frame, which look back `back` frames at this one.
-DEVICE float3 acceleration_seed(const Measure& m, u32 frame, u32 back, u32 node) {
+DEVICE float3 acceleration_seed(const ObjectiveArgs& m, u32 frame, u32 back, u32 node) {
     float3 sum = zero3();
     u32 at = frame + back;
-    if (at > m.frames || at < 2) return sum;
+    if (at > m.frame_count || at < 2) return sum;
     const float share = back == 1 ? -2.0f : 1.0f;
     for (u32 term = m.frame_terms[at]; term < m.frame_terms[at + 1]; term++) {
         const Term t = m.terms[term];
         if (t.kind != ACCELERATION) continue;
-        float w = 2.0f * t.weight * share / max(m.nodes, 1u);
+        float w = 2.0f * t.weight * share / max(m.node_count, 1u);
         sum = add_scaled(sum, w, second_difference(m, at, node));
     }
     return sum;
 }
 
-// Block (nodes, frame, job). `score` has found the nearest nodes.
-extern "C" __global__ void __launch_bounds__(THREADS) seed(const Measure* jobs) {
+// Block (nodes, frame, instance). `score` has found the nearest nodes.
+extern "C" __global__ void __launch_bounds__(THREADS) seed(const __grid_constant__ SeedArgs args) {
     __shared__ u32 tile[TILE];
-    const Measure& m = jobs[blockIdx.z];
+    const ObjectiveArgs& m = args.objectives[blockIdx.z];
     u32 frame = blockIdx.y;
-    if (frame > m.frames || blockIdx.x * THREADS >= m.nodes) return;
+    if (frame > m.frame_count || blockIdx.x * THREADS >= m.node_count) return;
     u32 node = blockIdx.x * THREADS + threadIdx.x;
-    bool has = node < m.nodes;
+    bool has = node < m.node_count;
     u32 i = has ? node : 0;
     float3 here = position(m, frame, i);
     float3 sum = zero3();
@@ -178,10 +183,10 @@ extern "C" __global__ void __launch_bounds__(THREADS) seed(const Measure* jobs) 
     for (u32 term = m.frame_terms[frame]; term < m.frame_terms[frame + 1]; term++) {
         const Term t = m.terms[term];
         // Without a surface there is no nearest node.
-        if (t.kind == CHAMFER && m.surface == 0) continue;
+        if (t.kind == CHAMFER && m.surface_count == 0) continue;
         if (t.kind == ACCELERATION) {
             if (frame >= 2) {
-                float w = 2.0f * t.weight / max(m.nodes, 1u);
+                float w = 2.0f * t.weight / max(m.node_count, 1u);
                 sum = add_scaled(sum, w, second_difference(m, frame, i));
             }
             continue;
@@ -201,9 +206,9 @@ extern "C" __global__ void __launch_bounds__(THREADS) seed(const Measure* jobs) 
         }
     }
     if (has) {
-        float* s = m.seeds + (u64)frame * 3 * m.nodes;
+        float* s = m.seeds + (u64)frame * 3 * m.node_count;
         s[node] = sum.x;
-        s[m.nodes + node] = sum.y;
-        s[2 * m.nodes + node] = sum.z;
+        s[m.node_count + node] = sum.y;
+        s[2 * m.node_count + node] = sum.z;
     }
 }

@@ -4,67 +4,112 @@
 
 #define NONE 0xffffffffu
 
+struct PackHalfSpringsArgs {
+    float4* rates;         // [pairs]
+    u32* packed_others;    // [pairs]
+    float2* dashpots;      // [pairs]
+    const u32* springs;    // [pairs][2]
+    const u32* others;     // [pairs][2]
+    const float* params;
+    u32 pair_count;
+    u32 spring_count;      // E
+};
+
 // Half-springs as one shape of launch wants them, in pairs: combined with rest lengths, beside the other ends'
 // indices.
-extern "C" __global__ void pack_half_springs(
-    float4* rates, u32* packed_others, float2* dashpots, const u32* springs, const u32* others,
-    const float* params, u32 pairs, u32 e
-) {
+extern "C" __global__ void pack_half_springs(const __grid_constant__ PackHalfSpringsArgs args) {
+    const float* params = args.params;
+    const u32 e = args.spring_count;
     u32 i = blockIdx.x * THREADS + threadIdx.x;
-    if (i >= pairs) return;
+    if (i >= args.pair_count) return;
     float rate[2] = {0.0f, 0.0f}, rest[2] = {0.0f, 0.0f}, dashpot[2] = {0.0f, 0.0f};
     for (u32 k = 0; k < 2; k++) {
-        u32 spring = springs[2 * i + k];
+        u32 spring = args.springs[2 * i + k];
         if (spring == NONE) continue;
         rest[k] = params[2 * (u64)e + spring];
         float r = params[spring] / rest[k];
         rate[k] = rest[k] > 0.0f && isfinite(r) ? r : 0.0f;
         dashpot[k] = params[e + spring];
     }
-    rates[i] = make_float4(rate[0], rest[0], rate[1], rest[1]);
-    packed_others[i] = others[2 * i] | others[2 * i + 1] << 16;
-    dashpots[i] = make_float2(dashpot[0], dashpot[1]);
+    args.rates[i] = make_float4(rate[0], rest[0], rate[1], rest[1]);
+    args.packed_others[i] = args.others[2 * i] | args.others[2 * i + 1] << 16;
+    args.dashpots[i] = make_float2(dashpot[0], dashpot[1]);
 }
 
-extern "C" __global__ void
-pack_bends(float4* out, const u32* triplets, const float* params, u32 count, u32 e, u32 t) {
+struct PackBendsArgs {
+    float4* out;            // [count]
+    const u32* triplets;    // [count]: index in the graph
+    const float* params;
+    u32 count;
+    u32 spring_count;       // E
+    u32 triplet_count;      // T
+    u32 unused;
+};
+
+// Triplets as one shape of launch wants them.
+extern "C" __global__ void pack_bends(const __grid_constant__ PackBendsArgs args) {
+    const u32 e = args.spring_count, t = args.triplet_count;
     u32 i = blockIdx.x * THREADS + threadIdx.x;
-    if (i >= count) return;
-    const float* bend = params + 3 * (u64)e + triplets[i];
+    if (i >= args.count) return;
+    const float* bend = args.params + 3 * (u64)e + args.triplets[i];
     // A float's pi is not quite pi: straight rest angles are exactly so.
     double rest = 3.14159265358979323846 - (double)bend[2 * (u64)t];
     float rest_bend = fabs(rest) < 1e-6 ? 0.0f : (float)rest;
-    out[i] = make_float4(bend[0], bend[t], rest_bend, 0.0f);
+    args.out[i] = make_float4(bend[0], bend[t], rest_bend, 0.0f);
 }
 
-// Adds up what the windows of an instance have summed, `stride` floats apart: per spring from `sum_of` on, then
-// `others` more behind `first_other`. `total` is [3][E], then those.
-extern "C" __global__ void gather_sums(
-    float* total, const float* sums, const u32* sum_of, u32 windows, u64 stride, u32 e, u32 others,
-    u32 first_other
-) {
+struct GatherSumsArgs {
+    float* total;         // [3][E], then `other_count` more
+    const float* sums;    // [window_count], `stride` floats apart
+    const u32* sum_of;    // [E]: where a spring's sums begin
+    u64 stride;
+    u32 window_count;
+    u32 spring_count;     // E
+    u32 other_count;
+    u32 first_other;
+};
+
+// Adds up what the windows of an instance have summed: per spring from `sum_of` on, then the others from
+// `first_other` on.
+extern "C" __global__ void gather_sums(const __grid_constant__ GatherSumsArgs args) {
+    float* total = args.total;
+    const float* sums = args.sums;
+    const u64 stride = args.stride;
+    const u32 e = args.spring_count, windows = args.window_count;
     u32 i = blockIdx.x * THREADS + threadIdx.x;
-    if (i >= e + others) return;
+    if (i >= e + args.other_count) return;
     if (i >= e) {
         u64 k = i - e;
         float sum = total[3 * (u64)e + k];
-        for (u32 w = 0; w < windows; w++) sum += sums[w * stride + first_other + k];
+        for (u32 w = 0; w < windows; w++) sum += sums[w * stride + args.first_other + k];
         total[3 * (u64)e + k] = sum;
         return;
     }
     float sum[3];
     for (u32 k = 0; k < 3; k++) sum[k] = total[k * (u64)e + i];
     for (u32 w = 0; w < windows; w++) {
-        const float* own = sums + w * stride + sum_of[i];
+        const float* own = sums + w * stride + args.sum_of[i];
         for (u32 k = 0; k < 3; k++) sum[k] += own[32 * k];
     }
     for (u32 k = 0; k < 3; k++) total[k * (u64)e + i] = sum[k];
 }
 
+struct FinishGradientArgs {
+    float* out;            // as the parameters
+    const float* sums;
+    const float* params;
+    u32 spring_count;      // E
+    u32 hinge_count;       // triplets and rods
+    u32 block_count;
+    u32 unused;
+};
+
 // d loss / d parameters from the spring sums [3][E], the bend sums [3][T], those of rods [3][R] and the law sums
-// [blocks][5]; `t` counts triplets and rods.
-extern "C" __global__ void
-finish_gradient(float* out, const float* sums, const float* params, u32 e, u32 t, u32 blocks) {
+// [blocks][5].
+extern "C" __global__ void finish_gradient(const __grid_constant__ FinishGradientArgs args) {
+    float* out = args.out;
+    const float *sums = args.sums, *params = args.params;
+    const u32 e = args.spring_count, t = args.hinge_count;
     u64 i = (u64)blockIdx.x * THREADS + threadIdx.x;
     const u64 laws = 3 * (u64)e + 3 * (u64)t;
     if (i < e) {
@@ -80,35 +125,42 @@ finish_gradient(float* out, const float* sums, const float* params, u32 e, u32 t
         out[i] = sums[i];
     } else if (i >= laws && i < laws + 5) {
         float sum = 0.0f;
-        for (u32 b = 0; b < blocks; b++) sum += sums[laws + 5 * b + (i - laws)];
+        for (u32 b = 0; b < args.block_count; b++) sum += sums[laws + 5 * b + (i - laws)];
         out[i] = sum;
     }
 }
 
+struct CollectControlsArgs {
+    const InstanceArgs* instances;
+    float* const* outs;    // by instance: [frames + 1][C][3]
+    u32 block_count;
+    u32 unused;
+};
+
 // Adds a frame's d loss / d (from, to, velocity) of control points and pins to d loss / d controls, shape
 // [frames + 1][C][3], and clears them.
-extern "C" __global__ void collect_controls(const Job* jobs, float* const* outs, u32 blocks) {
-    const Job& job = jobs[blockIdx.y];
-    const u32 c = job.topology.controls;
+extern "C" __global__ void collect_controls(const __grid_constant__ CollectControlsArgs args) {
+    const InstanceArgs& instance = args.instances[blockIdx.y];
+    const u32 c = instance.topology.control_count;
     u32 control = blockIdx.x * THREADS + threadIdx.x;
     if (control >= c) return;
     float sum[9];
     for (u32 k = 0; k < 9; k++) {
         sum[k] = 0.0f;
-        for (u32 b = 0; b < blocks; b++) {
-            float* from = job.control_sums + ((u64)b * 9 + k) * c + control;
+        for (u32 b = 0; b < args.block_count; b++) {
+            float* from = instance.adjoint.control_sums + ((u64)b * 9 + k) * c + control;
             sum[k] += *from;
             *from = 0.0f;
         }
-        for (u32 p = 0; p < job.pins; p++) {
-            if (job.topology.pins[p].control != control) continue;
-            float* from = job.pin_sums + k * job.pins + p;
+        for (u32 p = 0; p < instance.topology.pin_count; p++) {
+            if (instance.topology.pins[p].control != control) continue;
+            float* from = instance.adjoint.pin_sums + k * instance.topology.pin_count + p;
             sum[k] += *from;
             *from = 0.0f;
         }
     }
-    float rate = job.controls_move ? 1.0f / job.frame_s : 0.0f;
-    float* from = outs[blockIdx.y] + ((u64)job.first * c + control) * 3;
+    float rate = instance.step.controls_move ? 1.0f / instance.step.frame_s : 0.0f;
+    float* from = args.outs[blockIdx.y] + ((u64)instance.state.first_frame * c + control) * 3;
     float* to = from + 3 * c;
     for (u32 k = 0; k < 3; k++) {
         from[k] += sum[k] - rate * sum[6 + k];
@@ -116,20 +168,28 @@ extern "C" __global__ void collect_controls(const Job* jobs, float* const* outs,
     }
 }
 
-// Starts or goes on with a window: d loss / d state at the end of frame `Job::first` - 1 is what came back so
+struct AddSeedsArgs {
+    const InstanceArgs* instances;
+    const float* const* seeds;  // by instance: d loss / d positions, [3][N]
+    u32 begins;                 // whether the backward pass begins here
+    u32 unused;
+};
+
+// Starts or goes on with a window: d loss / d state at the end of frame `StateArgs::first_frame` - 1 is what came back so
 // far (nothing if `begins`) plus the seed of that frame's own terms.
-extern "C" __global__ void add_seeds(const Job* jobs, const float* const* seeds, u32 begins) {
-    const Job& job = jobs[blockIdx.y];
-    const u32 n = job.topology.node_count;
+extern "C" __global__ void add_seeds(const __grid_constant__ AddSeedsArgs args) {
+    const InstanceArgs& instance = args.instances[blockIdx.y];
+    const u32 begins = args.begins;
+    const u32 n = instance.topology.node_count;
     u32 node = blockIdx.x * THREADS + threadIdx.x;
     // Nothing is measured of twists by themselves.
-    for (u32 r = node; begins && r < job.topology.rods; r += gridDim.x * THREADS)
-        job.twist_bars[r] = 0.0f;
+    for (u32 r = node; begins && r < instance.topology.rod_count; r += gridDim.x * THREADS)
+        instance.adjoint.bar_twists[r] = 0.0f;
     if (node >= n) return;
-    const float* s = seeds[blockIdx.y];
-    float3 x = begins ? zero3() : xyz(job.bar_x[node]);
-    float3 v = begins ? zero3() : xyz(job.bar_v[node]);
+    const float* s = args.seeds[blockIdx.y];
+    float3 x = begins ? zero3() : xyz(instance.adjoint.bar_x[node]);
+    float3 v = begins ? zero3() : xyz(instance.adjoint.bar_v[node]);
     x = add(x, v3(s[node], s[n + node], s[2 * n + node]));
-    job.bar_x[node] = with_w(x, 0.0f);
-    job.bar_v[node] = with_w(v, 0.0f);
+    instance.adjoint.bar_x[node] = with_w(x, 0.0f);
+    instance.adjoint.bar_v[node] = with_w(v, 0.0f);
 }

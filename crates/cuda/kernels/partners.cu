@@ -1,18 +1,18 @@
 // Contact candidates: for each node, the nodes that it may touch during a frame, through a hash grid;
-// once a frame, one block a job. Everything is placed in a fixed order, so that impulses are summed in one.
+// once a frame, one block an instance. Everything is placed in a fixed order, so that impulses are summed in one.
 
 #define CELLS 4096
 #define SCAN (CELLS / THREADS)
 
 struct Search {
-    const Job* job;
+    const InstanceArgs* instance;
     const float* state;
     Path path;
     float radius;
 };
 
 DEVICE float3 position(const Search& s, u32 node) {
-    const Topology& t = s.job->topology;
+    const TopologyArgs& t = s.instance->topology;
     int pin = t.pin_of[node];
     if (pin >= 0) {
         Pin p = t.pins[pin];
@@ -23,7 +23,7 @@ DEVICE float3 position(const Search& s, u32 node) {
 }
 
 DEVICE float square_speed(const Search& s, u32 node) {
-    const Topology& t = s.job->topology;
+    const TopologyArgs& t = s.instance->topology;
     int pin = t.pin_of[node];
     if (pin >= 0) {
         float3 v = control_velocity(s.path, t.pins[pin].control);
@@ -46,20 +46,20 @@ DEVICE u32 bucket_of(const Search& s, u32 node) {
     return bucket(cell_index(x.x, s.radius), cell_index(x.y, s.radius), cell_index(x.z, s.radius));
 }
 
-DEVICE bool may_touch(const Job& job, u32 a, u32 b) {
+DEVICE bool may_touch(const InstanceArgs& instance, u32 a, u32 b) {
     if (a == b) return false;
-    if (job.object_ids[a] != job.object_ids[b]) return job.between_objects != 0;
-    if (!job.within_object) return false;
-    u32 low = job.joined_starts[a], high = job.joined_starts[a + 1];
+    if (instance.contact.object_ids[a] != instance.contact.object_ids[b]) return instance.contact.between_objects != 0;
+    if (!instance.contact.within_object) return false;
+    u32 low = instance.contact.joined_starts[a], high = instance.contact.joined_starts[a + 1];
     while (low < high) {
         u32 middle = (low + high) / 2;
-        if (job.joined[middle] < b) {
+        if (instance.contact.joined[middle] < b) {
             low = middle + 1;
         } else {
             high = middle;
         }
     }
-    return low == job.joined_starts[a + 1] || job.joined[low] != b;
+    return low == instance.contact.joined_starts[a + 1] || instance.contact.joined[low] != b;
 }
 
 // A warp goes through the nodes around `node`; writes those within `limit` to `to` unless it is null,
@@ -81,30 +81,37 @@ DEVICE u32 visit(const Search& s, const u32* starts, u32 node, float limit, u32*
         if (!__shfl_sync(0xffffffffu, (int)first, cell)) continue;
         u32 b = __shfl_sync(0xffffffffu, mine, cell);
         for (u32 i = starts[b]; i < starts[b + 1]; i += 32) {
-            u32 other = i + lane < starts[b + 1] ? s.job->partner_scratch[i + lane] : node;
+            u32 other = i + lane < starts[b + 1] ? s.instance->contact.partner_scratch[i + lane] : node;
             float3 r = sub(position(s, other), here);
-            bool near = other != node && dot(r, r) <= limit && may_touch(*s.job, node, other);
+            bool near = other != node && dot(r, r) <= limit && may_touch(*s.instance, node, other);
             u32 hits = __ballot_sync(0xffffffffu, near);
             u32 slot = found + __popc(hits & ((1u << lane) - 1));
             // More nodes in one place than there is room for stay out, however near.
-            if (near && to && slot < s.job->max_partners) to[slot] = other;
+            if (near && to && slot < s.instance->contact.max_partners) to[slot] = other;
             found += __popc(hits);
         }
     }
     return found;
 }
 
-extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const Job* jobs, u32 frame) {
+struct FindPartnersArgs {
+    const InstanceArgs* instances;
+    u32 frame;
+    u32 unused;
+};
+
+extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const __grid_constant__ FindPartnersArgs args) {
     __shared__ u32 starts[CELLS + 1];
     __shared__ u32 cursors[CELLS];
     __shared__ float fastest[THREADS / 32];
-    const Job& job = jobs[blockIdx.x];
-    if (frame >= job.frames) return;
-    const u32 n = job.topology.node_count;
+    const InstanceArgs& instance = args.instances[blockIdx.x];
+    const u32 frame = args.frame;
+    if (frame >= instance.state.frame_count) return;
+    const u32 n = instance.topology.node_count;
     Search s;
-    s.job = &job;
-    s.state = job.states + (u64)((job.first + frame) % job.slots) * 6 * n;
-    s.path = path_of(job, job.first + frame);
+    s.instance = &instance;
+    s.state = instance.state.states + (u64)((instance.state.first_frame + frame) % instance.state.slot_count) * 6 * n;
+    s.path = path_of(instance, instance.state.first_frame + frame);
 
     float fast = 0.0f;
     for (u32 i = threadIdx.x; i < n; i += THREADS) fast = fmaxf(fast, square_speed(s, i));
@@ -115,8 +122,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const Job* j
     __syncthreads();
     for (u32 w = 0; w < THREADS / 32; w++) fast = fmaxf(fast, fastest[w]);
     // What the fastest two can close within the frame, at least once and at most four times the distance.
-    float d = job.collision_distance;
-    float travel = 2.0f * sqrtf(fast) * job.frame_s;
+    float d = instance.contact.collision_distance;
+    float travel = 2.0f * sqrtf(fast) * instance.step.frame_s;
     s.radius = d + fminf(fmaxf(travel, d), 4.0f * d);
 
     for (u32 i = threadIdx.x; i < n; i += THREADS) atomicAdd(cursors + bucket_of(s, i), 1u);
@@ -141,7 +148,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const Job* j
             u32 same = __match_any_sync(0xffffffffu, b);
             u32 rank = __popc(same & ((1u << threadIdx.x) - 1));
             u32 at = node < n ? cursors[b] + rank : 0;
-            if (node < n) job.partner_scratch[at] = node;
+            if (node < n) instance.contact.partner_scratch[at] = node;
             __syncwarp();
             if (node < n && rank == 0) cursors[b] += __popc(same);
             __syncwarp();
@@ -150,15 +157,15 @@ extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const Job* j
     __syncthreads();
 
     for (u32 node = threadIdx.x / 32; node < n; node += THREADS / 32) {
-        u32* to = job.partners + (u64)node * job.max_partners;
+        u32* to = instance.contact.partners + (u64)node * instance.contact.max_partners;
         float high = s.radius * s.radius;
         u32 found = visit(s, starts, node, high, 0);
-        if (found > job.max_partners) {
+        if (found > instance.contact.max_partners) {
             // An object has collapsed: as many of the nearest as there is room for.
             float low = 0.0f;
             for (u32 step = 0; step < 24; step++) {
                 float middle = 0.5f * (low + high);
-                if (visit(s, starts, node, middle, 0) > job.max_partners) {
+                if (visit(s, starts, node, middle, 0) > instance.contact.max_partners) {
                     high = middle;
                 } else {
                     low = middle;
@@ -167,6 +174,6 @@ extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const Job* j
             high = low;
         }
         found = visit(s, starts, node, high, to);
-        if (threadIdx.x % 32 == 0) job.partner_counts[node] = min(found, job.max_partners);
+        if (threadIdx.x % 32 == 0) instance.contact.partner_counts[node] = min(found, instance.contact.max_partners);
     }
 }

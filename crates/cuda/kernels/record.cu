@@ -1,6 +1,6 @@
 // What a rollout returns: recorded positions, and the extremes of strain and speed at frame ends.
 
-struct Record {
+struct RecordingArgs {
     const float* states;    // [slots][6][N]
     const u32* frames;      // recorded frames
     const u32* nodes;       // recorded nodes, or null for all
@@ -9,19 +9,25 @@ struct Record {
     const float* params;    // as in `params.cu`
     const float* controls;  // [frames + 1][C][3]
     float* extremes;        // [all frames][2]: largest strain, largest speed
-    u32 node_count, recorded_nodes, recorded_frames, slots;
-    u32 spring_count, controls_count, frame_count, unused;
+    u32 node_count, recorded_nodes, recorded_frames, slot_count;
+    u32 spring_count, control_count, frame_count, unused;
 };
 
-static_assert(sizeof(Record) == SIZE_OF_RECORD, "src/record.rs");
+struct RecordArgs {
+    const RecordingArgs* recordings;
+};
 
-// Block (nodes, recorded frame, job).
-extern "C" __global__ void record(const Record* jobs) {
-    const Record& r = jobs[blockIdx.z];
+struct ExtremesArgs {
+    const RecordingArgs* recordings;
+};
+
+// Block (nodes, recorded frame, instance).
+extern "C" __global__ void record(const __grid_constant__ RecordArgs args) {
+    const RecordingArgs& r = args.recordings[blockIdx.z];
     u32 k = blockIdx.x * THREADS + threadIdx.x;
     if (blockIdx.y >= r.recorded_frames || k >= r.recorded_nodes) return;
     u32 n = r.node_count, node = r.nodes ? r.nodes[k] : k;
-    const float* s = r.states + (u64)(r.frames[blockIdx.y] % r.slots) * 6 * n;
+    const float* s = r.states + (u64)(r.frames[blockIdx.y] % r.slot_count) * 6 * n;
     float* out = r.positions + ((u64)blockIdx.y * r.recorded_nodes + k) * 3;
     for (u32 c = 0; c < 3; c++) out[c] = s[c * n + node];
 }
@@ -37,13 +43,13 @@ DEVICE float block_max(float value) {
     return value;
 }
 
-// Block (frame - 1, job).
-extern "C" __global__ void __launch_bounds__(THREADS) extremes(const Record* jobs) {
-    const Record& r = jobs[blockIdx.y];
+// Block (frame - 1, instance).
+extern "C" __global__ void __launch_bounds__(THREADS) extremes(const __grid_constant__ ExtremesArgs args) {
+    const RecordingArgs& r = args.recordings[blockIdx.y];
     u32 frame = blockIdx.x + 1, n = r.node_count;
     if (frame > r.frame_count) return;
-    const float* s = r.states + (u64)(frame % r.slots) * 6 * n;
-    const float* held = r.controls + (u64)frame * r.controls_count * 3;
+    const float* s = r.states + (u64)(frame % r.slot_count) * 6 * n;
+    const float* held = r.controls + (u64)frame * r.control_count * 3;
     float strain = 0.0f, square = 0.0f;
     for (u32 e = threadIdx.x; e < r.spring_count; e += THREADS) {
         float3 ends[2];

@@ -18,7 +18,7 @@ struct State {
 };
 
 struct Local {
-    const Job* job;
+    const InstanceArgs* instance;
     Share share;
     u32 rank;    // of this block in its team
     u32 stride;
@@ -28,32 +28,32 @@ struct Local {
     Arrivals arrivals;
 
     // x, y, z, vx.
-    DEVICE_MEMBER float4* xs(u32 buffer, u32 instance) const {
-        return shared_memory + (buffer * INSTANCES + instance) * stride;
+    DEVICE_MEMBER float4* xs(u32 buffer, u32 m) const {
+        return shared_memory + (buffer * INSTANCES + m) * stride;
     }
     // vy, vz.
-    DEVICE_MEMBER float2* vs(u32 buffer, u32 instance) const {
+    DEVICE_MEMBER float2* vs(u32 buffer, u32 m) const {
         return reinterpret_cast<float2*>(shared_memory + 2 * INSTANCES * stride) +
-               (buffer * INSTANCES + instance) * stride;
+               (buffer * INSTANCES + m) * stride;
     }
-    DEVICE_MEMBER State state(u32 buffer, u32 instance, u32 local) const {
-        float4 a = xs(buffer, instance)[local];
-        float2 b = vs(buffer, instance)[local];
+    DEVICE_MEMBER State state(u32 buffer, u32 m, u32 local) const {
+        float4 a = xs(buffer, m)[local];
+        float2 b = vs(buffer, m)[local];
         State s;
         s.x = xyz(a);
         s.v = v3(a.w, b.x, b.y);
         return s;
     }
-    DEVICE_MEMBER void put(u32 buffer, u32 instance, u32 local, float3 x, float3 v) const {
-        xs(buffer, instance)[local] = with_w(x, v.x);
-        vs(buffer, instance)[local] = make_float2(v.y, v.z);
+    DEVICE_MEMBER void put(u32 buffer, u32 m, u32 local, float3 x, float3 v) const {
+        xs(buffer, m)[local] = with_w(x, v.x);
+        vs(buffer, m)[local] = make_float2(v.y, v.z);
     }
     // What follows the states, from so many float4s on.
     DEVICE_MEMBER float4* after_states(u32 offset) const {
         return shared_memory + 3 * INSTANCES * stride + offset;
     }
-    DEVICE_MEMBER float4* spill() const { return job->spill + (u64)rank * job->spill_stride; }
-    DEVICE_MEMBER u32 graph_node(u32 local) const { return job->topology.nodes[share.nodes + local]; }
+    DEVICE_MEMBER float4* spill() const { return instance->team.spill + (u64)rank * instance->team.spill_stride; }
+    DEVICE_MEMBER u32 graph_node(u32 local) const { return instance->topology.nodes[share.nodes + local]; }
 };
 
 // An array of shared memory that indices will be added to: its address is a number of its own, or the compiler
@@ -75,16 +75,16 @@ DEVICE State state_at(const float4* xs, const float2* vs, u32 local) {
 }
 
 // `halo_bytes` are those that a node in a halo is told of in a substep.
-DEVICE Local local_of(const Job* job, u32 rank, u32 halo_bytes) {
+DEVICE Local local_of(const InstanceArgs* instance, u32 rank, u32 halo_bytes) {
     Local l;
-    l.job = job;
+    l.instance = instance;
     l.rank = rank;
-    l.share = job->topology.shares[rank];
-    l.stride = job->topology.stride;
+    l.share = instance->topology.shares[rank];
+    l.stride = instance->topology.stride;
     l.round = 0;
-    l.control_base = job->topology.control_base;
-    l.controls = job->topology.controls;
-    l.barrier = job->barrier;
+    l.control_base = instance->topology.control_base;
+    l.controls = instance->topology.control_count;
+    l.barrier = instance->team.barrier;
     l.arrivals = count_bytes((l.share.local - l.share.own) * halo_bytes);
     return l;
 }
@@ -97,9 +97,9 @@ DEVICE u32 pairs_size(u32 pairs) {
 
 // The half-springs of rows `0..rows` of a block: where they are, after a copy to `near` if they are held there.
 DEVICE Pairs pairs_of(const Local& l, u32 rows, float4* near) {
-    const Topology& t = l.job->topology;
+    const TopologyArgs& t = l.instance->topology;
     u32 first = t.rows[l.share.row] * 32;
-    Pairs far = {l.job->rates + first, l.job->others + first, l.job->dashpots + first};
+    Pairs far = {l.instance->parameters.rates + first, l.instance->parameters.others + first, l.instance->parameters.dashpots + first};
 #if HALF_SPRINGS_IN_SHARED
     u32 count = t.rows[l.share.row + rows] * 32 - first;
     float4* rates = near;
@@ -132,19 +132,19 @@ struct Place {
     u32 summed, sums;     // how many of them, from the first on, have sums, and where
     u32 arm, arms;        // its arm references that the lane does not hold: every LANES-th
     u32 held_arms[HELD_ARMS];
-    u32 export_, exports; // its export references; the first of them:
+    u32 export_from, exports; // its export references; the first of them:
     u32 refs[HELD_EXPORTS];
 };
 
 DEVICE Place place_of(const Local& l, u32 row) {
-    const Topology& t = l.job->topology;
+    const TopologyArgs& t = l.instance->topology;
     Place p;
     p.lane = threadIdx.x % LANES;
     u32 node = row * NODES_A_ROW + threadIdx.x % 32 / LANES;
     p.valid = row < l.share.rows && node < l.share.own;
     p.node = p.valid ? node : 0;
     p.at = l.share.own > 0 ? l.graph_node(p.node) : 0;
-    p.slot = l.job->tape_slots ? l.job->tape_slots[p.at] : 0;
+    p.slot = l.instance->tape.slot_of ? l.instance->tape.slot_of[p.at] : 0;
     p.pin = p.valid ? t.pin_of[p.at] : -1;
     p.pin_control = 0;
     p.pin_offset = zero3();
@@ -160,12 +160,12 @@ DEVICE Place place_of(const Local& l, u32 row) {
     const u32* sums = t.sum_rows + l.share.row;
     p.summed = has_row ? sums[row + 1] - sums[row] : 0;
     p.sums = has_row ? sums[row] * PAIR_SUMS + threadIdx.x % 32 : 0;
-    p.arm = p.arms = p.export_ = p.exports = 0;
+    p.arm = p.arms = p.export_from = p.exports = 0;
     if (p.valid) {
         p.arm = t.arms[l.share.arm + p.node] + p.lane;
         p.arms = t.arms[l.share.arm + p.node + 1];
-        p.export_ = t.exports[l.share.export_ + p.node] + p.lane;
-        p.exports = t.exports[l.share.export_ + p.node + 1];
+        p.export_from = t.exports[l.share.export_start + p.node] + p.lane;
+        p.exports = t.exports[l.share.export_start + p.node + 1];
     }
 #if BENDING
 #pragma unroll
@@ -177,7 +177,7 @@ DEVICE Place place_of(const Local& l, u32 row) {
 #if SHAPE == SHAPE_CLUSTER
 #pragma unroll
     for (u32 k = 0; k < HELD_EXPORTS; k++) {
-        u32 e = p.export_ + k * LANES;
+        u32 e = p.export_from + k * LANES;
         p.refs[k] = e < p.exports ? t.export_refs[e] : 0xffffffffu;
     }
 #endif
@@ -191,8 +191,8 @@ DEVICE void for_exports(const Local& l, const Place& p, Tell tell) {
     for (u32 k = 0; k < HELD_EXPORTS; k++) {
         if (p.refs[k] != 0xffffffffu) tell(p.refs[k] >> 16, p.refs[k] & 0xffff);
     }
-    for (u32 e = p.export_ + HELD_EXPORTS * LANES; e < p.exports; e += LANES) {
-        u32 ref = l.job->topology.export_refs[e];
+    for (u32 e = p.export_from + HELD_EXPORTS * LANES; e < p.exports; e += LANES) {
+        u32 ref = l.instance->topology.export_refs[e];
         tell(ref >> 16, ref & 0xffff);
     }
 }
@@ -214,10 +214,10 @@ publish_state(const Local& l, const Place& p, u32 next, u32 m, float3 x, float3 
         send(vs + there, l.arrivals.of(next), block, b);
     });
 #elif SHAPE == SHAPE_GRID
-    u32 n = l.job->topology.node_count;
+    u32 n = l.instance->topology.node_count;
     if (p.lane == 0) {
-        __stcg(l.job->exchange_x + next * (u64)n + p.at, a);
-        __stcg(l.job->exchange_v + next * (u64)n + p.at, b);
+        __stcg(l.instance->team.exchange_x + next * (u64)n + p.at, a);
+        __stcg(l.instance->team.exchange_v + next * (u64)n + p.at, b);
     }
 #endif
 }
@@ -228,7 +228,7 @@ DEVICE void publish_vector(const Local& l, const Place& p, u32 next, float4* her
 #if SHAPE == SHAPE_CLUSTER
     for_exports(l, p, [&](u32 block, u32 there) { send(here + there, l.arrivals.of(next), block, value); });
 #elif SHAPE == SHAPE_GRID
-    if (p.lane == 0) __stcg(l.job->exchange_x + next * (u64)l.job->topology.node_count + p.at, value);
+    if (p.lane == 0) __stcg(l.instance->team.exchange_x + next * (u64)l.instance->topology.node_count + p.at, value);
 #endif
 }
 
@@ -242,7 +242,7 @@ DEVICE Halo halo_of(const Local& l) {
     Halo h;
     h.nodes = 0;
 #if SHAPE == SHAPE_GRID
-    h.nodes = l.job->topology.node_count;
+    h.nodes = l.instance->topology.node_count;
 #pragma unroll
     for (u32 k = 0; k < HELD_HALO; k++) {
         u32 i = l.share.own + threadIdx.x + k * THREADS;
@@ -269,8 +269,8 @@ DEVICE void for_halo(const Local& l, const Halo& h, Fetch fetch) {
 
 DEVICE void fetch_states(const Local& l, const Halo& h, u32 next) {
 #if SHAPE == SHAPE_GRID
-    const float4* from_x = l.job->exchange_x + next * (u64)h.nodes;
-    const float2* from_v = l.job->exchange_v + next * (u64)h.nodes;
+    const float4* from_x = l.instance->team.exchange_x + next * (u64)h.nodes;
+    const float2* from_v = l.instance->team.exchange_v + next * (u64)h.nodes;
     for_halo(l, h, [&](u32 i, u32 at) {
         l.xs(next, 0)[i] = __ldcg(from_x + at);
         l.vs(next, 0)[i] = __ldcg(from_v + at);
@@ -280,7 +280,7 @@ DEVICE void fetch_states(const Local& l, const Halo& h, u32 next) {
 
 DEVICE void fetch_vectors(const Local& l, const Halo& h, u32 next, float4* here) {
 #if SHAPE == SHAPE_GRID
-    const float4* from = l.job->exchange_x + next * (u64)h.nodes;
+    const float4* from = l.instance->team.exchange_x + next * (u64)h.nodes;
     for_halo(l, h, [&](u32 i, u32 at) { here[i] = __ldcg(from + at); });
 #endif
 }
@@ -330,11 +330,11 @@ struct HeldRod {
 DEVICE HeldRod rod_at(const Local& l, u32 r) {
     HeldRod h = {0, 0, 0.0f, 0.0f, 0.0f};
     if (r < RODS) {
-        h.first = l.job->topology.rod_turns[r];
-        h.end = l.job->topology.rod_turns[r + 1];
-        h.stiffness = l.job->rods[r];
-        h.damping = l.job->rods[RODS + r];
-        h.rest_twist = l.job->rods[2 * RODS + r];
+        h.first = l.instance->topology.rod_turns[r];
+        h.end = l.instance->topology.rod_turns[r + 1];
+        h.stiffness = l.instance->parameters.rods[r];
+        h.damping = l.instance->parameters.rods[RODS + r];
+        h.rest_twist = l.instance->parameters.rods[2 * RODS + r];
     }
     return h;
 }
@@ -356,7 +356,7 @@ struct Inner {
 
 DEVICE Inner inner_at(const Local& l, u32 now, u32 m, u32 t) {
     Inner in;
-    in.ends = l.job->topology.triplets[l.share.triplet + t];
+    in.ends = l.instance->topology.triplets[l.share.triplet + t];
     State i = l.state(now, m, in.ends.i), j = l.state(now, m, in.ends.j);
     State k = l.state(now, m, in.ends.k);
     float3 e = sub(j.x, i.x), g = sub(k.x, j.x);
@@ -373,8 +373,8 @@ DEVICE HeldTriplet triplet_at(const Local& l, u32 t) {
     h.ends.i = h.ends.j = h.ends.k = h.ends.owned = 0;
     h.params.stiffness = h.params.damping = h.params.rest_bend = 0.0f;
     if (h.has) {
-        h.ends = l.job->topology.triplets[l.share.triplet + t];
-        float4 packed = l.job->bends[l.share.triplet + t];
+        h.ends = l.instance->topology.triplets[l.share.triplet + t];
+        float4 packed = l.instance->parameters.bends[l.share.triplet + t];
         h.params.stiffness = packed.x;
         h.params.damping = packed.y;
         h.params.rest_bend = packed.z;

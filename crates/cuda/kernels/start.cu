@@ -1,30 +1,33 @@
 // Where instances start: the initial state, which many may share, with pinned nodes on their control points.
 
-struct Start {
+// Initial state of an instance.
+struct InitialArgs {
     const float* initial;   // [6][N]: x, y, z, vx, vy, vz
     float* states;          // the same, of frame 0
     const float* controls;  // [frames + 1][C][3]
     const int* pin_of;      // by node: its pin, -1 if it has none
     const Pin* pins;
-    float frame_s;
-    u32 nodes;
-    u32 control_count;
-    u32 controls_move;      // whether there is a next frame, towards which pinned nodes move
     const float* initial_twists;  // [R]
     float* twists;          // the same, of frame 0
-    u32 rods;
+    float frame_s;
+    u32 node_count;         // N
+    u32 rod_count;          // R
+    u32 control_count;      // C
+    u32 controls_move;      // whether there is a next frame, towards which pinned nodes move
     u32 unused;
 };
 
-static_assert(sizeof(Start) == SIZE_OF_START, "src/job.rs");
+struct StartArgs {
+    const InitialArgs* instances;
+};
 
-// Block (nodes, job).
-extern "C" __global__ void start(const Start* jobs) {
-    const Start& s = jobs[blockIdx.y];
+// Block (nodes, instance).
+extern "C" __global__ void start(const __grid_constant__ StartArgs args) {
+    const InitialArgs& s = args.instances[blockIdx.y];
     u32 i = blockIdx.x * THREADS + threadIdx.x;
-    for (u32 r = i; r < s.rods; r += gridDim.x * THREADS) s.twists[r] = s.initial_twists[r];
-    if (i >= s.nodes) return;
-    u64 n = s.nodes;
+    for (u32 r = i; r < s.rod_count; r += gridDim.x * THREADS) s.twists[r] = s.initial_twists[r];
+    if (i >= s.node_count) return;
+    u64 n = s.node_count;
     float3 x = v3(s.initial[i], s.initial[n + i], s.initial[2 * n + i]);
     float3 v = v3(s.initial[3 * n + i], s.initial[4 * n + i], s.initial[5 * n + i]);
     int pin = s.pin_of[i];

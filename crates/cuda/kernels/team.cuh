@@ -54,7 +54,7 @@ DEVICE void send(const float2* here, u32 arrivals, u32 block, float2 value) {
 // Barriers that count the bytes of a block's halo, one for each buffer; bytes may come before they are expected. A
 // buffer is written to again only by blocks that have heard from this one since: whoever reads a node of another
 // block's does so for own nodes that are in the other's halo, and tells of them after all that it reads for them
-// (`src/layout/tests/halos.rs`).
+// (`src/plan/layout/tests/halos.rs`).
 struct Arrivals {
     u32 address;  // of the first; the other is 8 bytes on
     u32 bytes;    // of a halo

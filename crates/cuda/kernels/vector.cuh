@@ -7,6 +7,9 @@ typedef unsigned long long u64;
 #define DEVICE static __device__ __forceinline__
 #define DEVICE_MEMBER __device__ __forceinline__
 
+// First byte of a field in a struct, as a constant: NVRTC has no `offsetof`, this is the one of its front end.
+#define OFFSET_OF(type, field) __INTADDR__(&((type*)0)->field)
+
 DEVICE float3 v3(float x, float y, float z) { return make_float3(x, y, z); }
 DEVICE float3 xyz(float4 a) { return make_float3(a.x, a.y, a.z); }
 DEVICE float4 with_w(float3 a, float w) { return make_float4(a.x, a.y, a.z, w); }

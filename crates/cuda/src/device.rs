@@ -1,14 +1,15 @@
 //! A device: its context, what it is able to, its memory, and the kernels loaded on it.
 
+pub(crate) mod args;
 pub(crate) mod cache;
 pub(crate) mod compile;
-pub(crate) mod job;
-pub(crate) mod kernel;
+pub(crate) mod kernels;
 pub(crate) mod launch;
 pub(crate) mod memo;
 pub(crate) mod memory;
 pub(crate) mod pace;
 pub(crate) mod queue;
+pub(crate) mod specialization;
 pub(crate) mod staging;
 pub(crate) mod team;
 
@@ -16,16 +17,16 @@ use std::sync::Arc;
 
 use bendtwin_engine::{Error, backend::Memory};
 use cudarc::driver::{
-    CudaContext, CudaModule, CudaStream, DriverError,
+    CudaContext, CudaFunction, CudaModule, CudaStream, DriverError,
     sys::{self, CUdevice_attribute as Attribute},
 };
 
 use self::{
     cache::Cache,
-    kernel::{Source, Variant},
     launch::Function,
     memo::Memo,
-    team::{Meeting, Team},
+    specialization::{Source, Specialization},
+    team::{Team, TeamShape},
 };
 use crate::Options;
 
@@ -43,7 +44,7 @@ const CLUSTERS: [u32; 4] = [16, 8, 4, 2];
 
 /// What a device is able to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ability {
+pub(crate) struct Capabilities {
     /// Multiprocessors.
     pub(crate) processors: u32,
     /// Shared memory that a block can have [bytes].
@@ -52,7 +53,7 @@ pub(crate) struct Ability {
     pub(crate) cluster: u32,
 }
 
-impl Ability {
+impl Capabilities {
     /// Dynamic shared memory that a block can have beside its static variables [bytes].
     pub(crate) fn dynamic_shared(&self) -> u32 {
         self.shared_bytes.saturating_sub(STATIC_SHARED_BYTES)
@@ -63,7 +64,7 @@ impl Ability {
 pub(crate) struct Device {
     pub(crate) context: Arc<CudaContext>,
     pub(crate) name: String,
-    pub(crate) ability: Ability,
+    pub(crate) capabilities: Capabilities,
     /// Bytes that this process may have.
     pub(crate) budget: u64,
     /// The one kind of team that is used, whatever would be best.
@@ -75,8 +76,8 @@ pub(crate) struct Device {
     pub(crate) beside_urgent: Vec<Arc<CudaStream>>,
     pub(crate) beside_normal: Vec<Arc<CudaStream>>,
     cache: Cache,
-    functions: Memo<(Variant, &'static str), Arc<Function>>,
-    modules: Memo<Variant, Arc<CudaModule>>,
+    functions: Memo<(Specialization, &'static str), Arc<Function>>,
+    modules: Memo<Specialization, Arc<CudaModule>>,
 }
 
 impl Device {
@@ -113,7 +114,7 @@ impl Device {
         let (major, minor) =
             context.compute_capability().map_err(|e| fault("the compute capability", e))?;
         let architecture = (10 * major + minor).max(0) as u32;
-        let ability = Ability {
+        let capabilities = Capabilities {
             processors: attribute(Attribute::CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT)?.max(1)
                 as u32,
             shared_bytes: attribute(
@@ -137,7 +138,7 @@ impl Device {
         let mut device = Self {
             cache: Cache::new(options.cache_dir.as_deref(), architecture)?,
             name,
-            ability,
+            capabilities,
             budget,
             team: None,
             urgent,
@@ -149,14 +150,14 @@ impl Device {
             context,
         };
         for source in Source::SMALL {
-            device.module(&Variant::small(source))?;
+            device.module(&Specialization::small(source))?;
         }
         if architecture >= CLUSTERS_FROM {
-            device.ability.cluster = device.largest_cluster();
+            device.capabilities.cluster = device.largest_cluster();
         }
         if let Some(name) = &options.team {
             let team = name.parse::<Team>().map_err(Error::InvalidInput)?;
-            team.check(&device.ability).map_err(Error::InvalidInput)?;
+            team.check(&device.capabilities).map_err(Error::InvalidInput)?;
             device.team = Some(team);
         }
         Ok(Arc::new(device))
@@ -176,15 +177,14 @@ impl Device {
 
     /// Whether a cluster runs here whose blocks have all the shared memory that a block can have.
     fn has_room_for_cluster(&self, blocks: u32) -> Result<bool, Error> {
-        let shared = self.ability.dynamic_shared();
+        let shared = self.capabilities.dynamic_shared();
         // Any kernel will do.
-        let any = Variant::small(Source::Start);
-        let loaded = self.module(&any)?.load_function("start");
-        let loaded = loaded.map_err(|e| fault("finding a kernel in its module", e))?;
-        let cluster = Variant { meeting: Meeting::Cluster, blocks, ..any };
-        let function = Function::new(loaded, &cluster, shared)?;
+        let any = Specialization::small(Source::Start);
+        let loaded = self.load(&any, "start")?;
+        let cluster = Specialization { shape: TeamShape::Cluster, blocks, ..any };
+        let function = Function::new("start", loaded, &cluster, shared)?;
         function.allow_shared(shared)?;
-        Ok(function.resident_teams(shared, self.ability.processors)? > 0)
+        Ok(function.resident_teams(shared, self.capabilities.processors)? > 0)
     }
 
     /// Memory of the device, whoever uses it.
@@ -196,28 +196,30 @@ impl Device {
     /// A kernel, compiled and loaded at first use.
     pub(crate) fn function(
         &self,
-        variant: &Variant,
-        name: &'static str,
+        specialization: &Specialization,
+        kernel: &'static str,
     ) -> Result<Arc<Function>, Error> {
-        self.functions.get_or_make((*variant, name), || {
-            let module = self.module(variant)?;
-            // Another thread may have loaded the module.
-            self.context.bind_to_thread().map_err(|e| fault("the CUDA context", e))?;
-            let loaded = module.load_function(name);
-            let loaded = loaded.map_err(|e| fault("finding a kernel in its module", e))?;
-            Ok(Arc::new(Function::new(loaded, variant, self.ability.dynamic_shared())?))
+        self.functions.get_or_make((*specialization, kernel), || {
+            let loaded = self.load(specialization, kernel)?;
+            let shared = self.capabilities.dynamic_shared();
+            Ok(Arc::new(Function::new(kernel, loaded, specialization, shared)?))
         })
     }
 
-    /// A kernel that is not specialised.
-    pub(crate) fn small(&self, source: Source, name: &'static str) -> Result<Arc<Function>, Error> {
-        self.function(&Variant::small(source), name)
+    fn load(&self, specialization: &Specialization, kernel: &str) -> Result<CudaFunction, Error> {
+        let module = self.module(specialization)?;
+        // Another thread may have loaded the module.
+        self.context.bind_to_thread().map_err(|e| fault("the CUDA context", e))?;
+        module.load_function(kernel).map_err(|e| fault(&format!("finding {kernel}"), e))
     }
 
-    fn module(&self, variant: &Variant) -> Result<Arc<CudaModule>, Error> {
-        self.modules.get_or_make(*variant, || {
-            let cubin = cudarc::nvrtc::Ptx::from_binary(self.cache.cubin(variant)?);
-            self.context.load_module(cubin).map_err(|e| fault("loading a kernel", e))
+    fn module(&self, specialization: &Specialization) -> Result<Arc<CudaModule>, Error> {
+        self.modules.get_or_make(*specialization, || {
+            let cubin = cudarc::nvrtc::Ptx::from_binary(self.cache.cubin(specialization)?);
+            let source = specialization.source;
+            self.context
+                .load_module(cubin)
+                .map_err(|e| fault(&format!("loading the kernels of {source:?}"), e))
         })
     }
 }

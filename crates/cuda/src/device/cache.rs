@@ -10,7 +10,7 @@ use bendtwin_engine::Error;
 
 use super::{
     compile,
-    kernel::{Variant, options},
+    specialization::{Specialization, options},
 };
 
 /// Where compiled kernels are kept; without a folder everything is compiled anew.
@@ -29,8 +29,8 @@ impl Cache {
     }
 
     /// The machine code of a kernel.
-    pub(crate) fn cubin(&self, variant: &Variant) -> Result<Vec<u8>, Error> {
-        let (source, options) = (variant.text(), options(self.architecture));
+    pub(crate) fn cubin(&self, specialization: &Specialization) -> Result<Vec<u8>, Error> {
+        let (source, options) = (specialization.text(), options(self.architecture));
         let mut hasher = blake3::Hasher::new();
         hasher.update(source.as_bytes());
         for option in &options {
@@ -45,7 +45,11 @@ impl Cache {
         }
         let began = std::time::Instant::now();
         let cubin = compile::compile(&source, &options)?;
-        tracing::debug!(?variant, seconds = began.elapsed().as_secs_f32(), "kernel compiled");
+        tracing::debug!(
+            ?specialization,
+            seconds = began.elapsed().as_secs_f32(),
+            "kernel compiled"
+        );
         if let Some(path) = path
             && let Err(error) = write(&path, &cubin)
         {

@@ -6,7 +6,7 @@ use bendtwin_engine::Error;
 use bytemuck::Pod;
 use cudarc::driver::{CudaStream, result, sys};
 
-use super::{fault, job::Address};
+use super::{args::Pointer, fault};
 
 /// Where arrays that follow each other end, from where each starts and the last one ends.
 pub(crate) fn end_of(starts: &[usize]) -> usize {
@@ -15,7 +15,7 @@ pub(crate) fn end_of(starts: &[usize]) -> usize {
 
 /// `len` values on the device; freed in the stream's order when dropped. Never null, even if empty.
 pub(crate) struct Buffer<T> {
-    address: Address,
+    address: u64,
     len: usize,
     stream: Arc<CudaStream>,
     values: std::marker::PhantomData<T>,
@@ -81,7 +81,7 @@ impl<T: Pod> Buffer<T> {
         }
         self.bind()?;
         // SAFETY: the range is ours; pageable host memory is staged before the call returns.
-        unsafe { result::memcpy_htod_async(self.at(at), values, self.stream.cu_stream()) }
+        unsafe { result::memcpy_htod_async(self.at(at).address(), values, self.stream.cu_stream()) }
             .map_err(|e| fault("copying to the device", e))
     }
 
@@ -102,8 +102,15 @@ impl<T: Pod> Buffer<T> {
         self.bind()?;
         let (bytes, stream) = (count * size_of::<T>(), self.stream.cu_stream());
         // SAFETY: both ranges are inside their buffers.
-        unsafe { result::memcpy_dtod_async(self.at(at), from.at(first), bytes, stream) }
-            .map_err(|e| fault("copying on the device", e))
+        unsafe {
+            result::memcpy_dtod_async(
+                self.at(at).address(),
+                from.at(first).address(),
+                bytes,
+                stream,
+            )
+        }
+        .map_err(|e| fault("copying on the device", e))
     }
 
     /// The values; waits for the stream.
@@ -121,7 +128,7 @@ impl<T: Pod> Buffer<T> {
             self.bind()?;
             let stream = self.stream.cu_stream();
             // SAFETY: the range is ours; the host's memory lives until the stream has been waited for.
-            unsafe { result::memcpy_dtoh_async(&mut values, self.at(at), stream) }
+            unsafe { result::memcpy_dtoh_async(&mut values, self.at(at).address(), stream) }
                 .map_err(|e| fault("copying from the device", e))?;
         }
         self.stream.synchronize().map_err(|e| fault("the device's work", e))?;
@@ -131,13 +138,13 @@ impl<T: Pod> Buffer<T> {
 
 impl<T> Buffer<T> {
     /// Address of the first value.
-    pub(crate) fn address(&self) -> Address {
-        self.address
+    pub(crate) fn address(&self) -> Pointer<T> {
+        Pointer::new(self.address)
     }
 
     /// Address of a value.
-    pub(crate) fn at(&self, index: usize) -> Address {
-        self.address + (index * size_of::<T>()) as u64
+    pub(crate) fn at(&self, index: usize) -> Pointer<T> {
+        self.address().add(index)
     }
 
     /// Number of values.

@@ -7,11 +7,10 @@ use cudarc::driver::{CudaEvent, CudaStream};
 
 use super::{
     Device, fault,
-    kernel::Source,
-    launch::Arguments,
+    launch::Launch,
     staging::Staging,
     synchronize,
-    team::{Meeting, Team},
+    team::{Team, TeamShape},
 };
 
 /// One of a device's two queues.
@@ -35,7 +34,7 @@ impl Sides<'_> {
     pub(crate) fn of(&self, k: usize, team: &Team) -> &CudaStream {
         match self.used.len() {
             0 => &self.queue.stream,
-            _ if team.meeting == Meeting::Grid => &self.queue.stream,
+            _ if team.shape == TeamShape::Grid => &self.queue.stream,
             count => &self.used[k % count],
         }
     }
@@ -94,20 +93,9 @@ impl Queue {
         })
     }
 
-    /// Launches a kernel that is not specialised.
-    ///
-    /// # Safety
-    /// As [`crate::device::launch::Function::launch`].
-    pub(crate) unsafe fn launch(
-        &self,
-        source: Source,
-        name: &'static str,
-        grid: (u32, u32, u32),
-        arguments: &Arguments,
-    ) -> Result<(), Error> {
-        let function = self.device.small(source, name)?;
-        // SAFETY: the caller's promise.
-        unsafe { function.launch(&self.stream, grid, 0, arguments) }
+    /// A grid for a kernel without specialization, behind all that has been launched.
+    pub(crate) fn grid(&self, x: u32, y: u32, z: u32) -> Launch<'_> {
+        Launch::new(&self.device, &self.stream, [x, y, z])
     }
 
     /// Waits for all work.

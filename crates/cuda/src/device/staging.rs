@@ -41,7 +41,7 @@ impl Queue {
             unsafe {
                 result::memcpy_dtoh_async(
                     &mut half[..length],
-                    buffer.address() + start as u64,
+                    buffer.address().address() + start as u64,
                     self.stream.cu_stream(),
                 )
             }

@@ -1,6 +1,6 @@
 //! Teams of blocks: how many simulate an instance, and how they exchange state.
 
-use super::Ability;
+use super::Capabilities;
 
 /// Threads of a block that is a team of its own, and of one among several.
 pub(crate) const BLOCK_THREADS: u32 = 1024;
@@ -8,7 +8,7 @@ pub(crate) const TEAM_THREADS: u32 = 512;
 
 /// How a team's blocks meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Meeting {
+pub(crate) enum TeamShape {
     /// One block.
     Block = 0,
     /// A cluster of blocks through distributed shared memory.
@@ -20,7 +20,7 @@ pub(crate) enum Meeting {
 /// A team of blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Team {
-    pub(crate) meeting: Meeting,
+    pub(crate) shape: TeamShape,
     pub(crate) blocks: u32,
     /// Threads that a block may have.
     pub(crate) threads: u32,
@@ -43,14 +43,14 @@ impl std::str::FromStr for Team {
             "" => Ok(1),
             digits => digits.parse::<u32>().map_err(|e| format!("`{s}`: {e}")),
         }?;
-        let team = |meeting, blocks, threads, instances| {
+        let team = |shape, blocks, threads, instances| {
             let threads = given.unwrap_or(threads).clamp(64, 1024).next_multiple_of(32);
-            Self { meeting, blocks, threads, instances }
+            Self { shape, blocks, threads, instances }
         };
         match (name, number) {
-            ("block", 1 | 2 | 4) => Ok(team(Meeting::Block, 1, BLOCK_THREADS, number)),
-            ("cluster", 2 | 4 | 8 | 16) => Ok(team(Meeting::Cluster, number, BLOCK_THREADS, 1)),
-            ("grid", 1..=1024) => Ok(team(Meeting::Grid, number, TEAM_THREADS, 1)),
+            ("block", 1 | 2 | 4) => Ok(team(TeamShape::Block, 1, BLOCK_THREADS, number)),
+            ("cluster", 2 | 4 | 8 | 16) => Ok(team(TeamShape::Cluster, number, BLOCK_THREADS, 1)),
+            ("grid", 1..=1024) => Ok(team(TeamShape::Grid, number, TEAM_THREADS, 1)),
             _ => Err(format!(
                 "`{s}` is no team: use block, block2, block4, cluster2 to cluster16 or grid1 to grid1024"
             )),
@@ -61,17 +61,17 @@ impl std::str::FromStr for Team {
 impl Team {
     /// Makes one block of a team of several.
     pub(crate) fn keep_together(&mut self) {
-        if self.meeting != Meeting::Block {
-            (self.meeting, self.blocks, self.threads) = (Meeting::Block, 1, BLOCK_THREADS);
+        if self.shape != TeamShape::Block {
+            (self.shape, self.blocks, self.threads) = (TeamShape::Block, 1, BLOCK_THREADS);
         }
     }
 
     /// Whether a device has room for such a team, and if not, why.
-    pub(crate) fn check(&self, ability: &Ability) -> Result<(), String> {
-        let most = match self.meeting {
-            Meeting::Block => 1,
-            Meeting::Cluster => ability.cluster,
-            Meeting::Grid => ability.processors,
+    pub(crate) fn check(&self, capabilities: &Capabilities) -> Result<(), String> {
+        let most = match self.shape {
+            TeamShape::Block => 1,
+            TeamShape::Cluster => capabilities.cluster,
+            TeamShape::Grid => capabilities.processors,
         };
         if self.blocks > most {
             return Err(format!("{self}: this device has room for {most} blocks"));
@@ -82,12 +82,12 @@ impl Team {
 
 impl std::fmt::Display for Team {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { meeting, blocks, instances, .. } = self;
-        match (meeting, instances) {
-            (Meeting::Block, 1) => write!(f, "a block per instance"),
-            (Meeting::Block, n) => write!(f, "{n} instances interleaved in a block"),
-            (Meeting::Cluster, _) => write!(f, "a cluster of {blocks} blocks per instance"),
-            (Meeting::Grid, _) => write!(f, "a grid of {blocks} blocks per instance"),
+        let Self { shape, blocks, instances, .. } = self;
+        match (shape, instances) {
+            (TeamShape::Block, 1) => write!(f, "a block per instance"),
+            (TeamShape::Block, n) => write!(f, "{n} instances interleaved in a block"),
+            (TeamShape::Cluster, _) => write!(f, "a cluster of {blocks} blocks per instance"),
+            (TeamShape::Grid, _) => write!(f, "a grid of {blocks} blocks per instance"),
         }
     }
 }

@@ -6,9 +6,9 @@ use bendtwin_engine::{Error, Model};
 
 use crate::{
     device::{
-        Ability,
-        kernel::{Source, Variant},
-        team::{BLOCK_THREADS, Meeting, TEAM_THREADS, Team},
+        Capabilities,
+        specialization::{Source, Specialization},
+        team::{BLOCK_THREADS, TEAM_THREADS, Team, TeamShape},
     },
     plan::{
         graph::{Cut, CutGraph},
@@ -38,11 +38,11 @@ impl Purpose {
     }
 }
 
-/// A kernel of a team for a model: the variant, and its dynamic shared memory.
+/// A kernel of a team for a model: the specialization, and its dynamic shared memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitted {
     pub(crate) team: Team,
-    pub(crate) variant: Variant,
+    pub(crate) specialization: Specialization,
     pub(crate) shared_bytes: u32,
     /// Float4s that a block needs in global memory.
     pub(crate) spill_stride: u32,
@@ -70,7 +70,7 @@ const WORKING_REGISTERS_BACKWARD: u32 = 86;
 /// The best team for a batch of so many instances of one graph, of those that fit the device.
 /// `alike` says how many of them share their parameters.
 pub(crate) fn choose(
-    ability: &Ability,
+    capabilities: &Capabilities,
     resident: &Resident,
     model: &Model,
     purpose: Purpose,
@@ -79,27 +79,27 @@ pub(crate) fn choose(
 ) -> Result<Fitted, Error> {
     let mut candidates = match resident.device.team {
         Some(team) => vec![(BLOCK_US, for_purpose(team, purpose))],
-        None => candidates(ability, &model.graph, purpose, batch, alike),
+        None => candidates(capabilities, &model.graph, purpose, batch, alike),
     };
     if !model.graph.rods.is_empty() {
         // A rod's twist is the business of all of its nodes: they stay in one block.
         let chosen = resident.device.team.is_some();
         candidates.iter_mut().filter(|_| chosen).for_each(|(_, t)| t.keep_together());
-        candidates.retain(|(_, t)| t.meeting == Meeting::Block);
+        candidates.retain(|(_, t)| t.shape == TeamShape::Block);
     }
     if has_contact(model) {
         candidates.iter_mut().for_each(|(_, t)| t.instances = 1);
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let chosen = resident.device.team.is_some();
-    let wasteful = |f: &Fitted| !chosen && f.team.instances > 1 && f.variant.spills();
+    let wasteful = |f: &Fitted| !chosen && f.team.instances > 1 && f.specialization.spills();
     let mut least = u64::MAX;
     let mut best: Option<Fitted> = None;
     for (substep_us, team) in candidates {
         if best.is_some_and(|b| b.substep_us <= substep_us) {
             break;
         }
-        match fit(ability, resident, model, purpose, team)? {
+        match fit(capabilities, resident, model, purpose, team)? {
             // Interleaved instances pay for what does not fit several times.
             Ok(fitted) if wasteful(&fitted) => {}
             Ok(fitted) => {
@@ -114,7 +114,7 @@ pub(crate) fn choose(
     best.ok_or_else(|| {
         Error::InvalidModel(format!(
             "a block would need {least} bytes of shared memory, it can have {}: use a coarser twin",
-            ability.shared_bytes
+            capabilities.shared_bytes
         ))
     })
 }
@@ -127,7 +127,7 @@ fn for_purpose(team: Team, purpose: Purpose) -> Team {
 
 /// Teams with the microseconds that a substep of the whole batch takes at least.
 fn candidates(
-    ability: &Ability,
+    capabilities: &Capabilities,
     graph: &Graph,
     purpose: Purpose,
     batch: usize,
@@ -140,42 +140,42 @@ fn candidates(
     };
     let mut found = Vec::new();
     let mut add =
-        |meeting, blocks: u32, threads: u32, instances: u32, fixed_us: f64, capacity: f64| {
+        |shape, blocks: u32, threads: u32, instances: u32, fixed_us: f64, capacity: f64| {
             let teams = (batch as f64 / f64::from(instances)).ceil();
             let own = work / f64::from(blocks);
             let one = fixed_us + own * f64::from(instances) * half_spring_us;
             let rounds = (teams / capacity.max(1.0)).ceil().max(1.0);
-            found.push((rounds * one, Team { meeting, blocks, threads, instances }));
+            found.push((rounds * one, Team { shape, blocks, threads, instances }));
         };
-    let processors = f64::from(ability.processors);
-    add(Meeting::Block, 1, BLOCK_THREADS, 1, BLOCK_US, processors);
+    let processors = f64::from(capabilities.processors);
+    add(TeamShape::Block, 1, BLOCK_THREADS, 1, BLOCK_US, processors);
     if purpose == Purpose::Forward {
         for instances in [2, 4] {
-            if alike >= ability.processors as usize * instances as usize {
-                add(Meeting::Block, 1, BLOCK_THREADS, instances, BLOCK_US, processors);
+            if alike >= capabilities.processors as usize * instances as usize {
+                add(TeamShape::Block, 1, BLOCK_THREADS, instances, BLOCK_US, processors);
             }
         }
     }
-    for blocks in [2, 4, 8, 16].into_iter().filter(|&b| b <= ability.cluster) {
+    for blocks in [2, 4, 8, 16].into_iter().filter(|&b| b <= capabilities.cluster) {
         // Clusters do not fill the device: their blocks share a part of it.
         let capacity =
             (processors * (1.0 - 0.0078 * f64::from(blocks)) / f64::from(blocks)).floor();
-        add(Meeting::Cluster, blocks, BLOCK_THREADS, 1, CLUSTER_US, capacity);
+        add(TeamShape::Cluster, blocks, BLOCK_THREADS, 1, CLUSTER_US, capacity);
     }
     let mut blocks = 32;
-    while blocks <= ability.processors {
+    while blocks <= capabilities.processors {
         let capacity = (processors / f64::from(blocks)).floor();
-        add(Meeting::Grid, blocks, TEAM_THREADS, 1, grid_us, capacity);
+        add(TeamShape::Grid, blocks, TEAM_THREADS, 1, grid_us, capacity);
         blocks *= 2;
     }
-    add(Meeting::Grid, ability.processors, TEAM_THREADS, 1, grid_us, 1.0);
+    add(TeamShape::Grid, capabilities.processors, TEAM_THREADS, 1, grid_us, 1.0);
     found
 }
 
 /// The kernel of a team for a model, with how much slower than estimated it is; the bytes that it would need if it
 /// does not fit.
 pub(crate) fn fit(
-    ability: &Ability,
+    capabilities: &Capabilities,
     resident: &Resident,
     model: &Model,
     purpose: Purpose,
@@ -187,45 +187,46 @@ pub(crate) fn fit(
         Err(Error::InvalidModel(_)) => return Ok(Err(u64::MAX)),
         Err(e) => return Err(e),
     };
-    let room = u64::from(ability.dynamic_shared());
+    let room = u64::from(capabilities.dynamic_shared());
     let states = 16 * state_float4s(&cut, purpose, team.instances);
     if states > room {
         return Ok(Err(states));
     }
-    let mut variant = variant(&cut, resident, model, purpose, team);
+    let mut specialization = specialization(&cut, resident, model, purpose, team);
     let mut used = states;
     // Vectors of three floats; float4s.
     let per_triplet = if purpose == Purpose::Backward { 4 } else { 2 * team.instances };
     let bend = (u64::from(cut.layout.max_triplets) * u64::from(per_triplet) * 3).div_ceil(4);
-    variant.bend_in_shared = used + 16 * bend <= room;
-    if variant.bend_in_shared {
+    specialization.bend_in_shared = used + 16 * bend <= room;
+    if specialization.bend_in_shared {
         used += 16 * bend;
     }
-    let pair_bytes = if variant.uniform_dashpot { 20 } else { 28 };
+    let pair_bytes = if specialization.uniform_dashpot { 20 } else { 28 };
     let pairs = match purpose {
         Purpose::Backward => cut.layout.max_all_pairs,
         _ => cut.layout.max_pairs,
     };
     let half_springs = (u64::from(pairs) * pair_bytes).next_multiple_of(16);
-    let in_registers = purpose != Purpose::Backward && variant.held >= cut.layout.max_row_pairs;
-    variant.half_springs_in_shared = !in_registers && used + half_springs <= room;
-    if variant.half_springs_in_shared {
+    let in_registers =
+        purpose != Purpose::Backward && specialization.held >= cut.layout.max_row_pairs;
+    specialization.half_springs_in_shared = !in_registers && used + half_springs <= room;
+    if specialization.half_springs_in_shared {
         used += half_springs;
     }
-    let spill_stride = if variant.bend_in_shared { 0 } else { bend as u32 };
+    let spill_stride = if specialization.bend_in_shared { 0 } else { bend as u32 };
     let shared_bytes = used as u32;
     let substep_us = match purpose {
-        Purpose::Backward => 1.0 + SUMS_IN_MEMORY * share_in_memory(&cut.layout, &variant),
+        Purpose::Backward => 1.0 + SUMS_IN_MEMORY * share_in_memory(&cut.layout, &specialization),
         _ => 1.0,
     };
-    Ok(Ok(Fitted { team, variant, shared_bytes, spill_stride, substep_us }))
+    Ok(Ok(Fitted { team, specialization, shared_bytes, spill_stride, substep_us }))
 }
 
 /// Share of the springs' sums that are not in registers.
-fn share_in_memory(layout: &Layout, variant: &Variant) -> f64 {
+fn share_in_memory(layout: &Layout, specialization: &Specialization) -> f64 {
     let rows: u32 = layout.shares.iter().map(|s| s.rows).sum();
     let mean = f64::from(layout.sum_pairs) / f64::from(rows.max(1));
-    ((mean - f64::from(variant.held_sums)) / mean.max(1.0)).clamp(0.0, 1.0)
+    ((mean - f64::from(specialization.held_sums)) / mean.max(1.0)).clamp(0.0, 1.0)
 }
 
 fn state_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
@@ -236,13 +237,13 @@ fn state_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
     }
 }
 
-fn variant(
+fn specialization(
     cut: &CutGraph,
     resident: &Resident,
     model: &Model,
     purpose: Purpose,
     team: Team,
-) -> Variant {
+) -> Specialization {
     let layout = &cut.layout;
     let one_row = layout.max_rows * 32 <= team.threads;
     // Graphs that differ a little share a kernel. Registers are handed out to four warps at a time anyway.
@@ -264,12 +265,12 @@ fn variant(
         }
         _ => (0, 0),
     };
-    Variant {
+    Specialization {
         source: match purpose {
             Purpose::Backward => Source::Adjoint,
             _ => Source::Integrate,
         },
-        meeting: team.meeting,
+        shape: team.shape,
         blocks: team.blocks,
         instances: team.instances,
         lanes: layout.lanes,

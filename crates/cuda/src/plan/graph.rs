@@ -8,7 +8,7 @@ use bendtwin_engine::Error;
 use crate::{
     device::{
         Device,
-        job::{self, LocalPin, Share, Triplet},
+        args::{self, LocalPin, Pointer, Share, Triplet},
         memo::Memo,
         memory::Buffer,
         team::Team,
@@ -35,7 +35,7 @@ pub(crate) struct DeviceGraph {
     pub(crate) graph: Arc<Graph>,
     /// Zero where pinned.
     inverse_mass: Buffer<f32>,
-    pins: Buffer<job::Pin>,
+    pins: Buffer<args::Pin>,
     pin_of: Buffer<i32>,
     pub(crate) object_ids: Buffer<u32>,
     /// Shape [E, 2].
@@ -56,7 +56,7 @@ pub(crate) struct Joined {
 /// A graph cut for one shape of launch.
 pub(crate) struct CutGraph {
     pub(crate) layout: Layout,
-    pub(crate) topology: job::Topology,
+    pub(crate) topology: args::TopologyArgs,
     pub(crate) springs: Buffer<u32>,
     pub(crate) others: Buffer<u32>,
     pub(crate) triplet_of: Buffer<u32>,
@@ -91,10 +91,10 @@ impl DeviceGraph {
             inverse_mass[pin.node as usize] = 0.0;
             pin_of[pin.node as usize] = p as i32;
         }
-        let pins: Vec<job::Pin> = graph
+        let pins: Vec<args::Pin> = graph
             .pins
             .iter()
-            .map(|p| job::Pin { control: p.control, offset: p.offset_m })
+            .map(|p| args::Pin { control: p.control, offset: p.offset_m })
             .collect();
         Ok(Self {
             inverse_mass: Buffer::of(stream, &inverse_mass)?,
@@ -109,7 +109,7 @@ impl DeviceGraph {
     }
 
     /// Addresses of each node's pin, -1 where it has none, and of the pins.
-    pub(crate) fn pins(&self) -> (job::Address, job::Address) {
+    pub(crate) fn pins(&self) -> (Pointer<i32>, Pointer<args::Pin>) {
         (self.pin_of.address(), self.pins.address())
     }
 
@@ -137,7 +137,7 @@ impl DeviceGraph {
             _rod_turns: Buffer::of(stream, &layout.rod_turns)?,
         };
         let triplet_of = Buffer::of(stream, &layout.triplet_of)?;
-        let topology = job::Topology {
+        let topology = args::TopologyArgs {
             shares: parts._shares.address(),
             nodes: parts._nodes.address(),
             rows: parts._rows.address(),
@@ -153,14 +153,16 @@ impl DeviceGraph {
             sum_rows: parts._sum_rows.address(),
             triplet_of: triplet_of.address(),
             node_count: self.graph.node_count() as u32,
-            controls: layout.controls,
+            control_count: layout.controls,
             control_base: layout.control_base,
             stride: layout.stride(),
             max_triplets: layout.max_triplets,
             max_pairs: layout.max_pairs,
             max_all_pairs: layout.max_all_pairs,
-            rods: self.graph.rods.len() as u32,
             rod_turns: parts._rod_turns.address(),
+            rod_count: self.graph.rods.len() as u32,
+            triplet_count: self.graph.triplets.len() as u32,
+            pin_count: self.graph.pins.len() as u32,
         };
         let springs = Buffer::of(stream, &layout.springs)?;
         let others = Buffer::of(stream, &layout.others)?;

@@ -13,7 +13,7 @@ use self::{
     rows::{Rows, lanes_for},
 };
 use crate::{
-    device::job::{LocalPin, Share, Triplet},
+    device::args::{LocalPin, Share, Triplet},
     plan::partition::partition,
 };
 
@@ -184,8 +184,7 @@ impl Layout {
                 }
             }
             self.triplet_of.push(t);
-            self.triplets
-                .push(Triplet { ends: ends.map(|e| encode(find(e))), owned: u16::from(owned) });
+            self.triplets.push(triplet(ends.map(|e| encode(find(e))), owned));
         }
         share.triplets = triplets.len() as u32;
         // Otherwise a rod's nodes would be in several blocks.
@@ -234,7 +233,7 @@ impl Layout {
                 }
                 // It has no parameters of a triplet: any triplet's will do.
                 self.triplet_of.push(0);
-                self.triplets.push(Triplet { ends: ends.map(encode), owned: u16::from(is_arm) });
+                self.triplets.push(triplet(ends.map(encode), is_arm));
                 at += 1;
             }
             self.rod_turns.push(at);
@@ -262,7 +261,7 @@ impl Layout {
         for other in self.others.iter_mut().filter(|o| **o & CONTROL != 0) {
             *other = base + (*other & !CONTROL);
         }
-        for end in self.triplets.iter_mut().flat_map(|t| &mut t.ends) {
+        for end in self.triplets.iter_mut().flat_map(|t| [&mut t.i, &mut t.j, &mut t.k]) {
             if *end & SHORT_CONTROL != 0 {
                 *end = base as u16 + (*end & !SHORT_CONTROL);
             }
@@ -307,7 +306,7 @@ impl Layout {
             }
         }
         for (share, nodes) in self.shares.iter_mut().zip(told) {
-            share.export = self.exports.len() as u32;
+            share.export_start = self.exports.len() as u32;
             for refs in nodes {
                 self.exports.push(self.export_refs.len() as u32);
                 self.export_refs.extend(refs);
@@ -315,6 +314,10 @@ impl Layout {
             self.exports.push(self.export_refs.len() as u32);
         }
     }
+}
+
+fn triplet([i, j, k]: [u16; 3], owned: bool) -> Triplet {
+    Triplet { i, j, k, owned: u16::from(owned) }
 }
 
 /// The control mark in 16 bits.

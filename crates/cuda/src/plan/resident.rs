@@ -9,11 +9,15 @@ use bendtwin_engine::{Error, Loaded, Model};
 use crate::{
     device::{
         Device,
-        job::Job,
-        kernel::{Source, THREADS, Variant},
-        launch::Arguments,
+        args::{
+            ContactArgs, Ground, InstanceArgs, Law, PackBendsArgs, PackHalfSpringsArgs,
+            ParameterArgs, StepArgs, TapeArgs,
+        },
+        kernels,
+        launch::Launch,
         memo::Memo,
         memory::Buffer,
+        specialization::THREADS,
     },
     plan::graph::{Cut, CutGraph, DeviceGraph},
 };
@@ -85,34 +89,35 @@ impl Resident {
 
     fn fill(&self, packed: &Packed) -> Result<(), Error> {
         let (device, cut) = (&self.device, &packed.cut);
-        let variant = Variant::small(Source::Params);
-        let (e, t) =
-            (self.graph.graph.springs.len() as u32, self.graph.graph.triplets.len() as u32);
+        let graph = &self.graph.graph;
+        let (spring_count, triplet_count) =
+            (graph.springs.len() as u32, graph.triplets.len() as u32);
         let (pairs, triplets) = (packed.rates.len() as u32, cut.triplet_of.len() as u32);
-        let arguments = Arguments::default()
-            .with(packed.rates.address())
-            .with(packed.others.address())
-            .with(packed.dashpots.address())
-            .with(cut.springs.address())
-            .with(cut.others.address())
-            .with(self.params.address())
-            .with(pairs)
-            .with(e);
-        let function = device.function(&variant, "pack_half_springs")?;
-        let grid = (pairs.div_ceil(THREADS), 1, 1);
+        let args = PackHalfSpringsArgs {
+            rates: packed.rates.address(),
+            packed_others: packed.others.address(),
+            dashpots: packed.dashpots.address(),
+            springs: cut.springs.address(),
+            others: cut.others.address(),
+            params: self.params.address(),
+            pair_count: pairs,
+            spring_count,
+        };
+        let launch = Launch::new(device, &device.normal, [pairs.div_ceil(THREADS), 1, 1]);
         // SAFETY: outputs and indices are of so many pairs, parameters are laid out for E springs.
-        unsafe { function.launch(&device.normal, grid, 0, &arguments)? };
-        let arguments = Arguments::default()
-            .with(packed.bends.address())
-            .with(cut.triplet_of.address())
-            .with(self.params.address())
-            .with(triplets)
-            .with(e)
-            .with(t);
-        let function = device.function(&variant, "pack_bends")?;
-        let grid = (triplets.div_ceil(THREADS), 1, 1);
+        unsafe { kernels::pack_half_springs(&launch, &args)? };
+        let args = PackBendsArgs {
+            out: packed.bends.address(),
+            triplets: cut.triplet_of.address(),
+            params: self.params.address(),
+            count: triplets,
+            spring_count,
+            triplet_count,
+            unused: 0,
+        };
+        let launch = Launch::new(device, &device.normal, [triplets.div_ceil(THREADS), 1, 1]);
         // SAFETY: as above, for T triplets.
-        unsafe { function.launch(&device.normal, grid, 0, &arguments) }
+        unsafe { kernels::pack_bends(&launch, &args) }
     }
 
     /// Packs again what has been packed, after the parameters on the device have changed.
@@ -122,35 +127,50 @@ impl Resident {
 }
 
 impl Packed {
-    /// A job of a model: everything that does not depend on the instance.
-    pub(crate) fn job(&self, model: &Model) -> Job {
+    /// The arguments of a model's instance, without those that depend on the instance.
+    pub(crate) fn instance_args(&self, model: &Model) -> InstanceArgs {
         let (contact, drag) = (&model.params.contact, f64::from(model.params.drag));
         let dt = model.timing.dt_s();
         let gravity = model.environment.gravity;
         let ground = model.environment.ground;
-        Job {
+        InstanceArgs {
             topology: self.cut.topology,
-            rates: self.rates.address(),
-            others: self.others.address(),
-            dashpots: self.dashpots.address(),
-            bends: self.bends.address(),
-            tape_slots: self.cut.tape_slots.address(),
-            kick: gravity.map(|g| g * dt as f32),
-            ground_normal: ground.map_or([0.0; 3], |g| g.normal),
-            ground_offset: ground.map_or(0.0, |g| g.offset_m),
-            ground_law: [contact.ground_restitution, contact.ground_friction],
-            object_law: [contact.object_restitution, contact.object_friction],
-            dt: dt as f32,
-            decay: (-dt * drag).exp() as f32,
-            frame_s: model.timing.frame_s() as f32,
-            collision_distance: contact.collision_distance_m,
-            substeps: model.timing.substeps,
-            controls_move: u32::from(model.control_velocity == ControlVelocity::True),
-            triplets: model.graph.triplets.len() as u32,
-            pins: model.graph.pins.len() as u32,
-            between_objects: u32::from(contact.between_objects),
-            within_object: u32::from(contact.within_object),
-            ..Job::default()
+            parameters: ParameterArgs {
+                rates: self.rates.address(),
+                others: self.others.address(),
+                dashpots: self.dashpots.address(),
+                bends: self.bends.address(),
+                ground_law: Law {
+                    restitution: contact.ground_restitution,
+                    friction: contact.ground_friction,
+                },
+                object_law: Law {
+                    restitution: contact.object_restitution,
+                    friction: contact.object_friction,
+                },
+                decay: (-dt * drag).exp() as f32,
+                ..ParameterArgs::default()
+            },
+            step: StepArgs {
+                kick: gravity.map(|g| g * dt as f32),
+                ground: ground.map_or_else(Ground::default, |g| Ground {
+                    normal: g.normal,
+                    offset: g.offset_m,
+                }),
+                dt: dt as f32,
+                frame_s: model.timing.frame_s() as f32,
+                substeps: model.timing.substeps,
+                controls_move: u32::from(model.control_velocity == ControlVelocity::True),
+                unused: 0,
+            },
+            tape: TapeArgs { slot_of: self.cut.tape_slots.address(), ..TapeArgs::default() },
+            contact: ContactArgs {
+                collision_distance: contact.collision_distance_m,
+                between_objects: u32::from(contact.between_objects),
+                within_object: u32::from(contact.within_object),
+                ..ContactArgs::default()
+            },
+            ..InstanceArgs::default()
         }
     }
 }

@@ -7,7 +7,7 @@ use bendtwin_engine::{Error, backend::Instance};
 use cudarc::driver::CudaStream;
 
 use crate::device::{
-    job::{Address, Job},
+    args::{InstanceArgs, Pointer},
     memory::Buffer,
 };
 
@@ -54,7 +54,7 @@ pub(crate) struct Kept {
     tape: Tape,
     starts: Vec<Entries>,
     /// By instance, where each node is on tape.
-    slots: Vec<Address>,
+    slots: Vec<Pointer<u32>>,
 }
 
 impl Tape {
@@ -69,11 +69,11 @@ impl Tape {
     }
 
     /// Lets a job write or read from an entry on.
-    pub(crate) fn place(&self, entry: Entries, job: &mut Job) {
-        job.tape_x = self.x.at(entry.nodes);
-        job.tape_v = self.v.at(entry.nodes);
-        job.tape_b = self.before.at(entry.nodes);
-        job.tape_twists = self.twists.at(entry.rods);
+    pub(crate) fn place(&self, entry: Entries, args: &mut InstanceArgs) {
+        args.tape.x = self.x.at(entry.nodes);
+        args.tape.v = self.v.at(entry.nodes);
+        args.tape.before = self.before.at(entry.nodes);
+        args.tape.twists = self.twists.at(entry.rods);
     }
 }
 
@@ -89,20 +89,26 @@ impl Kept {
             starts.push(end);
             end = entries(instance, instance.frames).after(end);
         }
-        let slots = vec![0; instances.len()];
+        let slots = vec![Pointer::default(); instances.len()];
         Ok(Self { tape: Tape::new(stream, end)?, starts, slots })
     }
 
     /// Lets the job of an instance write all its frames.
-    pub(crate) fn write(&mut self, index: usize, job: &mut Job) {
-        self.tape.place(self.starts[index], job);
-        self.slots[index] = job.tape_slots;
+    pub(crate) fn write(&mut self, index: usize, args: &mut InstanceArgs) {
+        self.tape.place(self.starts[index], args);
+        self.slots[index] = args.tape.slot_of;
     }
 
     /// Lets a job of an instance read from a frame on.
-    pub(crate) fn read(&self, instances: &[Instance], index: usize, frame: usize, job: &mut Job) {
-        self.tape.place(entries(&instances[index], frame).after(self.starts[index]), job);
-        job.tape_slots = self.slots[index];
+    pub(crate) fn read(
+        &self,
+        instances: &[Instance],
+        index: usize,
+        frame: usize,
+        args: &mut InstanceArgs,
+    ) {
+        self.tape.place(entries(&instances[index], frame).after(self.starts[index]), args);
+        args.tape.slot_of = self.slots[index];
     }
 }
 

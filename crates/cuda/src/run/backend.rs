@@ -312,7 +312,7 @@ impl Backend for CudaBackend {
         Description {
             kind: "cuda".into(),
             name: self.device.name.clone(),
-            lanes: self.device.ability.processors as usize,
+            lanes: self.device.capabilities.processors as usize,
         }
     }
 
@@ -328,7 +328,7 @@ impl Backend for CudaBackend {
         let graph = self.graphs.get(&self.device, &model.graph)?;
         let resident = Resident::new(&self.device, &graph, &model.params)?;
         // One shape is made now, so that what cannot run is refused here.
-        choose(&self.device.ability, &resident, &model, Purpose::Forward, 1, 1)?;
+        choose(&self.device.capabilities, &resident, &model, Purpose::Forward, 1, 1)?;
         crate::device::synchronize(&self.device.normal)?;
         Ok(Loaded::new(model, Arc::new(resident)))
     }
@@ -410,8 +410,8 @@ impl Backend for CudaBackend {
 
     fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
         let resident = resident(model).ok()?;
-        let (ability, purpose) = (&self.device.ability, Purpose::Forward);
-        let fitted = choose(ability, resident, model.model(), purpose, batch, batch).ok()?;
+        let (capabilities, purpose) = (&self.device.capabilities, Purpose::Forward);
+        let fitted = choose(capabilities, resident, model.model(), purpose, batch, batch).ok()?;
         Some(fitted.team.to_string())
     }
 }

@@ -13,9 +13,10 @@ use self::{
 };
 use crate::{
     device::{
-        kernel::{Source, THREADS},
-        launch::Arguments,
+        args::{FinishGradientArgs, Pointer},
+        kernels,
         memory::{Buffer, end_of},
+        specialization::THREADS,
     },
     plan::{
         resident::{LAWS, resident},
@@ -135,7 +136,7 @@ impl Backward<'_> {
         let shape = all().fold((0, 0), |(count, most), w| (count + 1, most.max(w.len())));
         let (e, t) = self.elements(first);
         // No team has more.
-        let blocks = simulation.queue.device.ability.processors as usize;
+        let blocks = simulation.queue.device.capabilities.processors as usize;
         let stride = 3 * (e + t) + LAWS * blocks;
         let total: Buffer<f32> = Buffer::zeros(&simulation.queue.stream, stride * members.len())?;
         let slots = Slots::new(self, first, shape, room)?;
@@ -170,20 +171,22 @@ impl Backward<'_> {
         (graph.springs.len(), hinges(graph))
     }
 
-    fn finish(&self, instance: usize, sums: u64, blocks: usize) -> Result<(), Error> {
+    fn finish(&self, instance: usize, sums: Pointer<f32>, blocks: usize) -> Result<(), Error> {
         let (e, t) = self.elements(instance);
         let simulation = self.way.simulation;
         let resident = resident(&simulation.instances[instance].model)?;
-        let arguments = Arguments::default()
-            .with(self.out.params.at(self.out.starts[instance]))
-            .with(sums)
-            .with(resident.params.address())
-            .with(e as u32)
-            .with(t as u32)
-            .with(blocks as u32);
+        let args = FinishGradientArgs {
+            out: self.out.params.at(self.out.starts[instance]),
+            sums,
+            params: resident.params.address(),
+            spring_count: e as u32,
+            hinge_count: t as u32,
+            block_count: blocks as u32,
+            unused: 0,
+        };
         let length = 3 * (e + t) + LAWS;
-        let grid = ((length as u32).div_ceil(THREADS), 1, 1);
+        let launch = simulation.queue.grid((length as u32).div_ceil(THREADS), 1, 1);
         // SAFETY: sums and parameters are those of a graph of E springs and T triplets and rods.
-        unsafe { simulation.queue.launch(Source::Params, "finish_gradient", grid, &arguments) }
+        unsafe { kernels::finish_gradient(&launch, &args) }
     }
 }

@@ -15,10 +15,11 @@ use bendtwin_engine::{
 
 use crate::{
     device::{
-        kernel::{Source, THREADS},
-        launch::Arguments,
+        args::{Pointer, SquareLengthsArgs, StepAdamArgs, WeighGradientsArgs},
+        kernels,
         memory::Buffer,
         queue::Queue,
+        specialization::THREADS,
     },
     plan::resident::{LAWS, Resident, flatten, resident, unflatten},
     run::{backend::CudaBackend, backward::Gradients},
@@ -53,7 +54,7 @@ struct Walk {
     second: Buffer<f64>,
     steps: u64,
     /// Gradients that wait for a step: whose, and where among them.
-    waiting: Vec<(Arc<Gradients>, u64)>,
+    waiting: Vec<(Arc<Gradients>, Pointer<f32>)>,
 }
 
 impl DeviceDescent {
@@ -95,8 +96,9 @@ impl DeviceDescent {
                 false => None,
             };
             let walk = &mut self.walks[probe.run];
-            let address = if ended { gradients.params.at(gradients.starts[i]) } else { 0 };
-            walk.waiting.push((gradients.clone(), address));
+            let own =
+                if ended { gradients.params.at(gradients.starts[i]) } else { Pointer::default() };
+            walk.waiting.push((gradients.clone(), own));
             slopes.push(GradientNorm { loss, norm: 0.0, final_state });
         }
         for (w, walk) in self.walks.iter().enumerate() {
@@ -246,28 +248,31 @@ impl Walk {
     fn lengths(
         &self,
         queue: &Queue,
-        gradients: &[(Arc<Gradients>, u64)],
+        gradients: &[(Arc<Gradients>, Pointer<f32>)],
     ) -> Result<Vec<f64>, Error> {
         if gradients.is_empty() {
             return Ok(Vec::new());
         }
-        let ended: Vec<u64> = gradients.iter().map(|g| g.1).filter(|&a| a != 0).collect();
+        let ended: Vec<Pointer<f32>> =
+            gradients.iter().map(|g| g.1).filter(|g| !g.is_null()).collect();
         let addresses = Buffer::of(&queue.stream, &ended)?;
         let sums: Buffer<f64> = Buffer::empty(&queue.stream, ended.len() * LENGTH_BLOCKS as usize)?;
-        let arguments = Arguments::default()
-            .with(sums.address())
-            .with(addresses.address())
-            .with(self.resident.params.address())
-            .with(self.indices.address())
-            .with(self.indices.len() as u32);
-        let grid = (LENGTH_BLOCKS, ended.len() as u32, 1);
+        let args = SquareLengthsArgs {
+            out: sums.address(),
+            gradients: addresses.address(),
+            params: self.resident.params.address(),
+            indices: self.indices.address(),
+            count: self.indices.len() as u32,
+            unused: 0,
+        };
+        let launch = queue.grid(LENGTH_BLOCKS, ended.len() as u32, 1);
         // SAFETY: the gradients are of this walk's parameters, which the indices count.
-        unsafe { queue.launch(Source::Descent, "square_lengths", grid, &arguments)? };
+        unsafe { kernels::square_lengths(&launch, &args)? };
         let sums = sums.read()?;
         let mut squares = sums.chunks(LENGTH_BLOCKS as usize).map(|s| s.iter().sum::<f64>());
-        let length = |g: &(Arc<Gradients>, u64)| match g.1 {
-            0 => 0.0,
-            _ => squares.next().unwrap_or(0.0).sqrt(),
+        let length = |g: &(Arc<Gradients>, Pointer<f32>)| match g.1.is_null() {
+            true => 0.0,
+            false => squares.next().unwrap_or(0.0).sqrt(),
         };
         let lengths = gradients.iter().map(length);
         Ok(lengths.map(|l| if l.is_nan() { f64::INFINITY } else { l }).collect())
@@ -282,24 +287,26 @@ impl Walk {
     ) -> Result<(), Error> {
         let stream = &queue.stream;
         let count = self.indices.len() as u32;
-        let pairs = self.waiting.iter().zip(weights).filter(|(g, _)| g.1 != 0);
-        let (addresses, used): (Vec<u64>, Vec<f64>) = pairs.map(|(g, w)| (g.1, *w)).unzip();
+        let pairs = self.waiting.iter().zip(weights).filter(|(g, _)| !g.1.is_null());
+        let (addresses, used): (Vec<Pointer<f32>>, Vec<f64>) =
+            pairs.map(|(g, w)| (g.1, *w)).unzip();
         let (on_device, used_on_device) =
             (Buffer::of(stream, &addresses)?, Buffer::of(stream, &used)?);
         let sums: Buffer<f64> = Buffer::empty(stream, self.indices.len())?;
         let finite = Buffer::of(stream, &[1_u32])?;
-        let arguments = Arguments::default()
-            .with(sums.address())
-            .with(finite.address())
-            .with(on_device.address())
-            .with(used_on_device.address())
-            .with(addresses.len() as u32)
-            .with(self.resident.params.address())
-            .with(self.indices.address())
-            .with(count);
-        let grid = (count.div_ceil(THREADS), 1, 1);
+        let args = WeighGradientsArgs {
+            sums: sums.address(),
+            finite: finite.address(),
+            gradients: on_device.address(),
+            weights: used_on_device.address(),
+            params: self.resident.params.address(),
+            indices: self.indices.address(),
+            gradient_count: addresses.len() as u32,
+            count,
+        };
+        let launch = queue.grid(count.div_ceil(THREADS), 1, 1);
         // SAFETY: as in `lengths`; the sums have a place for every coordinate.
-        unsafe { queue.launch(Source::Descent, "weigh_gradients", grid, &arguments)? };
+        unsafe { kernels::weigh_gradients(&launch, &args)? };
         if !rate.is_finite() || finite.read()?.first() != Some(&1) {
             return Err(Error::InvalidInput("rate and weighted gradient must be finite".into()));
         }
@@ -307,28 +314,30 @@ impl Walk {
         let [unbias_first, unbias_second] = Adam::unbias(self.steps, decay);
         let graph = &self.model.graph;
         let (e, t) = (graph.springs.len() as u32, graph.triplets.len() as u32);
-        let arguments = Arguments::default()
-            .with(self.theta.address())
-            .with(self.first.address())
-            .with(self.second.address())
-            .with(sums.address())
-            .with(self.rates.address())
-            .with(self.bounds.address())
-            .with(self.start.address())
-            .with((decay.prior * rate).clamp(0.0, 1.0))
-            .with(rate)
-            .with(decay.beta1)
-            .with(decay.beta2)
-            .with(unbias_first)
-            .with(unbias_second)
-            .with(EPSILON)
-            .with(self.resident.params.address())
-            .with(self.indices.address())
-            .with(count)
-            .with(3 * e + 2 * t)
-            .with(3 * e + 3 * t);
+        let args = StepAdamArgs {
+            theta: self.theta.address(),
+            first: self.first.address(),
+            second: self.second.address(),
+            sums: sums.address(),
+            rates: self.rates.address(),
+            bounds: self.bounds.address(),
+            start: self.start.address(),
+            params: self.resident.params.address(),
+            indices: self.indices.address(),
+            back: (decay.prior * rate).clamp(0.0, 1.0),
+            rate,
+            beta1: decay.beta1,
+            beta2: decay.beta2,
+            unbias1: unbias_first,
+            unbias2: unbias_second,
+            epsilon: EPSILON,
+            count,
+            angles: 3 * e + 2 * t,
+            angles_end: 3 * e + 3 * t,
+            unused: 0,
+        };
         // SAFETY: all arrays have a value for every coordinate, and indices are those of parameters.
-        unsafe { queue.launch(Source::Descent, "step_adam", grid, &arguments)? };
+        unsafe { kernels::step_adam(&launch, &args)? };
         self.resident.repack()?;
         self.read_laws()?;
         self.waiting.clear();

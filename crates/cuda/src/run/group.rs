@@ -1,4 +1,4 @@
-//! Jobs that one launch serves: alike enough for one kernel, and what their teams share.
+//! InstanceSpan that one launch serves: alike enough for one kernel, and what their teams share.
 
 use std::sync::Arc;
 
@@ -7,11 +7,12 @@ use cudarc::driver::CudaStream;
 
 use crate::{
     device::{
-        job::{Address, Job},
-        launch::Arguments,
+        args::{AdvanceFramesArgs, BackFrameArgs, InstanceArgs, Pointer, StateArgs},
+        kernels,
+        launch::Launch,
         memory::Buffer,
         queue::Queue,
-        team::Meeting,
+        team::TeamShape,
     },
     plan::{
         choice::{Fitted, Purpose},
@@ -19,30 +20,30 @@ use crate::{
     },
 };
 
-/// Jobs on the device, one after the other.
+/// InstanceSpan on the device, one after the other.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Jobs {
-    pub(crate) address: Address,
+pub(crate) struct InstanceSpan {
+    pub(crate) address: Pointer<InstanceArgs>,
     pub(crate) count: usize,
 }
 
-impl Jobs {
-    pub(crate) fn all(buffer: &Buffer<Job>) -> Self {
+impl InstanceSpan {
+    pub(crate) fn all(buffer: &Buffer<InstanceArgs>) -> Self {
         Self { address: buffer.address(), count: buffer.len() }
     }
 
-    pub(crate) fn part(buffer: &Buffer<Job>, first: usize, count: usize) -> Self {
+    pub(crate) fn part(buffer: &Buffer<InstanceArgs>, first: usize, count: usize) -> Self {
         Self { address: buffer.at(first), count }
     }
 
-    fn at(&self, index: usize) -> Address {
-        self.address + (index * size_of::<Job>()) as u64
+    fn at(&self, index: usize) -> Pointer<InstanceArgs> {
+        self.address.add(index)
     }
 }
 
 /// What a launch runs of its jobs, which take as many frames of it as they have.
 #[derive(Clone, Debug)]
-pub(crate) struct Stretch {
+pub(crate) struct FrameRange {
     first: u32,
     end: u32,
     /// Substeps that go onto tape; a frame ends with the last of them.
@@ -51,7 +52,7 @@ pub(crate) struct Stretch {
     keep: bool,
 }
 
-impl Stretch {
+impl FrameRange {
     /// Frames from `first` to before `end`, on tape where jobs have one.
     pub(crate) fn frames(first: usize, end: usize) -> Self {
         Self { first: first as u32, end: end as u32, taped: 0..u32::MAX, keep: true }
@@ -66,13 +67,13 @@ impl Stretch {
 /// Where a grid's blocks meet: x, y, z, vx and vy, vz.
 type Exchange = (Buffer<[f32; 4]>, Buffer<[f32; 2]>);
 
-/// Jobs of instances that one launch serves.
+/// InstanceSpan of instances that one launch serves.
 pub(crate) struct Group {
     pub(crate) fitted: Fitted,
     /// Whose each job is, by the index that [`crate::run::simulation::Simulation::groups`] was given; jobs that only
     /// fill up a team are nobody's.
     pub(crate) members: Vec<usize>,
-    jobs: Vec<Job>,
+    instances: Vec<InstanceArgs>,
     packed: Vec<Arc<Packed>>,
     _spill: Option<Buffer<[f32; 4]>>,
     _exchange: Option<Exchange>,
@@ -84,7 +85,7 @@ impl Group {
         Self {
             fitted,
             members: Vec::new(),
-            jobs: Vec::new(),
+            instances: Vec::new(),
             packed: Vec::new(),
             _spill: None,
             _exchange: None,
@@ -94,15 +95,21 @@ impl Group {
 
     /// Whether a job of another model fits in.
     pub(crate) fn takes(&self, fit: &Fitted, packed: &Arc<Packed>) -> bool {
-        self.fitted.variant == fit.variant
+        self.fitted.specialization == fit.specialization
             && (fit.team.instances == 1 || self.packed.iter().all(|p| Arc::ptr_eq(p, packed)))
     }
 
-    pub(crate) fn add(&mut self, member: usize, job: Job, fit: &Fitted, packed: &Arc<Packed>) {
+    pub(crate) fn add(
+        &mut self,
+        member: usize,
+        args: InstanceArgs,
+        fit: &Fitted,
+        packed: &Arc<Packed>,
+    ) {
         self.fitted.shared_bytes = self.fitted.shared_bytes.max(fit.shared_bytes);
         self.fitted.spill_stride = self.fitted.spill_stride.max(fit.spill_stride);
         self.members.push(member);
-        self.jobs.push(job);
+        self.instances.push(args);
         if !self.packed.iter().any(|p| Arc::ptr_eq(p, packed)) {
             self.packed.push(packed.clone());
         }
@@ -115,33 +122,35 @@ impl Group {
 
     /// Fills the last team and gives the jobs what their teams share.
     pub(crate) fn complete(&mut self, queue: &Queue) -> Result<(), Error> {
-        let instances = self.fitted.team.instances as usize;
-        while let Some(&job) = self.jobs.last()
-            && !self.jobs.len().is_multiple_of(instances)
+        let together = self.fitted.team.instances as usize;
+        while let Some(&last) = self.instances.last()
+            && !self.instances.len().is_multiple_of(together)
         {
             // It runs along and leaves no trace.
-            self.jobs.push(Job { frames: 0, ..job });
+            self.instances
+                .push(InstanceArgs { state: StateArgs { frame_count: 0, ..last.state }, ..last });
         }
         let (stream, blocks) = (&queue.stream, self.fitted.team.blocks as usize);
         let stride = self.fitted.spill_stride as usize;
         if stride > 0 {
-            let spill = Buffer::empty(stream, self.jobs.len() * blocks * stride)?;
-            for (j, job) in self.jobs.iter_mut().enumerate() {
-                job.spill = spill.at(j * blocks * stride);
-                job.spill_stride = stride as u32;
+            let spill = Buffer::empty(stream, self.instances.len() * blocks * stride)?;
+            for (j, args) in self.instances.iter_mut().enumerate() {
+                args.team.spill = spill.at(j * blocks * stride);
+                args.team.spill_stride = stride as u32;
             }
             self._spill = Some(spill);
         }
-        if self.fitted.team.meeting == Meeting::Grid {
-            let nodes = |j: &Job| 2 * j.topology.node_count as usize;
-            let total = self.jobs.iter().map(nodes).sum();
+        if self.fitted.team.shape == TeamShape::Grid {
+            let nodes = |j: &InstanceArgs| 2 * j.topology.node_count as usize;
+            let total = self.instances.iter().map(nodes).sum();
             let exchange = (Buffer::empty(stream, total)?, Buffer::empty(stream, total)?);
-            let barriers = Buffer::zeros(stream, self.jobs.len())?;
+            let barriers = Buffer::zeros(stream, self.instances.len())?;
             let mut at = 0;
-            for (j, job) in self.jobs.iter_mut().enumerate() {
-                (job.exchange_x, job.exchange_v) = (exchange.0.at(at), exchange.1.at(at));
-                job.barrier = barriers.at(j);
-                at += nodes(job);
+            for (j, args) in self.instances.iter_mut().enumerate() {
+                (args.team.exchange_x, args.team.exchange_v) =
+                    (exchange.0.at(at), exchange.1.at(at));
+                args.team.barrier = barriers.at(j);
+                at += nodes(args);
             }
             (self._exchange, self.barriers) = (Some(exchange), Some(barriers));
         }
@@ -149,53 +158,72 @@ impl Group {
     }
 
     /// Members with their jobs, to be changed before they are uploaded.
-    pub(crate) fn members_mut(&mut self) -> impl Iterator<Item = (usize, &mut Job)> {
-        self.members.iter().copied().zip(&mut self.jobs)
+    pub(crate) fn members_mut(&mut self) -> impl Iterator<Item = (usize, &mut InstanceArgs)> {
+        self.members.iter().copied().zip(&mut self.instances)
     }
 
-    /// The jobs as they go to the device.
-    pub(crate) fn jobs(&self) -> &[Job] {
-        &self.jobs
+    /// Arguments of its instances, as they go to the device.
+    pub(crate) fn instances(&self) -> &[InstanceArgs] {
+        &self.instances
     }
 
-    /// A stretch forward.
+    /// A range of frames forward.
     pub(crate) fn advance(
         &self,
         queue: &Queue,
         stream: &CudaStream,
-        jobs: Jobs,
-        stretch: &Stretch,
+        of: InstanceSpan,
+        range: &FrameRange,
     ) -> Result<(), Error> {
-        let Stretch { first, end, taped, keep } = stretch;
-        self.launch(queue, stream, Purpose::Forward, jobs, |jobs| {
-            let substeps = Arguments::default().with(jobs).with(*first).with(*end);
-            substeps.with(taped.start).with(taped.end).with(u32::from(*keep))
+        let FrameRange { first, end, taped, keep } = range;
+        self.for_teams(queue, stream, Purpose::Forward, of, |launch, instances| {
+            let args = AdvanceFramesArgs {
+                instances,
+                first: *first,
+                end: *end,
+                from: taped.start,
+                to: taped.end,
+                keep: u32::from(*keep),
+                unused: 0,
+            };
+            // SAFETY: as `for_teams` says; frames and substeps are the instances'.
+            unsafe { kernels::advance_frames(launch, &args) }
         })
     }
 
     /// Substeps `from..to` of a frame backward.
-    pub(crate) fn back(&self, queue: &Queue, jobs: Jobs, from: u32, to: u32) -> Result<(), Error> {
-        self.launch(queue, &queue.stream, Purpose::Backward, jobs, |jobs| {
-            Arguments::default().with(jobs).with(from).with(to)
+    pub(crate) fn back(
+        &self,
+        queue: &Queue,
+        of: InstanceSpan,
+        from: u32,
+        to: u32,
+    ) -> Result<(), Error> {
+        self.for_teams(queue, &queue.stream, Purpose::Backward, of, |launch, instances| {
+            let args = BackFrameArgs { instances, from, to };
+            // SAFETY: as `for_teams` says; the substeps are on the instances' tapes.
+            unsafe { kernels::back_frame(launch, &args) }
         })
     }
 
-    fn launch(
+    /// Calls `run` with a launch for all teams of these instances, and the first of them; several times
+    /// where not all teams can run at once though their blocks wait for each other. The instances' arguments
+    /// are complete for the specialization, and what they point to lives until the queue has been waited for.
+    fn for_teams(
         &self,
         queue: &Queue,
         stream: &CudaStream,
         purpose: Purpose,
-        jobs: Jobs,
-        arguments: impl Fn(Address) -> Arguments,
+        of: InstanceSpan,
+        run: impl Fn(&Launch<'_>, Pointer<InstanceArgs>) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let Fitted { team, variant, shared_bytes, .. } = &self.fitted;
-        let function = queue.device.function(variant, purpose.kernel())?;
+        let Fitted { team, specialization, shared_bytes, .. } = &self.fitted;
         let instances = team.instances as usize;
-        let teams = jobs.count / instances;
-        // The blocks of a grid wait for each other: all must be running.
-        let at_once = match team.meeting {
-            Meeting::Grid => {
-                let processors = queue.device.ability.processors;
+        let teams = of.count / instances;
+        let at_once = match team.shape {
+            TeamShape::Grid => {
+                let function = queue.device.function(specialization, purpose.kernel())?;
+                let processors = queue.device.capabilities.processors;
                 (function.resident_teams(*shared_bytes, processors)? as usize).max(1)
             }
             _ => teams.max(1),
@@ -205,13 +233,9 @@ impl Group {
                 barriers.clear()?;
             }
             let count = at_once.min(teams - begin) as u32;
-            let grid = (count * team.blocks, 1, 1);
-            // SAFETY: the jobs are complete for this variant, their memory lives until the queue has
-            // been waited for, and frames and substeps are theirs.
-            unsafe {
-                let arguments = arguments(jobs.at(begin * instances));
-                function.launch(stream, grid, *shared_bytes, &arguments)?;
-            }
+            let launch = Launch::new(&queue.device, stream, [count * team.blocks, 1, 1])
+                .specialized(specialization, *shared_bytes);
+            run(&launch, of.at(begin * instances))?;
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use bendtwin_engine::{Error, Objective, PointLoss, Term, objective::WeightedTerm
 use cudarc::driver::CudaStream;
 
 use crate::device::{
-    job::{self, Measure},
+    args::{self, ObjectiveArgs},
     memory::Buffer,
 };
 
@@ -22,7 +22,7 @@ const KEPT: usize = 256;
 pub(crate) struct DeviceObjective {
     /// Keeps the address that it is known by.
     terms: Arc<Vec<WeightedTerm>>,
-    on_device: Buffer<job::Term>,
+    on_device: Buffer<args::Term>,
     frame_terms: Buffer<u32>,
     targets: Buffer<[f32; 3]>,
     target_nodes: Buffer<u32>,
@@ -73,11 +73,11 @@ impl DeviceObjective {
             let weighted = &terms[t as usize];
             frame_terms[weighted.frame + 1] += 1;
             let first = targets.len() as u32;
-            let mut term = job::Term {
+            let mut term = args::Term {
                 frame: weighted.frame as u32,
                 first,
                 weight: weighted.weight,
-                ..job::Term::default()
+                ..args::Term::default()
             };
             match &weighted.term {
                 Term::Chamfer { targets: own } => {
@@ -115,18 +115,18 @@ impl DeviceObjective {
         })
     }
 
-    /// A job's objective; `nearest` has room for its targets, `values` for its terms.
-    pub(crate) fn measure(&self, nodes: usize, surface: usize) -> Measure {
-        Measure {
+    /// Arguments of an instance's objective; `nearest` has room for its targets, `values` for its terms.
+    pub(crate) fn args(&self, nodes: usize, surface: usize) -> ObjectiveArgs {
+        ObjectiveArgs {
             terms: self.on_device.address(),
             frame_terms: self.frame_terms.address(),
             targets: self.targets.address(),
             target_nodes: self.target_nodes.address(),
-            nodes: nodes as u32,
-            surface: surface as u32,
-            frames: self.frames as u32,
+            node_count: nodes as u32,
+            surface_count: surface as u32,
+            frame_count: self.frames as u32,
             term_count: self.on_device.len() as u32,
-            ..Measure::default()
+            ..ObjectiveArgs::default()
         }
     }
 

@@ -9,10 +9,11 @@ use bendtwin_engine::{
 
 use crate::{
     device::{
-        job::Record,
-        kernel::{Source, THREADS},
-        launch::{Arguments, MOST_BLOCKS},
+        args::{ExtremesArgs, Pointer, RecordArgs, RecordingArgs},
+        kernels,
+        launch::MOST_BLOCKS,
         memory::{Buffer, end_of},
+        specialization::THREADS,
     },
     plan::resident::resident,
     run::simulation::{Keep, Simulation},
@@ -68,14 +69,14 @@ impl Recorded {
             Some(nodes) => Some(Buffer::of(stream, nodes)?),
             None => None,
         };
-        let mut jobs = Vec::with_capacity(instances.len());
+        let mut recordings = Vec::with_capacity(instances.len());
         for (i, instance) in instances.iter().enumerate() {
             let resident = resident(&instance.model)?;
             let graph = &resident.graph.graph;
-            jobs.push(Record {
+            recordings.push(RecordingArgs {
                 states: simulation.states_of(i),
                 frames: all_frames.at(frame_starts[i]),
-                nodes: selected.as_ref().map_or(0, Buffer::address),
+                nodes: selected.as_ref().map_or_else(Pointer::default, Buffer::address),
                 positions: positions.at(starts[i]),
                 springs: resident.graph.springs.address(),
                 params: resident.params.address(),
@@ -84,32 +85,32 @@ impl Recorded {
                 node_count: graph.node_count() as u32,
                 recorded_nodes: nodes(instance) as u32,
                 recorded_frames: frames[i].len() as u32,
-                slots: simulation.slots_of(i) as u32,
+                slot_count: simulation.slots_of(i) as u32,
                 spring_count: graph.springs.len() as u32,
-                controls_count: graph.control_count() as u32,
+                control_count: graph.control_count() as u32,
                 frame_count: instance.frames as u32,
                 unused: 0,
             });
         }
-        let jobs = Buffer::of(stream, &jobs)?;
+        let recordings = Buffer::of(stream, &recordings)?;
         let most_nodes = instances.iter().map(nodes).max().unwrap_or(0) as u32;
         let most_frames = frames.iter().map(Vec::len).max().unwrap_or(0);
         let longest = instances.iter().map(|i| i.frames).max().unwrap_or(0);
         for first in (0..instances.len()).step_by(MOST_BLOCKS) {
             let count = MOST_BLOCKS.min(instances.len() - first) as u32;
-            let arguments = Arguments::default().with(jobs.at(first));
+            let recordings = recordings.at(first);
             if most_frames > MOST_BLOCKS {
                 return Err(Error::InvalidInput(format!(
                     "{most_frames} recorded frames: {MOST_BLOCKS} is the most on this device"
                 )));
             }
-            let grid = (most_nodes.div_ceil(THREADS), most_frames as u32, count);
+            let launch = queue.grid(most_nodes.div_ceil(THREADS), most_frames as u32, count);
             // SAFETY: the arrays have room for all recorded frames and nodes, which exist.
-            unsafe { queue.launch(Source::Record, "record", grid, &arguments)? };
+            unsafe { kernels::record(&launch, &RecordArgs { recordings })? };
             if outputs.diagnostics {
-                let grid = (longest as u32, count, 1);
+                let launch = queue.grid(longest as u32, count, 1);
                 // SAFETY: as above, for every frame.
-                unsafe { queue.launch(Source::Record, "extremes", grid, &arguments)? };
+                unsafe { kernels::extremes(&launch, &ExtremesArgs { recordings })? };
             }
         }
         Ok(Self { frames, positions, starts, extremes, extreme_starts })

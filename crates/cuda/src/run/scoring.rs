@@ -9,10 +9,11 @@ use bendtwin_engine::{
 
 use crate::{
     device::{
-        job::Measure,
-        kernel::{Source, THREADS},
-        launch::{Arguments, MOST_BLOCKS},
+        args::{ObjectiveArgs, Pointer, ScoreArgs, SeedArgs},
+        kernels,
+        launch::MOST_BLOCKS,
         memory::{Buffer, end_of},
+        specialization::THREADS,
     },
     run::{
         objective::{DeviceObjective, Objectives},
@@ -23,7 +24,7 @@ use crate::{
 /// Objectives of all instances of a simulation.
 pub(crate) struct Scores {
     objectives: Vec<Arc<DeviceObjective>>,
-    measures: Buffer<Measure>,
+    objective_args: Buffer<ObjectiveArgs>,
     _nearest: Buffer<u32>,
     values: Buffer<f64>,
     value_starts: Vec<usize>,
@@ -75,22 +76,24 @@ impl Scores {
             Some(_) => Some(Buffer::empty(stream, end_of(&seed_starts))?),
             None => None,
         };
-        let mut measures = Vec::with_capacity(instances.len());
+        let mut objective_args = Vec::with_capacity(instances.len());
         for (i, (instance, objective)) in instances.iter().zip(&objectives).enumerate() {
             let graph = &instance.model.model().graph;
-            measures.push(Measure {
+            objective_args.push(ObjectiveArgs {
                 states: simulation.states_of(i),
                 nearest: nearest.at(nearest_starts[i]),
                 values: values.at(value_starts[i]),
-                seeds: seeds.as_ref().map_or(0, |s: &Buffer<f32>| s.at(seed_starts[i])),
+                seeds: seeds
+                    .as_ref()
+                    .map_or_else(Pointer::default, |s: &Buffer<f32>| s.at(seed_starts[i])),
                 cut_every: cut_every.unwrap_or(0).min(u32::MAX as usize) as u32,
-                ..objective.measure(graph.node_count(), graph.surface_count())
+                ..objective.args(graph.node_count(), graph.surface_count())
             });
         }
-        let measures = Buffer::of(stream, &measures)?;
+        let objective_args = Buffer::of(stream, &objective_args)?;
         let this = Self {
             objectives,
-            measures,
+            objective_args,
             _nearest: nearest,
             values,
             value_starts,
@@ -108,26 +111,31 @@ impl Scores {
         let nodes = instances.iter().map(graph).max().unwrap_or(0);
         let frames = instances.iter().map(|i| i.frames).max().unwrap_or(0);
         for first in (0..instances.len()).step_by(MOST_BLOCKS) {
-            let jobs = MOST_BLOCKS.min(instances.len() - first) as u32;
-            let arguments = Arguments::default().with(self.measures.at(first));
-            let grid = (terms.min(MOST_BLOCKS) as u32, jobs, 1);
-            // SAFETY: the measures' arrays have room for all terms, targets, frames and nodes.
-            unsafe { queue.launch(Source::Loss, "score", grid, &arguments)? };
+            let count = MOST_BLOCKS.min(instances.len() - first) as u32;
+            let objectives = self.objective_args.at(first);
+            let launch = queue.grid(terms.min(MOST_BLOCKS) as u32, count, 1);
+            // SAFETY: the objectives' arrays have room for all terms, targets, frames and nodes.
+            unsafe { kernels::score(&launch, &ScoreArgs { objectives })? };
             if self.seeds.is_none() {
                 continue;
             }
-            let grid = ((nodes as u32).div_ceil(THREADS), frames as u32 + 1, jobs);
+            let launch = queue.grid((nodes as u32).div_ceil(THREADS), frames as u32 + 1, count);
             // SAFETY: as above.
-            unsafe { queue.launch(Source::Loss, "seed", grid, &arguments)? };
+            unsafe { kernels::seed(&launch, &SeedArgs { objectives })? };
         }
         Ok(())
     }
 
     /// Address of d loss / d positions of an instance at the end of a frame.
-    pub(crate) fn seed(&self, simulation: &Simulation<'_>, index: usize, frame: usize) -> u64 {
+    pub(crate) fn seed(
+        &self,
+        simulation: &Simulation<'_>,
+        index: usize,
+        frame: usize,
+    ) -> Pointer<f32> {
         let n = simulation.instances[index].model.model().graph.node_count();
         let at = self.seed_starts[index] + 3 * n * frame;
-        self.seeds.as_ref().map_or(0, |s| s.at(at))
+        self.seeds.as_ref().map_or_else(Pointer::default, |s| s.at(at))
     }
 
     /// The losses; waits for the device.

@@ -16,12 +16,13 @@ use rayon::prelude::*;
 
 use crate::{
     device::{
-        job::{Job, Start},
-        kernel::{Source, THREADS, Variant},
-        launch::{Arguments, MOST_BLOCKS},
+        args::{FindPartnersArgs, InitialArgs, InstanceArgs, Pointer, StartArgs, StateArgs},
+        kernels,
+        launch::{Launch, MOST_BLOCKS},
         memory::{Buffer, end_of},
         pace::Pace,
         queue::Queue,
+        specialization::{Specialization, THREADS},
     },
     plan::{
         choice::{Fitted, Purpose, choose},
@@ -29,7 +30,7 @@ use crate::{
         resident::{Packed, has_contact, resident},
         tape::Kept,
     },
-    run::group::{Group, Jobs, Stretch},
+    run::group::{FrameRange, Group, InstanceSpan},
 };
 
 /// A node keeps its nearest so many contact candidates.
@@ -128,17 +129,17 @@ impl<'a> Simulation<'a> {
     }
 
     /// Address of an instance's states.
-    pub(crate) fn states_of(&self, index: usize) -> u64 {
+    pub(crate) fn states_of(&self, index: usize) -> Pointer<f32> {
         self.states.at(self.state_starts[index])
     }
 
     /// Address of an instance's twists.
-    fn twists_of(&self, index: usize) -> u64 {
+    fn twists_of(&self, index: usize) -> Pointer<f32> {
         self.twists.at(self.twist_starts[index])
     }
 
     /// Address of an instance's controls.
-    pub(crate) fn controls_of(&self, index: usize) -> u64 {
+    pub(crate) fn controls_of(&self, index: usize) -> Pointer<Point> {
         self.controls.at(self.control_starts[index])
     }
 
@@ -147,31 +148,38 @@ impl<'a> Simulation<'a> {
         slots(&self.instances[index], self.keep)
     }
 
-    /// The job of an instance, for these packed parameters.
-    pub(crate) fn job(&self, index: usize, packed: &Packed) -> Result<Job, Error> {
+    /// The arguments of an instance, for these packed parameters.
+    pub(crate) fn instance_args(
+        &self,
+        index: usize,
+        packed: &Packed,
+    ) -> Result<InstanceArgs, Error> {
         let instance = &self.instances[index];
         let model = instance.model.model();
         let resident = resident(&instance.model)?;
-        let mut job = Job {
+        let first_rod = 3 * (model.graph.springs.len() + model.graph.triplets.len());
+        let mut args = packed.instance_args(model);
+        args.parameters.rods = resident.params.at(first_rod);
+        args.parameters.dashpot = resident.dashpot.unwrap_or_default();
+        args.state = StateArgs {
             controls: self.controls_of(index),
             states: self.states_of(index),
-            rods: resident.params.at(3 * (model.graph.springs.len() + model.graph.triplets.len())),
             twists: self.twists_of(index),
             divergence: self.divergence.at(index),
-            slots: self.slots_of(index) as u32,
-            frames: instance.frames as u32,
-            object_ids: resident.graph.object_ids.address(),
-            dashpot: resident.dashpot.unwrap_or_default(),
-            ..packed.job(model)
+            slot_count: self.slots_of(index) as u32,
+            frame_count: instance.frames as u32,
+            ..StateArgs::default()
         };
+        args.contact.object_ids = resident.graph.object_ids.address();
         if has_contact(model) {
             if model.params.contact.within_object {
                 let joined = resident.graph.joined(&resident.device)?;
-                (job.joined_starts, job.joined) = (joined.starts.address(), joined.nodes.address());
+                args.contact.joined_starts = joined.starts.address();
+                args.contact.joined = joined.nodes.address();
             }
-            self.contact.place(index, &mut job);
+            self.contact.place(index, &mut args);
         }
-        Ok(job)
+        Ok(args)
     }
 
     /// Runs all frames, with all that happens in them onto tape if there is one.
@@ -180,16 +188,16 @@ impl<'a> Simulation<'a> {
         let purpose = if tape.is_some() { Purpose::Tape } else { Purpose::Forward };
         let mut groups = self.groups(&all, purpose)?;
         if let Some(tape) = tape {
-            for (index, job) in groups.iter_mut().flat_map(Group::members_mut) {
-                tape.write(index, job);
+            for (index, args) in groups.iter_mut().flat_map(Group::members_mut) {
+                tape.write(index, args);
             }
         }
         let longest = self.instances.iter().map(|i| i.frames).max().unwrap_or(0);
-        let jobs: Vec<Buffer<Job>> = groups
+        let uploaded: Vec<Buffer<InstanceArgs>> = groups
             .iter()
-            .map(|g| Buffer::of(&self.queue.stream, g.jobs()))
+            .map(|g| Buffer::of(&self.queue.stream, g.instances()))
             .collect::<Result<_, _>>()?;
-        let step = if groups.iter().any(|g| g.fitted.variant.contact) {
+        let step = if groups.iter().any(|g| g.fitted.specialization.contact) {
             1
         } else {
             let frame_us: f64 = groups.iter().map(|g| self.frame_us(g)).sum();
@@ -201,15 +209,15 @@ impl<'a> Simulation<'a> {
                 self.queue.synchronize()?;
                 return Err(Error::Cancelled);
             }
-            let stretch = Stretch::frames(first, first + step);
+            let range = FrameRange::frames(first, first + step);
             // Different graphs take different kernels, none of which fills the device: they run side by side.
             self.queue.side_by_side(groups.len(), |k, sides| {
-                let (group, jobs) = (&groups[k], Jobs::all(&jobs[k]));
+                let (group, span) = (&groups[k], InstanceSpan::all(&uploaded[k]));
                 let stream = sides.of(k, &group.fitted.team);
-                if group.fitted.variant.contact {
-                    self.find_partners(stream, jobs, first as u32)?;
+                if group.fitted.specialization.contact {
+                    self.find_partners(stream, span, first as u32)?;
                 }
-                group.advance(self.queue, stream, jobs, &stretch)
+                group.advance(self.queue, stream, span, &range)
             })?;
             pace.step(self.queue)?;
         }
@@ -226,17 +234,16 @@ impl<'a> Simulation<'a> {
     pub(crate) fn find_partners(
         &self,
         stream: &CudaStream,
-        jobs: Jobs,
+        of: InstanceSpan,
         frame: u32,
     ) -> Result<(), Error> {
-        let arguments = Arguments::default().with(jobs.address).with(frame);
-        let grid = (jobs.count as u32, 1, 1);
-        let function = self.queue.device.small(Source::Partners, "find_partners")?;
-        // SAFETY: jobs with contact have its arrays; the kernel looks at frames that exist.
-        unsafe { function.launch(stream, grid, 0, &arguments) }
+        let args = FindPartnersArgs { instances: of.address, frame, unused: 0 };
+        let launch = Launch::new(&self.queue.device, stream, [of.count as u32, 1, 1]);
+        // SAFETY: instances with contact have its arrays; the kernel reads frames that exist.
+        unsafe { kernels::find_partners(&launch, &args) }
     }
 
-    /// Jobs of some instances, in groups that one launch serves; an instance may have several. Groups' members
+    /// InstanceSpan of some instances, in groups that one launch serves; an instance may have several. Groups' members
     /// are indices in `of`.
     pub(crate) fn groups(&self, of: &[usize], purpose: Purpose) -> Result<Vec<Group>, Error> {
         let device = &self.queue.device;
@@ -255,17 +262,20 @@ impl<'a> Simulation<'a> {
             let (resident, model) = (resident(model(m))?, model(m).model());
             let key = std::ptr::from_ref(resident) as usize;
             let (batch, alike) = (members.len(), alike[&key].1);
-            let fit = choose(&device.ability, resident, model, purpose, batch, alike)?;
+            let fit = choose(&device.capabilities, resident, model, purpose, batch, alike)?;
             Ok((key, (fit, resident.packed(Cut::of(&fit.team))?)))
         })?;
         let known: HashMap<usize, (Fitted, Arc<Packed>)> = fitted.into_iter().collect();
-        let variants: HashSet<Variant> = known.values().map(|(fit, _)| fit.variant).collect();
-        let variants: Vec<Variant> = variants.into_iter().collect();
-        side_by_side(self.queue, &variants, |variant| device.function(variant, purpose.kernel()))?;
+        let specializations: HashSet<Specialization> =
+            known.values().map(|(fit, _)| fit.specialization).collect();
+        let specializations: Vec<Specialization> = specializations.into_iter().collect();
+        side_by_side(self.queue, &specializations, |specialization| {
+            device.function(specialization, purpose.kernel())
+        })?;
         let mut groups: Vec<Group> = Vec::new();
         for &m in &members {
             let (fit, packed) = &known[&(std::ptr::from_ref(resident(model(m))?) as usize)];
-            let job = self.job(of[m], packed)?;
+            let args = self.instance_args(of[m], packed)?;
             // Instances that are simulated together share their model, and groups of them are full.
             let at = match groups.iter().position(|g| g.takes(fit, packed)) {
                 Some(at) => at,
@@ -274,7 +284,7 @@ impl<'a> Simulation<'a> {
                     groups.len() - 1
                 }
             };
-            groups[at].add(m, job, fit, packed);
+            groups[at].add(m, args, fit, packed);
         }
         groups.iter_mut().try_for_each(|g| g.complete(self.queue))?;
         Ok(groups)
@@ -336,30 +346,30 @@ fn start(this: &Simulation<'_>) -> Result<(), Error> {
         let model = instance.model.model();
         let moves = model.control_velocity == ControlVelocity::True && instance.frames > 0;
         let (pin_of, pins) = resident(&instance.model)?.graph.pins();
-        starts.push(Start {
+        starts.push(InitialArgs {
             initial: initial.at(at),
             initial_twists: initial.at(twists_at),
             twists: this.twists_of(i),
-            rods: model.graph.rods.len() as u32,
-            unused: 0,
+            rod_count: model.graph.rods.len() as u32,
             states: this.states_of(i),
             controls: this.controls_of(i),
             pin_of,
             pins,
             frame_s: model.timing.frame_s() as f32,
-            nodes: model.graph.node_count() as u32,
+            node_count: model.graph.node_count() as u32,
             control_count: model.graph.control_count() as u32,
             controls_move: u32::from(moves),
+            unused: 0,
         });
     }
-    let most = starts.iter().map(|s| s.nodes).max().unwrap_or(0);
+    let most = starts.iter().map(|s| s.node_count).max().unwrap_or(0);
     let on_device = Buffer::of(stream, &starts)?;
     for first in (0..starts.len()).step_by(MOST_BLOCKS) {
         let count = MOST_BLOCKS.min(starts.len() - first) as u32;
-        let arguments = Arguments::default().with(on_device.at(first));
-        let grid = (most.div_ceil(THREADS), count, 1);
+        let args = StartArgs { instances: on_device.at(first) };
+        let launch = this.queue.grid(most.div_ceil(THREADS), count, 1);
         // SAFETY: every start has its instance's nodes, controls of its first frames, and room for its states.
-        unsafe { this.queue.launch(Source::Start, "start", grid, &arguments)? };
+        unsafe { kernels::start(&launch, &args)? };
     }
     Ok(())
 }
@@ -411,14 +421,14 @@ impl Contact {
     }
 
     /// Gives a job the arrays of one of the simulations.
-    pub(crate) fn place(&self, index: usize, job: &mut Job) {
+    pub(crate) fn place(&self, index: usize, args: &mut InstanceArgs) {
         let at = self.starts[index];
-        job.partners = self.partners.at(at * MAX_PARTNERS);
-        job.partner_counts = self.counts.at(at);
-        job.partner_scratch = self.scratch.at(at);
-        job.contact_x = self.x.at(at);
-        job.contact_v = self.v.at(at);
-        job.max_partners = MAX_PARTNERS as u32;
+        args.contact.partners = self.partners.at(at * MAX_PARTNERS);
+        args.contact.partner_counts = self.counts.at(at);
+        args.contact.partner_scratch = self.scratch.at(at);
+        args.contact.x = self.x.at(at);
+        args.contact.v = self.v.at(at);
+        args.contact.max_partners = MAX_PARTNERS as u32;
     }
 }
 

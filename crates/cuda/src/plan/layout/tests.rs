@@ -168,7 +168,7 @@ fn owners_tell_exactly_those_who_have_a_node_in_their_halo() {
         let mut found = BTreeSet::new();
         for share in &layout.shares {
             for own in 0..share.own {
-                let at = (share.export + own) as usize;
+                let at = (share.export_start + own) as usize;
                 for e in layout.exports[at]..layout.exports[at + 1] {
                     let there = layout.export_refs[e as usize];
                     let node = layout.nodes[(share.nodes + own) as usize];
@@ -189,7 +189,8 @@ fn triplets_reach_all_their_ends_and_report_once() {
         for share in &layout.shares {
             for t in share.triplet..share.triplet + share.triplets {
                 let (of, local) = (layout.triplet_of[t as usize], layout.triplets[t as usize]);
-                let ends = local.ends.map(|e| endpoint(&graph, &layout, share, e.into()));
+                let ends =
+                    [local.i, local.j, local.k].map(|e| endpoint(&graph, &layout, share, e.into()));
                 assert_eq!(ends, graph.triplets[of as usize]);
                 reports[of as usize] += u32::from(local.owned);
             }
@@ -248,7 +249,10 @@ fn rods_turn_at_their_inner_nodes_where_a_block_has_them_all() {
     }
     for (t, ends) in (share.triplets..).zip(graph.rods[0].windows(3)) {
         let local = layout.triplets[(share.triplet + t) as usize];
-        assert_eq!(local.ends.map(|e| endpoint(&graph, &layout, &share, e.into())), *ends);
+        assert_eq!(
+            [local.i, local.j, local.k].map(|e| endpoint(&graph, &layout, &share, e.into())),
+            *ends
+        );
         assert_eq!(local.owned, 0, "it has no sums of a triplet");
         for (role, end) in [(0, ends[0]), (1, ends[2]), (2, ends[1])] {
             assert!(arms.contains(&(t, role, end)), "{end} does not hear of {t}");

@@ -7,7 +7,7 @@ use bendtwin_engine::Error;
 
 use super::Backward;
 use crate::{
-    device::{job::Job, launch::MOST_BLOCKS, memory::Buffer},
+    device::{args::InstanceArgs, launch::MOST_BLOCKS, memory::Buffer},
     plan::{
         resident::LAWS,
         tape::{self, Entries, Tape},
@@ -75,7 +75,7 @@ impl Slots {
         } else {
             let count = fit(room, bytes.fixed + bytes.frame).clamp(1, most);
             let left = room.saturating_sub(count as u64 * bytes.fixed);
-            let processors = simulation.queue.device.ability.processors as usize;
+            let processors = simulation.queue.device.capabilities.processors as usize;
             let useful = (FRAMES_A_PROCESSOR * processors / count).max(1);
             let frames = fit(left, count as u64 * bytes.frame).clamp(1, deepest.min(useful));
             let longest = fit(left, bytes.substep).clamp(1, substeps.max(1));
@@ -122,15 +122,15 @@ impl Slots {
     }
 
     /// Gives a job the arrays of a frame of a window on tape, counted from the first that is.
-    pub(super) fn place(&self, window: usize, frame: usize, job: &mut Job) {
+    pub(super) fn place(&self, window: usize, frame: usize, args: &mut InstanceArgs) {
         let slot = window * self.frames + frame;
         if let Some(tape) = &self.tape {
             let before = slot * self.segment;
             let entries = Entries { nodes: before * self.nodes, rods: before * self.rods };
-            tape.place(entries, job);
+            tape.place(entries, args);
         }
         if let Some(contact) = &self.contact {
-            contact.place(if self.tape.is_some() { slot } else { window }, job);
+            contact.place(if self.tape.is_some() { slot } else { window }, args);
         }
     }
 }
@@ -142,7 +142,7 @@ impl Backward<'_> {
         let graph = &model.graph;
         let (n, e, t, r) =
             (graph.node_count(), graph.springs.len(), graph.triplets.len(), graph.rods.len());
-        let blocks = simulation.queue.device.ability.processors as usize;
+        let blocks = simulation.queue.device.capabilities.processors as usize;
         let paths = if self.request.controls {
             blocks * graph.control_count() + graph.pins.len()
         } else {

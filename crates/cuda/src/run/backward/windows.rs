@@ -7,15 +7,18 @@ use bendtwin_engine::Error;
 use super::{Backward, Slots};
 use crate::{
     device::{
-        job::{Address, Job, Topology},
-        kernel::{Source, THREADS},
-        launch::Arguments,
+        args::{
+            AddSeedsArgs, AdjointArgs, CollectControlsArgs, GatherSumsArgs, InstanceArgs, Pointer,
+            TopologyArgs,
+        },
+        kernels,
         memory::Buffer,
         pace::Pace,
+        specialization::THREADS,
     },
     plan::{choice::Purpose, layout::PAIR_SUMS, resident::LAWS},
     run::{
-        group::{Group, Jobs, Stretch},
+        group::{FrameRange, Group, InstanceSpan},
         simulation::Simulation,
     },
 };
@@ -65,11 +68,11 @@ struct Lane {
 
 /// A lane's jobs for some frames: those of a depth stand together.
 struct Rounds {
-    jobs: Buffer<Job>,
+    instances: Buffer<InstanceArgs>,
     /// Where d loss / d positions at each job's frame's end is.
-    seeds: Buffer<Address>,
+    seeds: Buffer<Pointer<f32>>,
     /// Where d loss / d controls of each job's instance goes.
-    outs: Buffer<Address>,
+    outs: Buffer<Pointer<[f32; 3]>>,
     /// First job of each depth, and the end of the last.
     starts: Vec<usize>,
     /// Whether an instance has several jobs at a depth.
@@ -103,26 +106,27 @@ impl<'a> SideBySide<'a> {
         let blocks = group.fitted.team.blocks as usize;
         let layout = group.packed().first().map(|p| &p.cut.layout);
         let of_springs = layout.map_or(0, |l| (l.sum_pairs * PAIR_SUMS) as usize);
-        let (controls, pins, hinges) = group.jobs().first().map_or((0, 0, 0), |j| {
-            let hinges = j.triplets + j.topology.rods;
-            (j.topology.controls as usize, j.pins as usize, hinges as usize)
+        let (controls, pins, hinges) = group.instances().first().map_or((0, 0, 0), |args| {
+            let t = &args.topology;
+            let hinges = t.triplet_count + t.rod_count;
+            (t.control_count as usize, t.pin_count as usize, hinges as usize)
         });
         let stride = of_springs + 3 * hinges + LAWS * blocks;
         let wanted = usize::from(self.way_back.request.controls && controls > 0);
         let sums = Buffer::zeros(stream, count * stride)?;
         let control_sums = Buffer::zeros(stream, wanted * count * 9 * blocks * controls)?;
         let pin_sums = Buffer::zeros(stream, wanted * count * 9 * pins)?;
-        for (k, (w, job)) in group.members_mut().enumerate() {
-            job.frames = 1;
-            job.bar_x = self.slots.bar_x.at(w * self.slots.nodes);
-            job.bar_v = self.slots.bar_v.at(w * self.slots.nodes);
-            job.twist_bars = self.slots.twist_bars.at(w * self.slots.rods);
-            job.spring_sums = sums.at(k * stride);
-            job.bend_sums = sums.at(k * stride + of_springs);
-            job.law_sums = sums.at(k * stride + of_springs + 3 * hinges);
+        for (k, (w, args)) in group.members_mut().enumerate() {
+            args.state.frame_count = 1;
+            args.adjoint.bar_x = self.slots.bar_x.at(w * self.slots.nodes);
+            args.adjoint.bar_v = self.slots.bar_v.at(w * self.slots.nodes);
+            args.adjoint.bar_twists = self.slots.twist_bars.at(w * self.slots.rods);
+            args.adjoint.spring_sums = sums.at(k * stride);
+            args.adjoint.bend_sums = sums.at(k * stride + of_springs);
+            args.adjoint.law_sums = sums.at(k * stride + of_springs + 3 * hinges);
             if wanted > 0 {
-                job.control_sums = control_sums.at(k * 9 * blocks * controls);
-                job.pin_sums = pin_sums.at(k * 9 * pins);
+                args.adjoint.control_sums = control_sums.at(k * 9 * blocks * controls);
+                args.adjoint.pin_sums = pin_sums.at(k * 9 * pins);
             }
         }
         Ok(Lane {
@@ -136,7 +140,7 @@ impl<'a> SideBySide<'a> {
     }
 
     /// Takes all windows back to their starts and adds their sums to those of their instances, by place.
-    pub(super) fn run(&self, total: impl Fn(usize) -> Address) -> Result<(), Error> {
+    pub(super) fn run(&self, total: impl Fn(usize) -> Pointer<f32>) -> Result<(), Error> {
         let queue = self.simulation().queue;
         let deepest = self.windows.iter().map(Window::len).max().unwrap_or(0);
         // Where nothing moves, what is wanted at the start is wanted of the start.
@@ -165,34 +169,35 @@ impl<'a> SideBySide<'a> {
         self.lanes.iter().try_for_each(|lane| self.add_sums(lane, &total))
     }
 
-    /// Jobs of windows that reach so deep. For tapes that have just been written, `slots` says by window where nodes
+    /// InstanceSpan of windows that reach so deep. For tapes that have just been written, `slots` says by window where nodes
     /// are on them.
     fn rounds(
         &self,
         lane: &Lane,
         depths: Range<usize>,
-        slots: &[Address],
+        slots: &[Pointer<u32>],
     ) -> Result<Rounds, Error> {
         let (simulation, from) = (self.simulation(), depths.start);
-        let (mut jobs, mut seeds, mut outs) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut all, mut seeds, mut outs) = (Vec::new(), Vec::new(), Vec::new());
         let (mut starts, mut shared) = (vec![0], false);
         for depth in depths {
             let mut before = None;
-            for (&w, job) in lane.group.members.iter().zip(lane.group.jobs()) {
+            for (&w, args) in lane.group.members.iter().zip(lane.group.instances()) {
                 let window = &self.windows[w];
                 if window.len() <= depth {
                     continue;
                 }
                 let frame = window.frame(depth);
-                let mut job = Job { first: frame as u32, ..*job };
-                self.slots.place(w, depth - from, &mut job);
+                let mut args = *args;
+                args.state.first_frame = frame as u32;
+                self.slots.place(w, depth - from, &mut args);
                 match self.way_back.way.kept {
                     Some(kept) => {
-                        kept.read(simulation.instances, window.instance, frame, &mut job);
+                        kept.read(simulation.instances, window.instance, frame, &mut args);
                     }
-                    None => job.tape_slots = slots[w],
+                    None => args.tape.slot_of = slots[w],
                 }
-                jobs.push(job);
+                all.push(args);
                 seeds.push(self.way_back.way.scores.seed(simulation, window.instance, frame + 1));
                 if self.way_back.request.controls {
                     let out = &self.way_back.out;
@@ -200,11 +205,11 @@ impl<'a> SideBySide<'a> {
                 }
                 shared |= before.replace(window.instance) == Some(window.instance);
             }
-            starts.push(jobs.len());
+            starts.push(all.len());
         }
         let stream = &simulation.queue.stream;
         Ok(Rounds {
-            jobs: Buffer::of(stream, &jobs)?,
+            instances: Buffer::of(stream, &all)?,
             seeds: Buffer::of(stream, &seeds)?,
             outs: Buffer::of(stream, &outs)?,
             starts,
@@ -217,18 +222,25 @@ impl<'a> SideBySide<'a> {
         let queue = simulation.queue;
         let part = |rounds: &Rounds| {
             let start = rounds.starts[depth - from];
-            (start, Jobs::part(&rounds.jobs, start, rounds.starts[depth - from + 1] - start))
+            (
+                start,
+                InstanceSpan::part(
+                    &rounds.instances,
+                    start,
+                    rounds.starts[depth - from + 1] - start,
+                ),
+            )
         };
         for (lane, rounds) in self.lanes.iter().zip(rounds) {
-            let (start, jobs) = part(rounds);
-            self.add_seeds(jobs, rounds.seeds.at(start), depth == 0)?;
+            let (start, span) = part(rounds);
+            self.add_seeds(span, rounds.seeds.at(start), depth == 0)?;
             // Tapes of the way forward have outlived the candidates of their frames.
-            if lane.group.fitted.variant.contact && self.way_back.way.kept.is_some() {
-                simulation.find_partners(&queue.stream, jobs, 0)?;
+            if lane.group.fitted.specialization.contact && self.way_back.way.kept.is_some() {
+                simulation.find_partners(&queue.stream, span, 0)?;
             }
         }
         for taped in slots.segments().rev() {
-            // The last is there. The others take its place, in its order: they are written by the same jobs.
+            // The last is there. The others take its place, in its order: they are written by the same span.
             if taped != slots.last_segment() {
                 self.again(depth..depth + 1, taped.clone())?;
             }
@@ -238,11 +250,11 @@ impl<'a> SideBySide<'a> {
         }
         if self.way_back.request.controls {
             for (lane, rounds) in self.lanes.iter().zip(rounds) {
-                let (start, jobs) = part(rounds);
+                let (start, span) = part(rounds);
                 // Windows of one instance share frame boundaries: one after the other.
-                let at_once = if rounds.shared { 1 } else { jobs.count.max(1) };
-                for k in (0..jobs.count).step_by(at_once) {
-                    let some = Jobs::part(&rounds.jobs, start + k, at_once);
+                let at_once = if rounds.shared { 1 } else { span.count.max(1) };
+                for k in (0..span.count).step_by(at_once) {
+                    let some = InstanceSpan::part(&rounds.instances, start + k, at_once);
                     self.collect_controls(lane, some, rounds.outs.at(start + k))?;
                 }
             }
@@ -251,7 +263,7 @@ impl<'a> SideBySide<'a> {
     }
 
     /// Runs frames again, all at once, with these substeps on tape; says where nodes are on it, by window.
-    fn again(&self, depths: Range<usize>, taped: Range<u32>) -> Result<Vec<Address>, Error> {
+    fn again(&self, depths: Range<usize>, taped: Range<u32>) -> Result<Vec<Pointer<u32>>, Error> {
         let (simulation, from) = (self.simulation(), depths.start);
         let queue = simulation.queue;
         let windows = self.windows.iter().enumerate();
@@ -261,41 +273,52 @@ impl<'a> SideBySide<'a> {
             })
             .collect();
         let instances: Vec<usize> = frames.iter().map(|&(w, _)| self.windows[w].instance).collect();
-        let mut slots = vec![0; self.windows.len()];
+        let mut slots = vec![Pointer::default(); self.windows.len()];
         for mut group in simulation.groups(&instances, Purpose::Tape)? {
-            for (f, job) in group.members_mut() {
+            for (f, args) in group.members_mut() {
                 let (w, depth) = frames[f];
-                job.first = self.windows[w].frame(depth) as u32;
-                job.frames = 1;
-                self.slots.place(w, depth - from, job);
-                slots[w] = job.tape_slots;
+                args.state.first_frame = self.windows[w].frame(depth) as u32;
+                args.state.frame_count = 1;
+                self.slots.place(w, depth - from, args);
+                slots[w] = args.tape.slot_of;
             }
-            let jobs = Buffer::of(&queue.stream, group.jobs())?;
-            if group.fitted.variant.contact {
-                simulation.find_partners(&queue.stream, Jobs::all(&jobs), 0)?;
+            let uploaded = Buffer::of(&queue.stream, group.instances())?;
+            if group.fitted.specialization.contact {
+                simulation.find_partners(&queue.stream, InstanceSpan::all(&uploaded), 0)?;
             }
-            let stretch = Stretch::again(taped.clone());
-            group.advance(queue, &queue.stream, Jobs::all(&jobs), &stretch)?;
+            let range = FrameRange::again(taped.clone());
+            group.advance(queue, &queue.stream, InstanceSpan::all(&uploaded), &range)?;
         }
         Ok(slots)
     }
 
-    fn add_seeds(&self, jobs: Jobs, seeds: Address, begins: bool) -> Result<(), Error> {
-        let arguments = Arguments::default().with(jobs.address).with(seeds).with(u32::from(begins));
-        let grid = ((self.slots.nodes as u32).div_ceil(THREADS), jobs.count as u32, 1);
-        // SAFETY: every job has its bars and a seed of as many nodes.
-        unsafe { self.simulation().queue.launch(Source::Params, "add_seeds", grid, &arguments) }
+    fn add_seeds(
+        &self,
+        of: InstanceSpan,
+        seeds: Pointer<Pointer<f32>>,
+        begins: bool,
+    ) -> Result<(), Error> {
+        let begins = u32::from(begins);
+        let args = AddSeedsArgs { instances: of.address, seeds, begins, unused: 0 };
+        let blocks = (self.slots.nodes as u32).div_ceil(THREADS);
+        let launch = self.simulation().queue.grid(blocks, of.count as u32, 1);
+        // SAFETY: every instance has its derivatives and a seed of as many nodes.
+        unsafe { kernels::add_seeds(&launch, &args) }
     }
 
-    fn collect_controls(&self, lane: &Lane, jobs: Jobs, outs: Address) -> Result<(), Error> {
-        let controls = lane.group.jobs().first().map_or(0, |j| j.topology.controls);
-        let blocks = lane.group.fitted.team.blocks;
-        let arguments = Arguments::default().with(jobs.address).with(outs).with(blocks);
-        let grid = (controls.div_ceil(THREADS), jobs.count as u32, 1);
-        // SAFETY: a job has its sums, and the output frames `first` and `first` + 1.
-        unsafe {
-            self.simulation().queue.launch(Source::Params, "collect_controls", grid, &arguments)
-        }
+    fn collect_controls(
+        &self,
+        lane: &Lane,
+        of: InstanceSpan,
+        outs: Pointer<Pointer<[f32; 3]>>,
+    ) -> Result<(), Error> {
+        let controls = lane.group.instances().first().map_or(0, |args| args.topology.control_count);
+        let block_count = lane.group.fitted.team.blocks;
+        let args = CollectControlsArgs { instances: of.address, outs, block_count, unused: 0 };
+        let queue = self.simulation().queue;
+        let launch = queue.grid(controls.div_ceil(THREADS), of.count as u32, 1);
+        // SAFETY: an instance has its sums, and the output the frames `first_frame` and the next.
+        unsafe { kernels::collect_controls(&launch, &args) }
     }
 
     /// Keeps what came back to the starts of instances, with the seeds of the starts themselves, of windows
@@ -311,23 +334,26 @@ impl<'a> SideBySide<'a> {
             if window.first > 0 || window.len() != frames {
                 continue;
             }
-            let job = Job {
-                topology: Topology {
+            let args = InstanceArgs {
+                topology: TopologyArgs {
                     node_count: n as u32,
-                    rods: slots.rods as u32,
-                    ..Default::default()
+                    rod_count: slots.rods as u32,
+                    ..TopologyArgs::default()
                 },
-                twist_bars: slots.twist_bars.at(w * slots.rods),
-                bar_x: slots.bar_x.at(w * n),
-                bar_v: slots.bar_v.at(w * n),
-                ..Job::default()
+                adjoint: AdjointArgs {
+                    bar_x: slots.bar_x.at(w * n),
+                    bar_v: slots.bar_v.at(w * n),
+                    bar_twists: slots.twist_bars.at(w * slots.rods),
+                    ..AdjointArgs::default()
+                },
+                ..InstanceArgs::default()
             };
-            let jobs = Buffer::of(stream, &[job])?;
+            let uploaded = Buffer::of(stream, &[args])?;
             let seeds = Buffer::of(
                 stream,
                 &[self.way_back.way.scores.seed(simulation, window.instance, 0)],
             )?;
-            self.add_seeds(Jobs::all(&jobs), seeds.address(), frames == 0)?;
+            self.add_seeds(InstanceSpan::all(&uploaded), seeds.address(), frames == 0)?;
             let out = self.way_back.out;
             let to = out.initial_starts[window.instance];
             out.initial.copy_from(to, &slots.bar_x, w * n, n)?;
@@ -341,28 +367,27 @@ impl<'a> SideBySide<'a> {
     }
 
     /// Adds the sums of each instance's windows to its total.
-    fn add_sums(&self, lane: &Lane, total: &impl Fn(usize) -> Address) -> Result<(), Error> {
+    fn add_sums(&self, lane: &Lane, total: &impl Fn(usize) -> Pointer<f32>) -> Result<(), Error> {
         let Some(cut) = lane.group.packed().first().map(|p| &p.cut) else { return Ok(()) };
         let e = cut.sum_of.len() as u32;
         let others = (lane.stride - lane.of_springs) as u32;
         let place = |w: &usize| self.windows[*w].place;
         let mut at = 0;
         for own in lane.group.members.chunk_by(|a, b| place(a) == place(b)) {
-            let arguments = Arguments::default()
-                .with(total(place(&own[0])))
-                .with(lane.sums.at(at * lane.stride))
-                .with(cut.sum_of.address())
-                .with(own.len() as u32)
-                .with(lane.stride as u64)
-                .with(e)
-                .with(others)
-                .with(lane.of_springs as u32);
+            let args = GatherSumsArgs {
+                total: total(place(&own[0])),
+                sums: lane.sums.at(at * lane.stride),
+                sum_of: cut.sum_of.address(),
+                stride: lane.stride as u64,
+                window_count: own.len() as u32,
+                spring_count: e,
+                other_count: others,
+                first_other: lane.of_springs as u32,
+            };
             at += own.len();
-            let grid = ((e + others).div_ceil(THREADS), 1, 1);
+            let launch = self.simulation().queue.grid((e + others).div_ceil(THREADS), 1, 1);
             // SAFETY: sums are rows of `stride` numbers, so many of them, and the total has a place for each kind.
-            unsafe {
-                self.simulation().queue.launch(Source::Params, "gather_sums", grid, &arguments)?;
-            }
+            unsafe { kernels::gather_sums(&launch, &args)? };
         }
         Ok(())
     }

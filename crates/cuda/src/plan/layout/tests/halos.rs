@@ -87,8 +87,8 @@ fn whom_a_block_tells_it_also_hears_from() {
             halos[block].iter().map(|&node| owners[node as usize]).collect()
         };
         for (block, share) in layout.shares.iter().enumerate() {
-            let from = layout.exports[share.export as usize] as usize;
-            let to = layout.exports[(share.export + share.own) as usize] as usize;
+            let from = layout.exports[share.export_start as usize] as usize;
+            let to = layout.exports[(share.export_start + share.own) as usize] as usize;
             let told: BTreeSet<usize> =
                 layout.export_refs[from..to].iter().map(|there| (there >> 16) as usize).collect();
             assert_eq!(told, hears(block));
@@ -113,7 +113,9 @@ fn only_elements_of_own_nodes_read_the_halo() {
     for (_, layout) in cut() {
         for share in &layout.shares {
             let triplets = &layout.triplets[share.triplet as usize..][..share.triplets as usize];
-            assert!(triplets.iter().all(|t| t.ends.iter().any(|&e| u32::from(e) < share.own)));
+            assert!(
+                triplets.iter().all(|t| [t.i, t.j, t.k].iter().any(|&e| u32::from(e) < share.own))
+            );
             let rows = |row: u32| layout.rows[(share.row + row) as usize] as usize * 64;
             let (first, end) = (rows(share.rows), rows(share.rows + share.control_rows));
             let in_halo = |&other: &u32| (share.own..layout.control_base).contains(&other);

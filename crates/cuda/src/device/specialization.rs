@@ -1,11 +1,8 @@
-//! The kernels' sources, and what a launch of them is specialised for at compile time.
+//! The kernels' sources, and what a launch of them is specialized for at compile time.
 
 use std::fmt::Write as _;
 
-use super::{
-    job::{Job, Measure, Record, Share, Start, Term, Topology},
-    team::Meeting,
-};
+use super::team::TeamShape;
 
 /// Threads of a block of the small kernels.
 pub(crate) const THREADS: u32 = 256;
@@ -17,7 +14,7 @@ const HEADERS: &[(&str, &str)] = &[
     ("rod.cuh", include_str!("../../kernels/rod.cuh")),
     ("impulse.cuh", include_str!("../../kernels/impulse.cuh")),
     ("ground.cuh", include_str!("../../kernels/ground.cuh")),
-    ("job.cuh", include_str!("../../kernels/job.cuh")),
+    ("instance.cuh", include_str!("../../kernels/instance.cuh")),
     ("team.cuh", include_str!("../../kernels/team.cuh")),
     ("contact.cuh", include_str!("../../kernels/contact.cuh")),
     ("share.cuh", include_str!("../../kernels/share.cuh")),
@@ -74,9 +71,9 @@ impl Source {
 
 /// What a kernel is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Variant {
+pub(crate) struct Specialization {
     pub(crate) source: Source,
-    pub(crate) meeting: Meeting,
+    pub(crate) shape: TeamShape,
     /// Blocks of a team.
     pub(crate) blocks: u32,
     /// Instances that a team simulates together.
@@ -105,12 +102,12 @@ pub(crate) struct Variant {
     pub(crate) bend_in_shared: bool,
 }
 
-impl Variant {
-    /// Of a source without specialisation.
+impl Specialization {
+    /// Of a source without specialization.
     pub(crate) fn small(source: Source) -> Self {
         Self {
             source,
-            meeting: Meeting::Block,
+            shape: TeamShape::Block,
             blocks: 1,
             instances: 1,
             lanes: 1,
@@ -138,17 +135,8 @@ impl Variant {
     /// The whole source with its constants in front.
     pub(crate) fn text(&self) -> String {
         let mut text = String::new();
-        let sizes = [
-            ("SIZE_OF_SHARE", size_of::<Share>()),
-            ("SIZE_OF_TOPOLOGY", size_of::<Topology>()),
-            ("SIZE_OF_JOB", size_of::<Job>()),
-            ("SIZE_OF_TERM", size_of::<Term>()),
-            ("SIZE_OF_MEASURE", size_of::<Measure>()),
-            ("SIZE_OF_RECORD", size_of::<Record>()),
-            ("SIZE_OF_START", size_of::<Start>()),
-        ];
         let constants = [
-            ("SHAPE", self.meeting as u32),
+            ("SHAPE", self.shape as u32),
             ("BLOCKS", self.blocks),
             ("INSTANCES", self.instances),
             ("LANES", self.lanes),
@@ -167,15 +155,13 @@ impl Variant {
             ("BEND_IN_SHARED", self.bend_in_shared.into()),
         ];
         // Writing to a string cannot fail.
-        for (name, value) in sizes {
-            let _ = writeln!(text, "#define {name} {value}");
-        }
         for (name, value) in constants {
             let _ = writeln!(text, "#define {name} {value}");
         }
         for (name, body) in HEADERS.iter().chain(self.source.files()) {
             let _ = writeln!(text, "#line 1 \"{name}\"\n{body}");
         }
+        let _ = writeln!(text, "#line 1 \"arguments\"\n{}", self.source.layout_checks());
         text
     }
 }

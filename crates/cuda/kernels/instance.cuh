@@ -1,0 +1,190 @@
+// Arguments of the kernels that simulate. The host declares the same structs in `src/device/args`; every
+// field's place and size is checked when a kernel is compiled. A kernel takes one struct of its own as a
+// `__grid_constant__`: without it NVVM unrolls fewer loops over memory that the struct points to.
+
+// A block's share of a graph. A block knows its own nodes, then the halo of nodes that its elements
+// reach into, by local index; control points stand at `TopologyArgs::control_base` in every block.
+struct Share {
+    u32 own;             // nodes that it owns
+    u32 local;           // own nodes and halo
+    u32 nodes;           // first of its local nodes in `TopologyArgs::nodes`
+    u32 rows;            // rows of half-springs of its own nodes
+    u32 control_rows;    // rows of half-springs of control points on its nodes
+    u32 row;             // first of its rows + control_rows + 1 row starts in `TopologyArgs::rows`
+    u32 triplets;        // triplets with an end among its own nodes
+    u32 triplet;         // first of them in `TopologyArgs::triplets`
+    u32 arm;             // first of its own + controls + 1 arm starts in `TopologyArgs::arms`
+    u32 pins;            // pinned nodes among its local ones
+    u32 pin;             // first of them in `TopologyArgs::local_pins`
+    u32 export_start;    // first of its own + 1 export starts in `TopologyArgs::exports`
+    u32 slot;            // where its own nodes begin on a tape that this cut writes
+};
+
+struct LocalPin {
+    u32 local;  // local index of the node
+    u32 pin;    // index of the pin in the graph
+};
+
+struct Pin {
+    u32 control;
+    float offset[3];
+};
+
+struct Triplet {
+    u16 i, j, k;  // local indices
+    u16 owned;    // whether this block reports its gradient; of a rod's inner node, whether `k` is an arm
+};
+
+// A graph as one shape of launch sees it.
+struct TopologyArgs {
+    const Share* shares;
+    const u32* nodes;          // graph index of each local node
+    const u32* rows;           // first pair of slots of each row; a slot is 32 half-springs
+    const Triplet* triplets;
+    const u32* arms;           // per own node and control point: first of its arm references
+    const u32* arm_refs;       // triplet * 4 + role (0: i, 1: k, 2: j)
+    const LocalPin* local_pins;
+    const Pin* pins;           // as in the graph
+    const int* pin_of;         // by graph index: the node's pin, -1 if it has none
+    const u32* exports;        // per own node: first of its export references
+    const u32* export_refs;    // block << 16 | local index there
+    const float* inverse_mass; // by graph index; zero where pinned
+    const u32* sum_rows;       // as `rows`: pairs with sums before each row
+    const u32* triplet_of;     // per triplet of a share: its index in the graph
+    const u32* rod_turns;      // [R + 1]: first inner node of each rod in the share's list of triplets
+    u32 node_count;            // N
+    u32 control_count;         // C
+    u32 control_base;          // local index of control point 0
+    u32 stride;                // control_base + control_count
+    u32 max_triplets;          // of a share
+    u32 max_pairs;             // pairs of half-springs of a share's nodes, padding included
+    u32 max_all_pairs;         // the same, of its nodes and control points
+    u32 rod_count;             // R; a graph with rods has one share
+    u32 triplet_count;         // T
+    u32 pin_count;
+};
+
+// Material parameters, packed for a shape of launch.
+struct ParameterArgs {
+    const float4* rates;     // per pair of half-springs: rate, rest length, rate, rest length
+    const u32* others;       // per pair: local indices of the other ends, 16 bits each
+    const float2* dashpots;  // per pair; not read where all are `dashpot`
+    const float4* bends;     // per triplet of a share, as in `BendParams`
+    const float* rods;       // [3][R]: stiffness, damping, rest twist
+    Law ground_law, object_law;
+    float dashpot;           // of all springs where they are alike [N s/m]
+    float decay;             // exp(-dt drag)
+};
+
+// A substep: its length, external forces, and the frame that it is a part of.
+struct StepArgs {
+    float kick[3];  // gravity times dt [m/s]
+    Ground ground;
+    float dt;       // [s]
+    float frame_s;
+    u32 substeps;   // of a frame
+    u32 controls_move;
+    u32 unused;
+};
+
+// States that frames begin and end in.
+struct StateArgs {
+    const float* controls;  // [frames + 1][C][3]
+    float* states;          // [slots][6][N]: x, y, z, vx, vy, vz of frame f at f % slot_count
+    float* twists;          // [slots][R]: as `states`
+    u64* divergence;        // smallest frame << 32 | node
+    u32 slot_count;
+    u32 first_frame;        // frame that the launch's frame 0 is
+    u32 frame_count;        // frames to run; in the rest of a launch the instance stays as it is
+    u32 unused;
+};
+
+// What substeps record for the backward pass.
+struct TapeArgs {
+    const u32* slot_of;  // by graph index: the node's slot on a tape that is read
+    float4* x;           // [substeps on tape][N], in the order of the cut that writes it: x, v_x
+    float2* v;           // v_y, v_z
+    float* before;       // [3]: velocity before contact
+    float* twists;       // [substeps on tape][R]: at a substep's start
+};
+
+// Derivatives of the loss, and the sums that become gradients of parameters.
+struct AdjointArgs {
+    float4* bar_x;        // [N]: d loss / d position
+    float4* bar_v;        // [N]: d loss / d velocity
+    float* bar_twists;    // [R]: d loss / d twist
+    float* spring_sums;   // [pairs with sums][2][3][32 lanes], as in `SpringSums`
+    float* bend_sums;     // [3][T], then [3][R] of rods
+    float* law_sums;      // [blocks][5]: drag, ground restitution, friction, object restitution, friction
+    float* control_sums;  // [blocks][9][C]: d loss / d from, to, velocity
+    float* pin_sums;      // [9][pins]
+};
+
+// Contact between nodes.
+struct ContactArgs {
+    u32* partners;             // [N][max_partners]: candidates of each node
+    u32* partner_counts;       // [N]
+    u32* partner_scratch;      // [N]: nodes by cell
+    const u32* object_ids;     // [N]
+    const u32* joined_starts;  // [N + 1]: first neighbour of each node in `joined`
+    const u32* joined;         // nodes that a spring joins to a node, ascending
+    float4* x;                 // [N]: x, inverse mass
+    float4* v;                 // [N]: velocity before contact
+    float collision_distance;  // [m]
+    u32 max_partners;
+    u32 between_objects, within_object;
+};
+
+// Global memory that a team's blocks work in.
+struct TeamArgs {
+    float4* exchange_x;  // [2][N]: states that a grid's blocks exchange
+    float2* exchange_v;  // [2][N]
+    u32* barrier;        // counts a grid's blocks
+    float4* spill;       // per block: what shared memory has no room for
+    u32 spill_stride;    // float4s of a block's spill
+    u32 unused;
+};
+
+// One instance to simulate.
+struct InstanceArgs {
+    TopologyArgs topology;
+    ParameterArgs parameters;
+    StepArgs step;
+    StateArgs state;
+    TapeArgs tape;
+    AdjointArgs adjoint;
+    ContactArgs contact;
+    TeamArgs team;
+};
+
+DEVICE float3 load_v3(const float* p) { return v3(p[0], p[1], p[2]); }
+
+// Control points of a frame.
+struct Path {
+    const float* from;
+    const float* to;
+    float frame_s;
+    bool moves;
+};
+
+DEVICE Path path_of(const InstanceArgs& instance, u32 frame) {
+    Path p;
+    p.from = instance.state.controls + (u64)frame * instance.topology.control_count * 3;
+    // An instance without frames stands still.
+    p.to = frame < instance.state.first_frame + instance.state.frame_count ? p.from + instance.topology.control_count * 3 : p.from;
+    p.frame_s = instance.step.frame_s;
+    p.moves = instance.step.controls_move != 0;
+    return p;
+}
+DEVICE float3 control_velocity(const Path& p, u32 c) {
+    if (!p.moves) return zero3();
+    return scale(sub(load_v3(p.to + 3 * c), load_v3(p.from + 3 * c)), 1.0f / p.frame_s);
+}
+// How far into the frame the controls are in a substep: its end.
+DEVICE float progress(u32 substep, u32 substeps) {
+    return __fdiv_rn((float)(substep + 1), (float)substeps);
+}
+// Exact at both ends, so that a rollout may be cut at any frame.
+DEVICE float3 control_position(const Path& p, float t, u32 c) {
+    return add_scaled(scale(load_v3(p.from + 3 * c), 1.0f - t), t, load_v3(p.to + 3 * c));
+}

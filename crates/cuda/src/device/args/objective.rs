@@ -1,0 +1,78 @@
+//! Instances as the kernels beside the simulation have them: initial states, objectives, recordings. Fields are
+//! described where the kernels declare them.
+
+use bendtwin_core::Point;
+
+use super::{Pin, Pointer, device_struct};
+
+device_struct! {
+    /// Initial state of an instance.
+    InitialArgs {
+        initial: Pointer<f32>,
+        states: Pointer<f32>,
+        controls: Pointer<Point>,
+        pin_of: Pointer<i32>,
+        pins: Pointer<Pin>,
+        initial_twists: Pointer<f32>,
+        twists: Pointer<f32>,
+        frame_s: f32,
+        node_count: u32,
+        rod_count: u32,
+        control_count: u32,
+        controls_move: u32,
+        unused: u32,
+    }
+}
+
+device_struct! {
+    Term {
+        kind: u32,
+        frame: u32,
+        count: u32,
+        first: u32,
+        loss: u32,
+        beta: f32,
+        weight: f32,
+        unused: u32,
+    }
+}
+
+device_struct! {
+    ObjectiveArgs {
+        states: Pointer<f32>,
+        terms: Pointer<Term>,
+        frame_terms: Pointer<u32>,
+        targets: Pointer<[f32; 3]>,
+        target_nodes: Pointer<u32>,
+        nearest: Pointer<u32>,
+        values: Pointer<f64>,
+        seeds: Pointer<f32>,
+        node_count: u32,
+        surface_count: u32,
+        frame_count: u32,
+        term_count: u32,
+        cut_every: u32,
+        unused: u32,
+    }
+}
+
+device_struct! {
+    RecordingArgs {
+        states: Pointer<f32>,
+        frames: Pointer<u32>,
+        nodes: Pointer<u32>,
+        positions: Pointer<[f32; 3]>,
+        springs: Pointer<[u32; 2]>,
+        params: Pointer<f32>,
+        controls: Pointer<Point>,
+        extremes: Pointer<[f32; 2]>,
+        node_count: u32,
+        recorded_nodes: u32,
+        recorded_frames: u32,
+        slot_count: u32,
+        spring_count: u32,
+        control_count: u32,
+        frame_count: u32,
+        unused: u32,
+    }
+}

@@ -1,0 +1,77 @@
+//! The kernels by name: one function each, which launches it with the struct that it takes.
+
+use bendtwin_engine::Error;
+
+use super::{
+    args::{
+        AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, Checks, CollectControlsArgs, DeviceType,
+        ExtremesArgs, FindPartnersArgs, FinishGradientArgs, GatherSumsArgs, PackBendsArgs,
+        PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SquareLengthsArgs, StartArgs,
+        StepAdamArgs, WeighGradientsArgs,
+    },
+    launch::Launch,
+    specialization::Source,
+};
+
+macro_rules! kernels {
+    ($($(#[$doc:meta])* $source:ident: $kernel:ident($args:ty);)*) => {
+        impl Source {
+            /// `static_assert`s of the structs that its kernels take, behind their declarations.
+            pub(crate) fn layout_checks(self) -> String {
+                let mut checks = Checks::default();
+                $(if self == Self::$source {
+                    <$args>::check(&mut checks);
+                })*
+                checks.text()
+            }
+        }
+
+        $(
+            $(#[$doc])*
+            ///
+            /// # Safety
+            /// As [`Launch::run`].
+            pub(crate) unsafe fn $kernel(launch: &Launch<'_>, args: &$args) -> Result<(), Error> {
+                // SAFETY: the struct is the kernel's; the rest is the caller's promise.
+                unsafe { launch.run(Source::$source, stringify!($kernel), args) }
+            }
+        )*
+    };
+}
+
+kernels! {
+    /// Initial states, with pinned nodes on their control points: a block for some nodes of an instance.
+    Start: start(StartArgs);
+    /// Frames forward: a team of blocks for an instance.
+    Integrate: advance_frames(AdvanceFramesArgs);
+    /// Substeps of a frame backward: a team of blocks for an instance.
+    Adjoint: back_frame(BackFrameArgs);
+    /// Contact candidates of a frame: a block for an instance.
+    Partners: find_partners(FindPartnersArgs);
+    /// Values of objectives: a block for a term of an instance.
+    Loss: score(ScoreArgs);
+    /// d loss / d positions at frame ends: a block for some nodes of a frame of an instance.
+    Loss: seed(SeedArgs);
+    /// Half-springs from parameters.
+    Params: pack_half_springs(PackHalfSpringsArgs);
+    /// Triplets from parameters.
+    Params: pack_bends(PackBendsArgs);
+    /// Sums of an instance's windows, added up.
+    Params: gather_sums(GatherSumsArgs);
+    /// d loss / d parameters from these sums.
+    Params: finish_gradient(FinishGradientArgs);
+    /// d loss / d controls of a frame: a block for some control points of an instance.
+    Params: collect_controls(CollectControlsArgs);
+    /// d loss / d state at a frame's end: a block for some nodes of an instance.
+    Params: add_seeds(AddSeedsArgs);
+    /// Squared lengths of gradients: some blocks for a gradient.
+    Descent: square_lengths(SquareLengthsArgs);
+    /// The weighted sum of gradients.
+    Descent: weigh_gradients(WeighGradientsArgs);
+    /// A step of Adam.
+    Descent: step_adam(StepAdamArgs);
+    /// Recorded positions: a block for some nodes of a recorded frame of an instance.
+    Record: record(RecordArgs);
+    /// Largest strain and speed at frame ends: a block for a frame of an instance.
+    Record: extremes(ExtremesArgs);
+}
