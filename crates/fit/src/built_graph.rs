@@ -146,15 +146,32 @@ pub(crate) fn substeps(model: &Model, setting: Substeps) -> Result<u32, Refusal>
     }
 }
 
-/// Loads a model. One that the backend finds unstable is refused like one that needs too many
-/// substeps.
-pub(crate) fn load(
-    backend: &dyn Backend,
-    model: Model,
-) -> Result<Result<Loaded, Refusal>, backend::Error> {
-    match backend.load(Arc::new(model)) {
-        Ok(loaded) => Ok(Ok(loaded)),
-        Err(backend::Error::Unstable { needed, .. }) => Ok(Err(Refusal::TooStiff(needed))),
-        Err(e) => Err(e),
+/// The reason why a model is not loaded.
+#[derive(Debug)]
+pub(crate) enum LoadError {
+    /// The model cannot be simulated; another one can.
+    Refused(Refusal),
+    /// The backend failed.
+    Backend(backend::Error),
+}
+
+impl From<Refusal> for LoadError {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refused(refusal)
     }
+}
+
+/// A model that the backend finds unstable is refused like one that needs too many substeps.
+impl From<backend::Error> for LoadError {
+    fn from(error: backend::Error) -> Self {
+        match error {
+            backend::Error::Unstable { needed, .. } => Self::Refused(Refusal::TooStiff(needed)),
+            error => Self::Backend(error),
+        }
+    }
+}
+
+/// Loads a model.
+pub(crate) fn load(backend: &dyn Backend, model: Model) -> Result<Loaded, LoadError> {
+    Ok(backend.load(Arc::new(model))?)
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::{
     Error,
-    built_graph::{BuiltGraph, GraphCache, Refusal, build_model, load},
+    built_graph::{BuiltGraph, GraphCache, LoadError, Refusal, build_model, load},
     cmaes::CmaEs,
     space::{Candidate, Space},
     submit,
@@ -119,7 +119,11 @@ impl<'a> Search<'a> {
             let params = candidate.params(built);
             let environment = candidate.environment(self.task.capture.environment);
             match build_model(self.task, &built.graph, params, environment) {
-                Ok(model) => load(backend, model),
+                Ok(model) => match load(backend, model) {
+                    Ok(loaded) => Ok(Ok(loaded)),
+                    Err(LoadError::Refused(refusal)) => Ok(Err(refusal)),
+                    Err(LoadError::Backend(error)) => Err(error),
+                },
                 Err(refusal) => Ok(Err(refusal)),
             }
         };

@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use bendtwin_core::{Environment, Graph, Params, Timing, settings::Substeps};
 use bendtwin_engine::{
-    Backend, Loaded, backend, enough_substeps,
+    Backend, Loaded, enough_substeps,
     optimizer::{GradientNorm, Optimizer, OptimizerInit, Parameterization, Position},
 };
 use serde::{Deserialize, Serialize};
 
 use crate::{
     Error,
-    built_graph::{Refusal, build_model, load},
+    built_graph::{LoadError, Refusal, build_model, load},
     parameterization::parameterization,
     refine::step_control::StepControl,
     sequences,
@@ -74,9 +74,9 @@ impl<'a> OptimizerRun<'a> {
         let parameterization = parameterization(task, params);
         let position = Position::at_rest(parameterization.start());
         let params = parameterization.params(&position.theta);
-        let initial = build_model(task, &graph, params, environment).map_err(too_stiff)?;
+        let initial = build_model(task, &graph, params, environment).map_err(LoadError::from)?;
         let substeps = initial.timing.substeps;
-        let loaded = load(backend, initial)?.map_err(too_stiff)?;
+        let loaded = load(backend, initial)?;
         let best = Best { theta: position.theta.clone(), substeps, loss: f64::INFINITY };
         let state = RunState {
             pass: 0,
@@ -107,9 +107,10 @@ impl<'a> OptimizerRun<'a> {
                 .map_err(|e| Error::Checkpoint(e.to_string()))?;
         }
         let params = parameterization.params(&state.position.theta);
-        let mut current = build_model(task, &graph, params, environment).map_err(too_stiff)?;
+        let mut current =
+            build_model(task, &graph, params, environment).map_err(LoadError::from)?;
         current.timing.substeps = state.substeps;
-        let loaded = load(backend, current)?.map_err(too_stiff)?;
+        let loaded = load(backend, current)?;
         Ok(Self::at(model, task, graph, loaded, parameterization, state))
     }
 
@@ -171,16 +172,11 @@ impl<'a> OptimizerRun<'a> {
         position: Position,
         substeps: u32,
         optimizer: &mut dyn Optimizer,
-    ) -> Result<Result<(), Refusal>, Error> {
-        match optimizer.move_to(index, &position, self.timing(substeps)) {
-            Ok(()) => {
-                self.loaded = optimizer.loaded(index)?;
-                (self.state.position, self.state.substeps) = (position, substeps);
-                Ok(Ok(()))
-            }
-            Err(backend::Error::Unstable { needed, .. }) => Ok(Err(Refusal::TooStiff(needed))),
-            Err(e) => Err(e.into()),
-        }
+    ) -> Result<(), LoadError> {
+        optimizer.move_to(index, &position, self.timing(substeps))?;
+        self.loaded = optimizer.loaded(index).map_err(LoadError::Backend)?;
+        (self.state.position, self.state.substeps) = (position, substeps);
+        Ok(())
     }
 
     /// Learning rate of the current pass.
@@ -249,16 +245,17 @@ impl<'a> OptimizerRun<'a> {
             Ok(model) if model.timing.substeps <= self.state.substeps => return Ok(()),
             Ok(model) => {
                 let position = self.state.position.clone();
-                self.move_to(index, position, model.timing.substeps, optimizer)?
+                self.move_to(index, position, model.timing.substeps, optimizer)
             }
-            Err(refusal) => Err(refusal),
+            Err(refusal) => Err(refusal.into()),
         };
         match moved {
             Ok(()) => {
                 self.note(format!("raised to {} substeps a frame", self.state.substeps));
                 Ok(())
             }
-            Err(Refusal::TooStiff(n)) => {
+            Err(LoadError::Backend(error)) => Err(error.into()),
+            Err(LoadError::Refused(Refusal::TooStiff(n))) => {
                 let change = self.state.step_control.halve_rate();
                 self.rollback(
                     index,
@@ -317,7 +314,7 @@ impl<'a> OptimizerRun<'a> {
     ) -> Result<(), Error> {
         let best = &self.state.best;
         let (position, substeps) = (Position::at_rest(best.theta.clone()), best.substeps);
-        self.move_to(index, position, substeps, optimizer)?.map_err(too_stiff)?;
+        self.move_to(index, position, substeps, optimizer)?;
         self.paused = true;
         self.note(format!("{why}: went back to the best parameters, {change}"));
         Ok(())
@@ -336,9 +333,16 @@ fn weights(norms: &[f64]) -> Vec<f64> {
     norms.iter().map(|&l| if l > median { even * median / l } else { even }).collect()
 }
 
-fn too_stiff(refusal: Refusal) -> Error {
-    let Refusal::TooStiff(needed) = refusal;
-    Error::NothingStable(format!("the found parameters need {needed} substeps a frame"))
+/// Found parameters that cannot be simulated end the fit.
+impl From<LoadError> for Error {
+    fn from(error: LoadError) -> Self {
+        match error {
+            LoadError::Refused(Refusal::TooStiff(needed)) => {
+                Self::NothingStable(format!("the found parameters need {needed} substeps a frame"))
+            }
+            LoadError::Backend(error) => error.into(),
+        }
+    }
 }
 
 #[cfg(test)]
