@@ -135,7 +135,7 @@ impl<'de> Visitor<'de> for Given {
     }
 }
 
-/// What has been read of nested lists.
+/// Numbers and lengths read so far of nested lists.
 struct Lists {
     dtype: Dtype,
     /// Depth at which the numbers stand, once there was one.

@@ -15,7 +15,7 @@ use crate::v1::{
 /// A malformed request.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What is wrong.
+    /// The fault in a few words.
     pub what: &'static str,
     /// Text of the message: the field, or the limit.
     pub names: &'static str,

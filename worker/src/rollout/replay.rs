@@ -33,7 +33,7 @@ const KEPT_STARTS: usize = 64;
 /// Memory of either [bytes].
 const KEPT_BYTES: u64 = 128 << 20;
 
-/// What a twin needs of a capture's sequence.
+/// The part of a capture's sequence that a twin needs.
 struct Motion {
     start_frame: usize,
     start: Arc<State>,
