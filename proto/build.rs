@@ -1,4 +1,5 @@
-//! Compiles the .proto files with protox, so no protoc is needed, and writes how rollouts look in JSON.
+//! Compiles the .proto files with protox, so no protoc is needed, and writes how rollouts look in
+//! JSON.
 
 #[path = "build/json.rs"]
 mod json;

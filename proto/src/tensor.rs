@@ -121,7 +121,8 @@ impl Tensor {
         Ok((shape, values))
     }
 
-    /// Reads points of shape [..., 3] (FLOAT32 or INT16_SCALED); the returned shape leaves out the 3.
+    /// Reads points of shape [..., 3] (FLOAT32 or INT16_SCALED); the returned shape leaves out the
+    /// 3.
     ///
     /// # Errors
     /// As [`Tensor::unpack`], and if the last dimension is not 3.

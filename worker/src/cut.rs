@@ -1,5 +1,5 @@
-//! Cuts of a batch, all by one rule: a run of instances takes as many whole rounds as its bound allows, and at
-//! least one ([`next_run`]). There are three, each inside the one before:
+//! Cuts of a batch, all by one rule: a run of instances takes as many whole rounds as its bound
+//! allows, and at least one ([`next_run`]). There are three, each inside the one before:
 //!
 //! | cut | bound | order |
 //! |---|---|---|
@@ -9,21 +9,22 @@
 //!
 //! A backend may cut a slice once more, by what fits its memory.
 //!
-//! Instances are independent, so a cut changes no result on the CPU, by not a single bit. On a GPU the number of
-//! instances that are simulated together decides how they are laid out, and with that the order of sums: the last
-//! bits of a result may differ between two cuts. There the cuts of a rollout depend on the request, the
-//! twin and the device alone, never on time or on other work, so the same request gives the same bits; a
-//! streamed reply and one in a single part may differ in the last bits, and so may the arrays of the best few, which
-//! are simulated once more, from the costs that they were chosen by.
+//! Instances are independent, so a cut changes no result on the CPU, by not a single bit. On a GPU
+//! the number of instances that are simulated together decides how they are laid out, and with that
+//! the order of sums: the last bits of a result may differ between two cuts. There the cuts of a
+//! rollout depend on the request, the twin and the device alone, never on time or on other work, so
+//! the same request gives the same bits; a streamed reply and one in a single part may differ in
+//! the last bits, and so may the arrays of the best few, which are simulated once more, from the
+//! costs that they were chosen by.
 
 use std::ops::Range;
 
 /// Dense controls of the instances that are prepared at once, at most [bytes].
 const PREPARED_BYTES: u64 = 512 << 20;
 
-/// Number of items that the next run takes of those that are left: whole rounds while `fits` says so of
-/// each further round, and one round at least. `fits` sees every round once, in order, the first
-/// included.
+/// Number of items that the next run takes of those that are left: whole rounds while `fits` says
+/// so of each further round, and one round at least. `fits` sees every round once, in order, the
+/// first included.
 pub(crate) fn next_run(
     left: usize,
     round: usize,

@@ -1,5 +1,5 @@
-//! Requests that are right but for one thing, for tests: the check, the server and the worker must refuse
-//! each of them with the same fault.
+//! Requests that are right but for one thing, for tests: the check, the server and the worker must
+//! refuse each of them with the same fault.
 
 use bytes::Bytes;
 
@@ -32,7 +32,8 @@ pub fn sound(twin: &TwinShape) -> RollOutRequest {
     }
 }
 
-/// Requests with one fault each for a twin, which has neither rods nor a capture nor a fast variant.
+/// Requests with one fault each for a twin, which has neither rods nor a capture nor a fast
+/// variant.
 pub fn malformed(twin: &TwinShape) -> Vec<Case> {
     let mut cases = Vec::new();
     let good = sound(twin);

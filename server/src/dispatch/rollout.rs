@@ -27,8 +27,8 @@ use crate::{
     metrics::Metrics,
 };
 
-/// Size of a request beyond which it is checked beside other work [bytes]: a hundred megabytes of actions take
-/// a while.
+/// Size of a request beyond which it is checked beside other work [bytes]: a hundred megabytes of
+/// actions take a while.
 const LARGE: usize = 1 << 20;
 /// Longest that a rollout without a deadline of its own may take.
 const LONGEST: Duration = Duration::from_secs(3600);

@@ -1,5 +1,5 @@
-//! Facts of twins that rollouts need, at hand. Twins never change, so the hot path asks the database once
-//! for each.
+//! Facts of twins that rollouts need, at hand. Twins never change, so the hot path asks the
+//! database once for each.
 
 use std::{
     collections::HashMap,

@@ -26,7 +26,8 @@ pub(super) struct Execution<'a> {
 }
 
 impl Execution<'_> {
-    /// Simulates everything and hands out the parts in order. `emit` says whether anyone listens still.
+    /// Simulates everything and hands out the parts in order. `emit` says whether anyone listens
+    /// still.
     pub(super) fn run(
         &self,
         mut emit: impl FnMut(RollOutResponse) -> Result<(), Error>,

@@ -1,4 +1,5 @@
-//! Initial states of rollouts: the rest shape, a frame of a capture, or a state that the caller gives.
+//! Initial states of rollouts: the rest shape, a frame of a capture, or a state that the caller
+//! gives.
 
 use std::sync::Arc;
 
@@ -52,7 +53,8 @@ impl Starts {
 }
 
 impl Wanted {
-    /// Reads the initial state of a checked request of `instances` instances; `own_capture` is the twin's.
+    /// Reads the initial state of a checked request of `instances` instances; `own_capture` is the
+    /// twin's.
     pub(super) fn read(
         wire: Option<InitialState>,
         graph: &Graph,

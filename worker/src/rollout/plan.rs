@@ -1,4 +1,5 @@
-//! Plan of a request that has passed the check: the instances to be simulated, and the arrays to return.
+//! Plan of a request that has passed the check: the instances to be simulated, and the arrays to
+//! return.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
-//! Initial states that name a frame of a capture: the twin follows the
-//! capture's own controls up to that frame, as its ingest observed them. Observations are large and frames are
-//! asked for again and again, so controls and replayed states are kept, not observations.
+//! Initial states that name a frame of a capture: the twin follows the capture's own controls up to
+//! that frame, as its ingest observed them. Observations are large and frames are asked for again
+//! and again, so controls and replayed states are kept, not observations.
 
 use std::{
     path::PathBuf,
