@@ -63,7 +63,7 @@ impl<'de, T: Fields> Visitor<'de> for MessageVisitor<T> {
     }
 }
 
-include!(concat!(env!("OUT_DIR"), "/json.rs"));
+include!("generated/json.rs");
 
 #[cfg(test)]
 mod tests;

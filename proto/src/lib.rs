@@ -12,7 +12,7 @@ pub mod tensor;
 /// The public API.
 #[allow(missing_docs, unreachable_pub, clippy::all, clippy::pedantic)]
 pub mod v1 {
-    tonic::include_proto!("bendtwin.v1");
+    include!("generated/bendtwin.v1.rs");
 }
 
 /// The private contract between server and workers.
@@ -20,10 +20,10 @@ pub mod worker {
     /// Version 1.
     #[allow(missing_docs, unreachable_pub, clippy::all, clippy::pedantic)]
     pub mod v1 {
-        tonic::include_proto!("bendtwin.worker.v1");
+        include!("generated/bendtwin.worker.v1.rs");
     }
 }
 
 /// The encoded `FileDescriptorSet` of all services, for reflection and for descriptions of
 /// messages.
-pub const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/descriptors.bin"));
+pub const DESCRIPTORS: &[u8] = include_bytes!("generated/descriptors.bin");

@@ -22,7 +22,7 @@ use crate::{
 
 /// The HTTP status of a category. The gRPC code is
 /// [`bendtwin_proto::fault::code`]; a test holds the two together.
-pub(crate) fn http_status(category: Category) -> StatusCode {
+pub fn http_status(category: Category) -> StatusCode {
     match category {
         Category::InvalidArgument => StatusCode::BAD_REQUEST,
         Category::Unauthenticated => StatusCode::UNAUTHORIZED,

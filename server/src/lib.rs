@@ -29,6 +29,7 @@ mod service;
 mod supervise;
 mod tokens;
 
+pub use error::http_status;
 pub use options::{Limits, Options, WorkerPolicy};
 pub use service::{Handle, Service, StartError};
 pub use supervise::{BACKEND_VARIABLE, DEVICE_VARIABLE, SERVER_VARIABLE, TOKEN_VARIABLE};

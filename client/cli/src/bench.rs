@@ -6,7 +6,7 @@ mod tables;
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use anyhow::Context as _;
-use bendtwin_bench::{FitPlan, Plan, Report, SceneName, Scheme, Subject};
+use bendtwin_bench::{FitPlan, Plan, Report, SceneName, Scheme, Setup};
 use bendtwin_core::CancelToken;
 use bendtwin_engine::Backend;
 use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
@@ -183,13 +183,13 @@ fn measure(
 ) -> (Report, Result<(), bendtwin_bench::Error>) {
     let mut report = Report::new(plan, &**backend);
     let memory = memory::probe(backend);
-    let subject = Subject { backend: Arc::clone(backend), memory: &*memory, cancel };
+    let setup = Setup { backend: Arc::clone(backend), memory: &*memory, cancel };
     let mut say = |what: &str| {
         if !quiet {
             eprintln!("  {what}");
         }
     };
-    let result = bendtwin_bench::run(plan, &subject, &mut report, &mut say);
+    let result = bendtwin_bench::run(plan, &setup, &mut report, &mut say);
     (report, result)
 }
 

@@ -10,7 +10,7 @@ use std::{
 
 use bendtwin_core::{CancelToken, Category, Fault};
 use bendtwin_study::{
-    Folder, Invocation, Plan, PlanOptions, Selection, Suite, Table, Tally, draw_pictures,
+    Folder, Invocation, Plan, PlanOptions, Selection, Suite, Summary, Table, draw_pictures,
 };
 use clap::{Args, builder::RangedU64ValueParser};
 
@@ -95,7 +95,7 @@ fn work(
     let work = if args.table_only { 0 } else { plan.pending() };
     let backends = args.backend.open_several(args.jobs, work)?;
     let result = if args.table_only {
-        Ok(Tally::default())
+        Ok(Summary::default())
     } else {
         let mut bar = SuiteProgress::new(&plan, &backends, quiet);
         let result = plan.run(&backends, cancel, &mut |event| bar.show(&event));

@@ -1,11 +1,13 @@
-//! The least time that a device's instruction issue allows, counted by hand. A fraction of it says how much
-//! of the machine a backend uses; it says nothing of better algorithms, which need fewer instructions.
+//! The least time that a device's instruction issue allows, counted by hand. The fraction reached
+//! shows how much of the machine a backend uses; better algorithms, which need fewer instructions,
+//! are not considered.
 //!
-//! **What is counted.** A bound is (instructions of a substep) / (instructions that the whole device issues
-//! a second). Only what no arrangement avoids is counted: the arithmetic of the formulas in the engine's
-//! `spring.rs`, `bend.rs`, `ground.rs` and `integrate.rs`, and on a GPU the loads of operands. Barriers, latency,
-//! bank conflicts, loop counters and losses are not, nor is contact between nodes. A single instance is
-//! held against the whole device too, though it may not be able to fill it.
+//! **Count.** A bound is (instructions of a substep) / (instructions that the whole device issues a
+//! second). Only what no arrangement avoids is counted: the arithmetic of the formulas in the
+//! engine's `spring.rs`, `bend.rs`, `ground.rs` and `integrate.rs`, and on a GPU the loads of
+//! operands. Barriers, latency, bank conflicts, loop counters and losses are not, nor is contact
+//! between nodes. A single instance is held against the whole device too, though it may not be able
+//! to fill it.
 
 mod cpu;
 mod cuda;
@@ -25,27 +27,27 @@ pub struct Instructions {
     pub node: f64,
 }
 
-/// A device's instruction issue and what the physics asks of it.
+/// A device's instruction issue, and the instructions that the physics needs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IssueBound {
     /// Forward, per element.
     pub forward: Instructions,
     /// Forward once more and backward together, per element; triplets are not counted.
     pub gradient: Instructions,
-    /// Whether a spring is evaluated once from each node that it holds (as a gather without atomics does)
+    /// True if a spring is evaluated once from each of its nodes (as a gather without atomics does)
     /// rather than once.
     pub both_ends: bool,
     /// Elements an instruction works on.
     pub lanes: f64,
     /// Instructions a second, whole device.
     pub per_second: f64,
-    /// How all that was counted or measured, in sentences for the reader of the report.
+    /// Method of counting and measuring, in sentences for the reader of the report.
     pub how: String,
 }
 
 impl IssueBound {
-    /// The bound of a device, by the kind and name that its backend gives; `None` where it is not known.
-    /// On a CPU, its rate is measured: this takes about a tenth of a second.
+    /// The bound of a device, by the kind and name that its backend gives; `None` where it is not
+    /// known. On a CPU, its rate is measured: this takes about a tenth of a second.
     pub fn of(device: &bendtwin_engine::Device) -> Option<Self> {
         match device.kind.as_str() {
             "cpu" => cpu::bound(device.lanes),
@@ -59,8 +61,8 @@ impl IssueBound {
         self.seconds(&self.forward, scene)
     }
 
-    /// Least time of a substep's forward and backward of one instance [s]; `None` with triplets, whose
-    /// adjoint is not counted.
+    /// Least time of a substep's forward and backward of one instance [s]; `None` with triplets,
+    /// whose adjoint is not counted.
     pub fn gradient_s(&self, scene: &Scene) -> Option<f64> {
         let is_axial = scene.model.graph.triplets.is_empty();
         is_axial.then(|| self.seconds(&self.gradient, scene))

@@ -8,7 +8,7 @@ const MOST_REPEATS: usize = 200;
 /// Durations of a repeated piece of work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Timing {
-    /// How often it was timed.
+    /// Number of timings.
     pub(crate) repeats: usize,
     /// The shortest time [s].
     pub(crate) best_s: f64,

@@ -1,21 +1,21 @@
-//! Why a measurement cannot be made.
+//! Errors of benchmarks.
 
 use bendtwin_core::{Category, Problem};
-use bendtwin_engine::{backend, build};
+use bendtwin_engine::backend;
 
-/// Why a benchmark fails.
+/// An error that ends a benchmark.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The scene's points could not be joined.
     #[error(transparent)]
-    Graph(#[from] build::Error),
+    Graph(#[from] bendtwin_graph::Error),
     /// The simulation failed.
     #[error(transparent)]
     Backend(#[from] backend::Error),
     /// The fit failed.
     #[error(transparent)]
     Fit(#[from] bendtwin_fit::Error),
-    /// A scene left the finite numbers: what was timed is no simulation.
+    /// A scene diverged, so that its times mean nothing.
     #[error(
         "scene {scene} diverged in frame {frame} at node {node}: the backend computes something else"
     )]

@@ -1,5 +1,5 @@
-//! A whole fit as PhysTwin counts it: 20 generations of 11 candidates, then 200 passes, over 100 frames,
-//! through the same [`FitJob`] that a worker runs, timed by stage.
+//! A whole fit as PhysTwin counts it: 20 generations of 11 candidates, then 200 passes, over 100
+//! frames, through the same [`FitJob`] that a worker runs, timed by stage.
 
 mod target;
 
@@ -16,11 +16,11 @@ use serde::Serialize;
 
 use crate::{
     Error, MemoryProbe,
-    clocked::{Clocked, Spent},
     scene::Scene,
+    timed::{TimeSpent, TimedBackend},
 };
 
-/// How often the refinement steps.
+/// The frequency of the refinement's steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
@@ -29,13 +29,14 @@ pub enum Scheme {
     Frame,
     /// A step of Adam a pass, the gradient through all frames: this project's default.
     Pass,
-    /// A step of Adam a pass, the gradient cut at each frame's start as PhysTwin cuts it, so that a GPU
-    /// runs all frames backward side by side.
+    /// A step of Adam a pass, the gradient cut at each frame's start as PhysTwin cuts it, so that a
+    /// GPU runs all frames backward side by side.
     Cut,
 }
 
-/// Learning rate of [`Scheme::Cut`]: of 0.05, 0.1, 0.2 and 0.4 the one with the least final loss (4.7, 4.3, 0.9
-/// and 1.4 in 1e-9) in `bendtwin bench rope --backend cpu --bending without --fit cut --frames 10 --generations 2`.
+/// Learning rate of [`Scheme::Cut`]: of 0.05, 0.1, 0.2 and 0.4 the one with the least final loss
+/// (4.7, 4.3, 0.9 and 1.4 in 1e-9) in
+/// `bendtwin bench rope --backend cpu --bending without --fit cut --frames 10 --generations 2`.
 const CUT_RATE: f64 = 0.2;
 
 impl Scheme {
@@ -49,10 +50,10 @@ impl Scheme {
     }
 }
 
-/// What a whole fit is.
+/// The plan of a whole fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct FitPlan {
-    /// How often the refinement steps.
+    /// The frequency of the refinement's steps.
     pub scheme: Scheme,
     /// Frames of the capture, the initial one included: at least 2.
     pub frames: usize,
@@ -65,7 +66,7 @@ pub struct FitPlan {
 }
 
 impl FitPlan {
-    /// As PhysTwin counts: 220 candidates, 200 passes, 100 frames.
+    /// PhysTwin's counts: 220 candidates, 200 passes, 100 frames.
     pub const fn phystwin(scheme: Scheme) -> Self {
         Self { scheme, frames: 100, generations: 20, candidates: 11, passes: 200 }
     }
@@ -74,7 +75,7 @@ impl FitPlan {
 /// A whole fit, timed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FitRun {
-    /// What was done.
+    /// Plan of the fit.
     pub plan: FitPlan,
     /// Reading the capture and all generations: sampling, graphs, CMA-ES.
     pub search: SearchTime,
@@ -84,7 +85,7 @@ pub struct FitRun {
     pub evaluate_s: f64,
     /// From the capture to the twin.
     pub total_s: f64,
-    /// Best loss of the first generation; where there is no search, the first that the refinement tells.
+    /// Best loss of the first generation; without a search, the first of the refinement.
     pub initial_loss: Option<f64>,
     /// Best loss of the search.
     pub search_loss: Option<f64>,
@@ -94,12 +95,13 @@ pub struct FitRun {
     pub memory_bytes: Option<u64>,
 }
 
-/// Where the time of the search goes.
+/// Time of the search by kind of work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct SearchTime {
     /// All of it.
     pub total_s: f64,
-    /// Candidates that were simulated; the others would have needed more substeps than the scene has.
+    /// Candidates that were simulated; the others would have needed more substeps than the scene
+    /// has.
     pub rollouts: u64,
     /// Rollouts with their losses.
     pub forward_s: f64,
@@ -109,7 +111,7 @@ pub struct SearchTime {
     pub host_s: f64,
 }
 
-/// Where the time of the refinement goes.
+/// Time of the refinement by kind of work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct RefineTime {
     /// All of it.
@@ -120,13 +122,14 @@ pub struct RefineTime {
     pub forward_s: f64,
     /// Steps of Adam, and what it takes to simulate with the new parameters.
     pub step_s: f64,
-    /// Handing parameters to and fro, and loading anew where substeps change.
+    /// Transfers of parameters, and loading anew where substeps change.
     pub params_s: f64,
     /// Everything else: estimating stability, checkpoints.
     pub host_s: f64,
 }
 
-/// Fits a capture that is made by the scene with hidden parameters, and times it. Making the capture does not count.
+/// Times the fit of a capture that is simulated with hidden parameters. The time of simulating the
+/// capture does not count.
 ///
 /// # Errors
 /// If the backend or the fit fails, or on cancellation.
@@ -138,18 +141,18 @@ pub fn whole_fit(
     cancel: &CancelToken,
 ) -> Result<FitRun, Error> {
     let capture = target::capture(scene, plan.frames, &**backend, cancel)?;
-    let clocked = Arc::new(Clocked::new(Arc::clone(backend)));
+    let timed = Arc::new(TimedBackend::new(Arc::clone(backend)));
     let began = Instant::now();
-    let mut stages = Stages::new(clocked.clone(), began, memory);
+    let mut timer = StageTimer::new(timed.clone(), began, memory);
     let job = FitJob {
         capture: &capture,
         capture_digest: String::new(),
         settings: settings(scene, plan),
-        backend: clocked,
+        backend: timed,
     };
-    job.run(None, &mut stages, cancel)?;
+    job.run(None, &mut timer, cancel)?;
     let total_s = began.elapsed().as_secs_f64();
-    Ok(stages.run(*plan, total_s))
+    Ok(timer.run(*plan, total_s))
 }
 
 /// PhysTwin's settings at the scene's substeps, the true velocity of control points apart.
@@ -178,29 +181,29 @@ fn settings(scene: &Scene, plan: &FitPlan) -> FitSettings {
     }
 }
 
-/// Where a stage ended: since the start [s], and what was spent until then.
+/// The end of a stage: time since the start [s], and time spent in calls until then.
 #[derive(Clone, Copy, Debug, Default)]
-struct Mark {
+struct StageEnd {
     at_s: f64,
-    spent: Spent,
+    spent: TimeSpent,
     best_loss: Option<f64>,
 }
 
-/// Notes when stages end.
-struct Stages<'a> {
-    clocked: Arc<Clocked>,
+/// Records the ends of stages.
+struct StageTimer<'a> {
+    timed: Arc<TimedBackend>,
     began: Instant,
     memory: &'a dyn MemoryProbe,
     memory_bytes: Option<u64>,
     initial_loss: Option<f64>,
-    search: Mark,
-    refine: Option<Mark>,
+    search: StageEnd,
+    refine: Option<StageEnd>,
 }
 
-impl<'a> Stages<'a> {
-    fn new(clocked: Arc<Clocked>, began: Instant, memory: &'a dyn MemoryProbe) -> Self {
-        let (search, refine) = (Mark::default(), None);
-        Self { clocked, began, memory, memory_bytes: None, initial_loss: None, search, refine }
+impl<'a> StageTimer<'a> {
+    fn new(timed: Arc<TimedBackend>, began: Instant, memory: &'a dyn MemoryProbe) -> Self {
+        let (search, refine) = (StageEnd::default(), None);
+        Self { timed, began, memory, memory_bytes: None, initial_loss: None, search, refine }
     }
 
     fn run(&self, plan: FitPlan, total_s: f64) -> FitRun {
@@ -234,16 +237,16 @@ impl<'a> Stages<'a> {
     }
 }
 
-impl Observer<Progress> for Stages<'_> {
+impl Observer<Progress> for StageTimer<'_> {
     fn progress(&mut self, progress: Progress) {
-        let mark = || Mark {
+        let end = || StageEnd {
             at_s: self.began.elapsed().as_secs_f64(),
-            spent: self.clocked.spent(),
+            spent: self.timed.spent(),
             best_loss: progress.best_loss,
         };
         match progress.stage {
-            Stage::Search => self.search = mark(),
-            Stage::Refine => self.refine = Some(mark()),
+            Stage::Search => self.search = end(),
+            Stage::Refine => self.refine = Some(end()),
             Stage::Ingest | Stage::Evaluate => {}
         }
         self.initial_loss = self.initial_loss.or(progress.loss);

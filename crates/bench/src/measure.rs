@@ -1,8 +1,9 @@
 //! Times of rollouts and gradients of one scene.
 //!
-//! Rollouts are timed through [`Backend::losses`] with an empty objective, the call that brings least back: one
-//! number an instance. Gradients are those of windows of one frame with a Chamfer and a track term, as in a step
-//! a frame. All instances of a batch share one loaded model, each has controls of its own.
+//! Rollouts are timed through [`Backend::losses`] with an empty objective, the call that brings
+//! least back: one number an instance. Gradients are those of windows of one frame with a Chamfer
+//! and a track term, as in a step a frame. All instances of a batch share one loaded model, each
+//! has controls of its own.
 
 use std::{sync::Arc, time::Duration};
 
@@ -21,10 +22,10 @@ use crate::{
     scene::Scene,
 };
 
-/// How far a target lies from where its node is at rest [m].
+/// Distance of a target from its node at rest [m].
 const TARGET_OFFSET_M: Point = [1e-3, 0.0, 1e-3];
 
-/// How long measurements may take.
+/// Time limits of measurements.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Budget {
     /// Repeats of one measurement end after this.
@@ -115,8 +116,8 @@ impl Bench<'_> {
     ) -> Result<Run, Error> {
         let short = self.batch(size, 1, objective);
         let first_s = once(|| work(&short))?;
-        // A few repeats should fit into the budget. The first call also pays for what happens once, kernels that are
-        // compiled say, which may be far more than a call.
+        // A few repeats should fit into the budget. The first call also pays for what happens once,
+        // kernels that are compiled say, which may be far more than a call.
         let frame_s = if first_s < 0.25 * self.budget.patience.as_secs_f64() {
             once(|| work(&short))?
         } else {
@@ -155,7 +156,8 @@ impl Bench<'_> {
         (0..size).map(instance).collect()
     }
 
-    /// Chamfer and track terms at the end of the first frame, every surface node with a target nearby.
+    /// Chamfer and track terms at the end of the first frame, every surface node with a target
+    /// nearby.
     fn objective(&self) -> Objective {
         let graph = &self.scene.model.graph;
         let surface = graph.rest_positions.iter().take(graph.surface_count());

@@ -4,16 +4,17 @@ use std::sync::Arc;
 
 use bendtwin_engine::Backend;
 
-/// Knows how much memory the work takes.
+/// Probe of the memory that work takes.
 pub trait MemoryProbe {
-    /// Called before a scene is loaded: what was used at most before no longer counts, where that can be told apart.
+    /// Resets the peak. Called before a scene is loaded; without effect on probes that measure no
+    /// peak.
     fn reset(&self);
 
     /// Bytes in use now, or at most in use since [`MemoryProbe::reset`]; `None` if unknown.
     fn used_bytes(&self) -> Option<u64>;
 }
 
-/// A probe that knows nothing.
+/// No-op probe.
 impl MemoryProbe for () {
     fn reset(&self) {}
 
@@ -22,15 +23,15 @@ impl MemoryProbe for () {
     }
 }
 
-/// Memory of a device beyond what was in use when the probe was made, which was before anything was loaded: its
-/// runtime's own share does not count, nor that of others as long as it stays the same.
+/// Memory of a device beyond what was in use when the probe was made, which was before anything was
+/// loaded: its runtime's own share does not count, nor that of others as long as it stays the same.
 pub struct DeviceMemory {
     backend: Arc<dyn Backend>,
     before: u64,
 }
 
 impl DeviceMemory {
-    /// A probe of the backend's device; `None` if that cannot tell.
+    /// A probe of the backend's device; `None` if its memory is not known.
     pub fn new(backend: &Arc<dyn Backend>) -> Option<Self> {
         let before = backend.memory()?.used;
         Some(Self { backend: backend.clone(), before })

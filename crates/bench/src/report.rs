@@ -1,26 +1,26 @@
-//! What a benchmark found, as data. Times are in seconds unless a name says otherwise; what is not known
-//! is `null`.
+//! Results of a benchmark, as data. Times are in seconds unless a name says otherwise; unknown
+//! values are `null`.
 
 use serde::Serialize;
 
 use crate::{bound::IssueBound, fit::FitRun};
 
-/// Everything that one run of the benchmark found.
+/// All results of one run of the benchmark.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// Version of the software.
     pub build: String,
-    /// What computed.
+    /// The device that computed.
     pub device: DeviceName,
-    /// How the issue bound was counted; `None` if the device is not known.
+    /// Basis of the issue bound; `None` if the device is not known.
     pub bound: Option<IssueBound>,
-    /// How measurements were made, in sentences for the reader.
+    /// Method of measurement, in sentences for the reader.
     pub method: String,
-    /// What was measured, in the order of measuring.
+    /// Results by scene, in the order of measuring.
     pub scenes: Vec<SceneReport>,
 }
 
-/// What a backend says of its device.
+/// The device, as described by its backend.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct DeviceName {
     /// `cpu` or `cuda`.
@@ -31,12 +31,12 @@ pub struct DeviceName {
     pub lanes: usize,
 }
 
-/// What was measured on one scene.
+/// Results of one scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SceneReport {
     /// Its name.
     pub name: &'static str,
-    /// Whether it has triplets.
+    /// True if it has triplets.
     pub bending: bool,
     /// Nodes.
     pub nodes: usize,
@@ -71,16 +71,16 @@ pub struct SceneReport {
 pub struct Measured {
     /// Instances.
     pub batch: usize,
-    /// What was found; `None` if it was left out.
+    /// Result; `None` if it was left out.
     pub run: Option<Run>,
-    /// Why it was left out: too slow, or too large for the device.
+    /// Reason why it was left out: too slow, or too large for the device.
     pub left_out: Option<String>,
 }
 
 /// Times of a batch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Run {
-    /// How the backend says that it ran, in words; `None` if it has one way only.
+    /// The backend's description of how it ran; `None` if it has one way only.
     pub shape: Option<String>,
     /// Frames of every instance.
     pub frames: usize,
@@ -96,7 +96,7 @@ pub struct Run {
     pub frame_ms: f64,
     /// Time of a substep of the whole batch [us], by the median.
     pub us_per_substep: f64,
-    /// The same as the issue bound allows.
+    /// The least time of a substep that the issue bound allows [us].
     pub bound_us_per_substep: Option<f64>,
     /// Bound over measured, 0..=1.
     pub of_bound: Option<f64>,

@@ -1,4 +1,4 @@
-//! A whole benchmark: scene after scene, what was asked for of each.
+//! A whole benchmark: scene by scene, the measurements that the plan asks for.
 
 use std::{
     sync::Arc,
@@ -17,7 +17,7 @@ use crate::{
     scene::{Scene, SceneName},
 };
 
-/// What to measure.
+/// The measurements to make.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Scenes, with or without bending.
@@ -36,37 +36,38 @@ pub struct Plan {
     pub fits: Vec<FitPlan>,
 }
 
-/// What is measured.
-pub struct Subject<'a> {
-    /// What computes.
+/// The system under test.
+pub struct Setup<'a> {
+    /// The backend that is measured.
     pub backend: Arc<dyn Backend>,
-    /// Who knows how much memory that takes.
+    /// Probe of the memory that it takes.
     pub memory: &'a dyn MemoryProbe,
     /// Ends the benchmark early.
     pub cancel: &'a CancelToken,
 }
 
-/// Measures; `say` hears what comes next. The report grows by every scene that is done, so that what was measured
-/// before a failure is not lost.
+/// Makes the measurements, and calls `say` with the name of each before it starts. Results are
+/// added to the report after every scene, so that a failure loses only the scene in which it
+/// happens.
 ///
 /// # Errors
 /// If the backend fails or computes nonsense, or on cancellation.
 pub fn run(
     plan: &Plan,
-    subject: &Subject<'_>,
+    setup: &Setup<'_>,
     report: &mut Report,
     say: &mut dyn FnMut(&str),
 ) -> Result<(), Error> {
     for &(name, bending) in &plan.scenes {
         let scene = Scene::new(name, bending)?;
-        let done = one_scene(plan, subject, report.bound.as_ref(), scene, say)?;
+        let done = one_scene(plan, setup, report.bound.as_ref(), scene, say)?;
         report.scenes.push(done);
     }
     Ok(())
 }
 
 impl Report {
-    /// A report of nothing yet, with the device's bound: on a CPU, that is measured here.
+    /// An empty report with the device's bound; on a CPU, that is measured here.
     pub fn new(plan: &Plan, backend: &dyn Backend) -> Self {
         let device = backend.device();
         Self {
@@ -81,20 +82,20 @@ impl Report {
 
 fn one_scene(
     plan: &Plan,
-    subject: &Subject<'_>,
+    setup: &Setup<'_>,
     bound: Option<&IssueBound>,
     scene: Scene,
     say: &mut dyn FnMut(&str),
 ) -> Result<SceneReport, Error> {
     let title = format!("{}{}", scene.name, if scene.bending { " with bending" } else { "" });
     let (graph, timing) = (&scene.model.graph, scene.model.timing);
-    subject.memory.reset();
+    setup.memory.reset();
     say(&format!("{title}: rollouts"));
     let began = Instant::now();
-    let loaded = subject.backend.load(scene.model.clone())?;
+    let loaded = setup.backend.load(scene.model.clone())?;
     let load_s = began.elapsed().as_secs_f64();
     let bench = Bench {
-        backend: &*subject.backend,
+        backend: &*setup.backend,
         scene: &scene,
         loaded,
         budget: Budget {
@@ -102,18 +103,18 @@ fn one_scene(
             patience: plan.patience,
             horizon: plan.horizon.max(1),
         },
-        cancel: subject.cancel,
+        cancel: setup.cancel,
     };
     let forward = bench.forward(&plan.batches, bound.map(|b| b.forward_s(&scene)))?;
     say(&format!("{title}: gradients"));
     let gradient = bench.gradient(&plan.windows, bound.and_then(|b| b.gradient_s(&scene)))?;
-    let memory_bytes = subject.memory.used_bytes();
+    let memory_bytes = setup.memory.used_bytes();
     drop(bench);
     let mut fits = Vec::with_capacity(plan.fits.len());
     for fit in &plan.fits {
-        subject.memory.reset();
+        setup.memory.reset();
         say(&format!("{title}: a whole fit, a step a {}", fit.scheme.as_str()));
-        fits.push(whole_fit(&scene, &subject.backend, fit, subject.memory, subject.cancel)?);
+        fits.push(whole_fit(&scene, &setup.backend, fit, setup.memory, setup.cancel)?);
     }
     Ok(SceneReport {
         name: scene.name.as_str(),

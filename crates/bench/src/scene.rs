@@ -1,11 +1,12 @@
 //! Named bodies to measure with. A scene is a pure function of its name: the same name is the same
 //! graph, parameters and motion on every machine.
 //!
-//! `n500` to `n10000` are ellipsoids 1.5 : 1 : 0.8 filled on a jittered grid of 5 mm and held at one end by
-//! 30 control points; `rope` is 3 x 3 x 48 nodes held at both ends by 8. Springs join a node to its nearest
-//! 29 within 0.02 m (PhysTwin asks for 30 and gets the node itself among them); a control point has springs
-//! to at most 50 nodes within 0.04 m. A frame is 1/30 s in 667 substeps, the ground lies a millimetre
-//! below. With bending, every surface node has up to 4 triplets.
+//! `n500` to `n10000` are ellipsoids 1.5 : 1 : 0.8 filled on a jittered grid of 5 mm and held at
+//! one end by 30 control points; `rope` is 3 x 3 x 48 nodes held at both ends by 8. Springs join a
+//! node to its nearest 29 within 0.02 m (PhysTwin asks for 30 and gets the node itself among them);
+//! a control point has springs to at most 50 nodes within 0.04 m. A frame is 1/30 s in 667
+//! substeps, the ground lies a millimetre below. With bending, every surface node has up to 4
+//! triplets.
 
 mod body;
 mod motion;
@@ -18,11 +19,8 @@ use bendtwin_core::{
     environment::ControlVelocity,
     settings::{GraphSettings, TripletReference},
 };
-use bendtwin_engine::{
-    Model,
-    build::{Connectivity, connect, rest_geometry, sample_nodes},
-    enough_substeps,
-};
+use bendtwin_engine::{Model, enough_substeps};
+use bendtwin_graph::{Connectivity, connect, rest_geometry, sample_nodes};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -33,7 +31,8 @@ use crate::Error;
 pub const FPS: f64 = 30.0;
 /// Substeps a frame of every scene: a substep is 5e-5 s.
 pub const SUBSTEPS: u32 = 667;
-/// Stiffnesses tried [N per unit strain], PhysTwin's initial one first; the first stable one is taken.
+/// Stiffnesses tried [N per unit strain], PhysTwin's initial one first; the first stable one is
+/// taken.
 const STIFFNESSES: [f32; 5] = [3e4, 2e4, 1e4, 3e3, 1e3];
 /// A spring's stiffness differs from the scene's by up to this share.
 const STIFFNESS_SPREAD: f32 = 0.1;
@@ -121,13 +120,13 @@ impl FromStr for SceneName {
 pub struct Scene {
     /// Its name.
     pub name: SceneName,
-    /// Whether it has triplets.
+    /// True if it has triplets.
     pub bending: bool,
     /// Graph, parameters and surroundings.
     pub model: Arc<Model>,
     /// Mean stiffness of its springs [N per unit strain].
     pub stiffness: f32,
-    /// How its control points move.
+    /// Motion of its control points.
     pub motion: Motion,
 }
 
@@ -184,7 +183,7 @@ impl Scene {
     }
 }
 
-/// How nodes are joined, as in PhysTwin.
+/// Connections between nodes, as in PhysTwin.
 pub(crate) fn graph_settings() -> GraphSettings {
     GraphSettings {
         sampling_ratio: 1.0,
@@ -200,8 +199,8 @@ pub(crate) fn graph_settings() -> GraphSettings {
     }
 }
 
-/// The body at rest, as a capture of one frame: its nodes become a graph in the same way as those of
-/// any other capture.
+/// The body at rest, as a capture of one frame: its nodes become a graph in the same way as those
+/// of any other capture.
 fn still(body: &body::Body) -> Capture {
     let sequence = Sequence {
         name: "rest".into(),

@@ -11,10 +11,10 @@ mod tracks;
 
 use std::path::Path;
 
-use bendtwin_core::{Capture, Problem, Sequence};
+use bendtwin_core::{Capture, Finding, Problem, Sequence, Severity};
 
+pub use report::CheckReport;
 pub(crate) use report::Note;
-pub use report::{CheckReport, Finding, Severity};
 
 use crate::{Limits, read::read_noting, structure::validate};
 
@@ -23,7 +23,7 @@ pub fn check(capture: &Capture) -> CheckReport {
     let mut findings = Vec::new();
     if let Err(error) = validate(capture) {
         findings.push(Finding::error(error.reason(), error.to_string()));
-        return CheckReport { findings };
+        return CheckReport { findings: report::merge(findings) };
     }
     setting::check(capture, &mut findings);
     for sequence in &capture.sequences {
@@ -50,7 +50,9 @@ pub fn check_path(path: &Path, limits: &Limits) -> CheckReport {
             report
         }
         Err(error) => {
-            CheckReport { findings: vec![Finding::error(error.reason(), error.to_string())] }
+            let finding =
+                Finding::from_sentence(Severity::Error, error.reason(), error.to_string());
+            CheckReport { findings: vec![finding] }
         }
     }
 }

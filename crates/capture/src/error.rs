@@ -3,7 +3,7 @@
 
 use bendtwin_core::{Category, Problem};
 
-/// Why a capture cannot be read, written or made.
+/// Reason for which a capture cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// Nothing there.
@@ -282,19 +282,13 @@ pub enum Error {
         /// The messages of all errors.
         message: String,
     },
-    /// A scene that cameras do not film.
-    #[error("the scene `{0}` is motion capture, not filmed: take rope or toy for a raw recording")]
-    NotFilmed(&'static str),
-    /// The generator's simulation failed.
-    #[error("the generator's simulation failed: {0}")]
-    Simulation(String),
 }
 
 impl Problem for Error {
     fn category(&self) -> Category {
         match self {
             Self::NotFound(_) => Category::NotFound,
-            Self::Io { .. } | Self::Simulation(_) => Category::Internal,
+            Self::Io { .. } => Category::Internal,
             Self::TooLarge { .. } | Self::TooMany { .. } | Self::ArchiveEntries { .. } => {
                 Category::ResourceExhausted
             }
@@ -339,8 +333,6 @@ impl Problem for Error {
             Self::PinRange { .. } => "PIN_OUT_OF_RANGE",
             Self::SplitRange { .. } => "SPLIT_OUT_OF_RANGE",
             Self::Unusable { .. } => "UNUSABLE_CAPTURE",
-            Self::NotFilmed(_) => "SCENE_NOT_FILMED",
-            Self::Simulation(_) => "SIMULATION_FAILED",
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Coordinate frames: every capture is turned so that z points up and scaled to
 //! metres when it is read.
 
-use bendtwin_core::Point;
+use bendtwin_core::{Point, geometry::IDENTITY};
 
 use crate::Error;
 
@@ -13,9 +13,6 @@ pub(crate) struct Frame {
     /// Metres per unit of the source.
     pub(crate) metres: f32,
 }
-
-/// No rotation.
-pub(crate) const IDENTITY: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl Frame {
     /// The rotation that turns an axis such as `+y` up, by the shortest way.

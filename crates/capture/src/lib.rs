@@ -1,4 +1,4 @@
-//! Capture bundles, PhysTwin cases and motion capture: read, check, make, write.
+//! Capture bundles, PhysTwin cases and motion capture: read, check, write.
 //!
 //! [`read()`] accepts what people have and gives a [`bendtwin_core::Capture`] in
 //! metres with z up. Everything that comes in is treated as hostile: sizes are
@@ -7,7 +7,6 @@
 
 pub mod bundle;
 pub mod check;
-pub mod make;
 pub mod mocap;
 pub mod npy;
 pub mod raw;
@@ -24,10 +23,9 @@ mod pickle;
 mod structure;
 
 pub use bundle::{write_bundle, write_bundle_file};
-pub use check::{CheckReport, Finding, Severity, check, check_path};
+pub use check::{CheckReport, check, check_path};
 pub use digest::digest;
 pub use error::Error;
 pub use limits::Limits;
-pub use make::{MakeOptions, Scene, make, make_with};
 pub use read::{Opened, open, read, read_bytes};
 pub use structure::validate;

@@ -112,7 +112,7 @@ pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Captu
         name: files.name.clone(),
         fps: metadata.fps,
         environment: Environment::Z_UP,
-        source_to_world: crate::frame::IDENTITY,
+        source_to_world: bendtwin_core::geometry::IDENTITY,
         object,
         sequences: vec![sequence],
     };

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use bendtwin_core::Capture;
+use bendtwin_core::{Capture, Finding};
 
 use crate::{
     Error, Limits, bundle,
-    check::{Finding, Note},
+    check::Note,
     files::Files,
     mocap, phystwin,
     raw::{self, Recording},

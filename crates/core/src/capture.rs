@@ -1,6 +1,6 @@
-//! A capture: what was recorded of a soft object being moved, already lifted to
-//! points in space. RGB-D captures have one sequence that is split in time;
-//! motion capture may have many sequences of one object.
+//! A capture: a recorded manipulation of a soft object, already lifted to points in space. RGB-D
+//! captures have one sequence that is split in time; motion capture may have many sequences of one
+//! object.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use crate::{Environment, Point};
 /// A recorded manipulation, ready to be fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Capture {
-    /// A person's name for it.
+    /// Name for people.
     pub name: String,
     /// Frames per second.
     pub fps: f64,
@@ -19,11 +19,11 @@ pub struct Capture {
     pub source_to_world: [[f32; 3]; 3],
     /// The object that moves.
     pub object: Object,
-    /// The recordings of it; at least one.
+    /// Recorded sequences; at least one.
     pub sequences: Vec<Sequence>,
 }
 
-/// What is known of the object apart from its motion.
+/// The captured object, apart from its motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Object {
     /// Number of tracked points P, the same in every sequence.
@@ -72,7 +72,7 @@ pub struct HeldPoint {
 /// One recording: T frames of P tracked points and C control points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sequence {
-    /// A person's name for it.
+    /// Name for people.
     pub name: String,
     /// Number of frames T.
     pub frame_count: usize,
@@ -81,16 +81,16 @@ pub struct Sequence {
     pub train_frame_count: usize,
     /// Tracked points [m], shape [T, P, 3].
     pub points: Vec<Point>,
-    /// Whether a point was seen in a frame, shape [T, P].
+    /// Visibility of each point in each frame, shape [T, P].
     pub visible: Vec<bool>,
-    /// Whether a point's motion since the previous frame is trusted, shape [T, P].
+    /// Validity of each point's motion since the previous frame, shape [T, P].
     pub motion_valid: Vec<bool>,
     /// Control points [m], shape [T, C, 3].
     pub controls: Vec<Point>,
     /// Clean tracks for metrics only [m], shape [T, K, 3]; NaN where unknown; empty if none.
     pub truth_tracks: Vec<Point>,
-    /// How many leading frames give the initial state: 1 starts at rest in frame
-    /// 0, 2 starts in frame 1 with the velocity between frames 0 and 1.
+    /// Number of leading frames that give the initial state: 1 starts at rest in frame 0, 2 starts
+    /// in frame 1 with the velocity between frames 0 and 1.
     pub start_frames: usize,
 }
 
@@ -135,7 +135,7 @@ impl Sequence {
         self.start_frames.saturating_sub(1)
     }
 
-    /// Whether the whole sequence is held out of fitting.
+    /// True if the whole sequence is held out of fitting.
     pub fn is_held_out(&self) -> bool {
         self.train_frame_count == 0
     }

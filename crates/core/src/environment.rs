@@ -1,4 +1,4 @@
-//! What surrounds the object: gravity, ground and the division of time.
+//! The object's environment (gravity and ground) and the division of time.
 
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +34,7 @@ impl Environment {
     };
 }
 
-/// How time is divided: frames of a capture, substeps of the integrator.
+/// The division of time: frames of a capture, substeps of the integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     /// Frames per second.
@@ -55,7 +55,7 @@ impl Timing {
     }
 }
 
-/// What a control point's velocity counts as in the dashpots of control springs.
+/// The velocity of a control point in the dashpots of control springs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ControlVelocity {

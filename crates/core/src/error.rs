@@ -1,6 +1,6 @@
-//! What kind of thing went wrong, apart from any transport. Every error of the
-//! project can say its [`Category`] and a stable reason; only the server turns
-//! a category into an HTTP status or a gRPC code.
+//! Categories of errors, independent of any transport. Every error of the project has a
+//! [`Category`] and a stable reason; only the server turns a category into an HTTP status or a gRPC
+//! code.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ pub enum Category {
     PermissionDenied,
     /// A quota, queue or memory limit is reached; retry later or ask for less.
     ResourceExhausted,
-    /// A concurrent change won (a stale lease, say).
+    /// A concurrent change won (for example, the lease is stale).
     Aborted,
     /// The caller's deadline passed.
     DeadlineExceeded,
@@ -38,12 +38,12 @@ pub enum Category {
 
 /// Implemented by every error enum of the project.
 pub trait Problem: std::error::Error {
-    /// What kind of thing went wrong.
+    /// The kind of the error.
     fn category(&self) -> Category;
     /// A stable UPPER_SNAKE_CASE word for programs to branch on.
     fn reason(&self) -> &'static str;
 
-    /// The portable form: what a failed job keeps and a client is told.
+    /// The portable form, which a failed job keeps and a client receives.
     fn fault(&self) -> Fault {
         Fault {
             category: self.category(),
@@ -57,11 +57,11 @@ pub trait Problem: std::error::Error {
 /// and as sent over the wire.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fault {
-    /// What kind of thing went wrong.
+    /// The kind of the error.
     pub category: Category,
     /// Stable UPPER_SNAKE_CASE word.
     pub reason: String,
-    /// What happened and what to do about it, for a person.
+    /// Description of the error for people, and what to do about it.
     pub message: String,
 }
 

@@ -1,8 +1,8 @@
-//! How finely a rollout follows a twin: exactly as fitted, or by its fast variant.
+//! Fidelity of a rollout: the twin exactly as fitted, or its fast variant.
 
 use serde::{Deserialize, Serialize};
 
-/// Which model of a twin answers a rollout.
+/// The model of a twin that computes a rollout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fidelity {
@@ -13,22 +13,22 @@ pub enum Fidelity {
     Fast,
 }
 
-/// The fast variant of a twin: how it is made, and how far it strays from the exact one when both
+/// The fast variant of a twin: its definition, and its deviation from the exact twin when both
 /// follow the twin's own capture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FastVariant {
     /// Substeps per frame.
     pub substeps: u32,
-    /// What springs and triplets are softened to (dimensionless, as `bendtwin_engine::fidelity`
-    /// defines it); none if parameters are as fitted.
+    /// Rate limit to which springs and triplets are softened (dimensionless, see
+    /// `bendtwin_engine::fidelity`); none if parameters are as fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_limit: Option<f64>,
     /// Distance between a node here and there, mean over nodes and frames [m].
     pub mean_deviation_m: f64,
     /// The largest such distance [m].
     pub max_deviation_m: f64,
-    /// What to compare with: distance of the exact twin's nodes from where they started, mean over
-    /// nodes and frames [m].
+    /// Scale to compare with: distance of the exact twin's nodes from their initial positions, mean
+    /// over nodes and frames [m].
     pub mean_travel_m: f64,
     /// Frames from the start of each recording over which this was measured, at most.
     pub frames: u32,

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::Point;
 
-/// What a node stands for. Nodes are ordered by kind: all observed surface
-/// nodes, then completed surface, then interior. The numbers are the file format's.
+/// The kind of a node. Nodes are ordered by kind: all observed surface nodes, then completed
+/// surface, then interior. The numbers are the file format's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[repr(u8)]
@@ -20,7 +20,7 @@ pub enum NodeKind {
 }
 
 impl NodeKind {
-    /// Whether metrics and the Chamfer loss count this node.
+    /// True if metrics and the Chamfer loss count this node.
     pub fn is_surface(self) -> bool {
         self != Self::Interior
     }
@@ -51,7 +51,7 @@ pub struct Graph {
     pub kinds: Vec<NodeKind>,
     /// Mass of each node in node-mass units, shape [N]; positive.
     pub masses: Vec<f32>,
-    /// Which object a node belongs to (contact acts between objects), shape [N].
+    /// Object of each node (contact acts between objects), shape [N].
     pub object_ids: Vec<u32>,
     /// For each node, the capture's observed point that it is, shape [N];
     /// `u32::MAX` where it is none.
@@ -64,10 +64,11 @@ pub struct Graph {
     pub triplets: Vec<[u32; 3]>,
     /// Nodes prescribed by control points.
     pub pins: Vec<Pin>,
-    /// Rods that twist: each a path of nodes, in order, of at least [`Graph::MIN_ROD_NODES`]. Its first two nodes
-    /// are pinned: a clamp, which gives a position and a direction; what it
-    /// does about that direction is carried along by parallel transport. Its last two are either a clamp too, or a
-    /// junction and the first node of a branch there, its *arm*, whose direction holds the rod's frame.
+    /// Rods that twist: each a path of nodes, in order, of at least [`Graph::MIN_ROD_NODES`]. Its
+    /// first two nodes are pinned: a clamp, which gives a position and a direction; its rotation
+    /// about that direction is carried along by parallel transport. Its last two are either a clamp
+    /// too, or a junction and the first node of a branch there, its *arm*, whose direction holds
+    /// the rod's frame.
     #[serde(default)]
     pub rods: Vec<Vec<u32>>,
 }
@@ -79,7 +80,7 @@ impl Graph {
     /// Fewest nodes of a rod: two at each of its ends.
     pub const MIN_ROD_NODES: usize = 4;
 
-    /// Whether a rod ends in the arm of a branch, and not in a clamp.
+    /// True if a rod ends in the arm of a branch, and not in a clamp.
     pub fn has_arm(&self, rod: &[u32]) -> bool {
         rod.last().is_some_and(|&last| self.pins.iter().all(|p| p.node != last))
     }

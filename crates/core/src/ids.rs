@@ -1,6 +1,6 @@
-//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`,
-//! `uploads/{id}` and `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they
-//! sort by creation time.
+//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}` and
+//! `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they sort by
+//! creation time.
 
 use std::{fmt, str::FromStr};
 
@@ -13,7 +13,7 @@ use uuid::Uuid;
 pub struct InvalidName {
     /// The collection that was expected.
     pub collection: &'static str,
-    /// What was given, cut to 80 characters.
+    /// The given text, cut to 80 characters.
     pub given: String,
 }
 
@@ -94,7 +94,7 @@ id!(
     FitId, "fits"
 );
 id!(
-    /// A job that reads a capture: the way from what was uploaded to what is fitted.
+    /// A job that reads a capture, from the upload to the observation that is fitted.
     IngestId, "ingests"
 );
 id!(

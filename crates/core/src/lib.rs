@@ -1,6 +1,6 @@
-//! Domain nouns of BendTwin: capture, graph, params, twin, settings, ids and
-//! error categories. No I/O, no async, no physics: every other crate speaks in
-//! these types, so one word means one thing everywhere.
+//! Domain nouns of BendTwin: capture, graph, params, twin, settings, ids and error categories. No
+//! I/O, no async, no physics. All other crates use these types, so that one word means one thing
+//! everywhere.
 //!
 //! Units are SI. Frames are right-handed; up and ground are declared, never
 //! guessed. Arrays are flat `Vec`s whose shape stands in the field's comment.
@@ -11,6 +11,8 @@ pub mod checkpoint;
 pub mod environment;
 pub mod error;
 pub mod fidelity;
+pub mod finding;
+pub mod geometry;
 pub mod graph;
 pub mod ids;
 pub mod observer;
@@ -25,6 +27,7 @@ pub use capture::{Capture, Sequence};
 pub use environment::{Environment, Plane, Timing};
 pub use error::{Category, Fault, Problem};
 pub use fidelity::{FastVariant, Fidelity};
+pub use finding::{Finding, Severity};
 pub use graph::{Graph, NodeKind, Pin};
 pub use observer::{Observer, ObserverError};
 pub use params::{Contact, Params};

@@ -1,4 +1,4 @@
-//! What fitting changes: one number per spring, per triplet, per rod, and a few global ones.
+//! Fitted parameters: one number per spring, per triplet, per rod, and a few global ones.
 
 use serde::{Deserialize, Serialize};
 
@@ -40,8 +40,8 @@ impl Default for Contact {
     }
 }
 
-/// The parameters of a twin. A node's mass is 1 unless the graph says
-/// otherwise, so stiffness is per unit node mass.
+/// The parameters of a twin. A node's mass is 1 unless the graph has
+/// masses, so stiffness is per unit node mass.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Params {
     /// Axial stiffness [N per unit strain], shape [E].
@@ -62,8 +62,8 @@ pub struct Params {
     /// Twist damping of a whole rod [N m s/rad], shape [R].
     #[serde(default)]
     pub twist_damping: Vec<f32>,
-    /// Twist at which a rod gives no torque, relative to how it is when a simulation begins [rad], shape [R];
-    /// of any sign and size.
+    /// Twist at which a rod gives no torque, relative to how it is when a simulation begins [rad],
+    /// shape [R]; of any sign and size.
     #[serde(default)]
     pub rest_twists_rad: Vec<f32>,
     /// Velocity decay rate [1/s].

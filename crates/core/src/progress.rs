@@ -1,4 +1,4 @@
-//! How far a fit job is.
+//! Progress of a fit.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Its name in documents and lines, `search` say.
+    /// Its name in documents and lines, for example `search`.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Ingest => "ingest",
@@ -33,7 +33,7 @@ impl Stage {
 pub struct Progress {
     /// The stage under way.
     pub stage: Stage,
-    /// Which model is being fitted, where a job fits more than one: `bending` or `axial`.
+    /// Model that is being fitted, where a job fits more than one: `bending` or `axial`.
     pub variant: String,
     /// Iterations of the stage that are done.
     pub iteration: u32,
@@ -47,6 +47,6 @@ pub struct Progress {
     pub best_loss: Option<f64>,
     /// Estimated seconds until the job ends.
     pub eta_s: Option<f64>,
-    /// Something a person should know (a back-off, a raised substep count).
+    /// A message for people (a rollback, a raised number of substeps).
     pub note: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! How good a twin is: the table that evaluation makes and a twin carries.
+//! Quality of a twin: the table that an evaluation computes and a twin carries.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,13 +15,13 @@ pub struct ErrorSummary {
     pub track_m: Option<f64>,
     /// Mean absolute coordinate difference over all points (motion capture's metric).
     pub coordinate_m: Option<f64>,
-    /// Root mean square difference per coordinate over the branches of a cable, filled up with zeros to the longest
-    /// (DEFT's metric; motion capture of cables with branches).
+    /// Root mean square difference per coordinate over the branches of a cable, filled up with
+    /// zeros to the longest (DEFT's metric; motion capture of cables with branches).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub padded_rms_m: Option<f64>,
 }
 
-/// What a row of the table is about.
+/// The predictor that a row of the table is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Predictor {
@@ -40,7 +40,7 @@ pub enum Predictor {
 /// One predictor's errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
-    /// Who predicted.
+    /// Predictor of this row.
     pub predictor: Predictor,
     /// Over the training frames ("reconstruction").
     pub train: ErrorSummary,
@@ -59,7 +59,7 @@ pub struct Quality {
     /// Warnings for the user: what is suspicious about the fit or the data.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// The twin's fast variant and how far it strays; none if nobody could measure that.
+    /// The twin's fast variant with its deviation; none if that could not be measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fast: Option<FastVariant>,
 }

@@ -1,5 +1,5 @@
-//! What a user may choose about a fit. Every field has a default, unknown
-//! fields are refused, and [`FitSettings::validate`] reports all faults at once.
+//! Settings of a fit. Every field has a default, unknown fields are refused, and
+//! [`FitSettings::validate`] reports all faults at once.
 
 pub mod ingest;
 pub mod layers;
@@ -14,15 +14,15 @@ use crate::environment::ControlVelocity;
 pub struct FitSettings {
     /// Seed of every random choice; the same seed gives the same twin.
     pub seed: u64,
-    /// Whether the twin has bending triplets, and rods that twist where it can.
+    /// Bending triplets, and rods that twist where the capture allows them.
     pub bending: bool,
     /// Also fit the same nodes without bending and report it beside.
     pub compare_axial: bool,
-    /// How the graph is built.
+    /// Construction of the graph.
     pub graph: GraphSettings,
-    /// How time is divided.
+    /// Substeps per frame.
     pub substeps: Substeps,
-    /// What a control point's velocity counts as in dashpots.
+    /// Velocity of control points in dashpots.
     pub control_velocity: ControlVelocity,
     /// Contact between the nodes of one object.
     pub self_contact: bool,
@@ -34,7 +34,7 @@ pub struct FitSettings {
     pub refine: RefineSettings,
 }
 
-/// How nodes are sampled and joined.
+/// Sampling of nodes, and the connections between them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GraphSettings {
@@ -54,9 +54,9 @@ pub struct GraphSettings {
     pub control_neighbours: usize,
     /// Most triplets per surface node.
     pub max_triplets: usize,
-    /// Which neighbour is the reference arm of a node's triplets.
+    /// Choice of the reference arm of a node's triplets.
     pub triplet_reference: TripletReference,
-    /// Whether what lies between two clamps of a cable with known edges is a rod that twists.
+    /// Rods that twist between two clamps of a cable with known edges.
     pub twist: bool,
 }
 
@@ -88,11 +88,11 @@ pub enum SequenceMean {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Substeps {
-    /// As many as the stability estimate asks for, times a margin.
+    /// The number of the stability estimate, times a margin.
     Auto {
         /// Stable dt over used dt, above 1.
         safety: f64,
-        /// Never more than this; candidates that would need more count as unstable.
+        /// Upper limit; candidates that would need more count as unstable.
         max: u32,
     },
     /// Exactly this many; refused where unstable.
@@ -107,12 +107,12 @@ pub struct LossSettings {
     pub chamfer_weight: f64,
     /// Smooth L1 of tracked points.
     pub track_weight: f64,
-    /// Where smooth L1 turns from quadratic to linear [m]; PhysTwin uses 1.
+    /// Distance at which smooth L1 turns from quadratic to linear [m]; PhysTwin uses 1.
     pub track_beta_m: f64,
     /// Acceleration smoothness, search stage only.
     pub acceleration_weight: f64,
-    /// How the losses of several sequences become one; if left open, geometric in captures with known edges (motion
-    /// capture of cables) and arithmetic in others.
+    /// Mean of the losses of several sequences; if left open, geometric in captures with known
+    /// edges (motion capture of cables) and arithmetic in others.
     pub sequences: Option<SequenceMean>,
 }
 
@@ -120,36 +120,37 @@ pub struct LossSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchSettings {
-    /// Searches that begin apart, each with a refinement of its own; the twin is the one with the lowest training loss. If
-    /// left open, as many as suit the capture: 3 where edges are known, 1 in others.
+    /// Number of searches with different seeds, each with a refinement of its own; the twin is the
+    /// one with the lowest training loss. If left open, it depends on the capture: 3 where edges
+    /// are known, 1 in others.
     pub starts: Option<u32>,
-    /// Generations; 0 skips the stage. If left open, as many as suit the capture: 60 where edges are known, whose few
-    /// nodes make them cheap and whose motion branches, 25 in others.
+    /// Number of generations; 0 skips the stage. If left open, it depends on the capture: 60 where
+    /// edges are known, whose few nodes make them cheap and whose motion bifurcates, 25 in others.
     pub generations: Option<u32>,
-    /// Candidates a generation; 0 means 4 + 3 ln(variables).
+    /// Candidates per generation; 0 means 4 + 3 ln(variables).
     pub population: usize,
     /// Initial step size in the unit cube.
     pub sigma: f64,
-    /// Whether radius and neighbour counts are variables too.
+    /// Search of radius and neighbour counts too.
     pub topology: bool,
-    /// Whether the strength of gravity is a variable too, from half to twice what the capture says; if left open, it
-    /// is in captures with known edges.
+    /// Search of the strength of gravity too, from half to twice the capture's; if left open, on in
+    /// captures with known edges.
     pub gravity: Option<bool>,
-    /// Use only the first so many training frames (0: all).
+    /// Number of training frames used, from the first (0: all).
     pub max_frames: usize,
-    /// Use only so many training sequences, spread evenly over all of them (0: all).
+    /// Number of training sequences used, spread evenly over all of them (0: all).
     pub max_sequences: usize,
 }
 
-/// How gradients are cut in time.
+/// Cuts of gradients in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GradientWindow {
-    /// A step a frame, gradient cut at each frame's start (PhysTwin).
+    /// One step per frame, gradient cut at each frame's start (PhysTwin).
     Frame,
     /// A step per window of so many frames, gradient cut at its start.
     Frames(u32),
-    /// One step a pass, through all training frames.
+    /// One step per pass, through all training frames.
     Pass,
 }
 
@@ -165,15 +166,15 @@ pub struct RefineSettings {
     pub beta1: f64,
     /// Decay of the second moment.
     pub beta2: f64,
-    /// How strongly parameters are drawn back to what the search found, which is one material for the whole object; 0 is
-    /// not at all.
+    /// Strength of the pull of parameters towards the search's result, which is one material for
+    /// the whole object; 0 for none.
     pub prior: f64,
-    /// When steps are taken, and how far gradients reach back in time for them.
+    /// Frames per step, and the reach of its gradients back in time.
     pub window: GradientWindow,
-    /// Frames that gradients reach back at most within a window (0: as far as the window goes); a fit that makes
+    /// Largest reach of gradients within a window [frames] (0: the whole window); a fit that makes
     /// no gain shortens it further.
     pub reach: u32,
-    /// Training sequences a step (0: all); each pass deals them out anew.
+    /// Training sequences per step (0: all); each pass shuffles them anew.
     pub batch: usize,
     /// Fit rest lengths and rest angles too.
     pub rest_shape: bool,
@@ -257,7 +258,8 @@ impl Default for RefineSettings {
 }
 
 impl FitSettings {
-    /// Close to PhysTwin's scheme as published (docs/settings.md says what differs): full sampling, 667 substeps, a step a frame.
+    /// Settings close to PhysTwin's scheme as published (docs/settings.md lists the differences):
+    /// full sampling, 667 substeps, one step per frame.
     pub fn phystwin() -> Self {
         Self {
             bending: false,

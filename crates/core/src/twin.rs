@@ -20,20 +20,20 @@ pub struct Twin {
     pub environment: Environment,
     /// Frame rate and substeps.
     pub timing: Timing,
-    /// What a control point's velocity counts as in dashpots.
+    /// Velocity of control points in dashpots.
     pub control_velocity: ControlVelocity,
-    /// Where it came from.
+    /// Origin of the twin.
     pub provenance: Provenance,
-    /// How good it is.
+    /// Quality of the twin.
     pub quality: Quality,
 }
 
-/// Where a twin came from. Nothing here depends on the wall clock: the same
-/// capture, settings, build and device give the same twin, byte for byte.
+/// The origin of a twin. Nothing here depends on the wall clock: the same capture, settings, build
+/// and device give the same twin, byte for byte.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// BLAKE3 digest of the content of the capture that was fitted (a raw recording's observation), hex; empty if made by
-    /// hand. The same content has the same digest, whatever file it came in.
+    /// BLAKE3 digest of the content of the capture that was fitted (a raw recording's observation),
+    /// hex; empty if made by hand. The same content has the same digest, whatever file it came in.
     pub capture_digest: String,
     /// The capture's name.
     pub capture_name: String,
@@ -41,7 +41,7 @@ pub struct Provenance {
     pub settings: Option<FitSettings>,
     /// Version of the software, `bendtwin 0.1.0`.
     pub build: String,
-    /// The backend that fitted it, `cpu` say.
+    /// The backend that fitted it, for example `cpu`.
     pub backend: String,
     /// Rotation from the capture's source frame to the twin's, row-major.
     pub source_to_world: [[f32; 3]; 3],

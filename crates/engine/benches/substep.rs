@@ -1,6 +1,6 @@
-//! What a substep costs on one core: microseconds by number of nodes, forward and with the gradient, spring
-//! evaluations a second, and the share of what a hand count of instructions allows; then what it costs to look at a
-//! model's stability. Prints Markdown tables.
+//! Cost of a substep on one core: microseconds by number of nodes, forward and with the gradient,
+//! spring evaluations a second, and the share of what a hand count of instructions allows; then the
+//! cost of checking a model's stability. Prints Markdown tables.
 //!
 //! `cargo bench -p bendtwin-engine`
 
@@ -27,8 +27,8 @@ use bendtwin_engine::{
 
 use self::{bound::Elements, clock::best_of};
 
-/// Arithmetic of one spring: 6 differences, length (5, root), inverse, stretch, elastic, damping (5, 3), 3
-/// products and 6 additions to the nodes.
+/// Arithmetic of one spring: 6 differences, length (5, root), inverse, stretch, elastic, damping
+/// (5, 3), 3 products and 6 additions to the nodes.
 const FLOPS_PER_SPRING: f64 = 33.0;
 /// Operations of the AVX2 units in a cycle: two fused multiply-adds of eight lanes.
 const FLOPS_PER_CYCLE: f64 = 32.0;
@@ -108,7 +108,7 @@ fn small(backend: &dyn Backend, flops: f64) {
     );
 }
 
-/// What it costs to find out how many substeps a model needs, and that those it has are enough.
+/// Cost of computing how many substeps a model needs, and of checking that those it has are enough.
 fn stability() {
     println!("\nStability of a model, looked at once\n");
     println!(

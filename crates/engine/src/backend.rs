@@ -13,7 +13,7 @@ use crate::{
     optimizer::{Decay, Optimizer, OptimizerInit},
 };
 
-/// Why a backend refuses or fails.
+/// An error of a backend: a refusal or a failure.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The model contradicts itself.
@@ -76,8 +76,8 @@ impl Problem for Error {
     }
 }
 
-/// Where and when a simulation left the finite numbers (or the room: a node
-/// farther than 1 km from the origin counts as diverged).
+/// The frame and node at which a simulation diverged: left the finite numbers, or went farther than
+/// 1 km from the origin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Divergence {
     /// Frame during which it happened, 1-based.
@@ -94,7 +94,7 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// Made by a backend: the model and whatever it keeps for it.
+    /// A loaded model, from the model and the backend's own part of it.
     pub fn new(model: Arc<Model>, resident: Arc<dyn Any + Send + Sync>) -> Self {
         Self { model, resident }
     }
@@ -121,18 +121,20 @@ impl std::fmt::Debug for Loaded {
 pub struct Instance {
     /// The loaded model.
     pub model: Loaded,
-    /// State at the start; pinned nodes are moved onto their control points and take their velocity.
+    /// State at the start; pinned nodes are moved onto their control points and take their
+    /// velocity.
     pub initial: Arc<State>,
     /// Control point positions at frame boundaries [m], shape [F + 1, C, 3]; row 0 belongs to the
-    /// initial state, F is the number of frames to simulate. With no control points, F comes from `frames`.
+    /// initial state, F is the number of frames to simulate. With no control points, F comes from
+    /// `frames`.
     pub controls: Arc<Vec<Point>>,
     /// Number of frames F to simulate.
     pub frames: usize,
-    /// What to measure.
+    /// Terms to measure.
     pub objective: Objective,
 }
 
-/// What a rollout should return apart from costs.
+/// The outputs that a rollout returns beside its costs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outputs {
     /// Record the positions of every k-th frame (frames k, 2k, ...); 0 records none of them.
@@ -147,7 +149,7 @@ pub struct Outputs {
     pub diagnostics: bool,
 }
 
-/// Physical sanity of a rollout.
+/// Physical plausibility of a rollout.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Diagnostics {
     /// Largest |l/l0 - 1| of any spring at any frame end.
@@ -177,8 +179,8 @@ pub struct Rollout {
     pub final_state: Option<State>,
     /// Diagnostics if asked for.
     pub diagnostics: Option<Diagnostics>,
-    /// Where it diverged, if it did; nothing is recorded from that frame on, and there are neither
-    /// final state nor diagnostics.
+    /// The divergence, if any; nothing is recorded from that frame on, and there are neither final
+    /// state nor diagnostics.
     pub diverged: Option<Divergence>,
 }
 
@@ -189,16 +191,17 @@ pub struct Loss {
     pub total: f64,
     /// Weighted sums per group; infinite if it diverged.
     pub groups: Vec<f64>,
-    /// Where it diverged, if it did.
+    /// The divergence, if any.
     pub diverged: Option<Divergence>,
 }
 
-/// What to differentiate by, and how far back.
+/// The gradients to compute, and their reach back in time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GradientRequest {
     /// Cut the gradient at every k-th frame boundary (0: never): the state's adjoint is zeroed
-    /// there, as in PhysTwin with 1. What a boundary's own terms add counts for the window that
-    /// ends there; frame 0 is no boundary, so the first window's gradient reaches the initial state.
+    /// there, as in PhysTwin with 1. The terms of a boundary's own frame count for the window that
+    /// ends there; frame 0 is no boundary, so the first window's gradient reaches the initial
+    /// state.
     pub cut_every: usize,
     /// Also return gradients with respect to the controls.
     pub controls: bool,
@@ -213,49 +216,51 @@ pub struct GradientRequest {
 pub struct Gradient {
     /// The loss.
     pub loss: Loss,
-    /// d loss / d params, arrays and fields as in [`Params`] (contact switches and the
-    /// collision distance, which has no derivative, stay at their defaults or zero). Whether and
-    /// between whom an impact happens, and which node is a target's nearest, counts as fixed;
-    /// an impact's time and impulse are differentiated.
+    /// d loss / d params, arrays and fields as in [`Params`] (contact switches and the collision
+    /// distance, which has no derivative, stay at their defaults or zero). The occurrence and the
+    /// partners of an impact, and the node nearest to a target, count as fixed; an impact's time
+    /// and impulse are differentiated.
     pub params: Params,
-    /// Whether a component of `params` was not finite, or beyond f32; NaN is given as zero then, and
-    /// what is too large as the largest number.
+    /// True if a component of `params` was not finite, or beyond f32; NaN is returned as zero then,
+    /// and too large a number as the largest.
     pub overflowed: bool,
     /// d loss / d controls, shape [F + 1, C, 3]; empty if not asked for. Includes what reaches
     /// the loss through pinned nodes and through the controls' velocities.
     pub controls: Vec<Point>,
-    /// d loss / d initial state if asked for; zero for pinned nodes, which start on their control points.
+    /// d loss / d initial state if asked for; zero for pinned nodes, which start on their control
+    /// points.
     pub initial: Option<State>,
     /// State after the last frame if asked for.
     pub final_state: Option<State>,
 }
 
-/// What a backend runs on.
+/// The device of a backend.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Device {
     /// `cpu` or `cuda`.
     pub kind: String,
     /// Name of the device for people.
     pub name: String,
-    /// How many instances run at once.
+    /// Number of instances that run at once.
     pub lanes: usize,
 }
 
 /// Memory of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
-    /// Bytes in use, by whomever.
+    /// Bytes in use, by any process.
     pub used: u64,
-    /// Bytes that there are.
+    /// Bytes in all.
     pub total: u64,
 }
 
 /// An implementation of the physics on some device.
 pub trait Backend: Send + Sync {
-    /// What it runs on.
+    /// The device that it runs on.
     fn device(&self) -> Device;
 
-    /// Checks a model (indices, lengths, finiteness, stability of its substep) and makes it resident.
+    /// Checks a model (indices, lengths, finiteness, stability of its substep) and makes it
+    /// resident.
     ///
     /// # Errors
     /// If the model is inconsistent, unstable, or does not fit the device.
@@ -295,9 +300,11 @@ pub trait Backend: Send + Sync {
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error>;
 
-    /// Walks downhill through parameter space, side by side; the models in `starts` were loaded here.
+    /// An optimizer of several runs side by side; the models in `inits` were loaded by this
+    /// backend.
     ///
-    /// A backend whose device keeps no points and gradients returns a [`crate::optimizer::HostOptimizer`] over itself.
+    /// A backend whose device keeps no parameters and gradients returns a
+    /// [`crate::optimizer::HostOptimizer`] over itself.
     ///
     /// # Errors
     /// As [`OptimizerInit::check`] and [`Backend::with_params`].
@@ -312,13 +319,13 @@ pub trait Backend: Send + Sync {
         None
     }
 
-    /// A second queue onto the same device whose work goes before this one's; it takes the models that this
-    /// one loaded. `None` where the device has one queue: cut batches into slices there.
+    /// A second queue onto the same device whose work goes before this one's; it takes the models
+    /// that this one loaded. `None` where the device has one queue: cut batches into slices there.
     fn urgent(&self) -> Option<Arc<dyn Backend>> {
         None
     }
 
-    /// How a batch of so many instances of a model would run, in words for a report.
+    /// A description for reports of how a batch of this many instances of a model would run.
     fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
         let _ = (model, batch);
         None

@@ -1,14 +1,13 @@
-//! What every backend must get right, as one list of named cases. A backend's
-//! crate turns each into a test line of its own:
+//! Conformance suite of backends, as one list of named cases. A backend's crate turns each into a
+//! test of its own:
 //!
 //! ```ignore
 //! bendtwin_engine::conformance_tests!(MyBackend::new());
 //! ```
 //!
-//! A case knows the physics only from first principles (closed forms, `f64`
-//! energies, conservation laws) or compares a backend with itself (batches,
-//! repeats, finite differences of its own losses). Every tolerance is stated
-//! where it is used, with its reason.
+//! A case derives the physics from first principles (closed forms, `f64` energies, conservation
+//! laws) or compares a backend with itself (batches, repeats, finite differences of its own
+//! losses). Every tolerance is stated at its use, with its reason.
 
 mod batches;
 mod bending;
@@ -36,11 +35,11 @@ pub use self::random::{RandomOptions, random_model, random_motion};
 pub struct Case {
     /// Name, unique within the suite.
     pub name: &'static str,
-    /// Runs it; the error says what was expected and what came.
+    /// Runs the case; the error states the expected and the actual values.
     pub check: fn(&dyn Backend) -> Result<(), String>,
 }
 
-/// What became of the suite on one backend.
+/// Result of the suite on one backend.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
     /// Cases that passed.
@@ -50,7 +49,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Whether all cases passed.
+    /// True if all cases passed.
     pub fn is_ok(&self) -> bool {
         self.failed.is_empty()
     }

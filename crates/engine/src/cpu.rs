@@ -38,7 +38,7 @@ use self::{
     diagnostics::{Observer, point, state_of},
     parameters::Parameters,
     real::quad,
-    rollout::{Case, Scorer, nodes_of, twists_of},
+    rollout::{Scorer, Simulation, nodes_of, twists_of},
     system::{Layout, System},
 };
 use crate::{
@@ -49,7 +49,8 @@ use crate::{
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
 
-/// Runs on the CPU's cores; clones share the threads. Make one with [`cpu`] or [`cpu_with_threads`].
+/// Runs on the CPU's cores; clones share the threads. Make one with [`cpu`] or
+/// [`cpu_with_threads`].
 #[derive(Clone)]
 pub struct CpuBackend {
     /// `None` on a machine that gives us no threads: then the caller's own does everything.
@@ -66,7 +67,7 @@ pub fn cpu_with_threads(threads: usize) -> Arc<dyn Backend> {
     Arc::new(CpuBackend::new(threads))
 }
 
-/// What the CPU keeps of a model.
+/// The CPU backend's part of a loaded model.
 struct Resident {
     system: System<f32>,
     layout: Arc<Layout>,
@@ -89,12 +90,12 @@ impl CpuBackend {
     fn each<R: Send>(
         &self,
         batch: &[Instance],
-        work: impl Fn(&Case<'_, f32>) -> Result<R, Error> + Sync,
+        work: impl Fn(&Simulation<'_, f32>) -> Result<R, Error> + Sync,
     ) -> Result<Vec<R>, Error> {
         for (index, instance) in batch.iter().enumerate() {
             check::instance(index, instance)?;
         }
-        let one = |instance: &Instance| work(&case(instance)?);
+        let one = |instance: &Instance| work(&simulation(instance)?);
         let results: Vec<_> = match &self.pool {
             Some(pool) => pool.install(|| batch.par_iter().map(one).collect()),
             None => batch.iter().map(one).collect(),
@@ -109,8 +110,8 @@ fn resident(loaded: &Loaded) -> Result<&Resident, Error> {
     })
 }
 
-fn case(instance: &Instance) -> Result<Case<'_, f32>, Error> {
-    Ok(Case {
+fn simulation(instance: &Instance) -> Result<Simulation<'_, f32>, Error> {
+    Ok(Simulation {
         system: &resident(&instance.model)?.system,
         initial: nodes_of(&instance.initial),
         twists: twists_of(&instance.initial, &instance.model.model().graph),
@@ -151,11 +152,11 @@ impl Backend for CpuBackend {
         for (index, instance) in batch.iter().enumerate() {
             check::outputs(index, instance, outputs)?;
         }
-        self.each(batch, |case| {
-            let mut scorer = Scorer::new(case.objective, case.system.surface);
-            let mut observer = Observer::new(case, outputs);
-            let diverged = case.run(cancel, |frame, now| {
-                scorer.see(frame, &now.nodes[..case.system.nodes]);
+        self.each(batch, |simulation| {
+            let mut scorer = Scorer::new(simulation.objective, simulation.system.surface);
+            let mut observer = Observer::new(simulation, outputs);
+            let diverged = simulation.run(cancel, |frame, now| {
+                scorer.see(frame, &now.nodes[..simulation.system.nodes]);
                 observer.see(frame, now);
             })?;
             Ok(observer.finish(scorer.finish(diverged)))
@@ -163,7 +164,7 @@ impl Backend for CpuBackend {
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
-        self.each(batch, |case| rollout::losses(case, cancel))
+        self.each(batch, |simulation| rollout::losses(simulation, cancel))
     }
 
     fn gradients(
@@ -172,8 +173,8 @@ impl Backend for CpuBackend {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
-        self.each(batch, |case| {
-            let g = gradient::gradient(case, request.cut_every, cancel)?;
+        self.each(batch, |simulation| {
+            let g = gradient::gradient(simulation, request.cut_every, cancel)?;
             let diverged = g.loss.diverged.is_some();
             let controls = g.controls.into_iter().map(point);
             Ok(Gradient {

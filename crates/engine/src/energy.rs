@@ -21,7 +21,8 @@ use crate::{
 pub struct Energy {
     /// Sum of m v²/2.
     pub kinetic: f64,
-    /// Of springs, k (l - l0)² / (2 l0), of triplets, k (theta - theta0)² / 2, and of rods, k (twist - rest)² / 2.
+    /// Of springs, k (l - l0)² / (2 l0), of triplets, k (theta - theta0)² / 2, and of rods, k
+    /// (twist - rest)² / 2.
     pub elastic: f64,
     /// Sum of -m g . x; zero at the origin.
     pub gravitational: f64,
@@ -34,8 +35,8 @@ impl Energy {
     }
 }
 
-/// Energies of a state, in double precision, with the control points at `controls` [m], shape [C, 3].
-/// `None` if the lengths do not fit the model or the model contradicts itself.
+/// Energies of a state, in double precision, with the control points at `controls` [m], shape [C,
+/// 3]. `None` if the lengths do not fit the model or the model contradicts itself.
 pub fn energy(model: &Model, state: &State, controls: &[Point]) -> Option<Energy> {
     let n = model.graph.node_count();
     let fits = state.positions.len() == n

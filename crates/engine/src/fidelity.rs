@@ -1,15 +1,16 @@
 //! The fast variant of a model: the same model with fewer substeps, softened where it must be.
 //!
-//! **Softening.** A model can have fewer substeps than its stiffest mode allows only if that mode gives way. An
-//! element by itself has a stiffness κ [1/s²] and a damping ζ [1/s], both per mass: for a spring
-//! `κ = w k / l0` and `ζ = w γ` with `w = 1/m_i + 1/m_j`; for a triplet `κ = w kθ` and `ζ = w c_b` with
-//! `w = 1/(m_i lu²) + 1/(m_k lw²) + (1/lu + 1/lw)²/m_j` and lu, lw the lengths of its arms at rest; for a rod
-//! the same with `w = sum |g|²/m` over its nodes, with the gradient g of its twist where it is stiff (see `stability.rs`). Pinned
-//! nodes and control points weigh infinitely much. With a rate limit λ, stiffness is scaled so that
-//! `dt² κ <= λ` and damping so that `2 dt ζ <= λ`; most elements stay as they are. A model is stable where the same
-//! expressions of all elements together stay below 4 (see `stability.rs`), so λ lies below 4 too.
+//! **Softening.** A model can have fewer substeps than its stiffest mode allows only if that mode
+//! is softened. An element by itself has a stiffness κ [1/s²] and a damping ζ [1/s], both per mass:
+//! for a spring `κ = w k / l0` and `ζ = w γ` with `w = 1/m_i + 1/m_j`; for a triplet `κ = w kθ` and
+//! `ζ = w c_b` with `w = 1/(m_i lu²) + 1/(m_k lw²) + (1/lu + 1/lw)²/m_j` and lu, lw the lengths of
+//! its arms at rest; for a rod the same with `w = sum |g|²/m` over its nodes, with the gradient g
+//! of its twist where it is stiff (see `stability.rs`). Pinned nodes and control points weigh
+//! infinitely much. With a rate limit λ, stiffness is scaled so that `dt² κ <= λ` and damping so
+//! that `2 dt ζ <= λ`; most elements stay as they are. A model is stable where the same expressions
+//! of all elements together stay below 4 (see `stability.rs`), so λ lies below 4 too.
 //!
-//! A softened model is another model. How far it strays is for measurement to say.
+//! A softened model is another model: its deviation has to be measured.
 
 use bendtwin_core::{FastVariant, Point};
 
@@ -20,12 +21,12 @@ use crate::{
 };
 
 /// Rate limits that are considered: an element alone is unstable above 4; where even the lower
-/// end is unstable, nearly every element would have to give way.
+/// end is unstable, nearly every element would have to be softened.
 const LIMITS: std::ops::Range<f64> = 0.02..4.0;
 /// The rate limit is found up to this factor.
 const PRECISION: f64 = 1.05;
 
-/// How a variant differs from its model.
+/// The difference of a fast variant from its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
     /// Substeps per frame.
@@ -41,8 +42,8 @@ impl From<&FastVariant> for Reduction {
 }
 
 impl Reduction {
-    /// The gentlest reduction with which a model is stable at so many substeps, as far as the estimate can tell;
-    /// none if too much would have to give way, or the model contradicts itself.
+    /// The least reduction with which a model is stable at this many substeps, according to the
+    /// estimate; none if too much would have to be softened, or the model is contradictory.
     pub fn to(model: &Model, substeps: u32) -> Option<Self> {
         let is_stable = |rate_limit| {
             let reduced = Self { substeps, rate_limit }.apply(model);
@@ -81,9 +82,9 @@ impl Reduction {
             let weight = of(i) + of(j);
             // Without a rest length a spring has no stiffness.
             if *rest > 0.0 {
-                give_way(k, dt * dt * weight / f64::from(*rest), limit);
+                limit_rate(k, dt * dt * weight / f64::from(*rest), limit);
             }
-            give_way(dashpot, 2.0 * dt * weight, limit);
+            limit_rate(dashpot, 2.0 * dt * weight, limit);
         }
         let triplets = params.bend_stiffness.iter_mut().zip(&mut params.bend_damping);
         for (&[i, j, k], (stiffness, damping)) in graph.triplets.iter().zip(triplets) {
@@ -92,8 +93,8 @@ impl Reduction {
             if u.min(w) > 0.0 {
                 let centre = (1.0 / u + 1.0 / w).powi(2);
                 let weight = of(i) / (u * u) + of(k) / (w * w) + of(j) * centre;
-                give_way(stiffness, dt * dt * weight, limit);
-                give_way(damping, 2.0 * dt * weight, limit);
+                limit_rate(stiffness, dt * dt * weight, limit);
+                limit_rate(damping, 2.0 * dt * weight, limit);
             }
         }
         let rods = params.twist_stiffness.iter_mut().zip(&mut params.twist_damping);
@@ -103,15 +104,15 @@ impl Reduction {
             let parts = rod.iter().zip(turned_pattern(&points, graph.has_arm(rod)));
             let weight: f64 =
                 parts.map(|(&e, g)| of(e) * g.iter().map(|x| x * x).sum::<f64>()).sum();
-            give_way(stiffness, dt * dt * weight, limit);
-            give_way(damping, 2.0 * dt * weight, limit);
+            limit_rate(stiffness, dt * dt * weight, limit);
+            limit_rate(damping, 2.0 * dt * weight, limit);
         }
         out
     }
 }
 
 /// Scales a parameter down until its rate, `per_unit` times itself, is within the limit.
-fn give_way(parameter: &mut f32, per_unit: f64, limit: f64) {
+fn limit_rate(parameter: &mut f32, per_unit: f64, limit: f64) {
     let rate = f64::from(*parameter) * per_unit;
     if rate > limit {
         *parameter = (f64::from(*parameter) * (limit / rate)) as f32;

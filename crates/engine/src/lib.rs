@@ -1,10 +1,8 @@
-//! The physics: graph building, the [`Backend`] trait, the CPU backend that
-//! defines what is correct, its hand-written adjoint, and the conformance suite
-//! that every backend must pass. Knows no network, no files, and of
-//! fitting only how to take a step downhill ([`optimizer`]).
+//! The physics: the [`Backend`] trait, the CPU backend that defines what is correct, its
+//! hand-written adjoint, and the conformance suite that every backend must pass. It uses no network
+//! and no files; of fitting it has only the gradient steps ([`optimizer`]).
 
 pub mod backend;
-pub mod build;
 pub mod conformance;
 mod cpu;
 mod energy;

@@ -6,7 +6,7 @@ use bendtwin_core::{
     Environment, Graph, Params, Point, Timing, Twin, environment::ControlVelocity,
 };
 
-/// Everything that stays constant during a rollout.
+/// The part of a simulation that stays constant during a rollout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// Topology and rest geometry; shared by all candidates of a fit.
@@ -17,7 +17,7 @@ pub struct Model {
     pub environment: Environment,
     /// Frame rate and substeps.
     pub timing: Timing,
-    /// What a control point's velocity counts as in dashpots.
+    /// Velocity of control points in dashpots.
     pub control_velocity: ControlVelocity,
 }
 
@@ -33,15 +33,16 @@ impl From<&Twin> for Model {
     }
 }
 
-/// Positions and velocities of all nodes, and how far rods are twisted.
+/// Positions and velocities of all nodes, and twists of all rods.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Positions [m], shape [N, 3].
     pub positions: Vec<Point>,
     /// Velocities [m/s], shape [N, 3].
     pub velocities: Vec<Point>,
-    /// Twist of each rod since some moment when it counted as none [rad], shape [R]. Where a rollout
-    /// starts, it may be empty: no rod is twisted. What a backend returns has them all.
+    /// Twist of each rod relative to an earlier state without twist [rad], shape [R]. It may be
+    /// empty at the start of a rollout: no rod is twisted. States that a backend returns have all
+    /// of them.
     pub twists: Vec<f32>,
 }
 

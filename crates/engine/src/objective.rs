@@ -1,16 +1,16 @@
-//! What a rollout is measured by: a fit's loss and a planner's cost alike are
-//! weighted terms, each on the node positions at the end of one frame.
+//! Objectives of rollouts: a fit's loss and a planner's cost alike are weighted terms, each on the
+//! node positions at the end of one frame.
 
 use std::sync::Arc;
 
 use bendtwin_core::Point;
 
-/// How a distance counts.
+/// The loss of a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointLoss {
     /// Smooth L1 per coordinate, mean over coordinates: d²/(2 beta) below beta, |d| - beta/2 above.
     SmoothL1 {
-        /// Where quadratic turns linear [m]; 0 is plain L1.
+        /// Distance at which the loss turns from quadratic to linear [m]; 0 is plain L1.
         beta_m: f32,
     },
     /// Euclidean distance [m].
@@ -34,7 +34,7 @@ pub enum Term {
         nodes: Vec<u32>,
         /// Target of each pair [m], shape [M, 3].
         targets: Vec<Point>,
-        /// How a difference counts.
+        /// Loss of a difference.
         loss: PointLoss,
     },
     /// Mean over all nodes of the squared second difference of positions over
@@ -50,7 +50,7 @@ pub struct WeightedTerm {
     pub frame: usize,
     /// Weight.
     pub weight: f32,
-    /// Which reported group the value is added to (see [`Objective::groups`]).
+    /// Reported group that the value is added to (see [`Objective::groups`]).
     pub group: usize,
     /// The term.
     pub term: Term,
@@ -59,7 +59,7 @@ pub struct WeightedTerm {
 /// A sum of weighted terms. Empty terms (no targets) count as zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Objective {
-    /// Names of the groups in which values are reported, `chamfer` and `track` say.
+    /// Names of the groups in which values are reported, for example `chamfer` and `track`.
     pub groups: Vec<String>,
     /// Terms, ordered by frame.
     pub terms: Arc<Vec<WeightedTerm>>,

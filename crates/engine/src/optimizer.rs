@@ -111,7 +111,8 @@ pub trait Optimizer: Send {
     ) -> Result<Vec<GradientNorm>, Error>;
 
     /// One step of Adam down the weighted sum of the run's pending gradients, which are then
-    /// cleared. Coordinates move by about `rate` times their [`Section::rate`], within their bounds.
+    /// cleared. Coordinates move by about `rate` times their [`Section::rate`], within their
+    /// bounds.
     ///
     /// `weights` has one finite number per pending gradient, in the order of measurement.
     ///

@@ -12,7 +12,7 @@ use crate::{
         gradient::gradient,
         lanes::Node,
         real::Quad,
-        rollout::{Case, losses},
+        rollout::{Simulation, losses},
         system::{Layout, System},
     },
 };
@@ -20,7 +20,8 @@ use crate::{
 /// A point or vector in double precision.
 pub type Point64 = [f64; 3];
 
-/// One simulation in double precision. Fields may be changed at will; lengths must stay as they are.
+/// One simulation in double precision. Fields may be changed at will; lengths must stay as they
+/// are.
 #[derive(Clone, Debug)]
 pub struct Reference {
     model: Model,
@@ -93,9 +94,9 @@ impl Reference {
     pub fn roll_out(&self) -> Result<Vec<ReferenceState>, Error> {
         let objective = Objective::default();
         let mut states = Vec::new();
-        self.with_case(&objective, |case| {
-            case.run(&CancelToken::default(), |_, now| {
-                let nodes = &now.nodes[..case.system.nodes];
+        self.with_simulation(&objective, |simulation| {
+            simulation.run(&CancelToken::default(), |_, now| {
+                let nodes = &now.nodes[..simulation.system.nodes];
                 states.push(ReferenceState {
                     positions: nodes.iter().map(|n| point(n.x)).collect(),
                     velocities: nodes.iter().map(|n| point(n.v)).collect(),
@@ -111,7 +112,7 @@ impl Reference {
     /// # Errors
     /// If a length or the objective does not fit.
     pub fn loss(&self, objective: &Objective) -> Result<Loss, Error> {
-        self.with_case(objective, |case| losses(case, &CancelToken::default()))
+        self.with_simulation(objective, |simulation| losses(simulation, &CancelToken::default()))
     }
 
     /// Loss and gradient, `cut_every` as in [`crate::backend::GradientRequest`].
@@ -123,8 +124,9 @@ impl Reference {
         objective: &Objective,
         cut_every: usize,
     ) -> Result<ReferenceGradient, Error> {
-        let g =
-            self.with_case(objective, |case| gradient(case, cut_every, &CancelToken::default()))?;
+        let g = self.with_simulation(objective, |simulation| {
+            gradient(simulation, cut_every, &CancelToken::default())
+        })?;
         Ok(ReferenceGradient {
             loss: g.loss,
             parameters: g.parameters,
@@ -135,10 +137,10 @@ impl Reference {
         })
     }
 
-    fn with_case<R>(
+    fn with_simulation<R>(
         &self,
         objective: &Objective,
-        work: impl FnOnce(&Case<'_, f64>) -> Result<R, Error>,
+        work: impl FnOnce(&Simulation<'_, f64>) -> Result<R, Error>,
     ) -> Result<R, Error> {
         let graph = &self.model.graph;
         let (n, c, p) = (graph.node_count(), graph.control_count(), &self.parameters);
@@ -158,7 +160,7 @@ impl Reference {
         check::objective(objective, self.frames, n).map_err(Error::InvalidInput)?;
         let system = System::new(&self.model, &Layout::new(graph), p.clone());
         let both = self.positions.iter().zip(&self.velocities);
-        work(&Case {
+        work(&Simulation {
             system: &system,
             initial: both.map(|(&x, &v)| Node { x: quad(x), v: quad(v) }).collect(),
             twists: self.twists.clone(),

@@ -1,20 +1,21 @@
 //! The largest stable substep of a model, estimated before anything is simulated.
 //!
-//! **Criterion.** Linearised at rest, a substep is `v' = v - dt M⁻¹(K x + C v)`, `x' = x + dt v'`. For
-//! an eigenvector z of that map, `k = z*Kz` and `c = z*Cz` (mass-normalised, both real and not negative)
-//! give `mu² - (2 - c dt - k dt²) mu + (1 - c dt) = 0`, whose roots lie within the unit circle if and
-//! only if `dt² k + 2 dt c <= 4`. So the step is stable if the largest eigenvalue of `dt² K + 2 dt C` is at
-//! most 4; without damping that is the familiar `dt <= 2 / omega`.
+//! **Criterion.** Linearised at rest, a substep is `v' = v - dt M⁻¹(K x + C v)`, `x' = x + dt v'`.
+//! For an eigenvector z of that map, `k = z*Kz` and `c = z*Cz` (mass-normalised, both real and not
+//! negative) give `mu² - (2 - c dt - k dt²) mu + (1 - c dt) = 0`, whose roots lie within the unit
+//! circle if and only if `dt² k + 2 dt c <= 4`. So the step is stable if the largest eigenvalue of
+//! `dt² K + 2 dt C` is at most 4; without damping that is the familiar `dt <= 2 / omega`.
 //!
-//! **Method.** Lanczos iteration on `dt² K + 2 dt C` finds its stiffest mode, which sets dt to the root of
-//! the criterion for that mode, and again from there until dt stays. Every mode's dt is too large if anything,
-//! so the estimate approaches from above, hence [`MARGIN`]. Springs count with their
-//! tension's lateral stiffness, straight triplets in both directions across; a compressed spring's negative
-//! stiffness is left out. Rods count as bent to and fro by 60 degrees at every node that is straighter at rest, and as twisted
-//! once around: at rest they often resist nothing. Drag only helps and contact is no linear force: neither counts.
+//! **Method.** Lanczos iteration on `dt² K + 2 dt C` finds its stiffest mode, which sets dt to the
+//! root of the criterion for that mode, and again from there until dt stays. Every mode's dt is too
+//! large if anything, so the estimate approaches from above, hence [`MARGIN`]. Springs count with
+//! their tension's lateral stiffness, straight triplets in both directions across; a compressed
+//! spring's negative stiffness is left out. Rods count as bent to and fro by 60 degrees at every
+//! node that is straighter at rest, and as twisted once around: at rest they often have no
+//! stiffness. Drag is stabilizing and contact is no linear force: neither counts.
 //!
-//! **Shortcut.** Whether a given number of substeps is enough is often plain from a bound that costs a
-//! fraction of an estimate; see `bound`.
+//! **Shortcut.** A bound that costs a fraction of an estimate often proves that a given number of
+//! substeps is enough; see `bound`.
 
 mod bound;
 mod lanczos;
@@ -35,7 +36,7 @@ const ROUNDS: usize = 4;
 /// Relative change of dt from one to the next at which it has converged.
 const TOLERANCE: f64 = 1e-3;
 
-/// How finely a model's frames must be divided.
+/// The number of substeps that a model needs, and the node that requires them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StableSubsteps {
     /// Fewest stable substeps a frame.
@@ -46,12 +47,13 @@ pub struct StableSubsteps {
     pub dt_s: f64,
 }
 
-/// What a model without anything stiff needs.
+/// The result for a model without anything stiff.
 const NOT_STIFF: StableSubsteps =
     StableSubsteps { needed: 1, stiffest_node: 0, dt_s: f64::INFINITY };
 
-/// Estimates the substeps that a model needs; its own substeps are not looked at. Costs about as much
-/// as some tens of substeps. A model that contradicts itself, which loading refuses, needs one.
+/// Estimates the substeps that a model needs; its own substeps are not looked at. Costs about as
+/// much as some tens of substeps. A model that contradicts itself, which loading refuses, needs
+/// one.
 pub fn stable_substeps(model: &Model) -> StableSubsteps {
     match check::unstepped_model(model) {
         Ok(()) => estimate(model, &Linear::new(model)),
@@ -59,11 +61,11 @@ pub fn stable_substeps(model: &Model) -> StableSubsteps {
     }
 }
 
-/// Whether so many substeps a frame are at least what [`stable_substeps`] says, which is asked only where a
-/// bound does not prove it. A model that contradicts itself needs one.
+/// Checks that this many substeps a frame are at least those of [`stable_substeps`], which are only
+/// computed if a bound does not prove it. A contradictory model needs one.
 ///
 /// # Errors
-/// What the model needs, if it is more.
+/// The substeps that the model needs, if they are more.
 pub fn enough_substeps(model: &Model, substeps: u32) -> Result<(), StableSubsteps> {
     let needs = match check::unstepped_model(model) {
         Ok(()) => {

@@ -1,4 +1,4 @@
-//! Predictors that cost nothing: what a twin has to beat.
+//! Free baselines: predictors without a fit, which a twin has to beat.
 
 use bendtwin_core::{Capture, Graph, Point, Sequence};
 
@@ -13,8 +13,9 @@ pub(crate) fn standing_still(graph: &Graph, sequence: &Sequence, start: &[Point]
     predicted(graph, sequence, |_, positions| positions.copy_from_slice(start))
 }
 
-/// The twin's prediction plus its error in the last training frame. A node that was seen in that frame carries its
-/// own error, any other one that of the nearest node that was seen. `None` where a sequence is not split.
+/// The twin's prediction plus its error in the last training frame. A node that was seen in that
+/// frame carries its own error, any other one that of the nearest node that was seen. `None` where
+/// a sequence is not split.
 pub(crate) fn last_residual(
     graph: &Graph,
     sequence: &Sequence,
@@ -55,8 +56,9 @@ pub(crate) fn last_residual(
     Some(corrected)
 }
 
-/// Free nodes are displaced between the clamps along the object's known edges, in proportion to rest length
-/// (harmonically, which on a cable is linearly). `None` unless the capture has edges and held points.
+/// Free nodes are displaced between the clamps along the object's known edges, in proportion to
+/// rest length (harmonically, which on a cable is linearly). `None` unless the capture has edges
+/// and held points.
 pub(crate) fn clamp_interpolation(
     capture: &Capture,
     graph: &Graph,
@@ -102,8 +104,8 @@ fn predicted(
     Trajectory { start_frame: first, node_count: n, positions, diverged: None }
 }
 
-/// How much of each pin's displacement a node takes over: one at the pin, zero at the others, and in between the mean
-/// of the neighbours, weighted by one over rest length. Shape [pins, N].
+/// Share of each pin's displacement that a node takes over: one at the pin, zero at the others, and
+/// in between the mean of the neighbours, weighted by one over rest length. Shape [pins, N].
 fn harmonic_shares(graph: &Graph) -> Vec<Vec<f64>> {
     let n = graph.node_count();
     let mut edges: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];

@@ -1,9 +1,9 @@
-//! Why a twin cannot be evaluated.
+//! Errors of evaluating a twin.
 
 use bendtwin_core::{Category, Problem};
 use bendtwin_engine::backend;
 
-/// Why evaluation fails.
+/// An error that ends an evaluation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The twin was made from another kind of capture.

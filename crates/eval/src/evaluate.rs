@@ -9,11 +9,11 @@ use bendtwin_engine::Backend;
 use crate::{
     Error, Trajectory,
     baselines::{clamp_interpolation, last_residual, standing_still},
-    metrics::{Account, Yardstick},
+    metrics::{PredictorErrors, Reference},
     predict,
 };
 
-/// What the table should contain apart from the twin and the baselines.
+/// Contents of the table apart from the twin and the baselines.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EvaluateOptions<'a> {
     /// The axial-only fit of the same nodes, as a row beside the twin's.
@@ -64,21 +64,21 @@ pub fn score(
     for (index, (sequence, prediction)) in capture.sequences.iter().zip(predictions).enumerate() {
         let graph = &twin.graph;
         let Some(start) = prediction.at(sequence.start_frame()) else { continue };
-        let yardstick = Yardstick::new(capture, sequence, graph, start);
-        rows[0].account.add(&yardstick, prediction);
+        let reference = Reference::new(capture, sequence, graph, start);
+        rows[0].errors.add(&reference, prediction);
         if let (Some((other, predictions)), 2) = (axial, free)
             && let Some(prediction) = predictions.get(index)
             && let Some(start) = prediction.at(sequence.start_frame())
         {
-            let yardstick = Yardstick::new(capture, sequence, &other.graph, start);
-            rows[1].account.add(&yardstick, prediction);
+            let reference = Reference::new(capture, sequence, &other.graph, start);
+            rows[1].errors.add(&reference, prediction);
         }
-        rows[free].account.add(&yardstick, &standing_still(graph, sequence, start));
+        rows[free].errors.add(&reference, &standing_still(graph, sequence, start));
         if let Some(corrected) = last_residual(graph, sequence, prediction) {
-            rows[free + 1].account.add(&yardstick, &corrected);
+            rows[free + 1].errors.add(&reference, &corrected);
         }
         if let Some(between) = clamp_interpolation(capture, graph, sequence, start) {
-            rows[free + 2].account.add(&yardstick, &between);
+            rows[free + 2].errors.add(&reference, &between);
         }
     }
     let mut quality = Quality {
@@ -97,24 +97,24 @@ pub fn score(
 
 struct Row {
     predictor: Predictor,
-    account: Account,
+    errors: PredictorErrors,
 }
 
 impl Row {
     fn new(predictor: Predictor) -> Self {
-        Self { predictor, account: Account::default() }
+        Self { predictor, errors: PredictorErrors::default() }
     }
 
-    /// `None` if the predictor had nothing to say.
+    /// `None` if the predictor made no prediction.
     fn score(self, per_frame: bool) -> Option<Score> {
-        let mut train = self.account.train.summary();
-        let future = self.account.future.summary();
+        let mut train = self.errors.train.summary();
+        let future = self.errors.future.summary();
         if self.predictor == Predictor::LastResidual {
-            // It looks at the last training frame: errors before that mean nothing.
+            // It uses the last training frame: errors before that mean nothing.
             train = Default::default();
         }
         let errors = if per_frame && self.predictor != Predictor::LastResidual {
-            self.account.per_frame()
+            self.errors.per_frame()
         } else {
             Vec::new()
         };

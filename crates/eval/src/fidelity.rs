@@ -1,10 +1,11 @@
 //! Finds a twin's fast variant: as few substeps as leave its motion nearly what it was.
 //!
-//! The twin follows the controls of its own capture, exactly and by each variant under trial, over at most
-//! [`FRAMES`] frames of at most [`SEQUENCES`] recordings from their start; nodes are compared one by one. A variant will
-//! do if its mean deviation is within [`TOLERANCE_M`] and within [`TOLERANCE_OF_TRAVEL`] of how far nodes move on
-//! average (a capture in which little moves vouches for little), and if no node is ever off by more than [`WORST`] times
-//! that. The substeps are found by bisection, so the cost is that of a few short rollouts, and the same twin, capture,
+//! The twin follows the controls of its own capture, exactly and by each variant under comparison,
+//! over at most [`FRAMES`] frames of at most [`SEQUENCES`] recordings from their start; nodes are
+//! compared one by one. A variant will do if its mean deviation is within [`TOLERANCE_M`] and
+//! within [`TOLERANCE_OF_TRAVEL`] of how far nodes move on average (a capture in which little moves
+//! allows little), and if no node is ever off by more than [`WORST`] times that. The substeps
+//! are found by bisection, so the cost is that of a few short rollouts, and the same twin, capture,
 //! build and device give the same variant.
 
 use std::sync::Arc;
@@ -32,11 +33,12 @@ const TOLERANCE_M: f64 = 1e-3;
 const TOLERANCE_OF_TRAVEL: f64 = 0.02;
 /// Largest deviation of any node in any frame, as a multiple of the tolerance of the mean.
 const WORST: f64 = 10.0;
-/// Numbers of substeps nearer to each other than this factor are not told apart.
+/// Ratio of numbers of substeps below which they are not distinguished.
 const PRECISION: f64 = 1.1;
 
-/// The fast variant of a twin, measured on a capture; none if the twin diverges there, or there is nothing
-/// to follow. Where nothing faster will do it has the twin's own substeps and does not deviate.
+/// The fast variant of a twin, measured on a capture; none if the twin diverges there, or there is
+/// nothing to follow. If no faster variant is good enough, it has the twin's own substeps and does
+/// not deviate.
 ///
 /// # Errors
 /// If the twin does not fit the capture, on cancellation, or if the backend fails.
@@ -48,8 +50,8 @@ pub fn fast_variant(
 ) -> Result<Option<FastVariant>, Error> {
     check(twin, capture)?;
     let model = Model::from(twin);
-    let trial = Trial { backend, capture, sequences: spread(&capture.sequences), cancel };
-    let exact = trial.follow(&model)?.filter(|m| m.positions.iter().any(|p| !p.is_empty()));
+    let comparison = Comparison { backend, capture, sequences: spread(&capture.sequences), cancel };
+    let exact = comparison.follow(&model)?.filter(|m| m.positions.iter().any(|p| !p.is_empty()));
     let Some(exact) = exact else { return Ok(None) };
     let mean_travel_m = exact.mean_travel_m();
     let tolerance_m = TOLERANCE_M.min(TOLERANCE_OF_TRAVEL * mean_travel_m);
@@ -63,7 +65,7 @@ pub fn fast_variant(
     };
     let measure = |substeps: u32| -> Result<Option<FastVariant>, Error> {
         let Some(reduction) = Reduction::to(&model, substeps) else { return Ok(None) };
-        let Some(motion) = trial.follow(&reduction.apply(&model))? else { return Ok(None) };
+        let Some(motion) = comparison.follow(&reduction.apply(&model))? else { return Ok(None) };
         let (mean_m, max_m) = exact.deviation_m(&motion);
         let will_do = mean_m <= tolerance_m && max_m <= WORST * tolerance_m;
         Ok(will_do.then(|| variant(reduction, (mean_m, max_m))))
@@ -86,16 +88,17 @@ pub fn fast_variant(
     Ok(Some(best))
 }
 
-/// What is simulated again and again.
-struct Trial<'a> {
+/// The sequences that variants are compared on.
+struct Comparison<'a> {
     backend: &'a dyn Backend,
     capture: &'a Capture,
     sequences: Vec<&'a Sequence>,
     cancel: &'a CancelToken,
 }
 
-impl Trial<'_> {
-    /// How a model follows the capture; none if it diverges or the backend finds it unstable.
+impl Comparison<'_> {
+    /// Motion of a model under the capture's controls; none if it diverges or the backend finds it
+    /// unstable.
     fn follow(&self, model: &Model) -> Result<Option<Motion>, Error> {
         let loaded = match self.backend.load(Arc::new(model.clone())) {
             Ok(loaded) => loaded,
@@ -130,7 +133,7 @@ impl Trial<'_> {
     }
 }
 
-/// How nodes moved, by sequence.
+/// Motion of nodes, by sequence.
 #[derive(Default)]
 struct Motion {
     /// Shape [N, 3] each.
@@ -140,7 +143,7 @@ struct Motion {
 }
 
 impl Motion {
-    /// Mean distance of nodes from where they started [m].
+    /// Mean distance of nodes from their initial positions [m].
     fn mean_travel_m(&self) -> f64 {
         let pairs = self.positions.iter().zip(&self.starts);
         mean_and_max(pairs.flat_map(|(p, start)| p.iter().zip(start.iter().cycle()))).0

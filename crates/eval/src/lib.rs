@@ -1,4 +1,5 @@
-//! How good a twin is: Chamfer distance, track error, free baselines, pictures. Knows no optimiser.
+//! Quality of a twin: Chamfer distance, track error, free baselines, pictures. Independent of how a
+//! twin was fitted.
 
 mod baselines;
 mod branches;

@@ -1,14 +1,16 @@
 //! The metrics, frame by frame and in total.
 //!
-//! - **Chamfer** (one-sided): mean over visible observed points of the distance to the nearest surface node, in
-//!   the L1 norm as PhysTwin's script has it, and Euclidean.
-//! - **Track**: mean Euclidean distance between clean tracks and the surface nodes nearest to them in the start
-//!   frame. Motion capture is its own clean track: every point against its own node.
-//! - **Coordinate** (motion capture, DEFORM's): mean |difference| per coordinate over all points. In total it is
-//!   summed over predicted frames and divided by the number of frames of the sequence, start frames included.
-//! - **Padded RMS** (motion capture of cables with branches, DEFT's): root of the mean squared difference per coordinate
-//!   over all branches, each filled up with zeros to the longest ([`crate::branches`]). In total the squares are
-//!   summed over predicted frames and divided by the number of frames, start frames included, before the root is taken.
+//! - **Chamfer** (one-sided): mean over visible observed points of the distance to the nearest
+//!   surface node, in the L1 norm as PhysTwin's script has it, and Euclidean.
+//! - **Track**: mean Euclidean distance between clean tracks and the surface nodes nearest to them
+//!   in the start frame. Motion capture is its own clean track: every point against its own node.
+//! - **Coordinate** (motion capture, DEFORM's): mean |difference| per coordinate over all points.
+//!   In total it is summed over predicted frames and divided by the number of frames of the
+//!   sequence, start frames included.
+//! - **Padded RMS** (motion capture of cables with branches, DEFT's): root of the mean squared
+//!   difference per coordinate over all branches, each filled up with zeros to the longest
+//!   ([`crate::branches`]). In total the squares are summed over predicted frames and divided by
+//!   the number of frames, start frames included, before the root is taken.
 
 use bendtwin_core::{Capture, Graph, Point, Sequence, quality::ErrorSummary};
 
@@ -18,8 +20,8 @@ use crate::{
     distance::{chamfer, euclidean, is_finite, nearest},
 };
 
-/// What of a sequence predictions are compared with.
-pub(crate) struct Yardstick<'a> {
+/// The observations of a sequence that predictions are compared with.
+pub(crate) struct Reference<'a> {
     sequence: &'a Sequence,
     surface_count: usize,
     /// Clean tracks: (node, track).
@@ -29,8 +31,8 @@ pub(crate) struct Yardstick<'a> {
     branches: Option<Branches>,
 }
 
-impl<'a> Yardstick<'a> {
-    /// For nodes that stand at `start` in the start frame, shape [N, 3].
+impl<'a> Reference<'a> {
+    /// The reference for nodes that are at `start` in the start frame, shape [N, 3].
     pub(crate) fn new(
         capture: &Capture,
         sequence: &'a Sequence,
@@ -87,7 +89,7 @@ impl<'a> Yardstick<'a> {
     }
 }
 
-/// Every point with the node that it is; `None` if a point has no node.
+/// Every point with its own node; `None` if a point has no node.
 fn own_nodes(graph: &Graph, point_count: usize) -> Option<Vec<(usize, usize)>> {
     let mut own = vec![None; point_count];
     for (node, &p) in graph.observed_points.iter().enumerate() {
@@ -111,7 +113,7 @@ fn weighted_mean(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
 
 /// Means over frames of many sequences.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Totals {
+pub(crate) struct ErrorSums {
     chamfer_l1: (f64, f64),
     chamfer_l2: (f64, f64),
     track: (f64, f64),
@@ -120,9 +122,9 @@ pub(crate) struct Totals {
     padded: (f64, f64),
 }
 
-impl Totals {
-    /// Adds the errors of consecutive frames; `divisor_frames` is what the sums of the metrics of motion capture
-    /// are divided by.
+impl ErrorSums {
+    /// Adds the errors of consecutive frames. The sums of the metrics of motion capture are divided
+    /// by `divisor_frames`.
     pub(crate) fn add(&mut self, frames: &[ErrorSummary], divisor_frames: usize) {
         for f in frames {
             let add = |to: &mut (f64, f64), x: Option<f64>| {
@@ -156,38 +158,40 @@ impl Totals {
     }
 }
 
-/// Errors of one predictor: training and future frames, and each frame by its distance from the start.
+/// Errors of one predictor: training and future frames, and each frame by its distance from the
+/// start.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Account {
-    pub(crate) train: Totals,
-    pub(crate) future: Totals,
-    per_frame: Vec<Totals>,
+pub(crate) struct PredictorErrors {
+    pub(crate) train: ErrorSums,
+    pub(crate) future: ErrorSums,
+    per_frame: Vec<ErrorSums>,
 }
 
-impl Account {
+impl PredictorErrors {
     /// Adds a sequence. With `future_only`, training frames do not count.
-    pub(crate) fn add(&mut self, yardstick: &Yardstick<'_>, prediction: &Trajectory) {
-        let s = yardstick.sequence;
+    pub(crate) fn add(&mut self, reference: &Reference<'_>, prediction: &Trajectory) {
+        let s = reference.sequence;
         let first = s.start_frame() + 1;
         let errors: Vec<ErrorSummary> = (first..s.frame_count)
-            .filter_map(|f| Some(yardstick.measure(f, prediction.at(f)?)))
+            .filter_map(|f| Some(reference.measure(f, prediction.at(f)?)))
             .collect();
         let (train, future) =
             errors.split_at(s.train_frame_count.saturating_sub(first).min(errors.len()));
-        // A sequence that is not split counts with all of its frames, as in DEFORM's and DEFT's metrics.
+        // A sequence that is not split counts with all of its frames, as in DEFORM's and DEFT's
+        // metrics.
         let divisor = |part: &[ErrorSummary]| {
             if part.len() == errors.len() { s.frame_count } else { part.len() }
         };
         self.train.add(train, divisor(train));
         self.future.add(future, divisor(future));
-        self.per_frame.resize(self.per_frame.len().max(errors.len()), Totals::default());
-        for (totals, error) in self.per_frame.iter_mut().zip(&errors) {
-            totals.add(std::slice::from_ref(error), 1);
+        self.per_frame.resize(self.per_frame.len().max(errors.len()), ErrorSums::default());
+        for (sums, error) in self.per_frame.iter_mut().zip(&errors) {
+            sums.add(std::slice::from_ref(error), 1);
         }
     }
 
     pub(crate) fn per_frame(&self) -> Vec<ErrorSummary> {
-        self.per_frame.iter().map(Totals::summary).collect()
+        self.per_frame.iter().map(ErrorSums::summary).collect()
     }
 }
 

@@ -1,12 +1,12 @@
-//! A picture of how well a twin predicts: its nodes and springs over the observed points at several frames, one row
-//! per model, and the error of every frame below.
+//! A picture of how well a twin predicts: its nodes and springs over the observed points at several
+//! frames, one row per model, and the error of every frame below.
 
 mod chart;
 
 use bendtwin_core::{Capture, Point, Twin, quality::Predictor};
 use bendtwin_picture::{Align, Canvas, Color, Rect, View};
 
-use crate::{Error, Trajectory, baselines::standing_still, metrics::Yardstick, predictor_name};
+use crate::{Error, Trajectory, baselines::standing_still, metrics::Reference, predictor_name};
 
 const MARGIN: f32 = 24.0;
 const GAP: f32 = 10.0;
@@ -33,7 +33,7 @@ const MODELS: [Color; 3] = [Color(0, 114, 178), Color(213, 94, 0), Color(0, 158,
 /// One model in the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'a> {
-    /// Who predicts; names the row.
+    /// Name of the predictor, which titles the row.
     pub name: &'a str,
     /// The twin.
     pub twin: &'a Twin,
@@ -41,16 +41,16 @@ pub struct Model<'a> {
     pub trajectory: &'a Trajectory,
 }
 
-/// What is shown.
+/// The content of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Picture<'a> {
-    /// What was observed.
+    /// The observed capture.
     pub capture: &'a Capture,
     /// Index of the sequence that is shown.
     pub sequence: usize,
     /// The models, one row each; three at most are drawn.
     pub models: &'a [Model<'a>],
-    /// How many frames are shown side by side, 1 to 8.
+    /// Number of frames shown side by side, 1 to 8.
     pub columns: usize,
 }
 
@@ -188,9 +188,9 @@ impl Picture<'_> {
         for (index, model) in models.iter().enumerate() {
             let graph = &model.twin.graph;
             let Some(start) = model.trajectory.at(sequence.start_frame()) else { continue };
-            let yardstick = Yardstick::new(self.capture, sequence, graph, start);
+            let reference = Reference::new(self.capture, sequence, graph, start);
             let errors = |t: &Trajectory| {
-                let measure = |f| t.at(f).map(|nodes| yardstick.measure(f, nodes));
+                let measure = |f| t.at(f).map(|nodes| reference.measure(f, nodes));
                 (first..sequence.frame_count).filter_map(measure).collect::<Vec<_>>()
             };
             let own = errors(model.trajectory);

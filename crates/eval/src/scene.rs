@@ -7,7 +7,8 @@ use bendtwin_core::{
     twin::Provenance,
 };
 
-/// A chain of `n` points 10 cm apart along x that moves by `step` per frame as a whole, both ends held.
+/// A chain of `n` points 10 cm apart along x that moves by `step` per frame as a whole, both ends
+/// held.
 pub(crate) fn chain(n: usize, frames: usize, train: usize, step: Point) -> Capture {
     let at = |f: usize, p: usize| -> Point {
         let rest = [0.1 * p as f32, 0.0, 1.0];

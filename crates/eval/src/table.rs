@@ -7,7 +7,7 @@ use bendtwin_core::{
     quality::{ErrorSummary, Predictor, Score},
 };
 
-/// How a table is written.
+/// The style of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableStyle {
     /// Aligned columns for a terminal.
@@ -16,7 +16,7 @@ pub enum TableStyle {
     Markdown,
 }
 
-/// What a predictor is called in tables and pictures.
+/// Name of a predictor in tables and pictures.
 pub fn predictor_name(predictor: Predictor) -> &'static str {
     match predictor {
         Predictor::Bending => "twin (bending)",

@@ -1,4 +1,5 @@
-//! Predictions: every sequence of a capture simulated from its start to its end, never re-seeded from data.
+//! Predictions: every sequence of a capture simulated from its start to its end, never re-seeded
+//! from data.
 
 use std::sync::Arc;
 
@@ -21,12 +22,13 @@ pub struct Trajectory {
     /// Positions [m], shape [frames, N, 3]; row 0 belongs to `start_frame`. After a divergence the
     /// last finite frame is repeated, so that every frame of the sequence has a row.
     pub positions: Vec<Point>,
-    /// Where the simulation diverged, if it did.
+    /// The divergence of the simulation, if any.
     pub diverged: Option<Divergence>,
 }
 
 impl Trajectory {
-    /// Node positions in a frame of the sequence, shape [N, 3]; `None` before the start and after the end.
+    /// Node positions in a frame of the sequence, shape [N, 3]; `None` before the start and after
+    /// the end.
     pub fn at(&self, frame: usize) -> Option<&[Point]> {
         let row = frame.checked_sub(self.start_frame)?;
         let first = row.checked_mul(self.node_count)?;
@@ -34,7 +36,8 @@ impl Trajectory {
     }
 }
 
-/// Simulates every sequence of a capture from its start, as one batch cut into slices that suit the device.
+/// Simulates every sequence of a capture from its start, as one batch cut into slices that suit the
+/// device.
 ///
 /// # Errors
 /// If the twin does not fit the capture, on cancellation, or if the backend fails.
@@ -73,8 +76,8 @@ pub fn predict(
     Ok(trajectories)
 }
 
-/// How many instances to submit at once: enough to fill the device, few enough
-/// that others who share it are served in between.
+/// Number of instances to submit at once: enough to fill the device, few enough that others who
+/// share it are served in between.
 pub fn slice_len(backend: &dyn Backend) -> usize {
     2 * backend.device().lanes.max(1)
 }
@@ -94,9 +97,9 @@ pub fn instance(model: &Loaded, fps: f64, sequence: &Sequence, objective: Object
 
 /// The state in which a rollout of a sequence starts.
 ///
-/// A node that is a point seen in the start frame stands there. Any other node is displaced from its
-/// rest position as the nearest node (at rest) that was seen. With two start frames the velocity is
-/// the difference to the frame before, otherwise zero.
+/// A node that is a point seen in the start frame stands there. Any other node is displaced from
+/// its rest position as the nearest node (at rest) that was seen. With two start frames the
+/// velocity is the difference to the frame before, otherwise zero.
 pub fn initial_state(graph: &Graph, fps: f64, sequence: &Sequence) -> State {
     let start = sequence.start_frame();
     if start >= sequence.frame_count {
@@ -147,7 +150,7 @@ pub(crate) fn difference(a: Point, b: Point) -> Point {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-/// Whether shapes agree, so that nothing below needs to ask.
+/// Checks that shapes agree, so that no later code has to.
 pub(crate) fn check(twin: &Twin, capture: &Capture) -> Result<(), Error> {
     check_capture(capture)?;
     if (twin.timing.fps - capture.fps).abs() > 1e-6 * capture.fps.abs() {
@@ -174,7 +177,7 @@ pub(crate) fn check(twin: &Twin, capture: &Capture) -> Result<(), Error> {
     Ok(())
 }
 
-/// Checks that the arrays of a capture have the shapes that they say.
+/// Checks that the arrays of a capture have the declared shapes.
 ///
 /// # Errors
 /// The first contradiction.

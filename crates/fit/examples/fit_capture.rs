@@ -5,12 +5,13 @@
 //! cargo run --release -p bendtwin-fit --example fit_capture -- capture.zip settings.json picture.png
 //! ```
 //!
-//! `made:rope` and the other made scenes are generated; anything else is a path. Settings not named in the
-//! file keep their defaults; without a file (or with `-`), the axial-only model is fitted beside the twin.
+//! `made:rope` and the other made scenes are generated; anything else is a path. Settings not named
+//! in the file keep their defaults; without a file (or with `-`), the axial-only model is fitted
+//! beside the twin.
 
 use std::{path::Path, time::Instant};
 
-use bendtwin_capture::{Limits, digest, make};
+use bendtwin_capture::{Limits, digest};
 use bendtwin_core::{
     CancelToken, Capture, FitSettings, Observer, Progress, Stage, Twin, quality::Predictor,
 };
@@ -20,6 +21,7 @@ use bendtwin_eval::{
     predict, predictor_name,
 };
 use bendtwin_fit::{FitJob, Outcome};
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -55,10 +57,9 @@ fn main() -> Result<(), Failure> {
 fn load(source: &str) -> Result<Capture, Failure> {
     match source.strip_prefix("made:") {
         Some(name) => {
-            let scene = make::Scene::from_name(name).ok_or_else(|| {
-                format!("made: {}", make::Scene::ALL.map(make::Scene::name).join(", "))
-            })?;
-            Ok(make::make(scene, &make::MakeOptions::full(0))?)
+            let scene = Scene::from_name(name)
+                .ok_or_else(|| format!("made: {}", Scene::ALL.map(Scene::name).join(", ")))?;
+            Ok(make(scene, &MakeOptions::full(0))?)
         }
         None => Ok(bendtwin_capture::read(Path::new(source), &Limits::default())?),
     }

@@ -6,14 +6,11 @@ use std::sync::Arc;
 use bendtwin_core::{
     CancelToken, Environment, Graph, Params, Timing, capture::Subject, settings::Substeps,
 };
-use bendtwin_engine::{
-    Backend, Loaded, Model, backend,
-    build::{Connectivity, MIN_REST_LENGTH_M, Notes, connect_with_notes, rest_geometry},
-    enough_substeps, stable_substeps,
-};
+use bendtwin_engine::{Backend, Loaded, Model, backend, enough_substeps, stable_substeps};
+use bendtwin_graph::{Connectivity, MIN_REST_LENGTH_M, Notes, connect_with_notes, rest_geometry};
 use rayon::prelude::*;
 
-use crate::task::Task;
+use crate::{Error, task::Task};
 
 /// Number of cached graphs: as many as two generations of candidates need.
 const CACHE_SIZE: usize = 32;
@@ -76,8 +73,9 @@ impl GraphCache {
     }
 }
 
-/// Sets the rest lengths of a cable's edges to their mean observed length over the training frames. A
-/// cable hardly stretches, and the mean is more accurate than one measurement of the undeformed cable.
+/// Sets the rest lengths of a cable's edges to their mean observed length over the training frames.
+/// A cable hardly stretches, and the mean is more accurate than one measurement of the undeformed
+/// cable.
 fn measure_lengths(task: &Task<'_>, graph: &Graph, lengths_m: &mut [f32]) {
     let n = graph.node_count();
     let springs = graph.springs.iter().zip(lengths_m);
@@ -104,11 +102,33 @@ fn measure_lengths(task: &Task<'_>, graph: &Graph, lengths_m: &mut [f32]) {
     }
 }
 
-/// The reason why a candidate cannot be simulated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Refusal {
-    /// The number of substeps that it needs, more than the settings allow.
+/// The reason why a model cannot be simulated.
+#[derive(Debug)]
+pub(crate) enum LoadError {
+    /// It needs this many substeps, more than the settings allow.
     TooStiff(u32),
+    /// The backend failed.
+    Backend(backend::Error),
+}
+
+impl From<backend::Error> for LoadError {
+    fn from(error: backend::Error) -> Self {
+        match error {
+            backend::Error::Unstable { needed, .. } => Self::TooStiff(needed),
+            other => Self::Backend(other),
+        }
+    }
+}
+
+impl From<LoadError> for Error {
+    fn from(error: LoadError) -> Self {
+        match error {
+            LoadError::TooStiff(needed) => {
+                Self::NothingStable(format!("the found parameters need {needed} substeps a frame"))
+            }
+            LoadError::Backend(error) => Self::Backend(error),
+        }
+    }
 }
 
 /// A model of a graph with these parameters and as many substeps as it needs.
@@ -117,7 +137,7 @@ pub(crate) fn build_model(
     graph: &Arc<Graph>,
     params: Params,
     environment: Environment,
-) -> Result<Model, Refusal> {
+) -> Result<Model, LoadError> {
     let mut model = Model {
         graph: graph.clone(),
         params,
@@ -130,48 +150,24 @@ pub(crate) fn build_model(
 }
 
 /// Substeps that a model should have.
-pub(crate) fn substeps(model: &Model, setting: Substeps) -> Result<u32, Refusal> {
+pub(crate) fn substeps(model: &Model, setting: Substeps) -> Result<u32, LoadError> {
     match setting {
         Substeps::Fixed(n) => match enough_substeps(model, n) {
             Ok(()) => Ok(n),
-            Err(needs) => Err(Refusal::TooStiff(needs.needed)),
+            Err(needs) => Err(LoadError::TooStiff(needs.needed)),
         },
         Substeps::Auto { safety, max } => match stable_substeps(model).needed {
             // The margin is cut at the limit; stability itself is required.
             needed if needed <= max => {
                 Ok(((f64::from(needed) * safety).ceil() as u32).clamp(1, max))
             }
-            needed => Err(Refusal::TooStiff(needed)),
+            needed => Err(LoadError::TooStiff(needed)),
         },
     }
 }
 
-/// The reason why a model is not loaded.
-#[derive(Debug)]
-pub(crate) enum LoadError {
-    /// The model cannot be simulated; another one can.
-    Refused(Refusal),
-    /// The backend failed.
-    Backend(backend::Error),
-}
-
-impl From<Refusal> for LoadError {
-    fn from(refusal: Refusal) -> Self {
-        Self::Refused(refusal)
-    }
-}
-
-/// A model that the backend finds unstable is refused like one that needs too many substeps.
-impl From<backend::Error> for LoadError {
-    fn from(error: backend::Error) -> Self {
-        match error {
-            backend::Error::Unstable { needed, .. } => Self::Refused(Refusal::TooStiff(needed)),
-            error => Self::Backend(error),
-        }
-    }
-}
-
-/// Loads a model.
+/// Loads a model. One that the backend finds unstable is refused like one that needs too many
+/// substeps.
 pub(crate) fn load(backend: &dyn Backend, model: Model) -> Result<Loaded, LoadError> {
     Ok(backend.load(Arc::new(model))?)
 }

@@ -1,4 +1,5 @@
-//! What a fit needs to resume in another process: postcard in the envelope that all checkpoints share.
+//! Checkpoint of a fit, to continue it in another process: postcard in the envelope that all
+//! checkpoints share.
 
 use bendtwin_core::{FitSettings, checkpoint::Kind};
 use serde::{Deserialize, Serialize};
@@ -8,14 +9,14 @@ use crate::{Error, cmaes::CmaEs, refine::RunState};
 /// Checkpoints of fits. The version rises with every change of [`Checkpoint`] or of what a stage computes from it.
 const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 6 };
 
-/// All that changes during a fit.
+/// The state of a fit that changes while it runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
     /// The state of each model's fit, in the order of the fit.
     pub(crate) models: Vec<ModelFitState>,
 }
 
-/// The fit that a checkpoint belongs to.
+/// Identity of the fit that a checkpoint belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Identity {
     pub(crate) capture_digest: String,

@@ -1,10 +1,11 @@
-//! CMA-ES with ask and tell: minimises a black box over the unit cube.
+//! CMA-ES with an ask-and-tell interface: minimises a black box over the unit cube.
 //!
-//! After Hansen, "The CMA Evolution Strategy: A Tutorial" (arXiv 1604.00772), with positive weights, rank-one
-//! and rank-mu update and cumulative step-size adaptation. Bounds are kept by reflection: the strategy
-//! walks through unbounded space in which the cube is repeated as in mirrors, so that its statistics
-//! stay undisturbed. Samples depend on seed and generation only: a strategy that was stored and
-//! restored asks exactly what it would have asked otherwise.
+//! After Hansen, "The CMA Evolution Strategy: A Tutorial" (arXiv 1604.00772), with positive
+//! weights, rank-one and rank-mu update and cumulative step-size adaptation. Bounds are kept by
+//! reflection: the strategy works in unbounded space, which is mapped to the cube by repeated
+//! reflection, so that its statistics stay undisturbed. Samples depend on seed and generation only:
+//! a strategy that was stored and restored generates exactly the samples that it would have
+//! generated otherwise.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::SeedableRng;
@@ -17,7 +18,7 @@ const SIGMA_RANGE: [f64; 2] = [1e-12, 1.0];
 /// Smallest ratio of the shortest to the longest axis of the sampling ellipsoid (variances).
 const MIN_CONDITION: f64 = 1e-14;
 
-/// A stored strategy is all that is needed to go on.
+/// A CMA-ES strategy. Its serialized form is a complete checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CmaEs {
     seed: u64,
@@ -32,7 +33,7 @@ pub struct CmaEs {
     best: Option<Best>,
 }
 
-/// The best point told so far.
+/// The best point so far.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Best {
     /// The point, in the unit cube.
@@ -43,7 +44,7 @@ pub struct Best {
     pub generation: u64,
 }
 
-/// A sample: where the strategy went, and the point of the cube that is meant.
+/// A sample: its unbounded coordinates, and the point of the cube that they map to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// Unbounded coordinates, for [`CmaEs::tell`].
@@ -52,13 +53,14 @@ pub struct Sample {
     pub point: Vec<f64>,
 }
 
-/// The population that Hansen recommends for so many variables.
+/// The population that Hansen recommends for this many variables.
 pub fn default_population(variables: usize) -> usize {
     4 + (3.0 * (variables.max(1) as f64).ln()).floor() as usize
 }
 
 impl CmaEs {
-    /// Starts at `mean` (in the unit cube) with step size `sigma`; a population of 0 means the default.
+    /// Starts at `mean` (in the unit cube) with step size `sigma`; a population of 0 means the
+    /// default.
     pub fn new(mean: Vec<f64>, sigma: f64, population: usize, seed: u64) -> Self {
         let n = mean.len();
         let population = if population == 0 { default_population(n) } else { population.max(2) };
@@ -76,7 +78,7 @@ impl CmaEs {
         }
     }
 
-    /// Generations told so far.
+    /// Number of completed generations.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -96,7 +98,7 @@ impl CmaEs {
         self.mean.iter().map(|&x| reflect(x)).collect()
     }
 
-    /// The best point told so far; `None` while no loss was finite.
+    /// The best point so far; `None` while no loss was finite.
     pub fn best(&self) -> Option<&Best> {
         self.best.as_ref()
     }
@@ -119,8 +121,8 @@ impl CmaEs {
             .collect()
     }
 
-    /// Learns from the losses of [`CmaEs::ask`]'s samples. NaN and infinity are worse than everything and
-    /// teach nothing; a generation without any finite loss only lets the step size shrink.
+    /// Updates the strategy with the losses of [`CmaEs::ask`]'s samples. NaN and infinity rank last
+    /// and do not contribute; a generation without any finite loss only lets the step size shrink.
     pub fn tell(&mut self, samples: &[Sample], losses: &[f64]) {
         let mut order: Vec<usize> =
             (0..samples.len().min(losses.len())).filter(|&i| losses[i].is_finite()).collect();

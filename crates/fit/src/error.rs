@@ -1,20 +1,20 @@
-//! Why a fit cannot start, go on or end.
+//! Errors of a fit.
 
 use bendtwin_core::{Category, ObserverError, Problem, checkpoint::Refusal};
-use bendtwin_engine::{backend, build};
+use bendtwin_engine::backend;
 
-/// Why a fit fails.
+/// An error that ends a fit.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// Settings out of range.
     #[error("the fit's settings are wrong: {}", .0.join("; "))]
     Settings(Vec<String>),
-    /// There is nothing to fit to.
+    /// The capture has nothing to fit to.
     #[error("the capture cannot be fitted: {0}")]
     Capture(String),
     /// The capture cannot become a graph.
     #[error(transparent)]
-    Graph(#[from] build::Error),
+    Graph(#[from] bendtwin_graph::Error),
     /// The simulation failed.
     #[error(transparent)]
     Backend(#[from] backend::Error),
@@ -34,7 +34,7 @@ pub enum Error {
         "the checkpoint belongs to another capture, other settings or another build: start the fit again without it"
     )]
     OtherCheckpoint,
-    /// The observer could not keep a checkpoint (a lost lease, say).
+    /// The observer could not keep a checkpoint (for example, a lease is lost).
     #[error("the fit's checkpoint could not be kept: {0}")]
     Observer(#[source] ObserverError),
 }

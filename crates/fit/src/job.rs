@@ -20,20 +20,20 @@ use crate::{
     warnings,
 };
 
-/// One fit: what to fit, how, and on which device.
+/// One fit: capture, settings and device.
 #[derive(Clone)]
 pub struct FitJob<'a> {
-    /// What was recorded.
+    /// The capture to fit to.
     pub capture: &'a Capture,
     /// BLAKE3 digest of the capture's content, hex; kept in the twin's provenance.
     pub capture_digest: String,
-    /// How to fit.
+    /// Settings of the fit.
     pub settings: FitSettings,
-    /// What simulates.
+    /// Backend that simulates.
     pub backend: Arc<dyn Backend>,
 }
 
-/// What a fit makes.
+/// The result of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// The twin with its quality table. The same capture, settings, build and device give the same
@@ -131,7 +131,8 @@ impl<'a> Run<'a> {
         if self.cancel.is_cancelled() { Err(backend::Error::Cancelled.into()) } else { Ok(()) }
     }
 
-    /// Runs generations until all searches are done. Models that are past the search stay as they are.
+    /// Runs generations until all searches are done. Models that are past the search stay as they
+    /// are.
     fn search(&mut self) -> Result<(), Error> {
         let generations = u64::from(self.task.generations());
         let mut search = Search::new(self.task);

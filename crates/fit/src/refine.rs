@@ -1,6 +1,6 @@
 //! The first-order stage: Adam on every spring and triplet, all models side by side in each batch.
-//! Parameters and gradients stay with the backend's [`Optimizer`], which returns losses and gradient
-//! norms.
+//! Parameters and gradients stay with the backend's [`Optimizer`], which returns losses and
+//! gradient norms.
 
 mod optimizer_run;
 mod schedule;
@@ -50,8 +50,8 @@ impl<'a> Refinement<'a> {
         Ok(Self { runs, optimizer, windows: Windows::default(), task, backend, cancel })
     }
 
-    /// Scores the initial parameters, so that no model can end worse than it began; left to the first
-    /// pass if that scores them anyway.
+    /// Scores the initial parameters, so that no model can end worse than it began; left to the
+    /// first pass if that scores them anyway.
     pub(crate) fn begin(&mut self) -> Result<(), Error> {
         let passes = self.task.settings.refine.passes;
         let first_does = passes > 0 && schedule::steps(self.task, 0).len() == 1;
@@ -63,10 +63,10 @@ impl<'a> Refinement<'a> {
     /// A model whose simulation or gradient is not finite returns to its best parameters with half
     /// the rate and pauses for the rest of the pass; the others are not affected.
     ///
-    /// A pass of several steps ends by scoring the parameters that it led to. A pass of a single step
-    /// needs nothing beside its gradient: the losses computed with it score the parameters at which
-    /// the pass begins, and the next pass scores those at which this one ends. Only the last pass
-    /// has none after it.
+    /// A pass of several steps ends by scoring the parameters that it led to. A pass of a single
+    /// step needs nothing beside its gradient: the losses computed with it score the parameters at
+    /// which the pass begins, and the next pass scores those at which this one ends. Only the last
+    /// pass has none after it.
     pub(crate) fn pass(&mut self) -> Result<(), Error> {
         let Some(pass) = self.runs.first().map(|w| w.state.pass) else { return Ok(()) };
         let initial: Vec<_> = self.task.training.iter().map(|t| t.initial.clone()).collect();

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::{
     Error,
-    built_graph::{BuiltGraph, GraphCache, LoadError, Refusal, build_model, load},
+    built_graph::{BuiltGraph, GraphCache, LoadError, build_model, load},
     cmaes::CmaEs,
     space::{Candidate, Space},
     submit,
@@ -80,8 +80,8 @@ impl<'a> Search<'a> {
         // Index of each candidate's first instance; none if it was refused.
         let mut first = Vec::with_capacity(candidates.len());
         for loaded in self.load(&candidates, backend, cancel)? {
-            first.push(loaded.is_ok().then_some(batch.len()));
-            if let Ok(loaded) = &loaded {
+            first.push(loaded.is_some().then_some(batch.len()));
+            if let Some(loaded) = &loaded {
                 batch.extend(self.set.iter().map(|t| t.instance(loaded)));
             }
         }
@@ -103,13 +103,13 @@ impl<'a> Search<'a> {
         Ok(generations)
     }
 
-    /// The candidates on the device, in their order.
+    /// The candidates on the device, in their order; `None` for those that are too stiff.
     fn load(
         &mut self,
         candidates: &[Candidate],
         backend: &dyn Backend,
         cancel: &CancelToken,
-    ) -> Result<Vec<Result<Loaded, Refusal>>, Error> {
+    ) -> Result<Vec<Option<Loaded>>, Error> {
         let wanted: Vec<_> = candidates.iter().map(|c| c.connectivity).collect();
         let graphs = self.graphs.all(self.task, &wanted, cancel)?;
         let one = |(candidate, built): (&Candidate, &Arc<BuiltGraph>)| {
@@ -118,13 +118,11 @@ impl<'a> Search<'a> {
             }
             let params = candidate.params(built);
             let environment = candidate.environment(self.task.capture.environment);
-            match build_model(self.task, &built.graph, params, environment) {
-                Ok(model) => match load(backend, model) {
-                    Ok(loaded) => Ok(Ok(loaded)),
-                    Err(LoadError::Refused(refusal)) => Ok(Err(refusal)),
-                    Err(LoadError::Backend(error)) => Err(error),
-                },
-                Err(refusal) => Ok(Err(refusal)),
+            let model = build_model(self.task, &built.graph, params, environment);
+            match model.and_then(|model| load(backend, model)) {
+                Ok(loaded) => Ok(Some(loaded)),
+                Err(LoadError::TooStiff(_)) => Ok(None),
+                Err(LoadError::Backend(error)) => Err(error),
             }
         };
         // All are loaded before the first error is returned, so that it depends on no thread.

@@ -1,6 +1,7 @@
-//! Mean loss of several sequences. A long rollout occasionally comes near a bifurcation of the motion,
-//! and ends far from what was observed however good the parameters are. In an arithmetic mean a few of
-//! those outweigh all others; in a geometric one every sequence that halves its loss counts equally.
+//! Mean loss of several sequences. A long rollout occasionally comes near a bifurcation of the
+//! motion, and ends far from what was observed however good the parameters are. In an arithmetic
+//! mean a few of those outweigh all others; in a geometric one every sequence that halves its loss
+//! counts equally.
 
 use bendtwin_core::settings::SequenceMean;
 
@@ -28,8 +29,8 @@ pub(crate) fn mean(kind: SequenceMean, losses: impl IntoIterator<Item = f64>) ->
     }
 }
 
-/// Factors for the gradients of sequences with these losses. The mean of the scaled gradients is the
-/// gradient of [`mean`] up to a common factor, which is 1 where all losses are equal.
+/// Factors for the gradients of sequences with these losses. The mean of the scaled gradients is
+/// the gradient of [`mean`] up to a common factor, which is 1 where all losses are equal.
 pub(crate) fn gradient_scales(kind: SequenceMean, losses: &[f64]) -> Vec<f64> {
     let middle = match kind {
         SequenceMean::Arithmetic => return vec![1.0; losses.len()],

@@ -1,10 +1,11 @@
 //! The variables of the search: physical constants of the whole object and, if asked for, the
 //! connectivity of its nodes. Every variable is scaled to 0..=1.
 //!
-//! Stiffness, dashpots, drag and bending are searched in logarithms: what matters about them is their
-//! order of magnitude, and the useful part of a linear scale (PhysTwin's 0..1e5, say) would be a thin
-//! slice at one end. Ratios and lengths are searched as they are. Variables without effect on the
-//! capture (friction of an object in the air) are left out: each costs the search evaluations.
+//! Stiffness, dashpots, drag and bending are searched in logarithms: what matters about them is
+//! their order of magnitude, and the useful part of a linear scale (PhysTwin's 0..1e5, for example)
+//! would be a thin slice at one end. Ratios and lengths are searched as they are. Variables without
+//! effect on the capture (friction of an object in the air) are left out: each costs the search
+//! evaluations.
 
 use std::f64::consts::PI;
 
@@ -12,7 +13,7 @@ use bendtwin_core::{
     Contact, Environment, Params, capture::Subject, environment::ControlVelocity,
     params::MAX_SPRING_STIFFNESS,
 };
-use bendtwin_engine::build::Connectivity;
+use bendtwin_graph::Connectivity;
 
 use crate::{built_graph::BuiltGraph, task::Task};
 
@@ -84,7 +85,8 @@ impl Axis {
         Self { variable, low, high, start, is_log: true }
     }
 
-    /// An axis whose range grows where the start lies outside it, so that a setting is never overruled.
+    /// An axis whose range grows where the start lies outside it, so that a setting is never
+    /// overruled.
     fn linear(variable: Variable, low: f64, high: f64, start: f64) -> Self {
         Self { variable, low: low.min(start), high: high.max(start), start, is_log: false }
     }
@@ -129,7 +131,7 @@ pub(crate) struct Candidate {
     twist_damping: f64,
     rest_twist: f64,
     contact: Contact,
-    /// Gravity as a multiple of what the capture says.
+    /// Gravity as a multiple of the capture's.
     gravity: f64,
 }
 
@@ -155,7 +157,7 @@ impl Space {
             axes.push(Axis::log(BendStiffness, 0.1 * square, 1e5 * square, stiffness));
             axes.push(Axis::log(BendDamping, 1e-2 * square, 1e3 * square, damping));
             if is_cable && task.sample.rest_shape.is_some() {
-                // An angle does not know its direction: a cable that twists bends back
+                // An angle has no direction: a cable that twists bends back
                 // towards its rest angle on the wrong side. Often a part of it fits best.
                 axes.push(Axis::linear(RestBend, 0.0, 1.0, 0.5));
             }
@@ -276,7 +278,10 @@ impl Candidate {
             rest_lengths_m: rest_lengths_m.clone(),
             bend_stiffness: vec![self.bend_stiffness as f32; t],
             bend_damping: vec![self.bend_damping as f32; t],
-            rest_angles_rad: rest_angles_rad.iter().map(|&a| bent(a, self.rest_bend)).collect(),
+            rest_angles_rad: rest_angles_rad
+                .iter()
+                .map(|&a| scale_bend(a, self.rest_bend))
+                .collect(),
             twist_stiffness: vec![self.twist_stiffness as f32; r],
             twist_damping: vec![self.twist_damping as f32; r],
             rest_twists_rad: vec![self.rest_twist as f32; r],
@@ -287,7 +292,7 @@ impl Candidate {
 }
 
 /// A rest angle with a share of its bend.
-fn bent(angle_rad: f32, share: f64) -> f32 {
+fn scale_bend(angle_rad: f32, share: f64) -> f32 {
     let straight = std::f32::consts::PI;
     let bend = f64::from(straight - angle_rad) * share;
     ((f64::from(straight) - bend) as f32).clamp(0.0, straight)

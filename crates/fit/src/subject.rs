@@ -8,16 +8,16 @@ pub(crate) struct Defaults {
     /// Number of searches with different seeds. A cable's are cheap, and its training loss shows
     /// which of them predicts best.
     pub(crate) starts: u32,
-    /// Generations of a search. A cable's are cheap, and their optimum is narrow: with 25 the fits of
-    /// several seeds differ by a tenth.
+    /// Generations of a search. A cable's are cheap, and their optimum is narrow: with 25 the fits
+    /// of several seeds differ by a tenth.
     pub(crate) generations: u32,
     /// Mean of the losses of several sequences.
     pub(crate) sequence_mean: SequenceMean,
     /// True if the strength of gravity is searched. It pays in motion capture, where nothing else
     /// corrects a frame rate that is not quite true.
     pub(crate) searches_gravity: bool,
-    /// Initial bending stiffness and damping, relative to those that resist like the springs. A cable
-    /// is held by its bending, other bodies by their springs.
+    /// Initial bending stiffness and damping, relative to those that resist like the springs. A
+    /// cable is held by its bending, other bodies by their springs.
     pub(crate) bend_share: f64,
 }
 

@@ -6,13 +6,11 @@ use bendtwin_core::{
     Capture, FitSettings, Graph, Point, Sequence, capture::Subject, settings::SequenceMean,
 };
 use bendtwin_engine::{
-    Loaded, Objective, PointLoss, Term,
-    backend::Instance,
-    build::{Connectivity, NodeSample, connect, mean_spacing, sample_nodes},
-    model::State,
-    objective::WeightedTerm,
+    Loaded, Objective, PointLoss, Term, backend::Instance, model::State, objective::WeightedTerm,
 };
 use bendtwin_eval::initial_state;
+
+use bendtwin_graph::{Connectivity, NodeSample, connect, mean_spacing, sample_nodes};
 
 use crate::{Error, sequences, subject::Defaults};
 
@@ -207,7 +205,8 @@ impl<'a> Training<'a> {
         }
     }
 
-    /// Control positions of `count` frames, from `first` frames after the start; shape [count + 1, C, 3].
+    /// Control positions of `count` frames, from `first` frames after the start; shape [count + 1,
+    /// C, 3].
     pub(crate) fn controls_of(&self, first: usize, count: usize) -> Vec<Point> {
         controls_of(self.sequence, first, count)
     }
@@ -252,10 +251,10 @@ fn controls_of(sequence: &Sequence, first: usize, count: usize) -> Vec<Point> {
 /// Mean over frames of Chamfer distance and tracking loss.
 ///
 /// - Chamfer: visible points against the surface. Left out where every visible point is tracked
-///   by a node of its own: then it has nothing to add.
-/// - Track: points whose motion is valid against their own nodes, pinned ones excepted. Smooth L1 is
-///   scaled by beta (which makes it Huber's loss), so that beta says where outliers begin without
-///   changing the weight against the Chamfer distance.
+///   by a node of its own: then it adds no information.
+/// - Track: points whose motion is valid against their own nodes, pinned ones excepted. Smooth L1
+///   is scaled by beta (which makes it Huber's loss), so that beta sets where outliers begin
+///   without changing the weight against the Chamfer distance.
 fn objective(
     sequence: &Sequence,
     frames: usize,
@@ -315,7 +314,8 @@ fn objective(
     Objective { groups: GROUPS.map(str::to_owned).to_vec(), terms: Arc::new(terms) }
 }
 
-/// Mean length of known edges, mean distance of surface nodes otherwise; 1 cm where neither says anything.
+/// Mean length of known edges, mean distance of surface nodes otherwise; 1 cm if neither is
+/// available.
 fn spacing(sample: &NodeSample) -> f64 {
     let points = sample.undeformed();
     let length = |&[a, b]: &[u32; 2]| {

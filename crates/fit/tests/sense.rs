@@ -1,8 +1,9 @@
-//! Fitted parameters make sense as a material, not only as a fit: of one foam, the thicker bar comes out stiffer.
+//! Fitted parameters make sense as a material, not only as a fit: of one foam, the thicker bar
+//! comes out stiffer.
 
 use std::sync::Arc;
 
-use bendtwin_capture::{MakeOptions, Scene, digest, make};
+use bendtwin_capture::digest;
 use bendtwin_core::{CancelToken, FitSettings, Twin};
 use bendtwin_engine::{
     Model, Objective,
@@ -10,6 +11,7 @@ use bendtwin_engine::{
     model::State,
 };
 use bendtwin_fit::FitJob;
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 /// Frames after which a bar that was let go hangs nearly still.
 const FRAMES: usize = 90;
@@ -30,8 +32,9 @@ fn fit(scene: Scene, bending: bool) -> Twin {
     job.run(None, &mut (), &CancelToken::default()).unwrap().twin
 }
 
-/// How far the free end of a twin sags below where it is at rest [m], when its hand stays where it is and nothing lies
-/// beneath: what flexural rigidity by weight decides, whichever of springs and triplets carry it.
+/// Distance by which the free end of a twin sags below its rest position [m], with a fixed hand and
+/// without ground. It follows from flexural rigidity by weight, whether springs or triplets carry
+/// it.
 fn sag(twin: &Twin) -> f32 {
     let mut model = Model::from(twin);
     model.environment.ground = None;
@@ -70,8 +73,9 @@ fn a_bar_twice_as_thick_comes_out_stiffer() {
     for bending in [true, false] {
         let [thin, thick] = [Scene::Bar, Scene::ThickBar].map(|scene| sag(&fit(scene, bending)));
         println!("bending {bending}: tips sag by {:.0} and {:.0} mm", 1e3 * thin, 1e3 * thick);
-        // A beam of the foam that both are cut from, E / rho = 45² m²/s² and 0.33 m long, would sag by 0.14 and 0.035 m:
-        // with the inverse square of its thickness. The rest is room for what noisy points of a waving bar leave open.
+        // A beam of the foam that both are cut from, E / rho = 45² m²/s² and 0.33 m long, would sag
+        // by 0.14 and 0.035 m: with the inverse square of its thickness. The rest is room for what
+        // noisy points of a waving bar leave open.
         assert!((0.07..0.28).contains(&thin), "bending {bending}: the thin bar sags by {thin} m");
         assert!(thick < 0.5 * thin, "bending {bending}: tips sag by {thin} and {thick} m");
     }

@@ -1,12 +1,14 @@
-//! Measures the built-in tracker on a recording with clean tracks, and beside the tracks that came with it.
+//! Measures the built-in tracker on a recording with clean tracks, and beside the tracks that came
+//! with it.
 //!
 //! ```text
 //! cargo run --release -p bendtwin-flow --example score_tracks -- CASE ['{"window_px": 13}']
 //! ```
 //!
-//! A track's error in a frame: the track is lifted through that frame's depth as it was measured. Of the clean tracks the one
-//! nearest to it in the first frame is taken, if it lies within 10 mm (in the last columns within 20 mm).
-//! The rigid motion of that clean track and its six nearest then tells where the tracked point should be: `clean(t) + rotation · (tracked(0) - clean(0))`.
+//! A track's error in a frame: the track is lifted through that frame's depth as it was measured.
+//! Of the clean tracks the one nearest to it in the first frame is taken, if it lies within 10 mm
+//! (in the last columns within 20 mm). The rigid motion of that clean track and its six nearest
+//! then tells where the tracked point should be: `clean(t) + rotation · (tracked(0) - clean(0))`.
 //! *Plain* errors leave the rotation out.
 
 use std::{error::Error, path::Path, time::Instant};
@@ -19,12 +21,12 @@ use bendtwin_core::Point;
 use bendtwin_flow::{CameraTracks, FlowSettings, track};
 use nalgebra::{Matrix3, Vector3};
 
-/// Tracks of a camera, and what each lies on.
+/// Tracks of a camera, and the region that each lies on.
 type Followed = (Tracks, Vec<Region>);
 
 /// Frames that are shown.
 const EVERY: usize = 10;
-/// How near a clean track must be in the first frame [m].
+/// Largest distance of a clean track in the first frame [m].
 const NEAR_M: f64 = 0.01;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -115,7 +117,8 @@ fn lift(
     Ok(all)
 }
 
-/// Through depth as measured: the mean, by bilinear weights, of those of the four pixels that are on the nearest one's surface.
+/// Through depth as measured: the mean, by bilinear weights, of those of the four pixels that are
+/// on the nearest one's surface.
 fn point(camera: &Camera, depth: &DepthImage, [x, y]: [f32; 2], frame: usize) -> Option<Point> {
     let here = depth.get(x.round() as usize, y.round() as usize).filter(|&d| d > 0.0)?;
     let (mut sum, mut weights) = (0.0, 0.0);
@@ -206,8 +209,8 @@ impl Truth {
         );
     }
 
-    /// How far a point that was at `first` is from where the nearest clean track says that it should be; `None` if
-    /// that one is farther away than `limit`, or unknown.
+    /// Distance of a point that was at `first` from where the nearest clean track puts it [mm];
+    /// `None` if that one is farther away than `limit`, or unknown.
     fn error_mm(
         &self,
         first: &Vector3<f64>,
@@ -226,7 +229,7 @@ impl Truth {
         (distance < limit && error.is_finite()).then_some(error)
     }
 
-    /// How the surroundings of a clean track have turned since the first frame.
+    /// Rotation of the surroundings of a clean track since the first frame.
     fn rotation(&self, k: usize, frame: usize) -> Matrix3<f64> {
         let mut covariance = Matrix3::identity() * 1e-9;
         for &j in &self.nearest[k] {
@@ -243,7 +246,8 @@ impl Truth {
     }
 }
 
-/// How differently the manipulator's points moved since the first frame from the supplied ones nearest to them.
+/// Prints by how much the motion of the manipulator's points since the first frame differs from
+/// that of the supplied ones nearest to them.
 fn manipulator(ours: &[Vec<Option<Point>>], theirs: &[Vec<Option<Point>>], frames: usize) {
     println!("manipulator: tracked since frame 0, mm from supplied tracks: median  90 %");
     let moved = |track: &Vec<Option<Point>>, frame: usize| {
@@ -273,7 +277,8 @@ fn manipulator(ours: &[Vec<Option<Point>>], theirs: &[Vec<Option<Point>>], frame
     }
 }
 
-/// Pixel differences to the supplied tracks that start within two pixels, less the difference at the start.
+/// Pixel differences to the supplied tracks that start within two pixels, less the difference at
+/// the start.
 fn beside(recording: &Recording, found: &[CameraTracks]) -> Result<(), Box<dyn Error>> {
     for (c, found) in found.iter().enumerate() {
         let Some(supplied) = recording.source.frames(c)?.tracks()? else { continue };

@@ -1,21 +1,23 @@
-//! One alignment of a patch with an image: Lucas and Kanade's Gauss-Newton steps, inverse compositional in that gradients are
-//! the patch's own, with a robust weight for every pixel, and indifferent to a gain and to an offset of each channel.
+//! One alignment of a patch with an image: Lucas and Kanade's Gauss-Newton steps, inverse
+//! compositional in that gradients are the patch's own, with a robust weight for every pixel, and
+//! indifferent to a gain and to an offset of each channel.
 
 use crate::{
     layer::Level,
     patch::{Patch, smallest_eigenvalue},
 };
 
-/// How a patch's pixels lie in the image that it is sought in, apart from its place.
+/// The warp from a patch to the image that it is sought in, apart from its place.
 #[derive(Clone, Debug)]
 pub(crate) struct Warp {
-    /// Where each sample lies relative to the patch's centre, in pixels of the full image.
+    /// Place of each sample relative to the patch's centre [pixels of the full image].
     pub(crate) offsets: Vec<[f32; 2]>,
-    /// Inverse of the transposed Jacobian of the warp, which turns the patch's gradients into the image's.
+    /// Inverse of the transposed Jacobian of the warp, which turns the patch's gradients into the
+    /// image's.
     pub(crate) gradients: [[f32; 2]; 2],
 }
 
-/// Where a patch was found.
+/// The place at which a patch was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Alignment {
     /// Column and row in the full image.
@@ -26,18 +28,18 @@ pub(crate) struct Alignment {
 
 /// Most steps on one level.
 const MAX_STEPS: usize = 25;
-/// A step below which the place is found, in pixels of the level.
-const CONVERGED: f32 = 0.003;
+/// Length of a step below which the place is found [pixels of the level].
+const CONVERGED_STEP: f32 = 0.003;
 /// Difference of colour at which a pixel counts half (Cauchy's weight), 0 to 1.
-const ROBUST: f32 = 0.12;
-/// Share of the patch that must be visible in the image.
-const MIN_VISIBLE: f32 = 0.4;
-/// Gains of brightness that are believed.
-const GAIN: std::ops::RangeInclusive<f32> = 0.4..=2.5;
+const ROBUST_SCALE: f32 = 0.12;
+/// Least share of the patch that must be visible in the image.
+const MIN_VISIBLE_SHARE: f32 = 0.4;
+/// Gains of brightness that are allowed for.
+const GAIN_RANGE: std::ops::RangeInclusive<f32> = 0.4..=2.5;
 
 impl Warp {
-    /// Moved only.
-    pub(crate) fn none(patch: &Patch) -> Self {
+    /// No warp but a translation.
+    pub(crate) fn translation(patch: &Patch) -> Self {
         Self {
             offsets: patch.samples.iter().map(|s| s.offset).collect(),
             gradients: [[1.0, 0.0], [0.0, 1.0]],
@@ -45,8 +47,8 @@ impl Warp {
     }
 }
 
-/// Moves `patch`, warped, from `start` until it fits the level, at most `reach` pixels of the level far. `None` if it leaves the
-/// region, has no texture there or does not settle.
+/// Moves `patch`, warped, from `start` until it fits the level, at most `reach` pixels of the level
+/// far. `None` if it leaves the region, has no texture there or does not settle.
 pub(crate) fn align(
     patch: &Patch,
     warp: &Warp,
@@ -66,7 +68,7 @@ pub(crate) fn align(
         if far > f64::from(reach * level.step) {
             return None;
         }
-        if length < CONVERGED {
+        if length < CONVERGED_STEP {
             break;
         }
     }
@@ -74,7 +76,8 @@ pub(crate) fn align(
     Some(Alignment { at, correlation: fit.correlation })
 }
 
-/// Patch and image compared at one place, and the normal equations of the step that would make them equal.
+/// Patch and image compared at one place, and the normal equations of the step that would make them
+/// equal.
 struct Fit {
     correlation: f32,
     xx: f32,
@@ -105,7 +108,7 @@ impl Fit {
             weights += weight;
             seen.push((weight, sample.color, color, gradient));
         }
-        if !(weights > MIN_VISIBLE * possible && weights > 0.0) {
+        if !(weights > MIN_VISIBLE_SHARE * possible && weights > 0.0) {
             return None;
         }
         for mean in means.iter_mut().flatten() {
@@ -125,12 +128,12 @@ impl Fit {
             return None;
         }
         let correlation = ti / (tt * ii).sqrt();
-        let gain = (ii / tt).sqrt().clamp(*GAIN.start(), *GAIN.end());
+        let gain = (ii / tt).sqrt().clamp(*GAIN_RANGE.start(), *GAIN_RANGE.end());
         let mut fit = Self { correlation, xx: 0.0, xy: 0.0, yy: 0.0, right: [0.0; 2], weights };
         for (weight, a, b, gradient) in &seen {
             let miss: [f32; 3] = std::array::from_fn(|c| b[c] - gain * a[c]);
             let square = miss.iter().map(|m| m * m).sum::<f32>();
-            let weight = weight / (1.0 + square / (ROBUST * ROBUST));
+            let weight = weight / (1.0 + square / (ROBUST_SCALE * ROBUST_SCALE));
             for c in 0..3 {
                 let x = gain * (gradient[0][c] - means[2][c]);
                 let y = gain * (gradient[1][c] - means[3][c]);
@@ -144,11 +147,11 @@ impl Fit {
         Some(fit)
     }
 
-    /// How the patch has to move [px of the full image].
+    /// The step by which the patch has to move [px of the full image].
     fn step(&self, pixel: f32) -> Option<[f32; 2]> {
-        // Flatter than a thousandth of the grey scale per pixel: noise decides.
-        const FLAT: f32 = 1e-3;
-        let flat = FLAT * FLAT / (pixel * pixel) * self.weights;
+        // Where gradients are below a thousandth of the grey scale per pixel, noise decides.
+        const MIN_GRADIENT: f32 = 1e-3;
+        let flat = MIN_GRADIENT * MIN_GRADIENT / (pixel * pixel) * self.weights;
         if smallest_eigenvalue(self.xx, self.xy, self.yy) <= flat {
             return None;
         }

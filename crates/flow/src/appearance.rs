@@ -1,5 +1,5 @@
-//! What a point looked like at some time, with the shape of the surface around it, so that it can be recognised after the
-//! surface has turned.
+//! Appearance of a point at some time, with the shape of the surface around it, by which it is
+//! recognised after the surface has turned.
 
 use bendtwin_capture::raw::{Camera, Region};
 use bendtwin_core::Point;
@@ -12,15 +12,15 @@ use crate::{
     view::View,
 };
 
-/// One camera's view of one frame.
+/// One camera's view of one frame, with the camera and so its pose.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Glimpse<'a> {
+pub(crate) struct PosedView<'a> {
     pub(crate) view: &'a View,
     pub(crate) camera: &'a Camera,
     pub(crate) frame: usize,
 }
 
-impl Glimpse<'_> {
+impl PosedView<'_> {
     /// The point of the world that is seen at a place, through depth smoothed within its surface.
     pub(crate) fn lift(&self, at: [f64; 2], region: Region, jump: f32) -> Option<Point> {
         let depth = self.view.depth(at, region, jump)?;
@@ -32,42 +32,43 @@ impl Glimpse<'_> {
 #[derive(Clone, Debug)]
 pub(crate) struct Appearance {
     patch: Patch,
-    /// Where each sample lies relative to the point, in the world's axes [m].
+    /// Place of each sample relative to the point, in the world's axes [m].
     cloud: Vec<[f32; 3]>,
-    /// How the surroundings had turned since seeding.
+    /// Rotation of the surroundings since seeding.
     rotation: Matrix3<f64>,
 }
 
 /// Change of area between patch and image beyond which they cannot be compared.
-const AREA: std::ops::RangeInclusive<f32> = 0.3..=3.3;
-/// How far from its start a patch may be found [px].
-const REACH: f32 = 4.0;
+const AREA_RATIO: std::ops::RangeInclusive<f32> = 0.3..=3.3;
+/// Largest distance from its start at which a patch may be found [px].
+const MAX_SHIFT_PX: f32 = 4.0;
 /// Least share of a patch that lies on its point's surface.
 const MIN_SUPPORT: f32 = 0.4;
 
 impl Appearance {
-    /// Cut out around a place at which `point` is seen. `None` where too little of the window belongs to its surface.
+    /// Cut out around a place at which `point` is seen. `None` where too little of the window
+    /// belongs to its surface.
     pub(crate) fn new(
-        glimpse: Glimpse<'_>,
+        posed: PosedView<'_>,
         at: [f64; 2],
         region: Region,
         rotation: Matrix3<f64>,
         window: usize,
         jump: f32,
     ) -> Option<Self> {
-        let level = glimpse.view.layer(region)?.levels.first()?;
-        let point = glimpse.lift(at, region, jump)?;
-        let (_, depth) = glimpse.camera.project(point, glimpse.frame)?;
+        let level = posed.view.layer(region)?.levels.first()?;
+        let point = posed.lift(at, region, jump)?;
+        let (_, depth) = posed.camera.project(point, posed.frame)?;
         let mut patch = Patch::cut(level, at, window);
         let before: f32 = patch.samples.iter().map(|s| s.weight).sum();
         let mut cloud = Vec::with_capacity(patch.samples.len());
         patch.samples.retain(|sample| {
             let there = [0, 1].map(|i| at[i] + f64::from(sample.offset[i]));
-            let Some(d) = glimpse.view.depth(there, region, jump) else { return false };
+            let Some(d) = posed.view.depth(there, region, jump) else { return false };
             if (f64::from(d) - depth).abs() > f64::from(jump) {
                 return false;
             }
-            let there = glimpse.camera.unproject(there, f64::from(d), glimpse.frame);
+            let there = posed.camera.unproject(there, f64::from(d), posed.frame);
             cloud.push(std::array::from_fn(|i| there[i] - point[i]));
             true
         });
@@ -76,30 +77,30 @@ impl Appearance {
         (patch.support >= MIN_SUPPORT).then_some(Self { patch, cloud, rotation })
     }
 
-    /// Seeks it near `start`, where the point is at `point` and its surroundings have turned by `rotation` since seeding.
-    /// `None` if it is seen too obliquely, or not found.
+    /// Seeks it near `start`, where the point is at `point` and its surroundings have turned by
+    /// `rotation` since seeding. `None` if it is seen too obliquely, or not found.
     pub(crate) fn find(
         &self,
-        glimpse: Glimpse<'_>,
+        posed: PosedView<'_>,
         region: Region,
         start: [f64; 2],
         point: Point,
         rotation: &Matrix3<f64>,
     ) -> Option<Alignment> {
-        let level = glimpse.view.layer(region)?.levels.first()?;
-        let warp = self.warp(glimpse, point, &(rotation * self.rotation.transpose()))?;
-        align(&self.patch, &warp, level, start, REACH)
+        let level = posed.view.layer(region)?.levels.first()?;
+        let warp = self.warp(posed, point, &(rotation * self.rotation.transpose()))?;
+        align(&self.patch, &warp, level, start, MAX_SHIFT_PX)
     }
 
-    /// How its samples lie in an image after a turn.
-    fn warp(&self, glimpse: Glimpse<'_>, point: Point, turn: &Matrix3<f64>) -> Option<Warp> {
-        let (center, _) = glimpse.camera.project(point, glimpse.frame)?;
+    /// The warp of its samples into an image after a turn.
+    fn warp(&self, posed: PosedView<'_>, point: Point, turn: &Matrix3<f64>) -> Option<Warp> {
+        let (center, _) = posed.camera.project(point, posed.frame)?;
         let at = vector(point);
         let mut offsets = Vec::with_capacity(self.cloud.len());
         for offset in &self.cloud {
             let there = at + turn * Vector3::from(offset.map(f64::from));
             let there = [there.x as f32, there.y as f32, there.z as f32];
-            let (there, _) = glimpse.camera.project(there, glimpse.frame)?;
+            let (there, _) = posed.camera.project(there, posed.frame)?;
             offsets.push([0, 1].map(|i| (there[i] - center[i]) as f32));
         }
         let jacobian = self.jacobian(&offsets)?;
@@ -107,7 +108,7 @@ impl Appearance {
         let area = a * d - b * c;
         // The inverse of the transposed matrix.
         let gradients = [[d / area, -c / area], [-b / area, a / area]];
-        AREA.contains(&area).then_some(Warp { offsets, gradients })
+        AREA_RATIO.contains(&area).then_some(Warp { offsets, gradients })
     }
 
     /// The linear map that takes the patch's offsets to `offsets`, by weighted least squares.

@@ -1,4 +1,5 @@
-//! A rigid body that is followed by its shape alone: depth of all cameras, registered with what was seen of it at first.
+//! A rigid body that is followed by its shape alone: depth of all cameras, registered with what was
+//! seen of it at first.
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
@@ -25,24 +26,24 @@ pub(crate) struct Body {
     velocity: Vector3<f64>,
 }
 
-/// Fewer points than this are no shape.
-const FEW: usize = 20;
+/// Least points of a shape.
+const MIN_POINTS: usize = 20;
 /// Gauss-Newton steps per frame.
 const STEPS: usize = 20;
-/// Farther from the model than this, a point belongs to something else [m].
-const REACH_M: f64 = 0.05;
+/// Distance from the model beyond which a point belongs to something else [m].
+const MAX_DISTANCE_M: f64 = 0.05;
 /// Distances below this are noise of depth and gaps between surfels [m].
 const NOISE_M: f64 = 0.004;
-/// Shapes whose depth changes by less than this per radian do not tell how they have turned [m]: a ball, a stick about
-/// its axis. They are taken not to turn.
-const LEVER_M: f64 = 0.003;
-/// Share of a point's weight with which the translation stays where it was expected.
-const INERTIA: f64 = 1e-3;
+/// Turns that change a shape's depth by less than this per radian cannot be observed [m]: of a
+/// ball, of a stick about its axis. Such shapes are taken not to turn.
+const MIN_LEVER_M: f64 = 0.003;
+/// Share of a point's weight with which the translation is held where it was expected.
+const PRIOR_WEIGHT: f64 = 1e-3;
 
 impl Body {
-    /// As seen at first; `None` if that is too little.
+    /// A body as it was first seen; `None` if too little was.
     pub(crate) fn new(model: Vec<Surfel>) -> Option<Self> {
-        if model.len() < FEW {
+        if model.len() < MIN_POINTS {
             return None;
         }
         let rows: Vec<[f64; 3]> = model.iter().map(|s| s.at.into()).collect();
@@ -57,7 +58,7 @@ impl Body {
         })
     }
 
-    /// Where a point of the model is now.
+    /// The present place of a point of the model.
     pub(crate) fn to_world(&self, point: Vector3<f64>) -> Vector3<f64> {
         self.rotation * (point - self.center) + self.center + self.translation
     }
@@ -73,8 +74,9 @@ impl Body {
         self.nearest(at).map_or(f64::INFINITY, |surfel| (at - surfel.at).norm())
     }
 
-    /// Moves the body to where its surface was observed, from where its motion would have taken it: robust point-to-plane
-    /// registration. False, and nothing has moved, if too little of it was seen.
+    /// Moves the body to where its surface was observed, from where its motion would have taken it:
+    /// robust point-to-plane registration. False, and nothing has moved, if too little of it was
+    /// seen.
     pub(crate) fn register(&mut self, observed: &[Vector3<f64>]) -> bool {
         let (rotation, translation) = (self.rotation, self.translation);
         self.translation += self.velocity;
@@ -97,8 +99,9 @@ impl Body {
         true
     }
 
-    /// How the observed points, taken to the model, should be turned about its centre and shifted there. `turned` is how far
-    /// they have been turned in this frame, `expected` the translation that was expected.
+    /// The rotation about the model's centre and the translation that bring the observed points,
+    /// taken to the model, nearer to it. `turned` is their rotation so far in this frame,
+    /// `expected` the translation that was expected.
     fn step(
         &self,
         observed: &[Vector3<f64>],
@@ -111,10 +114,10 @@ impl Body {
                 let at = self.to_model(place);
                 let surfel = self.nearest(at)?;
                 let far = (at - surfel.at).norm();
-                (far < REACH_M).then_some((at, surfel, far))
+                (far < MAX_DISTANCE_M).then_some((at, surfel, far))
             })
             .collect();
-        if pairs.len() < FEW {
+        if pairs.len() < MIN_POINTS {
             return None;
         }
         let mut distances: Vec<f64> = pairs.iter().map(|p| p.2).collect();
@@ -137,13 +140,13 @@ impl Body {
             total += weight;
         }
         // Shift s of the observed points moves the body by -rotation · s.
-        let strayed = self.rotation.inverse() * (self.translation - expected);
+        let offset = self.rotation.inverse() * (self.translation - expected);
         for i in 0..3 {
-            let stiff = total * LEVER_M * LEVER_M;
+            let stiff = total * MIN_LEVER_M * MIN_LEVER_M;
             left[(i, i)] += stiff;
             right[i] -= stiff * turned[i];
-            left[(3 + i, 3 + i)] += total * INERTIA;
-            right[3 + i] += total * INERTIA * strayed[i];
+            left[(3 + i, 3 + i)] += total * PRIOR_WEIGHT;
+            right[3 + i] += total * PRIOR_WEIGHT * offset[i];
         }
         let step = left.cholesky()?.solve(&right);
         step.iter()
@@ -158,8 +161,8 @@ impl Body {
     }
 }
 
-/// Parts of a surface that lie more than `gap` metres apart, largest first; those with less than a tenth of the
-/// largest are left out.
+/// Parts of a surface that lie more than `gap` metres apart, largest first; those with less than a
+/// tenth of the largest are left out.
 pub(crate) fn parts(surfels: &[Surfel], gap: f64) -> Vec<Vec<Surfel>> {
     let mut part = vec![usize::MAX; surfels.len()];
     let mut found: Vec<Vec<Surfel>> = Vec::new();

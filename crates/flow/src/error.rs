@@ -1,8 +1,8 @@
-//! Why tracking fails.
+//! Errors of tracking.
 
 use bendtwin_core::{Category, Problem};
 
-/// Why a recording cannot be tracked.
+/// The reason for which a recording cannot be tracked.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// Settings out of range.
@@ -21,7 +21,7 @@ pub enum Error {
         camera: String,
         /// Number of the frame.
         frame: usize,
-        /// Which image.
+        /// The image: colour, depth, or whose mask.
         what: &'static str,
         /// Columns and rows found.
         found: (usize, usize),

@@ -7,27 +7,28 @@ use crate::{
     patch::Patch,
 };
 
-/// Where a point went.
+/// The place that a point moved to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Hit {
+pub(crate) struct FlowMatch {
     /// Column and row in the new frame.
     pub(crate) at: [f64; 2],
-    /// How far from its start it came back [px].
+    /// Distance to its start after tracking there and back [px].
     pub(crate) forward_backward_px: f64,
 }
 
-/// How far a patch may move on one level, in pixels of the level.
-const REACH: f32 = 6.0;
+/// Largest motion of a patch on one level [pixels of the level].
+const MAX_SHIFT: f32 = 6.0;
 
-/// Follows the point at `at` of `before` into `after`. Each of `guesses`, pixels of the new frame, is tried on the two finest
-/// levels and then through the whole pyramid, until one comes back to its start.
+/// Follows the point at `at` of `before` into `after`. Each of `guesses`, pixels of the new frame,
+/// is tried on the two finest levels and then through the whole pyramid, until one comes back to
+/// its start.
 pub(crate) fn follow(
     before: &Layer,
     after: &Layer,
     at: [f64; 2],
     guesses: &[[f64; 2]],
     settings: &FlowSettings,
-) -> Option<Hit> {
+) -> Option<FlowMatch> {
     let window = settings.window_px;
     let levels = before.levels.len().min(after.levels.len());
     for depth in [levels.min(2), levels] {
@@ -41,7 +42,7 @@ pub(crate) fn follow(
             let miss = (back.at[0] - at[0]).hypot(back.at[1] - at[1]);
             let alike = f64::from(there.correlation) >= settings.min_correlation;
             if alike && miss <= settings.max_forward_backward_px {
-                return Some(Hit { at: there.at, forward_backward_px: miss });
+                return Some(FlowMatch { at: there.at, forward_backward_px: miss });
             }
         }
     }
@@ -61,7 +62,7 @@ fn descend(
     let mut found = None;
     for level in (0..levels).rev() {
         let patch = Patch::cut(&before.levels[level], at, window);
-        found = align(&patch, &Warp::none(&patch), &after.levels[level], start, REACH);
+        found = align(&patch, &Warp::translation(&patch), &after.levels[level], start, MAX_SHIFT);
         if let Some(found) = &found {
             start = found.at;
         }

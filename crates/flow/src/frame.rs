@@ -1,4 +1,4 @@
-//! One frame: where every track went.
+//! One step: all tracks from their cameras' last views into a new frame.
 
 use bendtwin_capture::raw::Region;
 use bendtwin_core::Point;
@@ -7,48 +7,49 @@ use rayon::prelude::*;
 
 use crate::{
     FlowSettings,
-    appearance::{Appearance, Glimpse},
-    follow::{Hit, follow},
+    appearance::{Appearance, PosedView},
+    follow::{FlowMatch, follow},
     motion::{Motion, distance},
-    multiview::{Witnesses, contradicts},
+    multi_view::{CrossChecks, contradicts},
     track::Track,
 };
 
-/// What became of a track in a frame.
+/// The update of a track in a frame.
 #[derive(Clone, Debug)]
-pub(crate) enum Found {
+pub(crate) enum TrackUpdate {
     /// Its camera has no such frame.
     Unknown,
-    /// It was not found, or not believed.
+    /// It was not found, or not accepted.
     Hidden {
-        /// Where it should appear, as far as its neighbours know.
+        /// Its expected place by the motion of its neighbours, if that is known.
         at: Option<[f64; 2]>,
     },
     /// It was found.
     Seen(Box<Sighting>),
 }
 
-/// Where a track was found.
+/// The place at which a track was found.
 #[derive(Clone, Debug)]
 pub(crate) struct Sighting {
     pub(crate) at: [f64; 2],
     pub(crate) point: Point,
-    /// How its surroundings have turned since seeding.
+    /// Rotation of its surroundings since seeding.
     pub(crate) rotation: Matrix3<f64>,
-    /// What it looks like now, if it can no longer be recognised by what is known.
+    /// Its present appearance, if it can no longer be recognised by the known ones.
     pub(crate) renewed: Option<Appearance>,
-    /// How far it missed its start, tracked there and back [px], if it was followed from the frame before.
+    /// Distance to its start after tracking there and back [px], if it was followed from the frame
+    /// before.
     pub(crate) forward_backward_px: Option<f64>,
     /// Distance to where its neighbours put it [m], if they do.
     pub(crate) deviation_m: Option<f64>,
 }
 
-/// How far inside its region a point must lie to be believed [px].
-const RIM: u8 = 2;
+/// Least distance from the outline of its region at which a point is accepted [px].
+const MIN_INSET_PX: u8 = 2;
 
 impl Track {
-    /// Takes over what was found.
-    pub(crate) fn see(&mut self, sighting: Sighting) {
+    /// Takes over a sighting.
+    pub(crate) fn apply(&mut self, sighting: Sighting) {
         self.velocity = if self.seen {
             [0, 1, 2].map(|i| f64::from(sighting.point[i] - self.point[i]))
         } else {
@@ -67,33 +68,33 @@ impl Track {
 /// Follows all tracks from their cameras' last views into the views of a new frame.
 pub(crate) fn follow_all(
     tracks: &[Track],
-    before: &[Option<Glimpse<'_>>],
-    now: &[Option<Glimpse<'_>>],
-    witnesses: &Witnesses,
+    before: &[Option<PosedView<'_>>],
+    now: &[Option<PosedView<'_>>],
+    cross_checks: &CrossChecks,
     settings: &FlowSettings,
-) -> Vec<Found> {
+) -> Vec<TrackUpdate> {
     let jump = settings.depth_jump_m as f32;
-    let step = Step { tracks, before, now, witnesses, settings, jump };
-    let hits: Vec<Option<(Hit, Point)>> = tracks.par_iter().map(|t| step.flow(t)).collect();
+    let step = Step { tracks, before, now, cross_checks, settings, jump };
+    let hits: Vec<Option<(FlowMatch, Point)>> = tracks.par_iter().map(|t| step.flow(t)).collect();
     let places: Vec<Option<Point>> = hits.iter().map(|h| h.map(|(_, point)| point)).collect();
     let refined: Vec<Option<Sighting>> =
         tracks.par_iter().zip(&hits).map(|(t, hit)| step.refine(t, *hit, &places)).collect();
     let places: Vec<Option<Point>> = refined.iter().map(|s| s.as_ref().map(|s| s.point)).collect();
-    tracks.par_iter().zip(refined).map(|(t, s)| step.judge(t, s, &places)).collect()
+    tracks.par_iter().zip(refined).map(|(t, s)| step.check(t, s, &places)).collect()
 }
 
 struct Step<'a> {
     tracks: &'a [Track],
-    before: &'a [Option<Glimpse<'a>>],
-    now: &'a [Option<Glimpse<'a>>],
-    witnesses: &'a Witnesses,
+    before: &'a [Option<PosedView<'a>>],
+    now: &'a [Option<PosedView<'a>>],
+    cross_checks: &'a CrossChecks,
     settings: &'a FlowSettings,
     jump: f32,
 }
 
 impl Step<'_> {
-    /// Where a track's pixels moved since the last frame.
-    fn flow(&self, track: &Track) -> Option<(Hit, Point)> {
+    /// Optical flow: the place that a track's pixels moved to since the last frame.
+    fn flow(&self, track: &Track) -> Option<(FlowMatch, Point)> {
         if !track.seen {
             return None;
         }
@@ -133,15 +134,15 @@ impl Step<'_> {
     fn refine(
         &self,
         track: &Track,
-        hit: Option<(Hit, Point)>,
+        hit: Option<(FlowMatch, Point)>,
         places: &[Option<Point>],
     ) -> Option<Sighting> {
         let now = self.now[track.camera]?;
         let motion = track.motion(self.tracks, places, self.settings);
-        let expected = motion.as_ref().map(|m| m.apply(track.home));
+        let expected = motion.as_ref().map(|m| m.apply(track.seed_point));
         let rotation = motion.as_ref().map_or(track.rotation, |m| m.rotation);
         if expected.is_none() && self.tracks.len() > 1 {
-            // Nobody else is seen, or they contradict each other: it would be a guess.
+            // No neighbour is seen, or they contradict each other: it would be a guess.
             return None;
         }
         let near = |point: Point| {
@@ -161,7 +162,8 @@ impl Step<'_> {
         let known = good(&track.first).or_else(|| track.recent.as_ref().and_then(&good));
         let (at, renewed) = match (known, hit) {
             (Some(found), _) => (found.at, None),
-            // Followed as its neighbours were, but too changed to be recognised: from now on by what it looks like now.
+            // Followed as its neighbours were, but too changed to be recognised: from now on by
+            // what it looks like now.
             (None, Some((hit, _))) if expected.is_some() => {
                 let window = self.settings.window_px;
                 let renewed =
@@ -181,7 +183,8 @@ impl Step<'_> {
         })
     }
 
-    /// Where a point that was hidden should be seen again; `None` if it is still behind something.
+    /// The place at which a hidden point should be seen again; `None` if it is still behind
+    /// something.
     fn reappearing(&self, track: &Track, expected: Point) -> Option<[f64; 2]> {
         let now = self.now[track.camera]?;
         let (at, depth) = now.camera.project(expected, now.frame)?;
@@ -189,37 +192,42 @@ impl Step<'_> {
         ((f64::from(seen) - depth).abs() < 1.5 * self.settings.max_deviation_m).then_some(at)
     }
 
-    /// Whether to believe a sighting, now that all are known.
-    fn judge(&self, track: &Track, sighting: Option<Sighting>, places: &[Option<Point>]) -> Found {
-        let Some(now) = self.now[track.camera] else { return Found::Unknown };
+    /// Accepts a sighting or not, now that all are known.
+    fn check(
+        &self,
+        track: &Track,
+        sighting: Option<Sighting>,
+        places: &[Option<Point>],
+    ) -> TrackUpdate {
+        let Some(now) = self.now[track.camera] else { return TrackUpdate::Unknown };
         let motion = track.motion(self.tracks, places, self.settings);
-        let expected = motion.as_ref().map(|m| m.apply(track.home));
-        let believed = sighting.and_then(|s| self.believed(track, s, motion.as_ref()));
-        match believed {
-            Some(sighting) => Found::Seen(Box::new(sighting)),
+        let expected = motion.as_ref().map(|m| m.apply(track.seed_point));
+        let accepted = sighting.and_then(|s| self.accepted(track, s, motion.as_ref()));
+        match accepted {
+            Some(sighting) => TrackUpdate::Seen(Box::new(sighting)),
             None => {
                 let at = expected.and_then(|e| now.camera.project(e, now.frame));
-                Found::Hidden { at: at.map(|(at, _)| at) }
+                TrackUpdate::Hidden { at: at.map(|(at, _)| at) }
             }
         }
     }
 
-    fn believed(
+    fn accepted(
         &self,
         track: &Track,
         sighting: Sighting,
         motion: Option<&Motion>,
     ) -> Option<Sighting> {
         let now = self.now[track.camera]?;
-        let deviation = motion.map(|m| distance(m.apply(track.home), sighting.point));
-        let inside = now.view.inset(sighting.at, track.region) >= RIM
+        let deviation = motion.map(|m| distance(m.apply(track.seed_point), sighting.point));
+        let inside = now.view.inset(sighting.at, track.region) >= MIN_INSET_PX
             && now.view.is_smooth(sighting.at, track.region, self.jump);
         let agrees = deviation.is_none_or(|d| d < self.settings.max_deviation_m);
         let seen_through = self.settings.multi_view
             && track.region == Region::Object
-            && self.witnesses.of(track.camera).filter_map(|other| self.now[other]).any(|other| {
-                contradicts(other, sighting.point, self.settings.multi_view_tolerance_m)
-            });
+            && self.cross_checks.partners(track.camera).filter_map(|other| self.now[other]).any(
+                |other| contradicts(other, sighting.point, self.settings.multi_view_tolerance_m),
+            );
         (inside && agrees && !seen_through)
             .then_some(Sighting { deviation_m: deviation, ..sighting })
     }

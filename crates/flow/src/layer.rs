@@ -1,14 +1,16 @@
 //! One region of an image as a pyramid, free of everything around the region.
 //!
-//! Pixels are kept as colour times coverage and coverage, so that every blur, decimation and interpolation is a normalised
-//! convolution: what lies outside the mask has no weight, at any level. A layer covers the region's bounding box only.
+//! Pixels are kept as colour times coverage and coverage, so that every blur, decimation and
+//! interpolation is a normalised convolution: what lies outside the mask has no weight, at any
+//! level. A layer covers the region's bounding box only.
 
 use bendtwin_capture::raw::ColorImage;
 
 #[cfg(test)]
 mod tests;
 
-/// A pyramid; level `l` has a pixel for every 2^l pixels of the image, the first pixels' centres coincide.
+/// A pyramid; level `l` has a pixel for every 2^l pixels of the image, the first pixels' centres
+/// coincide.
 #[derive(Debug)]
 pub(crate) struct Layer {
     pub(crate) levels: Vec<Level>,
@@ -27,11 +29,12 @@ pub(crate) struct Level {
     pixels: Vec<[f32; 4]>,
 }
 
-/// Coverage below which a sample says nothing.
+/// Least coverage of a sample with a known colour.
 const MIN_COVERAGE: f32 = 0.1;
 
 impl Layer {
-    /// The part of `color` where `inside` is true, blurred by `smoothing` pixels; `None` if there is none.
+    /// The part of `color` where `inside` is true, blurred by `smoothing` pixels; `None` if there
+    /// is none.
     pub(crate) fn new(
         color: &ColorImage,
         inside: &[bool],
@@ -72,7 +75,8 @@ impl Layer {
 }
 
 impl Level {
-    /// Colour at a place of the full image and the coverage there; `None` where the region has no pixel near.
+    /// Colour at a place of the full image and the coverage there; `None` where the region has no
+    /// pixel near.
     #[inline]
     pub(crate) fn sample(&self, at: [f32; 2]) -> Option<([f32; 3], f32)> {
         let x = (at[0] - self.origin[0]) / self.step;

@@ -1,4 +1,5 @@
-//! How a neighbourhood moves: the rigid motion that takes it from one set of places to another, robustly.
+//! Motion of a neighbourhood: the rigid motion that takes it from one set of places to another,
+//! robustly.
 
 use bendtwin_core::Point;
 use nalgebra::{Matrix3, Vector3};
@@ -25,18 +26,18 @@ const ROUNDS: usize = 6;
 const NOISE_M: f64 = 0.002;
 
 impl Motion {
-    /// Where a point ends.
+    /// The place that a point is moved to.
     pub(crate) fn apply(&self, point: Point) -> Point {
         let p = self.rotation * (vector(point) - self.from) + self.to;
         [p.x as f32, p.y as f32, p.z as f32]
     }
 }
 
-/// The motion on which most of the weight agrees (iteratively reweighted Kabsch with Tukey's biweight); `None` if
-/// fewer than four of four or more do.
+/// The motion on which most of the weight agrees (iteratively reweighted Kabsch with Tukey's
+/// biweight); `None` if fewer than four of four or more do.
 ///
-/// `likely` is a rotation to stay near in directions of which the neighbours say nothing: about their line, if they lie on one,
-/// or all if they are too few.
+/// `likely` is a rotation to stay near in directions of which the neighbours say nothing: about
+/// their line, if they lie on one, or all if they are too few.
 pub(crate) fn rigid(pairs: &[Pair], likely: &Matrix3<f64>) -> Option<Motion> {
     let least = pairs.len().min(4);
     if least == 0 {

@@ -1,4 +1,4 @@
-//! What is kept of each frame, and what becomes of it in the end.
+//! The log of each camera's tracks, and the result that is made of it.
 
 use bendtwin_capture::raw::{Region, Tracks};
 
@@ -7,21 +7,21 @@ use crate::{
     quality::{mean_share, median},
 };
 
-/// What was tracked in one camera.
+/// Tracks of one camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraTracks {
-    /// Tracks of the object, then of the manipulator. While a point is not seen, its place is where its neighbours put it,
-    /// or where it was last seen; before it was seeded, where it was seeded.
+    /// Tracks of the object, then of the manipulator. While a point is not seen, its place is where
+    /// its neighbours put it, or where it was last seen; before it was seeded, where it was seeded.
     pub tracks: Tracks,
-    /// What each track lies on, shape [N].
+    /// The region that each track lies on, shape [N].
     pub regions: Vec<Region>,
-    /// How good they are.
+    /// Their quality.
     pub quality: TrackerQuality,
 }
 
-/// What was found in one camera, frame after frame.
+/// Everything found in one camera, frame after frame.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Log {
+pub(crate) struct CameraLog {
     /// Of each track.
     pub(crate) regions: Vec<Region>,
     /// Median texture of the object and of the manipulator.
@@ -35,7 +35,7 @@ pub(crate) struct Log {
     pub(crate) deviations: Vec<f64>,
 }
 
-impl Log {
+impl CameraLog {
     /// The next track of the frame that is being logged.
     pub(crate) fn push(&mut self, at: [f64; 2], visible: bool) {
         self.points.push(at.map(|v| v as f32));
@@ -74,7 +74,7 @@ impl Log {
             object_texture: self.textures[0],
             manipulator_texture: self.textures[1],
             verdict,
-            summary: verdict.words(camera, &self.contradicted_by),
+            summary: verdict.summary(camera, &self.contradicted_by),
             contradicted_by: self.contradicted_by,
         };
         CameraTracks { tracks: Tracks { count, points, visible }, regions: self.regions, quality }

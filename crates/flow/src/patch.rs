@@ -2,7 +2,7 @@
 
 use crate::layer::Level;
 
-/// What a point looked like.
+/// The pixels around a point.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
     /// The pixels of the window that show the point's region.
@@ -66,8 +66,8 @@ impl Patch {
         Self { samples, support: found / possible }
     }
 
-    /// Root mean square of the gradient in the direction in which it is weakest, per pixel, summed over channels: how well
-    /// the patch can be located.
+    /// Root mean square of the gradient in the direction in which it is weakest, per pixel, summed
+    /// over channels: how well the patch can be located.
     pub(crate) fn texture(&self) -> f32 {
         let (mut xx, mut xy, mut yy, mut weights) = (0.0, 0.0, 0.0, 0.0);
         for sample in &self.samples {

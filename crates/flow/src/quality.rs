@@ -1,8 +1,8 @@
-//! How good tracks are, from the tracker's own evidence.
+//! Quality of tracks, from the tracker's own evidence.
 
 use serde::{Deserialize, Serialize};
 
-/// What the tracker says of its tracks in one camera.
+/// Quality of the tracks in one camera.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrackerQuality {
     /// Points seeded on the object.
@@ -13,38 +13,41 @@ pub struct TrackerQuality {
     pub object_survivors: Vec<usize>,
     /// Points of the manipulator that are tracked in each frame, shape [T].
     pub manipulator_survivors: Vec<usize>,
-    /// By what the manipulator's points are followed; `None` if there are none.
+    /// The cue by which the manipulator's points are followed; `None` if there are none.
     pub manipulator_guide: Option<Guide>,
-    /// Median over all tracked points and frames: how far a point tracked to the next frame and back misses its start [px].
+    /// Median over all tracked points and frames of the distance to its start of a point that is
+    /// tracked to the next frame and back [px].
     pub forward_backward_px: Option<f64>,
-    /// Median over all tracked points and frames: how far a point lies from where the rigid motion of its neighbours puts it [m].
+    /// Median over all tracked points and frames of a point's distance from where the rigid motion
+    /// of its neighbours puts it [m].
     pub deviation_m: Option<f64>,
-    /// Median over all places of the object where seeds could lie: root mean square of the gradient in the direction in which
-    /// it is weakest [grey levels of 255 per px].
+    /// Median over all places of the object where seeds could lie: root mean square of the gradient
+    /// in the direction in which it is weakest [grey levels of 255 per px].
     pub object_texture: Option<f64>,
     /// The same for the manipulator.
     pub manipulator_texture: Option<f64>,
-    /// Cameras in which background, or something farther away, is seen where more than three of ten of this camera's points are
-    /// in the first frame. They were not asked about its points any more.
+    /// Cameras in which background, or something farther away, is seen where more than three of ten
+    /// of this camera's points are in the first frame. Its points were not checked against them any
+    /// more.
     pub contradicted_by: Vec<usize>,
-    /// What is to be thought of the object's texture.
+    /// Judgement of the object's texture.
     pub verdict: Texture,
     /// The verdict and what to do, in words.
     pub summary: String,
 }
 
-/// By what points are followed.
+/// The cue by which points are followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Guide {
     /// Each by its own texture.
     Texture,
-    /// All of a rigid part by the part's shape: a hand in a plain glove, a smooth gripper. How they turn about
-    /// an axis of symmetry remains unknown.
+    /// All of a rigid part by the part's shape: a hand in a plain glove, a smooth gripper. Rotation
+    /// about an axis of symmetry remains unknown.
     Shape,
 }
 
-/// What is to be thought of a texture.
+/// Judgement of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Texture {
@@ -58,24 +61,26 @@ pub enum Texture {
     None,
 }
 
-/// Texture from which most points are located to a tenth of a pixel in images with the usual noise of two grey levels.
-const GOOD: f64 = 6.0;
+/// Texture from which most points are located to a tenth of a pixel in images with the usual noise
+/// of two grey levels.
+const GOOD_TEXTURE: f64 = 6.0;
 
 impl Texture {
-    /// Of a surface with a median texture, of whose seeds a share is tracked on average over the frames.
+    /// Of a surface with a median texture, of whose seeds a share is tracked on average over the
+    /// frames.
     pub(crate) fn judge(texture: Option<f64>, seeded: usize, kept: f64, min_texture: f64) -> Self {
         match texture {
             _ if seeded == 0 => Self::None,
             None => Self::None,
             Some(texture) if texture < min_texture => Self::Poor,
             Some(_) if kept < 0.1 => Self::Poor,
-            Some(texture) if texture < GOOD || kept < 0.25 => Self::Fair,
+            Some(texture) if texture < GOOD_TEXTURE || kept < 0.25 => Self::Fair,
             Some(_) => Self::Good,
         }
     }
 
     /// The verdict in words.
-    pub(crate) fn words(self, camera: &str, contradicted_by: &[usize]) -> String {
+    pub(crate) fn summary(self, camera: &str, contradicted_by: &[usize]) -> String {
         let advice = match self {
             Self::Good => "good texture: tracks can be relied on",
             Self::Fair => {

@@ -1,11 +1,12 @@
-//! Where points are seeded: well inside a region, on one surface, where texture has two directions, spread evenly.
+//! Seeding of points: well inside a region, on one surface, where texture has two directions,
+//! spread evenly.
 
 use bendtwin_capture::raw::Region;
 use rayon::prelude::*;
 
 use crate::{FlowSettings, patch::Patch, view::View};
 
-/// A place worth following.
+/// A place from which a point is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seed {
     /// Column and row.
@@ -14,10 +15,10 @@ pub(crate) struct Seed {
     pub(crate) texture: f32,
 }
 
-/// How far from its region's rim a seed must lie [px].
-pub(crate) const RIM: u8 = 3;
+/// Least distance of a seed from the outline of its region [px].
+pub(crate) const MIN_INSET_PX: u8 = 3;
 
-/// What was found in one region of one view.
+/// The seeds in one region of one view.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Seeds {
     /// Best texture first.
@@ -33,8 +34,8 @@ impl Seeds {
     }
 }
 
-/// Seeds in `region`: best first, none nearer to a better one than the minimum distance, which grows until
-/// there are no more than allowed.
+/// Seeds in `region`: best first, none nearer to a better one than the minimum distance, which
+/// grows until there are no more than allowed.
 pub(crate) fn seeds(view: &View, region: Region, settings: &FlowSettings) -> Seeds {
     let Some(level) = view.layer(region).and_then(|layer| layer.levels.first()) else {
         return Seeds::default();
@@ -81,7 +82,7 @@ fn most(region: Region, settings: &FlowSettings) -> usize {
 /// Pixels well inside a region, on one surface.
 fn places(view: &View, region: Region, settings: &FlowSettings) -> Vec<[f64; 2]> {
     let jump = settings.depth_jump_m as f32;
-    let mut places = view.places(region, RIM, usize::MAX);
+    let mut places = view.places(region, MIN_INSET_PX, usize::MAX);
     places.retain(|&at| view.is_smooth(at, region, jump));
     places
 }

@@ -1,4 +1,4 @@
-//! What a user may choose about the tracker.
+//! Settings of the tracker.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,27 +14,29 @@ pub struct FlowSettings {
     pub min_distance_px: f64,
     /// Side of the square patch that is matched [px], odd.
     pub window_px: usize,
-    /// Levels of the image pyramid; motions up to about `window_px · 2^(levels - 2)` between frames are found.
+    /// Levels of the image pyramid; motions up to about `window_px · 2^(levels - 2)` between frames
+    /// are found.
     pub levels: usize,
     /// Standard deviation of the blur before anything else [px]: hides pixel noise and aliasing.
     pub smoothing_px: f64,
-    /// Least root mean square of the gradient in its weakest direction for a seed [grey levels of 255 per px].
+    /// Least root mean square of the gradient in its weakest direction for a seed [grey levels of
+    /// 255 per px].
     pub min_texture: f64,
-    /// How far a point may return from where it came, tracked there and back [px].
+    /// Largest distance of a point from its start, tracked there and back [px].
     pub max_forward_backward_px: f64,
     /// Least correlation between a point's patch and the image.
     pub min_correlation: f64,
-    /// How many neighbours tell how a point's surroundings move.
+    /// Number of neighbours by which the motion of a point's surroundings is known.
     pub neighbours: usize,
-    /// Within which distance they are sought at first [m].
+    /// Distance within which they are sought at first [m].
     pub neighbour_radius_m: f64,
-    /// How far a point may be from where its neighbours' rigid motion puts it [m].
+    /// Largest distance of a point from where its neighbours' rigid motion puts it [m].
     pub max_deviation_m: f64,
     /// A step in depth that separates two surfaces [m].
     pub depth_jump_m: f64,
-    /// Whether points must agree with the masks and depth of the other cameras.
+    /// True if points must agree with the masks and depth of the other cameras.
     pub multi_view: bool,
-    /// How far in front of another camera's depth a point may lie [m].
+    /// Largest distance of a point in front of another camera's depth [m].
     pub multi_view_tolerance_m: f64,
 }
 

@@ -141,7 +141,7 @@ fn a_plain_manipulator_is_followed_by_its_shape() {
 }
 
 #[test]
-fn says_that_there_is_no_texture() {
+fn a_lack_of_texture_is_reported() {
     let found = &tracked(&Scene { contrast: 0.0, ..Scene::default() }.recording())[0];
     assert_eq!(found.tracks.count, 0);
     assert_eq!(found.quality.verdict, Texture::None);
@@ -150,7 +150,7 @@ fn says_that_there_is_no_texture() {
 }
 
 #[test]
-fn says_how_good_texture_is() {
+fn texture_is_graded() {
     let verdict = |contrast| {
         let scene = Scene { contrast, velocity: [0.001, 0.0, 0.0], ..Scene::default() };
         tracked(&scene.recording())[0].quality.verdict
@@ -191,7 +191,7 @@ fn cameras_agree_with_each_other() {
 }
 
 #[test]
-fn a_camera_that_stands_elsewhere_is_named_and_not_asked() {
+fn a_camera_that_stands_elsewhere_is_named_and_excluded() {
     let others = vec![[0.05, 0.0, 0.0]];
     let mut recording = Scene { others, ..Scene::default() }.recording();
     recording.cameras[1].poses[0].translation[1] += 0.08;

@@ -17,16 +17,16 @@ pub(crate) struct Track {
     pub(crate) camera: usize,
     pub(crate) region: Region,
     /// Frame in which it was seeded.
-    pub(crate) born: usize,
-    /// Where it was then [m].
-    pub(crate) home: Point,
+    pub(crate) first_frame: usize,
+    /// Place in the world in that frame [m].
+    pub(crate) seed_point: Point,
     /// Other tracks seeded near it in the same frame, by any camera.
     pub(crate) neighbours: Vec<u32>,
-    /// What it looked like when it was seeded.
+    /// Its appearance when it was seeded.
     pub(crate) first: Appearance,
-    /// What it looked like when it could no longer be recognised by that.
+    /// Its appearance when it could no longer be recognised by that.
     pub(crate) recent: Option<Appearance>,
-    /// How its surroundings have turned since it was seeded.
+    /// Rotation of its surroundings since it was seeded.
     pub(crate) rotation: Matrix3<f64>,
     /// Column and row, when it was last seen.
     pub(crate) at: [f64; 2],
@@ -34,12 +34,12 @@ pub(crate) struct Track {
     pub(crate) point: Point,
     /// Motion from frame to frame, when it was last seen [m].
     pub(crate) velocity: [f64; 3],
-    /// Whether it was seen in its camera's last frame.
+    /// True if it was seen in its camera's last frame.
     pub(crate) seen: bool,
 }
 
-/// Joins each of the tracks from `first` on, all seeded in one frame, with neighbours among them: of those of its
-/// region within the radius a subset that is as spread as they are.
+/// Joins each of the tracks from `first` on, all seeded in one frame, with neighbours among them:
+/// of those of its region within the radius a subset that is as spread as they are.
 pub(crate) fn join(tracks: &mut [Track], first: usize, settings: &FlowSettings) {
     let radius = settings.neighbour_radius_m;
     let joined: Vec<Vec<u32>> = (first..tracks.len())
@@ -47,7 +47,7 @@ pub(crate) fn join(tracks: &mut [Track], first: usize, settings: &FlowSettings) 
             let here = &tracks[i];
             let mut near: Vec<(f64, usize)> = (first..tracks.len())
                 .filter(|&j| j != i && tracks[j].region == here.region)
-                .map(|j| (distance(here.home, tracks[j].home), j))
+                .map(|j| (distance(here.seed_point, tracks[j].seed_point), j))
                 .filter(|(distance, _)| *distance < radius)
                 .collect();
             near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -60,14 +60,15 @@ pub(crate) fn join(tracks: &mut [Track], first: usize, settings: &FlowSettings) 
     }
 }
 
-/// Fewer than this many neighbours cannot outvote a wrong one.
-const FEW: usize = 4;
-/// How many tracks stand in for neighbours that are not seen.
-const DISTANT: usize = 12;
+/// Least neighbours that can outvote a wrong one.
+const MIN_NEIGHBOURS: usize = 4;
+/// Number of tracks that stand in for neighbours that are not seen.
+const MAX_SUBSTITUTES: usize = 12;
 
 impl Track {
-    /// How its neighbours have moved since seeding, where `now` has the place of every track that is seen. Where too few of them
-    /// are, the nearest that are seen stand in for them, so that a place that was hidden as a whole can be found again.
+    /// The rigid motion of its neighbours since seeding; `now` has the place of every track that is
+    /// seen. If too few of them are, the nearest that are seen stand in for them, so that a place
+    /// that was hidden as a whole can be found again.
     pub(crate) fn motion(
         &self,
         tracks: &[Track],
@@ -75,19 +76,21 @@ impl Track {
         settings: &FlowSettings,
     ) -> Option<Motion> {
         let pair = |j: usize| {
-            let before = tracks[j].home;
-            Some((distance(before, self.home), before, now[j]?))
+            let before = tracks[j].seed_point;
+            Some((distance(before, self.seed_point), before, now[j]?))
         };
         let mut pairs: Vec<_> = self.neighbours.iter().filter_map(|&j| pair(j as usize)).collect();
         let mut spread = 0.5 * settings.neighbour_radius_m;
-        if pairs.len() < FEW {
+        if pairs.len() < MIN_NEIGHBOURS {
             pairs = (0..tracks.len())
-                .filter(|&j| tracks[j].region == self.region && tracks[j].born == self.born)
+                .filter(|&j| {
+                    tracks[j].region == self.region && tracks[j].first_frame == self.first_frame
+                })
                 .filter(|&j| !std::ptr::eq(self, &tracks[j]))
                 .filter_map(pair)
                 .collect();
             pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-            pairs.truncate(DISTANT);
+            pairs.truncate(MAX_SUBSTITUTES);
             spread = spread.max(pairs.first().map_or(0.0, |nearest| nearest.0));
         }
         let weight = |far: f64| (-0.5 * (far / spread).powi(2)).exp();

@@ -1,4 +1,5 @@
-//! Frame after frame: reads all cameras side by side, follows all points, keeps what was found.
+//! The tracker, frame after frame: reads all cameras side by side, follows all points, logs what it
+//! finds.
 
 use bendtwin_capture::raw::{Camera, Frames, Recording, Region};
 use bendtwin_core::CancelToken;
@@ -7,24 +8,26 @@ use rayon::prelude::*;
 
 use crate::{
     CameraTracks, Error, FlowSettings, Guide,
-    appearance::{Appearance, Glimpse},
-    carried::Carriers,
-    frame::{Found, follow_all},
-    multiview::Witnesses,
-    outcome::Log,
+    appearance::{Appearance, PosedView},
+    frame::{TrackUpdate, follow_all},
+    multi_view::CrossChecks,
+    outcome::CameraLog,
     seed::{Seed, seeds},
+    shape_tracking::ShapeTracker,
     track::{Track, join},
     view::View,
 };
 
-/// Tracks the points of all cameras of a recording; element `c` belongs to camera `c`. `progress` is called after each frame
-/// with the number of frames that are done and of all frames. Two frames of each camera are in memory at a time.
+/// Tracks the points of all cameras of a recording; element `c` belongs to camera `c`. `progress`
+/// is called after each frame with the number of frames that are done and of all frames. Two frames
+/// of each camera are in memory at a time.
 ///
-/// Points are seeded in the first frame that a camera has. The manipulator's points are followed by their texture, or, where it
-/// has none, by its shape.
+/// Points are seeded in the first frame that a camera has. The manipulator's points are followed by
+/// their texture, or, where it has none, by its shape.
 ///
 /// # Errors
-/// If settings are out of range, frames are damaged or of another size than their camera, or `cancel` was called.
+/// If settings are out of range, frames are damaged or of another size than their camera, or
+/// `cancel` was called.
 pub fn track(
     recording: &Recording,
     settings: &FlowSettings,
@@ -48,13 +51,14 @@ pub fn track(
     Ok(state.finish())
 }
 
-/// The same settings with no more points than a usual machine can follow in as many cameras and keep over as many frames.
+/// The same settings with no more points than a usual machine can follow in as many cameras and
+/// keep over as many frames.
 fn affordable(settings: &FlowSettings, cameras: usize, frames: usize) -> FlowSettings {
     /// Points in all cameras together; each keeps about 25 kB.
-    const POINTS: usize = 6_000;
+    const MAX_POINTS: usize = 6_000;
     /// Points times frames; each keeps about 25 bytes.
-    const SIGHTINGS: usize = 20_000_000;
-    let most = POINTS.min(SIGHTINGS / frames.max(1)) / cameras.max(1);
+    const MAX_POINT_FRAMES: usize = 20_000_000;
+    let most = MAX_POINTS.min(MAX_POINT_FRAMES / frames.max(1)) / cameras.max(1);
     let manipulator = settings.max_manipulator_points.min(most / 4);
     FlowSettings {
         max_object_points: settings.max_object_points.min(most - manipulator),
@@ -76,20 +80,20 @@ fn read(
         .collect()
 }
 
-/// All that is known after some frames.
+/// The tracker's state after some frames.
 struct State<'a> {
     recording: &'a Recording,
     settings: &'a FlowSettings,
     /// Each camera's last view, and its frame.
     views: Vec<Option<(usize, View)>>,
     tracks: Vec<Track>,
-    carriers: Carriers,
-    witnesses: Witnesses,
-    logs: Vec<Log>,
+    shape_tracker: ShapeTracker,
+    cross_checks: CrossChecks,
+    logs: Vec<CameraLog>,
 }
 
-/// Fewer textured points than this in all cameras do not tell how a manipulator moves.
-const FEW: usize = 30;
+/// Least textured points in all cameras by which a manipulator's motion can be known.
+const MIN_TEXTURED_POINTS: usize = 30;
 
 impl<'a> State<'a> {
     fn new(recording: &'a Recording, settings: &'a FlowSettings) -> Self {
@@ -99,9 +103,9 @@ impl<'a> State<'a> {
             settings,
             views: (0..cameras).map(|_| None).collect(),
             tracks: Vec::new(),
-            carriers: Carriers::default(),
-            witnesses: Witnesses::new(cameras),
-            logs: vec![Log::default(); cameras],
+            shape_tracker: ShapeTracker::default(),
+            cross_checks: CrossChecks::new(cameras),
+            logs: vec![CameraLog::default(); cameras],
         }
     }
 
@@ -111,40 +115,40 @@ impl<'a> State<'a> {
         let now: Vec<_> = views
             .iter()
             .zip(cameras)
-            .map(|(view, camera)| view.as_ref().map(|view| Glimpse { view, camera, frame }))
+            .map(|(view, camera)| view.as_ref().map(|view| PosedView { view, camera, frame }))
             .collect();
-        let found = follow_all(&self.tracks, &before, &now, &self.witnesses, self.settings);
-        self.carriers.advance(&now, self.settings);
+        let found = follow_all(&self.tracks, &before, &now, &self.cross_checks, self.settings);
+        self.shape_tracker.advance(&now, self.settings);
         for (track, found) in self.tracks.iter_mut().zip(found) {
             let log = &mut self.logs[track.camera];
             match found {
-                Found::Unknown => log.push(track.at, false),
-                Found::Hidden { at } => {
+                TrackUpdate::Unknown => log.push(track.at, false),
+                TrackUpdate::Hidden { at } => {
                     track.seen = false;
                     log.push(at.unwrap_or(track.at), false);
                 }
-                Found::Seen(sighting) => {
+                TrackUpdate::Seen(sighting) => {
                     log.forward_backward.extend(sighting.forward_backward_px);
                     log.deviations.extend(sighting.deviation_m);
                     log.push(sighting.at, true);
-                    track.see(*sighting);
+                    track.apply(*sighting);
                 }
             }
         }
-        for point in &self.carriers.points {
+        for point in &self.shape_tracker.points {
             self.logs[point.camera].push(point.at, point.seen && now[point.camera].is_some());
         }
-        let fresh: Vec<(usize, Glimpse<'_>)> = now
+        let fresh: Vec<(usize, PosedView<'_>)> = now
             .iter()
             .enumerate()
             .filter(|(camera, _)| self.views[*camera].is_none())
-            .filter_map(|(camera, glimpse)| Some((camera, (*glimpse)?)))
+            .filter_map(|(camera, posed)| Some((camera, (*posed)?)))
             .collect();
         let first = self.tracks.len();
         self.seed(&fresh);
         for (camera, _) in fresh {
             let tolerance_m = self.settings.multi_view_tolerance_m;
-            self.witnesses.examine(camera, &self.tracks[first..], &now, tolerance_m);
+            self.cross_checks.screen(camera, &self.tracks[first..], &now, tolerance_m);
         }
         for (kept, view) in self.views.iter_mut().zip(views) {
             if let Some(view) = view {
@@ -154,26 +158,28 @@ impl<'a> State<'a> {
     }
 
     /// Seeds the points of cameras in the first frame that they have.
-    fn seed(&mut self, fresh: &[(usize, Glimpse<'_>)]) {
+    fn seed(&mut self, fresh: &[(usize, PosedView<'_>)]) {
         let first = self.tracks.len();
-        let carried = self.carriers.points.len();
+        let carried = self.shape_tracker.points.len();
         let mut hands = Vec::new();
-        for &(camera, glimpse) in fresh {
-            let object = seeds(glimpse.view, Region::Object, self.settings);
-            let hand = seeds(glimpse.view, Region::Manipulator, self.settings);
+        for &(camera, posed) in fresh {
+            let object = seeds(posed.view, Region::Object, self.settings);
+            let hand = seeds(posed.view, Region::Manipulator, self.settings);
             self.logs[camera].textures = [object.median_texture(), hand.median_texture()];
-            self.sow(camera, glimpse, Region::Object, &object.seeds);
+            self.start_tracks(camera, posed, Region::Object, &object.seeds);
             hands.push(hand.seeds);
         }
-        if self.carriers.points.is_empty() && hands.iter().map(Vec::len).sum::<usize>() >= FEW {
-            for (&(camera, glimpse), seeds) in fresh.iter().zip(&hands) {
+        if self.shape_tracker.points.is_empty()
+            && hands.iter().map(Vec::len).sum::<usize>() >= MIN_TEXTURED_POINTS
+        {
+            for (&(camera, posed), seeds) in fresh.iter().zip(&hands) {
                 self.logs[camera].guide = Some(Guide::Texture);
-                self.sow(camera, glimpse, Region::Manipulator, seeds);
+                self.start_tracks(camera, posed, Region::Manipulator, seeds);
             }
         } else {
-            self.carriers.seed(fresh, self.settings);
+            self.shape_tracker.seed(fresh, self.settings);
         }
-        for point in &self.carriers.points[carried..] {
+        for point in &self.shape_tracker.points[carried..] {
             let log = &mut self.logs[point.camera];
             log.guide = Some(Guide::Shape);
             log.regions.push(Region::Manipulator);
@@ -183,31 +189,37 @@ impl<'a> State<'a> {
     }
 
     /// Begins to follow textured points.
-    fn sow(&mut self, camera: usize, glimpse: Glimpse<'_>, region: Region, seeds: &[Seed]) {
+    fn start_tracks(
+        &mut self,
+        camera: usize,
+        posed: PosedView<'_>,
+        region: Region,
+        seeds: &[Seed],
+    ) {
         let (window, jump) = (self.settings.window_px, self.settings.depth_jump_m as f32);
         let upright = Matrix3::identity();
-        let born: Vec<Option<Track>> = seeds
+        let started: Vec<Option<Track>> = seeds
             .par_iter()
             .map(|seed| {
-                let home = glimpse.lift(seed.at, region, jump)?;
-                let first = Appearance::new(glimpse, seed.at, region, upright, window, jump)?;
+                let seed_point = posed.lift(seed.at, region, jump)?;
+                let first = Appearance::new(posed, seed.at, region, upright, window, jump)?;
                 Some(Track {
                     camera,
                     region,
-                    born: glimpse.frame,
-                    home,
+                    first_frame: posed.frame,
+                    seed_point,
                     neighbours: Vec::new(),
                     first,
                     recent: None,
                     rotation: upright,
                     at: seed.at,
-                    point: home,
+                    point: seed_point,
                     velocity: [0.0; 3],
                     seen: true,
                 })
             })
             .collect();
-        for track in born.into_iter().flatten() {
+        for track in started.into_iter().flatten() {
             self.logs[camera].regions.push(region);
             self.logs[camera].push(track.at, true);
             self.tracks.push(track);
@@ -216,7 +228,7 @@ impl<'a> State<'a> {
 
     fn finish(mut self) -> Vec<CameraTracks> {
         for (camera, log) in self.logs.iter_mut().enumerate() {
-            log.contradicted_by = self.witnesses.unfit_for(camera);
+            log.contradicted_by = self.cross_checks.excluded_for(camera);
         }
         let (frames, least) = (self.recording.frame_count, self.settings.min_texture);
         let cameras = &self.recording.cameras;
@@ -225,13 +237,16 @@ impl<'a> State<'a> {
     }
 }
 
-/// What each camera saw last.
-fn last<'a>(cameras: &'a [Camera], views: &'a [Option<(usize, View)>]) -> Vec<Option<Glimpse<'a>>> {
+/// The last view of each camera.
+fn last<'a>(
+    cameras: &'a [Camera],
+    views: &'a [Option<(usize, View)>],
+) -> Vec<Option<PosedView<'a>>> {
     views
         .iter()
         .zip(cameras)
         .map(|(view, camera)| {
-            view.as_ref().map(|(frame, view)| Glimpse { view, camera, frame: *frame })
+            view.as_ref().map(|(frame, view)| PosedView { view, camera, frame: *frame })
         })
         .collect()
 }

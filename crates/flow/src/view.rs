@@ -1,5 +1,5 @@
-//! What one camera sees in one frame, prepared for tracking: layers of colour, smoothed depth, and how far inside its
-//! region each pixel lies.
+//! One camera's images of one frame, prepared for tracking: layers of colour, smoothed depth, and
+//! the distance of each pixel from the outline of its region.
 
 use std::ops::Range;
 
@@ -17,15 +17,16 @@ pub(crate) struct View {
     pub(crate) object: Option<Layer>,
     /// The manipulator's colours; `None` if it is not in the image.
     pub(crate) manipulator: Option<Layer>,
-    /// Which region each pixel shows.
+    /// The region that each pixel shows.
     labels: Image<Option<Region>>,
-    /// Distance to the nearest pixel of another region [px], at most [`FAR`].
+    /// Distance to the nearest pixel of another region [px], at most [`MAX_INSET_PX`].
     insets: Vec<u8>,
     /// Depth without its noise [m], 0 where nothing was measured; smoothed within a surface only.
     depth: DepthImage,
 }
 
-const FAR: u8 = 255;
+/// Largest distance that is represented [px].
+const MAX_INSET_PX: u8 = 255;
 
 impl View {
     /// Reads and prepares a frame; `None` if it was not recorded, or has no mask of the object.
@@ -99,9 +100,11 @@ impl View {
         [self.labels.width, self.labels.height]
     }
 
-    /// Pixels at least `rim` inside of a region: about `count` of them on a square grid, or all if there are fewer.
-    pub(crate) fn places(&self, region: Region, rim: u8, count: usize) -> Vec<[f64; 2]> {
-        let inside = |i: &usize| self.labels.pixels[*i] == Some(region) && self.insets[*i] >= rim;
+    /// Pixels at least `min_inset` inside of a region: about `count` of them on a square grid, or
+    /// all if there are fewer.
+    pub(crate) fn places(&self, region: Region, min_inset: u8, count: usize) -> Vec<[f64; 2]> {
+        let inside =
+            |i: &usize| self.labels.pixels[*i] == Some(region) && self.insets[*i] >= min_inset;
         let all = (0..self.insets.len()).filter(inside).count();
         let stride = ((all as f64 / count.max(1) as f64).sqrt().floor() as usize).max(1);
         let width = self.labels.width;
@@ -112,20 +115,22 @@ impl View {
             .collect()
     }
 
-    /// Whether any pixel within `radius` of a place shows a region; beyond the image, nothing is shown.
+    /// True if any pixel within `radius` of a place shows a region; beyond the image, nothing is
+    /// shown.
     pub(crate) fn shows_near(&self, at: [f64; 2], radius: usize) -> bool {
         let Some([rows, columns]) = self.square(at, radius) else { return false };
         rows.into_iter().any(|r| self.labels.row(r)[columns.clone()].iter().any(Option::is_some))
     }
 
-    /// How far inside `region` a place lies [px]; 0 outside of it.
+    /// Distance of a place inside `region` from its outline [px]; 0 outside.
     pub(crate) fn inset(&self, at: [f64; 2], region: Region) -> u8 {
         let Some([column, row]) = self.nearest(at) else { return 0 };
         let i = row * self.labels.width + column;
         if self.labels.pixels[i] == Some(region) { self.insets[i] } else { 0 }
     }
 
-    /// Depth of `region` at a sub-pixel place [m], interpolated within one surface. `None` where nothing was measured.
+    /// Depth of `region` at a sub-pixel place [m], interpolated within one surface. `None` where
+    /// nothing was measured.
     pub(crate) fn depth(&self, at: [f64; 2], region: Region, jump: f32) -> Option<f32> {
         let [column, row] = self.nearest(at)?;
         let label = |c: usize, r: usize| self.labels.get(c, r).flatten();
@@ -153,7 +158,7 @@ impl View {
         Some(if weights > 0.0 { sum / weights } else { here })
     }
 
-    /// Whether a place lies on one surface: all that was measured beside it is about as deep.
+    /// True if a place lies on one surface: all that was measured beside it is about as deep.
     pub(crate) fn is_smooth(&self, at: [f64; 2], region: Region, jump: f32) -> bool {
         let Some(here) = self.depth(at, region, jump) else { return false };
         let Some([mut rows, columns]) = self.square(at, 1) else { return false };
@@ -163,7 +168,8 @@ impl View {
         })
     }
 
-    /// The smallest depth of whatever is seen within `radius` pixels of a place [m], `None` where nothing was measured.
+    /// The smallest depth of whatever is seen within `radius` pixels of a place [m], `None` where
+    /// nothing was measured.
     pub(crate) fn nearest_depth_near(&self, at: [f64; 2], radius: usize) -> Option<f32> {
         let [rows, columns] = self.square(at, radius)?;
         rows.flat_map(|row| self.depth.row(row)[columns.clone()].iter().copied())
@@ -192,7 +198,7 @@ impl View {
 /// City-block distance to the nearest pixel with another label, in two sweeps.
 fn insets(labels: &Image<Option<Region>>) -> Vec<u8> {
     let (width, height) = (labels.width, labels.height);
-    let mut distance = vec![FAR; width * height];
+    let mut distance = vec![MAX_INSET_PX; width * height];
     let mut relax = |i: usize, other: usize| {
         let through = if labels.pixels[i] == labels.pixels[other] {
             distance[other].saturating_add(1)
@@ -220,7 +226,8 @@ fn insets(labels: &Image<Option<Region>>) -> Vec<u8> {
     distance
 }
 
-/// Mean of the 5 x 5 neighbours of the same region that lie within `jump` of a pixel, itself included.
+/// Mean of the 5 x 5 neighbours of the same region that lie within `jump` of a pixel, itself
+/// included.
 fn smoothed(depth: &DepthImage, labels: &Image<Option<Region>>, jump: f32) -> DepthImage {
     const HALF: usize = 2;
     let (width, height) = (depth.width, depth.height);

@@ -7,7 +7,8 @@ use std::path::Path;
 
 use bendtwin_capture::{self as capture, Limits, Opened, raw::Recording};
 use bendtwin_core::{
-    CancelToken, Capture, Fault, Observer, ObserverError, Problem, settings::ingest::IngestSettings,
+    CancelToken, Capture, Fault, Finding, Observer, ObserverError, Problem, Severity,
+    settings::ingest::IngestSettings,
 };
 use bendtwin_inspect::{Inspection, Lifted, Report, inspect, inspect_observed};
 use bendtwin_lift::lift;
@@ -47,7 +48,7 @@ pub fn ingest(
         Ok(Opened::Observed(capture, notes)) => {
             let mut seen = inspect_observed(&capture);
             name.clone_into(&mut seen.name);
-            seen.add(notes.into_iter().map(Into::into));
+            seen.add(notes);
             let usable = seen.check_report().require();
             let capture = usable.map(|()| capture).map_err(|e| e.fault());
             Ok(Observed { capture, report: Report::new(seen, None) })
@@ -109,13 +110,8 @@ pub fn unread(name: &str, fault: &Fault) -> Observed {
     Observed { capture: Err(fault.clone()), report: Report::new(seen, None) }
 }
 
-fn error_of(fault: &Fault) -> bendtwin_inspect::Finding {
-    let finding = capture::Finding {
-        severity: capture::Severity::Error,
-        code: fault.reason.clone(),
-        message: fault.message.clone(),
-    };
-    finding.into()
+fn error_of(fault: &Fault) -> Finding {
+    Finding::from_sentence(Severity::Error, &fault.reason, fault.message.clone())
 }
 
 /// Errors call the capture by its name: its path here is a temporary file's, which tells nobody anything.

@@ -1,14 +1,15 @@
-//! Every code that a report of a recording can contain, in the order in which faults are worth repairing: a file that
-//! cannot be read comes before a calibration, a calibration before what is measured with it.
+//! Every code that a report of a recording can contain, in the order in which faults are worth
+//! repairing: a file that cannot be read comes before a calibration, a calibration before what is
+//! measured with it.
 
-/// A code and what it asks of the recording's owner.
+/// A code with its meaning and its advice to the recording's owner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Code {
     /// Stable UPPER_SNAKE_CASE word.
     pub name: &'static str,
-    /// What is wrong, in a few words.
+    /// The fault, in a few words.
     pub meaning: &'static str,
-    /// What to do.
+    /// The advice: what to do.
     pub advice: &'static str,
 }
 
@@ -16,8 +17,8 @@ const fn code(name: &'static str, meaning: &'static str, advice: &'static str) -
     Code { name, meaning, advice }
 }
 
-/// All codes of recordings. Observed captures have the codes of `bendtwin_capture::check`; damaged files have the
-/// reader's reason.
+/// All codes of recordings. Observed captures have the codes of `bendtwin_capture::check`; damaged
+/// files have the reader's reason.
 pub const CODES: &[Code] = &[
     code(
         "RECORDING_TOO_LONG",
@@ -297,7 +298,7 @@ pub(crate) fn rank(name: &str) -> usize {
     CODES.iter().position(|c| c.name == name).map_or(0, |at| at + 1)
 }
 
-/// What to do about a code of this list.
+/// The advice of a code of this list; empty for others.
 pub(crate) fn advice(name: &str) -> &'static str {
     CODES.iter().find(|c| c.name == name).map_or("", |c| c.advice)
 }

@@ -1,9 +1,10 @@
-//! Multi-view consistency: the surface that one camera measured is reprojected into each of the others.
+//! Multi-view consistency: the surface that one camera measured is reprojected into each of the
+//! others.
 //!
-//! A point must appear inside the other camera's masks, and not in front of what that camera measured; where both cameras
-//! face the surface, both must measure one depth. The misfit says how badly this fails, from 0 to 1. A hypothesis about the
-//! calibration (these two cameras are exchanged, that depth is in millimetres) is judged by how much of the misfit it
-//! removes.
+//! A point must appear inside the other camera's masks, and not in front of what that camera
+//! measured; where both cameras face the surface, both must measure one depth. The misfit says how
+//! badly this fails, from 0 to 1. A hypothesis about the calibration (these two cameras are
+//! exchanged, that depth is in millimetres) is judged by how much of the misfit it removes.
 
 pub(crate) mod correction;
 pub(crate) mod depth_scale;
@@ -17,19 +18,13 @@ use self::{
     hypothesis::Hypothesis,
     reprojection::{Reprojection, compare},
 };
-use crate::scan::{
-    CameraScan,
-    crop::{Crop, Surfel},
+use crate::{
+    scan::{
+        CameraScan,
+        crop::{Crop, Surfel},
+    },
+    thresholds::ConsistencyThresholds,
 };
-
-/// Surfels of each crop that are compared.
-const MAX_SURFELS: usize = 900;
-/// Surfels where there are many cameras, whose pairs grow with the square.
-const MAX_SURFELS_MANY_CAMERAS: usize = 200;
-/// With more cameras than this, fewer surfels are compared.
-const MANY_CAMERAS: usize = 6;
-/// If fewer of the surfels have a normal, the object is a thread, and surfels without are taken too.
-const MIN_NORMAL_SHARE: f64 = 0.25;
 
 /// One camera of a [`ViewSet`], with what it saw in the frames of which crops were kept.
 #[derive(Debug)]
@@ -48,26 +43,34 @@ pub(crate) struct SampledCrop<'a> {
 }
 
 /// The views of a recording: cameras that saw the object in some frame of which a crop was kept.
-pub(crate) fn views<'a>(cameras: &'a [Camera], scans: &'a [CameraScan]) -> Vec<View<'a>> {
+pub(crate) fn views<'a>(
+    cameras: &'a [Camera],
+    scans: &'a [CameraScan],
+    thresholds: &ConsistencyThresholds,
+) -> Vec<View<'a>> {
     let seeing = scans.iter().filter(|scan| !scan.crops.is_empty()).count();
-    let most = if seeing > MANY_CAMERAS { MAX_SURFELS_MANY_CAMERAS } else { MAX_SURFELS };
+    let most = if seeing > thresholds.many_cameras {
+        thresholds.max_surfels_many_cameras
+    } else {
+        thresholds.max_surfels
+    };
     let with_crops = cameras.iter().zip(scans).enumerate();
     with_crops
         .filter(|(_, (_, scan))| !scan.crops.is_empty())
         .map(|(index, (camera, scan))| {
-            let crops = scan
-                .crops
-                .iter()
-                .map(|crop| SampledCrop { crop, surfels: surfels(crop, camera, most) });
+            let crops = scan.crops.iter().map(|crop| SampledCrop {
+                crop,
+                surfels: surfels(crop, camera, most, thresholds.min_normal_share),
+            });
             View { index, camera, crops: crops.collect() }
         })
         .collect()
 }
 
-fn surfels(crop: &Crop, camera: &Camera, most: usize) -> Vec<Surfel> {
+fn surfels(crop: &Crop, camera: &Camera, most: usize, min_normal_share: f64) -> Vec<Surfel> {
     let all = crop.surfels(camera, 2 * most);
     let with_normal: Vec<Surfel> = all.iter().filter(|s| s.normal != [0.0; 3]).copied().collect();
-    let enough = with_normal.len() as f64 > MIN_NORMAL_SHARE * all.len() as f64;
+    let enough = with_normal.len() as f64 > min_normal_share * all.len() as f64;
     let mut chosen = if enough { with_normal } else { all };
     let step = chosen.len().div_ceil(most).max(1);
     let mut at = 0;
@@ -81,10 +84,12 @@ fn surfels(crop: &Crop, camera: &Camera, most: usize) -> Vec<Surfel> {
 /// The views that are compared with each other, and the frames and surfels in which that is done.
 pub(crate) struct ViewSet<'a> {
     pub(crate) views: Vec<View<'a>>,
-    /// Frames in which views are compared: those in which the object moves least, so that skew does not matter.
+    /// Frames in which views are compared: those in which the object moves least, so that skew does
+    /// not matter.
     pub(crate) frames: Vec<usize>,
     /// Every `stride`-th surfel is reprojected.
     pub(crate) stride: usize,
+    pub(crate) thresholds: &'a ConsistencyThresholds,
 }
 
 impl ViewSet<'_> {
@@ -104,12 +109,13 @@ impl ViewSet<'_> {
                 continue;
             };
             let surfels = sampled.surfels.iter().step_by(self.stride.max(1));
-            compare(surfels, &posed, other.crop, &other_posed, &mut reprojection);
+            compare(surfels, &posed, other.crop, &other_posed, self.thresholds, &mut reprojection);
         }
         reprojection
     }
 
-    /// Mean misfit over the pairs that `selects` names, both ways, 0..=1; `None` if nothing can be compared.
+    /// Mean misfit over the pairs that `selects` names, both ways, 0..=1; `None` if nothing can be
+    /// compared.
     pub(crate) fn misfit_of(
         &self,
         hypothesis: &Hypothesis,

@@ -28,7 +28,8 @@ pub(crate) const FAINT: Color = Color(128, 136, 146);
 /// Colour of pixels without depth.
 pub(crate) const HOLE: Color = Color(255, 45, 149);
 
-/// The factor by which an image is enlarged to about the wanted width, so that a page does not have to.
+/// The factor by which an image is enlarged to about the wanted width, so that a page does not have
+/// to.
 pub(crate) fn enlargement(width: usize, wanted: f32) -> f32 {
     (wanted / width.max(1) as f32).clamp(0.25, 4.0)
 }

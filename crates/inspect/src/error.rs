@@ -1,11 +1,12 @@
-//! Why a recording cannot be inspected at all. What is wrong with one that can is a finding, not an error.
+//! Errors: reasons for which a recording cannot be inspected at all. Faults of one that can are
+//! findings, not errors.
 
 use bendtwin_core::{Category, Problem};
 
-/// Why there is no report.
+/// The reason for which there is no report.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Somebody asked to stop.
+    /// Stopped on request.
     #[error("the inspection was cancelled")]
     Cancelled,
     /// The recording could not be opened.

@@ -1,113 +1,11 @@
-//! What a report finds, and what it makes of all of it.
+//! The verdict of a report, and the order of its findings.
 
-use std::collections::BTreeMap;
-
-use bendtwin_capture::{Severity, check};
+use bendtwin_core::Severity;
 use serde::{Deserialize, Serialize};
 
-use crate::codes;
+use crate::{Finding, codes};
 
-/// Most frames that a finding names.
-const FRAMES: usize = 20;
-
-/// One thing that is wrong with a recording, or worth knowing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Finding {
-    /// How bad it is.
-    pub severity: Severity,
-    /// Stable UPPER_SNAKE_CASE word for programs; [`crate::CODES`] has them all.
-    pub code: String,
-    /// What is wrong, with numbers, for a person.
-    pub message: String,
-    /// What to do about it.
-    pub advice: String,
-    /// Indices of the cameras concerned; empty if it concerns all.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub cameras: Vec<usize>,
-    /// The first frames concerned, at most 20; empty if it concerns all.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub frames: Vec<usize>,
-    /// The numbers of the message by name, with their unit in it.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub numbers: BTreeMap<String, f64>,
-}
-
-impl Finding {
-    fn new(severity: Severity, code: &str, message: String) -> Self {
-        Self {
-            severity,
-            code: code.to_owned(),
-            message,
-            advice: codes::advice(code).to_owned(),
-            cameras: Vec::new(),
-            frames: Vec::new(),
-            numbers: BTreeMap::new(),
-        }
-    }
-
-    pub(crate) fn error(code: &str, message: impl Into<String>) -> Self {
-        Self::new(Severity::Error, code, message.into())
-    }
-
-    pub(crate) fn warning(code: &str, message: impl Into<String>) -> Self {
-        Self::new(Severity::Warning, code, message.into())
-    }
-
-    pub(crate) fn info(code: &str, message: impl Into<String>) -> Self {
-        Self::new(Severity::Info, code, message.into())
-    }
-
-    /// An error if `is_error`, else a warning.
-    pub(crate) fn graded(is_error: bool, code: &str, message: impl Into<String>) -> Self {
-        let severity = if is_error { Severity::Error } else { Severity::Warning };
-        Self::new(severity, code, message.into())
-    }
-
-    pub(crate) fn cameras(mut self, cameras: impl IntoIterator<Item = usize>) -> Self {
-        self.cameras = cameras.into_iter().collect();
-        self
-    }
-
-    pub(crate) fn frames(mut self, frames: impl IntoIterator<Item = usize>) -> Self {
-        self.frames = frames.into_iter().take(FRAMES).collect();
-        self
-    }
-
-    /// Keeps a number; one that is not finite is left out, since JSON cannot hold it.
-    pub(crate) fn number(mut self, name: &str, value: f64) -> Self {
-        if value.is_finite() {
-            self.numbers.insert(name.to_owned(), value);
-        }
-        self
-    }
-
-    /// Message and advice in one sentence.
-    pub fn sentence(&self) -> String {
-        match self.advice.as_str() {
-            "" => self.message.clone(),
-            advice => format!("{}: {advice}", self.message),
-        }
-    }
-}
-
-impl From<check::Finding> for Finding {
-    fn from(found: check::Finding) -> Self {
-        // The message of a check says what to do after its last colon.
-        let (message, advice) = match found.message.rsplit_once(": ") {
-            Some((message, advice)) => (message.to_owned(), advice.to_owned()),
-            None => (found.message, String::new()),
-        };
-        Self { advice, ..Self::new(found.severity, &found.code, message) }
-    }
-}
-
-impl From<&Finding> for check::Finding {
-    fn from(found: &Finding) -> Self {
-        Self { severity: found.severity, code: found.code.clone(), message: found.sentence() }
-    }
-}
-
-/// What to make of a recording.
+/// Judgement of a recording as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -120,13 +18,20 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// What findings amount to.
+    /// The verdict that findings amount to.
     pub fn of(findings: &[Finding]) -> Self {
         match findings.iter().map(|f| f.severity).min() {
             Some(Severity::Error) => Self::Unusable,
             Some(Severity::Warning) => Self::Usable,
             _ => Self::Good,
         }
+    }
+}
+
+/// Gives each finding without advice the one of its code.
+pub(crate) fn advise(findings: &mut [Finding]) {
+    for finding in findings.iter_mut().filter(|f| f.advice.is_empty()) {
+        codes::advice(&finding.code).clone_into(&mut finding.advice);
     }
 }
 

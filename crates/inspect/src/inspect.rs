@@ -9,13 +9,14 @@ use crate::{
     judge,
     picture_inputs::PictureInputs,
     scan::scan,
+    thresholds::Thresholds,
 };
 
 /// Most images of all cameras that are read: 5 hours of three cameras at 30 frames a second.
 const MAX_IMAGES: usize = 1_600_000;
 
-/// Inspects a recording: reads every frame once, measures, judges. Progress is a share, 0..=1. Memory does not grow with
-/// the number of images: of most, only numbers are kept.
+/// Inspects a recording: reads every frame once, measures, judges. Progress is a share, 0..=1.
+/// Memory does not grow with the number of images: of most, only numbers are kept.
 ///
 /// # Errors
 /// If cancelled. Files that cannot be read are findings.
@@ -24,16 +25,27 @@ pub fn inspect(
     cancel: &CancelToken,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Inspection, Error> {
+    inspect_with(recording, &Thresholds::default(), cancel, progress)
+}
+
+/// The same with other thresholds.
+pub(crate) fn inspect_with(
+    recording: &Recording,
+    thresholds: &Thresholds,
+    cancel: &CancelToken,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Inspection, Error> {
     let images = recording.frame_count.saturating_mul(recording.cameras.len());
     if images > MAX_IMAGES {
-        return Ok(too_long(recording, images));
+        return Ok(too_long(recording, images, thresholds));
     }
-    // Nothing can be placed in space without a pose. Readers always give one; anything else is a finding.
+    // Nothing can be placed in space without a pose. Readers always give one; anything else is a
+    // finding.
     if recording.cameras.iter().any(|camera| camera.poses.is_empty()) {
-        return Ok(unread(recording));
+        return Ok(unread(recording, thresholds));
     }
-    let scans = scan(recording, cancel, progress)?;
-    let assessment = judge::judge(recording, &scans);
+    let scans = scan(recording, &thresholds.scan, cancel, progress)?;
+    let assessment = judge::judge(recording, &scans, thresholds);
     let mut inspection = blank(recording);
     inspection.add(assessment.findings);
     inspection.scene = assessment.scene;
@@ -43,18 +55,20 @@ pub fn inspect(
     Ok(inspection)
 }
 
-fn too_long(recording: &Recording, images: usize) -> Inspection {
-    let mut inspection = unread(recording);
+fn too_long(recording: &Recording, images: usize, thresholds: &Thresholds) -> Inspection {
+    let mut inspection = unread(recording, thresholds);
     let message = format!("the recording has {images} images (limit {MAX_IMAGES})");
     let finding = Finding::error("RECORDING_TOO_LONG", message).number("images", images as f64);
-    inspection.add([finding]);
+    let mut findings = [finding];
+    crate::finding::advise(&mut findings);
+    inspection.add(findings);
     inspection
 }
 
 /// The inspection of a recording whose frames are not read.
-fn unread(recording: &Recording) -> Inspection {
+fn unread(recording: &Recording, thresholds: &Thresholds) -> Inspection {
     let mut inspection = blank(recording);
-    inspection.add(judge::judge_unread(recording));
+    inspection.add(judge::judge_unread(recording, thresholds));
     inspection
 }
 

@@ -1,17 +1,17 @@
-//! What was measured of a recording, and what was found.
+//! The result of an inspection: measurements and findings.
 
 use bendtwin_core::Point;
 use serde::{Deserialize, Serialize};
 
 use crate::{Finding, Verdict, finding, picture_inputs::PictureInputs};
 
-/// What was inspected.
+/// The kind of capture that was inspected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// Images of cameras, not lifted yet.
     Recording,
-    /// Points that somebody else lifted.
+    /// Points that were lifted elsewhere.
     Observed,
 }
 
@@ -20,7 +20,7 @@ pub enum Kind {
 pub struct Inspection {
     /// A person's name for the recording.
     pub name: String,
-    /// What was inspected.
+    /// The kind of capture that was inspected.
     pub kind: Kind,
     /// Frames per second, as declared; absent if it is no finite number.
     pub fps: Option<f64>,
@@ -28,9 +28,9 @@ pub struct Inspection {
     pub frame_count: usize,
     /// Frames `0..train_frame_count` are for fitting.
     pub train_frame_count: usize,
-    /// What to make of it.
+    /// The judgement of all findings together.
     pub verdict: Verdict,
-    /// What was found, the worst first and what has to be repaired first before what follows from it.
+    /// Findings, the worst first, and in the order of repair.
     pub findings: Vec<Finding>,
     /// The scene as a whole.
     pub scene: Scene,
@@ -40,7 +40,7 @@ pub struct Inspection {
     pub pairs: Vec<PairReport>,
     /// The points of an observed capture.
     pub observed: Option<ObservedReport>,
-    /// What pictures are drawn from; not part of the document.
+    /// Material for pictures; not part of the document.
     #[serde(skip)]
     pub(crate) picture_inputs: PictureInputs,
 }
@@ -54,9 +54,9 @@ pub struct Scene {
     pub manipulator_size_m: Option<f64>,
     /// Height of the object's lowest points over the ground, at its lowest [m].
     pub lowest_m: Option<f64>,
-    /// How far the middle of the object gets from where it starts [m].
+    /// Largest distance of the object's middle from its start [m].
     pub travel_m: Option<f64>,
-    /// How far the middle of the hand or gripper gets from where it starts [m].
+    /// Largest distance of the hand's or gripper's middle from its start [m].
     pub manipulator_travel_m: Option<f64>,
     /// Fastest motion of the object's middle [m/s].
     pub fastest_m_s: Option<f64>,
@@ -93,15 +93,16 @@ pub struct CameraReport {
     pub coverage: Vec<Option<f64>>,
     /// Median of the coverage.
     pub median_coverage: Option<f64>,
-    /// How much later this camera shows things than the middle of the cameras, by motion [ms].
+    /// Skew by motion [ms]: positive if this camera shows things later than the median of the
+    /// cameras.
     pub skew_ms: Option<f64>,
     /// The same by the frames' times [ms].
     pub skew_by_times_ms: Option<f64>,
-    /// How much the skew grows from the first to the second half [ms].
+    /// Growth of the skew from the first half to the second [ms].
     pub drift_ms: Option<f64>,
     /// Its 2D tracks.
     pub tracks: Option<TrackReport>,
-    /// How it agrees with the others.
+    /// Its agreement with the others.
     pub agreement: Option<Agreement>,
 }
 
@@ -118,7 +119,7 @@ pub struct TrackReport {
     pub inside: Option<f64>,
 }
 
-/// How a camera agrees with the others.
+/// Agreement of a camera with the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Agreement {
     /// Median distance along the view between its surface and the others' [mm].
@@ -127,7 +128,7 @@ pub struct Agreement {
     pub others_mm: Option<f64>,
     /// The rotation that would fit it to the others [degrees]; absent if nothing would be gained.
     pub correction_deg: Option<f64>,
-    /// How far that correction would move what it sees of the object [mm].
+    /// Distance by which that correction would move what it sees of the object [mm].
     pub correction_mm: Option<f64>,
 }
 
@@ -138,17 +139,18 @@ pub struct PairReport {
     pub a: usize,
     /// The second camera.
     pub b: usize,
-    /// Spots that face both cameras and were measured by both.
+    /// Surfels that face both cameras and were measured by both.
     pub compared: usize,
     /// Median distance between the two surfaces along the view [mm].
     pub disagreement_mm: Option<f64>,
-    /// Median signed distance [mm]: positive if the second camera measures less depth than the first predicts.
+    /// Median signed distance [mm]: positive if the second camera measures less depth than the
+    /// first predicts.
     pub offset_mm: Option<f64>,
     /// Share of one camera's points that contradict the other's masks or depth, 0..=1.
     pub conflict: f64,
-    /// How badly they contradict each other in all, 0..=1.
+    /// Misfit: degree to which they contradict each other in all, 0..=1.
     pub misfit: Option<f64>,
-    /// How much later the first shows things than the second, by motion [ms].
+    /// Skew by motion [ms]: positive if the first shows things later than the second.
     pub skew_ms: Option<f64>,
 }
 
@@ -174,7 +176,7 @@ pub struct ObservedReport {
 }
 
 impl Inspection {
-    /// Of a capture that could not be looked at: nothing is known, and nothing found yet.
+    /// The inspection of a capture that was not read: nothing is known, and nothing found yet.
     pub fn unread(name: &str) -> Self {
         Self {
             name: name.to_owned(),
@@ -192,25 +194,25 @@ impl Inspection {
         }
     }
 
-    /// Adds what others found, and judges anew.
+    /// Adds findings, sorts them and judges anew.
     pub fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
         self.findings.extend(findings);
         finding::sort(&mut self.findings);
         self.verdict = Verdict::of(&self.findings);
     }
 
-    /// What to do first, if anything has to be done.
+    /// The finding to deal with first, if anything has to be done.
     pub fn first_step(&self) -> Option<&Finding> {
-        self.findings.first().filter(|f| f.severity != bendtwin_capture::Severity::Info)
+        self.findings.first().filter(|f| f.severity != bendtwin_core::Severity::Info)
     }
 
-    /// Whether a code was found.
+    /// True if a code was found.
     pub fn has(&self, code: &str) -> bool {
         self.findings.iter().any(|f| f.code == code)
     }
 
     /// The findings as a check of the capture gives them.
     pub fn check_report(&self) -> bendtwin_capture::CheckReport {
-        bendtwin_capture::CheckReport { findings: self.findings.iter().map(Into::into).collect() }
+        bendtwin_capture::CheckReport { findings: self.findings.clone() }
     }
 }

@@ -1,5 +1,6 @@
-//! The judges: findings from measured numbers. Each part judges one kind of fault; what merely follows from a fault that was
-//! found is left out, so that a recording with one fault has one finding.
+//! The judges: findings from measured numbers. Each part judges one kind of fault; what merely
+//! follows from a fault that was found is left out, so that a recording with one fault has one
+//! finding.
 
 mod agreement;
 mod calibration;
@@ -20,6 +21,7 @@ use crate::{
     Finding,
     inspection::{CameraReport, PairReport, Scene},
     scan::CameraScan,
+    thresholds::Thresholds,
     vector::Upright,
 };
 
@@ -27,6 +29,7 @@ use crate::{
 pub(crate) struct Context<'a> {
     pub(crate) recording: &'a Recording,
     pub(crate) scans: &'a [CameraScan],
+    pub(crate) thresholds: &'a Thresholds,
     upright: Upright,
     paths: Paths,
 }
@@ -41,9 +44,14 @@ pub(crate) struct Assessment {
 }
 
 /// Judges a scanned recording.
-pub(crate) fn judge(recording: &Recording, scans: &[CameraScan]) -> Assessment {
+pub(crate) fn judge(
+    recording: &Recording,
+    scans: &[CameraScan],
+    thresholds: &Thresholds,
+) -> Assessment {
     let upright = Upright::of(&recording.environment);
-    let context = Context { recording, scans, upright, paths: Paths::of(recording, scans) };
+    let context =
+        Context { recording, scans, thresholds, upright, paths: Paths::of(recording, scans) };
     let cameras = recording.cameras.iter().map(|camera| CameraReport {
         name: camera.name.clone(),
         width: camera.width,
@@ -62,21 +70,24 @@ pub(crate) fn judge(recording: &Recording, scans: &[CameraScan]) -> Assessment {
     agreement::judge(&context, &mut assessment);
     tracks::judge(&context, &mut assessment);
     leave_out_consequences(&mut assessment.findings);
+    crate::finding::advise(&mut assessment.findings);
     crate::finding::sort(&mut assessment.findings);
     assessment
 }
 
 /// Judges a recording whose frames were not read: length, frame rate, calibration.
-pub(crate) fn judge_unread(recording: &Recording) -> Vec<Finding> {
+pub(crate) fn judge_unread(recording: &Recording, thresholds: &Thresholds) -> Vec<Finding> {
     let context = Context {
         recording,
         scans: &[],
+        thresholds,
         upright: Upright::of(&recording.environment),
         paths: Paths::default(),
     };
     let mut assessment = Assessment::default();
     recording::judge(&context, &mut assessment);
     calibration::judge(&context, &mut assessment);
+    crate::finding::advise(&mut assessment.findings);
     assessment.findings
 }
 

@@ -1,10 +1,11 @@
-//! What is wrong with a recording, in numbers and pictures: the capture report.
+//! The capture report: faults of a recording, in numbers and pictures.
 //!
-//! [`inspect()`] looks at every frame of a raw recording once and keeps numbers and a few sketches; from these it judges time
-//! (dropped, repeated, late frames; skew, also without times), depth, masks, tracks, scale, motion and contact, and whether
-//! the cameras see one world: if not, it tries the mistakes that people make with calibrations and names the one that
-//! explains it. [`inspect_observed()`] does what can be done for points that somebody else lifted. A [`Report`] is a JSON document
-//! and one page without scripts. [`CODES`] has every code with what to do.
+//! [`inspect()`] reads every frame of a raw recording once and keeps numbers and a few crops; from
+//! these it judges time (dropped, repeated, late frames; skew, also without times), depth, masks,
+//! tracks, scale, motion and contact, and whether the cameras see one world: if not, it tries the
+//! mistakes that people make with calibrations and names the one that explains it.
+//! [`inspect_observed()`] does what can be done for points that were lifted elsewhere. A [`Report`]
+//! is a JSON document and one page without scripts. [`CODES`] has every code with what to do.
 
 mod codes;
 mod consistency;
@@ -20,12 +21,15 @@ mod picture_inputs;
 mod report;
 mod scan;
 mod statistics;
+mod thresholds;
 mod vector;
+
+use bendtwin_core::Finding;
 
 pub use self::{
     codes::{CODES, Code},
     error::Error,
-    finding::{Finding, Verdict},
+    finding::Verdict,
     inspect::inspect,
     inspection::{
         Agreement, CameraReport, Inspection, Kind, ObservedReport, PairReport, Scene, TrackReport,

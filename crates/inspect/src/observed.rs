@@ -1,10 +1,11 @@
-//! A capture whose points somebody else lifted: checked, and measured as far as points tell.
+//! Inspection of a capture whose points were lifted elsewhere: checked, and measured as far as
+//! points allow.
 
 use bendtwin_capture::check;
 use bendtwin_core::{Capture, Point, Sequence};
 
 use crate::{
-    Finding, Verdict, finding,
+    Verdict, finding,
     inspection::{Inspection, Kind, ObservedReport, Scene},
     picture_inputs::PictureInputs,
     statistics::median,
@@ -12,11 +13,11 @@ use crate::{
 };
 
 /// Points and control points of a frame whose distances are taken.
-const SAMPLE: usize = 400;
+const MAX_POINTS: usize = 400;
 
-/// Says what is wrong with an observed capture. Its findings are those of [`bendtwin_capture::check()`].
+/// Inspects an observed capture. Its findings are those of [`bendtwin_capture::check()`].
 pub fn inspect_observed(capture: &Capture) -> Inspection {
-    let mut findings: Vec<Finding> = check(capture).findings.into_iter().map(Into::into).collect();
+    let mut findings = check(capture).findings;
     finding::sort(&mut findings);
     let sequence = capture.sequences.first();
     Inspection {
@@ -39,12 +40,13 @@ pub fn inspect_observed(capture: &Capture) -> Inspection {
     }
 }
 
-/// Whether the arrays have the lengths that they should have: a check has told if not, and nothing else looks at them.
+/// True if the arrays have the lengths that they should have; if not, a check says so and nothing
+/// is measured.
 pub(crate) fn is_whole(capture: &Capture) -> bool {
     bendtwin_capture::validate(capture).is_ok()
 }
 
-/// What is known of a capture's points.
+/// Measurements of a capture's points.
 pub(crate) fn observed(capture: &Capture) -> Option<ObservedReport> {
     let sequence = capture.sequences.first().filter(|_| is_whole(capture))?;
     let count = |of: &dyn Fn(usize) -> usize| (0..sequence.frame_count).map(of).collect();
@@ -118,7 +120,7 @@ fn scene(capture: &Capture) -> Scene {
 }
 
 fn thin(points: &[Point]) -> Vec<Vector> {
-    let step = points.len().div_ceil(SAMPLE).max(1);
+    let step = points.len().div_ceil(MAX_POINTS).max(1);
     let finite = points.iter().step_by(step).filter(|p| p.iter().all(|x| x.is_finite()));
     finite.map(|p| wide(*p)).collect()
 }

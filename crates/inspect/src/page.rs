@@ -1,5 +1,5 @@
-//! The report as one page: verdict and what to do on top, then figures, cameras, time, pictures. No script, nothing from
-//! elsewhere; light and dark, and fit for paper.
+//! The report as one page: verdict and what to do on top, then figures, cameras, time, pictures. No
+//! script, nothing from elsewhere; light and dark, and fit for paper.
 
 mod cameras;
 mod chart;
@@ -9,11 +9,12 @@ mod markup;
 mod pictures;
 mod timeline;
 
-use bendtwin_capture::Severity;
+use bendtwin_core::Severity;
 
 use self::markup::escape;
 use crate::{Kind, Report, Verdict};
 
+/// The page's style sheet.
 const STYLE: &str = include_str!("page/style.css");
 
 pub(crate) fn page(report: &Report) -> String {

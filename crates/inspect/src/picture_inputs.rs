@@ -1,4 +1,5 @@
-//! The material that pictures are drawn from: crops of a few frames and the first image of each camera.
+//! The material that pictures are drawn from: crops of a few frames and the first image of each
+//! camera.
 
 use bendtwin_capture::raw::{Camera, ColorImage, Recording};
 use bendtwin_core::{Capture, Environment};

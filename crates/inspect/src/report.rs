@@ -1,7 +1,7 @@
 //! The capture report: a document for programs and a page for people.
 
-use bendtwin_capture::{Severity, check};
-use bendtwin_core::Capture;
+use bendtwin_capture::check;
+use bendtwin_core::{Capture, Severity};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -12,12 +12,12 @@ pub const FORMAT: &str = "bendtwin-capture-report";
 /// Its version.
 pub const VERSION: u32 = 1;
 
-/// What lifting made of a recording.
+/// The result of lifting a recording.
 #[derive(Clone, Debug)]
 pub struct Lifted {
     /// The points.
     pub capture: Capture,
-    /// How they came about, as the lifting stage tells it: any JSON; `findings`, `tracks` and `cameras` of it are
+    /// The evidence of lifting: any JSON; `findings`, `tracks` and `cameras` of it are
     /// shown on the page.
     pub evidence: Option<Value>,
 }
@@ -51,16 +51,16 @@ struct ReadDocument {
 }
 
 impl Report {
-    /// A report of an inspection, and of what was lifted from the recording if it was: its points are checked too, and
-    /// the page shows them and the graph that they give.
+    /// A report of an inspection, and of what was lifted from the recording if it was: its points
+    /// are checked too, and the page shows them and the graph that they give.
     pub fn new(mut inspection: Inspection, lifted: Option<Lifted>) -> Self {
         let mut evidence = None;
         if let Some(lifted) = lifted {
-            let told = check(&lifted.capture).findings.into_iter().map(Finding::from);
+            let checked = check(&lifted.capture).findings;
             let found = lifted.evidence.as_ref().and_then(|e| e.get("findings"));
-            let found = found.and_then(|f| Vec::<check::Finding>::deserialize(f).ok());
-            let found = found.unwrap_or_default().into_iter().map(Finding::from);
-            for finding in told.chain(found) {
+            let found = found.and_then(|f| Vec::<Finding>::deserialize(f).ok());
+            let found = found.unwrap_or_default();
+            for finding in checked.into_iter().chain(found) {
                 let known = |f: &Finding| f.code == finding.code && f.message == finding.message;
                 if !inspection.findings.iter().any(known) {
                     inspection.add([finding]);
@@ -75,17 +75,17 @@ impl Report {
         Self { inspection, evidence }
     }
 
-    /// What was measured and found.
+    /// The measurements and findings.
     pub fn inspection(&self) -> &Inspection {
         &self.inspection
     }
 
-    /// How the points came about, if they were lifted.
+    /// The evidence of lifting, if points were lifted.
     pub fn evidence(&self) -> Option<&Value> {
         self.evidence.as_ref()
     }
 
-    /// What to do first, in one sentence, if anything has to be done.
+    /// The first thing to do, in one sentence, if anything has to be done.
     pub fn first_step(&self) -> Option<String> {
         self.inspection.first_step().map(Finding::sentence)
     }
@@ -99,7 +99,8 @@ impl Report {
             inspection: &self.inspection,
             evidence: &self.evidence,
         };
-        // Strings, numbers and lists can always be written; numbers that are not finite become null.
+        // Strings, numbers and lists can always be written; numbers that are not finite become
+        // null.
         serde_json::to_string_pretty(&written).unwrap_or_else(|_| "{}".to_owned())
     }
 
@@ -119,7 +120,8 @@ impl Report {
         Ok(Self { inspection: read.inspection, evidence: read.evidence })
     }
 
-    /// The page: one file, without scripts, that needs nothing else. A picture that cannot be drawn is left out.
+    /// The page: one file, without scripts, that needs nothing else. A picture that cannot be drawn
+    /// is left out.
     pub fn to_html(&self) -> String {
         page::page(self)
     }

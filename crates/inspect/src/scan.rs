@@ -1,5 +1,5 @@
-//! Scan of a recording: every frame of every camera is read once, cameras side by side. Of each image a few numbers are kept,
-//! and of a few frames a crop; judging them is left to the judges.
+//! Scan of a recording: every frame of every camera is read once, cameras side by side. Of each
+//! image a few numbers are kept, and of a few frames a crop; judging them is left to the judges.
 
 pub(crate) mod crop;
 pub(crate) mod mask;
@@ -10,7 +10,7 @@ use bendtwin_core::{CancelToken, Problem as _};
 use rayon::prelude::*;
 
 use self::{crop::Crop, mask::MaskStats, tracks::TrackCounts};
-use crate::{Error, vector::Upright};
+use crate::{Error, thresholds::ScanThresholds, vector::Upright};
 
 /// Cameras that are compared with each other; the others are measured alone.
 pub(crate) const COMPARED_CAMERAS: usize = 16;
@@ -72,6 +72,7 @@ pub(crate) struct CameraScan {
 /// Reads the whole recording.
 pub(crate) fn scan(
     recording: &Recording,
+    thresholds: &ScanThresholds,
     cancel: &CancelToken,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Vec<CameraScan>, Error> {
@@ -79,7 +80,7 @@ pub(crate) fn scan(
     let upright = Upright::of(&recording.environment);
     let mut scanners = Vec::with_capacity(recording.cameras.len());
     for (index, camera) in recording.cameras.iter().enumerate() {
-        scanners.push(CameraScanner::open(recording, index, camera, upright));
+        scanners.push(CameraScanner::open(recording, index, camera, upright, thresholds));
     }
     let mut frame = 0;
     while frame < recording.frame_count {
@@ -115,17 +116,25 @@ struct CameraScanner<'a> {
     index: usize,
     camera: &'a Camera,
     upright: Upright,
+    thresholds: &'a ScanThresholds,
     frames: Option<Box<dyn Frames + 'a>>,
     tracks: Option<Tracks>,
     scan: CameraScan,
 }
 
 impl<'a> CameraScanner<'a> {
-    fn open(recording: &'a Recording, index: usize, camera: &'a Camera, upright: Upright) -> Self {
+    fn open(
+        recording: &'a Recording,
+        index: usize,
+        camera: &'a Camera,
+        upright: Upright,
+        thresholds: &'a ScanThresholds,
+    ) -> Self {
         let mut scanner = Self {
             index,
             camera,
             upright,
+            thresholds,
             frames: None,
             tracks: None,
             scan: CameraScan::default(),
@@ -182,16 +191,19 @@ impl<'a> CameraScanner<'a> {
         let object = self.or_damaged(frame, object);
         let manipulator = self.or_damaged(frame, manipulator);
 
-        let measure = |mask| mask::measure(self.camera, frame, &self.upright, mask, depth.as_ref());
+        let measure = |mask| {
+            let depth = depth.as_ref();
+            mask::measure(self.camera, frame, &self.upright, mask, depth, self.thresholds)
+        };
         let (object_stats, object_points) = object.as_ref().map(measure).unzip();
         let (hand_stats, hand_points) = manipulator.as_ref().map(measure).unzip();
         let gap_m = match (&object_points, &hand_points) {
-            (Some(o), Some(m)) => mask::gap(o, m),
+            (Some(o), Some(m)) => mask::gap(o, m, self.thresholds),
             _ => None,
         };
         let tracked = self.tracks.as_ref().map(|tracks| {
             let masks = [object.as_ref(), manipulator.as_ref()];
-            tracks::count(tracks, frame, masks, depth.as_ref())
+            tracks::count(tracks, frame, masks, depth.as_ref(), self.thresholds.track_margin_px)
         });
         let overlap_px = match (&object, &manipulator) {
             (Some(o), Some(m)) => {

@@ -1,7 +1,7 @@
-//! A small recording that is computed, not stored: a textured ellipsoid that a ball carries over a floor, seen by three
-//! cameras with a little noise. Tests change it in one way each.
+//! A small recording that is computed, not stored: a textured ellipsoid that a ball carries over a
+//! floor, seen by three cameras with a little noise. Tests change it in one way each.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use bendtwin_capture::{
     Error,
@@ -26,7 +26,8 @@ const NOISE_M: f64 = 0.001;
 pub(crate) struct TestScene {
     /// The cameras with their true poses.
     pub(crate) cameras: Vec<Camera>,
-    /// The moment [frames] that a camera shows in a frame; `None`: it was dropped. Shape [camera][T].
+    /// The moment [frames] that a camera shows in a frame; `None`: it was dropped. Shape
+    /// [camera][T].
     pub(crate) moments: Vec<Vec<Option<f64>>>,
     /// Factor that each camera's depth is multiplied by.
     pub(crate) depth_factor: Vec<f32>,
@@ -48,14 +49,27 @@ pub(crate) struct TestScene {
 
 /// A recording without any fault.
 pub(crate) fn healthy() -> (TestScene, Recording) {
-    let cameras: Vec<Camera> = [30.0, 145.0, 260.0]
-        .iter()
-        .enumerate()
-        .map(|(i, at)| camera(&format!("cam{i}"), *at))
-        .collect();
-    let scene = TestScene {
+    let scene = healthy_scene();
+    let recording = Recording {
+        name: "ellipsoid".to_owned(),
+        fps: 30.0,
+        frame_count: FRAMES,
+        train_frame_count: 25,
+        environment: Environment::Z_UP,
+        source_to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        cameras: cameras(),
+        mesh: None,
+        truth_tracks: Vec::new(),
+        source: HEALTHY.clone(),
+    };
+    (scene, recording)
+}
+
+/// The scene without any fault.
+fn healthy_scene() -> TestScene {
+    TestScene {
         moments: vec![(0..FRAMES).map(|f| Some(f as f64)).collect(); 3],
-        cameras: cameras.clone(),
+        cameras: cameras(),
         depth_factor: vec![1.0; 3],
         exchanged_masks: Vec::new(),
         empty_masks: Vec::new(),
@@ -64,20 +78,75 @@ pub(crate) fn healthy() -> (TestScene, Recording) {
         travel: 1.0,
         standoff_m: 0.0,
         tracks: Some(false),
+    }
+}
+
+fn cameras() -> Vec<Camera> {
+    let azimuths_deg = [30.0, 145.0, 260.0];
+    azimuths_deg.iter().enumerate().map(|(i, at)| camera(&format!("cam{i}"), *at)).collect()
+}
+
+/// The images of the scene without any fault, rendered once for all tests.
+static HEALTHY: LazyLock<Arc<Footage>> = LazyLock::new(|| {
+    let scene = healthy_scene();
+    let film = |camera| {
+        let mut frames = scene.frames(camera).unwrap();
+        let images = |frame| Images {
+            color: frames.color(frame).unwrap().unwrap(),
+            depth: frames.depth(frame).unwrap().unwrap(),
+            object: frames.mask(frame, Region::Object).unwrap().unwrap(),
+            manipulator: frames.mask(frame, Region::Manipulator).unwrap().unwrap(),
+        };
+        let images = (0..FRAMES).map(images).collect();
+        (images, frames.tracks().unwrap())
     };
-    let recording = Recording {
-        name: "ellipsoid".to_owned(),
-        fps: 30.0,
-        frame_count: FRAMES,
-        train_frame_count: 25,
-        environment: Environment::Z_UP,
-        source_to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        cameras,
-        mesh: None,
-        truth_tracks: Vec::new(),
-        source: Arc::new(scene.clone()),
-    };
-    (scene, recording)
+    Arc::new(Footage((0..3).map(film).collect()))
+});
+
+/// Rendered images and tracks of each camera.
+#[derive(Debug)]
+struct Footage(Vec<(Vec<Images>, Option<Tracks>)>);
+
+/// The images of one frame.
+#[derive(Debug)]
+struct Images {
+    color: ColorImage,
+    depth: DepthImage,
+    object: Mask,
+    manipulator: Mask,
+}
+
+impl Source for Footage {
+    fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
+        let (images, tracks) = &self.0[camera];
+        Ok(Box::new(FootageReader { images, tracks }))
+    }
+}
+
+struct FootageReader<'a> {
+    images: &'a [Images],
+    tracks: &'a Option<Tracks>,
+}
+
+impl Frames for FootageReader<'_> {
+    fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
+        Ok(self.images.get(frame).map(|i| i.color.clone()))
+    }
+
+    fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
+        Ok(self.images.get(frame).map(|i| i.depth.clone()))
+    }
+
+    fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
+        Ok(self.images.get(frame).map(|i| match region {
+            Region::Object => i.object.clone(),
+            Region::Manipulator => i.manipulator.clone(),
+        }))
+    }
+
+    fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
+        Ok(self.tracks.clone())
+    }
 }
 
 /// The recording of a scene, with cameras as `recording` declares them.
@@ -123,20 +192,35 @@ impl TestScene {
         ([0.15 * s, 0.06 * s, AXES[2] + 0.1 * s], turned)
     }
 
-    fn ball(&self, moment: f64) -> Vector {
-        let (middle, _) = self.object(moment);
-        add(middle, [0.0, 0.0, AXES[2] + 0.6 * BALL_M + self.standoff_m])
-    }
-
-    /// The first thing on a ray, its depth along it in units of the direction, and the place on the thing.
-    fn hit(&self, eye: Vector, ray: Vector, moment: f64) -> Option<(Body, f64, Vector)> {
+    /// The bodies as they lie at a moment.
+    fn bodies(&self, moment: f64) -> Bodies {
         let (middle, turned) = self.object(moment);
+        let ball = add(middle, [0.0, 0.0, AXES[2] + 0.6 * BALL_M + self.standoff_m]);
+        Bodies { middle, turned, ball }
+    }
+}
+
+/// Places of the bodies at one moment.
+struct Bodies {
+    /// Middle of the object.
+    middle: Vector,
+    /// Rotation of the object.
+    turned: [[f64; 3]; 3],
+    /// Middle of the ball.
+    ball: Vector,
+}
+
+impl Bodies {
+    /// The first thing on a ray, its depth along it in units of the direction, and the place on the
+    /// thing.
+    fn hit(&self, eye: Vector, ray: Vector) -> Option<(Body, f64, Vector)> {
+        let Self { middle, turned, ball } = *self;
         let into = |v: Vector| -> Vector {
             let v = crate::vector::turn_back(&turned, v);
             std::array::from_fn(|a| v[a] / AXES[a])
         };
         let object = sphere(into(sub(eye, middle)), into(ray), 1.0);
-        let ball = sphere(sub(eye, self.ball(moment)), ray, BALL_M);
+        let ball = sphere(sub(eye, ball), ray, BALL_M);
         let floor = (ray[2] < -1e-9).then(|| -eye[2] / ray[2]);
         let all = [(Body::Object, object), (Body::Ball, ball), (Body::Floor, floor)];
         let (thing, t) = all
@@ -194,10 +278,11 @@ impl SceneReader<'_> {
         if self.rendered.as_ref().is_none_or(|(f, _)| *f != frame) {
             let camera = &self.scene.cameras[self.camera];
             let pose = &camera.poses[0];
+            let bodies = self.scene.bodies(moment);
             let hit = |at: usize| {
                 let pixel = [(at % WIDTH) as f64, (at / WIDTH) as f64];
                 let ray = turn(&pose.rotation, seen_at(camera, pixel, 1.0));
-                self.scene.hit(pose.translation, ray, moment)
+                bodies.hit(pose.translation, ray)
             };
             self.rendered = Some((frame, (0..WIDTH * HEIGHT).map(hit).collect()));
         }
@@ -268,11 +353,12 @@ impl Frames for SceneReader<'_> {
         let Some(transposed) = self.scene.tracks else { return Ok(None) };
         let camera = &self.scene.cameras[self.camera];
         let pose = &camera.poses[0];
+        let start = self.scene.bodies(0.0);
         let mut spots = Vec::new();
         for row in (0..HEIGHT).step_by(3) {
             for column in (0..WIDTH).step_by(3) {
                 let ray = turn(&pose.rotation, seen_at(camera, [column as f64, row as f64], 1.0));
-                if let Some((Body::Object, _, local)) = self.scene.hit(pose.translation, ray, 0.0) {
+                if let Some((Body::Object, _, local)) = start.hit(pose.translation, ray) {
                     spots.push(local);
                 }
             }
@@ -280,13 +366,16 @@ impl Frames for SceneReader<'_> {
         let mut tracks = Tracks { count: spots.len(), ..Tracks::default() };
         for frame in 0..FRAMES {
             let moment = self.moment(frame).unwrap_or(frame as f64);
-            let (middle, turned) = self.scene.object(moment);
+            let bodies = self.scene.bodies(moment);
             for spot in &spots {
-                let at = add(middle, turn(&turned, std::array::from_fn(|a| spot[a] * AXES[a])));
+                let at = add(
+                    bodies.middle,
+                    turn(&bodies.turned, std::array::from_fn(|a| spot[a] * AXES[a])),
+                );
                 let behind = ([-1.0; 2], -1.0);
                 let (pixel, depth) = camera.project(at.map(|x| x as f32), 0).unwrap_or(behind);
                 let ray = turn(&pose.rotation, seen_at(camera, pixel, 1.0));
-                let hit = self.scene.hit(pose.translation, ray, moment);
+                let hit = bodies.hit(pose.translation, ray);
                 let seen = hit
                     .is_some_and(|(thing, t, _)| thing == Body::Object && (t - depth).abs() < 0.01);
                 let [x, y] = pixel.map(|p| p as f32);

@@ -1,24 +1,22 @@
 //! Lifts a raw recording and says how near its tracks are to the clean ones:
 //! `cargo run --release -p bendtwin-lift --example score -- RECORDING [--observation OUT.zip] [--settings JSON]`
 //!
-//! With `--lifted` the path is a capture that is lifted already. With `--judged-by CAPTURE` what is written has only the start
-//! and the control points of the recording, and what the capture observed after that: `bendtwin eval OUT.zip --twin TWIN` then
-//! scores a twin of the one on what the other saw. With `--film` a scene is filmed by 3 cameras of 848 x 480 over 100 frames and written to
-//! the path, to be timed.
+//! With `--lifted` the path is a capture that is lifted already. With `--judged-by CAPTURE` what is
+//! written has only the start and the control points of the recording, and what the capture
+//! observed after that: `bendtwin eval OUT.zip --twin TWIN` then scores a twin of the one on what
+//! the other saw. With `--film` a scene is filmed by 3 cameras of 848 x 480 over 100 frames and
+//! written to the path, to be timed.
 
 use std::{path::PathBuf, time::Instant};
 
-use bendtwin_capture::{
-    Limits,
-    make::{FilmOptions, Scene, film},
-    raw, write_bundle_file,
-};
+use bendtwin_capture::{Limits, raw, write_bundle_file};
 use bendtwin_core::{CancelToken, Capture, Observer, settings::ingest::IngestSettings};
 use bendtwin_lift::{Progress, lift, score};
+use bendtwin_synth::{FilmOptions, Scene, film};
 
 type Failure = Box<dyn std::error::Error>;
 
-/// What the command line asks for.
+/// The request of the command line.
 #[derive(Default)]
 struct Request {
     path: PathBuf,
@@ -56,7 +54,7 @@ fn main() -> Result<(), Failure> {
         println!("{}", serde_json::to_string_pretty(&lifted.evidence)?);
         lifted.capture
     };
-    told(&capture)?;
+    print_score(&capture)?;
     let capture = match &request.judge {
         Some(path) => judged_by(capture, &bendtwin_capture::read(path, &limits)?)?,
         None => capture,
@@ -67,8 +65,8 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The start and the control points of one capture, with what another one observed later: a twin of the first is scored on it
-/// by what the second saw.
+/// The start and the control points of one capture, with what another one observed later: a twin of
+/// the first is scored on it by what the second saw.
 fn judged_by(mut own: Capture, other: &Capture) -> Result<Capture, Failure> {
     let (sequence, judge) = match (&mut own.sequences[..], &other.sequences[..]) {
         ([a], [b]) if a.frame_count == b.frame_count => (a, b),
@@ -88,7 +86,7 @@ fn judged_by(mut own: Capture, other: &Capture) -> Result<Capture, Failure> {
     Ok(own)
 }
 
-fn told(capture: &Capture) -> Result<(), Failure> {
+fn print_score(capture: &Capture) -> Result<(), Failure> {
     println!(
         "{} tracked points, {} completed on the surface, {} inside, {} control points",
         capture.object.point_count,

@@ -1,5 +1,5 @@
-//! Cleaning of one camera's masks in one frame: what is left are pixels whose depth is that of the object, or of the
-//! manipulator.
+//! Cleaning of one camera's masks in one frame: what is left are pixels whose depth is that of the
+//! object, or of the manipulator.
 
 use bendtwin_capture::raw::{DepthImage, Image, Intrinsics, Mask};
 use bendtwin_core::{Point, settings::ingest::MaskSettings};
@@ -7,9 +7,9 @@ use bendtwin_core::{Point, settings::ingest::MaskSettings};
 use crate::{evidence::MaskCounts, grid::Grid, rigid::distance};
 
 /// Pixels of an object to which the distance of a small part is measured.
-const MEASURED: usize = 1500;
+const MAX_MEASURED_PIXELS: usize = 1500;
 
-/// What a pixel shows after cleaning.
+/// Label of a pixel after cleaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Label {
     /// Nothing that can be used.
@@ -34,7 +34,8 @@ pub(crate) fn edge_m(depth_m: f32, intrinsics: &Intrinsics, settings: &MaskSetti
     (settings.edge_m + settings.edge_slope * pixel_m) as f32
 }
 
-/// Cleans the masks of a frame. A pixel in both masks belongs to the manipulator, which is in front of what it holds.
+/// Cleans the masks of a frame. A pixel in both masks belongs to the manipulator, which is in front
+/// of what it holds.
 pub(crate) fn clean(
     depth: &DepthImage,
     object: Option<&Mask>,
@@ -128,7 +129,8 @@ impl Cleaner<'_> {
         self.erase(&gone)
     }
 
-    /// Drops small parts that are far from larger ones; two pixels are of one part if they touch and lie on one surface.
+    /// Drops small parts that are far from larger ones; two pixels are of one part if they touch
+    /// and lie on one surface.
     fn drop_specks(&mut self, label: Label) -> u64 {
         let (width, height) = (self.depth.width, self.depth.height);
         let mut part_of = vec![0u32; self.labels.pixels.len()];
@@ -170,9 +172,10 @@ impl Cleaner<'_> {
         if small.is_empty() {
             return 0;
         }
-        // A finger may cut a small part off: it is near the rest. What is far from it is background.
+        // A finger may cut a small part off: it is near the rest. What is far from it is
+        // background.
         let kept: Vec<usize> = large.into_iter().flatten().collect();
-        let stride = kept.len().div_ceil(MEASURED).max(1);
+        let stride = kept.len().div_ceil(MAX_MEASURED_PIXELS).max(1);
         let gap_m = self.settings.speck_gap_m;
         let rest = Grid::of(kept.iter().step_by(stride).map(|i| self.place(*i)), gap_m);
         let far = |p: &Vec<usize>| !rest.any_within(self.place(p[p.len() / 2]), gap_m);
@@ -180,8 +183,8 @@ impl Cleaner<'_> {
         self.erase(&gone)
     }
 
-    /// Drops pixels that have more neighbours in space of the other label than of their own: where masks bleed into
-    /// each other. Numbers dropped of the object and of the manipulator.
+    /// Drops pixels that have more neighbours in space of the other label than of their own: where
+    /// masks bleed into each other. Numbers dropped of the object and of the manipulator.
     fn drop_contact(&mut self) -> [u64; 2] {
         let (width, height) = (self.depth.width, self.depth.height);
         let mut gone = [Vec::new(), Vec::new()];
@@ -220,7 +223,8 @@ impl Cleaner<'_> {
         [self.erase(&object), self.erase(&manipulator)]
     }
 
-    /// Whether the other label occurs in the window at all: inside a surface it does not, and counting is saved.
+    /// True if the other label occurs in the window at all: inside a surface it does not, and
+    /// counting is saved.
     fn touches_other(&self, x: usize, y: usize, reach: usize, label: Label) -> bool {
         let (width, height) = (self.depth.width, self.depth.height);
         let other = |l: Label| l != Label::None && l != label;
@@ -236,7 +240,8 @@ impl Cleaner<'_> {
         distance(self.place(a), self.place(b)) <= self.settings.contact_m
     }
 
-    /// A pixel in space, in the camera's axes; lens distortion does not matter over such distances [m].
+    /// A pixel in space, in the camera's axes; lens distortion does not matter over such distances
+    /// [m].
     fn place(&self, at: usize) -> Point {
         let (z, i) = (f64::from(self.depth.pixels[at]), self.intrinsics);
         let x = ((at % self.depth.width) as f64 - i.cx) / i.fx * z;

@@ -1,5 +1,5 @@
-//! Filling in what no camera saw: points of a completed shape, each kind only where there is none of the kinds before
-//! it: observed, surface, interior.
+//! Filling in what no camera saw: points of a completed shape, each kind only where there is none
+//! of the kinds before it: observed, surface, interior.
 
 use bendtwin_core::{Point, settings::ingest::CompletionSettings};
 

@@ -39,7 +39,7 @@ pub enum Error {
     NoTracks {
         /// Tracks of all cameras.
         tracks: usize,
-        /// Where they were lost.
+        /// The counts by which they were lost.
         detail: String,
     },
     /// Every track is gone after the first frames.
@@ -50,7 +50,7 @@ pub enum Error {
     TracksLost {
         /// Tracks on the object in the first frame.
         tracks: usize,
-        /// How many of them are seen.
+        /// Number of them that are seen.
         seen: usize,
         /// In which frame.
         frame: usize,
@@ -72,7 +72,7 @@ pub enum Error {
          there, or raise controls.max_gap_frames"
     )]
     HandLost {
-        /// Which hand, from 0.
+        /// Number of the hand, from 0.
         hand: usize,
         /// First frame without it.
         from: usize,
@@ -86,7 +86,7 @@ pub enum Error {
     Mesh {
         /// Its file.
         name: String,
-        /// What is wrong.
+        /// The fault.
         why: String,
     },
     /// The built-in tracker failed.

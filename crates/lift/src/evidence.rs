@@ -1,10 +1,10 @@
-//! What an ingest saw and decided, in numbers: material for the capture's report.
+//! The evidence of an ingest: its measurements and decisions, as material for the capture's report.
 
-use bendtwin_capture::Finding;
+use bendtwin_core::Finding;
 use bendtwin_flow::TrackerQuality;
 use serde::{Deserialize, Serialize};
 
-/// How an observation came about.
+/// The evidence of how an observation was made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
     /// Per camera, in the recording's order.
@@ -15,7 +15,7 @@ pub struct Evidence {
     pub hands: Vec<HandEvidence>,
     /// The completed shape, if there is one.
     pub shape: Option<ShapeEvidence>,
-    /// What a person should know.
+    /// Findings for the capture's owner.
     pub findings: Vec<Finding>,
 }
 
@@ -26,7 +26,7 @@ pub struct CameraEvidence {
     pub name: String,
     /// Its 2D tracks.
     pub tracks: usize,
-    /// What the built-in tracker says of its tracks; `None` where the recording brought tracks.
+    /// The built-in tracker's judgement of its tracks; `None` where the recording brought tracks.
     pub tracker: Option<TrackerQuality>,
     /// Frames without a depth image.
     pub missing_frames: usize,
@@ -38,7 +38,7 @@ pub struct CameraEvidence {
     pub lifts: LiftCounts,
 }
 
-/// Where the pixels of a mask went.
+/// Counts of a mask's pixels, by the step that dropped them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MaskCounts {
     /// Frames with a mask.
@@ -59,7 +59,7 @@ pub struct MaskCounts {
     pub kept: u64,
 }
 
-/// What happened to 2D tracks, times frames.
+/// Counts of 2D tracks, times frames, by what became of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LiftCounts {
     /// Lifted onto the object.
@@ -97,7 +97,8 @@ pub struct TrackEvidence {
     pub drifted: f64,
     /// Share of motions between two sightings that the neighbours do not confirm.
     pub unconfirmed: f64,
-    /// Median distance between where points were seen and where their neighbours said, frame to frame [m]: the noise.
+    /// Median distance between where points were seen and where the motion of their neighbours puts
+    /// them, frame to frame [m]: the noise.
     pub motion_residual_m: f64,
 }
 
@@ -114,9 +115,10 @@ pub struct HandEvidence {
     pub residual_m: f64,
     /// 95th percentile of that [m].
     pub residual_p95_m: f64,
-    /// Whether its control points were made to move as a rigid body.
+    /// True if its control points were made to move as a rigid body.
     pub rigid: bool,
-    /// Whether its motion was taken from its shape, since there are no tracks on it; residuals are then distances from that.
+    /// True if its motion was taken from its shape, since there are no tracks on it; residuals are
+    /// then distances from that.
     pub by_shape: bool,
     /// Frames in which its pose was filled in from the frames around.
     pub filled_frames: usize,
@@ -125,9 +127,9 @@ pub struct HandEvidence {
 /// The completed shape.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ShapeEvidence {
-    /// Where it comes from: the mesh's file name, or `convex`.
+    /// Its source: the mesh's file name, or `convex`.
     pub source: String,
-    /// Whether it was aligned here.
+    /// True if it was aligned here.
     pub aligned: bool,
     /// Metres per unit of the mesh.
     pub scale: f64,

@@ -1,20 +1,20 @@
-//! From tracks on hands or grippers to control points: tracks are grouped into hands, each hand's motion is fitted as that of
-//! a rigid body, and its control points ride on that motion.
+//! From tracks on hands or grippers to control points: tracks are grouped into hands, each hand's
+//! motion is fitted as that of a rigid body, and its control points move with it.
 
 mod body;
 pub(crate) mod cloud;
 mod cluster;
 
-use bendtwin_capture::{Finding, Severity};
+use bendtwin_core::{Finding, Severity};
 use bendtwin_core::{Point, settings::ingest::ControlSettings};
 
 use self::{body::Body, cluster::clusters};
 use crate::{Error, evidence::HandEvidence, thin::farthest_first, tracks::Tracks};
 
-/// Tracks that a hand needs: three span a pose, and one more tells whether they agree.
-pub(crate) const LEAST_TRACKS: usize = 4;
-/// Tracks of hands that are looked at, the longest ones; more do not make a pose better.
-const MOST_TRACKS: usize = 600;
+/// Least tracks of a hand: three span a pose, and one more shows whether they agree.
+pub(crate) const MIN_TRACKS: usize = 4;
+/// Most tracks of hands that are used, the longest ones; more do not make a pose better.
+const MAX_TRACKS: usize = 600;
 
 /// Control points of all hands.
 pub(crate) struct Controls {
@@ -29,13 +29,13 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
     let survival = tracks.survival();
     let mut longest: Vec<usize> = (0..tracks.count).collect();
     longest.sort_by_key(|i| (std::cmp::Reverse(survival[*i]), *i));
-    longest.truncate(MOST_TRACKS);
+    longest.truncate(MAX_TRACKS);
     longest.sort_unstable();
     let tracks = &tracks.select(&longest);
 
     let mut groups = clusters(tracks, settings);
     let largest = groups.first().map_or(0, Vec::len);
-    groups.retain(|g| g.len() >= LEAST_TRACKS && 10 * g.len() >= largest);
+    groups.retain(|g| g.len() >= MIN_TRACKS && 10 * g.len() >= largest);
     let mut findings = Vec::new();
     if groups.len() > settings.max_hands as usize {
         findings.push(warning(
@@ -50,7 +50,7 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
         groups.truncate(settings.max_hands as usize);
     }
     if groups.is_empty() {
-        return Err(Error::NoHandTracks { tracks: largest, needed: LEAST_TRACKS });
+        return Err(Error::NoHandTracks { tracks: largest, needed: MIN_TRACKS });
     }
     let mut columns = Vec::new();
     let mut hands = Vec::new();
@@ -62,7 +62,7 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
         let body = Body::fit(&tracks, hand, settings)?;
         let mut chosen = body.surviving();
         let surviving = chosen.len();
-        if surviving < LEAST_TRACKS.min(wanted) {
+        if surviving < MIN_TRACKS.min(wanted) {
             findings.push(warning(
                 "HAND_BARELY_TRACKED",
                 format!(
@@ -71,22 +71,22 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
                     group.len()
                 ),
             ));
-            chosen = body.steady();
+            chosen = body.rigid_tracks();
         }
         let starts: Vec<Point> = chosen.iter().map(|i| body.start(*i)).collect();
         let picked: Vec<usize> =
             farthest_first(&starts, wanted).into_iter().map(|i| chosen[i]).collect();
         if !body.is_rigid() {
-            findings.push(Finding {
-                severity: Severity::Info,
-                code: "HAND_NOT_RIGID".to_owned(),
-                message: format!(
+            findings.push(Finding::from_sentence(
+                Severity::Info,
+                "HAND_NOT_RIGID",
+                format!(
                     "tracks on hand {hand} are {:.1} mm from a rigid motion in the median (limit {:.1}): it opens or \
                      closes, and its control points move each on its own",
                     1e3 * body.residual_m(),
                     1e3 * settings.rigid_m
                 ),
-            });
+            ));
         }
         hands.push(HandEvidence {
             tracks: group.len(),
@@ -101,7 +101,7 @@ pub(crate) fn controls(tracks: &Tracks, settings: &ControlSettings) -> Result<Co
 }
 
 fn warning(code: &str, message: String) -> Finding {
-    Finding { severity: Severity::Warning, code: code.to_owned(), message }
+    Finding::from_sentence(Severity::Warning, code, message)
 }
 
 #[cfg(test)]

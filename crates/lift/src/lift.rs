@@ -1,8 +1,10 @@
-//! From a pixel to a depth, at sub-pixel accuracy: a plane through the depths of one surface around the pixel.
+//! From a pixel to a depth, at sub-pixel accuracy: a plane through the depths of one surface around
+//! the pixel.
 //!
-//! In a pinhole camera a plane in space is a plane in inverse depth: `1/z = a + b·dx + c·dy`. Fitted robustly to the pixels
-//! of the window that lie on the same surface, its `a` is free of the rounding of depth to millimetres and of most of its
-//! noise, and does not mix what lies to both sides of an edge.
+//! In a pinhole camera a plane in space is a plane in inverse depth: `1/z = a + b·dx + c·dy`.
+//! Fitted robustly to the pixels of the window that lie on the same surface, its `a` is free of the
+//! rounding of depth to millimetres and of most of its noise, and does not mix what lies to both
+//! sides of an edge.
 
 use bendtwin_capture::raw::{DepthImage, Image, Intrinsics};
 use bendtwin_core::settings::ingest::{LiftSettings, MaskSettings};
@@ -22,7 +24,7 @@ pub(crate) enum Miss {
 }
 
 /// A depth image with its cleaned masks.
-pub(crate) struct Scene<'a> {
+pub(crate) struct LabelledDepth<'a> {
     pub(crate) depth: &'a DepthImage,
     pub(crate) labels: &'a Image<Label>,
     pub(crate) intrinsics: &'a Intrinsics,
@@ -41,10 +43,10 @@ struct Sample {
 /// Spread of the window's weights: pixels farther away count less [pixels].
 const SIGMA_PX: f64 = 1.5;
 /// Differences in depth below this are noise in any camera [m].
-const LEAST_SCALE_M: f64 = 5e-4;
+const MIN_SCALE_M: f64 = 5e-4;
 
-impl Scene<'_> {
-    /// What is seen at a pixel (column, row), and its depth along the optical axis [m].
+impl LabelledDepth<'_> {
+    /// The label at a pixel (column, row), and its depth along the optical axis [m].
     pub(crate) fn at(&self, pixel: [f32; 2]) -> Result<(Label, f64), Miss> {
         let [x, y] = pixel.map(f64::from);
         let (width, height) = (self.depth.width, self.depth.height);
@@ -122,7 +124,7 @@ fn fit(samples: Vec<Sample>, near_m: f64) -> Option<f64> {
         };
         let mut sorted: Vec<f64> = samples.iter().map(residual).collect();
         sorted.sort_by(f64::total_cmp);
-        let scale = (1.4826 * sorted[sorted.len() / 2]).max(LEAST_SCALE_M);
+        let scale = (1.4826 * sorted[sorted.len() / 2]).max(MIN_SCALE_M);
         for (weight, sample) in robust.iter_mut().zip(&samples) {
             let u = residual(sample) / (4.685 * scale);
             *weight = if u < 1.0 { (1.0 - u * u) * (1.0 - u * u) } else { 0.0 };
@@ -149,7 +151,8 @@ fn plane(samples: &[Sample], robust: &[f64]) -> Option<[f64; 3]> {
     if total <= 1e-9 {
         return None;
     }
-    // The determinant over the total's cube is the area that the pixels spread over, squared [pixels^4].
+    // The determinant over the total's cube is the area that the pixels spread over, squared
+    // [pixels^4].
     if normal.determinant() > 1e-3 * total.powi(3) {
         let solution = normal.try_inverse()? * right;
         return Some([solution[0], solution[1], solution[2]]);

@@ -1,9 +1,10 @@
-//! Which tracks are believed: neighbours on a soft body move almost as one rigid piece.
+//! Motion checks of tracks: neighbours on a soft body move almost as one rigid piece.
 //!
-//! For every track and frame a rigid motion is fitted to its neighbours, robustly, and says where the track should be. From
-//! the first frame on, a track that is far off has slipped to another spot and does not count as seen. From one frame to
-//! the next, one that is off has a motion that is not valid. PhysTwin compares a motion with the mean of its
-//! neighbours'; a rigid fit also gives turns their due.
+//! For every track and frame a rigid motion is fitted to its neighbours, robustly, and says where
+//! the track should be. From the first frame on, a track that is far off has slipped to another
+//! spot and does not count as seen. From one frame to the next, one that is off has a motion that
+//! is not valid. PhysTwin compares a motion with the mean of its neighbours'; a rigid fit also
+//! gives turns their due.
 
 use bendtwin_core::{CancelToken, Point, settings::ingest::MotionSettings};
 use rayon::prelude::*;
@@ -12,12 +13,12 @@ use crate::{Error, error::check, grid::Grid, rigid, tracks::Tracks};
 
 /// Noise of lifted points; residuals below it say nothing [m].
 const NOISE_M: f64 = 1e-3;
-/// Deviations above this many times the neighbours' own count as odd.
-const ODD: f64 = 3.0;
+/// Deviations above this many times the neighbours' own are outliers.
+const OUTLIER_FACTOR: f64 = 3.0;
 
-/// What the neighbours confirm.
-pub(crate) struct Verdict {
-    /// Whether the motion since the previous frame is trusted, shape [T, N].
+/// The result of checking all tracks against their neighbours.
+pub(crate) struct MotionCheck {
+    /// Validity of the motion since the previous frame, shape [T, N].
     pub(crate) valid: Vec<bool>,
     /// Sightings, and those that were given up.
     pub(crate) seen: u64,
@@ -31,24 +32,24 @@ pub(crate) struct Verdict {
     pub(crate) drifts: Vec<usize>,
 }
 
-/// Judges all tracks; sightings of drifted ones are taken back.
-pub(crate) fn judge(
+/// Checks all tracks; sightings of drifted ones are taken back.
+pub(crate) fn check_motion(
     tracks: &mut Tracks,
     settings: &MotionSettings,
     cancel: &CancelToken,
-) -> Result<Verdict, Error> {
+) -> Result<MotionCheck, Error> {
     let neighbours = neighbours(tracks, settings);
     let count = tracks.count;
     let drifted: Vec<Vec<bool>> = (0..tracks.frames)
         .into_par_iter()
         .map(|frame| {
-            let odd = |i: usize| has_drifted(tracks, &neighbours[i], frame, i, settings);
+            let is_drifted = |i: usize| has_drifted(tracks, &neighbours[i], frame, i, settings);
             let mut row = Vec::with_capacity(count);
             for i in 0..count {
                 if i % 256 == 0 {
                     check(cancel)?;
                 }
-                row.push(frame > 0 && tracks.is_seen(frame, i) && odd(i));
+                row.push(frame > 0 && tracks.is_seen(frame, i) && is_drifted(i));
             }
             Ok(row)
         })
@@ -61,17 +62,17 @@ pub(crate) fn judge(
             drifts[i] += 1;
         }
     }
-    let judged: Vec<Vec<Judgement>> = (0..tracks.frames)
+    let motions: Vec<Vec<TrackMotion>> = (0..tracks.frames)
         .into_par_iter()
         .map(|frame| {
             check(cancel)?;
             Ok((0..count).map(|i| motion(tracks, &neighbours[i], frame, i, settings)).collect())
         })
         .collect::<Result<_, Error>>()?;
-    let all = || judged.iter().flatten();
+    let all = || motions.iter().flatten();
     let mut residuals: Vec<f64> = all().filter_map(|j| j.residual_m).collect();
     residuals.sort_by(f64::total_cmp);
-    Ok(Verdict {
+    Ok(MotionCheck {
         valid: all().map(|j| j.valid).collect(),
         seen,
         drifted: drifts.iter().sum::<usize>() as u64,
@@ -83,7 +84,7 @@ pub(crate) fn judge(
 }
 
 #[derive(Clone, Copy, Default)]
-struct Judgement {
+struct TrackMotion {
     /// Seen in this frame and the one before.
     moved: bool,
     valid: bool,
@@ -106,7 +107,7 @@ fn neighbours(tracks: &Tracks, settings: &MotionSettings) -> Vec<Vec<usize>> {
         .collect()
 }
 
-/// Where the neighbours say that a track is, and how well they agree.
+/// The place of a track by the motion of its neighbours, and the residual of that motion [m].
 fn expected(
     tracks: &Tracks,
     neighbours: &[usize],
@@ -136,7 +137,8 @@ fn has_drifted(
     let Some((place, spread_m)) = expected(tracks, neighbours, 0, frame, start, settings) else {
         return false;
     };
-    rigid::distance(place, tracks.at(frame, track)) > settings.drift_m.max(ODD * spread_m)
+    rigid::distance(place, tracks.at(frame, track))
+        > settings.drift_m.max(OUTLIER_FACTOR * spread_m)
 }
 
 fn motion(
@@ -145,20 +147,20 @@ fn motion(
     frame: usize,
     track: usize,
     settings: &MotionSettings,
-) -> Judgement {
-    let Some(before) = frame.checked_sub(1) else { return Judgement::default() };
+) -> TrackMotion {
+    let Some(before) = frame.checked_sub(1) else { return TrackMotion::default() };
     if !(tracks.is_seen(before, track) && tracks.is_seen(frame, track)) {
-        return Judgement::default();
+        return TrackMotion::default();
     }
     let from = tracks.at(before, track);
-    let unconfirmed = Judgement { moved: true, valid: false, residual_m: None };
+    let unconfirmed = TrackMotion { moved: true, valid: false, residual_m: None };
     let Some((place, spread_m)) = expected(tracks, neighbours, before, frame, from, settings)
     else {
         return unconfirmed;
     };
     let residual = rigid::distance(place, tracks.at(frame, track));
-    let valid = residual <= settings.tolerance_m.max(ODD * spread_m);
-    Judgement { moved: true, valid, residual_m: Some(residual) }
+    let valid = residual <= settings.tolerance_m.max(OUTLIER_FACTOR * spread_m);
+    TrackMotion { moved: true, valid, residual_m: Some(residual) }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! How near lifted tracks are to clean ones.
+//! Score of lifted tracks: their distance from clean ones.
 
 use bendtwin_core::Sequence;
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,8 @@ pub struct Score {
     pub points: usize,
     /// Clean tracks that were compared.
     pub truth_tracks: usize,
-    /// Median distance of a clean track from the tracked point that stands for it, in the first frame [m].
+    /// Median distance of a clean track from the tracked point that stands for it, in the first
+    /// frame [m].
     pub start_m: f64,
     /// Pairs of clean track and frame that were compared: those in which the tracked point is seen.
     pub compared: usize,
@@ -24,8 +25,9 @@ pub struct Score {
     pub p99_m: f64,
 }
 
-/// Compares each clean track with the tracked point that is nearest to it in the first frame, over the frames in which
-/// that point is seen. `None` without clean tracks, or if no point is seen in the first frame.
+/// Compares each clean track with the tracked point that is nearest to it in the first frame, over
+/// the frames in which that point is seen. `None` without clean tracks, or if no point is seen in
+/// the first frame.
 pub fn score(sequence: &Sequence) -> Option<Score> {
     if sequence.frame_count == 0 || sequence.truth_count() == 0 {
         return None;

@@ -1,23 +1,21 @@
-//! The object's whole shape at the first frame: from a mesh that lies in the recording, or a guess from the convex parts
-//! of what was observed.
+//! The object's whole shape at the first frame: from a mesh that lies in the recording, or a guess
+//! from the convex parts of what was observed.
 
-use bendtwin_capture::{
-    Finding, Severity,
-    raw::{Alignment, MeshFile, Recording},
-};
+use bendtwin_capture::raw::{Alignment, MeshFile, Recording};
 use bendtwin_core::{
-    Point,
+    Finding, Point, Severity,
     settings::ingest::{IngestSettings, Interior},
 };
 use bendtwin_mesh::{Bvh, Limits, Mesh, Similarity, align, convex_interior, parse};
 
 use crate::{Error, complete::Shape, evidence::ShapeEvidence};
 
-/// Observed points whose distance from a mesh is measured.
-const MEASURED: usize = 4000;
+/// Most observed points whose distance from a mesh is measured.
+const MAX_MEASURED_POINTS: usize = 4000;
 
-/// A shape and where it comes from. `observed` is the object's surface as all cameras see it in the first frame [m].
-/// `None` if there is nothing to complete with, for which a finding says why where that is a surprise.
+/// A shape and where it comes from. `observed` is the object's surface as all cameras see it in the
+/// first frame [m]. `None` if there is nothing to complete with, for which a finding says why where
+/// that is a surprise.
 pub(crate) fn shape(
     recording: &Recording,
     observed: &[Point],
@@ -95,10 +93,11 @@ fn from_mesh(
     Ok(Some((Shape { surface, interior }, evidence)))
 }
 
-/// Median and 90th percentile of the observed surface's distance from the mesh [m]; infinite if there is nothing to measure.
+/// Median and 90th percentile of the observed surface's distance from the mesh [m]; infinite if
+/// there is nothing to measure.
 fn misfit(mesh: &Mesh, observed: &[Point]) -> [f64; 2] {
     let bvh = Bvh::new(mesh);
-    let some = observed.iter().step_by(observed.len().div_ceil(MEASURED).max(1));
+    let some = observed.iter().step_by(observed.len().div_ceil(MAX_MEASURED_POINTS).max(1));
     let mut distances: Vec<f64> =
         some.filter_map(|p| bvh.closest(*p)).map(|c| c.distance).collect();
     distances.sort_by(f64::total_cmp);
@@ -119,13 +118,13 @@ fn error_code(error: &bendtwin_mesh::Error) -> &'static str {
 }
 
 fn unused(code: &str, name: &str, why: &str) -> Finding {
-    Finding {
-        severity: Severity::Warning,
-        code: code.to_owned(),
-        message: format!(
+    Finding::from_sentence(
+        Severity::Warning,
+        code,
+        format!(
             "the mesh `{name}` is not used: {why}; the capture has only what cameras saw of the surface"
         ),
-    }
+    )
 }
 
 #[cfg(test)]

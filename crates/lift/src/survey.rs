@@ -1,4 +1,5 @@
-//! Reading frames: a unit of work is a block of frames of one camera, whose masks are cleaned and whose tracks are lifted.
+//! Reading frames: a unit of work is a block of frames of one camera, whose masks are cleaned and
+//! whose tracks are lifted.
 
 use bendtwin_capture::raw::{self, Camera, ColorImage, Frames, Recording, Region};
 use bendtwin_core::{CancelToken, Point, settings::ingest::IngestSettings};
@@ -9,15 +10,16 @@ use crate::{
     clean::{Label, clean},
     error::check,
     evidence::{LiftCounts, MaskCounts},
-    lift::{Miss, Scene},
+    lift::{LabelledDepth, Miss},
 };
 
-/// Frames of a unit: enough that opening a camera costs little, few enough that little is lost with a process.
-const BLOCK: usize = 16;
+/// Frames of a unit: enough that opening a camera costs little, few enough that little is lost with
+/// a process.
+const UNIT_FRAMES: usize = 16;
 /// Most points that a camera gives of the observed surface.
-const MAX_SURFACE: usize = 40_000;
+const MAX_SURFACE_POINTS: usize = 40_000;
 /// Most points that a camera gives of the manipulator in a frame.
-const MAX_HAND: usize = 400;
+const MAX_HAND_POINTS: usize = 400;
 
 /// A block of frames of one camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,28 +29,28 @@ pub(crate) struct Unit {
     pub(crate) end: usize,
 }
 
-/// What a track is in a frame.
+/// The region that a track lies on in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Sight {
+pub(crate) enum TrackLabel {
     Missed,
     Object,
     Manipulator,
 }
 
-/// What a unit gives. F frames, N tracks of the camera.
+/// The result of a unit. F frames, N tracks of the camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Surveyed {
     /// Shape [F, N]; zero where missed.
     pub(crate) points: Vec<Point>,
     /// Shape [F, N].
-    pub(crate) sights: Vec<Sight>,
+    pub(crate) labels: Vec<TrackLabel>,
     pub(crate) missing_frames: usize,
     pub(crate) object: MaskCounts,
     pub(crate) manipulator: MaskCounts,
     pub(crate) lifts: LiftCounts,
     /// The object's surface in the recording's first frame, if that is part of the unit [m].
     pub(crate) surface: Vec<Point>,
-    /// What is seen of the manipulator in each frame [m], shape [F].
+    /// Points of the manipulator's surface in each frame [m], shape [F] of lists.
     pub(crate) hands: Vec<Vec<Point>>,
     /// Colours of the tracks there, 0..=1, shape [N] or empty.
     pub(crate) colors: Vec<Point>,
@@ -57,10 +59,10 @@ pub(crate) struct Surveyed {
 /// All units of a recording, by camera and frame.
 pub(crate) fn units(recording: &Recording) -> Vec<Unit> {
     let blocks = |camera| {
-        (0..recording.frame_count).step_by(BLOCK).map(move |first| Unit {
+        (0..recording.frame_count).step_by(UNIT_FRAMES).map(move |first| Unit {
             camera,
             first,
-            end: (first + BLOCK).min(recording.frame_count),
+            end: (first + UNIT_FRAMES).min(recording.frame_count),
         })
     };
     (0..recording.cameras.len()).flat_map(blocks).collect()
@@ -101,7 +103,7 @@ impl FrameReader<'_> {
         let count = self.tracks.count;
         let start = self.result.points.len();
         self.result.points.resize(start + count, [0.0; 3]);
-        self.result.sights.resize(start + count, Sight::Missed);
+        self.result.labels.resize(start + count, TrackLabel::Missed);
         if self.frame == 0 {
             self.result.colors = vec![[0.5; 3]; count];
         }
@@ -122,18 +124,18 @@ impl FrameReader<'_> {
             clean(&depth, object.as_ref(), manipulator.as_ref(), intrinsics, &self.settings.masks);
         self.result.object.add(&cleaned.object);
         self.result.manipulator.add(&cleaned.manipulator);
-        let scene = Scene {
+        let labelled = LabelledDepth {
             depth: &depth,
             labels: &cleaned.labels,
             intrinsics,
             masks: &self.settings.masks,
             lift: &self.settings.lift,
         };
-        self.lift(&scene, start);
-        let hand = self.surface(&scene, Label::Manipulator, MAX_HAND);
+        self.lift(&labelled, start);
+        let hand = self.surface(&labelled, Label::Manipulator, MAX_HAND_POINTS);
         self.result.hands.push(hand);
         if self.frame == 0 {
-            self.result.surface = self.surface(&scene, Label::Object, MAX_SURFACE);
+            self.result.surface = self.surface(&labelled, Label::Object, MAX_SURFACE_POINTS);
             if let Some(color) = frames.color(self.frame)? {
                 self.check_size("colour", color.width, color.height, color.pixels.len())?;
                 self.colors(&color);
@@ -142,7 +144,7 @@ impl FrameReader<'_> {
         Ok(())
     }
 
-    fn lift(&mut self, scene: &Scene<'_>, start: usize) {
+    fn lift(&mut self, labelled: &LabelledDepth<'_>, start: usize) {
         let row = self.frame * self.tracks.count;
         let pixels = self.tracks.points[row..row + self.tracks.count].iter();
         let visible = &self.tracks.visible[row..row + self.tracks.count];
@@ -152,7 +154,7 @@ impl FrameReader<'_> {
                 lifts.hidden += 1;
                 continue;
             }
-            let (label, depth_m) = match scene.at(*pixel) {
+            let (label, depth_m) = match labelled.at(*pixel) {
                 Ok(found) => found,
                 Err(miss) => {
                     match miss {
@@ -169,9 +171,9 @@ impl FrameReader<'_> {
                 continue;
             }
             self.result.points[start + track] = point;
-            self.result.sights[start + track] = match label {
-                Label::Manipulator => Sight::Manipulator,
-                _ => Sight::Object,
+            self.result.labels[start + track] = match label {
+                Label::Manipulator => TrackLabel::Manipulator,
+                _ => TrackLabel::Object,
             };
             match label {
                 Label::Manipulator => lifts.manipulator += 1,
@@ -180,14 +182,14 @@ impl FrameReader<'_> {
         }
     }
 
-    /// A label's pixels in space; every so manieth, if there are very many.
-    fn surface(&self, scene: &Scene<'_>, label: Label, most: usize) -> Vec<Point> {
-        let inside = || scene.labels.pixels.iter().enumerate().filter(|(_, l)| **l == label);
+    /// A label's pixels in space [m]; evenly taken ones if there are more than `most`.
+    fn surface(&self, labelled: &LabelledDepth<'_>, label: Label, most: usize) -> Vec<Point> {
+        let inside = || labelled.labels.pixels.iter().enumerate().filter(|(_, l)| **l == label);
         let stride = inside().count().div_ceil(most).max(1);
-        let width = scene.labels.width;
+        let width = labelled.labels.width;
         let point = |at: usize| {
             let pixel = [(at % width) as f64, (at / width) as f64];
-            self.camera.unproject(pixel, f64::from(scene.depth.pixels[at]), self.frame)
+            self.camera.unproject(pixel, f64::from(labelled.depth.pixels[at]), self.frame)
         };
         let points = inside().step_by(stride).map(|(at, _)| point(at));
         points.filter(|p| p.iter().all(|x| x.is_finite())).collect()

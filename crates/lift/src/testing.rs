@@ -1,4 +1,5 @@
-//! A made recording with known truth: a ball that is turned and carried by a smaller one, seen by cameras around it.
+//! A synthetic recording with known truth: a ball that is turned and carried by a smaller one, seen
+//! by cameras around it.
 
 use std::sync::Arc;
 
@@ -20,29 +21,29 @@ const WIDTH: usize = 180;
 const HEIGHT: usize = 140;
 const FOCAL_PX: f64 = 200.0;
 
-/// What happens in a made recording.
+/// The scene of a synthetic recording, and its faults.
 #[derive(Clone, Debug)]
-pub(crate) struct Story {
+pub(crate) struct TestScene {
     pub(crate) frames: usize,
     pub(crate) cameras: usize,
     pub(crate) distortion: Distortion,
     /// Frames that a camera lacks.
     pub(crate) missing: Vec<(usize, usize)>,
-    /// Frames in which nobody tracks the hand.
+    /// Frames in which no track on the hand is visible.
     pub(crate) hand_hidden: std::ops::Range<usize>,
-    /// Whether there is a hand at all.
+    /// True if there is a hand.
     pub(crate) hand: bool,
-    /// Whether it brings 2D tracks.
+    /// True if the recording brings 2D tracks.
     pub(crate) tracked: bool,
-    /// Whether the masks show anything.
+    /// True if the masks show anything.
     pub(crate) masks: bool,
-    /// Whether the cameras move.
+    /// True if the cameras move.
     pub(crate) moving: bool,
-    /// Tracks of the ball that slip from frame 5 on by so many pixels a frame: every so manieth.
+    /// Tracks of the ball that slip from frame 5 on: every n-th, by so many pixels a frame.
     pub(crate) slipping: Option<(usize, f64)>,
 }
 
-impl Default for Story {
+impl Default for TestScene {
     fn default() -> Self {
         Self {
             frames: 12,
@@ -59,7 +60,7 @@ impl Default for Story {
     }
 }
 
-impl Story {
+impl TestScene {
     pub(crate) fn recording(self) -> Recording {
         let cameras: Vec<Camera> = (0..self.cameras).map(|c| self.camera(c)).collect();
         let truth: Vec<Vec3> = sphere(40).into_iter().map(|p| p * BALL_M).collect();
@@ -75,7 +76,7 @@ impl Story {
             cameras: cameras.clone(),
             mesh: None,
             truth_tracks,
-            source: Arc::new(Made { story: self, cameras }),
+            source: Arc::new(SceneSource { scene: self, cameras }),
         }
     }
 
@@ -97,7 +98,7 @@ impl Story {
     }
 }
 
-/// Where a point of the ball's or hand's body is in a frame: everything turns and moves as one.
+/// The place of a point of the ball's or hand's body in a frame: everything turns and moves as one.
 pub(crate) fn place(frame: usize, p: Vec3) -> Vec3 {
     let f = frame as f64;
     let turn = Rotation3::from_axis_angle(&Vec3::z_axis(), 0.02 * f);
@@ -125,7 +126,7 @@ pub(crate) fn point(v: Vec3) -> Point {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
-/// A camera at a place that looks at where the ball starts.
+/// The pose of a camera at a place that looks at where the ball starts.
 fn look_at(eye: Vec3) -> Pose {
     let z = (Vec3::new(0.0, 0.0, 0.2) - eye).normalize();
     let x = z.cross(&Vec3::z()).normalize();
@@ -135,29 +136,29 @@ fn look_at(eye: Vec3) -> Pose {
 }
 
 #[derive(Debug)]
-struct Made {
-    story: Story,
+struct SceneSource {
+    scene: TestScene,
     cameras: Vec<Camera>,
 }
 
-impl Source for Made {
+impl Source for SceneSource {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error> {
-        Ok(Box::new(View { made: self, camera, index: camera }))
+        Ok(Box::new(SceneReader { source: self, camera, index: camera }))
     }
 }
 
-struct View<'a> {
-    made: &'a Made,
+struct SceneReader<'a> {
+    source: &'a SceneSource,
     camera: usize,
     index: usize,
 }
 
-impl View<'_> {
+impl SceneReader<'_> {
     fn camera(&self) -> &Camera {
-        &self.made.cameras[self.camera]
+        &self.source.cameras[self.camera]
     }
 
-    /// What a ray through a pixel hits first, and its depth.
+    /// The region that a ray through a pixel hits first, and its depth.
     fn hit(&self, frame: usize, pixel: [f64; 2]) -> Option<(Region, f64)> {
         let camera = self.camera();
         let eye = Vec3::from(camera.pose(frame).translation);
@@ -165,7 +166,7 @@ impl View<'_> {
         let ray = Vec3::from(at_1.map(f64::from)) - eye;
         let ball = (Region::Object, place(frame, Vec3::zeros()), BALL_M);
         let hand = (Region::Manipulator, place(frame, hand_middle()), HAND_M);
-        let bodies = [Some(ball), self.made.story.hand.then_some(hand)];
+        let bodies = [Some(ball), self.source.scene.hand.then_some(hand)];
         let hits = bodies.into_iter().flatten().filter_map(|(region, middle, radius)| {
             let m = middle - eye;
             let (a, b) = (ray.norm_squared(), ray.dot(&m));
@@ -199,11 +200,11 @@ impl View<'_> {
     }
 
     fn is_missing(&self, frame: usize) -> bool {
-        self.made.story.missing.contains(&(self.index, frame))
+        self.source.scene.missing.contains(&(self.index, frame))
     }
 }
 
-impl Frames for View<'_> {
+impl Frames for SceneReader<'_> {
     fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
         let image = self.image(frame, |hit| match hit {
             Some((Region::Object, _)) => [200, 100, 50],
@@ -211,7 +212,7 @@ impl Frames for View<'_> {
             None => [0; 3],
         });
         // Recordings without tracks need a texture to follow.
-        let image = if self.made.story.tracked { image } else { self.textured(frame) };
+        let image = if self.source.scene.tracked { image } else { self.textured(frame) };
         Ok((!self.is_missing(frame)).then_some(image))
     }
 
@@ -223,24 +224,24 @@ impl Frames for View<'_> {
     }
 
     fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
-        let shown = self.made.story.masks;
+        let shown = self.source.scene.masks;
         let image = self.image(frame, |hit| shown && hit.is_some_and(|(r, _)| r == region));
-        let there = region == Region::Object || self.made.story.hand;
+        let there = region == Region::Object || self.source.scene.hand;
         Ok((there && !self.is_missing(frame)).then_some(image))
     }
 
     fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
-        let story = &self.made.story;
-        if !story.tracked {
+        let scene = &self.source.scene;
+        if !scene.tracked {
             return Ok(None);
         }
         let ball = sphere(900).into_iter().map(|p| (Region::Object, p * BALL_M));
         let hand =
             sphere(120).into_iter().map(|p| (Region::Manipulator, hand_middle() + p * HAND_M));
         let all: Vec<(Region, Vec3)> =
-            ball.chain(hand.take(if story.hand { 120 } else { 0 })).collect();
+            ball.chain(hand.take(if scene.hand { 120 } else { 0 })).collect();
         let mut tracks = Tracks { count: all.len(), ..Tracks::default() };
-        for frame in 0..story.frames {
+        for frame in 0..scene.frames {
             for (i, (region, p)) in all.iter().enumerate() {
                 let world = place(frame, *p);
                 let Some((mut pixel, z)) = self.camera().project(point(world), frame) else {
@@ -250,11 +251,11 @@ impl Frames for View<'_> {
                 };
                 let hit = self.hit(frame, pixel);
                 let mut visible = hit.is_some_and(|(r, d)| r == *region && (d - z).abs() < 2e-3);
-                if *region == Region::Manipulator && story.hand_hidden.contains(&frame) {
+                if *region == Region::Manipulator && scene.hand_hidden.contains(&frame) {
                     visible = false;
                 }
                 if let Some((_, speed)) =
-                    story.slipping.filter(|(n, _)| i % n == 0 && *region == Region::Object)
+                    scene.slipping.filter(|(n, _)| i % n == 0 && *region == Region::Object)
                 {
                     pixel[0] += speed * frame.saturating_sub(4) as f64;
                 }

@@ -4,7 +4,8 @@ use bendtwin_core::Point;
 
 use crate::{grid::Grid, tracks::Tracks};
 
-/// Those of `candidates` that keep `spacing_m` from each other and from what `grid` holds, to which they are added. Earlier ones go first.
+/// Those of `candidates` that keep `spacing_m` from each other and from what `grid` holds, to which
+/// they are added. Earlier ones go first.
 pub(crate) fn spread(
     grid: &mut Grid,
     candidates: impl IntoIterator<Item = (usize, Point)>,
@@ -20,17 +21,19 @@ pub(crate) fn spread(
     kept
 }
 
-/// One track for each spot of the first frame: those with the highest worth go first. In the order of the tracks.
-pub(crate) fn one_per_spot(tracks: &Tracks, worth: &[usize], spacing_m: f64) -> Vec<usize> {
+/// One track for each spot of the first frame: those with the highest priority go first. In the
+/// order of the tracks.
+pub(crate) fn one_per_spot(tracks: &Tracks, priority: &[usize], spacing_m: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..tracks.count).collect();
-    order.sort_by_key(|i| (std::cmp::Reverse(worth[*i]), *i));
+    order.sort_by_key(|i| (std::cmp::Reverse(priority[*i]), *i));
     let candidates = order.into_iter().map(|i| (i, tracks.at(0, i)));
     let mut kept = spread(&mut Grid::new(spacing_m), candidates, spacing_m);
     kept.sort_unstable();
     kept
 }
 
-/// Indices of `count` points, each the farthest from those before; the first is the farthest from the middle.
+/// Indices of `count` points, each the farthest from those before; the first is the farthest from
+/// the middle.
 pub(crate) fn farthest_first(points: &[Point], count: usize) -> Vec<usize> {
     if points.is_empty() || count == 0 {
         return Vec::new();

@@ -34,7 +34,7 @@ impl Tracks {
         &self.seen[frame * self.count..(frame + 1) * self.count]
     }
 
-    /// In how many frames each track is seen, shape [N].
+    /// Number of frames in which each track is seen, shape [N].
     pub(crate) fn survival(&self) -> Vec<usize> {
         let mut counts = vec![0; self.count];
         for frame in 0..self.frames {
@@ -58,7 +58,8 @@ impl Tracks {
         }
     }
 
-    /// Puts positions where nothing was seen: on the line between the sightings around, or where it was seen last.
+    /// Fills in positions where a track was not seen: on the line between the sightings around, or
+    /// where it was seen last.
     pub(crate) fn fill_unseen(&mut self) {
         for track in 0..self.count {
             let mut last = 0;

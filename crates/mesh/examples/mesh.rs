@@ -1,5 +1,11 @@
-//! What a mesh gives: `cargo run --release -p bendtwin-mesh --example mesh -- FILE [SPACING_M]` samples it, then hides what
-//! three cameras would not see, moves the rest, and says how well alignment finds back.
+//! Samples of a mesh, and its alignment.
+//!
+//! ```text
+//! cargo run --release -p bendtwin-mesh --example mesh -- FILE [SPACING_M]
+//! ```
+//!
+//! It samples the mesh, then hides what three cameras would not see, moves the rest, and prints how
+//! well alignment finds the way back.
 
 use std::time::Instant;
 
@@ -58,7 +64,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn seen(mesh: &Mesh, spacing: f32) -> Result<Vec<Point>, bendtwin_mesh::Error> {
     let bvh = Bvh::new(mesh);
     let [low, high] = mesh.bounds().unwrap_or_default();
-    // The sample of the data set has z pointing down; seen from above either way, as meshes are thinnest upwards there.
+    // The sample of the data set has z pointing down; seen from above either way, as meshes are
+    // thinnest upwards there.
     let up = if low[2] + high[2] < 0.0 { -1.0 } else { 1.0 };
     let cameras = [-90.0_f64, 30.0, 150.0].map(|degrees| {
         let (s, c) = degrees.to_radians().sin_cos();

@@ -1,9 +1,10 @@
 //! Brings a mesh of unknown pose and size onto observed points of the object's surface.
 //!
-//! Iterative closest points with scale, from many starts: rotations that bring principal axes together and rotations spread over
-//! all others, each at a few sizes, tried on few points; the best go on with all points and with the distance along the
-//! surface's normal. Observation is partial, so every observed point shall lie on the mesh, but only the nearest half of the
-//! mesh has to have been seen: without that half, a mesh much too large would explain a flat patch.
+//! Iterative closest points with scale, from many starts: rotations that bring principal axes
+//! together and rotations spread over all others, each at a few sizes, tried on few points; the
+//! best go on with all points and with the distance along the surface's normal. Observation is
+//! partial, so every observed point should lie on the mesh, but only the nearest half of the mesh
+//! has to have been observed: without that half, a mesh much too large would explain a flat patch.
 
 mod coarse;
 mod fine;
@@ -14,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::{Bvh, Error, Mesh, Similarity, Vec3, cloud::Cloud, surface::Thinning, vec3};
 
-/// Where a mesh lies, and how well it fits there.
+/// The pose and size of a mesh, and how well it fits there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aligned {
     /// From the mesh's axes and unit to those of the observed points.
@@ -23,24 +24,25 @@ pub struct Aligned {
     pub rms_m: f64,
     /// Share of the observed points within [`Aligned::within_m`] of the surface.
     pub inlier_share: f64,
-    /// What counts as on the mesh [m]: 2 % of the object's extent.
+    /// Distance within which a point counts as on the mesh [m]: 2 % of the object's extent.
     pub within_m: f64,
 }
 
+/// Least observed points.
 const MIN_POINTS: usize = 30;
-/// Farthest distance of an inlier over the observed extent.
-const WITHIN: f64 = 0.02;
-/// An alignment with fewer inliers is none.
-const MIN_INLIERS: f64 = 0.75;
-/// Observed points are thinned to about as many: more do not tell more of a pose.
-const OBSERVED: f64 = 1000.0;
+/// Largest distance of an inlier, over the observed extent.
+const INLIER_DISTANCE: f64 = 0.02;
+/// Least share of inliers of an alignment.
+const MIN_INLIER_SHARE: f64 = 0.75;
+/// Observed points are thinned to about as many: more do not make a pose better.
+const MAX_OBSERVED: f64 = 1000.0;
 /// Samples of the mesh's surface.
-const SAMPLES: f64 = 1200.0;
+const SURFACE_SAMPLES: f64 = 1200.0;
 /// Starts that go on to the fine stage.
 const FINALISTS: usize = 8;
 
-/// Finds rotation, uniform scale and translation that bring `mesh` onto `observed` [m], points of the object's surface that may
-/// cover only a part of it and may have some outliers. Deterministic.
+/// Finds rotation, uniform scale and translation that bring `mesh` onto `observed` [m], points of
+/// the object's surface that may cover only a part of it and may have some outliers. Deterministic.
 ///
 /// # Errors
 /// If there are too few points, or if even the best pose leaves a quarter of them off the surface.
@@ -61,7 +63,7 @@ pub fn align(mesh: &Mesh, observed: &[Point]) -> Result<Aligned, Error> {
 
     let starts = starts::starts(&surface.points, &cloud.points);
     let finalists = coarse::search(starts, &surface, &cloud, FINALISTS);
-    let within_m = WITHIN * extent;
+    let within_m = INLIER_DISTANCE * extent;
     let refined: Vec<fine::Refined> = finalists
         .into_par_iter()
         .map(|s| fine::refine(s, &bvh, &surface, &cloud, within_m))
@@ -70,7 +72,7 @@ pub fn align(mesh: &Mesh, observed: &[Point]) -> Result<Aligned, Error> {
     let failed = Error::NotAligned { inlier_share: 0.0, within_m };
     let Some(best) = best else { return Err(failed) };
     let aligned = measure(best.similarity, &bvh, &cloud.points, within_m);
-    if aligned.inlier_share.is_nan() || aligned.inlier_share < MIN_INLIERS {
+    if aligned.inlier_share.is_nan() || aligned.inlier_share < MIN_INLIER_SHARE {
         return Err(Error::NotAligned { inlier_share: aligned.inlier_share, within_m });
     }
     Ok(aligned)
@@ -89,11 +91,11 @@ fn extent(points: &[Vec3]) -> f64 {
 
 /// Evens out the density, which depends on how near the cameras were.
 fn thin(points: Vec<Vec3>, extent: f64) -> Vec<Vec3> {
-    let mut spacing = extent / OBSERVED.sqrt() / 2.0;
+    let mut spacing = extent / MAX_OBSERVED.sqrt() / 2.0;
     loop {
         let mut thinning = Thinning::new(spacing.max(f64::MIN_POSITIVE));
         points.iter().for_each(|p| thinning.offer(*p));
-        if thinning.kept.len() as f64 <= OBSERVED || spacing <= 0.0 {
+        if thinning.kept.len() as f64 <= MAX_OBSERVED || spacing <= 0.0 {
             return thinning.kept;
         }
         spacing *= 1.3;
@@ -102,13 +104,13 @@ fn thin(points: Vec<Vec3>, extent: f64) -> Vec<Vec3> {
 
 fn surface_samples(mesh: &Mesh) -> Result<Vec<Vec3>, Error> {
     // A Poisson disc pattern holds about 0.7 points per squared spacing.
-    let spacing = (0.7 * mesh.area() / SAMPLES).sqrt();
+    let spacing = (0.7 * mesh.area() / SURFACE_SAMPLES).sqrt();
     Ok(mesh.sample_surface(spacing as f32, 0)?.into_iter().map(vec3).collect())
 }
 
 fn measure(similarity: Similarity, bvh: &Bvh, observed: &[Vec3], within_m: f64) -> Aligned {
     let distances = observed.iter().filter_map(|o| {
-        let (_, square, _) = bvh.nearest(similarity.pull(*o))?;
+        let (_, square, _) = bvh.nearest(similarity.apply_inverse(*o))?;
         Some(square.sqrt() * similarity.scale)
     });
     let (mut inliers, mut squares) = (0_usize, 0.0);

@@ -4,10 +4,11 @@ use bendtwin_core::Point;
 
 use crate::{Mesh, Vec3, point, vec3};
 
-/// Triangles in a leaf at most.
-const LEAF: usize = 4;
+/// Most triangles in a leaf.
+const MAX_LEAF_TRIANGLES: usize = 4;
 
-/// Triangles sorted into nested boxes. Deterministic, and at most as deep as the logarithm of their number.
+/// Triangles sorted into nested boxes. Deterministic, and at most as deep as the logarithm of their
+/// number.
 #[derive(Clone, Debug)]
 pub struct Bvh {
     pub(crate) nodes: Vec<Node>,
@@ -29,9 +30,9 @@ pub(crate) struct Node {
 /// The nearest point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closest {
-    /// Where it is.
+    /// Its place.
     pub point: Point,
-    /// How far away it is.
+    /// Its distance.
     pub distance: f64,
     /// Unit normal of its triangle by the order of the corners; zero for a triangle without area.
     pub normal: [f64; 3],
@@ -111,7 +112,7 @@ fn split(triangles: &mut [[Vec3; 3]], first: usize, nodes: &mut Vec<Node>) {
     let own = nodes.len();
     let count = triangles.len();
     nodes.push(Node { low, high, first, count, second: 0 });
-    if count <= LEAF {
+    if count <= MAX_LEAF_TRIANGLES {
         return;
     }
     let axis = (high_centre - low_centre).imax();
@@ -123,8 +124,8 @@ fn split(triangles: &mut [[Vec3; 3]], first: usize, nodes: &mut Vec<Node>) {
     split(right, first + half, nodes);
 }
 
-/// Nearest point of a triangle by the region in which the point's projection lies (Ericson, Real-Time Collision
-/// Detection, 5.1.5).
+/// Nearest point of a triangle by the region in which the point's projection lies (Ericson,
+/// Real-Time Collision Detection, 5.1.5).
 fn nearest_on_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Vec3 {
     let (ab, ac) = (b - a, c - a);
     let (ap, bp, cp) = (p - a, p - b, p - c);

@@ -13,7 +13,7 @@ pub enum Error {
     Damaged {
         /// The file.
         at: String,
-        /// What is wrong.
+        /// The fault.
         fault: String,
     },
     /// A header that claims more than there is.
@@ -31,9 +31,9 @@ pub enum Error {
     /// Beyond [`crate::Limits`].
     #[error("the mesh has {count} {what}, the limit is {limit}: decimate it first")]
     TooMany {
-        /// What is too many.
+        /// Vertices or triangles.
         what: &'static str,
-        /// How many.
+        /// Their number.
         count: usize,
         /// The limit.
         limit: usize,
@@ -65,12 +65,12 @@ pub enum Error {
         /// The file.
         at: String,
     },
-    /// Something that its format allows and nobody needs here.
+    /// A feature of its format that is not supported.
     #[error("the mesh `{at}` uses {what}, which is not read: export plain triangles")]
     Unsupported {
         /// The file.
         at: String,
-        /// What it uses.
+        /// The feature.
         what: String,
     },
     /// Nothing to sample.
@@ -95,7 +95,7 @@ pub enum Error {
         at: String,
         /// The vertex named.
         vertex: i64,
-        /// How many there are.
+        /// Number of vertices.
         vertices: usize,
     },
     /// A spacing that is not a length, or one so fine that memory would not hold the samples.
@@ -105,7 +105,7 @@ pub enum Error {
     Spacing {
         /// The spacing asked for [m].
         spacing_m: f32,
-        /// How many samples that means, saturated.
+        /// Number of samples at that spacing, saturated.
         samples: u64,
         /// The limit.
         limit: u64,
@@ -129,7 +129,7 @@ pub enum Error {
     NotAligned {
         /// Observed points that lie on the mesh, 0 to 1.
         inlier_share: f64,
-        /// What counts as on the mesh [m].
+        /// Distance within which a point counts as on the mesh [m].
         within_m: f64,
     },
 }

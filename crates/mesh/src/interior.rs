@@ -5,11 +5,13 @@ use rayon::prelude::*;
 
 use crate::{Error, Mesh, Solid};
 
+/// Most cells of a grid.
 pub(crate) const MAX_CELLS: f64 = 20_000_000.0;
 
 impl Mesh {
-    /// Points of a cubic grid inside the mesh, at least half a spacing from its surface, so that they do not double
-    /// points on it. Open and self-intersecting meshes are filled where their winding number says so.
+    /// Points of a cubic grid inside the mesh, at least half a spacing from its surface, so that
+    /// they do not double points on it. Open and self-intersecting meshes are filled where their
+    /// winding number says so.
     ///
     /// # Errors
     /// If the spacing is no length, or so fine that memory would not hold the grid.

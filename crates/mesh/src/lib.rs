@@ -1,9 +1,10 @@
 //! Triangle meshes of soft objects: what a completion network or CAD gives beside a recording.
 //!
-//! [`parse()`] reads GLB, OBJ and PLY from hostile bytes under [`Limits`]. A [`Mesh`] gives points on its surface
-//! ([`Mesh::sample_surface`]) and inside ([`Mesh::sample_interior`]); [`align()`] brings it onto what cameras observed;
-//! [`convex_interior`] fills a cloud for which nobody has a mesh. Lengths are in the mesh's own unit, which is metres once
-//! it is aligned. This crate knows nothing of captures and of files.
+//! [`parse()`] reads GLB, OBJ and PLY from hostile bytes under [`Limits`]. A [`Mesh`] gives points
+//! on its surface ([`Mesh::sample_surface`]) and inside ([`Mesh::sample_interior`]); [`align()`]
+//! brings it onto what cameras observed; [`convex_interior`] fills a cloud without a
+//! mesh. Lengths are in the mesh's own unit, which is metres once it is aligned. This crate knows
+//! nothing of captures and of files.
 
 mod align;
 mod bvh;

@@ -1,4 +1,4 @@
-//! How large a mesh may be.
+//! Limits on the size of a mesh.
 
 use crate::Error;
 

@@ -4,7 +4,8 @@ use bendtwin_core::Point;
 
 use crate::{Error, Limits, Similarity, Vec3, vec3};
 
-/// Triangles on shared vertices. Nothing is promised of its topology: it may be open, in several parts, or intersect itself.
+/// Triangles on shared vertices. Nothing is promised of its topology: it may be open, in several
+/// parts, or intersect itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Positions in the mesh's own axes and unit, shape [V, 3].
@@ -43,7 +44,8 @@ impl Mesh {
         })
     }
 
-    /// Refuses what no later step could use: no triangles, numbers that are none, corners that are not there.
+    /// Refuses what no later step could use: no triangles, numbers that are none, corners that are
+    /// not there.
     pub(crate) fn check(&self, at: &str, limits: &Limits) -> Result<(), Error> {
         limits.allow_vertices(self.vertices.len())?;
         limits.allow_triangles(self.triangles.len())?;

@@ -1,5 +1,6 @@
-//! Turns triangles so that all of a connected piece face the same way, outwards where the piece encloses anything.
-//! Winding numbers count triangles by the way they face, and half of the meshes in the wild are not careful.
+//! Turns triangles so that all of a connected piece face the same way, outwards where the piece
+//! encloses anything. Winding numbers count triangles by the way they face, and many meshes are not
+//! consistent.
 
 use std::collections::HashMap;
 
@@ -15,7 +16,8 @@ pub(crate) fn oriented(mesh: &Mesh) -> Vec<[Vec3; 3]> {
         if piece_of[seed].is_some() {
             continue;
         }
-        // Across every edge that two triangles share: both must run along it in opposite directions.
+        // Across every edge that two triangles share: both must run along it in opposite
+        // directions.
         let mut piece = vec![seed];
         piece_of[seed] = Some(false);
         let mut next = 0;
@@ -43,7 +45,8 @@ pub(crate) fn oriented(mesh: &Mesh) -> Vec<[Vec3; 3]> {
     triangles
 }
 
-/// The same number for corners at the same place: formats split vertices where normals or textures have seams.
+/// The same number for corners at the same place: formats split vertices where normals or textures
+/// have seams.
 fn weld(triangles: &[[Vec3; 3]]) -> Vec<[u32; 3]> {
     let mut numbers: HashMap<[u64; 3], u32> = HashMap::with_capacity(triangles.len() / 2);
     let mut number = |v: &Vec3| {
@@ -54,8 +57,9 @@ fn weld(triangles: &[[Vec3; 3]]) -> Vec<[u32; 3]> {
     triangles.iter().map(|[a, b, c]| [number(a), number(b), number(c)]).collect()
 }
 
-/// For each triangle those across its edges, and whether both run along the edge in the same direction. Edges of more
-/// than two triangles join nothing: there is no telling who belongs to whom.
+/// For each triangle those across its edges, and whether both run along the edge in the same
+/// direction. Edges of more than two triangles join nothing: they do not tell which triangles
+/// belong together.
 fn neighbours(triangles: &[[u32; 3]]) -> Vec<Vec<(usize, bool)>> {
     let mut edges: Vec<([u32; 2], usize, bool)> = Vec::with_capacity(triangles.len() * 3);
     for (t, &[a, b, c]) in triangles.iter().enumerate() {

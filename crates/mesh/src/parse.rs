@@ -1,4 +1,5 @@
-//! Reads meshes. Bytes are hostile: every count is checked against the bytes left before anything is allocated for it.
+//! Reads meshes. Bytes are hostile: every count is checked against the bytes left before anything
+//! is allocated for it.
 
 mod glb;
 mod obj;
@@ -8,11 +9,12 @@ use crate::{Error, Limits, Mesh};
 
 /// Reads a mesh; the extension of `name` tells the format: `glb`, `obj` or `ply`.
 ///
-/// All parts are merged, polygons become fans of triangles, a scene's transforms are applied; materials, textures, bones
-/// and animations are left out. Axes and unit stay those of the file.
+/// All parts are merged, polygons become fans of triangles, a scene's transforms are applied;
+/// materials, textures, bones and animations are left out. Axes and unit stay those of the file.
 ///
 /// # Errors
-/// If the format is not known, the file is damaged, compressed or beyond the limits, or there are no triangles.
+/// If the format is not known, the file is damaged, compressed or beyond the limits, or there are
+/// no triangles.
 pub fn parse(name: &str, bytes: &[u8], limits: &Limits) -> Result<Mesh, Error> {
     let size = bytes.len() as u64;
     if size > limits.file_bytes {

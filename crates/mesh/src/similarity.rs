@@ -17,7 +17,7 @@ pub struct Similarity {
 }
 
 impl Similarity {
-    /// Changes nothing.
+    /// The identity.
     pub const IDENTITY: Self = Self {
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         scale: 1.0,
@@ -46,7 +46,7 @@ impl Similarity {
     }
 
     /// The point that is mapped to `y`.
-    pub(crate) fn pull(&self, y: Vec3) -> Vec3 {
+    pub(crate) fn apply_inverse(&self, y: Vec3) -> Vec3 {
         self.matrix().tr_mul(&(y - Vec3::from(self.translation))) / self.scale
     }
 }

@@ -9,12 +9,14 @@ use rand_chacha::ChaCha8Rng;
 use crate::{Error, Mesh, Vec3, point};
 
 /// Random points tried for each disc that the area could hold: more fill the last gaps, at a price.
-const TRIES: f64 = 12.0;
+const TRIES_PER_DISC: f64 = 12.0;
+/// Most samples that a spacing may ask for.
 const MAX_SAMPLES: f64 = 2_000_000.0;
 
 impl Mesh {
-    /// Points on the surface, none nearer to another than `spacing_m` and hardly a gap that one more would fit into
-    /// (random by area, then thinned: a Poisson disc pattern). The same seed gives the same points.
+    /// Points on the surface, none nearer to another than `spacing_m` and hardly a gap that one
+    /// more would fit into (random by area, then thinned: a Poisson disc pattern). The same seed
+    /// gives the same points.
     ///
     /// # Errors
     /// If the spacing is no length, or so fine that memory would not hold the points.
@@ -37,7 +39,7 @@ impl Mesh {
         }
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut thinning = Thinning::new(spacing);
-        for _ in 0..(discs * TRIES).ceil() as usize {
+        for _ in 0..(discs * TRIES_PER_DISC).ceil() as usize {
             let [along, across, place]: [f64; 3] = std::array::from_fn(|_| rng.random::<f64>());
             let chosen = until.partition_point(|u| *u <= place * area);
             let Some([a, b, c]) = triangles.get(chosen) else { continue };
@@ -61,6 +63,7 @@ impl Thinning {
         Self { spacing, cells: HashMap::new(), kept: Vec::new() }
     }
 
+    /// Keeps a point if it is not near a kept one.
     pub(crate) fn offer(&mut self, p: Vec3) {
         let cell = [p.x, p.y, p.z].map(|x| (x / self.spacing).floor() as i64);
         let square = self.spacing * self.spacing;

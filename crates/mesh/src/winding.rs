@@ -1,6 +1,7 @@
-//! Whether a point lies inside a mesh, by its generalised winding number: the solid angle that the surface covers as seen
-//! from the point, over 4π. Unlike rays it gives sensible answers for meshes with holes and for those that intersect themselves
-//! (Jacobson et al. 2013); far parts of the surface count as one dipole each (Barill et al. 2018).
+//! Inside or outside: whether a point lies inside a mesh, by its generalised winding number: the
+//! solid angle that the surface covers as seen from the point, over 4π. Unlike rays it gives
+//! sensible answers for meshes with holes and for those that intersect themselves (Jacobson et al.
+//! 2013); far parts of the surface count as one dipole each (Barill et al. 2018).
 
 use std::f64::consts::PI;
 
@@ -8,10 +9,11 @@ use bendtwin_core::Point;
 
 use crate::{Bvh, Mesh, Vec3, bvh::Node, orient::oriented, vec3};
 
-/// A part counts as a dipole from this many of its radii away; its error is then below 2 % of the part's angle.
-const FAR: f64 = 2.3;
+/// Distance from which a part counts as a dipole [radii of the part]; the error is then below 2 %
+/// of the part's angle.
+const DIPOLE_DISTANCE: f64 = 2.3;
 
-/// A mesh that can be asked what is inside.
+/// A mesh with an inside.
 #[derive(Clone, Debug)]
 pub struct Solid {
     bvh: Bvh,
@@ -19,7 +21,7 @@ pub struct Solid {
     dipoles: Vec<Dipole>,
 }
 
-/// What a part of the surface looks like from afar.
+/// A part of the surface as seen from afar.
 #[derive(Clone, Copy, Debug)]
 struct Dipole {
     centre: Vec3,
@@ -41,7 +43,7 @@ impl Solid {
         &self.bvh
     }
 
-    /// How often the surface surrounds a point: 1 inside, 0 outside, between them near holes.
+    /// The winding number of a point: 1 inside, 0 outside, between them near holes.
     pub fn winding_number(&self, p: Point) -> f64 {
         let p = vec3(p);
         let mut angle = 0.0;
@@ -65,7 +67,7 @@ impl Solid {
         angle / (4.0 * PI)
     }
 
-    /// Whether a point lies inside.
+    /// True if a point lies inside.
     pub fn contains(&self, p: Point) -> bool {
         self.winding_number(p) > 0.5
     }
@@ -83,11 +85,11 @@ fn dipole(bvh: &Bvh, node: &Node) -> Dipole {
     let centre = if area > 0.0 { weighted / area } else { (node.low + node.high) / 2.0 };
     let radius =
         triangles.iter().flatten().map(|v| (v - centre).norm_squared()).fold(0.0, f64::max);
-    Dipole { centre, moment, square_reach: FAR * FAR * radius }
+    Dipole { centre, moment, square_reach: DIPOLE_DISTANCE * DIPOLE_DISTANCE * radius }
 }
 
-/// Solid angle of a triangle: `tan(Ω/2) = a·(b×c) / (|a||b||c| + (a·b)|c| + (b·c)|a| + (c·a)|b|)` with corners relative to
-/// the point (van Oosterom and Strackee 1983).
+/// Solid angle of a triangle: `tan(Ω/2) = a·(b×c) / (|a||b||c| + (a·b)|c| + (b·c)|a| + (c·a)|b|)`
+/// with corners relative to the point (van Oosterom and Strackee 1983).
 fn solid_angle(p: Vec3, triangle: &[Vec3; 3]) -> f64 {
     let [a, b, c] = triangle.map(|v| v - p);
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());

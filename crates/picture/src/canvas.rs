@@ -1,5 +1,5 @@
-//! Drawing: anti-aliased shapes by `tiny-skia`, letters from a pre-rasterised font, PNG by `png`. Pure Rust, no system
-//! font needed, so the picture is the same everywhere.
+//! Drawing: anti-aliased shapes by `tiny-skia`, letters from a pre-rasterised font, PNG by `png`.
+//! Pure Rust, no system font needed, so the picture is the same everywhere.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use tiny_skia::{
@@ -32,7 +32,7 @@ pub struct Rect {
     pub height: f32,
 }
 
-/// Which end of a text lies at its x.
+/// The end of a text that lies at its x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// Its left end.
@@ -41,17 +41,18 @@ pub enum Align {
     Right,
 }
 
-/// Where drawing is kept to.
+/// The area that drawing is kept to.
 #[derive(Clone, Debug)]
 pub struct Clip(Mask);
 
-/// What is drawn on.
+/// An image that is drawn on.
 #[derive(Clone, Debug)]
 pub struct Canvas {
     pixels: Pixmap,
     is_opaque: bool,
 }
 
+/// Heights of letters in texts and in titles.
 const TEXT: RasterHeight = RasterHeight::Size16;
 const TITLE: RasterHeight = RasterHeight::Size20;
 
@@ -178,18 +179,19 @@ impl Canvas {
         (text.chars().count() * get_raster_width(FontWeight::Regular, TEXT)) as f32
     }
 
-    /// A line of text whose upper left (or right) corner lies at (x, y). Letters outside ASCII become `?`.
+    /// A line of text whose upper left (or right) corner lies at (x, y). Letters outside ASCII
+    /// become `?`.
     pub fn text(&mut self, x: f32, y: f32, color: Color, text: &str, align: Align) {
         let x = if align == Align::Right { x - Self::text_width(text) } else { x };
-        self.letters(x, y, color, text, FontWeight::Regular, TEXT);
+        self.draw_letters(x, y, color, text, FontWeight::Regular, TEXT);
     }
 
     /// A title.
     pub fn bold(&mut self, x: f32, y: f32, color: Color, text: &str) {
-        self.letters(x, y, color, text, FontWeight::Bold, TITLE);
+        self.draw_letters(x, y, color, text, FontWeight::Bold, TITLE);
     }
 
-    fn letters(
+    fn draw_letters(
         &mut self,
         x: f32,
         y: f32,
@@ -226,8 +228,8 @@ impl Canvas {
     }
 
     fn fill_path(&mut self, path: &Path, color: Color, alpha: f32, clip: Option<&Clip>) {
-        let (paint, still) = (paint(color, alpha), Transform::identity());
-        self.pixels.fill_path(path, &paint, FillRule::Winding, still, clip.map(|c| &c.0));
+        let (paint, identity) = (paint(color, alpha), Transform::identity());
+        self.pixels.fill_path(path, &paint, FillRule::Winding, identity, clip.map(|c| &c.0));
     }
 
     fn stroke_path(
@@ -244,8 +246,8 @@ impl Canvas {
             line_join: LineJoin::Round,
             ..Stroke::default()
         };
-        let (paint, still) = (paint(color, alpha), Transform::identity());
-        self.pixels.stroke_path(path, &paint, &stroke, still, clip.map(|c| &c.0));
+        let (paint, identity) = (paint(color, alpha), Transform::identity());
+        self.pixels.stroke_path(path, &paint, &stroke, identity, clip.map(|c| &c.0));
     }
 
     /// The file's bytes, with transparency only if the canvas has it.

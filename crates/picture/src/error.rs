@@ -1,8 +1,8 @@
-//! Why a picture cannot be drawn.
+//! Errors of drawing.
 
 use bendtwin_core::{Category, Problem};
 
-/// Why a picture cannot be drawn.
+/// The reason for which a picture cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// No memory can hold it, or it is empty.

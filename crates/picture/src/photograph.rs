@@ -25,7 +25,8 @@ impl Photograph {
         self.height
     }
 
-    /// The mean colour of the cell `[from, to)` in columns and rows, at least the pixel that contains `from`.
+    /// The mean colour of the cell `[from, to)` in columns and rows, at least the pixel that
+    /// contains `from`.
     pub(crate) fn mean(&self, from: [f32; 2], to: [f32; 2]) -> [u8; 3] {
         let range = |a: usize, end: usize| {
             let first = (from[a].max(0.0) as usize).min(end - 1);

@@ -1,18 +1,18 @@
-//! An orthographic view that shows most: the object's widest horizontal direction lies across, up stays up, seen
-//! slightly from above. Without gravity, the principal axes decide alone.
+//! An orthographic view that shows most: the object's widest horizontal direction lies across, up
+//! stays up, seen slightly from above. Without gravity, the principal axes decide alone.
 
 use bendtwin_core::Point;
 
 use crate::Rect;
 
-/// How far above the horizon the viewer stands [rad].
+/// Elevation of the viewer above the horizon [rad].
 const ELEVATION: f32 = 0.3;
 /// Free space around the points, as a share of the larger extent.
 const BORDER: f32 = 0.08;
 
 type Vector = [f32; 3];
 
-/// Where points of space come to lie on a panel.
+/// An orthographic projection of points in space onto a panel.
 #[derive(Clone, Debug)]
 pub struct View {
     right: Vector,
@@ -28,7 +28,7 @@ impl View {
         Self::from_side(points, gravity, None)
     }
 
-    /// The same from the side on which somebody stood, where there is an up.
+    /// The same from the side on which `eye` is, if there is an up.
     pub fn from_side(points: Vec<Point>, gravity: Point, eye: Option<Point>) -> Option<Self> {
         let count = points.len() as f32;
         let first = *points.first()?;
@@ -77,7 +77,7 @@ impl View {
         })
     }
 
-    /// How near a point is to the viewer; larger is nearer.
+    /// Nearness of a point to the viewer [m]; larger is nearer.
     pub fn nearness(&self, p: Point) -> f32 {
         dot(p, cross(self.right, self.up))
     }
@@ -95,8 +95,8 @@ impl View {
     }
 }
 
-/// The direction of largest spread among those normal to `excluded`, by power iteration; its largest
-/// component is positive, so that the view does not flip.
+/// The direction of largest spread among those normal to `excluded`, by power iteration; its
+/// largest component is positive, so that the view does not flip.
 fn widest(spread: &[Vector; 3], excluded: &[Vector]) -> Vector {
     let project = |v: Vector| {
         excluded.iter().fold(v, |v, e| {

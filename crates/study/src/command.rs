@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use bendtwin_core::{FitSettings, settings::layers::changes};
 use serde_json::Value;
 
-/// How a suite was started.
+/// The command that started a suite.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Invocation {
     /// The suite's file, as it was given.
@@ -34,7 +34,8 @@ impl Invocation {
     }
 }
 
-/// The command that makes one run by itself: it has all settings that are not the defaults, the seed among them.
+/// The command that makes one run by itself: it has all settings that are not the defaults, the
+/// seed among them.
 pub(crate) fn of_run(capture: &Path, settings: &FitSettings, backend: &str) -> String {
     let mut words = vec![format!("bendtwin eval {} --backend {backend}", path(capture))];
     for (key, value) in changes(settings) {

@@ -1,8 +1,10 @@
-//! What a run is, in 64 letters: the same capture, settings and build give the same digest, and the same figures.
+//! Digest of a run, in 64 letters: the same capture, settings and build give the same digest, and
+//! the same figures.
 
 use bendtwin_core::{FitSettings, Point};
 
-/// Digest of a run: of its capture's content, its settings (the seed among them) and the build, hex.
+/// Digest of a run: of its capture's content, its settings (the seed among them) and the build,
+/// hex.
 pub(crate) fn of_run(capture_digest: &str, settings: &FitSettings, build: &str) -> String {
     let settings = serde_json::to_vec(settings).unwrap_or_default();
     let mut hash = blake3::Hasher::new();
@@ -13,7 +15,8 @@ pub(crate) fn of_run(capture_digest: &str, settings: &FitSettings, build: &str) 
     hash.finalize().to_hex().to_string()
 }
 
-/// Digest of where nodes stand, hex: equal for graphs that have the same nodes, whatever joins them.
+/// Digest of the nodes' positions, hex: equal for graphs that have the same nodes, however
+/// connected.
 pub(crate) fn of_nodes(positions: &[Point]) -> String {
     let mut hash = blake3::Hasher::new();
     for x in positions.iter().flatten() {

@@ -1,35 +1,35 @@
-//! Why a suite cannot be run. A run that fails is no error of its suite: its record says why.
+//! Errors of running a suite. A run that fails is no error of its suite: its record has the reason.
 
 use std::path::{Path, PathBuf};
 
 use bendtwin_core::{Category, Problem};
 
-/// Why a suite cannot be run.
+/// An error that prevents or ends the execution of a suite.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The suite contradicts itself, or names what does not exist.
+    /// The suite is contradictory, or refers to names that do not exist.
     #[error("{}: {}", file.display(), faults.join("; "))]
     Suite {
         /// The suite's file.
         file: PathBuf,
-        /// Everything that is wrong, one sentence each.
+        /// All faults, one sentence each.
         faults: Vec<String>,
     },
-    /// `--only` names nothing.
+    /// `--only` matches no run.
     #[error("{0}")]
     Selection(String),
     /// A file cannot be read or written.
     #[error("{}: {source}", path.display())]
     File {
-        /// Which one.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
-    /// Someone asked to stop while captures were read.
+    /// The plan was cancelled while captures were read.
     #[error("stopped while captures were read: the same command begins anew")]
     Cancelled,
-    /// Another process fills the folder.
+    /// Another process uses the folder.
     #[error(
         "{}: another process works in this folder: wait for it, or choose another one", .0.display()
     )]

@@ -1,4 +1,5 @@
-//! Runs side by side: one at a time on each backend, in the suite's order, until all are done or someone cancels.
+//! Parallel execution of runs: one at a time on each backend, in the suite's order, until all are
+//! done or the plan is cancelled.
 
 use std::{
     sync::{
@@ -15,53 +16,54 @@ use bendtwin_engine::Backend;
 use crate::{
     Error, Plan,
     record::{Outcome, Record},
-    run::{End, Site},
+    run::{RunContext, RunEnd},
     suite::RunId,
 };
 
-/// What happens while a plan runs.
+/// An event during the execution of a plan.
 #[derive(Debug)]
 pub enum Event<'a> {
     /// A run starts.
     Started {
-        /// Which one.
+        /// Id of the run.
         run: &'a RunId,
-        /// Whether it goes on from a checkpoint.
+        /// True if it continues from a checkpoint.
         resumed: bool,
     },
-    /// A run goes on.
+    /// A run has made progress.
     Progress {
-        /// Which one.
+        /// Id of the run.
         run: &'a RunId,
-        /// How far it is.
+        /// Progress of its fit.
         progress: Progress,
     },
-    /// A run has ended, well or not; its record is in the folder.
+    /// A run has finished or failed; its record is in the folder.
     Ended(&'a Record),
-    /// A run was cancelled; the next start goes on from its checkpoint.
+    /// A run was cancelled; the next start continues from its checkpoint.
     Interrupted(&'a RunId),
 }
 
-/// How a plan ended.
+/// Numbers of runs by result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
-    /// Runs that ended well now.
+pub struct Summary {
+    /// Runs that finished in this execution.
     pub finished: usize,
-    /// Runs that failed now.
+    /// Runs that failed in this execution.
     pub failed: usize,
     /// Runs that are still to be done.
     pub left: usize,
 }
 
-/// What a run's thread tells.
+/// A message from a run's thread.
 enum Message {
     Started(usize, bool),
     Progress(usize, Progress),
-    Ended(usize, Result<End, Error>),
+    Ended(usize, Result<RunEnd, Error>),
 }
 
 impl Plan<'_> {
-    /// Does what is to be done, on every backend at once, and takes the results over.
+    /// Executes the pending runs, on every backend at once, and takes over the results. Calls
+    /// `tell` with every event.
     ///
     /// # Errors
     /// If the folder cannot be written to; then the token is cancelled, too.
@@ -70,25 +72,25 @@ impl Plan<'_> {
         backends: &[Arc<dyn Backend>],
         cancel: &CancelToken,
         tell: &mut dyn FnMut(Event<'_>),
-    ) -> Result<Tally, Error> {
+    ) -> Result<Summary, Error> {
         let (next, work) = (AtomicUsize::new(0), std::mem::take(&mut self.work));
         let (folder, checkpoint_every) = (self.folder, self.options.checkpoint_every);
         let (sender, receiver) = mpsc::channel::<Message>();
-        let mut tally = Tally::default();
+        let mut summary = Summary::default();
         let mut broken = None;
         let mut records = Vec::new();
         thread::scope(|scope| {
             for backend in backends {
                 let (sender, next, work) = (sender.clone(), &next, &work);
                 scope.spawn(move || {
-                    let site = Site { folder, backend, checkpoint_every, cancel };
+                    let context = RunContext { folder, backend, checkpoint_every, cancel };
                     while !cancel.is_cancelled() {
                         let index = next.fetch_add(1, Ordering::Relaxed);
                         let Some(run) = work.get(index) else { break };
-                        // Whoever listens outlives this thread.
+                        // The receiver outlives this thread.
                         let say = |message| drop(sender.send(message));
                         say(Message::Started(index, run.is_begun(folder)));
-                        let end = run.run(&site, &|p| say(Message::Progress(index, p)));
+                        let end = run.run(&context, &|p| say(Message::Progress(index, p)));
                         let lost = end.as_ref().is_ok_and(device_is_lost);
                         say(Message::Ended(index, end));
                         if lost {
@@ -106,15 +108,15 @@ impl Plan<'_> {
                     Message::Progress(index, progress) => {
                         tell(Event::Progress { run: &work[index].id, progress });
                     }
-                    Message::Ended(_, Ok(End::Recorded(record))) => {
+                    Message::Ended(_, Ok(RunEnd::Recorded(record))) => {
                         match record.outcome {
-                            Outcome::Finished(_) => tally.finished += 1,
-                            Outcome::Failed(_) => tally.failed += 1,
+                            Outcome::Finished(_) => summary.finished += 1,
+                            Outcome::Failed(_) => summary.failed += 1,
                         }
                         tell(Event::Ended(&record));
                         records.push(*record);
                     }
-                    Message::Ended(index, Ok(End::Interrupted)) => {
+                    Message::Ended(index, Ok(RunEnd::Interrupted)) => {
                         tell(Event::Interrupted(&work[index].id));
                     }
                     Message::Ended(_, Err(error)) => {
@@ -124,24 +126,25 @@ impl Plan<'_> {
                 }
             }
         });
-        tally.left = work.len() - tally.finished - tally.failed;
+        summary.left = work.len() - summary.finished - summary.failed;
         let ended: Vec<RunId> = records.iter().map(|r| r.run.clone()).collect();
         self.work = work.into_iter().filter(|w| !ended.contains(&w.id)).collect();
         records.into_iter().for_each(|record| self.take(record));
         match broken {
             Some(error) => Err(error),
-            None => Ok(tally),
+            None => Ok(summary),
         }
     }
 }
 
-/// A device that failed does not heal within a process: what is left waits for the next one.
-fn device_is_lost(end: &End) -> bool {
+/// True if the device failed. It does not recover within a process: the other runs wait for the
+/// next one.
+fn device_is_lost(end: &RunEnd) -> bool {
     match end {
-        End::Recorded(record) => match &record.outcome {
+        RunEnd::Recorded(record) => match &record.outcome {
             Outcome::Failed(fault) => fault.reason == "DEVICE_FAILED",
             Outcome::Finished(_) => false,
         },
-        End::Interrupted => false,
+        RunEnd::Interrupted => false,
     }
 }

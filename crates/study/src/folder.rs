@@ -43,7 +43,7 @@ impl Folder {
         }
     }
 
-    /// Where it lies.
+    /// Path of the folder.
     pub fn root(&self) -> &Path {
         &self.root
     }

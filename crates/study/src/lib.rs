@@ -1,18 +1,20 @@
-//! Suites of fits: every capture of a list, fitted under every configuration with every seed, and one table of what came of it.
+//! Suites of fits: every capture of a list, fitted under every configuration with every seed, and
+//! one table of the results.
 //!
-//! A [`Suite`] is a JSON file (docs/accuracy.md). A [`Plan`] reads its captures and says which runs are still to be done:
-//! a run's result is kept in a [`Folder`] under the digest of its capture, its settings and the build, so a suite that was
-//! interrupted goes on where it was, and one whose settings changed repeats only what they change. [`Plan::run`] runs side
-//! by side, one run at a time on each backend that it is given; [`Table`] compares what there is.
+//! A [`Suite`] is a JSON file (docs/accuracy.md). A [`Plan`] reads its captures and lists the
+//! pending runs: a run's result is kept in a [`Folder`] under the digest of its capture, its
+//! settings and the build, so that an interrupted suite continues where it stopped, and one whose
+//! settings changed repeats only the runs that they change. [`Plan::run`] executes runs in
+//! parallel, one at a time on each backend that it is given; [`Table`] compares the results.
 //!
-//! How a fit works is for `bendtwin-fit` to say, what its errors are for `bendtwin-eval`.
+//! Fits are documented in `bendtwin-fit`, their errors in `bendtwin-eval`.
 
 mod command;
 mod digest;
 mod error;
 mod execute;
+mod fit_observer;
 mod folder;
-mod keeper;
 mod picture;
 mod plan;
 mod record;
@@ -22,7 +24,7 @@ mod table;
 
 pub use command::Invocation;
 pub use error::Error;
-pub use execute::{Event, Tally};
+pub use execute::{Event, Summary};
 pub use folder::Folder;
 pub use picture::draw_pictures;
 pub use plan::{Plan, PlanOptions, Read};

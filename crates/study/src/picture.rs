@@ -1,4 +1,5 @@
-//! Pictures of what twins predict against what was observed: on each capture, two configurations that are compared.
+//! Pictures of what twins predict against what was observed: on each capture, two configurations
+//! that are compared.
 
 use bendtwin_core::{CancelToken, Capture, Problem, Sequence, Twin};
 use bendtwin_engine::Backend;
@@ -16,9 +17,9 @@ use crate::{
 /// Frames side by side.
 const COLUMNS: usize = 4;
 
-/// Draws `pictures/CAPTURE.FIRST.SECOND.png` for every pair of configurations that the suite compares (the first two if it
-/// compares none), with the first seed of which both have a twin, on every capture of a selected run. Returns what could
-/// not be drawn and why.
+/// Draws `pictures/CAPTURE.FIRST.SECOND.png` for every pair of configurations that the suite
+/// compares (the first two if it compares none), with the first seed of which both have a twin, on
+/// every capture of a selected run. Returns what could not be drawn and why.
 ///
 /// # Errors
 /// If a picture cannot be written.

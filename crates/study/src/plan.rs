@@ -1,4 +1,4 @@
-//! What is to be done: which runs of a suite have a result that still holds, and which have none.
+//! Plan of a suite: the runs that have a valid result, and those that are pending.
 
 use std::{
     collections::HashMap,
@@ -13,26 +13,26 @@ use crate::{
     Error, digest,
     folder::Folder,
     record::{Outcome, Record},
-    run::Work,
+    run::PendingRun,
     suite::{CaptureEntry, RunId, Selection, Suite},
 };
 
-/// What a plan is made from, apart from the suite.
+/// Options of a plan.
 #[derive(Clone, Debug)]
 pub struct PlanOptions {
-    /// Where captures lie, if not beside the suite.
+    /// Folder of captures, if not the suite's.
     pub data: Option<PathBuf>,
-    /// Only these runs; all if empty.
+    /// Selected runs; all if empty.
     pub only: Vec<Selection>,
-    /// The software that runs: results of another one do not hold.
+    /// Build of the software that runs; results of another build are not valid.
     pub build: String,
-    /// Results hold whatever build made them.
+    /// Results of other builds are valid, too.
     pub any_build: bool,
-    /// Checkpoints of a fit are written no more often than this.
+    /// Least time between checkpoints of a fit.
     pub checkpoint_every: Duration,
 }
 
-/// Makes of what lies at a path a capture that can be fitted, or says why that cannot be.
+/// Reader of the capture at a path; the fault is the reason why it cannot be fitted.
 pub type Read<'r> = dyn Fn(&Path) -> Result<Capture, Fault> + 'r;
 
 /// A capture as it was read.
@@ -50,15 +50,15 @@ pub struct Plan<'a> {
     pub(crate) suite: &'a Suite,
     pub(crate) folder: &'a Folder,
     pub(crate) options: PlanOptions,
-    pub(crate) work: Vec<Work>,
+    pub(crate) work: Vec<PendingRun>,
     pub(crate) kept: HashMap<RunId, Record>,
     /// The captures of selected runs, by name.
     pub(crate) sources: HashMap<&'a str, Arc<Source>>,
 }
 
 impl<'a> Plan<'a> {
-    /// Reads the captures of the selected runs and looks for results. A capture that cannot be read makes its runs fail;
-    /// one that is not there at all is an error now.
+    /// Reads the captures of the selected runs and finds existing results. A capture that cannot be
+    /// read makes its runs fail; one that does not exist is an error here.
     ///
     /// # Errors
     /// If nothing is selected, captures are missing, or reading was cancelled.
@@ -93,7 +93,7 @@ impl<'a> Plan<'a> {
                 let build = plan.options.build.clone();
                 let digest = digest::of_run(&source.digest, &settings, &build);
                 let source = source.clone();
-                plan.work.push(Work { id: id.clone(), settings, source, build, digest });
+                plan.work.push(PendingRun { id: id.clone(), settings, source, build, digest });
             }
             plan.kept.extend(record.map(|record| (id, record)));
         }
@@ -115,7 +115,7 @@ impl<'a> Plan<'a> {
         self.suite.runs().filter_map(|(id, ..)| self.kept.get(&id)).collect()
     }
 
-    /// Where a capture of the suite lies.
+    /// Path of a capture of the suite.
     pub(crate) fn path_of(&self, capture: &CaptureEntry) -> PathBuf {
         self.suite.locate(capture, self.options.data.as_deref())
     }
@@ -156,7 +156,7 @@ impl Source {
     }
 }
 
-/// What a selection that names nothing might have named.
+/// Message about a selection that matches no run, with the names that it could have matched.
 fn nothing(suite: &Suite, only: &Selection) -> String {
     let captures: Vec<_> = suite.captures.iter().map(|c| c.name.as_str()).collect();
     let configurations: Vec<_> = suite.configurations.iter().map(|c| c.name.as_str()).collect();

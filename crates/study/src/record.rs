@@ -1,4 +1,4 @@
-//! What is kept of a run: which one it was, what made it, and what came of it.
+//! Record of a run: its identity, the software and device that ran it, and its outcome.
 
 use bendtwin_core::{Category, Fault, FitSettings, Graph, Quality};
 use serde::{Deserialize, Serialize};
@@ -13,9 +13,10 @@ pub(crate) const VERSION: u32 = 1;
 pub struct Record {
     /// Version of this format.
     pub version: u32,
-    /// Which run.
+    /// Id of the run.
     pub run: RunId,
-    /// BLAKE3 digest of capture, settings and build, hex: a run that still has it need not be repeated.
+    /// BLAKE3 digest of capture, settings and build, hex: a run that still has it need not be
+    /// repeated.
     pub digest: String,
     /// BLAKE3 digest of the capture's content, hex; empty if it could not be read.
     pub capture_digest: String,
@@ -23,27 +24,27 @@ pub struct Record {
     pub settings: FitSettings,
     /// The software that ran.
     pub build: String,
-    /// What computed: `cpu` or `cuda`.
+    /// Kind of backend: `cpu` or `cuda`.
     pub backend: String,
     /// Name of the device for people.
     pub device: String,
     /// The command that makes this run again, without the suite.
     pub command: String,
-    /// What came of it.
+    /// Outcome of the run.
     pub outcome: Outcome,
 }
 
-/// What came of a run.
+/// The outcome of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// A twin and its errors.
     Finished(Box<Finished>),
-    /// Why there is none.
+    /// The reason why there is no twin.
     Failed(Fault),
 }
 
-/// What a run made.
+/// The results of a finished run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finished {
     /// The twin's graph.
@@ -54,13 +55,15 @@ pub struct Finished {
     pub substeps: u32,
     /// Fewest substeps per frame that the stability estimate finds enough for it.
     pub stable_substeps: u32,
-    /// Errors of the twin and of the free baselines, warnings, and the fast variant with its fidelity.
+    /// Errors of the twin and of the free baselines, warnings, and the fast variant with its
+    /// fidelity.
     pub quality: Quality,
-    /// Time that fit and evaluation took [s], over all attempts; what was lost by an interruption does not count.
+    /// Time that fit and evaluation took [s], over all attempts; what was lost by an interruption
+    /// does not count.
     pub fit_s: f64,
 }
 
-/// The size of a graph, and which nodes it has.
+/// The size of a graph, and a digest of its nodes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraphCounts {
     /// Nodes.
@@ -87,8 +90,8 @@ pub struct Losses {
 }
 
 impl Record {
-    /// Whether the run would come to the same end again: it finished, or its capture or settings were refused. Whatever
-    /// else made it fail, a device or a disk, may have passed.
+    /// True if the run would end the same way again: it finished, or its capture or settings were
+    /// refused. Other causes of failure, such as a device or a disk, may have passed.
     pub fn is_final(&self) -> bool {
         match &self.outcome {
             Outcome::Finished(_) => true,
@@ -96,7 +99,7 @@ impl Record {
         }
     }
 
-    /// What the run made, unless it failed.
+    /// The results, unless the run failed.
     pub fn finished(&self) -> Option<&Finished> {
         match &self.outcome {
             Outcome::Finished(finished) => Some(finished),

@@ -14,8 +14,8 @@ use bendtwin_fit::{Error as FitError, FitJob, Outcome as Fitted};
 
 use crate::{
     Error, command,
+    fit_observer::{FitObserver, Resumption},
     folder::Folder,
-    keeper::{Keeper, Resumption},
     plan::Source,
     record::{Finished, GraphCounts, Outcome, Record, VERSION},
     suite::RunId,
@@ -23,7 +23,7 @@ use crate::{
 
 /// A run that is to be done.
 #[derive(Clone, Debug)]
-pub(crate) struct Work {
+pub(crate) struct PendingRun {
     pub(crate) id: RunId,
     pub(crate) settings: FitSettings,
     pub(crate) source: Arc<Source>,
@@ -31,38 +31,42 @@ pub(crate) struct Work {
     pub(crate) digest: String,
 }
 
-/// Where a run happens.
-pub(crate) struct Site<'a> {
+/// The folder, backend and options that a run uses.
+pub(crate) struct RunContext<'a> {
     pub(crate) folder: &'a Folder,
     pub(crate) backend: &'a Arc<dyn Backend>,
     pub(crate) checkpoint_every: Duration,
     pub(crate) cancel: &'a CancelToken,
 }
 
-/// How a run ended.
-pub(crate) enum End {
+/// The end of a run.
+pub(crate) enum RunEnd {
     /// The record is written.
     Recorded(Box<Record>),
-    /// It goes on from its checkpoint the next time.
+    /// The run was cancelled and continues from its checkpoint the next time.
     Interrupted,
 }
 
-impl Work {
-    /// Whether the folder has a checkpoint to go on from.
+impl PendingRun {
+    /// True if the folder has a checkpoint to continue from.
     pub(crate) fn is_begun(&self, folder: &Folder) -> bool {
         Resumption::find(folder, &self.id, &self.digest).checkpoint.is_some()
     }
 
-    /// Runs and records.
-    pub(crate) fn run(&self, site: &Site<'_>, tell: &dyn Fn(Progress)) -> Result<End, Error> {
+    /// Executes the run and writes its record.
+    pub(crate) fn run(
+        &self,
+        context: &RunContext<'_>,
+        tell: &dyn Fn(Progress),
+    ) -> Result<RunEnd, Error> {
         let outcome = match &self.source.capture {
-            Ok(capture) => match self.fit(capture, site, tell)? {
+            Ok(capture) => match self.fit(capture, context, tell)? {
                 Some(outcome) => outcome,
-                None => return Ok(End::Interrupted),
+                None => return Ok(RunEnd::Interrupted),
             },
             Err(fault) => Outcome::Failed(fault.clone()),
         };
-        let device = site.backend.device();
+        let device = context.backend.device();
         let record = Record {
             version: VERSION,
             run: self.id.clone(),
@@ -75,37 +79,38 @@ impl Work {
             device: device.name,
             outcome,
         };
-        site.folder.write_record(&record)?;
-        // What may go better the next time goes on from where it was.
+        context.folder.write_record(&record)?;
+        // A run that may succeed the next time keeps its checkpoint.
         if record.is_final() {
-            site.folder.remove_checkpoint(&self.id);
+            context.folder.remove_checkpoint(&self.id);
         }
-        Ok(End::Recorded(Box::new(record)))
+        Ok(RunEnd::Recorded(Box::new(record)))
     }
 
     /// `None` if it was cancelled.
     fn fit(
         &self,
         capture: &Capture,
-        site: &Site<'_>,
+        context: &RunContext<'_>,
         tell: &dyn Fn(Progress),
     ) -> Result<Option<Outcome>, Error> {
         let job = FitJob {
             capture,
             capture_digest: self.source.digest.clone(),
             settings: self.settings.clone(),
-            backend: site.backend.clone(),
+            backend: context.backend.clone(),
         };
-        let mut from = Resumption::find(site.folder, &self.id, &self.digest);
+        let mut from = Resumption::find(context.folder, &self.id, &self.digest);
         loop {
             let key = (&self.id, self.digest.as_str());
-            let mut keeper = Keeper::new(site.folder, key, &from, site.checkpoint_every, tell);
+            let mut observer =
+                FitObserver::new(context.folder, key, &from, context.checkpoint_every, tell);
             let result = catch_unwind(AssertUnwindSafe(|| {
-                job.run(from.checkpoint.as_deref(), &mut keeper, site.cancel)
+                job.run(from.checkpoint.as_deref(), &mut observer, context.cancel)
             }));
             let fault = match result {
-                Ok(Ok(fitted)) => return self.finish(&fitted, &keeper, site).map(Some),
-                // Of another backend, say: the fit starts anew.
+                Ok(Ok(fitted)) => return self.finish(&fitted, &observer, context).map(Some),
+                // A checkpoint of another backend, for example: the fit starts anew.
                 Ok(Err(FitError::OtherCheckpoint | FitError::Checkpoint(_)))
                     if from.checkpoint.is_some() =>
                 {
@@ -113,7 +118,7 @@ impl Work {
                     continue;
                 }
                 Ok(Err(error)) if error.category() == Category::Cancelled => {
-                    keeper.flush().map_err(|e| Error::Writing(e.to_string()))?;
+                    observer.flush().map_err(|e| Error::Writing(e.to_string()))?;
                     return Ok(None);
                 }
                 Ok(Err(error)) => error.fault(),
@@ -124,7 +129,7 @@ impl Work {
                 },
             };
             // A checkpoint that cannot be kept costs time the next time, no more.
-            let _ = keeper.flush();
+            let _ = observer.flush();
             return Ok(Some(Outcome::Failed(fault)));
         }
     }
@@ -132,20 +137,20 @@ impl Work {
     fn finish(
         &self,
         fitted: &Fitted,
-        keeper: &Keeper<'_>,
-        site: &Site<'_>,
+        observer: &FitObserver<'_>,
+        context: &RunContext<'_>,
     ) -> Result<Outcome, Error> {
         let twin = &fitted.twin;
         let finished = Finished {
             graph: GraphCounts::from(&twin.graph),
-            losses: keeper.losses(),
+            losses: observer.losses(),
             substeps: twin.timing.substeps,
             stable_substeps: stable_substeps(&Model::from(twin)).needed,
             quality: twin.quality.clone(),
-            fit_s: keeper.spent_s(),
+            fit_s: observer.spent_s(),
         };
         let bytes = twin.encode().map_err(|e| Error::Writing(format!("{}: {e}", self.id)))?;
-        site.folder.write_twin(&self.id, &bytes)?;
+        context.folder.write_twin(&self.id, &bytes)?;
         Ok(Outcome::Finished(Box::new(finished)))
     }
 }

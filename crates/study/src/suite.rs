@@ -1,4 +1,4 @@
-//! What a suite is: captures, configurations, seeds, and what is compared with what. docs/accuracy.md specifies the file.
+//! A suite: captures, configurations, seeds, and comparisons. docs/accuracy.md specifies the file.
 
 mod parse;
 mod selection;
@@ -23,13 +23,13 @@ pub struct Suite {
     pub file: PathBuf,
     /// A title for people.
     pub name: String,
-    /// What it is to show.
+    /// Purpose of the suite.
     pub about: String,
-    /// What is fitted to.
+    /// Captures to fit to.
     pub captures: Vec<CaptureEntry>,
     /// Settings that all configurations share, over the defaults.
     pub base: Value,
-    /// How it is fitted.
+    /// Configurations of the fits.
     pub configurations: Vec<Configuration>,
     /// Each run is repeated with each of these seeds.
     pub seeds: Vec<u64>,
@@ -44,7 +44,7 @@ pub struct Suite {
 pub struct CaptureEntry {
     /// Its name in tables and files.
     pub name: String,
-    /// Where it lies, from the suite's folder on or from the data folder.
+    /// Path, relative to the suite's folder or to the data folder.
     pub path: PathBuf,
     /// Settings for this capture alone; they go over those of the configuration.
     #[serde(default)]
@@ -56,29 +56,29 @@ pub struct CaptureEntry {
 pub struct Configuration {
     /// Its name in tables and files.
     pub name: String,
-    /// What it changes of the base.
+    /// Changes of the base settings.
     #[serde(default)]
     pub settings: Value,
 }
 
 /// Two rows of the table, one measured by the other.
 ///
-/// A row is named by its configuration, by its reference, or as `configuration:baseline`, where the baseline is
-/// `standing_still`, `last_residual` or `clamp_interpolation`.
+/// A row is named by its configuration, by its reference, or as `configuration:baseline`, where the
+/// baseline is `standing_still`, `last_residual` or `clamp_interpolation`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Comparison {
-    /// Whose errors are told.
+    /// Row whose errors are compared.
     pub of: String,
-    /// In percent of whose.
+    /// Row that they are compared with.
     pub against: String,
 }
 
 /// Published figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
-    /// Whose they are.
+    /// Name of the method that they belong to.
     pub name: String,
-    /// Which capture they are about; of none, the mean over captures.
+    /// Capture that they belong to; if none, they are means over captures.
     pub capture: Option<String>,
     /// Errors on training frames.
     pub train: ErrorSummary,
@@ -103,7 +103,7 @@ impl std::fmt::Display for RunId {
     }
 }
 
-/// Predictors that cost nothing, as comparisons name them.
+/// Names of the free baselines in comparisons.
 pub(crate) const BASELINES: [(&str, Predictor); 3] = [
     ("standing_still", Predictor::StandingStill),
     ("clamp_interpolation", Predictor::ClampInterpolation),
@@ -120,8 +120,8 @@ impl Suite {
         parse::parse(file, &text).map_err(|faults| Error::Suite { file: file.to_owned(), faults })
     }
 
-    /// Where a capture lies: under the data folder if there is one, by its path or by its file name alone, otherwise
-    /// beside the suite.
+    /// Path of a capture: under the data folder if there is one, by its path or by its file name
+    /// alone, otherwise relative to the suite's folder.
     pub fn locate(&self, capture: &CaptureEntry, data: Option<&Path>) -> PathBuf {
         let folder = match data {
             Some(data) => {
@@ -179,7 +179,7 @@ fn in_force(layers: &[&Value], seed: u64) -> Result<FitSettings, Vec<String>> {
     settings.validate().map(|()| settings)
 }
 
-/// What is wrong with a layer whatever stands below it.
+/// Faults of a layer that do not depend on the layers below it.
 fn faults_of_layer(layer: &Value) -> Vec<String> {
     if layer.is_null() {
         return Vec::new();

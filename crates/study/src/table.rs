@@ -1,5 +1,5 @@
-//! What a suite found: a row for each capture and configuration, the free baselines and published figures beside them, means
-//! over captures, and relative differences. All errors in millimetres.
+//! Results of a suite: a row for each capture and configuration, the free baselines and published
+//! figures, means over captures, and relative differences. All errors in millimetres.
 
 mod compare;
 mod markdown;
@@ -23,13 +23,13 @@ pub struct Table {
     pub version: u32,
     /// The suite's title.
     pub suite: String,
-    /// What it is to show.
+    /// Purpose of the suite.
     pub about: String,
     /// The command that makes the table.
     pub command: String,
     /// The software that made its figures.
     pub builds: Vec<String>,
-    /// What computed them: backend and device.
+    /// Backends and devices that computed the runs.
     pub devices: Vec<String>,
     /// Runs of the suite.
     pub runs: usize,
@@ -39,13 +39,13 @@ pub struct Table {
     pub rows: Vec<Row>,
     /// The same as means over captures; empty if there is one capture.
     pub means: Vec<Row>,
-    /// What was to be compared.
+    /// Differences between rows that the suite compares.
     pub differences: Vec<Difference>,
     /// Runs that failed.
     pub failures: Vec<Failure>,
 }
 
-/// What a row is about.
+/// The kind of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -67,7 +67,7 @@ pub struct Figure {
     pub spread: Option<f64>,
 }
 
-/// Figures by metric and span, `cd_l1_future_mm` say.
+/// Figures by metric and span, for example `cd_l1_future_mm`.
 pub type Figures = BTreeMap<&'static str, Figure>;
 
 /// A row of the table.
@@ -77,15 +77,15 @@ pub struct Row {
     pub row: String,
     /// Its name for people.
     pub label: String,
-    /// What it is about.
+    /// Kind of the row.
     pub kind: Kind,
-    /// Which capture; of none, the mean over captures.
+    /// Capture; if none, the row is a mean over captures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub capture: Option<String>,
-    /// How many captures the mean is over.
+    /// Number of captures in the mean.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub captures: Option<usize>,
-    /// How many seeds.
+    /// Number of seeds.
     pub seeds: usize,
     /// Size of the twins: means over seeds.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -100,7 +100,7 @@ pub struct Row {
     pub command: Option<String>,
 }
 
-/// How large twins are.
+/// The size of twins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Size {
     /// Nodes.
@@ -111,22 +111,23 @@ pub struct Size {
     pub triplets: f64,
 }
 
-/// How much larger the errors of one row are than those of another.
+/// Relative difference of the errors of one row from those of another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Difference {
-    /// Whose errors are told.
+    /// Row whose errors are compared.
     pub of: String,
-    /// In percent of whose.
+    /// Row that they are relative to.
     pub against: String,
-    /// On which capture; of none, means over the captures that both know.
+    /// Capture; if none, the means over the captures that both rows have.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub capture: Option<String>,
-    /// Whether both have the same nodes; none where one of them has none.
+    /// True if both have the same nodes; none if one of them has no nodes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub same_nodes: Option<bool>,
     /// Relative differences by metric and span [%]; negative is better.
     pub percent: BTreeMap<&'static str, f64>,
-    /// On how many captures it is better, of how many; of a single capture, none.
+    /// Number of captures on which it is better, and of captures compared; empty for a single
+    /// capture.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub better: BTreeMap<&'static str, (usize, usize)>,
 }
@@ -134,11 +135,11 @@ pub struct Difference {
 /// A run that failed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Failure {
-    /// Which one.
+    /// Id of the run.
     pub run: RunId,
     /// Stable reason.
     pub reason: String,
-    /// Why.
+    /// Description of the error for people.
     pub message: String,
 }
 

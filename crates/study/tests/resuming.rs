@@ -2,12 +2,13 @@
 
 use std::{path::Path, sync::Arc, time::Duration};
 
-use bendtwin_capture::{Limits, MakeOptions, Scene, make, write_bundle_file};
+use bendtwin_capture::{Limits, write_bundle_file};
 use bendtwin_core::{CancelToken, Capture, Fault, Problem};
 use bendtwin_engine::{Backend, cpu_with_threads};
 use bendtwin_study::{
-    Event, Folder, Invocation, Plan, PlanOptions, Suite, Table, Tally, draw_pictures,
+    Event, Folder, Invocation, Plan, PlanOptions, Suite, Summary, Table, draw_pictures,
 };
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 const SUITE: &str = r#"{
     "version": 1,
@@ -74,10 +75,10 @@ fn an_interrupted_suite_ends_in_the_same_table() {
     let whole = {
         let folder = Folder::open(&place.path().join("whole")).unwrap();
         let mut plan = Plan::new(&suite, &folder, options(), &read).unwrap();
-        let tally = plan.run(&backends(2), &CancelToken::default(), &mut |_| {}).unwrap();
+        let summary = plan.run(&backends(2), &CancelToken::default(), &mut |_| {}).unwrap();
         // The fits of the broken capture fail, and the hopeless one of the rope at least.
-        assert_eq!((tally.finished + tally.failed, tally.left), (9, 0));
-        assert!(tally.failed >= 4 && tally.finished >= 4, "{tally:?}");
+        assert_eq!((summary.finished + summary.failed, summary.left), (9, 0));
+        assert!(summary.failed >= 4 && summary.finished >= 4, "{summary:?}");
         let complaints = draw_pictures(&plan, &*backends(1)[0], &CancelToken::default()).unwrap();
         assert_eq!(complaints, [] as [String; 0]);
         assert!(folder.root().join("pictures/rope.bending.axial.png").is_file());
@@ -92,7 +93,7 @@ fn an_interrupted_suite_ends_in_the_same_table() {
         let folder = Folder::open(&place_of_parts).unwrap();
         let mut plan = Plan::new(&suite, &folder, options(), &read).unwrap();
         let (cancel, mut seen) = (CancelToken::default(), 0);
-        let tally = plan
+        let summary = plan
             .run(&backends(1), &cancel, &mut |event| match event {
                 Event::Progress { .. } => {
                     seen += 1;
@@ -104,14 +105,15 @@ fn an_interrupted_suite_ends_in_the_same_table() {
                 Event::Ended(_) | Event::Interrupted(_) => {}
             })
             .unwrap();
-        if tally.left == 0 {
+        if summary.left == 0 {
             assert_eq!(timeless(&plan), whole);
             break;
         }
     }
     assert!(starts > 1 && resumed_ever);
 
-    // What is done stays done, and what was refused stays refused; what another build made is made again.
+    // What is done stays done, and what was refused stays refused; what another build made is made
+    // again.
     let folder = Folder::open(&place_of_parts).unwrap();
     let plan = Plan::new(&suite, &folder, options(), &read).unwrap();
     assert_eq!((plan.pending(), plan.done()), (0, 9));
@@ -131,7 +133,7 @@ fn a_selection_runs_what_it_names() {
     let only = vec!["cable/bending".parse().unwrap()];
     let mut plan = Plan::new(&suite, &folder, PlanOptions { only, ..options() }, &read).unwrap();
     let mut names = Vec::new();
-    let tally = plan
+    let summary = plan
         .run(&backends(3), &CancelToken::default(), &mut |event| {
             if let Event::Ended(record) = event {
                 names.push(record.run.to_string());
@@ -139,7 +141,7 @@ fn a_selection_runs_what_it_names() {
             }
         })
         .unwrap();
-    assert_eq!(tally, Tally { finished: 1, failed: 0, left: 0 });
+    assert_eq!(summary, Summary { finished: 1, failed: 0, left: 0 });
     assert_eq!(names, ["cable/bending/0"]);
     let only = vec!["cable/nothing".parse().unwrap()];
     assert!(Plan::new(&suite, &folder, PlanOptions { only, ..options() }, &read).is_err());

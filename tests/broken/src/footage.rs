@@ -4,9 +4,9 @@ use std::sync::{Arc, LazyLock};
 
 use bendtwin_capture::{
     Error,
-    make::{FilmOptions, Scene, film},
     raw::{ColorImage, DepthImage, Frames, Mask, Recording, Region, Source, Tracks},
 };
+use bendtwin_synth::{FilmOptions, Scene, film};
 
 /// A recording whose frames lie in memory.
 #[derive(Clone, Debug)]

@@ -2,8 +2,8 @@
 //! GB.
 
 use bendtwin_broken::{Expected, Sample, all, archives, files, footage};
-use bendtwin_capture::{Limits, Severity, raw};
-use bendtwin_core::{CancelToken, Fault, Problem};
+use bendtwin_capture::{Limits, raw};
+use bendtwin_core::{CancelToken, Fault, Problem, Severity};
 use bendtwin_inspect::{Inspection, Verdict, inspect};
 
 const MAX_BYTES: u64 = 1_000_000_000;
@@ -20,7 +20,7 @@ fn diagnose(sample: &Sample) -> Result<Inspection, Fault> {
 /// Differences from the expected diagnosis.
 fn complaint(expected: Expected, found: Result<Inspection, Fault>) -> Option<String> {
     let codes = |report: &Inspection| -> Vec<String> {
-        let sentence = |f: &bendtwin_inspect::Finding| format!("{} ({})", f.code, f.sentence());
+        let sentence = |f: &bendtwin_core::Finding| format!("{} ({})", f.code, f.sentence());
         report.findings.iter().map(sentence).collect()
     };
     let is_right = match (&expected, &found) {

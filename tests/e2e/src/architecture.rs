@@ -10,18 +10,42 @@ use crate::{rust_code::code_only, workspace};
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 11] = [
-    "bendtwin-inspect",
-    "bendtwin-lift",
-    "bendtwin-flow",
-    "bendtwin-mesh",
-    "bendtwin-engine",
-    "bendtwin-fit",
-    "bendtwin-eval",
+const PHYSICS: [&str; 16] = [
+    "bendtwin-backends",
+    "bendtwin-bench",
     "bendtwin-capture",
     "bendtwin-cuda",
-    "bendtwin-bench",
+    "bendtwin-engine",
+    "bendtwin-eval",
+    "bendtwin-fit",
+    "bendtwin-flow",
+    "bendtwin-graph",
+    "bendtwin-ingest",
+    "bendtwin-inspect",
+    "bendtwin-lift",
+    "bendtwin-mesh",
+    "bendtwin-picture",
     "bendtwin-study",
+    "bendtwin-synth",
+];
+/// Crates that read, judge and lift captures, without physics.
+const CAMERA_SIDE: [&str; 8] = [
+    "bendtwin-capture",
+    "bendtwin-flow",
+    "bendtwin-graph",
+    "bendtwin-ingest",
+    "bendtwin-inspect",
+    "bendtwin-lift",
+    "bendtwin-mesh",
+    "bendtwin-picture",
+];
+const SIMULATION: [&str; 6] = [
+    "bendtwin-backends",
+    "bendtwin-cuda",
+    "bendtwin-engine",
+    "bendtwin-eval",
+    "bendtwin-fit",
+    "bendtwin-synth",
 ];
 
 struct Rule {
@@ -31,7 +55,7 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 7] = [
+const RULES: [Rule; 8] = [
     Rule {
         of: &["bendtwin-server", "bendtwin-store"],
         because: "the control plane knows no physics",
@@ -47,10 +71,9 @@ const RULES: [Rule; 7] = [
             "bendtwin-engine",
             "bendtwin-fit",
             "bendtwin-eval",
-            "bendtwin-capture",
-            "bendtwin-lift",
-            "bendtwin-inspect",
             "bendtwin-bench",
+            "bendtwin-backends",
+            "bendtwin-synth",
         ],
         because: "physics knows no network and no database",
         never: &[&NETWORK, &DATABASE, &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"]],
@@ -59,6 +82,16 @@ const RULES: [Rule; 7] = [
         of: &["bendtwin-cuda", "bendtwin-bench", "bendtwin-study"],
         because: "physics knows no network and no database",
         never: &[&NETWORK, &DATABASE, &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"]],
+    },
+    Rule {
+        of: &CAMERA_SIDE,
+        because: "captures are read, judged and lifted without physics, network or database",
+        never: &[
+            &SIMULATION,
+            &NETWORK,
+            &DATABASE,
+            &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"],
+        ],
     },
     Rule {
         of: &["bendtwin-core"],
@@ -102,7 +135,7 @@ fn the_search_sees_indirect_dependencies() {
 }
 
 #[test]
-fn only_one_crate_names_cuda_and_only_who_opens_backends_names_that_crate() {
+fn only_one_crate_names_cuda_and_only_one_opens_it() {
     let graph = Graph::read();
     let strangers = |to: &str, allowed: &[&str]| {
         let mut users = graph.users(to);
@@ -111,12 +144,21 @@ fn only_one_crate_names_cuda_and_only_who_opens_backends_names_that_crate() {
     };
     let users = strangers("cudarc", &["bendtwin-cuda"]);
     assert!(users.is_empty(), "cudarc belongs behind bendtwin-cuda, not in {users:?}");
-    // The worker opens backends, for itself and for the command line.
-    let users = strangers("bendtwin-cuda", &["bendtwin-worker", "bendtwin-cli"]);
-    assert!(
-        users.is_empty(),
-        "a backend is to be had from the worker, not by naming CUDA: {users:?}"
-    );
+    let users = strangers("bendtwin-cuda", &["bendtwin-backends"]);
+    assert!(users.is_empty(), "a backend is opened by bendtwin-backends, not in {users:?}");
+}
+
+#[test]
+fn the_command_line_names_the_worker_only_where_it_starts_one() {
+    let name = concat!("bendtwin", "_worker::");
+    let mut found = Vec::new();
+    for (file, path) in workspace::files() {
+        let is_code = file.starts_with("client/cli/") && file.ends_with(".rs");
+        if is_code && std::fs::read_to_string(path).unwrap().contains(name) {
+            found.push(file);
+        }
+    }
+    assert_eq!(found, ["client/cli/src/worker.rs"]);
 }
 
 #[test]

@@ -20,11 +20,15 @@ mod malformed;
 #[cfg(test)]
 mod over_http;
 #[cfg(test)]
+mod reasons;
+#[cfg(test)]
 mod resumable;
 #[cfg(test)]
 mod rollouts;
 #[cfg(test)]
 mod rust_code;
+#[cfg(test)]
+mod sentences;
 #[cfg(test)]
 mod suites;
 #[cfg(test)]

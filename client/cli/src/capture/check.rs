@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use bendtwin_capture::{
-    CheckReport, Finding, Limits, Opened, Severity, check_path, raw::Recording,
-};
-use bendtwin_core::{CancelToken, Problem as _};
+use bendtwin_capture::{CheckReport, Limits, Opened, check_path, raw::Recording};
+use bendtwin_core::{CancelToken, Finding, Problem as _, Severity};
 
 use crate::{failure, global::Global, output};
 
@@ -48,7 +46,7 @@ fn look(recording: &Recording) -> Vec<Finding> {
 }
 
 fn finding(severity: Severity, code: &str, message: String) -> Finding {
-    Finding { severity, code: code.to_owned(), message }
+    Finding::from_sentence(severity, code, message)
 }
 
 /// The findings and the conclusion.
@@ -69,7 +67,7 @@ pub(super) fn lines(findings: &[Finding]) -> String {
             Severity::Warning => "warning",
             Severity::Info => "info",
         };
-        format!("{severity:<8} {} [{}]\n", f.message, f.code)
+        format!("{severity:<8} {} [{}]\n", f.sentence(), f.code)
     };
     findings.iter().map(line).collect()
 }

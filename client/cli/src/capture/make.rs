@@ -2,10 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use bendtwin_capture::{
-    make::{FilmOptions, MakeOptions, Scene, film, make},
-    raw,
-};
+use bendtwin_capture::raw;
+use bendtwin_synth::{FilmOptions, MakeOptions, Scene, film, make};
 use clap::Args;
 use serde_json::json;
 
@@ -82,7 +80,7 @@ async fn run_raw(args: Make, global: &Global) -> anyhow::Result<()> {
             }
             _ => raw::write_case(&recording, &target)?,
         }
-        Ok::<_, bendtwin_capture::Error>(recording)
+        Ok::<_, bendtwin_synth::Error>(recording)
     });
     let recording = made.await?.map_err(failure::failed)?;
     let (cameras, frames) = (recording.cameras.len(), recording.frame_count);
@@ -105,7 +103,7 @@ pub(crate) async fn write(
     let made = tokio::task::spawn_blocking(move || {
         let capture = make(scene, &options)?;
         bendtwin_capture::write_bundle_file(&capture, &path)?;
-        Ok::<_, bendtwin_capture::Error>(capture)
+        Ok::<_, bendtwin_synth::Error>(capture)
     });
     made.await?.map_err(failure::failed)
 }

@@ -7,8 +7,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use bendtwin_capture::{Limits, Severity};
+use bendtwin_capture::Limits;
 use bendtwin_client::Client;
+use bendtwin_core::Severity;
 use clap::Args;
 use tempfile::NamedTempFile;
 
@@ -42,7 +43,7 @@ pub(super) async fn run(args: Push, global: &Global) -> anyhow::Result<()> {
             return report.require().map_err(failure::failed);
         }
         for finding in report.of(Severity::Warning) {
-            eprintln!("warning: {}", finding.message);
+            eprintln!("warning: {}", finding.sentence());
         }
     }
     let client = global.connect().await?;

@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use anyhow::Context as _;
-use bendtwin_capture::Finding;
 use bendtwin_client::{Capture, CaptureId, Client, JobState};
-use bendtwin_core::{Category, Fault};
+use bendtwin_core::{Category, Fault, Finding};
 use futures::StreamExt as _;
 use serde::Deserialize;
 use serde_json::Value;
@@ -17,26 +16,7 @@ use crate::{failure::Failed, global::Global, output, progress::FitBar};
 #[derive(Deserialize)]
 struct Summary {
     verdict: String,
-    findings: Vec<Found>,
-}
-
-#[derive(Deserialize)]
-struct Found {
-    #[serde(flatten)]
-    finding: Finding,
-    /// The action to take, where the message does not name it.
-    #[serde(default)]
-    advice: String,
-}
-
-impl From<Found> for Finding {
-    fn from(Found { finding, advice }: Found) -> Self {
-        let message = match advice.as_str() {
-            "" => finding.message,
-            advice => format!("{}: {advice}", finding.message),
-        };
-        Self { message, ..finding }
-    }
+    findings: Vec<Finding>,
 }
 
 /// Files to write.
@@ -77,10 +57,7 @@ fn write(path: &Path, content: &[u8]) -> anyhow::Result<()> {
 /// Findings and verdict for people.
 fn text(report: &Value) -> String {
     match Summary::deserialize(report) {
-        Ok(Summary { verdict, findings }) => {
-            let findings: Vec<Finding> = findings.into_iter().map(Finding::from).collect();
-            check::lines(&findings) + &sentence(&verdict)
-        }
+        Ok(Summary { verdict, findings }) => check::lines(&findings) + &sentence(&verdict),
         // Of a newer server: better as it is than not at all.
         Err(_) => report.to_string(),
     }

@@ -3,10 +3,10 @@
 use std::{path::PathBuf, time::Instant};
 
 use anyhow::Context as _;
-use bendtwin_capture::make::{MakeOptions, Scene};
 use bendtwin_client::{CaptureId, Cost, Fit, Rollout, TwinId, TwinModel};
 use bendtwin_core::{CancelToken, Capture, FitSettings, Quality};
 use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, format_table};
+use bendtwin_synth::{MakeOptions, Scene};
 use serde_json::json;
 
 use super::{

@@ -1,5 +1,5 @@
-//! CPUs with AVX2: instructions of the units that do floating-point arithmetic, on 8 lanes. Loads, stores and
-//! shuffles have other units and are not counted, so no real kernel reaches this bound.
+//! CPUs with AVX2: instructions of the units that do floating-point arithmetic, on 8 lanes. Loads,
+//! stores and shuffles have other units and are not counted, so no real kernel reaches this bound.
 
 use std::{hint::black_box, thread, time::Instant};
 
@@ -10,24 +10,26 @@ use super::{Instructions, IssueBound};
 /// Elements that a count below is of.
 const LANES: usize = 8;
 
-/// Eight springs, each once. A square root takes as long as 12 other instructions, a division as 10.
+/// Eight springs, each once. A square root takes as long as 12 other instructions, a division as
+/// 10.
 ///
-/// 8 differences of (position, velocity), 3 for the squared length, 12 for its root, 10 for the inverse, 4
-/// comparisons and masks, 3 for the elastic force, 3 for w . r, 2 for the dashpot, 1 times the inverse, 3
-/// products, 16 sums into the two ends: 65.
+/// 8 differences of (position, velocity), 3 for the squared length, 12 for its root, 10 for the
+/// inverse, 4 comparisons and masks, 3 for the elastic force, 3 for w . r, 2 for the dashpot, 1
+/// times the inverse, 3 products, 16 sums into the two ends: 65.
 const SPRING: f64 = 65.0;
 
 /// Eight springs of the adjoint.
 ///
-/// 16 differences, length again 29, stretch 2, direction 3, p 3, q 3, force 2, damped 1, along 4, r_bar 12,
-/// w_bar 3, 15 and 6 for the three parameter gradients, 16 sums into the two ends: 115.
+/// 16 differences, length again 29, stretch 2, direction 3, p 3, q 3, force 2, damped 1, along 4,
+/// r_bar 12, w_bar 3, 15 and 6 for the three parameter gradients, 16 sums into the two ends: 115.
 const SPRING_ADJOINT: f64 = 115.0;
 
 /// Eight triplets, each once.
 ///
-/// 16 differences, 6 for the squares, 4 comparisons, 20 for their inverses, 6 for u x w, 3 for its square, 3
-/// for the cosine, 3 to tell collinear ones, 12 for the root, 18 for the two scaled crosses, 10 for 1/m, 30 for
-/// the angle, 6 for the rate, 12 for the collinear case, 6 for the magnitude, 6 products, 27 sums: 188.
+/// 16 differences, 6 for the squares, 4 comparisons, 20 for their inverses, 6 for u x w, 3 for its
+/// square, 3 for the cosine, 3 to tell collinear ones, 12 for the root, 18 for the two scaled
+/// crosses, 10 for 1/m, 30 for the angle, 6 for the rate, 12 for the collinear case, 6 for the
+/// magnitude, 6 products, 27 sums: 188.
 const TRIPLET: f64 = 188.0;
 
 /// Eight nodes, each in one 128-bit instruction per line: force into velocity, drag, height above
@@ -66,7 +68,7 @@ fn rate(threads: usize) -> Option<f64> {
     })
 }
 
-/// Runs independent multiply-adds and says how many instructions a second they were.
+/// Runs independent multiply-adds and returns the number of instructions a second.
 struct MultiplyAdds;
 
 impl WithSimd for MultiplyAdds {

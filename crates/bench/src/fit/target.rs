@@ -1,4 +1,4 @@
-//! What a timed fit is made to find: a capture of the scene's body with a softer, uneven material.
+//! Target of a timed fit: a capture of the scene's body with a softer, uneven material.
 
 use std::sync::Arc;
 
@@ -16,17 +16,19 @@ use crate::{
     scene::{self, Scene},
 };
 
-/// Mean stiffness of the hidden springs [N per unit strain]: soft enough that the body deforms visibly.
+/// Mean stiffness of the hidden springs [N per unit strain]: soft enough that the body deforms
+/// visibly.
 const STIFFNESS: f32 = 500.0;
 /// Springs at one end are harder and at the other softer by this share.
 const UNEVEN: f32 = 0.5;
 /// Dashpot of the hidden springs [N s/m].
 const DASHPOT: f32 = 10.0;
-/// Share of points and frames whose motion is trusted. The rest counts in the Chamfer distance only, which
-/// a fit leaves out where every point is tracked.
+/// Share of points and frames whose motion is trusted. The rest counts in the Chamfer distance
+/// only, which a fit leaves out where every point is tracked.
 const TRUSTED: f64 = 0.8;
 
-/// What `frames` frames of the scene's motion look like: the surface tracked, the inside known at the start.
+/// A capture of `frames` frames of the scene's motion: the surface tracked, the interior known at
+/// the start.
 pub(super) fn capture(
     scene: &Scene,
     frames: usize,

@@ -15,9 +15,9 @@ fn plan(scenes: &[(SceneName, bool)]) -> Plan {
 
 fn run_on_cpu(plan: &Plan) -> Report {
     let cancel = CancelToken::default();
-    let subject = Subject { backend: bendtwin_engine::cpu(), memory: &(), cancel: &cancel };
-    let mut report = Report::new(plan, &*subject.backend);
-    run(plan, &subject, &mut report, &mut |_| ()).unwrap();
+    let setup = Setup { backend: bendtwin_engine::cpu(), memory: &(), cancel: &cancel };
+    let mut report = Report::new(plan, &*setup.backend);
+    run(plan, &setup, &mut report, &mut |_| ()).unwrap();
     report
 }
 

@@ -21,7 +21,7 @@ const CLEARANCE_M: f32 = 0.001;
 /// From a control point to the node that it is beside [m].
 const CONTROL_OFFSET_M: f32 = 0.004;
 
-/// Where a body's points are at rest [m].
+/// Points of a body at rest [m].
 pub(super) struct Body {
     /// Points on the surface, shape [S, 3].
     pub(super) surface: Vec<Point>,

@@ -1,4 +1,5 @@
-//! How the control points of a scene move: gently out and back, each instance in a direction of its own.
+//! Motion of the control points of a scene: gently out and back, each instance in a direction of
+//! its own.
 
 use std::f32::consts::TAU;
 
@@ -27,8 +28,8 @@ impl Motion {
         Self { rest }
     }
 
-    /// Control positions at the boundaries of `frames` frames. Instance numbers give directions, up at
-    /// times but never down; the ends of a rope move towards and away from each other.
+    /// Control positions at the boundaries of `frames` frames. Instance numbers give directions, up
+    /// at times but never down; the ends of a rope move towards and away from each other.
     pub fn path(&self, instance: usize, frames: usize) -> Path {
         let turn = TAU * (GOLDEN * instance as f32).fract();
         let direction = [turn.cos(), 0.5 * turn.sin(), 0.5 + 0.5 * turn.sin()];

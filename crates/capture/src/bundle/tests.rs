@@ -1,9 +1,10 @@
 use std::io::Cursor;
 
 use bendtwin_core::{Capture, Plane};
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
-use crate::{Limits, MakeOptions, Scene, digest, make, read::read_bytes};
+use crate::{Limits, digest, read::read_bytes};
 
 fn round_trip(capture: &Capture) -> Capture {
     let bytes = write_bundle(capture, Cursor::new(Vec::new())).unwrap().into_inner();

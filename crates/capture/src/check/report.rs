@@ -1,45 +1,9 @@
-//! What a check says.
+//! Report of a check.
 
+use bendtwin_core::{Finding, Severity};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-
-/// How bad a finding is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Severity {
-    /// A fit is impossible or meaningless.
-    Error,
-    /// A fit will run, and be worse than it could be.
-    Warning,
-    /// Worth knowing.
-    Info,
-}
-
-/// One thing that a check found.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Finding {
-    /// How bad it is.
-    pub severity: Severity,
-    /// Stable UPPER_SNAKE_CASE word for programs.
-    pub code: String,
-    /// What is wrong, with numbers, and what to do, for a person.
-    pub message: String,
-}
-
-impl Finding {
-    pub(super) fn error(code: &str, message: String) -> Self {
-        Self { severity: Severity::Error, code: code.to_owned(), message }
-    }
-
-    pub(super) fn warning(code: &str, message: String) -> Self {
-        Self { severity: Severity::Warning, code: code.to_owned(), message }
-    }
-
-    pub(super) fn info(code: &str, message: String) -> Self {
-        Self { severity: Severity::Info, code: code.to_owned(), message }
-    }
-}
 
 /// What a reader noticed without failing.
 #[derive(Debug)]
@@ -47,12 +11,12 @@ pub(crate) struct Note(pub(crate) Finding);
 
 impl Note {
     pub(crate) fn info(code: &str, message: String) -> Self {
-        Self(Finding::info(code, message))
+        Self(Finding::from_sentence(Severity::Info, code, message))
     }
 }
 
 /// Everything that a check found.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckReport {
     /// Findings, the worst first.
     pub findings: Vec<Finding>,
@@ -80,7 +44,7 @@ impl CheckReport {
     /// [`Error::Unusable`] if there is any error.
     pub fn require(&self) -> Result<(), Error> {
         let Some(first) = self.of(Severity::Error).next() else { return Ok(()) };
-        let all: Vec<&str> = self.of(Severity::Error).map(|f| f.message.as_str()).collect();
+        let all: Vec<String> = self.of(Severity::Error).map(Finding::sentence).collect();
         Err(Error::Unusable { code: first.code.clone(), message: all.join("; ") })
     }
 }
@@ -89,13 +53,13 @@ impl CheckReport {
 /// fault should not say it 70 times.
 const PER_CODE: usize = 3;
 
-/// Sorts by severity and shortens repetitions.
+/// Sorts by severity, shortens repetitions and tells messages from advice.
 pub(super) fn merge(findings: Vec<Finding>) -> Vec<Finding> {
     let mut kept: Vec<Finding> = Vec::new();
     let mut dropped: Vec<(String, Severity, usize)> = Vec::new();
     for finding in findings {
         if kept.iter().filter(|f| f.code == finding.code).count() < PER_CODE {
-            kept.push(finding);
+            kept.push(finding.split());
             continue;
         }
         match dropped.iter_mut().find(|(code, ..)| *code == finding.code) {
@@ -105,7 +69,7 @@ pub(super) fn merge(findings: Vec<Finding>) -> Vec<Finding> {
     }
     for (code, severity, count) in dropped {
         let message = format!("the same in {count} more places");
-        kept.push(Finding { severity, code, message });
+        kept.push(Finding::new(severity, &code, message));
     }
     kept.sort_by_key(|f| f.severity);
     kept

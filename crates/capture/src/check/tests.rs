@@ -7,9 +7,9 @@ mod files;
 use std::sync::OnceLock;
 
 use bendtwin_core::Capture;
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
-use crate::{MakeOptions, Scene, make};
 
 fn rope() -> Capture {
     static ROPE: OnceLock<Capture> = OnceLock::new();
@@ -26,7 +26,7 @@ fn lacks(report: &CheckReport, severity: Severity, code: &str, names: &str) -> O
     let Some(found) = report.findings.iter().find(|f| f.code == code) else {
         return Some(format!("{code} ({names}) is missing: {:#?}", report.findings));
     };
-    let named = report.findings.iter().any(|f| f.code == code && f.message.contains(names));
+    let named = report.findings.iter().any(|f| f.code == code && f.sentence().contains(names));
     (found.severity != severity || !named)
         .then(|| format!("{code} does not name {names:?} as {severity:?}: {found:?}"))
 }
@@ -38,8 +38,7 @@ fn expect(report: &CheckReport, severity: Severity, code: &str, names: &str) {
 #[test]
 fn repetitions_are_shortened() {
     let finding = |n: usize| Finding::warning("A", n.to_string());
-    let merged =
-        report::merge((0..70).map(finding).chain([Finding::error("B", "x".into())]).collect());
+    let merged = report::merge((0..70).map(finding).chain([Finding::error("B", "x")]).collect());
     assert_eq!(merged.len(), 5);
     assert_eq!(merged[0].severity, Severity::Error);
     assert!(merged.iter().any(|f| f.message == "the same in 67 more places"));

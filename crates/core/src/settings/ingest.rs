@@ -1,5 +1,5 @@
-//! What a user may choose about how a raw recording is lifted to tracked points. Every field has a default, unknown
-//! fields are refused, and [`IngestSettings::validate`] reports all faults at once.
+//! Settings of lifting a raw recording to tracked points. Every field has a default, unknown fields
+//! are refused, and [`IngestSettings::validate`] reports all faults at once.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,20 +7,20 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct IngestSettings {
-    /// How masks are cleaned.
+    /// Cleaning of masks.
     pub masks: MaskSettings,
-    /// How pixels become points.
+    /// Lifting of pixels to points.
     pub lift: LiftSettings,
-    /// Which tracks are believed.
+    /// Filtering of tracks.
     pub motion: MotionSettings,
-    /// Least distance between two points of the capture at the first frame [m]: where several cameras track one
-    /// spot, the track that is seen longest stays.
+    /// Least distance between two points of the capture at the first frame [m]: where several
+    /// cameras track one spot, the track that is seen longest stays.
     pub spacing_m: f64,
-    /// How control points are made.
+    /// Construction of control points.
     pub controls: ControlSettings,
-    /// How what no camera saw is filled in.
+    /// Completion of the surface that no camera saw.
     pub completion: CompletionSettings,
-    /// Where points inside the object come from.
+    /// Source of points inside the object.
     pub interior: Interior,
 }
 
@@ -36,15 +36,15 @@ pub struct MaskSettings {
     pub edge_m: f64,
     /// ...plus so many times the width of a pixel at that depth, which lets steep surfaces pass.
     pub edge_slope: f64,
-    /// Pixels of the mask on the same surface that a pixel needs among the 24 around it; those with fewer are flying
-    /// pixels or outliers.
+    /// Pixels of the mask on the same surface that a pixel needs among the 24 around it; those with
+    /// fewer are flying pixels or outliers.
     pub min_neighbours: u32,
     /// Connected parts smaller than this fraction of the largest one are dropped...
     pub min_component: f64,
     /// ...if they are farther than this from larger ones: a finger may cut a small part off [m].
     pub speck_gap_m: f64,
-    /// Within this distance an object's pixel needs as many neighbours of the object as of the hand, and the other way
-    /// round [m]; 0 leaves out the test.
+    /// Radius [m] within which an object's pixel needs as many neighbours of the object as of the
+    /// hand, and vice versa; 0 leaves out the test.
     pub contact_m: f64,
 }
 
@@ -62,16 +62,17 @@ pub struct LiftSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotionSettings {
-    /// Neighbours lie within this distance at the first frame [m].
+    /// Largest distance of a neighbour at the first frame [m].
     pub radius_m: f64,
-    /// So many of them at most, the nearest.
+    /// Largest number of neighbours, the nearest.
     pub neighbours: u32,
-    /// With fewer that are seen a motion counts as not valid, since nobody confirms it.
+    /// Least number of visible neighbours; with fewer a motion is invalid, since nothing confirms
+    /// it.
     pub min_neighbours: u32,
-    /// How far a motion from frame to frame may be from what the neighbours say, and still be valid [m].
+    /// Largest difference of a valid motion from frame to frame from that of its neighbours [m].
     pub tolerance_m: f64,
-    /// How far a point may be from where the neighbours say since the first frame, and still count as the same
-    /// spot [m]; it is not seen in frames in which it is farther.
+    /// Largest distance of a point from the position that its neighbours predict since the first
+    /// frame [m]; it counts as unseen in frames in which it is farther.
     pub drift_m: f64,
 }
 
@@ -81,14 +82,14 @@ pub struct MotionSettings {
 pub struct ControlSettings {
     /// Control points of all hands together.
     pub count: u32,
-    /// Most hands.
+    /// Largest number of hands.
     pub max_hands: u32,
-    /// Tracks on one hand are not farther than this from the next one at the first frame [m].
+    /// Largest distance between neighbouring tracks on one hand at the first frame [m].
     pub hand_gap_m: f64,
-    /// Gaps up to so many frames are filled; a hand that is hidden longer is an error.
+    /// Largest gap that is filled [frames]; a hand that is hidden longer is an error.
     pub max_gap_frames: u32,
-    /// A hand whose tracks stay within this distance of a rigid motion is smoothed as a rigid body [m]; one that
-    /// opens or closes is not.
+    /// A hand whose tracks stay within this distance of a rigid motion is smoothed as a rigid body
+    /// [m]; one that opens or closes is not.
     pub rigid_m: f64,
 }
 
@@ -96,19 +97,20 @@ pub struct ControlSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CompletionSettings {
-    /// Whether a mesh that lies in the recording is used.
+    /// Use of a mesh that comes with the recording.
     pub mesh: bool,
-    /// Whether a mesh without alignment is aligned here; otherwise it is an error.
+    /// Alignment of a mesh that comes without one; if off, such a mesh is an error.
     pub align: bool,
     /// Least distance of completed points from observed ones and from each other [m].
     pub spacing_m: f64,
-    /// A mesh that is farther than this from the observed surface, in the median, does not fit and is not used [m].
+    /// A mesh that is farther than this from the observed surface, in the median, does not fit and
+    /// is not used [m].
     pub max_error_m: f64,
-    /// Most points on the completed surface, and most inside.
+    /// Largest number of points on the completed surface, and inside.
     pub max_points: u32,
 }
 
-/// Where points inside the object come from.
+/// Source of points inside the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Interior {

@@ -7,7 +7,7 @@ use super::FitSettings;
 /// Fields that are one value although they look like objects: one of several variants.
 const VARIANTS: [&str; 2] = ["substeps", "refine.window"];
 
-/// Takes over what a document says; what it leaves out stays.
+/// Takes over the fields of a document; other fields stay as they are.
 pub fn merge(into: &mut Value, from: Value) {
     match (into, from) {
         // An enum with one variant as its only key ({"fixed": 100}) is replaced, not mixed.
@@ -33,8 +33,8 @@ pub fn unknown_fields(document: &Value) -> Vec<String> {
     found
 }
 
-/// What settings change of the defaults, as dotted paths with their values: over the defaults, they give the
-/// same settings again.
+/// The differences of settings from the defaults, as dotted paths with their values: applied to the
+/// defaults, they give the same settings again.
 pub fn changes(settings: &FitSettings) -> Vec<(String, Value)> {
     let document = serde_json::to_value(settings).unwrap_or_default();
     let mut found = Vec::new();

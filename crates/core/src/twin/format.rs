@@ -13,8 +13,9 @@ use crate::{
     environment::ControlVelocity,
 };
 
-/// Newest version that this build reads and writes; it reads every earlier one. A twin is written in the earliest
-/// version that can say it, so that older programs read what they understand and refuse the rest.
+/// Newest version that this build reads and writes; it reads every earlier one. A twin is written
+/// in the earliest version that can hold it, so that older programs read the twins that they
+/// support and refuse others.
 pub const VERSION: u32 = 2;
 
 /// The version with rods.
@@ -23,7 +24,7 @@ const WITH_RODS: u32 = 2;
 /// Key of the JSON document in the container's metadata.
 const METADATA_KEY: &str = "bendtwin.twin";
 
-/// Why a twin file cannot be read.
+/// The reason why a twin file cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
     /// Not a safetensors container, or a damaged one.
@@ -40,7 +41,7 @@ pub enum FormatError {
     Tensor {
         /// The tensor's name.
         name: &'static str,
-        /// What is wrong with it.
+        /// Description of the fault.
         fault: String,
     },
     /// Tensors contradict one another or hold impossible numbers.

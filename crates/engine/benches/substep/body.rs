@@ -74,7 +74,7 @@ fn filled(nodes: usize) -> Vec<Point> {
     kept
 }
 
-/// How far out each node is, and from where on it counts as surface.
+/// Distance of each node from the centre, and the distance from which it counts as surface.
 fn shell(points: &[Point]) -> (Vec<f32>, f32) {
     let out = |p: &Point| {
         let (x, y, z) = (p[0] / 1.5, p[1], (p[2] - 0.3) / 0.8);

@@ -1,5 +1,5 @@
-//! Time that a piece of work takes on the processor: on Linux what the kernel
-//! gave to this process's threads, so that a busy machine does not slow it; elsewhere the wall clock.
+//! Time that a piece of work takes on the processor: on Linux what the kernel gave to this
+//! process's threads, so that a busy machine does not slow it; elsewhere the wall clock.
 
 use std::{fs, time::Instant};
 

@@ -1,4 +1,4 @@
-//! What one core can do, measured in the same run: fused multiply-adds a second
+//! Limits of one core, measured in the same run: fused multiply-adds a second
 //! in single precision, and bytes a second read and written by a triad.
 
 use std::hint::black_box;
@@ -14,7 +14,7 @@ pub(crate) fn fused_flops_per_s() -> f64 {
     operations / seconds
 }
 
-/// Runs multiply-adds and says how many operations they were.
+/// Runs multiply-adds and returns the number of operations.
 struct Fused;
 
 impl WithSimd for Fused {

@@ -131,9 +131,9 @@ pub(super) fn new_params_equal_a_new_model(backend: &dyn Backend) -> Outcome {
     Ok(())
 }
 
-/// A cancelled token stops every call before it starts, and a running one long before its end: sooner than another
-/// caller gets a twentieth of its work done. No clock is asked, so that this holds on a device of any speed and under a
-/// memory checker.
+/// A cancelled token stops every call before it starts, and a running one long before its end:
+/// sooner than another caller gets a twentieth of its work done. No clock is asked, so that this
+/// holds on a device of any speed and under a memory checker.
 pub(super) fn cancellation_stops_everything(backend: &dyn Backend) -> Outcome {
     let mut scene = mixed().swap_remove(2);
     let loaded = scene.load(backend)?;

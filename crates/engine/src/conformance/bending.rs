@@ -91,10 +91,10 @@ fn cantilever(links: u32, gravity: f32) -> Scene {
     scene
 }
 
-/// Heights of the nodes of [`cantilever`] in equilibrium, exactly: link q has the slope a_q and
-/// the length l_q that make E = sum k_theta (a_q - a_(q-1))²/2 + k (l_q - l0)²/(2 l0) + g z
-/// stationary, with W_q = g · (nodes beyond link q) on its end:
-/// k_theta (f_q - f_(q+1)) = -W_q l_q cos a_q, f_q = a_q - a_(q-1), and l_q = l0 (1 - W_q sin a_q / k).
+/// Heights of the nodes of [`cantilever`] in equilibrium, exactly: link q has the slope a_q and the
+/// length l_q that make E = sum k_theta (a_q - a_(q-1))²/2 + k (l_q - l0)²/(2 l0) + g z stationary,
+/// with W_q = g · (nodes beyond link q) on its end: k_theta (f_q - f_(q+1)) = -W_q l_q cos a_q, f_q
+/// = a_q - a_(q-1), and l_q = l0 (1 - W_q sin a_q / k).
 fn exact_heights(links: usize, gravity: f64) -> Vec<f64> {
     let (k, k_theta, l0) = (1e4, 128.0, 0.1);
     let load = |q: usize| gravity * (links - q) as f64;
@@ -136,7 +136,7 @@ fn small_deflections(links: usize, gravity: f64) -> Vec<f64> {
 /// The chain settles at the exact equilibrium of the discrete beam, for a small load
 /// (deflection 1 % of the length, where the linear closed form holds to 0.1 % too) and for a large
 /// one (half of the length). To 0.2 % of the tip's deflection plus 20 µm: at the small
-/// load f32 knows the angles, of 0.001 to 0.006 rad, to some 1e-6.
+/// load f32 resolves the angles, of 0.001 to 0.006 rad, to some 1e-6.
 pub(super) fn cantilever_bends_like_the_discrete_beam(backend: &dyn Backend) -> Outcome {
     let links = 8;
     for gravity in [0.25, 20.0] {
@@ -159,7 +159,7 @@ pub(super) fn cantilever_bends_like_the_discrete_beam(backend: &dyn Backend) -> 
 /// The middle of three nodes, its neighbours fixed, swings through the straight line, where the
 /// direction of the bending force is 0/0: w² = 4 k_theta / (m h²), and semi-implicit
 /// Euler's solution as for the oscillator. Once with 1 mm, and once with 2 µm, where the
-/// line is never left by more than 4e-5 rad. To 1 % of the amplitude: f32 knows the
+/// line is never left by more than 4e-5 rad. To 1 % of the amplitude: f32 resolves the
 /// angle of the larger swing, 0.02 rad, to 1e-6 at best, over 2,000 substeps; the smaller one's
 /// differences of coordinates are exact, as they cross zero.
 pub(super) fn straight_rod_stays_smooth_through_pi(backend: &dyn Backend) -> Outcome {

@@ -40,7 +40,8 @@ pub(super) fn energy_of_an_undamped_network(backend: &dyn Backend) -> Outcome {
 }
 
 /// Springs, triplets and both dampings are internal forces: linear and angular momentum of a free
-/// body stay, to 0.01 % of the sum of all nodes' |p| and |p| · size: the rounding of 4,000 substeps.
+/// body stay, to 0.01 % of the sum of all nodes' |p| and |p| · size: the rounding of 4,000
+/// substeps.
 pub(super) fn momentum_of_a_free_body(backend: &dyn Backend) -> Outcome {
     for seed in 0..3 {
         let scene = free(seed, 100, true);

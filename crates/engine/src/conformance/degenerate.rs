@@ -1,5 +1,5 @@
-//! What no engine may choke on: random graphs, degenerate geometry, empty and
-//! lonely graphs, and motion that runs away.
+//! Degenerate inputs: random graphs, degenerate geometry, graphs without nodes or without springs,
+//! and motion that diverges.
 
 use std::{f32::consts::PI, sync::Arc};
 

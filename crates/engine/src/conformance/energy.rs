@@ -31,13 +31,15 @@ pub(super) fn length(points: &[Point64], [a, b]: [u32; 2]) -> f64 {
     norm(minus(points[b as usize], points[a as usize]))
 }
 
-/// The coordinate that a triplet's energy is quadratic in [rad]: -sqrt((pi - angle)² + epsilon²) with epsilon half of
-/// the rest angle's distance from pi, so that a bent triplet passes smoothly through straight.
+/// The coordinate that a triplet's energy is quadratic in [rad]: -sqrt((pi - angle)² + epsilon²)
+/// with epsilon half of the rest angle's distance from pi, so that a bent triplet passes smoothly
+/// through straight.
 fn bend(angle: f64, rest: f64) -> f64 {
     -(PI - angle).hypot(0.5 * (PI - rest))
 }
 
-/// Sum of k (l - l0)² / (2 l0) over springs and k_theta (q - q0)² / 2 over triplets, q by [`bend`] [J].
+/// Sum of k (l - l0)² / (2 l0) over springs and k_theta (q - q0)² / 2 over triplets, q by [`bend`]
+/// [J].
 pub(super) fn elastic(scene: &Scene, points: &[Point64]) -> f64 {
     let p = &scene.params;
     let springs = scene.graph.springs.iter().enumerate().map(|(e, &ends)| {
@@ -71,7 +73,8 @@ pub(super) fn elastic_forces(scene: &Scene, state: &State) -> Vec<Point64> {
     forces
 }
 
-/// Power that the dampers take out [W]: gamma (dl/dt)² over springs and c_b (dq/dt)² over triplets, q by [`bend`], the rates by central differences along the velocities.
+/// Power that the dampers take out [W]: gamma (dl/dt)² over springs and c_b (dq/dt)² over triplets,
+/// q by [`bend`], the rates by central differences along the velocities.
 pub(super) fn dissipation(scene: &Scene, state: &State) -> f64 {
     let h = 1e-6;
     let points = endpoints(scene, state);

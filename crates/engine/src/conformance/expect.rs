@@ -1,4 +1,4 @@
-//! Comparisons whose failures say what was expected and what came.
+//! Comparisons whose failures state the expected and the actual values.
 
 use crate::model::State;
 

@@ -18,7 +18,7 @@ use crate::{
     Backend, Objective, PointLoss, Term, backend::GradientRequest, objective::WeightedTerm,
 };
 
-/// A random scene with terms of one kind only, tracks unless told otherwise.
+/// A random scene with terms of one kind only, tracks by default.
 fn tracked(seed: u64, options: &RandomOptions, frames: usize) -> Scene {
     let model = random_model(seed, options);
     let (mut state, controls) = random_motion(seed, &model, frames);
@@ -62,9 +62,9 @@ pub(super) fn gradients_match_finite_differences(backend: &dyn Backend) -> Outco
     Ok(())
 }
 
-/// A rod that stays perfectly straight, its bending force 0/0 in every substep, yet bends as soon as
-/// a node is moved: to 1 %. (By rest angle and damping there is no derivative there: both
-/// only have a size, no direction.)
+/// A rod that stays perfectly straight, its bending force 0/0 in every substep, yet bends as soon
+/// as a node is moved: to 1 %. (By rest angle and damping there is no derivative there: both only
+/// have a size, no direction.)
 pub(super) fn gradients_of_a_straight_rod(backend: &dyn Backend) -> Outcome {
     let points: Vec<_> = (0..5).map(|i| [0.1 * i as f32, 0.0, 0.0]).collect();
     let mut scene = Scene::of(&points);
@@ -86,8 +86,8 @@ pub(super) fn gradients_of_a_straight_rod(backend: &dyn Backend) -> Outcome {
     matches_differences(backend, &scene, &Check { seed: 0, tolerance: 1e-2, must_matter })
 }
 
-/// Through a rod, whose twist remembers the whole rollout, with clamps that move and turn, and with a branch at
-/// its end: to 1 %.
+/// Through a rod, whose twist remembers the whole rollout, with clamps that move and turn, and with
+/// a branch at its end: to 1 %.
 pub(super) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
     let cases = [(0, 3.0, cable()), (1, -2.0, cable()), (2, 0.7, branched_cable())];
     for (seed, twist, mut scene) in cases {

@@ -1,5 +1,5 @@
-//! Descents: the same run as by `gradients`, a parameterization and Adam by hand, however it is cut into calls,
-//! left and taken up again.
+//! Descents: the same run as by `gradients`, a parameterization and Adam by hand, however it is cut
+//! into calls, left and taken up again.
 
 mod pair;
 
@@ -18,8 +18,8 @@ use crate::{
 };
 use bendtwin_core::CancelToken;
 
-/// Losses, lengths and final states are those of `gradients` through the chain rule: to 1e-5, which leaves
-/// room for a sum in f32 and another order.
+/// Losses, lengths and final states are those of `gradients` through the chain rule: to 1e-5, which
+/// leaves room for a sum in f32 and another order.
 pub(super) fn optimizer_measures_gradients(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
@@ -47,9 +47,9 @@ pub(super) fn optimizer_measures_gradients(backend: &dyn Backend) -> Outcome {
     Ok(())
 }
 
-/// Steps are Adam's down the weighted sum. The first is the same to 1e-4 of its rate; later ones see parameters
-/// that were rounded differently, and then coordinates whose gradient is nearly nothing may go
-/// elsewhere: all together to 2 % of the way.
+/// Steps are Adam's down the weighted sum. The first is the same to 1e-4 of its rate; later ones
+/// see parameters that were rounded differently, and then coordinates whose gradient is nearly
+/// nothing may go elsewhere: all together to 2 % of the way.
 pub(super) fn optimizer_steps_like_adam(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
@@ -121,8 +121,8 @@ pub(super) fn optimizer_slices_equal_one_batch(backend: &dyn Backend) -> Outcome
     ensure(measure(&mut *whole, &[])?.is_empty(), || "norms of an empty batch".into())
 }
 
-/// `loaded` is the model at the point: its parameters are the parameterization's there, its losses those that the
-/// optimizer measures, and it stays when the run goes on. Its parameters to 1e-5.
+/// `loaded` is the model at the point: its parameters are the parameterization's there, its losses
+/// those that the optimizer measures, and later steps do not change it. Its parameters to 1e-5.
 pub(super) fn optimizer_hands_out_its_model(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
@@ -150,8 +150,8 @@ pub(super) fn optimizer_hands_out_its_model(backend: &dyn Backend) -> Outcome {
     ensure(loss().ok() == Some(before), || "the model handed out moved on".into())
 }
 
-/// Forgotten gradients leave no trace; back at an earlier position, with or without momentum, a run goes
-/// on as it did from there: the same bits.
+/// Discarded gradients leave no trace; back at an earlier position, with or without momentum, a run
+/// goes on as it did from there: the same bits.
 pub(super) fn optimizer_goes_back_exactly(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
@@ -222,7 +222,7 @@ pub(super) fn optimizer_stays_within_bounds(backend: &dyn Backend) -> Outcome {
     ensure(reached > 0, || "no bound was reached: the case is no test".into())
 }
 
-/// What contradicts itself is refused and moves nothing.
+/// Contradictory input is refused and changes nothing.
 pub(super) fn optimizer_refuses_nonsense(backend: &dyn Backend) -> Outcome {
     let pair = Pair::new(backend)?;
     let mut optimizer = pair.optimizer(backend)?;
@@ -262,7 +262,8 @@ pub(super) fn optimizer_refuses_nonsense(backend: &dyn Backend) -> Outcome {
     optimizer.step(0, &[1.0, 1.0], 0.1).map_err(|e| format!("the step after them: {e}"))
 }
 
-/// A gradient beyond f32 says so, and so does its length: here a weight of 1e38 and an error of 20 m.
+/// A gradient beyond f32 is marked as such, and its norm is not finite: here a weight of 1e38 and
+/// an error of 20 m.
 pub(super) fn overflowing_gradients_say_so(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0]]);
     scene.spring([0, 1], 10.0, 0.1);

@@ -6,17 +6,13 @@ use bendtwin_core::{
     Contact, Environment, Graph, NodeKind, Params, Pin, Plane, Point, Timing,
     environment::ControlVelocity, settings::TripletReference,
 };
+use bendtwin_graph::{Connectivity, LeftOut, NodeSample, Triplets, connect, rest_geometry};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{
-    Model, Objective, PointLoss, Term,
-    build::{Connectivity, LeftOut, NodeSample, Triplets, connect, rest_geometry},
-    model::State,
-    objective::WeightedTerm,
-};
+use crate::{Model, Objective, PointLoss, Term, model::State, objective::WeightedTerm};
 
-/// What a random model is made of.
+/// Composition of a random model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RandomOptions {
     /// Nodes, scattered 3 cm apart.
@@ -144,7 +140,8 @@ fn scatter(rng: &mut ChaCha8Rng, options: &RandomOptions) -> NodeSample {
     }
 }
 
-/// Nodes from the outermost in x inwards, from both sides in turn two by two: the first four can clamp a rod.
+/// Nodes from the outermost in x inwards, from both sides in turn two by two: the first four can
+/// clamp a rod.
 fn outermost(points: &[Point]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| points[a][0].total_cmp(&points[b][0]));
@@ -156,7 +153,8 @@ fn outermost(points: &[Point]) -> Vec<usize> {
     outer
 }
 
-/// A rod through up to nine nodes in the order of their x, so that it does not fold back; none if its ends are not pinned.
+/// A rod through up to nine nodes in the order of their x, so that it does not fold back; none if
+/// its ends are not pinned.
 fn along(graph: &Graph) -> Option<Vec<u32>> {
     let mut order: Vec<u32> = (0..graph.node_count() as u32).collect();
     order.sort_by(|&a, &b| {

@@ -1,4 +1,4 @@
-//! What a backend must refuse, with a typed error and never a panic.
+//! Inputs that a backend must refuse, with a typed error and never a panic.
 
 use std::sync::Arc;
 
@@ -70,7 +70,7 @@ pub(super) fn unstable_substeps_are_refused(backend: &dyn Backend) -> Outcome {
     Ok(())
 }
 
-/// What is broken, and how to break it.
+/// A fault by name, and a function that introduces it.
 type Break<T> = (&'static str, fn(&mut T));
 
 /// Every contradiction in a model is InvalidModel.
@@ -134,7 +134,7 @@ pub(super) fn wrong_models_are_refused(backend: &dyn Backend) -> Outcome {
     Ok(())
 }
 
-/// What one call is asked to do.
+/// The arguments of one call.
 struct Request {
     instance: Instance,
     outputs: Outputs,

@@ -7,10 +7,11 @@ use bendtwin_core::{
     environment::ControlVelocity,
 };
 
+use bendtwin_graph::{NodeSample, rest_geometry};
+
 use crate::{
     Backend, Error, Loaded, Model, Objective,
     backend::{Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
-    build::{NodeSample, rest_geometry},
     model::State,
 };
 

@@ -15,8 +15,8 @@ use crate::{Backend, backend::GradientRequest, model::State};
 /// Distance of nodes along a cable [m].
 const LINK_M: f32 = 0.05;
 
-/// A cable of ten nodes between two clamps in empty space, bent in three dimensions; its rod, without parameters
-/// yet, is straight and untwisted at rest.
+/// A cable of ten nodes between two clamps in empty space, bent in three dimensions; its rod,
+/// without parameters yet, is straight and untwisted at rest.
 pub(super) fn cable() -> Scene {
     let mut points: Vec<Point> = vec![[0.0; 3]];
     for i in 0..9 {
@@ -36,8 +36,8 @@ pub(super) fn cable() -> Scene {
     scene
 }
 
-/// [`cable`] with one clamp only: at node 8 a branch of two nodes begins, 9 and 10, and the rod ends in it; the trunk goes on
-/// to node 11, which is free as well.
+/// [`cable`] with one clamp only: at node 8 a branch of two nodes begins, 9 and 10, and the rod
+/// ends in it; the trunk goes on to node 11, which is free as well.
 pub(super) fn branched_cable() -> Scene {
     let mut points = cable().graph.rest_positions;
     let [x, y, z] = points[8];
@@ -68,9 +68,9 @@ fn solid_angle([a, b, c]: [[f64; 3]; 3]) -> f64 {
     2.0 * dot(a, cross(b, c)).atan2(1.0 + dot(a, b) + dot(b, c) + dot(c, a))
 }
 
-/// When a clamp's direction comes back after a trip around a solid angle, and everything with it, its frame has turned
-/// by that angle: so much is the rod twisted. To 1 % for the quadrature over substeps, and with the other
-/// sign for the other way around.
+/// When a clamp's direction comes back after a trip around a solid angle, and everything with it,
+/// its frame has turned by that angle: so much is the rod twisted. To 1 % for the quadrature over
+/// substeps, and with the other sign for the other way around.
 pub(super) fn clamps_twist_by_the_solid_angle(backend: &dyn Backend) -> Outcome {
     let (half_angle, steps) = (0.9, 60);
     for sense in [1.0, -1.0] {
@@ -129,8 +129,9 @@ fn total(scene: &Scene, state: &State) -> f64 {
         + rods.map(of).sum::<f64>()
 }
 
-/// A twisted cable that is let go whips about; kinetic, elastic and twist energy together stay. Means over a second
-/// do not drift over four: to 2 %, as for other networks, with quadrature of the twist in it.
+/// A twisted cable that is let go whips about; kinetic, elastic and twist energy together stay.
+/// Means over a second do not drift over four: to 2 %, as for other networks, with quadrature of
+/// the twist in it.
 pub(super) fn energy_of_a_twisted_rod(backend: &dyn Backend) -> Outcome {
     for scene in [cable(), branched_cable()] {
         energy_stays(backend, scene)?;
@@ -151,8 +152,9 @@ fn energy_stays(backend: &dyn Backend, mut scene: Scene) -> Outcome {
     ensure(least < 3.9, || format!("the twist never fell below {least}: it does nothing"))
 }
 
-/// A straight cable between a clamp and a branch that stands off it at a right angle is a torsion pendulum: its branch of
-/// mass m swings about the cable with k / (m r²), and as far to one side as to the other. To 2 %.
+/// A straight cable between a clamp and a branch that stands off it at a right angle is a torsion
+/// pendulum: its branch of mass m swings about the cable with k / (m r²), and as far to one side as
+/// to the other. To 2 %.
 pub(super) fn a_branch_swings_about_its_rod(backend: &dyn Backend) -> Outcome {
     let (arm_m, stiffness) = (0.1, 0.5);
     let mut points: Vec<Point> = (0..5).map(|i| [LINK_M * i as f32, 0.0, 0.0]).collect();
@@ -203,8 +205,9 @@ pub(super) fn twist_damping_never_raises_energy(backend: &dyn Backend) -> Outcom
     ensure(last < 0.99 * first, || format!("it takes next to nothing: {first} to {last}"))
 }
 
-/// A twisted bow, more curved at its top than at its feet, turns out of its plane, one half to each side, and the other
-/// way around if it is twisted the other way. (A straight rod or an even arc would stay where it is.)
+/// A twisted bow, more curved at its top than at its feet, turns out of its plane, one half to each
+/// side, and the other way around if it is twisted the other way. (A straight rod or an even arc
+/// would stay where it is.)
 pub(super) fn twist_turns_a_bow_out_of_its_plane(backend: &dyn Backend) -> Outcome {
     let bow = |twist: f32| -> Result<f64, String> {
         let points: Vec<Point> = (0..9)

@@ -19,8 +19,8 @@ use super::{
 
 /// Up to this size a frame's tape is kept whole. Tests use a small one, so that they meet segments.
 const WHOLE_TAPE_BYTES: usize = if cfg!(test) { 20_000 } else { 64 << 20 };
-/// Otherwise its segments should stay in a core's share of the cache: writing a larger tape to memory and reading it
-/// back costs more than running the frame once more.
+/// Otherwise its segments should stay in a core's share of the cache: writing a larger tape to
+/// memory and reading it back costs more than running the frame once more.
 const SEGMENT_BYTES: usize = if cfg!(test) { 5_000 } else { 12 << 20 };
 
 /// d loss / d everything, as far back as the frames gone through.
@@ -125,8 +125,8 @@ impl<T: Real> Adjoint<T> {
 }
 
 /// Substeps that are on tape at once: a whole frame, unless that takes too much memory. Then a
-/// frame is run once more to mark where its segments start; these are no shorter than the root of their
-/// number, which keeps marks and tape together small.
+/// frame is run once more to mark where its segments start; these are no shorter than the root of
+/// their number, which keeps marks and tape together small.
 fn segment_length<T: Real>(system: &System<T>) -> usize {
     let substep = system.endpoints() * size_of::<Node<T>>() + system.nodes * size_of::<Quad<T>>();
     let substep = substep.max(1);

@@ -1,15 +1,17 @@
 //! Bending triplets (i, j, k) about the centre j, and the adjoint of their forces.
 //!
 //! With u = xi - xj, w = xk - xj, n = u x w, m = |n|: `theta = atan2(m, u.w)`, its gradient is
-//! `g_i = u x n / (|u|² m)`, `g_k = n x w / (|w|² m)`, `g_j = -(g_i + g_k)`. This is the usual form with
-//! (ŵ - cos û)/(sin |u|), written with cross products because these do not cancel when the triplet is nearly straight.
+//! `g_i = u x n / (|u|² m)`, `g_k = n x w / (|w|² m)`, `g_j = -(g_i + g_k)`. This is the usual form
+//! with (ŵ - cos û)/(sin |u|), written with cross products because these do not cancel when the
+//! triplet is nearly straight.
 //!
-//! **Rounded.** `(theta - theta0)²` has an edge where a triplet whose rest angle is not pi passes through straight: its force
-//! turns over at once there, and an adjoint that meets it grows without bound. So the energy is `k (q - q0)² / 2` with
-//! `q = -sqrt(beta² + epsilon²)`, beta = pi - theta, where epsilon is [`ROUNDING`] of the rest
-//! angle's beta0: the rest shape is the same, straight rest angles have q = -beta as before, and beta = 0 is smooth. The force
-//! on a is `-[k (q - q0) + c qdot] G_a` with G = a g, a = beta / sqrt(beta² + epsilon²). At rest a triplet is stiff by
-//! `k / (1 + ROUNDING²)`.
+//! **Rounded.** `(theta - theta0)²` has an edge where a triplet whose rest angle is not pi passes
+//! through straight: its force turns over at once there, and an adjoint that meets it grows without
+//! bound. So the energy is `k (q - q0)² / 2` with `q = -sqrt(beta² + epsilon²)`, beta = pi - theta,
+//! where epsilon is [`ROUNDING`] of the rest angle's beta0: the rest shape is the same, straight
+//! rest angles have q = -beta as before, and beta = 0 is smooth. The force on a is
+//! `-[k (q - q0) + c qdot] G_a` with G = a g, a = beta / sqrt(beta² + epsilon²). At rest a triplet
+//! is stiff by `k / (1 + ROUNDING²)`.
 //!
 //! **Nearly collinear** (sin theta below [`MIN_SINE`]): the bending plane is undefined. A triplet
 //! whose rest angle is pi still has a smooth elastic force, (theta - pi)/m -> -1/|u.w|, and keeps
@@ -104,8 +106,8 @@ pub(crate) fn rest_bend<T: Real>(rest_angle_rad: T) -> T {
     T::from_f64(if bend.abs() < STRAIGHT_RAD { 0.0 } else { bend })
 }
 
-/// What the two arms and their normal give before anything is divided by it. Made one block ahead of
-/// [`BendState`], as everything there waits for this root.
+/// Products of the two arms and their normal. Computed one block ahead of [`BendState`], which
+/// depends on this root everywhere.
 #[derive(Clone, Copy)]
 struct BendGeometry<P: Pack> {
     /// u x n and n x w.
@@ -146,7 +148,7 @@ impl<P: Pack> BendGeometry<P> {
     }
 }
 
-/// What force and adjoint share; m is [`BendGeometry::sine`].
+/// Quantities that force and adjoint share; m is [`BendGeometry::sine`].
 struct BendState<P: Pack> {
     /// 1/m; 1/(u . w) in the straight limit; 1 where the triplet is skipped.
     inverse: P,
@@ -185,11 +187,11 @@ impl<P: Pack> BendState<P> {
     }
 }
 
-/// The geometry of a block, made one block ahead.
+/// Geometry and rates of a block, computed one block ahead.
 #[derive(Clone, Copy)]
 struct BendKinematics<P: Pack> {
     geometry: BendGeometry<P>,
-    /// Rates of the arms across themselves, |u|² m g_i . u_dot and |w|² m g_k . w_dot.
+    /// Rates of the arms perpendicular to themselves, |u|² m g_i . u_dot and |w|² m g_k . w_dot.
     swing_u: P,
     swing_w: P,
 }
@@ -257,12 +259,13 @@ fn apply_force<T: Real, M: Machine<T>>(
     v3::sub(v3::sub(sum, f_i), f_k)
 }
 
-/// Adjoint of [`bend_forces`]: given d loss / d force in `lambda`, adds d loss / d (position, velocity) to
-/// `adjoint` and d loss / d parameters to `gradients`.
+/// Adjoint of [`bend_forces`]: given d loss / d force in `lambda`, adds d loss / d (position,
+/// velocity) to `adjoint` and d loss / d parameters to `gradients`.
 ///
 /// With kappa the bracket of the force and rho = G . lambda: `v_bar = -rho c G`,
-/// `x_bar = -rho k G - H (rho c v + kappa lambda)` where H is the Hessian of q, whose product with a vector
-/// is the derivative of G along it: `a` times that of g, less `(1 - a²)/rounded (g . y) g` for what `a` itself does.
+/// `x_bar = -rho k G - H (rho c v + kappa lambda)` where H is the Hessian of q, whose product with
+/// a vector is the derivative of G along it: `a` times that of g, less `(1 - a²)/rounded (g . y) g`
+/// for what `a` itself does.
 #[inline(always)]
 pub(crate) fn bend_adjoint<T: Real, M: Machine<T>>(
     m: M,
@@ -326,8 +329,8 @@ pub(crate) fn bend_adjoint<T: Real, M: Machine<T>>(
     }
 }
 
-/// d (force . lambda) / d theta0 per rho: the rest angle moves q0, and the rounding with it. `moments` is the
-/// bracket of the force, with its damping twice.
+/// d (force . lambda) / d theta0 per rho: the rest angle moves q0, and the rounding with it.
+/// `moments` is the bracket of the force, with its damping twice.
 #[inline(always)]
 fn rest_slope<T: Real, M: Machine<T>>(
     m: M,

@@ -1,4 +1,5 @@
-//! Everything that a client can get wrong about a model or an instance, found before the simulation starts.
+//! Everything that a client can get wrong about a model or an instance, found before the simulation
+//! starts.
 
 use bendtwin_core::{Point, environment::ControlVelocity};
 
@@ -9,9 +10,9 @@ use crate::{
     stability::enough_substeps,
 };
 
-/// Most substeps a frame: between two of them nobody can cancel.
+/// Largest number of substeps a frame, within which a rollout cannot be cancelled.
 const MAX_SUBSTEPS: u32 = 1_000_000;
-/// Most frames of a rollout: without control points nothing else bounds them.
+/// Largest number of frames of a rollout, which nothing else bounds without control points.
 const MAX_FRAMES: usize = 1_000_000;
 
 /// Checks a model's graph, parameters, timing and environment.
@@ -35,7 +36,7 @@ pub fn model(model: &Model) -> Result<(), Error> {
 /// Checks a model and that its substep is short enough for its stiffness.
 ///
 /// # Errors
-/// The first fault, as a sentence; [`Error::Unstable`] says how many substeps it takes.
+/// The first fault, as a sentence; [`Error::Unstable`] has the number of substeps that are needed.
 pub fn loadable(model: &Model) -> Result<(), Error> {
     self::model(model)?;
     let substeps = model.timing.substeps;

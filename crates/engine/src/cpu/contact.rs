@@ -22,7 +22,7 @@ pub(crate) struct Candidates {
 }
 
 impl Candidates {
-    /// Whether nothing can touch.
+    /// True if no nodes can touch.
     pub(crate) fn is_empty(&self) -> bool {
         self.partners.is_empty()
     }
@@ -114,7 +114,7 @@ impl Grid {
 }
 
 /// A touching pair as seen from its first node.
-struct Touch<T> {
+struct ContactPair<T> {
     /// Unit vector from the first to the second.
     normal: Quad<T>,
     distance: T,
@@ -131,7 +131,7 @@ fn touch<T: Real>(
     velocities: &[Quad<T>],
     a: usize,
     b: usize,
-) -> Option<Touch<T>> {
+) -> Option<ContactPair<T>> {
     let r = sub(nodes[b].x, nodes[a].x);
     let v = sub(velocities[b], velocities[a]);
     let square = dot(r, r);
@@ -144,7 +144,7 @@ fn touch<T: Real>(
     touches.then(|| {
         let distance = square.sqrt();
         let normal = scale(r, T::ONE / distance);
-        Touch { normal, distance, v, mass: T::ONE / inverse }
+        ContactPair { normal, distance, v, mass: T::ONE / inverse }
     })
 }
 
@@ -180,8 +180,8 @@ pub(crate) fn collide<T: Real>(
     }
 }
 
-/// Adjoint of [`collide`]: turns d loss / d velocity after contact in `bar` into that before it, `after` is
-/// scratch; adds to the positions' adjoints and to `law_bar`.
+/// Adjoint of [`collide`]: turns d loss / d velocity after contact in `bar` into that before it,
+/// `after` is scratch; adds to the positions' adjoints and to `law_bar`.
 #[inline(always)]
 pub(crate) fn collide_adjoint<T: Real>(
     system: &System<T>,

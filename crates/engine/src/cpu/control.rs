@@ -1,5 +1,5 @@
-//! What the robot or hand does during a frame: control points move linearly
-//! from one frame boundary to the next, pinned nodes follow them exactly.
+//! Motion of control points and pinned nodes during a frame: control points move linearly from one
+//! frame boundary to the next, pinned nodes follow them exactly.
 
 use super::{
     lanes::Node,
@@ -14,7 +14,7 @@ pub(crate) struct FrameControls<'a, T> {
     pub(crate) to: &'a [Quad<T>],
 }
 
-/// How far into the frame the controls are in a substep: its end.
+/// Fraction of the frame at which the controls are in a substep: that of its end.
 #[inline(always)]
 pub(crate) fn progress<T: Real>(system: &System<T>, substep: usize) -> T {
     T::from_f64((substep + 1) as f64 / system.substeps as f64)
@@ -36,7 +36,8 @@ impl<T: Real> FrameControls<'_, T> {
         add_scaled(scale(self.from[control], T::ONE - t), t, self.to[control])
     }
 
-    /// Starts the frame: control points and pinned nodes stand at its first boundary with its velocity.
+    /// Starts the frame: control points and pinned nodes stand at its first boundary with its
+    /// velocity.
     pub(crate) fn begin(&self, system: &System<T>, nodes: &mut [Node<T>]) {
         for c in 0..system.controls {
             nodes[system.nodes + c] = Node { x: self.from[c], v: self.velocity(system, c) };

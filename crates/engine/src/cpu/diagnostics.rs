@@ -1,11 +1,11 @@
-//! What a rollout returns beside its costs: recorded positions, final state and physical sanity.
+//! Outputs of a rollout beside its costs: recorded positions, final state and diagnostics.
 
 use super::{
     integrate::Workspace,
     lanes::Node,
     parameters::narrow,
     real::{Real, dot},
-    rollout::Case,
+    rollout::Simulation,
     system::System,
 };
 use crate::{
@@ -27,11 +27,11 @@ pub(crate) struct Observer<'a, T> {
 }
 
 impl<'a, T: Real> Observer<'a, T> {
-    pub(crate) fn new(case: &'a Case<'_, T>, outputs: &'a Outputs) -> Self {
+    pub(crate) fn new(simulation: &'a Simulation<'_, T>, outputs: &'a Outputs) -> Self {
         Self {
-            system: case.system,
+            system: simulation.system,
             outputs,
-            frames: case.frames,
+            frames: simulation.frames,
             rollout: Rollout::default(),
             sanity: Diagnostics::default(),
         }

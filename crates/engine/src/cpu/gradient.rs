@@ -8,7 +8,7 @@ use super::{
     loss::{Moment, Terms},
     parameters::Parameters,
     real::{Quad, Real, add},
-    rollout::{Case, Scorer},
+    rollout::{Scorer, Simulation},
 };
 use bendtwin_core::CancelToken;
 
@@ -16,7 +16,7 @@ use crate::backend::{Error, Loss};
 
 /// Loss and gradient in the simulation's scalar.
 #[derive(Debug)]
-pub(crate) struct Sensitivity<T> {
+pub(crate) struct LossGradient<T> {
     pub(crate) loss: Loss,
     pub(crate) parameters: Parameters<T>,
     /// Shape [F + 1, C].
@@ -33,31 +33,31 @@ pub(crate) struct Sensitivity<T> {
 
 /// Loss and gradient; `cut_every` as in [`crate::backend::GradientRequest`].
 pub(crate) fn gradient<T: Real>(
-    case: &Case<'_, T>,
+    simulation: &Simulation<'_, T>,
     cut_every: usize,
     cancel: &CancelToken,
-) -> Result<Sensitivity<T>, Error> {
-    let system = case.system;
+) -> Result<LossGradient<T>, Error> {
+    let system = simulation.system;
     let n = system.nodes;
-    let mut scorer = Scorer::new(case.objective, system.surface);
+    let mut scorer = Scorer::new(simulation.objective, system.surface);
     let mut states: Vec<Vec<Node<T>>> = Vec::new();
     let mut twists: Vec<Vec<T>> = Vec::new();
-    let diverged = case.run(cancel, |frame, now| {
+    let diverged = simulation.run(cancel, |frame, now| {
         scorer.see(frame, &now.nodes[..n]);
         states.push(now.nodes[..n].to_vec());
         twists.push(now.twists.clone());
     })?;
     let loss = scorer.finish(diverged);
     let mut adjoint = Adjoint::zero(system);
-    let mut controls = vec![[T::ZERO; 4]; case.controls.len()];
+    let mut controls = vec![[T::ZERO; 4]; simulation.controls.len()];
     if diverged.is_none() {
-        let terms = Terms::new(case.objective);
-        let mut backward = Backward { case, states: &states, twists: &twists, terms };
+        let terms = Terms::new(simulation.objective);
+        let mut backward = Backward { simulation, states: &states, twists: &twists, terms };
         backward.run(&mut adjoint, &mut controls, cut_every, cancel)?;
     }
     let parameters = adjoint.parameters(system);
     adjoint.bar.truncate(n);
-    Ok(Sensitivity {
+    Ok(LossGradient {
         loss,
         parameters,
         controls,
@@ -69,7 +69,7 @@ pub(crate) fn gradient<T: Real>(
 }
 
 struct Backward<'a, T> {
-    case: &'a Case<'a, T>,
+    simulation: &'a Simulation<'a, T>,
     /// Frame-end states, shape [F + 1, N].
     states: &'a [Vec<Node<T>>],
     /// Frame-end twists, shape [F + 1, R].
@@ -85,9 +85,9 @@ impl<T: Real> Backward<'_, T> {
         cut_every: usize,
         cancel: &CancelToken,
     ) -> Result<(), Error> {
-        let (case, c) = (self.case, self.case.system.controls);
-        let mut workspace = case.start();
-        for frame in (0..=case.frames).rev() {
+        let (simulation, c) = (self.simulation, self.simulation.system.controls);
+        let mut workspace = simulation.start();
+        for frame in (0..=simulation.frames).rev() {
             self.add_later_terms(frame, &mut adjoint.bar);
             if frame > 0 && cut_every > 0 && frame.is_multiple_of(cut_every) {
                 adjoint.bar.fill(Node::default());
@@ -102,17 +102,21 @@ impl<T: Real> Backward<'_, T> {
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            workspace.nodes[..case.system.nodes].copy_from_slice(&self.states[frame - 1]);
+            workspace.nodes[..simulation.system.nodes].copy_from_slice(&self.states[frame - 1]);
             workspace.twists.copy_from_slice(&self.twists[frame - 1]);
-            adjoint.back_frame(case.system, case.controls_of(frame - 1), &mut workspace);
+            adjoint.back_frame(
+                simulation.system,
+                simulation.controls_of(frame - 1),
+                &mut workspace,
+            );
             accumulate(&mut controls[(frame - 1) * c..frame * c], &adjoint.controls.from);
             accumulate(&mut controls[frame * c..(frame + 1) * c], &adjoint.controls.to);
         }
         // Pinned nodes were put onto their control points before frame 0 was measured.
         adjoint.controls.clear();
-        adjoint.controls.begin(case.system, &mut adjoint.bar);
+        adjoint.controls.begin(simulation.system, &mut adjoint.bar);
         accumulate(&mut controls[..c], &adjoint.controls.from);
-        if case.frames > 0 {
+        if simulation.frames > 0 {
             accumulate(&mut controls[c..2 * c], &adjoint.controls.to);
         }
         Ok(())
@@ -124,7 +128,7 @@ impl<T: Real> Backward<'_, T> {
             Some(two) => Some([&*self.states[frame - 1], &*self.states[two]]),
             None => None,
         };
-        Some(Moment { now, earlier, surface: self.case.system.surface })
+        Some(Moment { now, earlier, surface: self.simulation.system.surface })
     }
 
     /// Terms of the next two frames that look back at this one.

@@ -18,14 +18,14 @@ fn height<T: Real>(ground: &Ground<T>, x: Quad<T>) -> T {
     dot(ground.normal, x) - ground.offset
 }
 
-/// Whether a node hits the ground in a substep that would end at `next`.
+/// True if a node hits the ground in a substep that would end at `next`.
 #[inline(always)]
 fn hits<T: Real>(ground: &Ground<T>, v: Quad<T>, next: Quad<T>) -> bool {
     (height(ground, next) < T::ZERO) & (dot(ground.normal, v) < -T::from_f64(MIN_APPROACH_M_S))
 }
 
-/// Whether any of at most [`LANES`] nodes can hit the ground, so that only few have to be looked at one by
-/// one: [`hits`] with the same roundings; `true` for fewer nodes.
+/// True if any of [`LANES`] nodes can hit the ground, so that only few are checked one by one:
+/// [`hits`] with the same roundings; `true` for fewer nodes.
 #[inline(always)]
 pub(crate) fn may_hit<T: Real, M: Machine<T>>(
     m: M,

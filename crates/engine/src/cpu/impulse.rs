@@ -1,8 +1,9 @@
 //! The velocity change of a frictional impact, and its adjoint. Ground contact
 //! and contact between nodes are this one formula with different partners.
 //!
-//! For the velocity v of the second body relative to the first, unit normal n, v_n = v . n < 0,
-//! v_t = v - v_n n: `change = -(1 + e) v_n n + (a - 1) v_t`, `a = max(0, 1 - mu (1 + e) |v_n| / |v_t|)`.
+//! For the velocity v of the second body relative to the first, unit normal n, v_n = v . n < 0, v_t
+//! = v - v_n n: `change = -(1 + e) v_n n + (a - 1) v_t`,
+//! `a = max(0, 1 - mu (1 + e) |v_n| / |v_t|)`.
 
 use super::real::{Quad, Real, add_scaled, dot, scale, sub};
 

@@ -49,7 +49,7 @@ impl<T: Real> Workspace<T> {
     }
 }
 
-/// What the adjoint needs of each of some successive substeps.
+/// The record that the adjoint needs of successive substeps.
 #[derive(Debug, Default)]
 pub(crate) struct Tape<T> {
     /// Substeps on it.
@@ -80,7 +80,7 @@ pub(crate) fn run_frame<T: Real>(
     run_substeps(system, controls, workspace, 0..system.substeps, None);
 }
 
-/// What happens once a frame: pinned nodes take their new velocity, contact its candidates.
+/// Work done once per frame: pinned nodes take their new velocity, contact its candidates.
 pub(crate) fn begin_frame<T: Real>(
     system: &System<T>,
     controls: FrameControls<'_, T>,

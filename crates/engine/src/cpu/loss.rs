@@ -41,7 +41,7 @@ impl<'a> Terms<'a> {
         self.order[first..first + count].iter().map(|&t| &self.terms[t as usize])
     }
 
-    /// Whether a term looks at earlier frames.
+    /// True if a term depends on earlier frames.
     pub(crate) fn look_back(&self) -> bool {
         self.terms.iter().any(|t| t.term == Term::Acceleration)
     }
@@ -53,7 +53,8 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// Adds d loss / d position of the terms of a frame to `bar`, as far as they look at that frame itself.
+    /// Adds d loss / d position of the terms of a frame to `bar`, as far as they depend on that
+    /// frame itself.
     pub(crate) fn add_gradient<T: Real>(
         &self,
         frame: usize,
@@ -65,7 +66,8 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// Adds d loss / d position of the terms of a later frame that look back `back` frames (1 or 2).
+    /// Adds d loss / d position of the terms of a later frame that look back `back` frames (1 or
+    /// 2).
     pub(crate) fn add_gradient_back<T: Real>(
         &self,
         later: usize,

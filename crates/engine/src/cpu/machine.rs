@@ -1,6 +1,7 @@
-//! What the kernels ask of an instruction set: arithmetic on [`LANES`] numbers at once, and the
-//! way between endpoints' records in memory and their coordinates in lanes. A kernel is written once over this;
-//! [`Portable`] runs it in any scalar, [`Avx2`] in `f32` with the shuffles placed by hand.
+//! Interface of the kernels to an instruction set: arithmetic on [`LANES`] numbers at once, and
+//! transposition between endpoints' records in memory and coordinates in lanes. A kernel is written
+//! once over this; [`Portable`] runs it in any scalar, [`Avx2`] in `f32` with the shuffles placed
+//! by hand.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -69,7 +70,7 @@ pub(crate) trait Machine<T>: Copy {
     fn load(self, from: &Lane<T>) -> Self::Pack;
     /// A lane each to memory.
     fn store(self, pack: Self::Pack) -> Lane<T>;
-    /// Whether the condition holds in any lane.
+    /// True if the condition holds in any lane.
     fn any(self, condition: <Self::Pack as Pack>::Mask) -> bool;
     /// Positions and velocities of endpoints.
     fn gather(self, nodes: &[Node<T>], index: &Index) -> (Pack3<Self::Pack>, Pack3<Self::Pack>);
@@ -89,7 +90,7 @@ pub(crate) trait Machine<T>: Copy {
 
 /// Something to run on a machine.
 pub(crate) trait Work<T> {
-    /// What comes out.
+    /// Result of the work.
     type Output;
 
     /// Does it; always inlined, so that it is compiled for the machine's instructions.

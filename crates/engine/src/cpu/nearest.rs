@@ -1,5 +1,5 @@
-//! Nearest surface node of each target, by brute force over lanes: for the few thousand nodes of a twin
-//! that is faster than building a tree for every frame. Ties go to the lower index.
+//! Nearest surface node of each target, by brute force over lanes: for the few thousand nodes of a
+//! twin that is faster than building a tree for every frame. Ties go to the lower index.
 
 use pulp::{Arch, Simd, WithSimd};
 

@@ -37,7 +37,7 @@ pub struct Parameters<T> {
     pub object_friction: T,
 }
 
-// The scalars are f32 and f64; nobody outside needs the trait that says so.
+// The scalars are f32 and f64; the trait for them is private.
 #[allow(private_bounds)]
 impl<T: Real> Parameters<T> {
     /// The same numbers in another scalar.
@@ -77,7 +77,7 @@ impl<T: Real> Parameters<T> {
         }
     }
 
-    /// Whether all numbers are finite, in f32 too.
+    /// True if all numbers are finite, in f32 too.
     #[allow(clippy::cast_possible_truncation)]
     pub(crate) fn fit_f32(&self) -> bool {
         let fits = |x: &T| (x.to_f64() as f32).is_finite();
@@ -128,7 +128,8 @@ impl<T: Real> Parameters<T> {
     }
 }
 
-/// To `f32`; a gradient that exploded beyond it saturates instead of becoming infinite, NaN becomes zero.
+/// To `f32`; a gradient that exploded beyond it saturates instead of becoming infinite, NaN becomes
+/// zero.
 #[allow(clippy::cast_possible_truncation)]
 pub(crate) fn narrow<T: Real>(x: T) -> f32 {
     let x = x.to_f64() as f32;

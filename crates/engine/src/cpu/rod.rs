@@ -1,22 +1,25 @@
 //! Rods that twist between a clamp and another one, or a branch, and the adjoint of their forces.
 //!
-//! A rod has one twist, the same all along it: an isotropic rod's torsion evens out much faster than it moves
-//! (the quasi-static material frame of discrete elastic rods, Bergou et al. 2008, 2010). Only its ends
-//! hold its frame. Clamps carry it by parallel transport; so what twists a rod between two of them is how the frame
-//! that is parallel along it turns, which its shape alone decides. A branch is part of the junction where it begins, so
-//! its direction is the frame there ([`arm`]). With e and g the edges before and after a node j,
-//! their turn `kb = 2 e x g / (|e||g| + e.g)` and `a_j = kb / (2|e|)`, `c_j = -kb / (2|g|)`:
+//! A rod has one twist, the same all along it: an isotropic rod's torsion evens out much faster
+//! than it moves (the quasi-static material frame of discrete elastic rods, Bergou et al. 2008,
+//! 2010). Only its ends hold its frame. Clamps carry it by parallel transport; so what twists a rod
+//! between two of them is how the frame that is parallel along it turns, which its shape alone
+//! decides. A branch is part of the junction where it begins, so its direction is the frame there
+//! ([`arm`]). With e and g the edges before and after a node j, their turn
+//! `kb = 2 e x g / (|e||g| + e.g)` and `a_j = kb / (2|e|)`, `c_j = -kb / (2|g|)`:
 //!
 //! ```text
 //! d twist / dt = sum over inner nodes j of  a_j . (v_(j-1) - v_j) + c_j . (v_(j+1) - v_j) = grad . v
 //! torque = k (twist - rest) + damping · d twist / dt,      force = -torque · grad
 //! ```
 //!
-//! A substep first moves the twist with the velocities that led to where the nodes are, then takes the torque from
-//! it. That is semi-implicit Euler for twist and velocities together; the other order would feed energy in.
+//! A substep first moves the twist with the velocities that led to where the nodes are, then takes
+//! the torque from it. That is semi-implicit Euler for twist and velocities together; the other
+//! order would feed energy in.
 //!
 //! **Degenerate**: a node with an edge that has no length, or where the rod folds back on itself
-//! (1 + cosine below [`MIN_FOLD`]), or where a branch hardly leaves its line, neither turns the frame nor feels the torque in that substep.
+//! (1 + cosine below [`MIN_FOLD`]), or where a branch hardly leaves its line, neither turns the
+//! frame nor feels the torque in that substep.
 
 mod arm;
 
@@ -34,14 +37,14 @@ pub(crate) const MIN_FOLD: f64 = 1e-2;
 /// Edges shorter than this [m] have no direction.
 pub(crate) const MIN_EDGE_M: f64 = 1e-6;
 
-/// Inner nodes of a rod with their neighbours along it; a lane without one names one node three times,
-/// which has no edges and so does nothing.
+/// Inner nodes of a rod with their neighbours along it; a lane without one names one node three
+/// times, which has no edges and so does nothing.
 #[derive(Clone, Debug)]
 pub(crate) struct RodBlock {
     before: Index,
     at: Index,
     after: Index,
-    /// Whether the node after is that of a branch.
+    /// True if the next node is that of a branch.
     is_arm: bool,
 }
 
@@ -73,8 +76,8 @@ pub(crate) struct Rods<T> {
 }
 
 impl<T: Real> Rods<T> {
-    /// Rods along these paths; `has_arm` tells whether the last node is that of a branch, `parameters` gives stiffness,
-    /// damping and rest twist of each.
+    /// Rods along these paths; `has_arm` is true if the last node is that of a branch, `parameters`
+    /// gives stiffness, damping and rest twist of each.
     pub(crate) fn new(
         paths: &[Vec<u32>],
         has_arm: impl Fn(&[u32]) -> bool,
@@ -210,7 +213,7 @@ impl<P: Pack> Turn<P> {
     }
 }
 
-/// What happens to the frame at a block's inner nodes.
+/// The change of the frame at a block's inner nodes.
 #[derive(Clone, Copy)]
 enum Joint<P: Pack> {
     /// It is carried on by parallel transport.
@@ -254,13 +257,15 @@ impl<P: Pack> Joint<P> {
 /// Turn that a rod counts as having at least at every node where its stiffness is estimated [rad].
 const TURN_RAD: f64 = std::f64::consts::FRAC_PI_3;
 
-/// Sine of the angle between a rod's last edge and its branch that counts where its stiffness is estimated, at most.
+/// Sine of the angle between a rod's last edge and its branch that counts where its stiffness is
+/// estimated, at most.
 const ARM_SINE: f64 = 0.5;
 
-/// Gradient of the twist by each node of a rod at `points` [rad/m] where it is stiff: every bend at least [`TURN_RAD`],
-/// in pairs to either side, since bends two nodes apart pull at the node between them with opposite signs. All across
-/// the line from end to end. (A straight rod resists nothing until it is bent.) A branch at its end counts as
-/// standing [`ARM_SINE`] away from the line, unless it is even nearer to it.
+/// Gradient of the twist by each node of a rod at `points` [rad/m] where it is stiff: every bend at
+/// least [`TURN_RAD`], in pairs to either side, since bends two nodes apart pull at the node
+/// between them with opposite signs. All across the line from end to end. (A straight rod resists
+/// nothing until it is bent.) A branch at its end counts as standing [`ARM_SINE`] away from the
+/// line, unless it is even nearer to it.
 pub(crate) fn turned_pattern(points: &[[f64; 3]], has_arm: bool) -> Vec<[f64; 3]> {
     let mut pattern = vec![[0.0; 3]; points.len()];
     let least = 2.0 * (0.5 * TURN_RAD).tan();
@@ -304,7 +309,7 @@ fn across(points: &[[f64; 3]]) -> [f64; 3] {
     if length > MIN_EDGE_M { normal.map(|x| x / length) } else { [0.0, 0.0, 1.0] }
 }
 
-/// What the nodes before and after have more than the one between them.
+/// Values at the previous and the next node relative to the node between them.
 #[derive(Clone, Copy)]
 struct Triple<P: Pack> {
     before: Pack3<P>,
@@ -330,7 +335,7 @@ impl<P: Pack> Triple<P> {
         Self { before: v3::scale(self.before, s), after: v3::scale(self.after, s) }
     }
 
-    /// What the node between them has of something that they have opposite shares of.
+    /// The share of the node between them of a quantity that sums to zero over the three.
     #[inline(always)]
     fn rest(&self) -> Pack3<P> {
         v3::neg(v3::add(self.before, self.after))
@@ -387,12 +392,13 @@ pub(crate) fn rod_forces<T: Real, M: Machine<T>>(
     }
 }
 
-/// Adjoint of [`rod_forces`]: given d loss / d force in `lambda`, adds d loss / d (position, velocity) to
-/// `adjoint` and d loss / d parameters to `gradients`, and turns d loss / d twist after the substep in `twist_bar`
-/// into that before it. `twists` are those before the substep.
+/// Adjoint of [`rod_forces`]: given d loss / d force in `lambda`, adds d loss / d (position,
+/// velocity) to `adjoint` and d loss / d parameters to `gradients`, and turns d loss / d twist
+/// after the substep in `twist_bar` into that before it. `twists` are those before the substep.
 ///
-/// With torque_bar = -grad . lambda, twist_bar += k torque_bar and rate_bar = dt twist_bar + damping torque_bar:
-/// `v_bar = rate_bar grad`, and the adjoint of grad is `rate_bar v - torque lambda`.
+/// With torque_bar = -grad . lambda, twist_bar += k torque_bar and rate_bar = dt twist_bar +
+/// damping torque_bar: `v_bar = rate_bar grad`, and the adjoint of grad is
+/// `rate_bar v - torque lambda`.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn rod_adjoint<T: Real, M: Machine<T>>(

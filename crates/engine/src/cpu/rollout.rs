@@ -17,10 +17,10 @@ use crate::{
 };
 
 /// A node farther out than this [m] has diverged.
-const ROOM_M: f64 = 1000.0;
+const MAX_DISTANCE_M: f64 = 1000.0;
 
 /// One simulation to run.
-pub(crate) struct Case<'a, T> {
+pub(crate) struct Simulation<'a, T> {
     pub(crate) system: &'a System<T>,
     /// Initial state, shape [N].
     pub(crate) initial: Vec<Node<T>>,
@@ -46,8 +46,8 @@ pub(crate) fn twists_of<T: Real>(state: &State, graph: &Graph) -> Vec<T> {
     twists
 }
 
-impl<T: Real> Case<'_, T> {
-    /// What the controls do during a frame, 0-based.
+impl<T: Real> Simulation<'_, T> {
+    /// Motion of the controls during a frame, 0-based.
     pub(crate) fn controls_of(&self, frame: usize) -> FrameControls<'_, T> {
         let row = |f: usize| {
             let c = self.system.controls;
@@ -89,11 +89,12 @@ impl<T: Real> Case<'_, T> {
     }
 }
 
-/// First node that is not finite or has left the room.
+/// First node that is not finite or is farther than [`MAX_DISTANCE_M`] from the origin along an
+/// axis.
 fn first_diverged<T: Real>(nodes: &[Node<T>]) -> Option<usize> {
-    let room = T::from_f64(ROOM_M);
+    let max_distance = T::from_f64(MAX_DISTANCE_M);
     let inside = |n: &Node<T>| {
-        n.x[..3].iter().all(|x| x.abs() <= room) && n.v[..3].iter().all(|v| v.is_finite())
+        n.x[..3].iter().all(|x| x.abs() <= max_distance) && n.v[..3].iter().all(|v| v.is_finite())
     };
     nodes.iter().position(|n| !inside(n))
 }
@@ -138,9 +139,12 @@ impl<'a, T: Real> Scorer<'a, T> {
 }
 
 /// The initial state and every frame's end.
-pub(crate) fn losses<T: Real>(case: &Case<'_, T>, cancel: &CancelToken) -> Result<Loss, Error> {
-    let mut scorer = Scorer::new(case.objective, case.system.surface);
-    let diverged =
-        case.run(cancel, |frame, now| scorer.see(frame, &now.nodes[..case.system.nodes]))?;
+pub(crate) fn losses<T: Real>(
+    simulation: &Simulation<'_, T>,
+    cancel: &CancelToken,
+) -> Result<Loss, Error> {
+    let mut scorer = Scorer::new(simulation.objective, simulation.system.surface);
+    let diverged = simulation
+        .run(cancel, |frame, now| scorer.see(frame, &now.nodes[..simulation.system.nodes]))?;
     Ok(scorer.finish(diverged))
 }

@@ -34,7 +34,7 @@ pub(crate) struct Springs<T> {
     pub(crate) blocks: Vec<SpringBlock<T>>,
 }
 
-/// A spring's parameters as the forces want them.
+/// A spring's ends and parameters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spring<T> {
     pub(crate) ends: [u32; 2],
@@ -97,8 +97,9 @@ impl<T: Real> SpringGradient<T> {
     }
 }
 
-/// What a block's springs need of their ends, and the root and the division that all else waits for. It
-/// is made one block ahead, so that neither these nor memory keep the block before it waiting.
+/// Relative positions and velocities of a block's springs, with the root and the division that all
+/// else depends on. Computed one block ahead, so that the previous block waits neither for these
+/// nor for memory.
 #[derive(Clone, Copy)]
 struct SpringGeometry<P> {
     /// The other end relative to the owner.
@@ -172,7 +173,8 @@ fn apply_force<T: Real, M: Machine<T>>(
 ///
 /// With p = d . (lambda_i - lambda_j) and F the bracket above:
 /// `r_bar = k/l0 p d + gamma p (w - q d)/l + F (lambda_i - lambda_j - p d)/l`, `w_bar = gamma p d`,
-/// both with opposite signs at the two ends. Where a spring has no direction, d and with it everything is zero.
+/// both with opposite signs at the two ends. For a spring without direction, d and with it
+/// everything is zero.
 #[inline(always)]
 pub(crate) fn spring_adjoint<T: Real, M: Machine<T>>(
     m: M,

@@ -1,7 +1,7 @@
 //! The order in which elements are evaluated. Every element is owned by one of its endpoints; eight
-//! owners side by side, a lane each, make a strip, whose steps are blocks of one element of each. So
-//! an owner's state is read once for all its elements and its forces stay in registers until the strip ends;
-//! only the other endpoints are read and added to in every step.
+//! owners side by side, a lane each, make a strip, whose steps are blocks of one element of each.
+//! So an owner's state is read once for all its elements and its forces stay in registers until the
+//! strip ends; only the other endpoints are read and added to in every step.
 //!
 //! The order depends on the graph alone, therefore so do the sums' roundings.
 
@@ -9,10 +9,10 @@ use std::ops::Range;
 
 use super::lanes::{Index, LANES};
 
-/// Rows of like length are put together among so many successive ones: wide enough to find some, narrow
-/// enough to stay near in memory.
+/// Rows of like length are put together among so many successive ones: wide enough to find some,
+/// narrow enough to stay near in memory.
 const WINDOW: usize = 8 * LANES;
-/// How many of an owner's waiting elements are looked at for the next step.
+/// Number of an owner's remaining elements that are considered for the next step.
 const CHOICE: usize = 32;
 /// A slot without an element.
 const EMPTY: u32 = u32::MAX;
@@ -80,8 +80,8 @@ impl Strips {
         (slot != EMPTY).then_some(slot as usize)
     }
 
-    /// Adds a strip. In each step every owner takes the element whose others were added to the longest
-    /// ago, so that no sum waits for the one before it.
+    /// Adds a strip. In each step every owner takes the element whose others were added to the
+    /// longest ago, so that no sum waits for the one before it.
     fn push<const OTHERS: usize>(&mut self, rows: &[&[Owned<OTHERS>]], used: &mut [u32]) {
         let first = self.slots.len();
         let mut owners = [0; LANES];

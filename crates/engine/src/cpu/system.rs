@@ -1,4 +1,4 @@
-//! A model in the form that the substep loop wants: elements in blocks sorted
+//! A model in the form that the substep loop uses: elements in blocks sorted
 //! for locality, parameters combined with rest geometry, everything that is
 //! constant over a rollout computed once.
 
@@ -16,12 +16,12 @@ use super::{
 };
 use crate::Model;
 
-/// What depends on the graph only; shared by all parameter sets on it.
+/// The part of a system that depends on the graph only; shared by all parameter sets on it.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
     spring_order: Arc<Strips>,
     triplet_order: Arc<Strips>,
-    /// Sorted node pairs that a spring joins; made when self contact first asks for them.
+    /// Sorted node pairs that a spring joins; built at the first use by self contact.
     joined: OnceLock<Vec<[u32; 2]>>,
 }
 
@@ -70,7 +70,7 @@ pub(crate) struct PinnedNode<T> {
     pub(crate) offset: Quad<T>,
 }
 
-/// Which pairs of nodes may touch.
+/// The pairs of nodes that may touch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactRule {
     pub(crate) distance: f64,
@@ -109,7 +109,7 @@ pub(crate) struct System<T> {
     pub(crate) substeps: usize,
     /// exp(-dt drag).
     pub(crate) decay: T,
-    /// Whether control points have a velocity.
+    /// True if control points have a velocity.
     pub(crate) controls_move: bool,
 }
 

@@ -2,23 +2,24 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Keeps the step finite where a gradient is zero.
+/// Addend to the divisor, which keeps a step finite where a gradient is zero.
 pub const EPSILON: f64 = 1e-12;
 
-/// Decay of the moments, and of the way from the start.
+/// Decay rates of Adam's moments, and the pull towards the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay {
     /// Of the first moment, 0..1.
     pub beta1: f64,
     /// Of the second moment, 0..1.
     pub beta2: f64,
-    /// Share of its way from the start that a coordinate takes back in a step, per unit of learning rate (Loshchilov and
-    /// Hutter, arXiv 1711.05101, around the start instead of zero); 0 for none. Gradients whose mean is a share s
-    /// of their size hold a coordinate `s / prior` times its relative rate away.
+    /// Decoupled decay towards the start: share of the distance from it that a coordinate loses in
+    /// a step, per unit of learning rate (Loshchilov and Hutter, arXiv 1711.05101, around the start
+    /// instead of zero); 0 for none. Gradients whose mean is a share s of their size hold a
+    /// coordinate `s / prior` times its relative rate away from the start.
     pub prior: f64,
 }
 
-/// The moments. They want the range of f64: squares of small gradients are nothing in f32, and
+/// Adam's moments. They need the range of f64: squares of small gradients underflow in f32, and
 /// [`EPSILON`] then stops a coordinate that should move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Adam {
@@ -30,31 +31,32 @@ pub struct Adam {
     pub second: Vec<f64>,
 }
 
-/// Where the steps are taken; all of one length.
+/// Relative rates, bounds and start of the coordinates; all of one length.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds<'a> {
     /// Each coordinate's step relative to the learning rate.
     pub rates: &'a [f64],
-    /// Least and greatest of each coordinate.
+    /// Least and greatest value of each coordinate.
     pub bounds: &'a [[f64; 2]],
-    /// Where the run began.
+    /// Each coordinate at the start of the run.
     pub start: &'a [f64],
 }
 
 impl Adam {
-    /// No moments yet for so many coordinates.
+    /// Zero moments for this many coordinates.
     pub fn new(coordinates: usize) -> Self {
         Self { steps: 0, first: vec![0.0; coordinates], second: vec![0.0; coordinates] }
     }
 
-    /// What the moments are divided by after so many steps, for they start at zero.
+    /// Divisors of the moments after this many steps, which correct their start at zero.
     pub fn unbias(steps: u64, decay: Decay) -> [f64; 2] {
         let t = steps.min(i32::MAX as u64) as i32;
         [1.0 - decay.beta1.powi(t), 1.0 - decay.beta2.powi(t)]
     }
 
-    /// Moves `theta` down the gradient: coordinate `i` by at most about `rate` times `rates[i]`, within `bounds[i]`, and
-    /// towards `start`. Gradients must be finite. All slices have the length of [`Adam::new`].
+    /// Moves `theta` down the gradient: coordinate `i` by at most about `rate` times `rates[i]`,
+    /// within `bounds[i]`, and towards `start`. Gradients must be finite. All slices have the
+    /// length of [`Adam::new`].
     pub fn step(
         &mut self,
         theta: &mut [f64],

@@ -1,5 +1,5 @@
-//! A parameterization of parameter space: which parameters a run may change, and the
-//! coordinates it sees them in. Logarithms suit what is positive and of unknown scale.
+//! Parameterization of a model: the parameters that an optimizer run changes, and their
+//! coordinates. Logarithms suit parameters that are positive and of unknown scale.
 
 use std::ops::Range;
 
@@ -11,12 +11,12 @@ use crate::backend::Error;
 /// Smallest positive value that a logarithm is taken of.
 const TINY: f64 = 1e-9;
 
-/// How a coordinate says a value.
+/// The mapping of values to coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scale {
-    /// As it is.
+    /// The value itself.
     Linear,
-    /// By its natural logarithm, for positive values.
+    /// The natural logarithm, for positive values.
     Logarithmic,
 }
 
@@ -52,15 +52,15 @@ impl Scale {
 pub struct Section {
     /// The field.
     pub parameter: Parameter,
-    /// How its coordinates say its values.
+    /// Mapping of its values to coordinates.
     pub scale: Scale,
     /// Length of a step relative to the learning rate.
     pub rate: f64,
-    /// Which coordinates: one per value of the field, in its order.
+    /// Range of coordinates: one per value of the field, in its order.
     pub range: Range<usize>,
 }
 
-/// The coordinates of one graph's parameters. What no section covers keeps its base value.
+/// The coordinates of one graph's parameters. Parameters without a section keep their base values.
 #[derive(Clone, Debug)]
 pub struct Parameterization {
     base: Params,
@@ -69,13 +69,13 @@ pub struct Parameterization {
 }
 
 impl Parameterization {
-    /// Without coordinates yet, around these parameters.
+    /// A parameterization around these parameters, without coordinates yet.
     pub fn new(base: Params) -> Self {
         Self { base, sections: Vec::new(), bounds: Vec::new() }
     }
 
-    /// Adds a field; a second time is ignored. `bounds` tells where a coordinate that starts at its argument may go;
-    /// the start itself is always within.
+    /// Adds a field; a second time is ignored. `bounds` gives the bounds of a coordinate from its
+    /// start, and is widened to include the start.
     #[must_use]
     pub fn with(
         mut self,
@@ -102,7 +102,7 @@ impl Parameterization {
         self.bounds.len()
     }
 
-    /// Whether there is nothing to change.
+    /// True if there is nothing to change.
     pub fn is_empty(&self) -> bool {
         self.bounds.is_empty()
     }
@@ -112,7 +112,7 @@ impl Parameterization {
         &self.sections
     }
 
-    /// Least and greatest of each coordinate, shape [len].
+    /// Least and greatest value of each coordinate, shape [len].
     pub fn bounds(&self) -> &[[f64; 2]] {
         &self.bounds
     }

@@ -1,17 +1,19 @@
-//! Bounds that no eigenvalue of `dt² K + 2 dt C` exceeds, from one look at every element: where one is below
-//! the criterion, nothing need be estimated.
+//! Upper bounds of the eigenvalues of `dt² K + 2 dt C`, from one pass over the elements: if one is
+//! below the criterion, nothing need be estimated.
 //!
-//! **Coarse**: the largest sum of a row's norms, node by node (Gershgorin), as if all springs lay in one line.
+//! **Coarse**: the largest sum of a row's norms, node by node (Gershgorin), as if all springs lay
+//! in one line.
 //!
-//! **Fine**, for several times the price: every element is a vector b (a spring's direction at its two ends, a
-//! triplet's pattern at its three) with a weight w, and the matrix is the sum of `w b bᵀ`. It has the
-//! eigenvalues of the matrix `w_f b_e·b_f` over elements e and f, however b and w are scaled to each other, so
-//! none above the largest sum of a row's absolute values (Gershgorin). With g the part of b at one end,
-//! Cauchy's inequality sums up a row without looking at pairs:
-//! `Σ_f w_f |g_e·g_f| <= sqrt(Σ_f w_f |g_f| · g_eᵀ (Σ_f w_f g_f g_fᵀ / |g_f|) g_e)`, sums over all f at that
-//! end. Where springs point everywhere, that is about 1.7 times less than the sum of their weights.
-//! Tension's lateral stiffness, the same in all directions, is bounded node by node and added. So is a rod's: the one
-//! eigenvalue of its pattern, at each of its nodes.
+//! **Fine**, at several times the cost: every element is a vector b (a spring's direction at its
+//! two ends, a triplet's pattern at its three) with a weight w, and the matrix is the sum of
+//! `w b bᵀ`. It has the eigenvalues of the matrix `w_f b_e·b_f` over elements e and f, however b
+//! and w are scaled to each other, so none above the largest sum of a row's absolute values
+//! (Gershgorin). With g the part of b at one end, Cauchy's inequality bounds the sum of a row
+//! without visiting pairs:
+//! `Σ_f w_f |g_e·g_f| <= sqrt(Σ_f w_f |g_f| · g_eᵀ (Σ_f w_f g_f g_fᵀ / |g_f|) g_e)`, sums over all
+//! f at that end. For springs in all directions that is about 1.7 times less than the sum of their
+//! weights. Tension's lateral stiffness, the same in all directions, is bounded node by node and
+//! added. So is a rod's: the one eigenvalue of its pattern, at each of its nodes.
 
 use super::linear::{Bar, Hinge, Linear, Vector, dot};
 
@@ -64,7 +66,8 @@ impl<const ENDS: usize> Element<ENDS> {
         self.parts().for_each(|(e, length, g)| joints[e].add(self.weight, length, g));
     }
 
-    /// The larger of `most` and the bound of the sum of its row; an element without weight has none.
+    /// The larger of `most` and the bound of the sum of its row; an element without weight has
+    /// none.
     fn larger(&self, joints: &[Joint], most: f64) -> f64 {
         if self.weight == 0.0 {
             return most;
@@ -91,7 +94,7 @@ fn larger(most: f64, x: f64) -> f64 {
     if x > most || x.is_nan() { x } else { most }
 }
 
-/// Whether it is plain that no eigenvalue of `dt² K + 2 dt C` is larger than `limit`.
+/// True if a bound proves that no eigenvalue of `dt² K + 2 dt C` is larger than `limit`.
 pub(super) fn is_below(system: &Linear, dt: f64, limit: f64) -> bool {
     let coarse = coarse(system, dt);
     coarse <= limit || coarse <= limit * FINENESS && fine(system, dt) <= limit

@@ -1,7 +1,8 @@
 //! The largest eigenvalue's vector of `dt² K + 2 dt C` at one dt, by Lanczos iteration.
 //!
-//! After m applications of the operator the error of the eigenvalue falls like 1/m² at worst, where power
-//! iteration has 1/m. Vectors are in f32: the vector's error counts only squared in what [`super`] makes of it.
+//! After m applications of the operator the error of the eigenvalue falls like 1/m² at worst, where
+//! power iteration has 1/m. Vectors are in f32: the vector's error counts only squared in what
+//! [`super`] makes of it.
 
 use super::linear::{Linear, Vector};
 
@@ -39,7 +40,7 @@ struct Twist {
 /// `dt² K + 2 dt C`.
 pub(super) struct Operator {
     roots: Vec<f32>,
-    /// Where each endpoint's bars begin, and one more.
+    /// Index of each endpoint's first bar, and the number of bars.
     starts: Vec<u32>,
     bars: Vec<Bar>,
     hinges: Vec<Hinge>,
@@ -119,7 +120,8 @@ impl Operator {
         }
     }
 
-    /// The best approximation of the stiffest mode after at most so many applications, beginning at `start`.
+    /// The best approximation of the stiffest mode after at most so many applications, beginning at
+    /// `start`.
     pub(super) fn stiffest(&self, start: &[Vector], steps: usize) -> Vec<Vector> {
         let length = start.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
         if !(length > 0.0 && length.is_finite()) {
@@ -146,7 +148,8 @@ impl Operator {
             calm = if theta - largest < TOLERANCE * theta { calm + 1 } else { 0 };
             largest = theta;
             let beta = inner(&next, &next).sqrt();
-            // The second condition: no vector leads out of the space that was seen, but for rounding.
+            // The second condition: no vector leads out of the space that was seen, but for
+            // rounding.
             if calm >= PATIENCE || beta.is_nan() || beta <= 1e-5 * theta {
                 break;
             }
@@ -214,7 +217,8 @@ fn largest_eigenvalue(diagonal: &[f64], beside: &[f64]) -> f64 {
     high
 }
 
-/// Whether a number is above all eigenvalues: every pivot of the matrix less that number is negative.
+/// True if a number is above all eigenvalues: every pivot of the matrix less that number is
+/// negative.
 fn is_above(diagonal: &[f64], beside: &[f64], x: f64) -> bool {
     let mut pivot = -1.0;
     for (i, d) in diagonal.iter().enumerate() {
@@ -227,9 +231,9 @@ fn is_above(diagonal: &[f64], beside: &[f64], x: f64) -> bool {
     true
 }
 
-/// The eigenvector of the largest eigenvalue, by two inverse iterations from just above it, where the
-/// matrix is definite and elimination needs no pivoting. What stands beside the diagonal is positive, so
-/// that vector is as well, and ones are a start.
+/// The eigenvector of the largest eigenvalue, by two inverse iterations from just above it, where
+/// the matrix is definite and elimination needs no pivoting. The off-diagonal entries are positive,
+/// so that vector is as well, and ones are a valid start.
 fn eigenvector(diagonal: &[f64], beside: &[f64], largest: f64) -> Vec<f64> {
     let shift = largest + (1e-9 * largest.abs()).max(f64::MIN_POSITIVE);
     let n = diagonal.len();

@@ -38,7 +38,7 @@ pub(super) struct Twist {
 }
 
 impl Twist {
-    /// What the pattern weighs, given the roots of its ends.
+    /// Weight of the pattern, given the roots of its ends.
     pub(super) fn square(&self, roots: &[f64]) -> f64 {
         let parts = self.ends.iter().zip(&self.pattern);
         parts.map(|(&e, &g)| dot(g, g) * roots[e as usize].powi(2)).sum()
@@ -102,7 +102,8 @@ impl Linear {
         Self { bars, roots, hinges, twists }
     }
 
-    /// Stiffness and damping of every endpoint by itself, all others held and all springs in one line.
+    /// Stiffness and damping of every endpoint by itself, all others held and all springs in one
+    /// line.
     fn alone(&self) -> Vec<(f64, f64)> {
         let mut alone = vec![(0.0, 0.0); self.roots.len()];
         for b in &self.bars {
@@ -129,8 +130,8 @@ impl Linear {
     }
 
     /// An arbitrary but always equal vector with a share in every mode, the larger the stiffer a
-    /// node is by itself, so that a single stiff spot in a large soft body is found at once; and the
-    /// largest stable step of the stiffest such node [s], infinite if nothing is stiff.
+    /// node is by itself, so that a single stiff spot in a large soft body is found at once; and
+    /// the largest stable step of the stiffest such node [s], infinite if nothing is stiff.
     pub(super) fn start(&self) -> (Vec<Vector>, f64) {
         let alone = self.alone();
         let rates: Vec<f64> = alone.iter().map(|&(k, c)| largest_dt(k, c).recip()).collect();
@@ -200,8 +201,9 @@ fn bar(ends: [u32; 2], r: Vector, k: f64, rest: f64, damping: f64) -> Bar {
     Bar { ends, direction: r.map(|x| x / length), along, across, damping }
 }
 
-/// A twisted rod wants to coil, also where it is straight. In slopes s of its edges (displacements over length)
-/// that is a torque times a sum of `s_j x s_(j+1)`, which is never more than the sum of their squares.
+/// Destabilizing torque of a twisted rod, which tends to coil also where it is straight. In slopes
+/// s of its edges (displacements over length) that is a torque times a sum of `s_j x s_(j+1)`,
+/// which is never more than the sum of their squares.
 fn slanted(ends: [u32; 2], x: &[Vector], torque: f64) -> Bar {
     let edge: Vector = std::array::from_fn(|c| x[1][c] - x[0][c]);
     let square = dot(edge, edge);

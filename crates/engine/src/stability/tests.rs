@@ -50,7 +50,8 @@ fn model(positions: Vec<[f32; 3]>, springs: Vec<[u32; 2]>, triplets: Vec<[u32; 3
     }
 }
 
-/// A random cloud whose nodes are joined with their near ones, with bending and both kinds of damping.
+/// A random cloud whose nodes are joined with their near ones, with bending and both kinds of
+/// damping.
 fn cloud(seed: u64, stiffness: f32, dashpot: f32, bend: f32, bend_damping: f32) -> Model {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let positions: Vec<[f32; 3]> =
@@ -125,7 +126,8 @@ fn random_graphs_hold_at_the_estimate_and_blow_up_soon_beyond_it() {
             // Rest angles in f32 are not quite at rest: a few micrometres are no instability.
             let held = excursion(&model, found.needed);
             assert!(held < 2e-5, "case {case} {seed}: {held} at {found:?}");
-            // Triplets count as stiff as they are far from straight; at rest they give way by a fifth.
+            // Triplets count as stiff as they are far from straight; at rest they give way by a
+            // fifth.
             let share = if bend > 0.0 { 0.7 } else { 0.85 };
             let beyond = (f64::from(found.needed) * share).floor() as u32;
             let blown = excursion(&model, beyond);
@@ -249,7 +251,7 @@ fn the_margin_covers_unfinished_iteration() {
     }
 }
 
-/// What the bound proves, the estimate finds as well; and it is worth asking.
+/// The estimate confirms all that the bound proves, and the bound proves enough to be useful.
 #[test]
 fn the_bound_agrees_with_the_estimate_where_it_speaks() {
     for (i, model) in awkward_models().iter().enumerate() {

@@ -1,6 +1,7 @@
 use super::*;
 
-/// A trunk of points `0..trunk`, and branches of so many points of their own that begin at points of it.
+/// A trunk of points `0..trunk`, and branches of so many points of their own that begin at points
+/// of it.
 fn cable(trunk: u32, branches: &[(u32, u32)]) -> (Vec<[u32; 2]>, usize) {
     let mut edges: Vec<[u32; 2]> = (1..trunk).map(|p| [p - 1, p]).collect();
     let mut next = trunk;
@@ -28,7 +29,8 @@ fn three_branches_may_begin_in_one_point_or_on_a_branch() {
     let star = Branches::new(&edges, points).unwrap();
     assert_eq!(star.memberships[3], 4.0);
     assert!((star.padding - 4.0 * 7.0 / 16.0).abs() < 1e-12);
-    // Two of them on the branch that begins in 3: its points are 7 and 8, with the tip's own branch at 7.
+    // Two of them on the branch that begins in 3: its points are 7 and 8, with the tip's own branch
+    // at 7.
     let (edges, points) = cable(7, &[(3, 2), (7, 1)]);
     let nested = Branches::new(&edges, points).unwrap();
     assert_eq!((nested.memberships[3], nested.memberships[7]), (2.0, 2.0));

@@ -7,7 +7,8 @@ use super::{FAINT, FUTURE, FUTURE_EDGE, INK, PANEL};
 const LEFT: f32 = 56.0;
 const BOTTOM: f32 = 26.0;
 const TOP: f32 = 34.0;
-/// The axis ends at so many times the largest error of a model; reference lines may leave the chart.
+/// The axis ends at so many times the largest error of a model; reference lines may leave the
+/// chart.
 const HEADROOM: f64 = 1.25;
 
 /// One line of a chart.

@@ -1,12 +1,12 @@
-use bendtwin_capture::{MakeOptions, Scene, make};
 use bendtwin_core::{
     ObserverError, Problem,
     settings::{GradientWindow, Substeps},
 };
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
 
-/// A fit of a second or so, with both variants, both stages and all windows of one kind.
+/// A fit of a second or so, with both models, both stages and all windows of one kind.
 fn settings(window: GradientWindow) -> FitSettings {
     let mut s = FitSettings { seed: 5, compare_axial: true, ..FitSettings::default() };
     s.graph.max_nodes = 24;

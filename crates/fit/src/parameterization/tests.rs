@@ -1,6 +1,6 @@
-use bendtwin_capture::{MakeOptions, Scene, make};
 use bendtwin_core::FitSettings;
 use bendtwin_engine::optimizer::{Adam, Bounds, Decay};
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
 

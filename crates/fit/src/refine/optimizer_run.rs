@@ -1,5 +1,5 @@
-//! The refinement of one model: its best parameters, the length of its steps, and when it returns to
-//! the best parameters. The engine's optimizer takes the steps and holds the current position.
+//! The refinement of one model: its best parameters, the length of its steps, and when it returns
+//! to the best parameters. The engine's optimizer takes the steps and holds the current position.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Error,
-    built_graph::{LoadError, Refusal, build_model, load},
+    built_graph::{LoadError, build_model, load},
     parameterization::parameterization,
     refine::step_control::StepControl,
     sequences,
@@ -51,8 +51,8 @@ pub(crate) struct OptimizerRun<'a> {
     pub(crate) model: usize,
     pub(crate) state: RunState,
     pub(crate) graph: Arc<Graph>,
-    /// The model as of the last call of [`OptimizerRun::sync`]; within a pass the optimizer is ahead
-    /// of it.
+    /// The model as of the last call of [`OptimizerRun::sync`]; within a pass the optimizer is
+    /// ahead of it.
     pub(crate) loaded: Loaded,
     /// A message for people about the last pass.
     pub(crate) note: Option<String>,
@@ -74,7 +74,7 @@ impl<'a> OptimizerRun<'a> {
         let parameterization = parameterization(task, params);
         let position = Position::at_rest(parameterization.start());
         let params = parameterization.params(&position.theta);
-        let initial = build_model(task, &graph, params, environment).map_err(LoadError::from)?;
+        let initial = build_model(task, &graph, params, environment)?;
         let substeps = initial.timing.substeps;
         let loaded = load(backend, initial)?;
         let best = Best { theta: position.theta.clone(), substeps, loss: f64::INFINITY };
@@ -107,8 +107,7 @@ impl<'a> OptimizerRun<'a> {
                 .map_err(|e| Error::Checkpoint(e.to_string()))?;
         }
         let params = parameterization.params(&state.position.theta);
-        let mut current =
-            build_model(task, &graph, params, environment).map_err(LoadError::from)?;
+        let mut current = build_model(task, &graph, params, environment)?;
         current.timing.substeps = state.substeps;
         let loaded = load(backend, current)?;
         Ok(Self::at(model, task, graph, loaded, parameterization, state))
@@ -131,12 +130,12 @@ impl<'a> OptimizerRun<'a> {
         (Self { model, state, graph, loaded, note, parameterization, paused, task }, init)
     }
 
-    /// Whether it takes part in the steps of this pass.
+    /// True if the run takes part in the steps of this pass.
     pub(crate) fn is_active(&self) -> bool {
         !self.paused
     }
 
-    /// How far gradients of this run reach back.
+    /// Reach of this run's gradients [frames]; 0 is the whole window.
     pub(crate) fn reach(&self) -> usize {
         self.state.step_control.reach()
     }
@@ -247,15 +246,14 @@ impl<'a> OptimizerRun<'a> {
                 let position = self.state.position.clone();
                 self.move_to(index, position, model.timing.substeps, optimizer)
             }
-            Err(refusal) => Err(refusal.into()),
+            Err(error) => Err(error),
         };
         match moved {
             Ok(()) => {
                 self.note(format!("raised to {} substeps a frame", self.state.substeps));
                 Ok(())
             }
-            Err(LoadError::Backend(error)) => Err(error.into()),
-            Err(LoadError::Refused(Refusal::TooStiff(n))) => {
+            Err(LoadError::TooStiff(n)) => {
                 let change = self.state.step_control.halve_rate();
                 self.rollback(
                     index,
@@ -264,6 +262,7 @@ impl<'a> OptimizerRun<'a> {
                     optimizer,
                 )
             }
+            Err(error) => Err(error.into()),
         }
     }
 
@@ -331,18 +330,6 @@ fn weights(norms: &[f64]) -> Vec<f64> {
     let even = 1.0 / norms.len().max(1) as f64;
     let Some(&median) = sorted.get(sorted.len() / 2) else { return vec![even; norms.len()] };
     norms.iter().map(|&l| if l > median { even * median / l } else { even }).collect()
-}
-
-/// Found parameters that cannot be simulated end the fit.
-impl From<LoadError> for Error {
-    fn from(error: LoadError) -> Self {
-        match error {
-            LoadError::Refused(Refusal::TooStiff(needed)) => {
-                Self::NothingStable(format!("the found parameters need {needed} substeps a frame"))
-            }
-            LoadError::Backend(error) => error.into(),
-        }
-    }
 }
 
 #[cfg(test)]

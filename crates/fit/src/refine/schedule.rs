@@ -19,7 +19,8 @@ pub(crate) struct Step {
     pub(crate) has_next: bool,
 }
 
-/// The steps of a pass. Sequences are assigned to mini-batches anew in every pass, by seed and pass.
+/// The steps of a pass. Sequences are assigned to mini-batches anew in every pass, by seed and
+/// pass.
 pub(crate) fn steps(task: &Task<'_>, pass: u32) -> Vec<Step> {
     let refine = &task.settings.refine;
     let mut order: Vec<usize> = (0..task.training.len()).collect();

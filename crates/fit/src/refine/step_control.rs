@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 const FINAL_RATE: f64 = 0.1;
 /// Share of the first rate below which a run that keeps failing stays at its best parameters.
 const MIN_RATE: f64 = 1e-3;
-/// Steps over which the rate grows to its full value: Adam's first steps are equally long along every
-/// coordinate, however little it matters.
+/// Steps over which the rate grows to its full value: Adam's first steps are equally long along
+/// every coordinate, however little it matters.
 const WARM_UP: u64 = 8;
 /// Largest ratio of a gradient's norm to the median of recent ones; longer gradients are clipped.
 const MAX_NORM_RATIO: f64 = 3.0;
@@ -46,7 +46,7 @@ impl StepControl {
         self.reach as usize
     }
 
-    /// Whether steps are still long enough to matter.
+    /// True if steps are still long enough to matter.
     pub(crate) fn can_continue(&self) -> bool {
         self.rate >= MIN_RATE
     }
@@ -86,8 +86,8 @@ impl StepControl {
         (self.stale >= patience).then_some(patience)
     }
 
-    /// Adapts to a rollback after passes without a gain: halves the rate, and every second time cuts
-    /// the reach, since gradients through many frames may have become meaningless. Returns a
+    /// Adapts to a rollback after passes without a gain: halves the rate, and every second time
+    /// cuts the reach, since gradients through many frames may have become meaningless. Returns a
     /// description of the change.
     pub(crate) fn back_off(&mut self) -> String {
         self.stale = 0;
@@ -95,7 +95,8 @@ impl StepControl {
         if self.failures.is_multiple_of(2) { self.cut_reach() } else { self.halve_rate() }
     }
 
-    /// Adapts to a rollback after a gradient that is not finite. Returns a description of the change.
+    /// Adapts to a rollback after a gradient that is not finite. Returns a description of the
+    /// change.
     pub(crate) fn shorten_reach(&mut self) -> String {
         self.stale = 0;
         self.cut_reach()

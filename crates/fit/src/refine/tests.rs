@@ -1,18 +1,18 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use bendtwin_capture::{MakeOptions, Scene, make};
 use bendtwin_core::{FitSettings, Observer, Params, Progress, Stage, settings::GradientWindow};
 use bendtwin_engine::{
     Device, Loaded, Model,
     backend::{Error as EngineError, Gradient, Loss, Outputs, Rollout},
     optimizer::HostOptimizer,
 };
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use crate::FitJob;
 
 use super::*;
 
-/// The CPU, watched; if told so, every gradient has left the finite numbers on its way, but losses are as they
+/// The CPU backend with a counter; on request, every gradient is not finite, but losses are as they
 /// should be.
 #[derive(Clone)]
 struct Watched {
@@ -20,7 +20,7 @@ struct Watched {
     explodes: bool,
     /// Calls of `losses`.
     scored: Arc<AtomicUsize>,
-    /// Where the last gradients were cut.
+    /// Reach of the last gradients.
     cut_every: Arc<AtomicUsize>,
 }
 
@@ -109,8 +109,8 @@ fn a_gradient_that_is_not_finite_takes_no_step() {
     assert_eq!(passes.0[0].best_loss, passes.0[1].best_loss);
 }
 
-/// What a fit says of its best parameters is what a rollout of its twin finds, however that loss came
-/// about, and whether steps led downhill or, being far too long, anywhere.
+/// The loss that a fit reports of its best parameters is that of a rollout of its twin, however it
+/// was computed, and whether steps led downhill or, being far too long, anywhere.
 #[test]
 fn the_best_loss_is_the_twins() {
     let capture = make(Scene::Cable, &MakeOptions::tiny(2)).unwrap();
@@ -156,7 +156,7 @@ fn gradients_reach_as_far_as_the_settings_say() {
     }
 }
 
-/// Apart from its end, a walk of single steps learns what it is worth from its gradients.
+/// Apart from its end, a run of single steps is scored by its gradients.
 #[test]
 fn a_pass_of_one_step_needs_no_rollout_beside() {
     let capture = make(Scene::Cable, &MakeOptions::tiny(2)).unwrap();

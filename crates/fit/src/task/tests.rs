@@ -1,4 +1,4 @@
-use bendtwin_capture::{MakeOptions, Scene, make};
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
 
@@ -71,7 +71,7 @@ fn nothing_to_train_on_is_said() {
     assert!(matches!(error, Error::Capture(_)), "{error}");
 }
 
-/// What settings leave open depends on the capture; what they say holds.
+/// Settings that are left open depend on the capture; others are obeyed.
 #[test]
 fn cables_are_fitted_in_their_own_way() {
     let open = FitSettings::default();

@@ -1,5 +1,5 @@
-//! A textured square that moves in front of cameras, drawn by casting a ray through every pixel, so that it is known exactly
-//! where each of its points appears.
+//! A textured square that moves in front of cameras, drawn by casting a ray through every pixel, so
+//! that it is known exactly where each of its points appears.
 
 use std::sync::Arc;
 
@@ -19,11 +19,12 @@ const FOCAL: f64 = 150.0;
 /// Half the square's side [m].
 const HALF: f64 = 0.09;
 
-/// What happens.
+/// The scene and its recording.
 #[derive(Clone, Debug)]
 pub(crate) struct Scene {
     pub(crate) frames: usize,
-    /// Translation of the square per frame [m]; it starts half a metre in front of the first camera.
+    /// Translation of the square per frame [m]; it starts half a metre in front of the first
+    /// camera.
     pub(crate) velocity: [f64; 3],
     /// Rotation of the square per frame, axis times angle.
     pub(crate) spin: [f64; 3],
@@ -33,11 +34,12 @@ pub(crate) struct Scene {
     pub(crate) light: [f64; 2],
     /// Columns that a hand in front covers in each frame.
     pub(crate) hand: fn(usize) -> std::ops::Range<usize>,
-    /// A plain ball in front, as a second manipulator: its centre in the first frame, and its motion per frame [m].
+    /// A plain ball in front, as a second manipulator: its centre in the first frame, and its
+    /// motion per frame [m].
     pub(crate) ball: Option<[[f64; 3]; 2]>,
     /// Frames that are missing.
     pub(crate) missing: Vec<usize>,
-    /// Where further cameras stand, beside the first one [m].
+    /// Places of further cameras, relative to the first one [m].
     pub(crate) others: Vec<[f64; 3]>,
 }
 
@@ -75,7 +77,7 @@ impl Scene {
         }
     }
 
-    /// Where what a camera sees at a pixel of the first frame appears later.
+    /// The pixel at which the point that a camera sees at a pixel of the first frame appears later.
     pub(crate) fn moved(&self, camera: &Camera, at: [f64; 2], frame: usize) -> [f64; 2] {
         let (on_square, _) = self.hit(camera, at, 0).unwrap();
         let (rotation, center) = self.place(frame);

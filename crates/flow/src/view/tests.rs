@@ -5,7 +5,8 @@ use crate::FlowSettings;
 
 const OBJECT: Region = Region::Object;
 
-/// The object in columns 5..25, half a metre away and 10 cm nearer from column 15 on; a hand over rows 0..4.
+/// The object in columns 5..25, half a metre away and 10 cm nearer from column 15 on; a hand over
+/// rows 0..4.
 fn view() -> View {
     let filled = |of: &dyn Fn(usize, usize) -> bool| {
         let mut mask: Mask = Image::filled(30, 20, false);

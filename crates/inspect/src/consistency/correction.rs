@@ -1,29 +1,24 @@
-//! The rigid motion of one camera that best fits it to the others: point-to-plane registration with correspondences by
-//! projection, and weights that fade with distance.
+//! The rigid motion of one camera that best fits it to the others: point-to-plane registration with
+//! correspondences by projection, and weights that fade with distance.
 //!
-//! With q the place and n the normal of what another camera measured where a surfel p appears, the motion `x -> Ωx + t`
-//! minimises the weighted sum of `(n · (p + ω × (p - c) + t - q))²`; see Chen and Medioni, *Object modelling by registration
-//! of multiple range images* (1992), and for the correspondences Blais and Levine (1995).
+//! With q the place and n the normal of what another camera measured where a surfel p appears, the
+//! motion `x -> Ωx + t` minimises the weighted sum of `(n · (p + ω × (p - c) + t - q))²`; see Chen
+//! and Medioni, *Object modelling by registration of multiple range images* (1992), and for the
+//! correspondences Blais and Levine (1995).
 
 use nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
 
 use super::{
     SampledCrop, ViewSet,
     hypothesis::{Hypothesis, Motion},
-    reprojection::{MAX_APART_M, place},
+    reprojection::place,
 };
 use crate::vector::{Vector, add, cross, dot, pixel_of, scaled, sub, to_camera, to_world, turn};
 
 /// Gauss-Newton steps, each with new correspondences.
 const ITERATIONS: usize = 20;
-/// Distance at which a correspondence has no weight, in the first and in the last iteration [m].
-const REACH_M: [f64; 2] = [MAX_APART_M, 0.012];
-/// Least correspondences for six unknowns.
-const MIN_MATCHES: usize = 60;
 /// Stiffness against moving along what the surface does not determine, as a share of the trace.
 const DAMPING: f64 = 1e-4;
-/// Least cosine between the two cameras' normals of one surfel.
-const MIN_NORMAL_COSINE: f64 = 0.6;
 
 /// The rigid motion that would fit one camera to the others.
 #[derive(Clone, Copy, Debug)]
@@ -50,12 +45,13 @@ pub(crate) fn correct(
 ) -> Option<Correction> {
     let mut total = Motion { rotation: IDENTITY, translation: [0.0; 3] };
     let mut pivot = None;
+    let limits = set.thresholds;
     for iteration in 0..ITERATIONS {
         let share = iteration as f64 / (ITERATIONS - 1) as f64;
-        let reach = REACH_M[0] * (REACH_M[1] / REACH_M[0]).powf(share);
+        let reach = limits.max_apart_m * (limits.end_reach_m / limits.max_apart_m).powf(share);
         let moved = hypothesis.with(which, |s| s.moved = Some(total));
         let matches = matches(set, &moved, which);
-        if matches.len() < MIN_MATCHES {
+        if matches.len() < limits.min_matches {
             return None;
         }
         let middle = scaled(
@@ -107,7 +103,9 @@ fn matches(set: &ViewSet<'_>, hypothesis: &Hypothesis, which: usize) -> Vec<Matc
                 let Some(surface) = seen.crop.place(other.camera, cell) else { continue };
                 let surface = scaled(surface, other_posed.depth_scale);
                 let normal = turn(&other_posed.pose.rotation, normal);
-                if dot(normal, turn(&posed.pose.rotation, surfel.normal)) > MIN_NORMAL_COSINE {
+                if dot(normal, turn(&posed.pose.rotation, surfel.normal))
+                    > set.thresholds.min_normal_cosine
+                {
                     found.push(Match { at, plane: to_world(&other_posed.pose, surface), normal });
                 }
             }

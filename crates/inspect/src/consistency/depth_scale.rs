@@ -21,15 +21,15 @@ pub(crate) fn of_one(set: &ViewSet<'_>, hypothesis: &Hypothesis, which: usize) -
         let scaled = hypothesis.with(which, |s| s.depth_scale *= factor);
         set.misfit_of(&scaled, |a, b| a == which || b == which)
     };
-    search(misfit)
+    search(set, misfit)
 }
 
 /// The best factor for all depths together.
 pub(crate) fn of_all(set: &ViewSet<'_>, hypothesis: &Hypothesis) -> Option<ScaleFit> {
-    search(|factor| set.misfit(&hypothesis.with_all(|s| s.depth_scale *= factor)))
+    search(set, |factor| set.misfit(&hypothesis.with_all(|s| s.depth_scale *= factor)))
 }
 
-fn search(misfit: impl Fn(f64) -> Option<f64>) -> Option<ScaleFit> {
+fn search(set: &ViewSet<'_>, misfit: impl Fn(f64) -> Option<f64>) -> Option<ScaleFit> {
     let tried = |factor: f64| misfit(factor).map(|misfit| ScaleFit { factor, misfit });
     let better = |a: &ScaleFit, b: &ScaleFit| a.misfit.total_cmp(&b.misfit);
     let mut fine = UNITS.into_iter().chain([1.0]).filter_map(tried).min_by(better)?;
@@ -40,7 +40,9 @@ fn search(misfit: impl Fn(f64) -> Option<f64>) -> Option<ScaleFit> {
     }
     // As declared, unless another factor is really better.
     match tried(1.0) {
-        Some(declared) if declared.misfit <= fine.misfit + 1e-3 => Some(declared),
+        Some(declared) if declared.misfit <= fine.misfit + set.thresholds.min_scale_gain => {
+            Some(declared)
+        }
         _ => Some(fine),
     }
 }

@@ -1,4 +1,5 @@
-//! Hypotheses about calibrations: the cameras as they would stand if a certain mistake had been made and were undone.
+//! Hypotheses about calibrations: the cameras as they would stand if a certain mistake had been
+//! made and were undone.
 
 use bendtwin_capture::raw::{Camera, Pose};
 

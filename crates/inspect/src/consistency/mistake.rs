@@ -1,10 +1,11 @@
-//! Frequent mistakes with calibrations, tried one after the other. The one that explains the misfit is the one whose undoing
-//! leaves least of it.
+//! Frequent mistakes with calibrations, tried one after the other. The one that explains the misfit
+//! is the one whose undoing leaves least of it.
 
 use super::{
     ViewSet,
     hypothesis::{Hypothesis, PoseChange},
 };
+use crate::thresholds::ConsistencyThresholds;
 
 /// Units of translations that people mix up.
 const UNITS: [f64; 8] = [0.001, 0.01, 0.0254, 0.1, 10.0, 39.37, 100.0, 1000.0];
@@ -27,9 +28,9 @@ pub(crate) enum Mistake {
 }
 
 impl Mistake {
-    /// Whether it is about lengths alone.
-    pub(crate) fn is_about_units(&self) -> bool {
-        let is_unit = |factor: &f64| is_unit(*factor);
+    /// True if it is about lengths alone.
+    pub(crate) fn is_about_units(&self, thresholds: &ConsistencyThresholds) -> bool {
+        let is_unit = |factor: &f64| is_unit(*factor, thresholds);
         match self {
             Self::All(change) | Self::One(_, change) => matches!(change, PoseChange::Units(_)),
             Self::Depth(factor) | Self::DepthOfOne(_, factor) => is_unit(factor),
@@ -45,13 +46,14 @@ pub(crate) struct Explanation {
     pub(crate) misfit: f64,
 }
 
-/// The mistake whose undoing leaves the least misfit. Simple and frequent ones come first and win ties.
+/// The mistake whose undoing leaves the least misfit. Simple and frequent ones come first and win
+/// ties.
 pub(crate) fn explain(set: &ViewSet<'_>) -> Option<Explanation> {
     let declared = Hypothesis::declared(set.views.len());
     let mut best: Option<Explanation> = None;
     for (mistake, hypothesis) in mistakes(set, &declared) {
         let Some(misfit) = set.misfit(&hypothesis) else { continue };
-        if best.as_ref().is_none_or(|b| misfit < 0.97 * b.misfit) {
+        if best.as_ref().is_none_or(|b| misfit < set.thresholds.better_ratio * b.misfit) {
             best = Some(Explanation { mistake, misfit });
         }
     }
@@ -89,8 +91,8 @@ fn mistakes(set: &ViewSet<'_>, declared: &Hypothesis) -> Vec<(Mistake, Hypothesi
         all.push((Mistake::Depth(scaled.factor), hypothesis));
     }
     for which in 0..n {
-        if let Some(scaled) =
-            super::depth_scale::of_one(set, declared, which).filter(|s| n > 2 || is_unit(s.factor))
+        if let Some(scaled) = super::depth_scale::of_one(set, declared, which)
+            .filter(|s| n > 2 || is_unit(s.factor, set.thresholds))
         {
             let hypothesis = declared.with(which, |s| s.depth_scale = scaled.factor);
             all.push((Mistake::DepthOfOne(which, scaled.factor), hypothesis));
@@ -103,9 +105,10 @@ fn mistakes(set: &ViewSet<'_>, declared: &Hypothesis) -> Vec<(Mistake, Hypothesi
     all
 }
 
-/// Whether a factor is that of another unit. With two cameras, smaller factors cannot be assigned to one of them.
-fn is_unit(factor: f64) -> bool {
-    !(0.5..2.0).contains(&factor)
+/// True for a factor of another unit rather than an error of scale. With two cameras, smaller
+/// factors cannot be assigned to one of them.
+fn is_unit(factor: f64, thresholds: &ConsistencyThresholds) -> bool {
+    !thresholds.same_unit.contains(&factor)
 }
 
 /// Exchanges of two, and for few cameras all orders but the declared.

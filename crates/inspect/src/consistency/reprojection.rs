@@ -4,19 +4,9 @@ use super::hypothesis::PosedCamera;
 use crate::{
     scan::crop::{Crop, Label, Surfel},
     statistics::{median, share},
+    thresholds::ConsistencyThresholds,
     vector::{Vector, add, dot, pixel_of, scaled, sub, to_camera, to_world, turn, unit},
 };
-
-/// Distance outside a mask at which a surfel may appear [px].
-const MASK_MARGIN_PX: f64 = 3.0;
-/// Depths that differ by more contradict each other entirely [m].
-pub(crate) const MAX_APART_M: f64 = 0.05;
-/// A surfel that lies farther in front of the other camera's surface should have hidden it [m]; a share of the depth is added.
-const OCCLUSION_M: f64 = 0.012;
-/// The share of the depth that is added.
-const OCCLUSION_DEPTH_SHARE: f64 = 0.01;
-/// Least cosine between a normal and the direction to a camera that faces it.
-const MIN_FACING_COSINE: f64 = 0.45;
 
 /// Counts and differences of one camera's surfels, reprojected into another.
 #[derive(Clone, Debug, Default)]
@@ -33,17 +23,19 @@ pub(crate) struct Reprojection {
     pub(crate) differences: Vec<f64>,
     /// Sum of misfits of surfels inside the image.
     sum: f64,
-    /// Counts of surfels by label: `labels[i][j]` surfels of label i fell onto label j at about their depth; 0 is the object, 1
-    /// the manipulator.
+    /// Counts of surfels by label: `labels[i][j]` surfels of label i fell onto label j at about
+    /// their depth; 0 is the object, 1 the manipulator.
     pub(crate) labels: [[usize; 2]; 2],
 }
 
-/// Adds surfels of the camera `posed`, compared with a crop of the camera `other`, to `reprojection`.
+/// Adds surfels of the camera `posed`, compared with a crop of the camera `other`, to
+/// `reprojection`.
 pub(crate) fn compare<'a>(
     surfels: impl Iterator<Item = &'a Surfel>,
     posed: &PosedCamera<'_>,
     crop: &Crop,
     other: &PosedCamera<'_>,
+    thresholds: &ConsistencyThresholds,
     reprojection: &mut Reprojection,
 ) {
     let (columns, rows) = (other.camera.width as f64, other.camera.height as f64);
@@ -58,7 +50,7 @@ pub(crate) fn compare<'a>(
             continue;
         };
         reprojection.inside_image += 1;
-        if !crop.is_near_mask(pixel, MASK_MARGIN_PX) {
+        if !crop.is_near_mask(pixel, thresholds.mask_margin_px) {
             reprojection.outside_masks += 1;
             reprojection.sum += 1.0;
             continue;
@@ -67,32 +59,34 @@ pub(crate) fn compare<'a>(
             continue;
         };
         let difference = there[2] - depth * other.depth_scale;
-        let apart = (difference.abs() / MAX_APART_M).min(1.0);
+        let apart = (difference.abs() / thresholds.max_apart_m).min(1.0);
         let normal = turn(&posed.pose.rotation, surfel.normal);
-        let faces = faces(normal, place, eye) && faces(normal, place, other.pose.translation);
-        if difference < -(OCCLUSION_M + OCCLUSION_DEPTH_SHARE * there[2]) {
+        let faces_camera = |eye| faces(normal, place, eye, thresholds.min_facing_cosine);
+        let faces = faces_camera(eye) && faces_camera(other.pose.translation);
+        if difference < -(thresholds.occlusion_m + thresholds.occlusion_depth_share * there[2]) {
             reprojection.in_front += 1;
             reprojection.sum += apart;
         } else if faces {
             reprojection.sum += apart;
         }
-        if faces && difference.abs() < MAX_APART_M {
+        if faces && difference.abs() < thresholds.max_apart_m {
             reprojection.differences.push(difference);
         }
-        if faces && difference.abs() < MAX_APART_M {
+        if faces && difference.abs() < thresholds.max_apart_m {
             let row = usize::from(surfel.label == Label::Manipulator);
             reprojection.labels[row][usize::from(label == Label::Manipulator)] += 1;
         }
     }
 }
 
-fn faces(normal: Vector, place: Vector, eye: Vector) -> bool {
-    unit(sub(eye, place)).is_some_and(|to| dot(normal, to) > MIN_FACING_COSINE)
+fn faces(normal: Vector, place: Vector, eye: Vector, min_cosine: f64) -> bool {
+    unit(sub(eye, place)).is_some_and(|to| dot(normal, to) > min_cosine)
 }
 
 impl Reprojection {
-    /// Misfit: degree to which the cameras contradict each other, 0..=1; `None` if no surfel should be visible to both.
-    /// A camera that should see almost nothing of what another sees contradicts it.
+    /// Misfit: degree to which the cameras contradict each other, 0..=1; `None` if no surfel should
+    /// be visible to both. A camera that should see almost nothing of what another sees contradicts
+    /// it.
     pub(crate) fn misfit(&self) -> Option<f64> {
         let all = self.inside_image + self.outside_image;
         if all == 0 {
@@ -110,7 +104,8 @@ impl Reprojection {
         share(self.outside_masks + self.in_front, self.inside_image)
     }
 
-    /// Both directions of a pair together; the differences of the other direction have the other sign.
+    /// Both directions of a pair together; the differences of the other direction have the other
+    /// sign.
     pub(crate) fn both(mut self, back: &Self) -> Self {
         self.inside_image += back.inside_image;
         self.outside_image += back.outside_image;

@@ -3,19 +3,26 @@ use super::{
     *,
 };
 use crate::{
-    testing::{disturbed, filmed, healthy},
+    testing::{disturbed, healthy},
+    thresholds::Thresholds,
     vector::distance,
 };
 
 #[test]
 fn a_disturbed_camera_is_put_back() {
-    let (scene, mut recording) = healthy();
+    let (_, mut recording) = healthy();
     let right = recording.cameras[2].poses[0];
     recording.cameras[2].poses[0] = disturbed(&right, 2.0, [0.004, -0.003, 0.006]);
     recording.frame_count = 1;
-    let recording = filmed(scene, recording);
-    let scans = crate::scan::scan(&recording, &Default::default(), &mut |_| {}).unwrap();
-    let set = ViewSet { views: views(&recording.cameras, &scans), frames: vec![0], stride: 1 };
+    let thresholds = Thresholds::default();
+    let cancel = Default::default();
+    let scans = crate::scan::scan(&recording, &thresholds.scan, &cancel, &mut |_| {}).unwrap();
+    let set = ViewSet {
+        views: views(&recording.cameras, &scans, &thresholds.consistency),
+        frames: vec![0],
+        stride: 1,
+        thresholds: &thresholds.consistency,
+    };
     let declared = Hypothesis::declared(3);
     let found = correction::correct(&set, &declared, 2).unwrap();
     let moved = declared.with(2, |s| s.moved = Some(found.motion));
@@ -50,7 +57,7 @@ fn repaired_mistakes_leave_nothing() {
 }
 
 #[test]
-fn sketches_of_large_masks_are_coarser_and_still_place_pixels() {
+fn crops_of_large_masks_are_coarser_and_still_place_pixels() {
     use bendtwin_capture::raw::{DepthImage, Mask};
     let (width, height) = (848, 480);
     let mask = Mask::filled(width, height, true);

@@ -1,4 +1,5 @@
-//! Pictures of agreement: each camera's surface, coloured by its distance from the surfaces that the others measured.
+//! Pictures of agreement: each camera's surface, coloured by its distance from the surfaces that
+//! the others measured.
 
 use bendtwin_picture::Error;
 

@@ -1,7 +1,8 @@
-//! The graph that a fit with default settings would start from, over the first image of each camera.
+//! The graph that a fit with default settings would start from, over the first image of each
+//! camera.
 
 use bendtwin_core::{Graph, NodeKind, Point, settings::FitSettings};
-use bendtwin_engine::build::{Connectivity, NodeSample, connect, sample_nodes};
+use bendtwin_graph::{Connectivity, NodeSample, connect, sample_nodes};
 use bendtwin_picture::{Canvas, Color, Error, Photograph, Rect, View};
 
 use super::{ACCENT, Figure, Figures, HAND, enlargement};
@@ -19,7 +20,8 @@ const COMPLETED: Color = Color(150, 120, 220);
 /// Free space around the graph in the picture, as a share of its extent.
 const BORDER: f32 = 0.25;
 
-/// A picture for each camera; without images, one picture from the side. None without a capture that can be joined.
+/// A picture for each camera; without images, one picture from the side. None without a capture
+/// that can be joined.
 pub(crate) fn graph(inputs: &PictureInputs) -> Figures {
     let Some(capture) = &inputs.capture else { return Ok(Vec::new()) };
     let settings = FitSettings::default();

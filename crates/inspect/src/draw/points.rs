@@ -112,7 +112,8 @@ fn dots_of_points(sequence: &Sequence, colors: &[Point], frame: usize) -> Vec<Do
     dots
 }
 
-/// Points that decide the view: those that cameras saw, so that both strips have one view, or else the lifted ones.
+/// Points that decide the view: those that cameras saw, so that both strips have one view, or else
+/// the lifted ones.
 fn scene(inputs: &PictureInputs, panels: &[Vec<Dot>]) -> Vec<Point> {
     let frames: Vec<usize> =
         inputs.cameras.iter().flat_map(|c| c.crops.iter().map(|s| s.frame)).collect();
@@ -151,7 +152,8 @@ fn strip(panels: &[Vec<Dot>], inputs: &PictureInputs) -> Result<Option<Vec<u8>>,
     canvas.to_png().map(Some)
 }
 
-/// Without the outermost per mille along each axis: one flying pixel would make everything else small.
+/// Without the outermost per mille along each axis: one flying pixel would make everything else
+/// small.
 fn trim(points: Vec<Point>) -> Vec<Point> {
     let bound = |a: usize, share: f64| {
         let mut values: Vec<f64> = points.iter().map(|p| f64::from(p[a])).collect();

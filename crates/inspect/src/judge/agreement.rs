@@ -1,5 +1,5 @@
-//! Judge of multi-view consistency: whether the cameras agree; if not, which mistake with the calibration explains it, or
-//! which camera is off and by how much.
+//! Judge of multi-view consistency: whether the cameras agree; if not, which mistake with the
+//! calibration explains it, or which camera is off and by how much.
 
 mod labels;
 mod mistakes;
@@ -18,34 +18,13 @@ use crate::{
     statistics::{mean, median},
 };
 
-/// Frames in which cameras are compared.
-const COMPARED_FRAMES: usize = 4;
-/// From this misfit on, mistakes are suspected.
-const SUSPICIOUS: f64 = 0.06;
-/// Stride over surfels while mistakes are tried.
-const SCREENING_STRIDE: usize = 3;
-/// What may remain of the misfit if a mistake explains it, as a share and at all.
-const EXPLAINED: [f64; 2] = [0.4, 0.2];
-/// A mistake, which is one thing, must explain as much as a rigid correction, which is six numbers.
-const AS_GOOD: f64 = 1.15;
-/// A camera is off if a correction moves what it sees by so much [m] and leaves so much of the misfit.
-const OFF_M: f64 = 0.005;
-const CORRECTED: f64 = 0.8;
-/// A camera that is so far off spoils a fit [m].
-const BAD_M: f64 = 0.025;
-/// Cameras that are named one after the other; beyond, nothing can be trusted.
-const MAX_FLAGGED: usize = 4;
-/// Misfit of a pair, and its surfaces' distance [m], that is too much even if no correction is found.
-const DISAGREE: f64 = 0.3;
-const DISAGREE_M: f64 = 0.012;
-/// A depth scale that differs by less is none's fault.
-const SCALE: f64 = 0.015;
-
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
+    let limits = &context.thresholds.agreement;
     let mut set = ViewSet {
-        views: views(&context.recording.cameras, context.scans),
+        views: views(&context.recording.cameras, context.scans, &context.thresholds.consistency),
         frames: Vec::new(),
         stride: 1,
+        thresholds: &context.thresholds.consistency,
     };
     if set.views.len() < 2 {
         return;
@@ -56,19 +35,21 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     pairs(&set, &declared, assessment);
     labels::judge(context, &set, &declared, assessment);
     let corrections = corrections(&set, &declared);
-    report(&set, misfit, &corrections, assessment);
-    // Of an object of 20 m, noise and agreement in millimetres mean nothing; but units can be named.
+    report(context, &set, misfit, &corrections, assessment);
+    // Of an object of 20 m, noise and agreement in millimetres mean nothing; but units can be
+    // named.
     let size = assessment.scene.object_size_m;
-    let has_size = size.is_none_or(|size| super::scale::OBJECT_M.contains(&size));
+    let has_size = size.is_none_or(|size| context.thresholds.scale.object_size_m.contains(&size));
     let rigid = corrections.iter().flatten().map(|c| c.1).fold(misfit, f64::min);
-    set.stride = SCREENING_STRIDE;
-    let explanation = (misfit > SUSPICIOUS).then(|| mistake::explain(&set)).flatten();
+    set.stride = limits.screening_stride;
+    let explanation =
+        (misfit > limits.min_suspicious_misfit).then(|| mistake::explain(&set)).flatten();
     set.stride = 1;
     if let Some(found) = explanation
-        && found.misfit < EXPLAINED[0] * misfit
-        && found.misfit < EXPLAINED[1]
-        && found.misfit < AS_GOOD * rigid
-        && (has_size || found.mistake.is_about_units())
+        && found.misfit < limits.max_explained_ratio * misfit
+        && found.misfit < limits.max_explained_misfit
+        && found.misfit < limits.max_rigid_ratio * rigid
+        && (has_size || found.mistake.is_about_units(set.thresholds))
     {
         assessment.findings.push(mistakes::finding(context, &set, &found, size));
         return;
@@ -80,6 +61,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
 
 /// The frames with crops in which the object moves least: there, skew does no harm.
 fn compared_frames(context: &Context<'_>, set: &ViewSet<'_>) -> Vec<usize> {
+    let limits = &context.thresholds.agreement;
     let steps = super::paths::steps(&context.paths.object, context.recording.frame_count);
     let speed = |f: usize| {
         let around = [f, f + 1].into_iter().filter_map(|f| *steps.get(f)?);
@@ -95,7 +77,7 @@ fn compared_frames(context: &Context<'_>, set: &ViewSet<'_>) -> Vec<usize> {
     shared.sort_by(|a, b| {
         seen_by(*b).cmp(&seen_by(*a)).then(speed(*a).total_cmp(&speed(*b))).then(a.cmp(b))
     });
-    shared.truncate(COMPARED_FRAMES);
+    shared.truncate(limits.compared_frames);
     shared
 }
 
@@ -151,10 +133,17 @@ fn corrections(set: &ViewSet<'_>, hypothesis: &Hypothesis) -> Vec<Corrected> {
     (0..set.views.len()).map(one).collect()
 }
 
-fn report(set: &ViewSet<'_>, misfit: f64, corrections: &[Corrected], assessment: &mut Assessment) {
+fn report(
+    context: &Context<'_>,
+    set: &ViewSet<'_>,
+    misfit: f64,
+    corrections: &[Corrected],
+    assessment: &mut Assessment,
+) {
+    let limits = &context.thresholds.agreement;
     for (view, corrected) in set.views.iter().zip(corrections) {
         // A correction that gains nothing is noise along what the surface does not determine.
-        let corrected = corrected.filter(|(_, left)| *left < CORRECTED * misfit);
+        let corrected = corrected.filter(|(_, left)| *left < limits.max_corrected_ratio * misfit);
         let of = |has: bool| {
             let own =
                 assessment.pairs.iter().filter(|p| (p.a == view.index || p.b == view.index) == has);
@@ -172,7 +161,8 @@ fn report(set: &ViewSet<'_>, misfit: f64, corrections: &[Corrected], assessment:
     }
 }
 
-/// Whether a wrong depth scale explains the misfit as well as any rigid correction does, with one number instead of six.
+/// Judges depth scales; true if a wrong one explains the misfit as well as any rigid correction
+/// does, with one number instead of six.
 fn judge_depth_scale(
     context: &Context<'_>,
     set: &ViewSet<'_>,
@@ -181,13 +171,16 @@ fn judge_depth_scale(
     corrections: &[Corrected],
     assessment: &mut Assessment,
 ) -> bool {
+    let limits = &context.thresholds.agreement;
     let rigid = corrections.iter().flatten().map(|c| c.1).fold(misfit, f64::min);
-    let explains = |left: f64| left < CORRECTED * misfit && left < AS_GOOD * rigid;
+    let explains = |left: f64| {
+        left < limits.max_corrected_ratio * misfit && left < limits.max_rigid_ratio * rigid
+    };
     let mut best: Option<(Option<usize>, f64, f64)> = None;
     let mut consider = |which: Option<usize>, factor: f64, hypothesis: Hypothesis| {
         let Some(left) = set.misfit(&hypothesis) else { return };
         let is_better = best.is_none_or(|(_, _, other)| left < other);
-        if (factor - 1.0).abs() > SCALE && explains(left) && is_better {
+        if (factor - 1.0).abs() > limits.max_scale_error && explains(left) && is_better {
             best = Some((which, factor, left));
         }
     };
@@ -204,7 +197,7 @@ fn judge_depth_scale(
         }
     }
     let Some((which, factor, _)) = best else { return false };
-    let is_bad = (factor - 1.0).abs() > 0.04;
+    let is_bad = (factor - 1.0).abs() > limits.bad_scale_error;
     assessment.findings.push(match which {
         Some(which) => mistakes::depth_of_one(context, set, which, factor, is_bad),
         None => mistakes::depth_of_all(factor, is_bad),
@@ -220,12 +213,16 @@ fn misplaced_cameras(
     mut found: Vec<Corrected>,
     assessment: &mut Assessment,
 ) {
+    let limits = &context.thresholds.agreement;
     let n = set.views.len();
     let mut hypothesis = Hypothesis::declared(n);
     let mut flagged = Vec::new();
-    while flagged.len() + 2 < n.max(3) && flagged.len() < MAX_FLAGGED {
-        let is_off =
-            |c: &Corrected| c.filter(|(c, left)| c.shift_m > OFF_M && *left < CORRECTED * misfit);
+    while flagged.len() + 2 < n.max(3) && flagged.len() < limits.max_flagged {
+        let is_off = |c: &Corrected| {
+            c.filter(|(c, left)| {
+                c.shift_m > limits.min_off_m && *left < limits.max_corrected_ratio * misfit
+            })
+        };
         let candidates = found.iter().enumerate().filter(|(i, _)| !flagged.contains(i));
         let best = candidates
             .filter_map(|(i, c)| Some((i, is_off(c)?)))
@@ -241,7 +238,7 @@ fn misplaced_cameras(
         misfit = left;
         found = corrections(set, &hypothesis);
     }
-    if flagged.is_empty() && misfit > 0.5 * DISAGREE {
+    if flagged.is_empty() && misfit > limits.min_inconsistent_misfit {
         inconsistent_camera(context, set, &hypothesis, misfit, &mut flagged, assessment);
     }
     disagreeing_pairs(context, set, &flagged, assessment);
@@ -253,36 +250,39 @@ fn misplaced_camera(
     which: usize,
     c: &Correction,
 ) -> Finding {
+    let limits = &context.thresholds.agreement;
     let index = set.views[which].index;
     let message = format!(
         "{} sees the object {:.0} mm away from where the other cameras see it (limit {:.0}); turning it by {:.1} degrees and \
          moving it would correct that",
         named(context.recording, index),
         1e3 * c.shift_m,
-        1e3 * OFF_M,
+        1e3 * limits.min_off_m,
         c.angle.to_degrees()
     );
-    Finding::graded(c.shift_m > BAD_M, "CAMERA_OFF", message)
+    Finding::graded(c.shift_m > limits.bad_off_m, "CAMERA_OFF", message)
         .cameras([index])
         .number("shift_mm", 1e3 * c.shift_m)
         .number("angle_deg", c.angle.to_degrees())
 }
 
 fn two_cameras_disagree(context: &Context<'_>, set: &ViewSet<'_>, c: &Correction) -> Finding {
+    let limits = &context.thresholds.agreement;
     let [a, b] = [0, 1].map(|i| set.views.get(i).map_or(i, |w| w.index));
     let message = format!(
         "{} and {} see the object {:.0} mm apart (limit {:.0}); with two cameras nothing tells which one is off",
         named(context.recording, a),
         named(context.recording, b),
         1e3 * c.shift_m,
-        1e3 * OFF_M
+        1e3 * limits.min_off_m
     );
-    Finding::graded(c.shift_m > BAD_M, "CAMERAS_DISAGREE", message)
+    Finding::graded(c.shift_m > limits.bad_off_m, "CAMERAS_DISAGREE", message)
         .cameras([a, b])
         .number("shift_mm", 1e3 * c.shift_m)
 }
 
-/// Finding of a camera without which the others agree: it is off, even if it is too far off to be corrected.
+/// Finding of a camera without which the others agree: it is off, even if it is too far off to be
+/// corrected.
 fn inconsistent_camera(
     context: &Context<'_>,
     set: &ViewSet<'_>,
@@ -298,7 +298,11 @@ fn inconsistent_camera(
     let best = (0..set.views.len())
         .filter_map(|which| Some((which, without(which)?)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((which, left)) = best.filter(|(_, left)| *left < 0.35 * misfit) else { return };
+    let Some((which, left)) =
+        best.filter(|(_, left)| *left < context.thresholds.agreement.max_without_ratio * misfit)
+    else {
+        return;
+    };
     let index = set.views[which].index;
     let message = format!(
         "{} contradicts the other cameras in {:.0} % of what it sees, and without it they agree",
@@ -320,11 +324,13 @@ fn disagreeing_pairs(
     flagged: &[usize],
     assessment: &mut Assessment,
 ) {
+    let limits = &context.thresholds.agreement;
     let flagged: Vec<usize> =
         flagged.iter().filter_map(|w| set.views.get(*w)).map(|w| w.index).collect();
     let bad = |p: &&PairReport| {
-        let apart = p.disagreement_mm.is_some_and(|mm| mm > 1e3 * DISAGREE_M) && p.compared > 50;
-        (apart || p.misfit.is_some_and(|m| m > DISAGREE))
+        let apart = p.disagreement_mm.is_some_and(|mm| mm > 1e3 * limits.max_disagreement_m)
+            && p.compared >= limits.min_compared;
+        (apart || p.misfit.is_some_and(|m| m > limits.max_misfit))
             && !flagged.contains(&p.a)
             && !flagged.contains(&p.b)
     };
@@ -348,7 +354,7 @@ fn disagreeing_pairs(
     );
     let misfit = mean(pairs.iter().filter_map(|p| p.misfit)).unwrap_or(0.0);
     assessment.findings.push(
-        Finding::graded(misfit > DISAGREE, "CAMERAS_DISAGREE", message)
+        Finding::graded(misfit > limits.max_misfit, "CAMERAS_DISAGREE", message)
             .cameras(cameras)
             .number("conflict", worst.conflict)
             .number("disagreement_mm", worst.disagreement_mm.unwrap_or(f64::NAN)),

@@ -5,29 +5,22 @@ use bendtwin_capture::raw::{Camera, Pose};
 use super::{Assessment, Context, named};
 use crate::{
     Finding,
+    thresholds::CalibrationThresholds,
     vector::{cross, dot, length},
 };
 
-/// How far rotations may be from orthonormal.
-const RIGID: f64 = 1e-2;
-/// Focal lengths of usual lenses, in widths of the image.
-const FOCAL: std::ops::RangeInclusive<f64> = 0.25..=8.0;
-/// Where principal points lie, in widths or heights of the image.
-const MIDDLE: std::ops::RangeInclusive<f64> = 0.25..=0.75;
-/// Poses that differ by less are one [m], and as a chord of rotations.
-const SAME: f64 = 1e-6;
-
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let recording = context.recording;
+    let limits = &context.thresholds.calibration;
     for (index, camera) in recording.cameras.iter().enumerate() {
         let name = named(recording, index);
-        assessment.findings.extend(intrinsics(camera, &name).map(|f| f.cameras([index])));
-        assessment.findings.extend(poses(camera, &name).map(|f| f.cameras([index])));
+        assessment.findings.extend(intrinsics(camera, &name, limits).map(|f| f.cameras([index])));
+        assessment.findings.extend(poses(camera, &name, limits).map(|f| f.cameras([index])));
     }
     coinciding(context, assessment);
 }
 
-fn intrinsics(camera: &Camera, name: &str) -> Option<Finding> {
+fn intrinsics(camera: &Camera, name: &str, limits: &CalibrationThresholds) -> Option<Finding> {
     let i = &camera.intrinsics;
     let numbers = [i.fx, i.fy, i.cx, i.cy];
     if !numbers.iter().all(|x| x.is_finite()) || i.fx <= 0.0 || i.fy <= 0.0 {
@@ -38,15 +31,15 @@ fn intrinsics(camera: &Camera, name: &str) -> Option<Finding> {
         return Some(Finding::error("INTRINSICS_INVALID", message));
     }
     let (width, height) = (camera.width as f64, camera.height as f64);
-    let plausible = FOCAL.contains(&(i.fx / width))
-        && (0.5..2.0).contains(&(i.fx / i.fy))
-        && MIDDLE.contains(&(i.cx / width))
-        && MIDDLE.contains(&(i.cy / height));
+    let plausible = limits.focal_widths.contains(&(i.fx / width))
+        && limits.focal_ratio.contains(&(i.fx / i.fy))
+        && limits.principal_share.contains(&(i.cx / width))
+        && limits.principal_share.contains(&(i.cy / height));
     if plausible {
         return None;
     }
     let factor = 0.5 * (i.cx / (0.5 * width) + i.cy / (0.5 * height));
-    let hint = if !(0.77..=1.3).contains(&factor) {
+    let hint = if !limits.unscaled_principal.contains(&factor) {
         format!(" (do they belong to images {factor:.2} times as large?)")
     } else {
         String::new()
@@ -59,7 +52,7 @@ fn intrinsics(camera: &Camera, name: &str) -> Option<Finding> {
     Some(finding.number("fx_px", i.fx).number("cx_px", i.cx).number("cy_px", i.cy))
 }
 
-fn poses(camera: &Camera, name: &str) -> Option<Finding> {
+fn poses(camera: &Camera, name: &str, limits: &CalibrationThresholds) -> Option<Finding> {
     let finite =
         |p: &Pose| p.rotation.iter().flatten().chain(&p.translation).all(|x| x.is_finite());
     if camera.poses.is_empty() || !camera.poses.iter().all(finite) {
@@ -68,8 +61,10 @@ fn poses(camera: &Camera, name: &str) -> Option<Finding> {
     }
     for (frame, pose) in camera.poses.iter().enumerate() {
         let [a, b, c] = pose.rotation;
-        let skewed = [dot(a, b), dot(b, c), dot(a, c)].iter().any(|d| d.abs() > RIGID)
-            || [a, b, c].iter().any(|row| (length(*row) - 1.0).abs() > RIGID);
+        let skewed = [dot(a, b), dot(b, c), dot(a, c)]
+            .iter()
+            .any(|d| d.abs() > limits.max_rotation_error)
+            || [a, b, c].iter().any(|row| (length(*row) - 1.0).abs() > limits.max_rotation_error);
         if skewed {
             let scale = length(a);
             let message =
@@ -86,12 +81,13 @@ fn poses(camera: &Camera, name: &str) -> Option<Finding> {
 }
 
 fn coinciding(context: &Context<'_>, assessment: &mut Assessment) {
+    let limits = &context.thresholds.calibration;
     let cameras = &context.recording.cameras;
     for (b, second) in cameras.iter().enumerate() {
         let Some(pose) = second.poses.first() else { continue };
         let same = |first: &Camera| {
             first.poses.first().is_some_and(|other| {
-                let apart = |(x, y): (&f64, &f64)| (x - y).abs() < SAME;
+                let apart = |(x, y): (&f64, &f64)| (x - y).abs() < limits.max_same_pose;
                 let numbers = |p: &Pose| {
                     p.rotation.iter().flatten().chain(&p.translation).copied().collect::<Vec<_>>()
                 };
@@ -102,7 +98,7 @@ fn coinciding(context: &Context<'_>, assessment: &mut Assessment) {
             let (first, second) = (named(context.recording, a), named(context.recording, b));
             let message = format!("{first} and {second} stand at exactly the same place");
             assessment.findings.push(Finding::error("CAMERAS_COINCIDE", message).cameras([a, b]));
-            // A copied calibration of many cameras needs to be told once.
+            // A copied calibration of many cameras is one finding.
             return;
         }
     }

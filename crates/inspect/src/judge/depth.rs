@@ -1,4 +1,5 @@
-//! Judge of depth over the object: coverage, depth that does not belong to it, numbers that are not finite.
+//! Judge of depth over the object: coverage, depth that does not belong to it, numbers that are not
+//! finite.
 
 use super::{Assessment, Context, named};
 use crate::{
@@ -6,13 +7,6 @@ use crate::{
     scan::{CameraScan, FrameStats},
     statistics::{median, share},
 };
-
-/// Share of the object that should have depth.
-const GOOD: f64 = 0.6;
-/// With less, a camera contributes nothing.
-const POOR: f64 = 0.1;
-/// Share of a mask's points that may lie far from the rest.
-const APART: f64 = 0.12;
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let masked = |l: &CameraScan| l.frames.iter().any(|g| g.object.is_some_and(|p| p.area_px > 0));
@@ -30,6 +24,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
 }
 
 fn coverage(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let limits = &context.thresholds.depth;
     let covered = |g: &FrameStats| {
         let patch = g.object.filter(|p| p.area_px > 0)?;
         g.depth.map(|_| share(patch.depth_px, patch.area_px))
@@ -40,20 +35,21 @@ fn coverage(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: 
         report.coverage = shares;
         report.median_coverage = middle;
     }
-    let Some(middle) = middle.filter(|m| *m < GOOD) else { return };
+    let Some(middle) = middle.filter(|m| *m < limits.good_coverage) else { return };
     let message = format!(
         "{} measures depth on {:.0} % of the object's pixels (at least {:.0} % are good)",
         named(context.recording, index),
         100.0 * middle,
-        100.0 * GOOD
+        100.0 * limits.good_coverage
     );
-    let finding = Finding::graded(middle < POOR, "DEPTH_SPARSE", message);
+    let finding = Finding::graded(middle < limits.min_coverage, "DEPTH_SPARSE", message);
     assessment.findings.push(finding.cameras([index]).number("median_coverage", middle));
 }
 
 fn apart(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let limits = &context.thresholds.depth;
     let shares = scan.frames.iter().filter_map(|g| Some(g.object?.surface?.apart));
-    let Some(part) = median(shares).filter(|p| *p > APART) else { return };
+    let Some(part) = median(shares).filter(|p| *p > limits.max_apart_share) else { return };
     let message = format!(
         "{:.0} % of the depth on the object in {} lies far before or behind it",
         100.0 * part,

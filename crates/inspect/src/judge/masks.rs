@@ -1,5 +1,5 @@
-//! Judge of masks that are missing, empty, inverted, overlapping, or that jump. Exchanged masks need the other cameras: see
-//! `agreement::labels`.
+//! Judge of masks that are missing, empty, inverted, overlapping, or that jump. Exchanged masks
+//! need the other cameras: see `agreement::labels`.
 
 use super::{Assessment, Context, named};
 use crate::{
@@ -7,17 +7,6 @@ use crate::{
     scan::{CameraScan, FrameStats, mask::MaskStats},
     statistics::{median, share},
 };
-
-/// An area that changes by this factor from one frame to the next jumps.
-const JUMP: f64 = 1.45;
-/// Areas below this share of the image are too small for such a judgement.
-const SMALL: f64 = 5e-4;
-/// A mask that covers more of the image shows the background.
-const MOST: f64 = 0.6;
-/// Share of the smaller mask that may belong to both.
-const OVERLAP: f64 = 0.1;
-/// Share of frames without object from which a camera is of little use.
-const MANY: f64 = 0.3;
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     for (index, scan) in context.scans.iter().enumerate() {
@@ -53,6 +42,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
 }
 
 fn empty(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let limits = &context.thresholds.masks;
     let lacks = |g: &FrameStats| g.color.is_some() && g.object.is_none_or(|p| p.area_px == 0);
     let frames: Vec<usize> =
         scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
@@ -69,7 +59,7 @@ fn empty(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
             other != index && scan.frames.iter().any(|g| g.object.is_some_and(|p| p.area_px > 0))
         });
         assessment.findings.push(
-            Finding::graded(part > MANY && !others, "OBJECT_MASK_EMPTY", message)
+            Finding::graded(part > limits.max_empty_share && !others, "OBJECT_MASK_EMPTY", message)
                 .cameras([index])
                 .frames(frames.iter().copied())
                 .number("empty_share", part),
@@ -81,6 +71,7 @@ fn empty(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
 }
 
 fn covering(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let limits = &context.thresholds.masks;
     let Some(camera) = context.recording.cameras.get(index) else { return };
     let pixels = (camera.width * camera.height).max(1) as f64;
     type Which = fn(&FrameStats) -> Option<MaskStats>;
@@ -88,7 +79,7 @@ fn covering(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: 
     for (what, which) in masks {
         let covered =
             median(scan.frames.iter().filter_map(which).map(|p| p.area_px as f64 / pixels));
-        let Some(covered) = covered.filter(|c| *c > MOST) else { continue };
+        let Some(covered) = covered.filter(|c| *c > limits.max_covered_share) else { continue };
         let message = format!(
             "the {what}'s mask of {} covers {:.0} % of the image",
             named(context.recording, index),
@@ -108,11 +99,14 @@ fn overlapping(
     scan: &CameraScan,
     assessment: &mut Assessment,
 ) {
+    let limits = &context.thresholds.masks;
     let part = |g: &FrameStats| {
         let smaller = g.object?.area_px.min(g.manipulator?.area_px);
         (smaller > 0).then(|| share(g.overlap_px, smaller))
     };
-    let Some(part) = median(scan.frames.iter().filter_map(part)).filter(|p| *p > OVERLAP) else {
+    let Some(part) =
+        median(scan.frames.iter().filter_map(part)).filter(|p| *p > limits.max_overlap_share)
+    else {
         return;
     };
     let message = format!(
@@ -125,8 +119,9 @@ fn overlapping(
 }
 
 fn jumps(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let limits = &context.thresholds.masks;
     let Some(camera) = context.recording.cameras.get(index) else { return };
-    let small = SMALL * (camera.width * camera.height) as f64;
+    let small = limits.min_area_share * (camera.width * camera.height) as f64;
     let areas: Vec<Option<f64>> =
         scan.frames.iter().map(|g| g.object.map(|p| p.area_px as f64)).collect();
     let mut frames = Vec::new();
@@ -139,7 +134,7 @@ fn jumps(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mu
             continue;
         }
         let ratio = (now / before).max(before / now);
-        if ratio > JUMP {
+        if ratio > limits.max_area_ratio {
             frames.push(frame + 1);
             worst = worst.max(ratio);
         }

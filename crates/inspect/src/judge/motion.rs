@@ -1,4 +1,5 @@
-//! Judge of motion and contact: whether anything moves, how fast, whether motion jumps, whether the hand touches the object.
+//! Judge of motion and contact: whether anything moves, how fast, whether motion jumps, whether the
+//! hand touches the object.
 
 use super::{
     Assessment, Context, named,
@@ -8,27 +9,6 @@ use crate::{
     Finding,
     statistics::{median, share},
 };
-
-/// What moves less stands still [m].
-const STILL_M: f64 = 0.008;
-/// Tracks that move less stand still [px].
-const STILL_PX: f64 = 3.0;
-/// A mask whose area changes by less does not change its shape.
-const SAME_AREA: f64 = 1.15;
-/// A hand that never comes nearer does not touch [m].
-const CONTACT_M: f64 = 0.06;
-/// Motion from frame to frame that blurs and loses tracks: metres, and widths of the image.
-const FAST_M: f64 = 0.08;
-const FAST_WIDTHS: f64 = 0.06;
-/// So many fast frames are no chance.
-const FAST_FRAMES: usize = 3;
-/// A step so much longer than those around it skips a frame.
-const SKIP: f64 = 1.65;
-/// Steps below this are noise [m].
-const SKIP_M: f64 = 0.006;
-/// Share of moving frames that skip, and least number.
-const SKIPS: f64 = 0.1;
-const SKIPS_COUNT: usize = 3;
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let frames = context.recording.frame_count;
@@ -51,7 +31,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     for (index, path) in context.paths.object.iter().enumerate() {
         skips(context, index, path, assessment);
     }
-    contact(assessment);
+    contact(context.thresholds.motion.max_gap_m, assessment);
 }
 
 fn first_image(
@@ -60,7 +40,8 @@ fn first_image(
     hand: Option<f64>,
     assessment: &mut Assessment,
 ) {
-    let Some(object) = object.filter(|m| *m < STILL_M) else { return };
+    let limits = &context.thresholds.motion;
+    let Some(object) = object.filter(|m| *m < limits.still_m) else { return };
     // An object that bends in place moves its rim and its tracks.
     let tracks = context.scans.iter().filter_map(|l| l.track_reach_px).max_by(f64::total_cmp);
     let areas = context.scans.iter().filter_map(|scan| {
@@ -69,11 +50,11 @@ fn first_image(
         let high = crate::statistics::quantile(&mut areas, 0.95)?;
         Some(high / crate::statistics::quantile(&mut areas, 0.05)?)
     });
-    let changes = median(areas).is_some_and(|ratio| ratio > SAME_AREA);
-    if changes || tracks.is_some_and(|px| px > STILL_PX) {
+    let changes = median(areas).is_some_and(|ratio| ratio > limits.same_area_ratio);
+    if changes || tracks.is_some_and(|px| px > limits.still_px) {
         return;
     }
-    let finding = match hand.filter(|m| *m >= STILL_M) {
+    let finding = match hand.filter(|m| *m >= limits.still_m) {
         Some(hand) => Finding::warning(
             "OBJECT_STILL",
             format!(
@@ -94,6 +75,7 @@ fn first_image(
 }
 
 fn fast(context: &Context<'_>, by_frame: &[Option<f64>], assessment: &mut Assessment) {
+    let limits = &context.thresholds.motion;
     let pixels = |frame: usize| {
         let one = |(camera, scan): (&bendtwin_capture::raw::Camera, &crate::scan::CameraScan)| {
             let middle = |f: usize| {
@@ -106,11 +88,12 @@ fn fast(context: &Context<'_>, by_frame: &[Option<f64>], assessment: &mut Assess
     };
     let is_fast = |(frame, moved): (usize, &Option<f64>)| {
         let widths = pixels(frame);
-        let fast = moved.is_some_and(|m| m > FAST_M) || widths.is_some_and(|w| w > FAST_WIDTHS);
+        let fast = moved.is_some_and(|m| m > limits.fast_m)
+            || widths.is_some_and(|w| w > limits.fast_widths);
         fast.then_some(frame)
     };
     let frames: Vec<usize> = by_frame.iter().enumerate().filter_map(is_fast).collect();
-    if frames.len() < FAST_FRAMES {
+    if frames.len() < limits.min_fast_frames {
         return;
     }
     let fastest = by_frame.iter().flatten().copied().fold(0.0, f64::max);
@@ -127,6 +110,7 @@ fn fast(context: &Context<'_>, by_frame: &[Option<f64>], assessment: &mut Assess
 }
 
 fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Assessment) {
+    let limits = &context.thresholds.motion;
     let mut moving = 0;
     let mut skipped = Vec::new();
     for frame in 2..path.len().saturating_sub(2) {
@@ -135,15 +119,15 @@ fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Asse
         let Some(usual) = median(around.into_iter().filter_map(|f| step(path, f))) else {
             continue;
         };
-        if usual > 0.6 * SKIP_M {
+        if usual > limits.moving_ratio * limits.skip_m {
             moving += 1;
-            if own > SKIP_M && own > SKIP * usual {
+            if own > limits.skip_m && own > limits.skip_ratio * usual {
                 skipped.push(frame);
             }
         }
     }
     let part = share(skipped.len(), moving);
-    if skipped.len() >= SKIPS_COUNT && part > SKIPS {
+    if skipped.len() >= limits.min_skips && part > limits.min_skip_share {
         let message = format!(
             "in {}, the object jumps ahead in {} of the {moving} frames in which it moves: frames were dropped and the others \
              numbered without gaps",
@@ -159,14 +143,14 @@ fn skips(context: &Context<'_>, index: usize, path: &Path, assessment: &mut Asse
     }
 }
 
-fn contact(assessment: &mut Assessment) {
+fn contact(max_gap_m: f64, assessment: &mut Assessment) {
     let gaps = &assessment.scene.gap_m;
     let Some(nearest) = gaps.iter().flatten().copied().min_by(f64::total_cmp) else { return };
-    if nearest > CONTACT_M {
+    if nearest > max_gap_m {
         let message = format!(
             "the hand never comes nearer to the object than {:.0} mm (limit {:.0})",
             1e3 * nearest,
-            1e3 * CONTACT_M
+            1e3 * max_gap_m
         );
         let finding = Finding::error("NO_CONTACT", message);
         assessment.findings.push(finding.number("nearest_mm", 1e3 * nearest));

@@ -45,7 +45,8 @@ pub(crate) fn travel(paths: &[Path]) -> Option<f64> {
     }))
 }
 
-/// Distances moved from one frame to the next [m], by the median of the cameras; `None` where none saw both frames.
+/// Distances moved from one frame to the next [m], by the median of the cameras; `None` where none
+/// saw both frames.
 pub(crate) fn steps(paths: &[Path], frames: usize) -> Vec<Option<f64>> {
     (0..frames).map(|frame| median(paths.iter().filter_map(|path| step(path, frame)))).collect()
 }

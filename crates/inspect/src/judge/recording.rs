@@ -1,16 +1,14 @@
 //! Judge of the recording as a whole: length, frame rate, split, damaged files, number of cameras.
 
 use super::{Assessment, Context, named};
-use crate::{Finding, scan::COMPARED_CAMERAS};
-
-const FEW_FRAMES: usize = 15;
-const USUAL_FPS: std::ops::RangeInclusive<f64> = 5.0..=1000.0;
+use crate::{Finding, scan::COMPARED_CAMERAS, thresholds::RecordingThresholds};
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let recording = context.recording;
+    let limits = &context.thresholds.recording;
     let findings = &mut assessment.findings;
-    length(recording.frame_count, recording.train_frame_count, findings);
-    frame_rate(recording.fps, findings);
+    length(recording.frame_count, recording.train_frame_count, limits, findings);
+    frame_rate(recording.fps, limits, findings);
     for (index, scan) in context.scans.iter().enumerate() {
         if let Some(report) = assessment.cameras.get_mut(index) {
             report.damaged_files = scan.damaged_file_count;
@@ -39,12 +37,12 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     }
 }
 
-fn length(frames: usize, train: usize, findings: &mut Vec<Finding>) {
+fn length(frames: usize, train: usize, limits: &RecordingThresholds, findings: &mut Vec<Finding>) {
     match frames {
         0 => findings.push(Finding::error("NO_FRAMES", "the recording has no frames")),
         1 => findings
             .push(Finding::error("ONE_FRAME", "the recording has one frame, so nothing moves")),
-        2..FEW_FRAMES => findings.push(
+        2.. if frames < limits.min_frames => findings.push(
             Finding::warning(
                 "FEW_FRAMES",
                 format!(
@@ -61,10 +59,10 @@ fn length(frames: usize, train: usize, findings: &mut Vec<Finding>) {
     }
 }
 
-fn frame_rate(fps: f64, findings: &mut Vec<Finding>) {
+fn frame_rate(fps: f64, limits: &RecordingThresholds, findings: &mut Vec<Finding>) {
     if !(fps.is_finite() && fps > 0.0) {
         findings.push(Finding::error("FPS_INVALID", format!("the frame rate is {fps} fps")));
-    } else if !USUAL_FPS.contains(&fps) {
+    } else if !limits.usual_fps.contains(&fps) {
         let message = format!("the frame rate is {fps} fps");
         findings.push(Finding::warning("FPS_IMPLAUSIBLE", message).number("fps", fps));
     }
@@ -77,6 +75,7 @@ fn damage(
     findings: &mut Vec<Finding>,
 ) {
     let Some(first) = scan.damaged_files.first() else { return };
+    let limits = &context.thresholds.recording;
     let files = scan.damaged_file_count;
     let frames = context.recording.frame_count;
     let message = format!(
@@ -86,7 +85,8 @@ fn damage(
         first.reason,
         first.message
     );
-    let finding = Finding::graded(10 * files > frames, "FRAMES_DAMAGED", message);
+    let finding =
+        Finding::graded(limits.max_damaged_one_in * files > frames, "FRAMES_DAMAGED", message);
     findings.push(
         finding
             .cameras([index])

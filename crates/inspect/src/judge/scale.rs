@@ -8,17 +8,9 @@ use crate::{
         mask::{MaskStats, Surface},
     },
     statistics::median,
+    thresholds::ScaleThresholds,
     vector::{dot, wide},
 };
-
-/// Sizes of things that hands move [m].
-pub(super) const OBJECT_M: std::ops::RangeInclusive<f64> = 0.01..=3.0;
-/// So much lower than the ground, the object is not by noise [m].
-const BELOW_M: f64 = 0.02;
-/// Share of points below the ground that is no noise, and that makes the ground useless.
-const BELOW: [f64; 2] = [0.02, 0.3];
-/// An object that never comes nearer does not need the ground [m].
-const ABOVE_M: f64 = 0.5;
 
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let object = size(context, |g| g.object.as_ref());
@@ -26,7 +18,7 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     assessment.scene.object_size_m = object;
     assessment.scene.manipulator_size_m = hand;
     if let Some(size) = object {
-        sizes(size, hand, assessment);
+        sizes(size, hand, &context.thresholds.scale, assessment);
     }
     heights(context, assessment);
 }
@@ -43,15 +35,15 @@ fn size(context: &Context<'_>, which: fn(&FrameStats) -> Option<&MaskStats>) -> 
     median(surfaces(context, which).map(|s| s.extent_m))
 }
 
-fn sizes(size: f64, hand: Option<f64>, assessment: &mut Assessment) {
+fn sizes(size: f64, hand: Option<f64>, limits: &ScaleThresholds, assessment: &mut Assessment) {
     let and_hand = match hand {
         Some(hand) if hand > 1.0 => format!(", the hand {hand:.1} m"),
         Some(hand) => format!(", the hand {:.1} mm", 1e3 * hand),
         None => String::new(),
     };
-    let (code, message) = if size > *OBJECT_M.end() {
+    let (code, message) = if size > *limits.object_size_m.end() {
         ("SCALE_TOO_LARGE", format!("the object is {size:.1} m large{and_hand}"))
-    } else if size < *OBJECT_M.start() {
+    } else if size < *limits.object_size_m.start() {
         ("SCALE_TOO_SMALL", format!("the object is {:.2} mm large{and_hand}", 1e3 * size))
     } else {
         return;
@@ -61,6 +53,7 @@ fn sizes(size: f64, hand: Option<f64>, assessment: &mut Assessment) {
 }
 
 fn heights(context: &Context<'_>, assessment: &mut Assessment) {
+    let limits = &context.thresholds.scale;
     let upright = context.upright;
     if !upright.grounded {
         return;
@@ -81,8 +74,10 @@ fn heights(context: &Context<'_>, assessment: &mut Assessment) {
     let under = cameras.iter().filter(|c| upright.height(c.pose(0).translation) < 0.0).count();
     // Where images are upright, down in the image is down in the world.
     let down = median(cameras.iter().map(|c| -dot(c.pose(0).rotation.map(|r| r[1]), upright.up)));
-    let upside_down = down.is_some_and(|d| d < -0.2);
-    if (under == cameras.len() && highest < BELOW_M) || (upside_down && below > BELOW[1]) {
+    let upside_down = down.is_some_and(|d| d < limits.upside_down_cosine);
+    if (under == cameras.len() && highest < limits.below_m)
+        || (upside_down && below > limits.bad_below_share)
+    {
         let message = format!(
             "{under} of {} cameras stand below the ground, and {:.0} % of the object lie below it: the world is upside down",
             cameras.len(),
@@ -101,19 +96,21 @@ fn heights(context: &Context<'_>, assessment: &mut Assessment) {
         return;
     }
     let worst = surfaces(context, |g| g.object.as_ref()).map(|s| s.below).max_by(f64::total_cmp);
-    if below > BELOW[0] || (lowest < -2.0 * BELOW_M && worst.is_some_and(|w| w > 0.1)) {
+    if below > limits.max_below_share
+        || (lowest < -limits.deep_below_m && worst.is_some_and(|w| w > limits.deep_below_share))
+    {
         let message = format!(
             "{:.0} % of the object's points lie more than {:.0} mm below the ground, the lowest at {:.0} mm",
             100.0 * below,
-            1e3 * BELOW_M,
+            1e3 * limits.below_m,
             1e3 * lowest
         );
         assessment.findings.push(
-            Finding::graded(below > BELOW[1], "BELOW_GROUND", message)
+            Finding::graded(below > limits.bad_below_share, "BELOW_GROUND", message)
                 .number("share_below", below)
                 .number("lowest_mm", 1e3 * lowest),
         );
-    } else if lowest > ABOVE_M {
+    } else if lowest > limits.max_height_m {
         let message = format!("the object never comes nearer to the ground than {lowest:.2} m");
         let finding = Finding::info("OBJECT_ABOVE_GROUND", message);
         assessment.findings.push(finding.number("lowest_m", lowest));

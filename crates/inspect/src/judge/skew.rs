@@ -1,35 +1,20 @@
-//! Judge of skew between cameras, measured from motion: the shift in time that best aligns the paths that two cameras saw. It
-//! needs no times, and finds skew that times do not show.
+//! Judge of skew between cameras, measured from motion: the shift in time that best aligns the
+//! paths that two cameras saw. It needs no times, and finds skew that times do not show.
 
-use super::{
-    Assessment, Context, named,
-    paths::{Path, Paths},
-};
+use std::ops::Range;
+
+use super::{Assessment, Context, named, paths::Path};
 use crate::{
     Finding,
     inspection::PairReport,
     scan::COMPARED_CAMERAS,
     statistics::{mean, median},
+    thresholds::SkewThresholds,
     vector::{Vector, add, distance, scaled, sub},
 };
 
-/// Longest skew that is looked for [s], and as a share of the recording.
-const LONGEST_S: f64 = 1.0;
-const LONGEST_SHARE: f64 = 0.25;
-/// Least standard deviation of a path that can be aligned [m].
-const LEAST_MOTION_M: f64 = 0.012;
-/// Least frames that two shifted paths have in common.
-const LEAST_FRAMES: usize = 10;
-/// What remains after the shift, over what was there before.
-const IMPROVEMENT: f64 = 0.6;
-/// A skew of so many frames is worth a warning, and one of so many seconds and frames makes fits meaningless.
-const WARN_FRAMES: f64 = 0.8;
-const BAD_S: f64 = 0.1;
-const BAD_FRAMES: f64 = 3.0;
-/// A skew that grows by so many frames from one half to the other drifts.
-const DRIFT_FRAMES: f64 = 1.8;
-
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
+    let limits = &context.thresholds.skew;
     let recording = context.recording;
     let n = recording.cameras.len().min(COMPARED_CAMERAS);
     let frames = recording.frame_count;
@@ -37,12 +22,13 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
         return;
     }
     let frame_ms = 1e3 / recording.fps;
-    let window = (LONGEST_S * recording.fps).min(LONGEST_SHARE * frames as f64) as i64;
+    let window =
+        (limits.max_skew_s * recording.fps).min(limits.max_skew_share * frames as f64) as i64;
     let mut shifts = vec![vec![None; n]; n];
     let mut drifts = vec![vec![None; n]; n];
     for a in 0..n {
         for b in a + 1..n {
-            let between = |from, to| shift(&context.paths, a, b, from, to, window);
+            let between = |from, to| shift(context, [a, b], from..to, window);
             let whole = between(0, frames);
             let drift = between(0, frames / 2)
                 .zip(between(frames / 2, frames))
@@ -80,9 +66,10 @@ fn flag(
     drift: Option<f64>,
     assessment: &mut Assessment,
 ) {
+    let limits = &context.thresholds.skew;
     let name = named(context.recording, camera);
     let frame_ms = 1e3 / context.recording.fps;
-    if let Some(drift) = drift.filter(|d| d.abs() > DRIFT_FRAMES) {
+    if let Some(drift) = drift.filter(|d| d.abs() > limits.max_drift_frames) {
         let message = format!(
             "{name} runs {} the others by {:.0} ms from the first half to the second: its frames were dropped and closed up, \
              or its clock differs",
@@ -93,13 +80,14 @@ fn flag(
         assessment.findings.push(finding.cameras([camera]).number("drift_ms", drift * frame_ms));
         return;
     }
-    let Some(skew) = skew.filter(|s| s.abs() > WARN_FRAMES) else { return };
+    let Some(skew) = skew.filter(|s| s.abs() > limits.max_skew_frames) else { return };
     let is_known =
         assessment.findings.iter().any(|f| f.code == "CAMERAS_SKEWED" && f.cameras == [camera]);
     if is_known {
         return;
     }
-    let is_bad = skew.abs() >= BAD_FRAMES && skew.abs() * frame_ms >= 1e3 * BAD_S;
+    let is_bad =
+        skew.abs() >= limits.bad_skew_frames && skew.abs() * frame_ms >= 1e3 * limits.bad_skew_s;
     let message = format!(
         "{name} shows motion {:.0} ms ({:.1} frames) {} than the other cameras",
         skew.abs() * frame_ms,
@@ -113,18 +101,30 @@ fn flag(
     );
 }
 
-/// Number of frames by which camera `a` shows things later than camera `b`, between two frames. `None` if nothing moves enough.
-fn shift(paths: &Paths, a: usize, b: usize, from: usize, to: usize, window: i64) -> Option<f64> {
+/// Number of frames by which camera `a` shows things later than camera `b`, between two frames.
+/// `None` if nothing moves enough.
+fn shift(
+    context: &Context<'_>,
+    [a, b]: [usize; 2],
+    between: Range<usize>,
+    window: i64,
+) -> Option<f64> {
+    let limits = &context.thresholds.skew;
+    let paths = &context.paths;
     let things: Vec<(&Path, &Path)> = [&paths.manipulator, &paths.object]
         .into_iter()
         .filter_map(|all| Some((all.get(a)?, all.get(b)?)))
-        .filter(|(first, second)| moves(first, from, to) && moves(second, from, to))
+        .filter(|(first, second)| moves(first, &between, limits) && moves(second, &between, limits))
         .collect();
     if things.is_empty() {
         return None;
     }
     let cost = |shift: i64| {
-        mean(things.iter().filter_map(|(first, second)| scatter(first, second, from, to, shift)))
+        mean(
+            things
+                .iter()
+                .filter_map(|(first, second)| scatter(first, second, &between, shift, limits)),
+        )
     };
     let costs: Vec<Option<f64>> = (-window..=window).map(cost).collect();
     let (at, best) = costs
@@ -134,7 +134,7 @@ fn shift(paths: &Paths, a: usize, b: usize, from: usize, to: usize, window: i64)
         .min_by(|x, y| x.1.total_cmp(&y.1))?;
     let unshifted = cost(0)?;
     let whole = at as i64 - window;
-    if whole != 0 && best > IMPROVEMENT * unshifted {
+    if whole != 0 && best > limits.max_remaining_share * unshifted {
         return Some(0.0);
     }
     // The vertex of the parabola through the best and its neighbours.
@@ -148,24 +148,32 @@ fn shift(paths: &Paths, a: usize, b: usize, from: usize, to: usize, window: i64)
     Some(whole as f64 + part)
 }
 
-fn moves(path: &Path, from: usize, to: usize) -> bool {
-    let points: Vec<Vector> = path.iter().take(to).skip(from).flatten().copied().collect();
+/// True if a path moves enough to be aligned.
+fn moves(path: &Path, between: &Range<usize>, limits: &SkewThresholds) -> bool {
+    let points: Vec<Vector> =
+        path.iter().take(between.end).skip(between.start).flatten().copied().collect();
     let count = points.len() as f64;
     let middle = scaled(points.iter().fold([0.0; 3], |s, p| add(s, *p)), 1.0 / count.max(1.0));
     let square = mean(points.iter().map(|p| distance(*p, middle).powi(2)));
-    points.len() >= LEAST_FRAMES && square.is_some_and(|s| s.sqrt() > LEAST_MOTION_M)
+    points.len() >= limits.min_shared_frames
+        && square.is_some_and(|s| s.sqrt() > limits.min_motion_m)
 }
 
-/// Variance of the distance between two paths of which the first is read later [m²]. A constant offset does not count:
-/// cameras see different sides of a thing.
-fn scatter(first: &Path, second: &Path, from: usize, to: usize, shift: i64) -> Option<f64> {
+/// Variance of the distance between two paths of which the first is read later [m²]. A constant
+/// offset does not count: cameras see different sides of a thing.
+fn scatter(
+    first: &Path,
+    second: &Path,
+    between: &Range<usize>,
+    shift: i64,
+    limits: &SkewThresholds,
+) -> Option<f64> {
     let difference = |frame: usize| {
-        let other =
-            usize::try_from(frame as i64 + shift).ok().filter(|f| (from..to).contains(f))?;
+        let other = usize::try_from(frame as i64 + shift).ok().filter(|f| between.contains(f))?;
         Some(sub((*first.get(other)?)?, (*second.get(frame)?)?))
     };
-    let differences: Vec<Vector> = (from..to).filter_map(difference).collect();
-    if differences.len() < LEAST_FRAMES {
+    let differences: Vec<Vector> = between.clone().filter_map(difference).collect();
+    if differences.len() < limits.min_shared_frames {
         return None;
     }
     let sum = differences.iter().fold([0.0; 3], |s, d| add(s, *d));

@@ -4,7 +4,9 @@ use crate::{
     Inspection, Verdict,
     consistency::hypothesis::PoseChange,
     inspect,
+    inspect::inspect_with,
     testing::{FRAMES, TestScene, disturbed, filmed, healthy},
+    thresholds::Thresholds,
 };
 
 fn inspected(scene: TestScene, recording: Recording) -> Inspection {
@@ -17,7 +19,7 @@ fn one(seen: &Inspection, code: &str) -> crate::Finding {
     let findings: Vec<String> = seen
         .findings
         .iter()
-        .filter(|f| f.severity != bendtwin_capture::Severity::Info)
+        .filter(|f| f.severity != bendtwin_core::Severity::Info)
         .map(|f| format!("{} {}", f.code, f.sentence()))
         .collect();
     assert!(
@@ -35,15 +37,14 @@ fn shown(change: impl FnOnce(&mut TestScene)) -> Inspection {
 }
 
 fn declared(change: impl FnOnce(&mut Recording)) -> Inspection {
-    let (scene, mut recording) = healthy();
+    let (_, mut recording) = healthy();
     change(&mut recording);
-    inspected(scene, recording)
+    inspect(&recording, &Default::default(), &mut |_| {}).unwrap()
 }
 
 #[test]
 fn a_healthy_recording_is_good() {
-    let (scene, recording) = healthy();
-    let seen = inspected(scene, recording);
+    let seen = declared(|_| {});
     assert_eq!((seen.verdict, seen.findings.len()), (Verdict::Good, 0), "{:?}", seen.findings);
     let size = seen.scene.object_size_m.unwrap();
     assert!((0.13..0.2).contains(&size), "{size}");
@@ -56,8 +57,7 @@ fn a_healthy_recording_is_good() {
 
 #[test]
 fn results_do_not_depend_on_threads() {
-    let (scene, recording) = healthy();
-    let recording = filmed(scene, recording);
+    let (_, recording) = healthy();
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let many = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
     let look = || inspect(&recording, &Default::default(), &mut |_| {}).unwrap();
@@ -272,10 +272,25 @@ fn one_frame_and_none() {
 }
 
 #[test]
-fn a_request_to_stop_is_heard() {
+fn an_inspection_can_be_cancelled() {
     let (_, recording) = healthy();
     let cancel = bendtwin_core::CancelToken::default();
     let stop = cancel.clone();
     let error = inspect(&recording, &cancel, &mut |_| stop.cancel()).unwrap_err();
     assert!(matches!(error, crate::Error::Cancelled));
+}
+
+#[test]
+fn thresholds_decide() {
+    let (mut scene, recording) = healthy();
+    scene.holes = 0.3;
+    let recording = filmed(scene, recording);
+    let is_sparse = |good_coverage: f64| {
+        let mut thresholds = Thresholds::default();
+        thresholds.depth.good_coverage = good_coverage;
+        let cancel = Default::default();
+        let seen = inspect_with(&recording, &thresholds, &cancel, &mut |_| {}).unwrap();
+        seen.has("DEPTH_SPARSE")
+    };
+    assert!(!is_sparse(0.6) && is_sparse(0.8));
 }

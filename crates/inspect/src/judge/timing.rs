@@ -9,19 +9,6 @@ use crate::{
     statistics::{median, share},
 };
 
-/// Share of missing frames from which a fit is meaningless.
-const MANY: f64 = 0.4;
-/// Repeated frames that nobody would notice.
-const FEW: usize = 1;
-/// All cameras stand still for so many frames: the scene pauses.
-const PAUSE: usize = 3;
-/// An interval that is longer than so many nominal ones is late.
-const LATE: f64 = 1.5;
-/// By how much measured and declared rate may differ.
-const RATE: f64 = 0.03;
-/// A skew by times of so many frames is worth a warning.
-const SKEW_FRAMES: f64 = 0.5;
-
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     let same = repeats(context.scans);
     for (index, scan) in context.scans.iter().enumerate() {
@@ -36,14 +23,15 @@ pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
 }
 
 fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let limits = &context.thresholds.timing;
     let lacks = |g: &FrameStats| g.color.is_none() || g.depth.is_none();
     let frames: Vec<usize> =
         scan.frames.iter().enumerate().filter(|(_, g)| lacks(g)).map(|(f, _)| f).collect();
     let all = scan.frames.len();
     if !frames.is_empty() && frames.len() < all {
         let part = share(frames.len(), all);
-        let ends =
-            frames.len() > 2 && frames.iter().rev().zip((0..all).rev()).all(|(f, end)| *f == end);
+        let ends = frames.len() >= limits.min_cut_frames
+            && frames.iter().rev().zip((0..all).rev()).all(|(f, end)| *f == end);
         let message = if ends {
             format!(
                 "{} ends at frame {}: the last {} of {all} frames are missing",
@@ -60,7 +48,7 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
             )
         };
         assessment.findings.push(
-            Finding::graded(part > MANY, "FRAMES_DROPPED", message)
+            Finding::graded(part > limits.max_lost_share, "FRAMES_DROPPED", message)
                 .cameras([index])
                 .frames(frames.iter().copied())
                 .number("missing_share", part)
@@ -72,7 +60,7 @@ fn missing(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &
     }
 }
 
-/// Whether each camera shows the same in a frame as in the one before, shape [camera][T].
+/// Repeats: true where a camera shows the same in a frame as in the one before, shape [camera][T].
 fn repeats(scans: &[CameraScan]) -> Vec<Vec<bool>> {
     let same = |(before, now): (&FrameStats, &FrameStats)| {
         let color = now.color.is_some() && before.color == now.color;
@@ -86,9 +74,9 @@ fn repeats(scans: &[CameraScan]) -> Vec<Vec<bool>> {
     scans.iter().map(one).collect()
 }
 
-/// A still scene without noise looks like repeated frames in all cameras; it is none if it lasts or if it is the beginning
-/// or the end.
-fn is_pause(same: &[Vec<bool>], frame: usize) -> bool {
+/// A still scene without noise looks like repeated frames in all cameras; it is none if it lasts or
+/// if it is the beginning or the end.
+fn is_pause(same: &[Vec<bool>], frame: usize, min_pause_frames: usize) -> bool {
     let frames = same.iter().map(Vec::len).max().unwrap_or(0);
     let all = |f: usize| same.iter().all(|camera| camera.get(f) == Some(&true));
     if !all(frame) {
@@ -96,18 +84,19 @@ fn is_pause(same: &[Vec<bool>], frame: usize) -> bool {
     }
     let first = (0..=frame).rev().take_while(|f| all(*f)).last().unwrap_or(frame);
     let last = (frame..frames).take_while(|f| all(*f)).last().unwrap_or(frame);
-    first <= 1 || last + 1 == frames || last - first + 1 >= PAUSE
+    first <= 1 || last + 1 == frames || last - first + 1 >= min_pause_frames
 }
 
 fn repeated(context: &Context<'_>, index: usize, same: &[Vec<bool>], assessment: &mut Assessment) {
+    let limits = &context.thresholds.timing;
     let Some(own) = same.get(index) else { return };
     let frames: Vec<usize> = own
         .iter()
         .enumerate()
-        .filter(|(f, repeats)| **repeats && !is_pause(same, *f))
+        .filter(|(f, repeats)| **repeats && !is_pause(same, *f, limits.min_pause_frames))
         .map(|(f, _)| f)
         .collect();
-    if frames.len() > FEW {
+    if frames.len() > limits.max_repeats {
         let part = share(frames.len(), own.len());
         let message = format!(
             "{} of {} frames of {} ({:.0} %) repeat the frame before",
@@ -117,7 +106,7 @@ fn repeated(context: &Context<'_>, index: usize, same: &[Vec<bool>], assessment:
             100.0 * part
         );
         assessment.findings.push(
-            Finding::graded(part > MANY, "FRAMES_DUPLICATED", message)
+            Finding::graded(part > limits.max_lost_share, "FRAMES_DUPLICATED", message)
                 .cameras([index])
                 .frames(frames.iter().copied())
                 .number("repeated_share", part)
@@ -135,13 +124,14 @@ fn frozen_depth(
     scan: &CameraScan,
     assessment: &mut Assessment,
 ) {
+    let limits = &context.thresholds.timing;
     let pairs = scan.frames.iter().zip(scan.frames.iter().skip(1)).enumerate();
     let frozen: Vec<usize> = pairs
         .filter(|(_, (a, b))| b.depth.is_some() && a.depth == b.depth && a.color != b.color)
         .map(|(f, _)| f + 1)
         .collect();
     let part = share(frozen.len(), scan.frames.len());
-    if part > 0.1 && frozen.len() > 2 {
+    if part > limits.max_unfrozen_share && frozen.len() > limits.max_unfrozen_frames {
         let message = format!(
             "depth of {} does not change in {} of {} frames, while colour does",
             named(context.recording, index),
@@ -149,7 +139,7 @@ fn frozen_depth(
             scan.frames.len()
         );
         assessment.findings.push(
-            Finding::graded(part > MANY, "DEPTH_FROZEN", message)
+            Finding::graded(part > limits.max_lost_share, "DEPTH_FROZEN", message)
                 .cameras([index])
                 .frames(frozen)
                 .number("frozen_share", part),
@@ -158,6 +148,7 @@ fn frozen_depth(
 }
 
 fn late(context: &Context<'_>, index: usize, camera: &Camera, assessment: &mut Assessment) {
+    let limits = &context.thresholds.timing;
     let fps = context.recording.fps;
     let known: Vec<(usize, f64)> =
         camera.times_s.iter().copied().enumerate().filter(|(_, t)| t.is_finite()).collect();
@@ -171,7 +162,7 @@ fn late(context: &Context<'_>, index: usize, camera: &Camera, assessment: &mut A
         _ => None,
     }));
     let measured = 1.0 / interval.unwrap_or(f64::NAN);
-    if (measured / fps - 1.0).abs() > RATE || measured.is_nan() {
+    if (measured / fps - 1.0).abs() > limits.max_rate_error || measured.is_nan() {
         let message = format!(
             "by its times, {name} records {measured:.2} frames per second; {fps} are declared"
         );
@@ -186,7 +177,9 @@ fn late(context: &Context<'_>, index: usize, camera: &Camera, assessment: &mut A
     let late: Vec<usize> = known
         .windows(2)
         .filter_map(|w| match w {
-            [a, b] => (b.1 - a.1 > LATE * nominal * (b.0 - a.0) as f64).then_some(b.0),
+            [a, b] => {
+                (b.1 - a.1 > limits.late_intervals * nominal * (b.0 - a.0) as f64).then_some(b.0)
+            }
             _ => None,
         })
         .collect();
@@ -195,7 +188,7 @@ fn late(context: &Context<'_>, index: usize, camera: &Camera, assessment: &mut A
             "{} of {} frames of {name} come later than {:.1} frame times after the one before",
             late.len(),
             known.len(),
-            LATE
+            limits.late_intervals
         );
         assessment.findings.push(
             Finding::warning("FRAMES_LATE", message)
@@ -210,6 +203,7 @@ fn late(context: &Context<'_>, index: usize, camera: &Camera, assessment: &mut A
 }
 
 fn skew_by_times(context: &Context<'_>, assessment: &mut Assessment) {
+    let limits = &context.thresholds.timing;
     let cameras = &context.recording.cameras;
     let time = |c: &Camera, f: usize| c.times_s.get(f).copied().filter(|t| t.is_finite());
     if cameras.iter().filter(|c| !c.times_s.is_empty()).count() < 2 {
@@ -228,7 +222,7 @@ fn skew_by_times(context: &Context<'_>, assessment: &mut Assessment) {
         if let Some(report) = assessment.cameras.get_mut(index) {
             report.skew_by_times_ms = Some(skew_ms);
         }
-        if skew.abs() * context.recording.fps > SKEW_FRAMES {
+        if skew.abs() * context.recording.fps > limits.max_skew_frames {
             let name = named(context.recording, index);
             let order = if skew > 0.0 { "after" } else { "before" };
             let message = format!(
@@ -237,7 +231,7 @@ fn skew_by_times(context: &Context<'_>, assessment: &mut Assessment) {
             );
             assessment.findings.push(
                 Finding::graded(
-                    skew.abs() * context.recording.fps > 3.0,
+                    skew.abs() * context.recording.fps > limits.bad_skew_frames,
                     "CAMERAS_SKEWED",
                     message,
                 )

@@ -8,15 +8,6 @@ use crate::{
     statistics::{mean, share},
 };
 
-/// Share of visible tracks that should lie on a mask.
-const INSIDE: f64 = 0.6;
-/// Share of the first frame's tracks that should be seen at the end of the part for fitting.
-const SURVIVE: f64 = 0.15;
-/// Object travel from which tracks must move [m], and by how much [px].
-const TRAVEL_M: f64 = 0.05;
-const STILL_PX: f64 = 1.0;
-const STILL_WIDTHS: f64 = 0.004;
-
 pub(super) fn judge(context: &Context<'_>, assessment: &mut Assessment) {
     if !context.scans.is_empty() && context.scans.iter().all(|scan| scan.track_count.is_none()) {
         let message = "there are no 2D tracks";
@@ -57,21 +48,26 @@ fn on_masks(
     report: &TrackReport,
     assessment: &mut Assessment,
 ) {
+    let limits = &context.thresholds.tracks;
     let name = named(context.recording, index);
     let bad: usize = tracked(scan).map(|t| t.not_finite).sum();
     let visible: usize = tracked(scan).map(|t| t.visible).sum();
     if bad > 0 {
         let message =
             format!("{bad} of {visible} visible track points of {name} are NaN or infinite");
-        let finding = Finding::graded(2 * bad > visible, "TRACKS_NOT_FINITE", message);
+        let finding = Finding::graded(
+            bad as f64 > limits.max_not_finite_share * visible as f64,
+            "TRACKS_NOT_FINITE",
+            message,
+        );
         assessment.findings.push(finding.cameras([index]).number("points", bad as f64));
     }
-    let Some(inside) = report.inside.filter(|i| *i < INSIDE) else { return };
+    let Some(inside) = report.inside.filter(|i| *i < limits.min_inside_share) else { return };
     let transposed = tracked(scan)
         .filter(|t| t.compared && t.visible > 0)
         .map(|t| share(t.inside_transposed, t.visible));
     let transposed = mean(transposed).unwrap_or(0.0);
-    if transposed > 2.0 * inside && transposed > 0.5 {
+    if transposed > limits.transposed_ratio * inside && transposed > limits.min_transposed_share {
         let message = format!(
             "{:.0} % of the tracks of {name} lie on its masks, and {:.0} % if x and y are exchanged",
             100.0 * inside,
@@ -98,13 +94,14 @@ fn survival(
     report: &TrackReport,
     assessment: &mut Assessment,
 ) {
+    let limits = &context.thresholds.tracks;
     let end = context.recording.train_frame_count.min(scan.frames.len());
     let most = report.visible.iter().copied().max().unwrap_or(0);
     // A hand before the lens loses tracks for a moment; what counts is what is left at the end.
-    let tail = report.visible.get(end.saturating_sub(5)..end).unwrap_or_default();
+    let tail = report.visible.get(end.saturating_sub(limits.end_frames)..end).unwrap_or_default();
     let left = tail.iter().copied().max().unwrap_or(0);
     let part = share(left, most);
-    if most == 0 || part < SURVIVE {
+    if most == 0 || part < limits.min_survival_share {
         let message = format!(
             "of {} tracks of {}, {left} are visible at the end of the part for fitting",
             report.count,
@@ -116,10 +113,11 @@ fn survival(
 }
 
 fn motion(context: &Context<'_>, index: usize, scan: &CameraScan, assessment: &mut Assessment) {
+    let limits = &context.thresholds.tracks;
     let moved = travel(&context.paths.object).unwrap_or(0.0);
     let width = context.recording.cameras.get(index).map_or(0, |c| c.width) as f64;
     let Some(reach) = scan.track_reach_px else { return };
-    if moved > TRAVEL_M && reach < STILL_PX.max(STILL_WIDTHS * width) {
+    if moved > limits.min_travel_m && reach < limits.still_px.max(limits.still_widths * width) {
         let message = format!(
             "the tracks of {} move {reach:.1} px while the object moves {:.0} mm",
             named(context.recording, index),

@@ -1,10 +1,10 @@
 //! The cameras side by side, and how they agree in pairs.
 
 use super::markup::{escape, mm, ms, percent};
-use crate::{CameraReport, Inspection, PairReport};
+use crate::{CameraReport, Inspection, PairReport, thresholds::AgreementThresholds};
 
-/// More cameras make no readable matrix.
-const MOST: usize = 16;
+/// Most cameras of a readable matrix.
+const MAX_CAMERAS: usize = 16;
 
 pub(super) fn section(seen: &Inspection) -> String {
     if seen.cameras.is_empty() {
@@ -23,11 +23,11 @@ pub(super) fn section(seen: &Inspection) -> String {
 }
 
 fn row(seen: &Inspection, index: usize, camera: &CameraReport) -> String {
-    let told = seen.findings.iter().filter(|f| f.cameras.contains(&index));
-    let worst = told.map(|f| f.severity).min();
+    let own = seen.findings.iter().filter(|f| f.cameras.contains(&index));
+    let worst = own.map(|f| f.severity).min();
     let class = match worst {
-        Some(bendtwin_capture::Severity::Error) => "error",
-        Some(bendtwin_capture::Severity::Warning) => "warning",
+        Some(bendtwin_core::Severity::Error) => "error",
+        Some(bendtwin_core::Severity::Warning) => "warning",
         _ => "fine",
     };
     let count = |frames: &[usize]| match frames.len() {
@@ -60,7 +60,7 @@ fn row(seen: &Inspection, index: usize, camera: &CameraReport) -> String {
 }
 
 fn matrix(seen: &Inspection) -> String {
-    let n = seen.cameras.len().min(MOST);
+    let n = seen.cameras.len().min(MAX_CAMERAS);
     if n < 2 || seen.pairs.iter().all(|p| p.misfit.is_none()) {
         return String::new();
     }
@@ -92,9 +92,11 @@ fn cell(pair: Option<&PairReport>) -> String {
     let Some(pair) = pair.filter(|p| p.misfit.is_some()) else {
         return "<td class=\"none\">nothing in common</td>".to_owned();
     };
+    let limits = AgreementThresholds::default();
+    let is_apart = |m: f64| pair.disagreement_mm.is_some_and(|mm| mm > 1e3 * m);
     let class = match pair.misfit.unwrap_or(0.0) {
-        m if m > 0.3 || pair.disagreement_mm.is_some_and(|mm| mm > 12.0) => "bad",
-        m if m > 0.12 || pair.disagreement_mm.is_some_and(|mm| mm > 6.0) => "fair",
+        m if m > limits.max_misfit || is_apart(limits.max_disagreement_m) => "bad",
+        m if m > limits.fair_misfit || is_apart(limits.fair_disagreement_m) => "fair",
         _ => "well",
     };
     format!(

@@ -2,12 +2,13 @@
 
 use super::markup::escape;
 
+/// Size of the drawing [units of the SVG].
 const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 150.0;
-/// More points of a line are thinned out.
-const POINTS: usize = 500;
+/// Most points of a line; more are thinned out.
+const MAX_POINTS: usize = 500;
 
-/// Colours where the page's style does not reach, on paper or in a mail.
+/// Colours without the page's style, in a mail for example.
 const COLORS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56708a"];
 pub(super) const RULE: &str = "#c4cad1";
 
@@ -23,7 +24,7 @@ pub(super) struct Chart<'a> {
     pub(super) hint: &'a str,
     pub(super) lines: Vec<Line>,
     pub(super) top: Option<f64>,
-    /// How a value of the axis is written.
+    /// Formats a value of the axis.
     pub(super) label: fn(f64) -> String,
     /// A level that values should keep to, drawn dashed.
     pub(super) limit: Option<f64>,
@@ -48,7 +49,7 @@ impl Chart<'_> {
             let y = up(limit);
             drawn.push_str(&format!("<line class=\"limit\" stroke=\"#b26a00\" stroke-dasharray=\"5 5\" x1=\"0\" x2=\"{WIDTH}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/>"));
         }
-        let step = frames.div_ceil(POINTS).max(1);
+        let step = frames.div_ceil(MAX_POINTS).max(1);
         for (index, line) in self.lines.iter().enumerate() {
             let mut path = String::new();
             let mut pen = 'M';

@@ -1,12 +1,13 @@
-//! How points came about: the lifting stage's own counts, as tables. Whatever it writes is shown; nothing is required.
+//! The evidence of lifting: its own counts, as tables. Whatever it writes is shown; nothing is
+//! required.
 
 use serde_json::{Map, Value};
 
 use super::markup::escape;
 
-/// Entries of a table, and depth of names within names.
-const ROWS: usize = 60;
-const DEPTH: usize = 3;
+/// Most entries of a table, and depth of names within names.
+const MAX_ROWS: usize = 60;
+const MAX_DEPTH: usize = 3;
 
 pub(super) fn section(evidence: Option<&Value>) -> String {
     let Some(Value::Object(evidence)) = evidence else { return String::new() };
@@ -29,17 +30,18 @@ fn words(name: &str) -> String {
 fn table(value: &Value) -> String {
     let rows: Vec<&Map<String, Value>> = match value {
         Value::Object(one) => vec![one],
-        Value::Array(many) => many.iter().take(ROWS).filter_map(Value::as_object).collect(),
+        Value::Array(many) => many.iter().take(MAX_ROWS).filter_map(Value::as_object).collect(),
         _ => Vec::new(),
     };
     if rows.is_empty() {
         return String::new();
     }
-    let rows: Vec<Vec<(String, String)>> = rows.into_iter().map(|row| flat(row, DEPTH)).collect();
+    let rows: Vec<Vec<(String, String)>> =
+        rows.into_iter().map(|row| flat(row, MAX_DEPTH)).collect();
     // Figures run down and the described things across, which stays narrow.
     let mut names: Vec<&str> = Vec::new();
     for (name, _) in rows.iter().flatten() {
-        if !names.contains(&name.as_str()) && names.len() < ROWS {
+        if !names.contains(&name.as_str()) && names.len() < MAX_ROWS {
             names.push(name);
         }
     }
@@ -72,7 +74,7 @@ fn flat(row: &Map<String, Value>, depth: usize) -> Vec<(String, String)> {
                 );
             }
             Value::Array(list) => {
-                // Lists over frames are told by their ends.
+                // Of lists over frames, the ends are shown.
                 let ends = [list.first(), list.last()].map(|v| v.map(shown).unwrap_or_default());
                 if !list.is_empty() && !list.iter().any(Value::is_object) {
                     cells.push((words(name), format!("{} ... {}", ends[0], ends[1])));

@@ -1,6 +1,6 @@
-//! What was found, a card each.
+//! The findings, a card each.
 
-use bendtwin_capture::Severity;
+use bendtwin_core::Severity;
 
 use super::{capitalised, markup::escape};
 use crate::Inspection;

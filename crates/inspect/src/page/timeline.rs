@@ -1,20 +1,22 @@
-//! What happened when: gaps and faults of every camera as a band, and figures over frames as lines below it.
+//! The timeline: gaps and faults of every camera as a band, and figures over frames as lines below
+//! it.
 
 use super::{
     chart::{Chart, Line},
     markup::escape,
 };
-use crate::{CameraReport, Inspection};
+use crate::{CameraReport, Inspection, thresholds::Thresholds};
 
-/// Cells of a band; longer recordings show the worst of several frames in one.
-const CELLS: usize = 400;
+/// Most cells of a band; longer recordings show the worst of several frames in one.
+const MAX_CELLS: usize = 400;
+/// Width of the drawing, and height of a band and of its row [units of the SVG].
 const WIDTH: f64 = 1000.0;
 const BAND: f64 = 16.0;
 const ROW: f64 = 24.0;
 /// Cameras with a band.
-const MOST: usize = 16;
-/// Lines of a chart.
-const LINES: usize = 6;
+const MAX_BANDS: usize = 16;
+/// Most lines of a chart.
+const MAX_LINES: usize = 6;
 
 pub(super) fn section(seen: &Inspection) -> String {
     let frames = seen.frame_count;
@@ -37,7 +39,7 @@ pub(super) fn section(seen: &Inspection) -> String {
     )
 }
 
-/// How bad the frames of a cell are; the largest is shown.
+/// State of a frame, from the best to the worst; a cell shows the worst of its frames.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum State {
     Fine,
@@ -49,7 +51,7 @@ enum State {
 }
 
 impl State {
-    /// Where the page's style does not reach.
+    /// The colour without the page's style, in a mail for example.
     fn color(self) -> &'static str {
         match self {
             Self::Fine => "#b9dccf",
@@ -96,13 +98,13 @@ fn bands(seen: &Inspection) -> String {
         return String::new();
     }
     let frames = seen.frame_count;
-    let per_cell = frames.div_ceil(CELLS).max(1);
+    let per_cell = frames.div_ceil(MAX_CELLS).max(1);
     let cells = frames.div_ceil(per_cell);
     let cell = WIDTH / cells as f64;
     let mut used = [State::Late, State::Jump, State::Repeated, State::Empty, State::Missing]
         .map(|s| (s, false));
     let mut drawn = String::new();
-    for (row, camera) in seen.cameras.iter().take(MOST).enumerate() {
+    for (row, camera) in seen.cameras.iter().take(MAX_BANDS).enumerate() {
         let y = ROW * row as f64;
         drawn.push_str(&format!("<rect class=\"fine\" fill=\"{}\" x=\"0\" y=\"{y}\" width=\"{WIDTH}\" height=\"{BAND}\" rx=\"3\"/>", State::Fine.color()));
         for (i, part) in states(camera, frames).chunks(per_cell).enumerate() {
@@ -121,14 +123,14 @@ fn bands(seen: &Inspection) -> String {
             }
         }
     }
-    let rows = seen.cameras.len().min(MOST);
+    let rows = seen.cameras.len().min(MAX_BANDS);
     let split = WIDTH * seen.train_frame_count.min(frames) as f64 / frames as f64;
     let height = ROW * rows as f64 - (ROW - BAND);
     drawn.push_str(&format!("<line class=\"split\" stroke=\"#1c2127\" stroke-dasharray=\"3 3\" x1=\"{split:.1}\" x2=\"{split:.1}\" y1=\"-3\" y2=\"{}\"/>", height + 3.0));
     let names: String = seen
         .cameras
         .iter()
-        .take(MOST)
+        .take(MAX_BANDS)
         .enumerate()
         .map(|(i, c)| format!("<span>{i} {}</span>", escape(&c.name)))
         .collect();
@@ -153,8 +155,9 @@ fn bands(seen: &Inspection) -> String {
 fn charts(seen: &Inspection) -> Vec<Chart<'static>> {
     let percent = |v: f64| format!("{:.0} %", 100.0 * v);
     let number = |v: f64| format!("{v:.0}");
-    let cameras = || seen.cameras.iter().take(LINES).enumerate();
+    let cameras = || seen.cameras.iter().take(MAX_LINES).enumerate();
     let name = |i: usize, c: &CameraReport| format!("{i} {}", c.name);
+    let limits = Thresholds::default();
     let mut charts = Vec::new();
     let mut add = |title, hint, lines: Vec<Line>, top, label: fn(f64) -> String, limit| {
         let lines: Vec<Line> =
@@ -168,7 +171,7 @@ fn charts(seen: &Inspection) -> Vec<Chart<'static>> {
         lines.collect(),
         Some(1.0),
         percent,
-        Some(0.6),
+        Some(limits.depth.good_coverage),
     );
     let area = |values: &[Option<usize>]| values.iter().map(|v| v.map(|n| n as f64)).collect();
     let lines = cameras().map(|(i, c)| Line { name: name(i, c), values: area(&c.object_px) });
@@ -205,6 +208,13 @@ fn charts(seen: &Inspection) -> Vec<Chart<'static>> {
     }
     let gaps = seen.scene.gap_m.iter().map(|g| g.map(|m| 1e3 * m)).collect();
     let lines = vec![Line { name: "nearest".to_owned(), values: gaps }];
-    add("Hand to object", "smallest distance", lines, None, |v| format!("{v:.0} mm"), Some(60.0));
+    add(
+        "Hand to object",
+        "smallest distance",
+        lines,
+        None,
+        |v| format!("{v:.0} mm"),
+        Some(1e3 * limits.motion.max_gap_m),
+    );
     charts
 }

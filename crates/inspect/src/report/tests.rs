@@ -1,4 +1,4 @@
-use bendtwin_capture::{MakeOptions, Scene, make};
+use bendtwin_synth::{MakeOptions, Scene, make};
 
 use super::*;
 use crate::{
@@ -82,8 +82,8 @@ fn what_was_lifted_is_judged_and_shown() {
         "cameras": [{"name": "<i>a</i>", "lifts": {"object": 12, "off_mask": 3}}],
         "findings": [{"severity": "warning", "code": "FEW_CONTROLS", "message": "few: add some"}],
     });
-    let (scene, recording) = healthy();
-    let seen = inspect(&filmed(scene, recording), &Default::default(), &mut |_| {}).unwrap();
+    let (_, recording) = healthy();
+    let seen = inspect(&recording, &Default::default(), &mut |_| {}).unwrap();
     let report = Report::new(seen, Some(Lifted { capture, evidence: Some(evidence.clone()) }));
     assert_eq!(report.inspection().verdict, Verdict::Unusable);
     assert!(report.inspection().has("SPLIT_EMPTY") && report.inspection().has("FEW_CONTROLS"));

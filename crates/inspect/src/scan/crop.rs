@@ -1,5 +1,6 @@
-//! The part of an image that the masks show, on a coarser grid if it is large. Cameras are compared by crops of a few frames,
-//! and pictures are drawn from them, so memory does not grow with a recording.
+//! The part of an image that the masks show, on a coarser grid if it is large. Cameras are compared
+//! by crops of a few frames, and pictures are drawn from them, so memory does not grow with a
+//! recording.
 
 use bendtwin_capture::raw::{Camera, ColorImage, DepthImage, Mask};
 
@@ -7,8 +8,11 @@ use crate::vector::{Vector, cross, distance, dot, scaled, seen_at, sub, unit};
 
 /// Most cells of a crop.
 const MAX_CELLS: usize = 60_000;
-/// Neighbours that are farther apart than this share of their depth, per pixel between them, are not on one surface.
+/// Neighbours that are farther apart than this share of their depth, per pixel between them, are
+/// not on one surface.
 const MAX_STEP_SHARE: f64 = 0.02;
+/// Neighbours that are nearer than this are on one surface in any case [m].
+const MIN_STEP_M: f64 = 0.01;
 
 /// Content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,7 +123,7 @@ impl Crop {
         Some(place(1, self.height)? * self.width + place(0, self.width)?)
     }
 
-    /// Whether a mask shows anything within a radius around a pixel [px].
+    /// True if a mask shows anything within a radius around a pixel [px].
     pub(crate) fn is_near_mask(&self, pixel: [f64; 2], radius: f64) -> bool {
         let reach = radius.max(self.stride as f64);
         [-1.0, 0.0, 1.0].into_iter().any(|dy| {
@@ -169,7 +173,7 @@ impl Crop {
         let neighbour = |c: usize| {
             let there = self.place(camera, c)?;
             let limit = MAX_STEP_SHARE * here[2] * (reach * self.stride) as f64;
-            (distance(here, there) < limit.max(0.01)).then_some(there)
+            (distance(here, there) < limit.max(MIN_STEP_M)).then_some(there)
         };
         let across = sub(neighbour(cell + reach)?, neighbour(cell - reach)?);
         let down =

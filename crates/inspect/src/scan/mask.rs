@@ -1,19 +1,16 @@
-//! Measurements of a mask in one image: its area, the share of it with depth, the place of that in space.
+//! Measurements of a mask in one image: its area, the share of it with depth, the place of that in
+//! space.
 
 use bendtwin_capture::raw::{Camera, DepthImage, Mask};
 
 use crate::{
     statistics::{median, quantile},
+    thresholds::ScanThresholds,
     vector::{Upright, Vector, distance, seen_at, to_world},
 };
 
 /// Pixels with depth whose place in space is measured.
 const MAX_POINTS: usize = 3000;
-/// Points that are farther behind or in front of the middle than the surface is large (but at least this) belong to something
-/// else [m].
-const APART_M: f64 = 0.15;
-/// Height below which a point is below the ground not by noise alone [m].
-const BELOW_M: f64 = -0.02;
 
 /// A mask and the surface that it shows.
 #[derive(Clone, Copy, Debug, Default)]
@@ -50,6 +47,7 @@ pub(crate) fn measure(
     upright: &Upright,
     mask: &Mask,
     depth: Option<&DepthImage>,
+    thresholds: &ScanThresholds,
 ) -> (MaskStats, Vec<Vector>) {
     let mut stats = MaskStats::default();
     let mut sum = [0.0; 2];
@@ -72,38 +70,49 @@ pub(crate) fn measure(
     let point =
         |&(c, r, d): &(u32, u32, f32)| seen_at(camera, [f64::from(c), f64::from(r)], f64::from(d));
     let points: Vec<Vector> = known.iter().step_by(step).map(point).collect();
-    stats.surface = surface(&points, camera, frame, upright);
+    stats.surface = surface(&points, camera, frame, upright, thresholds);
     (stats, points)
 }
 
-fn surface(points: &[Vector], camera: &Camera, frame: usize, upright: &Upright) -> Option<Surface> {
+fn surface(
+    points: &[Vector],
+    camera: &Camera,
+    frame: usize,
+    upright: &Upright,
+    thresholds: &ScanThresholds,
+) -> Option<Surface> {
+    let (low, high) = (thresholds.outlier_share, 1.0 - thresholds.outlier_share);
     let mut axes: [Vec<f64>; 3] = std::array::from_fn(|a| points.iter().map(|p| p[a]).collect());
     let mut middle = [0.0; 3];
     let mut extent_m = 0.0_f64;
     for (a, values) in axes.iter_mut().enumerate() {
         middle[a] = quantile(values, 0.5)?;
         if a < 2 {
-            extent_m = extent_m.max(quantile(values, 0.98)? - quantile(values, 0.02)?);
+            extent_m = extent_m.max(quantile(values, high)? - quantile(values, low)?);
         }
     }
-    let limit = extent_m.max(APART_M);
+    let limit = extent_m.max(thresholds.apart_m);
     let apart = points.iter().filter(|p| (p[2] - middle[2]).abs() > limit).count();
     let pose = camera.pose(frame);
     let mut heights: Vec<f64> = points.iter().map(|p| upright.height(to_world(pose, *p))).collect();
-    let below = heights.iter().filter(|h| **h < BELOW_M).count();
+    let below = heights.iter().filter(|h| **h < -thresholds.below_ground_m).count();
     let count = points.len() as f64;
     Some(Surface {
         middle,
         extent_m,
         apart: apart as f64 / count,
-        low_m: quantile(&mut heights, 0.02)?,
-        high_m: quantile(&mut heights, 0.98)?,
+        low_m: quantile(&mut heights, low)?,
+        high_m: quantile(&mut heights, high)?,
         below: below as f64 / count,
     })
 }
 
 /// The smallest distance between two clouds [m]; both are thinned out.
-pub(crate) fn gap(object: &[Vector], manipulator: &[Vector]) -> Option<f64> {
+pub(crate) fn gap(
+    object: &[Vector],
+    manipulator: &[Vector],
+    thresholds: &ScanThresholds,
+) -> Option<f64> {
     const MAX_OBJECT_POINTS: usize = 600;
     const MAX_MANIPULATOR_POINTS: usize = 250;
     let thin = |points: &[Vector], most: usize| {
@@ -116,5 +125,5 @@ pub(crate) fn gap(object: &[Vector], manipulator: &[Vector]) -> Option<f64> {
     let mut gaps: Vec<f64> = manipulator.iter().filter_map(nearest).collect();
     // One flying pixel between the two is no contact.
     gaps.sort_by(f64::total_cmp);
-    median(gaps.into_iter().take(3))
+    median(gaps.into_iter().take(thresholds.gap_points))
 }

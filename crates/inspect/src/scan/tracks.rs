@@ -2,9 +2,6 @@
 
 use bendtwin_capture::raw::{DepthImage, Mask, Tracks};
 
-/// Distance outside a mask at which a track still counts as on it [px].
-const MASK_MARGIN_PX: f64 = 2.0;
-
 /// Counts of one frame's tracks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TrackCounts {
@@ -18,7 +15,7 @@ pub(crate) struct TrackCounts {
     pub(crate) inside_transposed: usize,
     /// Tracks on a mask with depth.
     pub(crate) with_depth: usize,
-    /// Whether there was a mask to compare with.
+    /// True if there was a mask to compare with.
     pub(crate) compared: bool,
 }
 
@@ -28,6 +25,7 @@ pub(crate) fn count(
     frame: usize,
     masks: [Option<&Mask>; 2],
     depth: Option<&DepthImage>,
+    margin_px: f64,
 ) -> TrackCounts {
     let from = frame.saturating_mul(tracks.count);
     let range = from..from.saturating_add(tracks.count);
@@ -45,8 +43,8 @@ pub(crate) fn count(
             counts.not_finite += 1;
             continue;
         }
-        counts.inside_transposed += usize::from(is_on(masks, [y, x]));
-        if is_on(masks, [x, y]) {
+        counts.inside_transposed += usize::from(is_on(masks, [y, x], margin_px));
+        if is_on(masks, [x, y], margin_px) {
             counts.inside += 1;
             let metres = depth.and_then(|d| at(d, [x, y])).unwrap_or(0.0);
             counts.with_depth += usize::from(metres > 0.0);
@@ -55,12 +53,12 @@ pub(crate) fn count(
     counts
 }
 
-fn is_on(masks: [Option<&Mask>; 2], [x, y]: [f64; 2]) -> bool {
+fn is_on(masks: [Option<&Mask>; 2], [x, y]: [f64; 2], margin_px: f64) -> bool {
     const AROUND: [[f64; 2]; 5] = [[0.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
     masks.into_iter().flatten().any(|mask| {
-        AROUND.iter().any(|[dx, dy]| {
-            at(mask, [x + dx * MASK_MARGIN_PX, y + dy * MASK_MARGIN_PX]) == Some(true)
-        })
+        AROUND
+            .iter()
+            .any(|[dx, dy]| at(mask, [x + dx * margin_px, y + dy * margin_px]) == Some(true))
     })
 }
 

@@ -1,8 +1,8 @@
 use super::*;
-use crate::testing::Story;
+use crate::testing::TestScene;
 
 fn identity() -> Identity {
-    let recording = Story { frames: 2, ..Story::default() }.recording();
+    let recording = TestScene { frames: 2, ..TestScene::default() }.recording();
     Identity::of(&recording, &[None, None], &IngestSettings::default())
 }
 
@@ -21,13 +21,13 @@ fn a_checkpoint_is_read_back() {
 
 #[test]
 fn whatever_changes_the_result_changes_the_identity() {
-    let story = || Story { frames: 2, ..Story::default() }.recording();
+    let scene = || TestScene { frames: 2, ..TestScene::default() }.recording();
     let settings = IngestSettings::default();
-    let mut other = story();
+    let mut other = scene();
     other.cameras[1].intrinsics.cx += 1e-9;
     assert_ne!(Identity::of(&other, &[None, None], &settings), identity());
     let tracks = raw::Tracks { count: 1, points: vec![[0.0; 2]; 2], visible: vec![true; 2] };
-    assert_ne!(Identity::of(&story(), &[None, Some(tracks)], &settings), identity());
+    assert_ne!(Identity::of(&scene(), &[None, Some(tracks)], &settings), identity());
     let coarse = IngestSettings { spacing_m: 0.01, ..settings };
-    assert_ne!(Identity::of(&story(), &[None, None], &coarse), identity());
+    assert_ne!(Identity::of(&scene(), &[None, None], &coarse), identity());
 }

@@ -55,7 +55,8 @@ fn flying_pixels_and_outliers_go() {
 
 #[test]
 fn background_in_the_mask_is_a_speck_or_flies() {
-    // The mask is three pixels too wide on one side, and shows the wall there; elsewhere it has a spot.
+    // The mask is three pixels too wide on one side, and shows the wall there; elsewhere it has a
+    // spot.
     let wide = image(|x, y| patch(x, y) || patch(x.saturating_sub(3), y) || (x < 2 && y < 2));
     let result = cleaned(&image(wall), &wide, None);
     assert_eq!(result.object.kept, 20 * 14 + 3 * 14, "a tenth of the object is no speck");

@@ -2,7 +2,7 @@
 
 use bendtwin_core::{Point, settings::ingest::ControlSettings};
 
-use super::LEAST_TRACKS;
+use super::MIN_TRACKS;
 use crate::{
     Error,
     evidence::HandEvidence,
@@ -12,7 +12,7 @@ use crate::{
 
 /// Residuals of lifted tracks below this are noise [m].
 const NOISE_M: f64 = 1e-3;
-/// How often shape and poses are fitted to each other.
+/// Number of times that shape and poses are fitted to each other.
 const ROUNDS: usize = 3;
 
 /// A fitted hand.
@@ -89,29 +89,29 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Tracks that move with the body, those seen most often first; never none.
-    pub(super) fn steady(&self) -> Vec<usize> {
+    /// Tracks that move rigidly with the body, those seen most often first; never none.
+    pub(super) fn rigid_tracks(&self) -> Vec<usize> {
         let survival = self.tracks.survival();
         let limit = 3.0 * self.residual_m.max(NOISE_M);
-        let mut steady: Vec<usize> =
+        let mut rigid: Vec<usize> =
             (0..self.tracks.count).filter(|i| self.residuals_m[*i] <= limit).collect();
-        steady.sort_by_key(|i| (std::cmp::Reverse(survival[*i]), *i));
-        // At least half of the survivors' worth: rarely seen ones have badly known places.
-        let most = steady.first().map_or(0, |i| survival[*i]);
-        steady.retain(|i| 2 * survival[*i] >= most);
-        steady
+        rigid.sort_by_key(|i| (std::cmp::Reverse(survival[*i]), *i));
+        // Seen at least half as often as the best: the places of rarely seen ones are badly known.
+        let most = rigid.first().map_or(0, |i| survival[*i]);
+        rigid.retain(|i| 2 * survival[*i] >= most);
+        rigid
     }
 
-    /// Steady tracks without a gap longer than the settings allow.
+    /// Rigid tracks without a gap longer than the settings allow.
     pub(super) fn surviving(&self) -> Vec<usize> {
         let short =
             |i: &usize| longest_gap(self.tracks, *i) <= self.settings.max_gap_frames as usize;
-        let mut surviving = self.steady();
+        let mut surviving = self.rigid_tracks();
         surviving.retain(short);
         surviving
     }
 
-    /// Where a track is in the first frame.
+    /// The place of a track in the first frame [m].
     pub(super) fn start(&self, track: usize) -> Point {
         self.poses[0].apply(self.shape[track])
     }
@@ -122,7 +122,8 @@ impl<'a> Body<'a> {
         if self.is_rigid() {
             return rigid;
         }
-        // What is seen counts; between sightings the body's motion plus the drift from it, which changes evenly.
+        // What is seen counts; between sightings the body's motion plus the drift from it, which
+        // changes evenly.
         let mut own = rigid.clone();
         let mut last = 0;
         let drift = |f: usize| -> [f32; 3] {
@@ -150,7 +151,7 @@ fn poses_of(tracks: &Tracks, shape: &[Point]) -> Vec<Option<Rigid>> {
     let pose = |frame: usize| {
         let seen = (0..tracks.count).filter(|i| tracks.is_seen(frame, *i));
         let pairs: Vec<_> = seen.map(|i| (shape[i], tracks.at(frame, i))).collect();
-        if pairs.len() < LEAST_TRACKS {
+        if pairs.len() < MIN_TRACKS {
             return None;
         }
         rigid::fit(&pairs, NOISE_M).map(|f| f.motion)

@@ -1,14 +1,16 @@
-//! A hand that nobody tracked, because it has no texture or no tracker was run on it: its motion from its shape alone.
+//! A hand without tracks, because it has no texture or no tracker was run on it: its motion from
+//! its shape alone.
 //!
-//! What all cameras see of the hand in the first frame is the template. Each later frame's points are brought onto it by
-//! iterated closest points, to the planes of the template (Chen and Medioni, 1992), robustly, from where the motion so far
-//! leads. Turns that the shape does not tell, of a ball say, are held back.
+//! The points of the hand that all cameras see in the first frame are the template. Each later
+//! frame's points are brought onto it by iterated closest points, to the planes of the template
+//! (Chen and Medioni, 1992), robustly, from where the motion so far leads. Turns that the shape
+//! does not determine, of a ball say, are damped.
 
-use bendtwin_capture::{Finding, Severity};
+use bendtwin_core::{Finding, Severity};
 use bendtwin_core::{Point, settings::ingest::ControlSettings};
 use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 
-use super::{Controls, LEAST_TRACKS, body::fill};
+use super::{Controls, MIN_TRACKS, body::fill};
 use crate::{
     Error,
     evidence::HandEvidence,
@@ -19,21 +21,22 @@ use crate::{
 
 /// Spacing of the template [m].
 const SPACING_M: f64 = 0.003;
-/// Neighbours within this distance tell a plane [m].
-const PLANE_M: f64 = 0.01;
-/// Points farther from the template are no part of the hand [m].
-const REACH_M: f64 = 0.02;
+/// Distance within which neighbours determine a normal [m].
+const NORMAL_RADIUS_M: f64 = 0.01;
+/// Distance from the template beyond which a point is no part of the hand [m].
+const MAX_DISTANCE_M: f64 = 0.02;
 /// Distances below this are noise [m].
 const NOISE_M: f64 = 0.002;
-/// Points that a hand needs, in the template and in a frame.
-const LEAST_POINTS: usize = 20;
-/// Points of a frame that are used.
-const MOST_POINTS: usize = 600;
+/// Least points of a hand, in the template and in a frame.
+const MIN_POINTS: usize = 20;
+/// Most points of a frame that are used.
+const MAX_POINTS: usize = 600;
+/// Gauss-Newton steps, each with new correspondences.
 const ITERATIONS: usize = 20;
-/// How strongly turns are held back, as a share of what the shape could tell at best.
-const STIFFNESS: f64 = 0.02;
-/// How much distances along the surface count, beside those across it.
-const RIM: f64 = 0.02;
+/// Stiffness against rotation, as a share of what the shape could determine at best.
+const ROTATION_STIFFNESS: f64 = 0.02;
+/// Weight of distances along the surface, beside those across it.
+const TANGENTIAL_WEIGHT: f64 = 0.02;
 
 /// Control points from what cameras see of hands: their points in every frame [m].
 pub(crate) fn controls(
@@ -43,7 +46,7 @@ pub(crate) fn controls(
 ) -> Result<Controls, Error> {
     let templates = templates(clouds.first().map_or(&[], Vec::as_slice), settings);
     if templates.is_empty() {
-        return Err(Error::NoHandTracks { tracks, needed: LEAST_TRACKS });
+        return Err(Error::NoHandTracks { tracks, needed: MIN_TRACKS });
     }
     let motions = follow(&templates, clouds);
     let (mut columns, mut hands) = (Vec::new(), Vec::new());
@@ -65,18 +68,18 @@ pub(crate) fn controls(
             filled_frames,
             ..HandEvidence::default()
         });
-        let ride = |i: usize| poses.iter().map(|p| p.apply(template.points[i])).collect();
-        columns.extend(picked.into_iter().map(ride).collect::<Vec<Vec<Point>>>());
+        let trajectory = |i: usize| poses.iter().map(|p| p.apply(template.points[i])).collect();
+        columns.extend(picked.into_iter().map(trajectory).collect::<Vec<Vec<Point>>>());
     }
     let points = (0..clouds.len()).flat_map(|f| columns.iter().map(move |c| c[f])).collect();
-    let findings = vec![Finding {
-        severity: Severity::Info,
-        code: "HAND_FOLLOWED_BY_SHAPE".to_owned(),
-        message: format!(
+    let findings = vec![Finding::from_sentence(
+        Severity::Info,
+        "HAND_FOLLOWED_BY_SHAPE",
+        format!(
             "{tracks} tracks lie on the hand, too few: its motion is taken from its shape in the depth images, which does not \
              tell every turn; tracks on the hand would"
         ),
-    }];
+    )];
     Ok(Controls { points, hands, findings })
 }
 
@@ -126,7 +129,7 @@ fn templates(cloud: &[Point], settings: &ControlSettings) -> Vec<Template> {
     }
     groups.sort_by_key(|g| (std::cmp::Reverse(g.len()), g[0]));
     let largest = groups.first().map_or(0, Vec::len);
-    groups.retain(|g| g.len() >= LEAST_POINTS && 10 * g.len() >= largest);
+    groups.retain(|g| g.len() >= MIN_POINTS && 10 * g.len() >= largest);
     groups.truncate(settings.max_hands as usize);
     groups
         .into_iter()
@@ -136,23 +139,23 @@ fn templates(cloud: &[Point], settings: &ControlSettings) -> Vec<Template> {
 
 impl Template {
     fn of(all: Vec<Point>) -> Option<Self> {
-        let near = Grid::of(all.iter().copied(), PLANE_M);
+        let near = Grid::of(all.iter().copied(), NORMAL_RADIUS_M);
         let (mut points, mut normals) = (Vec::new(), Vec::new());
         for p in &all {
             let around: Vec<Point> =
-                near.within(*p, PLANE_M).into_iter().map(|(_, i)| all[i]).collect();
+                near.within(*p, NORMAL_RADIUS_M).into_iter().map(|(_, i)| all[i]).collect();
             if let Some(normal) = normal(&around) {
                 points.push(*p);
                 normals.push(normal);
             }
         }
-        if points.len() < LEAST_POINTS {
+        if points.len() < MIN_POINTS {
             return None;
         }
         let middle = points.iter().map(|p| vector(*p)).sum::<Vector3<f64>>() / points.len() as f64;
         let squares = points.iter().map(|p| (vector(*p) - middle).norm_squared());
         let size_m = (squares.sum::<f64>() / points.len() as f64).sqrt();
-        let grid = Grid::of(points.iter().copied(), REACH_M / 2.0);
+        let grid = Grid::of(points.iter().copied(), MAX_DISTANCE_M / 2.0);
         Some(Self { points, normals, grid, middle, size_m })
     }
 
@@ -165,11 +168,11 @@ impl Template {
                 .iter()
                 .filter_map(|p| {
                     let at = back.apply(*p);
-                    Some((vector(at), self.grid.closest(at, REACH_M)?))
+                    Some((vector(at), self.grid.closest(at, MAX_DISTANCE_M)?))
                 })
                 .collect();
             // What is far from the guess is not this hand, but then most of it must be.
-            if pairs.len() < LEAST_POINTS || 3 * pairs.len() < cloud.len() {
+            if pairs.len() < MIN_POINTS || 3 * pairs.len() < cloud.len() {
                 return None;
             }
             let residual = |(at, i): &(Vector3<f64>, usize)| {
@@ -189,19 +192,20 @@ impl Template {
                 let row = Vector6::new(turn.x, turn.y, turn.z, n.x, n.y, n.z);
                 normal += row * row.transpose() * weight;
                 right -= row * (weight * residual(pair));
-                // At the rim the nearest point lies to the side: the only hint at motions along the surface.
+                // At the outline the nearest point lies to the side: the only hint at motions along
+                // the surface.
                 let aside = pair.0 - vector(self.points[pair.1]);
                 let arm = pair.0 - self.middle;
                 for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
                     let turn = arm.cross(&axis);
                     let row = Vector6::new(turn.x, turn.y, turn.z, axis.x, axis.y, axis.z);
-                    normal += row * row.transpose() * (RIM * weight);
-                    right -= row * (RIM * weight * aside.dot(&axis));
+                    normal += row * row.transpose() * (TANGENTIAL_WEIGHT * weight);
+                    right -= row * (TANGENTIAL_WEIGHT * weight * aside.dot(&axis));
                 }
             }
             let count = pairs.len() as f64;
             for i in 0..3 {
-                normal[(i, i)] += STIFFNESS * count * self.size_m * self.size_m;
+                normal[(i, i)] += ROTATION_STIFFNESS * count * self.size_m * self.size_m;
                 normal[(i + 3, i + 3)] += 1e-6 * count;
             }
             let step = normal.cholesky()?.solve(&right);
@@ -249,7 +253,7 @@ fn follow(templates: &[Template], clouds: &[Vec<Point>]) -> Vec<Motion> {
             let (mut last, mut speed) = (still, Vector3::zeros());
             for cloud in clouds {
                 let guess = Rigid { translation: last.translation + speed, ..last };
-                let own = own(templates, template, cloud, &guess);
+                let own = points_of_hand(templates, template, cloud, &guess);
                 // After a halt the guess from its speed is the worse one.
                 let found = template.pose(&own, &guess).or_else(|| template.pose(&own, &last));
                 let pose = found.map(|(pose, distances)| {
@@ -275,14 +279,19 @@ fn follow(templates: &[Template], clouds: &[Vec<Point>]) -> Vec<Motion> {
         .collect()
 }
 
-/// A frame's points that may be this hand's: all of one hand, or those near it.
-fn own(templates: &[Template], template: &Template, cloud: &[Point], guess: &Rigid) -> Vec<Point> {
+/// A frame's points that may be this hand's: all if there is one hand, else those near it.
+fn points_of_hand(
+    templates: &[Template],
+    template: &Template,
+    cloud: &[Point],
+    guess: &Rigid,
+) -> Vec<Point> {
     let back = guess.inverse();
     let near = |p: &Point| {
-        templates.len() == 1 || template.grid.closest(back.apply(*p), REACH_M).is_some()
+        templates.len() == 1 || template.grid.closest(back.apply(*p), MAX_DISTANCE_M).is_some()
     };
     let own: Vec<Point> = cloud.iter().copied().filter(near).collect();
-    let stride = own.len().div_ceil(MOST_POINTS).max(1);
+    let stride = own.len().div_ceil(MAX_POINTS).max(1);
     own.into_iter().step_by(stride).collect()
 }
 

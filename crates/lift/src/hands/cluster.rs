@@ -1,11 +1,12 @@
-//! Which tracks are of one hand: those that are near each other and stay so.
+//! Grouping of tracks into hands: tracks of one hand are near each other and stay so.
 
 use bendtwin_core::settings::ingest::ControlSettings;
 
 use crate::{grid::Grid, rigid::distance, tracks::Tracks};
 
-/// Two tracks of one hand do not move against each other by more than this share of the gap between its parts.
-const LOOSE: f64 = 0.6;
+/// Largest change of the distance between two tracks of one hand, as a share of the gap between its
+/// parts.
+const MAX_STRETCH: f64 = 0.6;
 
 /// Groups of tracks, the largest first; within a group in the order of the tracks.
 pub(super) fn clusters(tracks: &Tracks, settings: &ControlSettings) -> Vec<Vec<usize>> {
@@ -14,7 +15,7 @@ pub(super) fn clusters(tracks: &Tracks, settings: &ControlSettings) -> Vec<Vec<u
     for i in 0..tracks.count {
         for (_, j) in grid.within(tracks.at(0, i), settings.hand_gap_m) {
             let (a, b) = (root(&mut parent, i), root(&mut parent, j));
-            if a != b && stay_together(tracks, i, j, LOOSE * settings.hand_gap_m) {
+            if a != b && stay_together(tracks, i, j, MAX_STRETCH * settings.hand_gap_m) {
                 parent[a.max(b)] = a.min(b);
             }
         }
@@ -37,15 +38,15 @@ fn root(parent: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-/// Whether the distance of two tracks stays what it was, but for a tenth of the frames.
-fn stay_together(tracks: &Tracks, i: usize, j: usize, loose_m: f64) -> bool {
+/// True if the distance of two tracks stays what it was, except in a tenth of the frames.
+fn stay_together(tracks: &Tracks, i: usize, j: usize, max_stretch_m: f64) -> bool {
     let start = distance(tracks.at(0, i), tracks.at(0, j));
     let both = (0..tracks.frames).filter(|f| tracks.is_seen(*f, i) && tracks.is_seen(*f, j));
     let (mut shared, mut apart) = (0, 0);
     for frame in both {
         shared += 1;
         let now = distance(tracks.at(frame, i), tracks.at(frame, j));
-        apart += usize::from((now - start).abs() > loose_m);
+        apart += usize::from((now - start).abs() > max_stretch_m);
     }
     10 * apart <= shared
 }

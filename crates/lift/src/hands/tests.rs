@@ -88,7 +88,7 @@ fn a_hand_that_opens_is_not_smoothed() {
 }
 
 #[test]
-fn too_few_or_too_many_hands_are_told() {
+fn too_few_or_too_many_hands_are_reported() {
     let tracks = pair(0.2, 5);
     let few = tracks.select(&[0, 1, 14]);
     let error = controls(&few, &ControlSettings::default()).err().unwrap();

@@ -1,9 +1,9 @@
-//! From what all units saw to one capture.
+//! Assembly of one capture from the results of all units.
 
-use bendtwin_capture::{Finding, Severity};
 use bendtwin_core::{
     CancelToken, Capture, Sequence, capture::Object, settings::ingest::IngestSettings,
 };
+use bendtwin_core::{Finding, Severity};
 use bendtwin_flow::Texture;
 
 use super::{
@@ -16,20 +16,20 @@ use crate::{
     complete::{Shape, complete},
     error::check,
     evidence::TrackEvidence,
-    hands::{self, LEAST_TRACKS},
+    hands::{self, MIN_TRACKS},
     motion,
     shape::shape,
-    survey::Sight,
+    survey::TrackLabel,
     thin::one_per_spot,
     tracks::Tracks,
 };
 
-/// Makes the capture, and tells how it came about.
+/// Makes the capture and its evidence.
 pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Observation, Error> {
     let Assembly { recording, settings, .. } = *from;
     let mut evidence = Evidence { cameras: from.cameras(), ..Evidence::default() };
-    let mut object = from.gather(Sight::Object);
-    let hand = from.gather(Sight::Manipulator);
+    let mut object = from.gather(TrackLabel::Object);
+    let hand = from.gather(TrackLabel::Manipulator);
     refuse_nothing(&evidence, from.tracks, &object)?;
     check(cancel)?;
 
@@ -37,21 +37,21 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
         if let Some(t) =
             camera.tracker.as_ref().filter(|t| matches!(t.verdict, Texture::Poor | Texture::None))
         {
-            evidence.findings.push(Finding {
-                severity: Severity::Warning,
-                code: "POOR_TEXTURE".to_owned(),
-                message: t.summary.clone(),
-            });
+            evidence.findings.push(Finding::from_sentence(
+                Severity::Warning,
+                "POOR_TEXTURE",
+                t.summary.clone(),
+            ));
         }
     }
-    let (mut kept, valid) = believe(&mut object, settings, &mut evidence.tracks, cancel)?;
+    let (mut kept, valid) = filter_tracks(&mut object, settings, &mut evidence.tracks, cancel)?;
     refuse_lost(recording, &kept, &mut evidence.findings)?;
     check(cancel)?;
 
     let mut controls = Vec::new();
     let shown: u64 = evidence.cameras.iter().map(|c| c.manipulator.kept).sum();
     if shown > 0 {
-        let made = if hand.count >= LEAST_TRACKS {
+        let made = if hand.count >= MIN_TRACKS {
             hands::controls(&hand, &settings.controls)?
         } else {
             hands::cloud::controls(&from.hands(), hand.count, &settings.controls)?
@@ -60,22 +60,17 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
         evidence.hands = made.hands;
         evidence.findings.extend(made.findings);
     } else {
-        evidence.findings.push(Finding {
-            severity: Severity::Warning,
-            code: "NO_HAND".to_owned(),
-            message: "no mask shows a hand or gripper, so nothing moves the object but gravity: add masks of what \
-                      holds it"
-                .to_owned(),
-        });
+        evidence.findings.push(Finding::from_sentence(Severity::Warning, "NO_HAND", "no mask shows a hand or gripper, so nothing moves the object but gravity: add masks of what \
+                      holds it"));
     }
     check(cancel)?;
     let observed = from.surface();
     let shape = match shape(recording, &observed, settings, &mut evidence.findings)? {
         None => Shape::default(),
-        Some((shape, mut told)) => {
+        Some((shape, mut made)) => {
             let shape = complete(kept.points_at(0), &shape, &settings.completion);
-            (told.surface, told.interior) = (shape.surface.len(), shape.interior.len());
-            evidence.shape = Some(told);
+            (made.surface, made.interior) = (shape.surface.len(), shape.interior.len());
+            evidence.shape = Some(made);
             shape
         }
     };
@@ -109,26 +104,26 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
     Ok(Observation { capture, evidence })
 }
 
-/// The tracks that are believed, one for each spot, and whether their motions are valid, shape [T, N].
-fn believe(
+/// The reliable tracks, one for each spot, and the validity of their motions, shape [T, N].
+fn filter_tracks(
     object: &mut Tracks,
     settings: &IngestSettings,
     evidence: &mut TrackEvidence,
     cancel: &CancelToken,
 ) -> Result<(Tracks, Vec<bool>), Error> {
     let before = object.survival();
-    let verdict = motion::judge(object, &settings.motion, cancel)?;
-    let steady: Vec<usize> =
-        (0..object.count).filter(|i| 2 * verdict.drifts[*i] <= before[*i]).collect();
+    let checked = motion::check_motion(object, &settings.motion, cancel)?;
+    let reliable: Vec<usize> =
+        (0..object.count).filter(|i| 2 * checked.drifts[*i] <= before[*i]).collect();
     let survival = object.survival();
-    let worth: Vec<usize> = steady.iter().map(|i| survival[*i]).collect();
-    let candidates = object.select(&steady);
-    let spots = one_per_spot(&candidates, &worth, settings.spacing_m);
-    let kept: Vec<usize> = spots.iter().map(|i| steady[*i]).collect();
+    let lengths: Vec<usize> = reliable.iter().map(|i| survival[*i]).collect();
+    let candidates = object.select(&reliable);
+    let spots = one_per_spot(&candidates, &lengths, settings.spacing_m);
+    let kept: Vec<usize> = spots.iter().map(|i| reliable[*i]).collect();
 
     let valid: Vec<bool> = (0..object.frames)
         .flat_map(|f| kept.iter().map(move |i| (f, i)))
-        .map(|(f, i)| verdict.valid[f * object.count + i])
+        .map(|(f, i)| checked.valid[f * object.count + i])
         .collect();
     let count = kept.len();
     let share =
@@ -137,14 +132,14 @@ fn believe(
     let kept = object.select(&kept);
     *evidence = TrackEvidence {
         on_object: object.count,
-        unreliable: object.count - steady.len(),
-        thinned: steady.len() - count,
+        unreliable: object.count - reliable.len(),
+        thinned: reliable.len() - count,
         kept: count,
         seen: kept.seen.chunks(count.max(1)).map(share).collect(),
         motion_valid: valid.chunks(count.max(1)).map(share).collect(),
-        drifted: ratio(verdict.drifted, verdict.seen),
-        unconfirmed: ratio(verdict.unconfirmed, verdict.moved),
-        motion_residual_m: verdict.residual_m,
+        drifted: ratio(checked.drifted, checked.seen),
+        unconfirmed: ratio(checked.unconfirmed, checked.moved),
+        motion_residual_m: checked.residual_m,
     };
     Ok((kept, valid))
 }

@@ -1,11 +1,11 @@
-//! What has to be true of a recording before its frames are read.
+//! Checks of a recording before its frames are read.
 
 use bendtwin_capture::raw::{Camera, Recording, Tracks};
 
 use crate::Error;
 
 /// Most tracks times frames; an ingest holds a few dozen bytes for each.
-const MAX_SIGHTINGS: usize = 12_000_000;
+const MAX_TRACK_POINTS: usize = 12_000_000;
 /// Most tracks.
 const MAX_TRACKS: usize = 100_000;
 /// Most pixels of an image.
@@ -91,7 +91,7 @@ pub(super) fn examine_tracks(
             )));
         }
     }
-    if total > MAX_TRACKS || total.saturating_mul(frames) > MAX_SIGHTINGS {
+    if total > MAX_TRACKS || total.saturating_mul(frames) > MAX_TRACK_POINTS {
         return Err(Error::TooManyTracks { tracks: total, frames });
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! What all units saw, put together by camera, track and frame.
+//! The results of all units, put together by camera, track and frame.
 
 use bendtwin_capture::raw::{self, Recording};
 use bendtwin_core::{Point, settings::ingest::IngestSettings};
@@ -6,7 +6,7 @@ use bendtwin_core::{Point, settings::ingest::IngestSettings};
 use crate::{
     checkpoint::Checkpoint,
     evidence::CameraEvidence,
-    survey::{Sight, Surveyed, Unit},
+    survey::{Surveyed, TrackLabel, Unit},
     tracks::Tracks,
 };
 
@@ -16,7 +16,7 @@ pub(super) struct Assembly<'a> {
     pub(super) settings: &'a IngestSettings,
     /// Of every camera.
     pub(super) tracks: &'a [raw::Tracks],
-    /// Whether the built-in tracker made them, by camera.
+    /// True if the built-in tracker made them, by camera.
     pub(super) made_here: &'a [bool],
     pub(super) units: &'a [Unit],
     pub(super) done: &'a Checkpoint,
@@ -28,12 +28,12 @@ impl Assembly<'_> {
     }
 
     /// All cameras' tracks that show `what` in the first frame.
-    pub(super) fn gather(&self, what: Sight) -> Tracks {
+    pub(super) fn gather(&self, what: TrackLabel) -> Tracks {
         let Self { recording, tracks, .. } = *self;
         let mut columns: Vec<Vec<usize>> = vec![Vec::new(); tracks.len()];
         let mut colors = Vec::new();
         for (unit, surveyed) in self.surveyed().filter(|(u, _)| u.first == 0) {
-            let first = surveyed.sights.iter().take(tracks[unit.camera].count);
+            let first = surveyed.labels.iter().take(tracks[unit.camera].count);
             for (track, _) in first.enumerate().filter(|(_, s)| **s == what) {
                 columns[unit.camera].push(track);
                 colors.push(surveyed.colors.get(track).copied().unwrap_or([0.5; 3]));
@@ -55,7 +55,7 @@ impl Assembly<'_> {
                 for (i, track) in columns[unit.camera].iter().enumerate() {
                     let from = (frame - unit.first) * width + track;
                     let to = frame * count + offsets[unit.camera] + i;
-                    if surveyed.sights.get(from) == Some(&what) {
+                    if surveyed.labels.get(from) == Some(&what) {
                         points[to] = surveyed.points[from];
                         seen[to] = true;
                     }
@@ -65,7 +65,7 @@ impl Assembly<'_> {
         Tracks { count, frames, points, seen, colors }
     }
 
-    /// What was counted, by camera.
+    /// The counts by camera.
     pub(super) fn cameras(&self) -> Vec<CameraEvidence> {
         let start = self.recording.cameras.iter().zip(self.tracks).zip(self.made_here);
         let mut cameras: Vec<CameraEvidence> = start
@@ -93,7 +93,7 @@ impl Assembly<'_> {
         first.flat_map(|(_, s)| s.surface.iter().copied()).collect()
     }
 
-    /// What all cameras see of hands, by frame [m].
+    /// Points of the hands that all cameras see, by frame [m].
     pub(super) fn hands(&self) -> Vec<Vec<Point>> {
         let mut clouds = vec![Vec::new(); self.recording.frame_count];
         for (unit, surveyed) in self.surveyed() {

@@ -1,16 +1,15 @@
-//! What makes a capture impossible although every frame could be read.
+//! Errors of recordings that cannot be lifted although every frame could be read.
 
-use bendtwin_capture::{
-    Finding, Severity,
-    raw::{self, Recording},
-};
+use bendtwin_capture::raw::{self, Recording};
+
+use bendtwin_core::{Finding, Severity};
 
 use crate::{Error, Evidence, evidence::CameraEvidence, tracks::Tracks};
 
-/// A frame with fewer points of the object is lost.
-const FEWEST_POINTS: usize = 3;
+/// Least points of the object in a frame; with fewer, the object is lost.
+const MIN_POINTS: usize = 3;
 
-/// Fails if there is no object, or nobody tracked it.
+/// Fails if there is no object, or no track on it.
 pub(super) fn refuse_nothing(
     evidence: &Evidence,
     tracks: &[raw::Tracks],
@@ -65,19 +64,15 @@ pub(super) fn refuse_lost(
     findings: &mut Vec<Finding>,
 ) -> Result<(), Error> {
     let seen = |f: usize| kept.seen_at(f).iter().filter(|s| **s).count();
-    let lost = (0..kept.frames).rev().take_while(|f| seen(*f) < FEWEST_POINTS).count();
+    let lost = (0..kept.frames).rev().take_while(|f| seen(*f) < MIN_POINTS).count();
     let frame = kept.frames - lost;
     if lost > 0 && frame < recording.train_frame_count {
         return Err(Error::TracksLost { tracks: kept.count, seen: seen(frame), frame });
     }
     if lost > 0 {
-        findings.push(Finding {
-            severity: Severity::Warning,
-            code: "TRACKS_LOST".to_owned(),
-            message: format!(
+        findings.push(Finding::from_sentence(Severity::Warning, "TRACKS_LOST", format!(
                 "hardly any track on the object is seen from frame {frame} on: the future is judged by the frames before"
-            ),
-        });
+            )));
     }
     Ok(())
 }

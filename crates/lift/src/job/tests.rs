@@ -5,28 +5,28 @@ use super::*;
 use crate::{
     rigid::distance,
     score,
-    testing::{Story, hand_middle, place, point},
+    testing::{TestScene, hand_middle, place, point},
 };
 
-fn run(story: Story) -> Result<Observation, Error> {
-    let recording = story.recording();
+fn run(scene: TestScene) -> Result<Observation, Error> {
+    let recording = scene.recording();
     lift(&recording, &IngestSettings::default(), None, &mut (), &CancelToken::default())
 }
 
-/// Keeps the checkpoints, and gives up after so many.
-struct Keeper {
+/// An observer that keeps checkpoints, and fails after so many.
+struct CheckpointRecorder {
     kept: Vec<Vec<u8>>,
     most: usize,
     fractions: Vec<f64>,
 }
 
-impl Keeper {
+impl CheckpointRecorder {
     fn new(most: usize) -> Self {
         Self { kept: Vec::new(), most, fractions: Vec::new() }
     }
 }
 
-impl Observer<Progress> for Keeper {
+impl Observer<Progress> for CheckpointRecorder {
     fn progress(&mut self, progress: Progress) {
         self.fractions.push(progress.fraction);
     }
@@ -42,7 +42,7 @@ impl Observer<Progress> for Keeper {
 
 #[test]
 fn a_ball_is_lifted_to_where_it_is() {
-    let observation = run(Story::default()).unwrap();
+    let observation = run(TestScene::default()).unwrap();
     let sequence = &observation.capture.sequences[0];
     let score = score(sequence).unwrap();
     assert!(score.points > 400, "{score:?}");
@@ -67,7 +67,7 @@ fn a_ball_is_lifted_to_where_it_is() {
 
 #[test]
 fn the_hand_becomes_control_points_that_move_as_it_does() {
-    let observation = run(Story::default()).unwrap();
+    let observation = run(TestScene::default()).unwrap();
     let sequence = &observation.capture.sequences[0];
     assert_eq!(sequence.control_count(), 30);
     let hand = &observation.evidence.hands[0];
@@ -85,63 +85,63 @@ fn the_hand_becomes_control_points_that_move_as_it_does() {
 fn distortion_moving_cameras_and_missing_frames_are_taken_into_account() {
     let wide = Distortion::BrownConrady([-0.2, 0.05, 1e-3, -1e-3, 0.0, 0.0, 0.0, 0.0]);
     let fisheye = Distortion::KannalaBrandt([0.05, -0.01, 0.0, 0.0]);
-    for story in [
-        Story { distortion: wide, frames: 3, ..Story::default() },
-        Story { distortion: fisheye, frames: 3, ..Story::default() },
-        Story { moving: true, frames: 6, ..Story::default() },
-        Story { missing: vec![(0, 3), (1, 3), (1, 4)], ..Story::default() },
-        Story { cameras: 1, ..Story::default() },
-        Story { cameras: 4, frames: 4, ..Story::default() },
+    for scene in [
+        TestScene { distortion: wide, frames: 3, ..TestScene::default() },
+        TestScene { distortion: fisheye, frames: 3, ..TestScene::default() },
+        TestScene { moving: true, frames: 6, ..TestScene::default() },
+        TestScene { missing: vec![(0, 3), (1, 3), (1, 4)], ..TestScene::default() },
+        TestScene { cameras: 1, ..TestScene::default() },
+        TestScene { cameras: 4, frames: 4, ..TestScene::default() },
     ] {
-        let observation = run(story.clone()).unwrap();
+        let observation = run(scene.clone()).unwrap();
         let sequence = &observation.capture.sequences[0];
         let score = score(sequence).unwrap();
-        assert!(score.points > 200, "{story:?}: {score:?}");
+        assert!(score.points > 200, "{scene:?}: {score:?}");
         for frame in 0..sequence.frame_count {
             let middle = point(place(frame, nalgebra::Vector3::zeros()));
             let seen = sequence.points_at(frame).iter().zip(sequence.visible_at(frame));
             for (p, _) in seen.filter(|(_, v)| **v) {
                 let off = (distance(*p, middle) - crate::testing::BALL_M).abs();
-                assert!(off < 4e-3, "{story:?} frame {frame}: {off}");
+                assert!(off < 4e-3, "{scene:?} frame {frame}: {off}");
             }
         }
         let missing = observation.evidence.cameras.iter().map(|c| c.missing_frames).sum::<usize>();
-        assert_eq!(missing, story.missing.len());
+        assert_eq!(missing, scene.missing.len());
     }
 }
 
 #[test]
 fn a_track_that_slips_is_found_out() {
-    let story = Story { slipping: Some((10, 1.5)), ..Story::default() };
-    let observation = run(story).unwrap();
+    let scene = TestScene { slipping: Some((10, 1.5)), ..TestScene::default() };
+    let observation = run(scene).unwrap();
     let evidence = &observation.evidence.tracks;
     assert!(evidence.unconfirmed > 0.008 && evidence.drifted > 0.02, "{evidence:?}");
-    let straight = run(Story::default()).unwrap().evidence.tracks;
+    let straight = run(TestScene::default()).unwrap().evidence.tracks;
     assert!(straight.unconfirmed < 0.005 && straight.drifted < 0.002, "{straight:?}");
 }
 
 #[test]
 fn it_goes_on_from_any_checkpoint_to_the_same_observation() {
-    let story = || Story { frames: 40, ..Story::default() }.recording();
+    let scene = || TestScene { frames: 40, ..TestScene::default() }.recording();
     let settings = IngestSettings::default();
     let cancel = CancelToken::default();
-    let mut keeper = Keeper::new(usize::MAX);
-    let whole = lift(&story(), &settings, None, &mut keeper, &cancel).unwrap();
-    assert!(keeper.kept.len() > 1);
-    assert!(keeper.fractions.is_sorted());
-    assert_eq!(keeper.fractions.last(), Some(&1.0));
+    let mut recorder = CheckpointRecorder::new(usize::MAX);
+    let whole = lift(&scene(), &settings, None, &mut recorder, &cancel).unwrap();
+    assert!(recorder.kept.len() > 1);
+    assert!(recorder.fractions.is_sorted());
+    assert_eq!(recorder.fractions.last(), Some(&1.0));
     for most in [0, 1] {
-        let mut stopped = Keeper::new(most);
-        let error = lift(&story(), &settings, None, &mut stopped, &cancel).unwrap_err();
+        let mut stopped = CheckpointRecorder::new(most);
+        let error = lift(&scene(), &settings, None, &mut stopped, &cancel).unwrap_err();
         assert_eq!(error.reason(), "CHECKPOINT_NOT_KEPT");
         let from = stopped.kept.last().map(Vec::as_slice);
-        assert_eq!(lift(&story(), &settings, from, &mut (), &cancel).unwrap(), whole);
+        assert_eq!(lift(&scene(), &settings, from, &mut (), &cancel).unwrap(), whole);
     }
-    let last = keeper.kept.last().unwrap();
+    let last = recorder.kept.last().unwrap();
     let other = IngestSettings { spacing_m: 0.004, ..settings.clone() };
-    let error = lift(&story(), &other, Some(last), &mut (), &cancel).unwrap_err();
+    let error = lift(&scene(), &other, Some(last), &mut (), &cancel).unwrap_err();
     assert_eq!(error.reason(), "CHECKPOINT_OF_ANOTHER_INGEST");
-    let error = lift(&story(), &settings, Some(&last[..40]), &mut (), &cancel).unwrap_err();
+    let error = lift(&scene(), &settings, Some(&last[..40]), &mut (), &cancel).unwrap_err();
     assert_eq!(error.reason(), "CHECKPOINT_UNREADABLE");
 }
 
@@ -149,38 +149,38 @@ fn it_goes_on_from_any_checkpoint_to_the_same_observation() {
 fn the_number_of_threads_changes_nothing() {
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| run(Story { frames: 20, ..Story::default() }).unwrap())
+        pool.install(|| run(TestScene { frames: 20, ..TestScene::default() }).unwrap())
     };
     assert_eq!(on(1), on(3));
 }
 
 #[test]
-fn what_cannot_be_lifted_is_said_in_words() {
-    let reason = |story: Story| run(story).unwrap_err().reason();
-    assert_eq!(reason(Story { masks: false, ..Story::default() }), "OBJECT_NOT_SEEN");
+fn errors_name_what_cannot_be_lifted() {
+    let reason = |scene: TestScene| run(scene).unwrap_err().reason();
+    assert_eq!(reason(TestScene { masks: false, ..TestScene::default() }), "OBJECT_NOT_SEEN");
     let none = (0..12).flat_map(|f| [(0, f), (1, f)]).collect();
-    assert_eq!(reason(Story { missing: none, ..Story::default() }), "OBJECT_NOT_SEEN");
+    assert_eq!(reason(TestScene { missing: none, ..TestScene::default() }), "OBJECT_NOT_SEEN");
     assert_eq!(
-        reason(Story { missing: vec![(0, 0), (1, 0)], ..Story::default() }),
+        reason(TestScene { missing: vec![(0, 0), (1, 0)], ..TestScene::default() }),
         "OBJECT_NOT_TRACKED"
     );
 
-    let long = Story { hand_hidden: 4..10, ..Story::default() };
+    let long = TestScene { hand_hidden: 4..10, ..TestScene::default() };
     let error = run(long).unwrap_err();
     assert_eq!(error.reason(), "HAND_LOST");
     assert!(error.to_string().contains("from frame 4 to 9"), "{error}");
     let lost = (4..12).flat_map(|f| [(0, f), (1, f)]).collect();
-    assert_eq!(reason(Story { missing: lost, ..Story::default() }), "TRACKS_LOST");
+    assert_eq!(reason(TestScene { missing: lost, ..TestScene::default() }), "TRACKS_LOST");
     let stopped = CancelToken::default();
     stopped.cancel();
-    let recording = Story::default().recording();
+    let recording = TestScene::default().recording();
     let error = lift(&recording, &IngestSettings::default(), None, &mut (), &stopped).unwrap_err();
     assert_eq!(error.reason(), "CANCELLED");
 }
 
 #[test]
-fn short_gaps_of_the_hand_are_filled_and_none_is_told() {
-    let observation = run(Story { hand_hidden: 4..8, ..Story::default() }).unwrap();
+fn short_gaps_of_the_hand_are_filled_and_a_missing_hand_is_reported() {
+    let observation = run(TestScene { hand_hidden: 4..8, ..TestScene::default() }).unwrap();
     let hand = &observation.evidence.hands[0];
     assert_eq!(hand.filled_frames, 4);
     let sequence = &observation.capture.sequences[0];
@@ -188,7 +188,7 @@ fn short_gaps_of_the_hand_are_filled_and_none_is_told() {
     for p in sequence.controls_at(6) {
         assert!((distance(*p, middle) - crate::testing::HAND_M).abs() < 2e-3);
     }
-    let alone = run(Story { hand: false, ..Story::default() }).unwrap();
+    let alone = run(TestScene { hand: false, ..TestScene::default() }).unwrap();
     assert_eq!(alone.capture.sequences[0].control_count(), 0);
     assert!(alone.evidence.findings.iter().any(|f| f.code == "NO_HAND"));
 }
@@ -196,7 +196,7 @@ fn short_gaps_of_the_hand_are_filled_and_none_is_told() {
 #[test]
 fn recordings_that_contradict_themselves_are_refused() {
     let refused = |change: fn(&mut bendtwin_capture::raw::Recording)| {
-        let mut recording = Story::default().recording();
+        let mut recording = TestScene::default().recording();
         change(&mut recording);
         let settings = IngestSettings::default();
         let error = lift(&recording, &settings, None, &mut (), &CancelToken::default());
@@ -217,7 +217,7 @@ fn recordings_that_contradict_themselves_are_refused() {
 
 #[test]
 fn a_hand_without_tracks_is_followed_by_its_shape() {
-    let observation = run(Story { hand_hidden: 0..12, ..Story::default() }).unwrap();
+    let observation = run(TestScene { hand_hidden: 0..12, ..TestScene::default() }).unwrap();
     let sequence = &observation.capture.sequences[0];
     assert!(observation.evidence.hands[0].by_shape);
     for frame in 0..sequence.frame_count {
@@ -231,11 +231,11 @@ fn a_hand_without_tracks_is_followed_by_its_shape() {
 
 #[test]
 fn without_tracks_the_built_in_tracker_makes_them_once() {
-    let story = || Story { tracked: false, frames: 5, ..Story::default() }.recording();
+    let scene = || TestScene { tracked: false, frames: 5, ..TestScene::default() }.recording();
     let (settings, cancel) = (IngestSettings::default(), CancelToken::default());
-    let mut keeper = Keeper::new(usize::MAX);
-    let whole = lift(&story(), &settings, None, &mut keeper, &cancel).unwrap();
-    assert!(keeper.fractions.is_sorted());
+    let mut recorder = CheckpointRecorder::new(usize::MAX);
+    let whole = lift(&scene(), &settings, None, &mut recorder, &cancel).unwrap();
+    assert!(recorder.fractions.is_sorted());
     assert!(whole.evidence.cameras.iter().all(|c| c.tracker.is_some() && c.tracks > 50));
     let sequence = &whole.capture.sequences[0];
     assert!(whole.capture.object.point_count > 100);
@@ -246,8 +246,8 @@ fn without_tracks_the_built_in_tracker_makes_them_once() {
             assert!((distance(*p, middle) - crate::testing::BALL_M).abs() < 4e-3);
         }
     }
-    let from = keeper.kept.first().map(Vec::as_slice);
-    let mut again = Keeper::new(usize::MAX);
-    assert_eq!(lift(&story(), &settings, from, &mut again, &cancel).unwrap(), whole);
+    let from = recorder.kept.first().map(Vec::as_slice);
+    let mut again = CheckpointRecorder::new(usize::MAX);
+    assert_eq!(lift(&scene(), &settings, from, &mut again, &cancel).unwrap(), whole);
     assert!(again.fractions[0] > TRACKED, "what was tracked is not tracked again");
 }

@@ -12,7 +12,7 @@ fn image<P: Copy>(pixel: impl Fn(usize, usize) -> P) -> Image<P> {
 }
 
 fn at(depth: &DepthImage, labels: &Image<Label>, pixel: [f32; 2]) -> Result<(Label, f64), Miss> {
-    let scene = Scene {
+    let scene = LabelledDepth {
         depth,
         labels,
         intrinsics: &CAMERA,

@@ -19,9 +19,10 @@ fn sheet(frames: usize) -> Tracks {
 }
 
 #[test]
-fn a_sheet_that_turns_is_believed() {
+fn a_sheet_that_turns_is_valid() {
     let mut tracks = sheet(20);
-    let verdict = judge(&mut tracks, &MotionSettings::default(), &CancelToken::default()).unwrap();
+    let verdict =
+        check_motion(&mut tracks, &MotionSettings::default(), &CancelToken::default()).unwrap();
     assert_eq!((verdict.drifted, verdict.unconfirmed, verdict.moved), (0, 0, 1900));
     assert!(verdict.valid[..100].iter().all(|v| !v) && verdict.valid[100..].iter().all(|v| *v));
     assert!(verdict.residual_m < 1e-5);
@@ -35,7 +36,8 @@ fn a_jump_is_not_valid_and_a_slip_is_not_seen() {
     for frame in 0..20 {
         tracks.points[frame * 100 + 77][0] += 0.001 * frame as f32;
     }
-    let verdict = judge(&mut tracks, &MotionSettings::default(), &CancelToken::default()).unwrap();
+    let verdict =
+        check_motion(&mut tracks, &MotionSettings::default(), &CancelToken::default()).unwrap();
     let valid = |frame: usize, i: usize| verdict.valid[frame * 100 + i];
     assert!(valid(9, 44) && !valid(10, 44) && !valid(11, 44) && valid(12, 44));
     assert!(tracks.is_seen(10, 44), "8 mm may be a deformation");
@@ -47,6 +49,6 @@ fn a_jump_is_not_valid_and_a_slip_is_not_seen() {
 fn without_neighbours_nothing_is_confirmed() {
     let mut tracks = sheet(3);
     let narrow = MotionSettings { radius_m: 0.001, ..MotionSettings::default() };
-    let verdict = judge(&mut tracks, &narrow, &CancelToken::default()).unwrap();
+    let verdict = check_motion(&mut tracks, &narrow, &CancelToken::default()).unwrap();
     assert_eq!((verdict.drifted, verdict.unconfirmed, verdict.moved), (0, 200, 200));
 }

@@ -1,8 +1,8 @@
-use bendtwin_capture::Severity;
+use bendtwin_core::Severity;
 use nalgebra::{Rotation3, Vector3};
 
 use super::*;
-use crate::testing::{BALL_M, Story, place, point, sphere};
+use crate::testing::{BALL_M, TestScene, place, point, sphere};
 
 /// A ball of radius 1 as an OBJ.
 fn ball() -> Vec<u8> {
@@ -40,7 +40,7 @@ fn made(
     settings: &IngestSettings,
     bytes: Vec<u8>,
 ) -> (Made, Vec<Finding>) {
-    let mut recording = Story::default().recording();
+    let mut recording = TestScene::default().recording();
     recording.mesh = Some(MeshFile { name: "ball.obj".to_owned(), bytes, to_world });
     let mut findings = Vec::new();
     (shape(&recording, &observed(), settings, &mut findings), findings)
@@ -74,7 +74,7 @@ fn a_mesh_completes_the_ball() {
 }
 
 #[test]
-fn a_mesh_that_does_not_fit_is_left_out_and_told() {
+fn a_mesh_that_does_not_fit_is_left_out_with_a_finding() {
     let settings = IngestSettings::default();
     // In centimetres, and on its own without alignment.
     let (result, findings) = made(given(100.0 * BALL_M as f32), &settings, ball());
@@ -96,7 +96,7 @@ fn a_mesh_that_does_not_fit_is_left_out_and_told() {
 
 #[test]
 fn without_a_mesh_the_inside_is_a_guess_for_those_who_ask() {
-    let recording = Story::default().recording();
+    let recording = TestScene::default().recording();
     let mut findings = Vec::new();
     let settings = IngestSettings::default();
     assert_eq!(shape(&recording, &observed(), &settings, &mut findings).unwrap(), None);

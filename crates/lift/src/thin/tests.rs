@@ -18,5 +18,5 @@ fn the_farthest_points_come_first() {
     assert_eq!(farthest_first(&line(11, 0.1), 3), [0, 10, 5]);
     assert_eq!(farthest_first(&line(2, 0.1), 5).len(), 2);
     assert!(farthest_first(&[], 5).is_empty());
-    assert_eq!(farthest_first(&[[1.0; 3]; 4], 3), [0, 1, 2], "equal points are told apart");
+    assert_eq!(farthest_first(&[[1.0; 3]; 4], 3), [0, 1, 2], "equal points are distinguished");
 }

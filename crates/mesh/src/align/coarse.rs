@@ -1,29 +1,31 @@
-//! Closest points to closest points, on few points, to tell hopeless starts from others.
+//! The coarse stage of alignment: iterative closest points on few points, to separate promising
+//! starts from hopeless ones.
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use crate::{Similarity, Vec3, cloud::Cloud};
 
-/// Steps of every start, and of those that are not hopeless after them.
+/// Steps of evenly_taken start.
 const FIRST_STEPS: usize = 4;
-const MORE_STEPS: usize = 10;
-/// Share of the starts that go on.
-const PROMISING: f64 = 0.25;
-/// Observed points and samples of the mesh that are asked.
-const ASKED: usize = 120;
-/// The farthest observed points are taken for outliers.
-const TRUSTED: f64 = 0.85;
-/// Share of the mesh that is taken to have been seen.
-const SEEN: f64 = 0.5;
+/// Further steps of the promising starts.
+const FURTHER_STEPS: usize = 10;
+/// Share of the starts that are promising.
+const PROMISING_SHARE: f64 = 0.25;
+/// Observed points, and samples of the mesh, that are used.
+const MAX_POINTS: usize = 120;
+/// Share of the observed points, the nearest to the mesh, that are inliers.
+const INLIER_SHARE: f64 = 0.85;
+/// Share of the mesh, the nearest to the observed points, that is taken to have been observed.
+const OBSERVED_SHARE: f64 = 0.5;
 
 /// A start after some steps.
-struct Tried {
+struct Candidate {
     similarity: Similarity,
     score: f64,
 }
 
-/// A point of the mesh, in its own frame, and the observed point where it shall be.
+/// A point of the mesh, in its own frame, and the observed point that it should be moved to.
 #[derive(Clone, Copy)]
 pub(super) struct Pair {
     pub(super) mesh: Vec3,
@@ -32,59 +34,59 @@ pub(super) struct Pair {
     pub(super) square: f64,
 }
 
-/// The best `count` ends of all starts, the best first.
+/// The best `count` results of all starts, the best first.
 pub(super) fn search(
     starts: Vec<Similarity>,
     surface: &Cloud,
     cloud: &Cloud,
     count: usize,
 ) -> Vec<Similarity> {
-    let improve_all = |starts: Vec<Similarity>, steps| -> Vec<Tried> {
-        let mut tried: Vec<Tried> =
+    let improve_all = |starts: Vec<Similarity>, steps| -> Vec<Candidate> {
+        let mut candidates: Vec<Candidate> =
             starts.into_par_iter().map(|s| improve(s, surface, cloud, steps)).collect();
-        tried.retain(|t| t.score.is_finite());
-        tried.sort_by(|a, b| a.score.total_cmp(&b.score));
-        tried
+        candidates.retain(|t| t.score.is_finite());
+        candidates.sort_by(|a, b| a.score.total_cmp(&b.score));
+        candidates
     };
-    let mut tried = improve_all(starts, FIRST_STEPS);
-    tried.truncate((tried.len() as f64 * PROMISING).ceil() as usize);
-    let promising = tried.into_iter().map(|t| t.similarity).collect();
-    different(improve_all(promising, MORE_STEPS), count)
+    let mut candidates = improve_all(starts, FIRST_STEPS);
+    candidates.truncate((candidates.len() as f64 * PROMISING_SHARE).ceil() as usize);
+    let promising = candidates.into_iter().map(|t| t.similarity).collect();
+    distinct(improve_all(promising, FURTHER_STEPS), count)
 }
 
-fn improve(start: Similarity, surface: &Cloud, cloud: &Cloud, steps: usize) -> Tried {
-    let asked = every(&cloud.points, ASKED);
-    let samples = every(&surface.points, ASKED);
-    let mut tried = Tried { similarity: start, score: f64::INFINITY };
+fn improve(start: Similarity, surface: &Cloud, cloud: &Cloud, steps: usize) -> Candidate {
+    let points = evenly_taken(&cloud.points, MAX_POINTS);
+    let samples = evenly_taken(&surface.points, MAX_POINTS);
+    let mut candidate = Candidate { similarity: start, score: f64::INFINITY };
     for step in 0..=steps {
-        let at = tried.similarity;
-        let forward = asked.iter().map(|o| {
-            let (mesh, square) = surface.nearest(at.pull(*o));
+        let at = candidate.similarity;
+        let forward = points.iter().map(|o| {
+            let (mesh, square) = surface.nearest(at.apply_inverse(*o));
             Pair { mesh, observed: *o, square: square * at.scale * at.scale }
         });
-        let forward = nearest_share(forward.collect(), TRUSTED);
-        let backward = seen(at, &samples, cloud);
-        tried.score = mean_square(&forward) + mean_square(&backward);
+        let forward = nearest_share(forward.collect(), INLIER_SHARE);
+        let backward = observed_half(at, &samples, cloud);
+        candidate.score = mean_square(&forward) + mean_square(&backward);
         if step == steps {
             break;
         }
         match fit(&[forward, backward].concat()) {
-            Some(next) => tried.similarity = next,
+            Some(next) => candidate.similarity = next,
             None => break,
         }
     }
-    tried
+    candidate
 }
 
 /// The first ones, without those that ended where a better one did.
-fn different(tried: Vec<Tried>, count: usize) -> Vec<Similarity> {
+fn distinct(candidates: Vec<Candidate>, count: usize) -> Vec<Similarity> {
     let mut out: Vec<Similarity> = Vec::new();
-    for t in tried {
-        let turned = |o: &Similarity| {
+    for t in candidates {
+        let is_same = |o: &Similarity| {
             let cosine = ((o.matrix().transpose() * t.similarity.matrix()).trace() - 1.0) / 2.0;
             cosine > 0.99 && (o.scale / t.similarity.scale - 1.0).abs() < 0.03
         };
-        if !out.iter().any(turned) {
+        if !out.iter().any(is_same) {
             out.push(t.similarity);
         }
         if out.len() == count {
@@ -94,13 +96,13 @@ fn different(tried: Vec<Tried>, count: usize) -> Vec<Similarity> {
     out
 }
 
-/// The half of the mesh that is nearest to what was observed.
-pub(super) fn seen(at: Similarity, samples: &[Vec3], cloud: &Cloud) -> Vec<Pair> {
+/// Pairs of the half of the mesh that is nearest to the observed points.
+pub(super) fn observed_half(at: Similarity, samples: &[Vec3], cloud: &Cloud) -> Vec<Pair> {
     let pairs = samples.iter().map(|m| {
         let (observed, square) = cloud.nearest(at.map(*m));
         Pair { mesh: *m, observed, square }
     });
-    nearest_share(pairs.collect(), SEEN)
+    nearest_share(pairs.collect(), OBSERVED_SHARE)
 }
 
 pub(super) fn mean_square(pairs: &[Pair]) -> f64 {
@@ -114,7 +116,7 @@ pub(super) fn nearest_share(mut pairs: Vec<Pair>, share: f64) -> Vec<Pair> {
 }
 
 /// About `count` of the points, evenly.
-pub(super) fn every(points: &[Vec3], count: usize) -> Vec<Vec3> {
+pub(super) fn evenly_taken(points: &[Vec3], count: usize) -> Vec<Vec3> {
     points.iter().step_by(points.len().div_ceil(count).max(1)).copied().collect()
 }
 

@@ -1,17 +1,23 @@
-//! Distances along the surface's normal, on all points, robustly weighted: converges quickly once the start is near.
+//! The fine stage of alignment: distances along the surface's normal, on all points, robustly
+//! weighted. It converges quickly once the start is near.
 
 use nalgebra::{Rotation3, SMatrix, SVector};
 
-use super::coarse::{every, mean_square, nearest_share, seen};
+use super::coarse::{evenly_taken, mean_square, nearest_share, observed_half};
 use crate::{Bvh, Similarity, Vec3, cloud::Cloud};
 
-const STEPS: usize = 30;
-/// Samples of the mesh for the half that shall have been seen, and their weight beside observed points.
-const SAMPLES: usize = 300;
-const BACKWARD: f64 = 0.1;
+/// Most Gauss-Newton steps.
+const MAX_STEPS: usize = 30;
+/// Samples of the mesh, of which the nearest half is taken to have been observed.
+const MAX_SAMPLES: usize = 300;
+/// Weight of these samples beside the observed points.
+const SAMPLE_WEIGHT: f64 = 0.1;
+/// Share of the observed points, the nearest to the mesh, that the score is made of.
+const INLIER_SHARE: f64 = 0.85;
 /// Damping of steps, as a share of the mean curvature.
 const DAMPING: f64 = 1e-3;
 
+/// A similarity after the fine stage.
 pub(super) struct Refined {
     pub(super) similarity: Similarity,
     /// Mean squared distances [m²]; smaller is better.
@@ -29,23 +35,23 @@ pub(super) fn refine(
     cloud: &Cloud,
     within_m: f64,
 ) -> Refined {
-    let samples = every(&surface.points, SAMPLES);
+    let samples = evenly_taken(&surface.points, MAX_SAMPLES);
     let middle = cloud.points.iter().sum::<Vec3>() / cloud.points.len().max(1) as f64;
     let mut at = start;
-    for step in 0..STEPS {
-        // Outliers lose their say slowly: at first nothing lies on the surface yet.
-        let reach = within_m * (1.0 + 4.0 * (1.0 - step as f64 / (STEPS / 2) as f64).max(0.0));
+    for step in 0..MAX_STEPS {
+        // Outliers lose their weight slowly: at first nothing lies on the surface yet.
+        let reach = within_m * (1.0 + 4.0 * (1.0 - step as f64 / (MAX_STEPS / 2) as f64).max(0.0));
         let mut system = System::new(middle);
         for o in &cloud.points {
-            let Some((on_mesh, _, triangle)) = bvh.nearest(at.pull(*o)) else { continue };
+            let Some((on_mesh, _, triangle)) = bvh.nearest(at.apply_inverse(*o)) else { continue };
             let [a, b, c] = bvh.triangles[triangle];
             let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { continue };
             let there = at.map(on_mesh);
             let weight = tukey((o - there).norm() / reach);
             system.add(there, at.matrix() * normal, *o, weight / cloud.points.len() as f64);
         }
-        let backward = seen(at, &samples, cloud);
-        let weight = BACKWARD / backward.len().max(1) as f64;
+        let backward = observed_half(at, &samples, cloud);
+        let weight = SAMPLE_WEIGHT / backward.len().max(1) as f64;
         for pair in &backward {
             let there = at.map(pair.mesh);
             for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
@@ -54,16 +60,17 @@ pub(super) fn refine(
         }
         let Some((next, moved)) = system.solve(at) else { break };
         at = next;
-        if step > STEPS / 2 && moved < 1e-6 {
+        if step > MAX_STEPS / 2 && moved < 1e-6 {
             break;
         }
     }
     let forward = cloud.points.iter().filter_map(|o| {
-        let (mesh, square, _) = bvh.nearest(at.pull(*o))?;
+        let (mesh, square, _) = bvh.nearest(at.apply_inverse(*o))?;
         Some(super::coarse::Pair { mesh, observed: *o, square: square * at.scale * at.scale })
     });
-    let forward = nearest_share(forward.collect(), 0.85);
-    let score = mean_square(&forward) + BACKWARD * mean_square(&seen(at, &samples, cloud));
+    let forward = nearest_share(forward.collect(), INLIER_SHARE);
+    let score =
+        mean_square(&forward) + SAMPLE_WEIGHT * mean_square(&observed_half(at, &samples, cloud));
     Refined { similarity: at, score: if score.is_finite() { score } else { f64::INFINITY } }
 }
 
@@ -77,30 +84,32 @@ fn tukey(distance: f64) -> f64 {
 struct System {
     middle: Vec3,
     curvature: Square,
-    slope: Column,
+    gradient: Column,
 }
 
 impl System {
     fn new(middle: Vec3) -> Self {
-        Self { middle, curvature: Square::zeros(), slope: Column::zeros() }
+        Self { middle, curvature: Square::zeros(), gradient: Column::zeros() }
     }
 
-    /// The point `there` shall move along `axis` until it is level with `observed`.
+    /// Adds the condition that the point `there` moves along `axis` until it is level with
+    /// `observed`.
     fn add(&mut self, there: Vec3, axis: Vec3, observed: Vec3, weight: f64) {
         let arm = there - self.middle;
         let turn = arm.cross(&axis);
         let row = Column::from([turn.x, turn.y, turn.z, axis.x, axis.y, axis.z, axis.dot(&arm)]);
         self.curvature += row * row.transpose() * weight;
-        self.slope += row * (axis.dot(&(observed - there)) * weight);
+        self.gradient += row * (axis.dot(&(observed - there)) * weight);
     }
 
-    /// The next similarity, and how far it went (radians and shares of size).
+    /// The next similarity, and the length of the step (radians, shares of size and metres
+    /// together).
     fn solve(mut self, at: Similarity) -> Option<(Similarity, f64)> {
         for i in 0..7 {
             self.curvature[(i, i)] *= 1.0 + DAMPING;
             self.curvature[(i, i)] += f64::EPSILON * self.curvature.trace();
         }
-        let step = self.curvature.cholesky()?.solve(&self.slope);
+        let step = self.curvature.cholesky()?.solve(&self.gradient);
         if !step.iter().all(|x| x.is_finite()) {
             return None;
         }

@@ -1,13 +1,14 @@
-//! Where alignment starts: the mesh's middle on the observed middle, turned and sized in many ways.
+//! Starts of alignment: the mesh's middle on the observed middle, turned and sized in many ways.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 
 use crate::{Similarity, Vec3};
 
-/// Rotations spread over all; neighbours are about 30 degrees apart.
+/// Rotations that are spread over all; neighbours are about 30 degrees apart.
 const ROTATIONS: usize = 160;
-/// Sizes over the one that makes both clouds equally wide: partial clouds are narrower than their object.
-const SIZES: [f64; 3] = [0.85, 1.0, 1.2];
+/// Scales, relative to the one that makes both clouds equally wide: partial clouds are narrower
+/// than their object.
+const RELATIVE_SCALES: [f64; 3] = [0.85, 1.0, 1.2];
 
 pub(super) fn starts(mesh: &[Vec3], observed: &[Vec3]) -> Vec<Similarity> {
     let (from, to) = (Frame::of(mesh), Frame::of(observed));
@@ -21,17 +22,17 @@ pub(super) fn starts(mesh: &[Vec3], observed: &[Vec3]) -> Vec<Similarity> {
             rotations.push(target * from.axes.transpose());
         }
     }
-    rotations.extend((0..ROTATIONS).map(spread));
+    rotations.extend((0..ROTATIONS).map(spiral_rotation));
     let size = to.radius / from.radius.max(f64::MIN_POSITIVE);
     let similar = |rotation: &Matrix3<f64>, factor: &f64| {
         let scale = size * factor;
         Similarity::new(*rotation, scale, to.middle - rotation * from.middle * scale)
     };
-    rotations.iter().flat_map(|r| SIZES.iter().map(move |f| similar(r, f))).collect()
+    rotations.iter().flat_map(|r| RELATIVE_SCALES.iter().map(move |f| similar(r, f))).collect()
 }
 
 /// Rotation `i` of a super-Fibonacci spiral over all rotations (Alexa 2022).
-fn spread(i: usize) -> Matrix3<f64> {
+fn spiral_rotation(i: usize) -> Matrix3<f64> {
     const PSI: f64 = 1.533_751_168_755_204_3;
     let s = i as f64 + 0.5;
     let t = s / ROTATIONS as f64;

@@ -3,7 +3,8 @@ use nalgebra::Rotation3;
 use super::*;
 use crate::{point, shapes::creature};
 
-/// The points of a moved mesh that a camera in a direction sees, roughly: those of faces turned towards it.
+/// The points of a moved mesh that a camera in a direction sees, roughly: those of faces turned
+/// towards it.
 fn seen(mesh: &Mesh, truth: &Similarity, directions: &[Vec3]) -> Vec<Point> {
     let bvh = Bvh::new(mesh);
     let samples = mesh.sample_surface(0.004, 5).unwrap();

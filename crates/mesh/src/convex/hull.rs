@@ -1,5 +1,6 @@
-//! The convex hull of a few points, from outside: the extents along fixed directions, after the points were stretched to be
-//! equally wide along their principal axes. Needs no care with points in one plane, and thin parts get thin hulls.
+//! The convex hull of a few points, from outside: the extents along fixed directions, after the
+//! points were stretched to be equally wide along their principal axes. Needs no care with points
+//! in one plane, and thin parts get thin hulls.
 
 use nalgebra::Matrix3;
 
@@ -7,18 +8,19 @@ use crate::Vec3;
 
 /// Half-spaces of a hull: it is then at most 2 % wider than the true one.
 const DIRECTIONS: usize = 160;
-/// Steps across a hull at which it is asked for its volume.
-const STEPS: usize = 14;
-/// Fewer points enclose nothing.
+/// Steps across a hull, along each axis, by which its volume is measured.
+const VOLUME_STEPS: usize = 14;
+/// Least points of a hull.
 const MIN_POINTS: usize = 8;
 
+/// The hull of a part.
 pub(super) struct Hull {
     middle: Vec3,
     /// Principal axes, and extents along them, longest first [m].
     pub(super) axes: [Vec3; 3],
     pub(super) extents: [f64; 3],
-    /// The farthest point along each direction, stretched.
-    reach: Vec<f64>,
+    /// Farthest extent of the stretched points along each direction.
+    support: Vec<f64>,
     /// In m³.
     pub(super) volume: f64,
 }
@@ -49,31 +51,37 @@ impl Hull {
         }
         let axes = std::array::from_fn(|i| sides[i].2);
         let middle = sides.iter().map(|(_, centre, axis)| axis * *centre).sum();
-        let mut hull = Self { middle, axes, extents, reach: Vec::new(), volume: 0.0 };
+        let mut hull = Self { middle, axes, extents, support: Vec::new(), volume: 0.0 };
         let stretched: Vec<Vec3> = points.iter().map(|p| hull.stretch(*p)).collect();
         let farthest =
             |d: &Vec3| stretched.iter().map(|p| d.dot(p)).fold(f64::NEG_INFINITY, f64::max);
-        hull.reach = directions.iter().map(farthest).collect();
+        hull.support = directions.iter().map(farthest).collect();
 
-        let at = |i: usize| (2 * i + 1) as f64 / STEPS as f64 - 1.0;
-        let cells = (0..STEPS.pow(3))
-            .map(|i| Vec3::new(at(i / STEPS / STEPS), at(i / STEPS % STEPS), at(i % STEPS)));
-        let full = cells.filter(|p| hull.holds_stretched(*p, directions)).count();
-        let share = full as f64 / STEPS.pow(3) as f64;
+        let at = |i: usize| (2 * i + 1) as f64 / VOLUME_STEPS as f64 - 1.0;
+        let cells = (0..VOLUME_STEPS.pow(3)).map(|i| {
+            Vec3::new(
+                at(i / VOLUME_STEPS / VOLUME_STEPS),
+                at(i / VOLUME_STEPS % VOLUME_STEPS),
+                at(i % VOLUME_STEPS),
+            )
+        });
+        let full = cells.filter(|p| hull.contains_stretched(*p, directions)).count();
+        let share = full as f64 / VOLUME_STEPS.pow(3) as f64;
         hull.volume = share * extents.iter().product::<f64>();
         Some(hull)
     }
 
-    pub(super) fn holds(&self, p: Vec3, directions: &[Vec3]) -> bool {
+    /// True if a point lies inside.
+    pub(super) fn contains(&self, p: Vec3, directions: &[Vec3]) -> bool {
         let p = self.stretch(p);
-        p.amax() <= 1.0 && self.holds_stretched(p, directions)
+        p.amax() <= 1.0 && self.contains_stretched(p, directions)
     }
 
-    fn holds_stretched(&self, p: Vec3, directions: &[Vec3]) -> bool {
-        directions.iter().zip(&self.reach).all(|(d, reach)| d.dot(&p) <= *reach)
+    fn contains_stretched(&self, p: Vec3, directions: &[Vec3]) -> bool {
+        directions.iter().zip(&self.support).all(|(d, support)| d.dot(&p) <= *support)
     }
 
-    /// Within -1..1 along each axis.
+    /// A point in the hull's stretched frame: within -1..1 along each axis for points of the hull.
     fn stretch(&self, p: Vec3) -> Vec3 {
         let d = p - self.middle;
         Vec3::from_fn(|i, _| 2.0 * self.axes[i].dot(&d) / self.extents[i])

@@ -1,4 +1,5 @@
-//! Binary glTF 2.0: one JSON chunk and one chunk of data. Node transforms are applied, all primitives become triangles.
+//! Binary glTF 2.0: one JSON chunk and one chunk of data. Node transforms are applied, all
+//! primitives become triangles.
 
 mod accessor;
 mod document;

@@ -11,7 +11,7 @@ pub(super) fn read(at: &str, bytes: &[u8], limits: &Limits) -> Result<Mesh, Erro
     let mut values = Values { at, encoding: header.encoding, left: body };
     let mut mesh = Mesh::default();
     for element in &header.elements {
-        values.claim(element)?;
+        values.check_size(element)?;
         match element.name.as_str() {
             "vertex" => read_vertices(&mut values, element, &mut mesh, limits)?,
             "face" => read_faces(&mut values, element, &mut mesh, limits)?,
@@ -97,7 +97,7 @@ struct Values<'a> {
 
 impl Values<'_> {
     /// Refuses an element that needs more bytes than are left, whatever its lists hold.
-    fn claim(&self, element: &Element) -> Result<(), Error> {
+    fn check_size(&self, element: &Element) -> Result<(), Error> {
         let least: usize = element
             .properties
             .iter()

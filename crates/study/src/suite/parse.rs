@@ -14,7 +14,7 @@ use super::{BASELINES, CaptureEntry, Configuration, Reference, Suite, faults_of_
 /// The format that this build reads.
 const VERSION: u64 = 1;
 /// No suite needs more runs than this.
-const MOST_RUNS: usize = 100_000;
+const MAX_RUNS: usize = 100_000;
 
 const FIELDS: [&str; 9] = [
     "version",
@@ -144,8 +144,8 @@ impl Reader {
             self.fault("`seeds` is empty: leave it out for seed 0");
         }
         let runs = suite.captures.len().saturating_mul(suite.configurations.len());
-        if runs.saturating_mul(suite.seeds.len()) > MOST_RUNS {
-            self.fault(format!("more than {MOST_RUNS} runs: cut the suite into several"));
+        if runs.saturating_mul(suite.seeds.len()) > MAX_RUNS {
+            self.fault(format!("more than {MAX_RUNS} runs: cut the suite into several"));
         }
         self.settings(suite);
         self.references(suite);

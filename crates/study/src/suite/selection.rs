@@ -1,4 +1,5 @@
-//! Which runs of a suite are wanted: `capture/configuration/seed`, where `*` and what is left out at the end stand for all.
+//! Selection of runs of a suite: `capture/configuration/seed`, with `*` for all; parts left out at
+//! the end stand for all, too.
 
 use std::str::FromStr;
 
@@ -12,7 +13,7 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// Whether it names a run.
+    /// True if it selects a run.
     pub fn contains(&self, id: &RunId) -> bool {
         let names = [&id.capture, &id.configuration, &id.seed.to_string()];
         self.parts.iter().zip(names).all(|(part, name)| part == "*" || part == name)

@@ -1,4 +1,5 @@
-//! Relative differences between rows: capture by capture, and of the means over the captures that both know.
+//! Relative differences between rows: capture by capture, and of the means over the captures that
+//! both rows have.
 
 use std::collections::BTreeMap;
 
@@ -79,7 +80,7 @@ fn both(of: &Seeds, against: &Seeds, column: usize) -> Option<(f64, f64)> {
     mean(&pairs)
 }
 
-/// Where one of the two is a published mean, it is set against the other's own mean over captures.
+/// Values of a comparison with a published mean: that mean, and the other's own mean over captures.
 fn published(c: &Comparison, samples: &Samples<'_>, column: usize) -> Option<(f64, f64)> {
     if [&c.of, &c.against].iter().all(|row| samples.published_mean(row).is_none()) {
         return None;

@@ -117,7 +117,8 @@ fn differences(all: &[Difference]) -> String {
     lay_out(&lines, 3)
 }
 
-/// Columns as wide as their widest cell; the first `text_columns` begin on the left, the others end on the right.
+/// Columns as wide as their widest cell; the first `text_columns` begin on the left, the others end
+/// on the right.
 fn lay_out(lines: &[Vec<String>], text_columns: usize) -> String {
     let width = |c: usize| {
         lines.iter().filter_map(|l| l.get(c)).map(|s| s.chars().count()).max().unwrap_or(0).max(3)
@@ -132,9 +133,8 @@ fn lay_out(lines: &[Vec<String>], text_columns: usize) -> String {
         let cells: Vec<String> = line.iter().enumerate().map(pad).collect();
         let _ = writeln!(text, "| {} |", cells.join(" | "));
         if index == 0 {
-            let rule = |(c, w): (usize, &usize)| match c < text_columns {
-                true => "-".repeat(*w),
-                false => "-".repeat(w - 1) + ":",
+            let rule = |(c, w): (usize, &usize)| {
+                if c < text_columns { "-".repeat(*w) } else { "-".repeat(w - 1) + ":" }
             };
             let rules: Vec<String> = widths.iter().enumerate().map(rule).collect();
             let _ = writeln!(text, "| {} |", rules.join(" | "));

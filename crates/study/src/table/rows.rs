@@ -58,8 +58,8 @@ impl Maker<'_> {
         rows
     }
 
-    /// A baseline's rows: what does not depend on the configuration stands there once. The last residual does, for it
-    /// stands on the twin's own prediction.
+    /// A baseline's rows: what does not depend on the configuration stands there once. The last
+    /// residual does, for it stands on the twin's own prediction.
     fn merged(
         &self,
         predictor: Predictor,
@@ -73,7 +73,7 @@ impl Maker<'_> {
             match groups.iter_mut().find(|(_, kept)| agree(kept, &row)) {
                 Some((names, kept)) => {
                     names.push(name);
-                    // Runs that failed have no baselines: the row that knows most stays.
+                    // Runs that failed have no baselines: the row with most values stays.
                     if (row.captures, row.seeds) > (kept.captures, kept.seeds) {
                         *kept = row;
                     }
@@ -123,8 +123,8 @@ impl Maker<'_> {
     }
 }
 
-/// Means over captures, column by column, of those captures that have the column. The spread is that of the means that
-/// single seeds give, if every capture has every seed.
+/// Means over captures, column by column, of those captures that have the column. The spread is
+/// that of the means that single seeds give, if every capture has every seed.
 fn over_captures(all: &[&Seeds]) -> Figures {
     figures(|i| {
         let with: Vec<&&Seeds> = all.iter().filter(|s| !over_seeds(s, i).is_empty()).collect();

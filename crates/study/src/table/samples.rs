@@ -43,7 +43,7 @@ pub(crate) const COLUMNS: [Column; 10] = [
 /// One value a column [mm].
 pub(crate) type Values = [Option<f64>; COLUMNS.len()];
 
-/// What one run says of a row.
+/// The values of one run for a row.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Sample {
     pub(crate) values: Values,
@@ -54,7 +54,7 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// Published figures have no nodes that anyone could look at.
+    /// Published figures come without nodes.
     pub(crate) fn is_published(&self) -> bool {
         self.nodes_digest.is_none()
     }
@@ -138,7 +138,7 @@ impl<'a> Samples<'a> {
         self.published_means.get(row)
     }
 
-    /// Whether two rows say the same wherever both say anything: on a capture, or on all.
+    /// True if two rows agree wherever both have values: on a capture, or on all.
     pub(crate) fn agree(&self, one: &str, other: &str, capture: Option<&str>) -> bool {
         let mut pairs = self
             .captures(one)
@@ -149,7 +149,7 @@ impl<'a> Samples<'a> {
         pairs.peek().is_some() && pairs.all(|(a, b)| a.values == b.values)
     }
 
-    /// Whether two rows have the same nodes on a capture; none if one of them has none.
+    /// True if two rows have the same nodes on a capture; none if one of them has no nodes.
     pub(crate) fn same_nodes(&self, one: &str, other: &str, capture: &str) -> Option<bool> {
         let (one, other) = (self.seeds(one, capture)?, self.seeds(other, capture)?);
         let pairs = one.iter().filter_map(|(seed, a)| Some((a, other.get(seed)?)));
@@ -174,7 +174,7 @@ fn values(train: &ErrorSummary, future: &ErrorSummary) -> Values {
     })
 }
 
-/// Mean and, of several, the standard deviation; none of nothing.
+/// Mean and, of several, the standard deviation; none of no values.
 pub(crate) fn figure(values: &[f64]) -> Option<Figure> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

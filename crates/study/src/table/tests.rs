@@ -58,7 +58,8 @@ fn finished(nodes: &str, twin_mm: f64, residual_mm: f64) -> Outcome {
     }))
 }
 
-/// A folder with a suite of two captures, two configurations and two seeds, and the table of some results.
+/// A folder with a suite of two captures, two configurations and two seeds, and the table of some
+/// results.
 fn table(results: &[(&str, Outcome)]) -> Table {
     let document = json!({
         "version": 1,

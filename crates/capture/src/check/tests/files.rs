@@ -184,7 +184,7 @@ fn missing_optional_files_are_noted() {
     let report = check_bytes(&pack(&files), &Limits::default());
     assert!(report.is_usable());
     expect(&report, Severity::Info, "OPTIONAL_MISSING", "gt_track_3d.pkl");
-    assert!(report.findings.iter().any(|f| f.message.contains("split.json")));
+    assert!(report.findings.iter().any(|f| f.sentence().contains("split.json")));
 }
 
 #[test]

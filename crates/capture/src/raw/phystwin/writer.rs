@@ -222,6 +222,3 @@ fn array_opcodes(shape: &[usize], values: &[f64]) -> Vec<u8> {
     out.extend(b"tb");
     out
 }
-
-#[cfg(test)]
-mod tests;

@@ -135,7 +135,7 @@ fn flat(points: &[Point]) -> Vec<f32> {
 pub(super) const REQUEST: GradientRequest =
     GradientRequest { cut_every: 0, controls: true, initial: true, final_state: false };
 
-/// How a check is done.
+/// Parameters of a check.
 pub(super) struct Check {
     /// Seed of the random direction; names the scene in messages.
     pub(super) seed: u64,
@@ -148,7 +148,7 @@ pub(super) struct Check {
 /// Rounding of a loss, relative to it: an f32 simulation of a few hundred substeps moves each node
 /// by some 5e-8 m, of distances of some cm, and nodes average out in part.
 const ROUNDING: f64 = 1e-6;
-/// How much of the loss a step should change.
+/// Share of the loss that a step should change.
 const CHANGE: f64 = 1e-3;
 
 /// Compares all derivatives of a scene's loss with finite differences.

@@ -1,4 +1,4 @@
-//! Two runs over different graphs, and the same runs by hand.
+//! Two optimizer runs over different graphs, and the same runs computed by hand.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::{
 pub(super) const REQUEST: GradientRequest =
     GradientRequest { cut_every: 0, controls: false, initial: false, final_state: true };
 
-/// Where two runs start, and what they are measured by.
+/// Two runs, with their initial states and scenes.
 pub(super) struct Pair {
     pub(super) inits: Vec<OptimizerInit>,
     pub(super) decay: Decay,
@@ -101,7 +101,8 @@ fn parameterization(scene: &Scene) -> Parameterization {
     parameterization
 }
 
-/// Where the runs are after steps with these weights and rates, from `gradients`, parameterizations and Adam.
+/// Positions of the runs after steps with these weights and rates, computed from `gradients`,
+/// parameterizations and Adam.
 pub(super) fn by_hand(
     backend: &dyn Backend,
     pair: &Pair,

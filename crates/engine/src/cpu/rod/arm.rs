@@ -1,4 +1,5 @@
-//! Where a rod ends in a branch: its direction holds the frame there, as a clamp would.
+//! Arms of rods that end in a branch: the branch's direction holds the frame there, as a clamp
+//! would.
 
 use super::{Edges, Triple};
 use crate::cpu::{
@@ -6,15 +7,17 @@ use crate::cpu::{
     real::Real,
 };
 
-/// Sine squared of the angle between the rod's last edge and the branch below which the branch holds nothing: 6 degrees.
+/// Sine squared of the angle between the rod's last edge and the branch below which the branch
+/// holds nothing: 6 degrees.
 pub(super) const MIN_SINE_SQUARED: f64 = 1e-2;
 
 /// A branch as seen from the rod's end.
 ///
-/// With e the rod's last edge, g the branch's first, n = e x g: when g turns about e by an angle and e by none, the rod is
-/// twisted by minus that angle, and when e turns, g is compared with what parallel transport makes of
-/// it. So the derivative of the twist by the node before is `a = -(e.g) n / (|e||n|²)`, by the branch's `c = -|e| n / |n|²`,
-/// and by the node where they meet minus their sum.
+/// With e the rod's last edge, g the branch's first, n = e x g: when g turns about e by an angle
+/// and e by none, the rod is twisted by minus that angle, and when e turns, g is compared with what
+/// parallel transport makes of it. So the derivative of the twist by the node before is
+/// `a = -(e.g) n / (|e||n|²)`, by the branch's `c = -|e| n / |n|²`, and by the node where they meet
+/// minus their sum.
 #[derive(Clone, Copy)]
 pub(super) struct Arm<P: Pack> {
     e: Pack3<P>,

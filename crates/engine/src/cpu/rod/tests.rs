@@ -62,8 +62,9 @@ fn directions(nodes: &[Node<f64>]) -> Vec<V> {
     nodes.windows(2).map(edge).collect()
 }
 
-/// The rate is how fast the last clamp's frame, carried in time, turns about its direction against the first
-/// clamp's, carried in time and then along the rod: what twists a rod, from its definition alone.
+/// The rate is how fast the last clamp's frame, carried in time, turns about its direction against
+/// the first clamp's, carried in time and then along the rod: what twists a rod, from its
+/// definition alone.
 #[test]
 fn twist_is_the_angle_between_the_ways_of_parallel_transport() {
     let (start, h) = (nodes(), 1e-5);
@@ -92,8 +93,8 @@ fn twist_is_the_angle_between_the_ways_of_parallel_transport() {
     assert!(expected.abs() > 0.1 && (got - expected).abs() < 1e-8, "{got} {expected}");
 }
 
-/// With an arm it is how fast the first clamp's frame, carried in time and then along the rod up to the junction, turns
-/// against the arm about the edge between them.
+/// With an arm it is how fast the first clamp's frame, carried in time and then along the rod up to
+/// the junction, turns against the arm about the edge between them.
 #[test]
 fn an_arm_holds_the_frame_where_it_begins() {
     let (start, h) = (nodes(), 1e-5);

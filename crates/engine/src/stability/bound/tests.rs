@@ -25,7 +25,8 @@ fn one_spring_is_bounded_by_what_it_is() {
     assert_eq!(of(&star(3, 0.0), 0.5), [0.0; 2]);
 }
 
-/// The star's stiffest mode has k (1 + n / 2): a node among many springs sums up directions, not weights.
+/// The star's stiffest mode has k (1 + n / 2): a node among many springs sums up directions, not
+/// weights.
 #[test]
 fn springs_that_point_everywhere_do_not_add_up() {
     let (exact, [coarse, fine]) = (1.0 + 6.0, of(&star(12, 1.0), 1.0));

@@ -7,33 +7,25 @@ use crate::{
     statistics::share,
 };
 
-/// Spots that a verdict needs.
-const LEAST: usize = 40;
-/// Share of spots that two cameras may call differently.
-const DIFFERENT: f64 = 0.5;
-/// A hand so much larger than the object that it carries is the object.
-const LARGER: f64 = 1.6;
-/// By so much the object's lowest point is higher than the hand's, at least [m].
-const HIGHER_M: f64 = 0.02;
-
 pub(super) fn judge(
     context: &Context<'_>,
     set: &ViewSet<'_>,
     hypothesis: &Hypothesis,
     assessment: &mut Assessment,
 ) {
+    let limits = &context.thresholds.labels;
     let n = set.views.len();
     let mut different = vec![vec![None; n]; n];
     for (a, row) in different.iter_mut().enumerate() {
         for (b, entry) in row.iter_mut().enumerate().filter(|(b, _)| *b != a) {
             let labels = set.reproject(a, b, hypothesis).labels;
             let all: usize = labels.iter().flatten().sum();
-            *entry = (all >= LEAST).then(|| share(labels[0][1] + labels[1][0], all));
+            *entry = (all >= limits.min_surfels).then(|| share(labels[0][1] + labels[1][0], all));
         }
     }
     let differs = |which: usize, others_too: bool| {
         let known = different[which].iter().enumerate().filter_map(|(b, d)| Some((b, (*d)?)));
-        let votes: Vec<bool> = known.map(|(_, d)| d > DIFFERENT).collect();
+        let votes: Vec<bool> = known.map(|(_, d)| d > limits.max_different_share).collect();
         let against = votes.iter().filter(|v| **v).count();
         if others_too { against > 0 } else { 2 * against > votes.len() }
     };
@@ -56,9 +48,10 @@ pub(super) fn judge(
     exchanged_in_all(context, assessment);
 }
 
-/// Judges masks that are exchanged in all cameras, which agree with each other: then the hand is larger than the object and lies
-/// below it.
+/// Judges masks that are exchanged in all cameras, which agree with each other: then the hand is
+/// larger than the object and lies below it.
 fn exchanged_in_all(context: &Context<'_>, assessment: &mut Assessment) {
+    let limits = &context.thresholds.labels;
     let (Some(object), Some(hand)) =
         (assessment.scene.object_size_m, assessment.scene.manipulator_size_m)
     else {
@@ -73,7 +66,7 @@ fn exchanged_in_all(context: &Context<'_>, assessment: &mut Assessment) {
     let (Some(low), Some(hand_low)) = (lowest(|g| g.object), lowest(|g| g.manipulator)) else {
         return;
     };
-    if hand > LARGER * object && low > hand_low + HIGHER_M {
+    if hand > limits.min_size_ratio * object && low > hand_low + limits.min_height_m {
         let message = format!(
             "the hand ({:.0} mm) is larger than the object ({:.0} mm) and lies below it: it seems that the masks are exchanged in \
              all cameras",

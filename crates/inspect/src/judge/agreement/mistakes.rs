@@ -1,6 +1,6 @@
 //! Findings of mistakes with calibrations, in words.
 
-use super::super::{Context, named, scale::OBJECT_M};
+use super::super::{Context, named};
 use crate::{
     Finding,
     consistency::{
@@ -8,6 +8,7 @@ use crate::{
         hypothesis::PoseChange,
         mistake::{Explanation, Mistake},
     },
+    thresholds::AgreementThresholds,
 };
 
 /// The finding of a mistake that explains the misfit.
@@ -19,8 +20,10 @@ pub(super) fn finding(
 ) -> Finding {
     let index = |view: usize| set.views.get(view).map_or(view, |w| w.index);
     let finding = match &found.mistake {
-        Mistake::All(PoseChange::Units(factor)) => units(1.0 / factor, object_size_m),
-        Mistake::Depth(factor) if is_unit(*factor) => units(*factor, object_size_m),
+        Mistake::All(PoseChange::Units(factor)) => units(context, 1.0 / factor, object_size_m),
+        Mistake::Depth(factor) if is_unit(*factor, &context.thresholds.agreement) => {
+            units(context, *factor, object_size_m)
+        }
         Mistake::Depth(factor) => depth_of_all(*factor, true),
         Mistake::DepthOfOne(which, factor) => depth_of_one(context, set, *which, *factor, true),
         Mistake::All(change) => {
@@ -66,20 +69,22 @@ fn pose_fault(change: PoseChange) -> (&'static str, &'static str) {
     }
 }
 
-/// Powers of ten, and inches.
-fn is_unit(factor: f64) -> bool {
+/// True for powers of ten, and for inches.
+fn is_unit(factor: f64, limits: &AgreementThresholds) -> bool {
+    let tolerance = limits.unit_log10_tolerance;
     let power = factor.log10();
-    let is_power = power.abs() > 0.5 && (power - power.round()).abs() < 0.02;
-    is_power || (power.abs() - 39.37_f64.log10()).abs() < 0.02
+    let is_power = power.abs() > limits.min_unit_log10 && (power - power.round()).abs() < tolerance;
+    is_power || (power.abs() - 39.37_f64.log10()).abs() < tolerance
 }
 
-/// The finding of units that differ between depth and poses: depth times `factor` would suit the poses. The size of the object,
-/// which follows from depth alone, tells which of the two is wrong.
-fn units(factor: f64, object_size_m: Option<f64>) -> Finding {
+/// The finding of units that differ between depth and poses: depth times `factor` would suit the
+/// poses. The size of the object, which follows from depth alone, tells which of the two is wrong.
+fn units(context: &Context<'_>, factor: f64, object_size_m: Option<f64>) -> Finding {
     let times = if factor < 1.0 { 1.0 / factor } else { factor };
     let round = if times > 2.0 { format!("{times:.0}") } else { format!("{times:.2}") };
     let (small, large) = if factor < 1.0 { ("poses", "depth") } else { ("depth", "poses") };
-    let depth_is_right = object_size_m.is_some_and(|size| OBJECT_M.contains(&size));
+    let depth_is_right =
+        object_size_m.is_some_and(|size| context.thresholds.scale.object_size_m.contains(&size));
     let size = object_size_m.unwrap_or(f64::NAN);
     let message = format!(
         "the cameras agree if {small} are {round} times as large compared with {large}; by depth alone the object is {size:.3} m large"

@@ -58,7 +58,7 @@ fn hands_without_tracks_are_followed_by_their_shape() {
 }
 
 #[test]
-fn a_hand_that_is_not_there_at_first_or_is_lost_is_told() {
+fn a_hand_that_is_not_there_at_first_or_is_lost_is_reported() {
     let settings = ControlSettings::default();
     let mut clouds = clouds(20);
     (5..15).for_each(|f| clouds[f].clear());

@@ -1,4 +1,5 @@
-//! Typed views into a GLB file's data: all bounds are checked when a view is made, so that reading it cannot fail.
+//! Typed views into a GLB file's data: all bounds are checked when a view is made, so that reading
+//! it cannot fail.
 
 use super::{
     damaged,
@@ -116,7 +117,7 @@ impl<'a> Data<'a> {
     }
 }
 
-/// Where the last of `count` elements ends; saturated. Where nothing is, the end is the start.
+/// The end of the last of `count` elements, saturated; of no elements, their start.
 fn end(offset: usize, stride: usize, count: usize, size: usize) -> usize {
     match count.checked_sub(1) {
         None => offset,

@@ -1,4 +1,4 @@
-//! What is read of a glTF document. Unknown keys are passed over, as the format asks.
+//! The part of a glTF document that is read. Unknown keys are passed over, as the format asks.
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -98,8 +98,8 @@ struct Buffer {
     uri: Option<Value>,
 }
 
-/// Extensions that change nothing of a mesh's shape that is not handled here.
-const HARMLESS: [&str; 2] = ["KHR_mesh_quantization", "KHR_texture_transform"];
+/// Extensions that do not change a mesh's shape, or in a way that is handled here.
+const SUPPORTED_EXTENSIONS: [&str; 2] = ["KHR_mesh_quantization", "KHR_texture_transform"];
 
 impl Document {
     /// Refuses compression and data elsewhere, in words that say so.
@@ -114,7 +114,7 @@ impl Document {
             return Err(Error::Compressed { at: at.to_owned(), extension: name.clone() });
         }
         let strange = |e: &&String| {
-            !HARMLESS.contains(&e.as_str())
+            !SUPPORTED_EXTENSIONS.contains(&e.as_str())
                 && !e.starts_with("KHR_materials_")
                 && !e.contains("texture")
         };

@@ -8,7 +8,8 @@ use super::{
 };
 use crate::Error;
 
-/// Calls `show` with every mesh of the default scene and its transform. A document without nodes shows each mesh once.
+/// Calls `show` with every mesh of the default scene and its transform. A document without nodes
+/// shows each mesh once.
 pub(super) fn visit(
     at: &str,
     document: &Document,

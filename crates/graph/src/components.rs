@@ -1,0 +1,167 @@
+//! Connected components of a graph, and springs that join them.
+
+use std::{collections::HashMap, num::NonZero};
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+use super::{MIN_REST_LENGTH_M, NodeSample, spread::distance_squared};
+
+/// Springs from each side of a joint: fewer would leave a hinge.
+const JOINT_SPRINGS: usize = 3;
+/// Nearest nodes that are looked at before all are.
+const FEW: NonZero<usize> = NonZero::new(24).unwrap();
+
+/// Disjoint sets of nodes.
+struct Sets(Vec<u32>);
+
+impl Sets {
+    fn new(n: usize) -> Self {
+        Self((0..n as u32).collect())
+    }
+
+    fn find(&mut self, mut x: u32) -> u32 {
+        while self.0[x as usize] != x {
+            self.0[x as usize] = self.0[self.0[x as usize] as usize];
+            x = self.0[x as usize];
+        }
+        x
+    }
+
+    /// Joins two sets; the smaller root stays, so names do not depend on order.
+    fn union(&mut self, a: u32, b: u32) -> bool {
+        let (a, b) = (self.find(a), self.find(b));
+        self.0[a.max(b) as usize] = a.min(b);
+        a != b
+    }
+}
+
+/// Adds springs until all nodes of an object hang together: every piece but
+/// the first is joined at its closest approach to another piece, by up to three
+/// springs from each of the two nodes. Returns how many pieces were joined.
+/// Nodes that coincide with all others of their object stay alone: no spring of
+/// positive length reaches them.
+pub(super) fn join(
+    sample: &NodeSample,
+    tree: &ImmutableKdTree<f32, 3>,
+    springs: &mut Vec<[u32; 2]>,
+) -> usize {
+    let n = sample.node_count();
+    let mut sets = Sets::new(n);
+    for &[a, b] in springs.iter() {
+        sets.union(a, b);
+    }
+    let mut joined = 0;
+    loop {
+        let roots: Vec<u32> = (0..n as u32).map(|i| sets.find(i)).collect();
+        let pieces = Pieces { sample, tree, roots };
+        let before = joined;
+        for [a, b] in pieces.closest_approaches() {
+            if sets.union(a, b) {
+                joined += 1;
+                pieces.joint([a, b], springs);
+            }
+        }
+        if joined == before {
+            return joined;
+        }
+    }
+}
+
+/// Nodes by piece.
+struct Pieces<'a> {
+    sample: &'a NodeSample,
+    tree: &'a ImmutableKdTree<f32, 3>,
+    /// Name of each node's piece, shape [N].
+    roots: Vec<u32>,
+}
+
+impl Pieces<'_> {
+    /// For each piece but the first of its object, its closest pair with another piece.
+    fn closest_approaches(&self) -> Vec<[u32; 2]> {
+        let objects = &self.sample.object_ids;
+        let mut first = HashMap::new();
+        for (root, object) in self.roots.iter().zip(objects) {
+            first.entry(*object).or_insert(*root);
+        }
+        let mut best = vec![(f32::INFINITY, [0_u32; 2]); self.roots.len()];
+        let mut consider = |i: usize, near: Vec<(f32, u32)>| {
+            let slot = &mut best[self.roots[i] as usize];
+            if let Some((distance, k)) = nearest_first(near, 1).first()
+                && *distance < slot.0
+            {
+                *slot = (*distance, [i as u32, *k]);
+            }
+            slot.0
+        };
+        let elsewhere =
+            |i: usize| move |k: usize| self.roots[k] != self.roots[i] && objects[k] == objects[i];
+        // Most nodes are ruled out by those that have another component among a few neighbours.
+        let mut unseen = Vec::new();
+        for (i, root) in self.roots.iter().enumerate() {
+            if first.get(&objects[i]) != Some(root) {
+                let (near, seen_to) = self.few(i, elsewhere(i));
+                if near.is_empty() && seen_to.is_finite() {
+                    unseen.push((i, seen_to));
+                }
+                consider(i, near);
+            }
+        }
+        for (i, seen_to) in unseen {
+            if seen_to < consider(i, Vec::new()) {
+                consider(i, self.all(i, elsewhere(i)));
+            }
+        }
+        best.into_iter().filter(|(d, _)| d.is_finite()).map(|(_, pair)| pair).collect()
+    }
+
+    /// Adds springs from each of two nodes to the nearest nodes of the other's piece.
+    fn joint(&self, ends: [u32; 2], springs: &mut Vec<[u32; 2]>) {
+        for [from, to] in [ends, [ends[1], ends[0]]] {
+            let piece = self.roots[to as usize];
+            let opposite = |k: usize| self.roots[k] == piece;
+            let (mut near, _) = self.few(from as usize, opposite);
+            if near.is_empty() {
+                near = self.all(from as usize, opposite);
+            }
+            let near = nearest_first(near, JOINT_SPRINGS);
+            springs.extend(near.into_iter().map(|(_, k)| [from.min(k), from.max(k)]));
+        }
+    }
+
+    /// Nodes of some kind among the few nearest to node `i`, as squared distance and node,
+    /// and the squared distance up to which all were looked at.
+    fn few(&self, i: usize, wanted: impl Fn(usize) -> bool) -> (Vec<(f32, u32)>, f32) {
+        let at = self.sample.positions[i];
+        let found = self.tree.query(&at).nearest_n::<SquaredEuclidean<f32>>(FEW).execute();
+        let seen_to = match found.last() {
+            Some(last) if found.len() == FEW.get() => last.distance,
+            _ => f32::INFINITY,
+        };
+        let found = found.into_iter().map(|f| (f.distance, f.item));
+        (found.filter(|f| apart(f) && wanted(f.1 as usize)).collect(), seen_to)
+    }
+
+    /// The same among all nodes.
+    fn all(&self, i: usize, wanted: impl Fn(usize) -> bool) -> Vec<(f32, u32)> {
+        let at = self.sample.positions[i];
+        let all = self.sample.positions.iter().zip(0..);
+        let all = all.map(|(p, k)| (distance_squared(at, *p), k));
+        all.filter(|f| apart(f) && wanted(f.1 as usize)).collect()
+    }
+}
+
+/// Far enough away for a spring.
+fn apart(found: &(f32, u32)) -> bool {
+    found.0.sqrt() > MIN_REST_LENGTH_M
+}
+
+/// The `count` nearest, in order; ties by index.
+fn nearest_first(mut found: Vec<(f32, u32)>, count: usize) -> Vec<(f32, u32)> {
+    let order = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+    if found.len() > count {
+        found.select_nth_unstable_by(count, order);
+        found.truncate(count);
+    }
+    found.sort_unstable_by(order);
+    found
+}

@@ -1,0 +1,133 @@
+//! Graph building, from a capture to a graph: nodes are sampled once, springs and triplets are
+//! found anew for every candidate of a search. Everything here is deterministic:
+//! the same capture, settings and seed give the same graph. No physics.
+//!
+//! [`sample_nodes`] decides which points become nodes, [`connect`] joins them,
+//! [`rest_geometry`] measures their undeformed geometry.
+
+mod components;
+mod connect;
+mod error;
+mod order;
+mod rest;
+mod rods;
+mod sample;
+mod spread;
+mod triplets;
+
+use bendtwin_core::{
+    NodeKind, Pin, Point,
+    settings::{GraphSettings, TripletReference},
+};
+
+pub use self::{
+    connect::{Notes, connect, connect_with_notes},
+    error::Error,
+    rest::rest_geometry,
+    sample::sample_nodes,
+    spread::{farthest_points, mean_spacing},
+};
+
+/// Springs whose rest length would be shorter than this are left out [m].
+pub const MIN_REST_LENGTH_M: f32 = 1e-4;
+
+/// The nodes of a graph before they are joined.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeSample {
+    /// Positions at the start frame of the first sequence [m], shape [N, 3].
+    pub positions: Vec<Point>,
+    /// Kind of each node, shape [N]; non-decreasing.
+    pub kinds: Vec<NodeKind>,
+    /// Tracked point of each node, or [`bendtwin_core::Graph::NOT_OBSERVED`], shape [N].
+    pub observed_points: Vec<u32>,
+    /// Object of each node, shape [N].
+    pub object_ids: Vec<u32>,
+    /// Control points at the start frame [m], shape [C, 3].
+    pub control_rest: Vec<Point>,
+    /// Nodes that control points prescribe.
+    pub pins: Vec<Pin>,
+    /// Known topology as pairs of nodes (a cable's); `None` means that springs are found by radius.
+    pub edges: Option<Vec<[u32; 2]>>,
+    /// Undeformed positions [m], shape [N, 3], where they are not [`NodeSample::positions`].
+    pub rest_shape: Option<Vec<Point>>,
+    /// Mean spacing of the nodes over that of all points, at least 1: what radii are multiplied by.
+    pub spacing_scale: f64,
+    /// Points that could not become nodes.
+    pub left_out: LeftOut,
+}
+
+impl NodeSample {
+    /// Number of nodes N.
+    pub fn node_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Positions of the undeformed object [m], shape [N, 3].
+    pub fn undeformed(&self) -> &[Point] {
+        self.rest_shape.as_deref().unwrap_or(&self.positions)
+    }
+}
+
+/// Numbers of points of the capture that could not become nodes, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Position at the start frame is not a finite number.
+    pub not_finite: usize,
+    /// Seen in no frame of any sequence.
+    pub never_visible: usize,
+    /// Seen later, but not at the start frame: where they started is a guess.
+    pub hidden_at_start: usize,
+}
+
+impl LeftOut {
+    /// All of them.
+    pub fn total(&self) -> usize {
+        self.not_finite + self.never_visible + self.hidden_at_start
+    }
+}
+
+/// Connections between nodes: the topology variables of a fit's search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Connectivity {
+    /// Spring radius at full sampling [m].
+    pub radius_m: f64,
+    /// Most springs that a node opens.
+    pub max_neighbours: usize,
+    /// Radius of control springs at full sampling [m].
+    pub control_radius_m: f64,
+    /// Most springs that a control point opens; 0 means no control springs.
+    pub control_neighbours: usize,
+    /// Bending triplets, if any.
+    pub triplets: Option<Triplets>,
+    /// Rods that twist between two clamps of a cable with known edges.
+    pub rods: bool,
+}
+
+/// Choice of triplets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Triplets {
+    /// Most triplets with the same centre.
+    pub max_per_node: usize,
+    /// Pairs of neighbours that form them.
+    pub reference: TripletReference,
+}
+
+impl Connectivity {
+    /// The settings' own values; without `bending`, without triplets and rods.
+    pub fn from_settings(settings: &GraphSettings, bending: bool) -> Self {
+        Self {
+            radius_m: settings.radius_m,
+            max_neighbours: settings.max_neighbours,
+            control_radius_m: settings.control_radius_m,
+            control_neighbours: settings.control_neighbours,
+            triplets: (bending && settings.max_triplets > 0).then_some(Triplets {
+                max_per_node: settings.max_triplets,
+                reference: settings.triplet_reference,
+            }),
+            rods: bending && settings.twist,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

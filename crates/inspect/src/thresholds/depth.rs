@@ -1,0 +1,21 @@
+//! Numbers for the judge of depth.
+
+/// Depth over the object.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct DepthThresholds {
+    /// Share of the object with depth below which there is a warning, 0..=1. Chosen by hand;
+    /// cameras of healthy recordings have at least 0.78.
+    pub(crate) good_coverage: f64,
+    /// Share of the object with depth below which a camera contributes nothing, 0..=1. Chosen by
+    /// hand.
+    pub(crate) min_coverage: f64,
+    /// Share of a mask's depth that may lie far from the rest, 0..=1. Chosen by hand: soft edges of
+    /// a mask show some background.
+    pub(crate) max_apart_share: f64,
+}
+
+impl Default for DepthThresholds {
+    fn default() -> Self {
+        Self { good_coverage: 0.6, min_coverage: 0.1, max_apart_share: 0.12 }
+    }
+}

@@ -1,0 +1,31 @@
+//! Numbers for the judge of masks.
+
+/// Masks that are empty, inverted, overlapping, or that jump.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct MaskThresholds {
+    /// Ratio of the areas of a mask in two successive frames from which it jumps. Chosen by hand;
+    /// in healthy recordings it is at most 1.18.
+    pub(crate) max_area_ratio: f64,
+    /// Area below which such a ratio means nothing [areas of the image]: 150 pixels of 640 x 480.
+    /// Chosen by hand.
+    pub(crate) min_area_share: f64,
+    /// Share of the image beyond which a mask shows the background, 0..=1. Chosen by hand.
+    pub(crate) max_covered_share: f64,
+    /// Share of the smaller mask that may belong to both, 0..=1. Chosen by hand.
+    pub(crate) max_overlap_share: f64,
+    /// Share of frames without object from which the only camera that sees it is of little use,
+    /// 0..=1. Chosen by hand.
+    pub(crate) max_empty_share: f64,
+}
+
+impl Default for MaskThresholds {
+    fn default() -> Self {
+        Self {
+            max_area_ratio: 1.45,
+            min_area_share: 5e-4,
+            max_covered_share: 0.6,
+            max_overlap_share: 0.1,
+            max_empty_share: 0.3,
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! What one camera records of the stage: colour, depth as a stereo camera measures it, and masks as a segmenter draws them.
+
+use bendtwin_core::Point;
+
+use super::{
+    Stage,
+    props::{Props, Thing},
+    tracker,
+};
+use crate::{
+    pose::{dot, sub, unit},
+    raster::{Hit, Raster},
+    texture::{chance, normal},
+};
+use bendtwin_capture::{
+    Error,
+    raw::{Camera, ColorImage, DepthImage, Frames, Image, Mask, Region, Tracks},
+};
+
+/// Deviation of depth [m at 1 m]; it grows with the square of distance.
+const DEPTH_NOISE: f32 = 0.0012;
+/// Share of pixels without depth anywhere, at edges of things, and where a surface is seen flatter than the cosine.
+const HOLES: f32 = 0.004;
+const EDGE_HOLES: f32 = 0.6;
+const FLAT: f32 = 0.2;
+/// A neighbour this much nearer or farther makes an edge [m].
+const EDGE_M: f32 = 0.015;
+/// Share of pixels at a mask's rim that the segmenter leaves out.
+const RIM: f32 = 0.3;
+/// Deviation of colour, of 255.
+const COLOR_NOISE: f32 = 2.0;
+/// Colours vary over at least this [m], and over so many pixels.
+const PATCH_M: f64 = 0.012;
+const PATCH_PIXELS: f64 = 5.0;
+
+/// Keys that keep the kinds of noise apart.
+const COLOR: i64 = 1;
+const DEPTH: i64 = 4;
+const HOLE: i64 = 5;
+const MASK: i64 = 6;
+
+/// Reads the frames of a camera.
+pub(super) struct Reader<'a> {
+    stage: &'a Stage,
+    camera: usize,
+    /// The frame that was drawn last: colour, depth and masks are asked for one after the other.
+    last: Option<(usize, View)>,
+}
+
+/// A drawn frame.
+#[derive(Clone, Debug)]
+pub(super) struct View {
+    pub(super) vertices: Vec<Point>,
+    pub(super) raster: Raster,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(stage: &'a Stage, camera: usize) -> Self {
+        Self { stage, camera, last: None }
+    }
+
+    fn lens(&self) -> &'a Camera {
+        &self.stage.cameras[self.camera]
+    }
+
+    /// Computes an image pixel by pixel, `None` if there is no such frame.
+    fn image<P>(
+        &mut self,
+        frame: usize,
+        pixel: impl Fn(&Stage, &View, usize, usize) -> P,
+    ) -> Option<Image<P>> {
+        let (stage, camera) = (self.stage, self.lens());
+        if self.last.as_ref().is_none_or(|(drawn, _)| *drawn != frame) {
+            self.last = Some((frame, stage.view(self.camera, frame)?));
+        }
+        let (_, view) = self.last.as_ref()?;
+        let (width, height) = (camera.width, camera.height);
+        let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+        let pixels = pixels.map(|(column, row)| pixel(stage, view, column, row)).collect();
+        Some(Image { width, height, pixels })
+    }
+
+    /// A seed of this camera and frame.
+    fn seed(&self, frame: usize) -> u64 {
+        self.stage.options.seed ^ ((self.camera as u64) << 40) ^ ((frame as u64) << 16)
+    }
+}
+
+impl Stage {
+    /// Draws a frame as a camera sees it.
+    pub(super) fn view(&self, camera: usize, frame: usize) -> Option<View> {
+        let (body, pose) = (self.bodies.get(frame)?, self.poses.get(frame)?);
+        let vertices = self.props.posed(body, pose, self.grasp);
+        let raster = Raster::draw(self.cameras.get(camera)?, &vertices, &self.props.triangles);
+        Some(View { vertices, raster })
+    }
+
+    /// The corners of a triangle in `positions`.
+    pub(super) fn corners(&self, triangle: u32, positions: &[Point]) -> [Point; 3] {
+        self.props.triangles[triangle as usize].map(|v| positions[v as usize])
+    }
+}
+
+impl Frames for Reader<'_> {
+    fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error> {
+        let (seed, focal) = (self.seed(frame), self.lens().intrinsics.fx);
+        let patch_m = PATCH_M.max(PATCH_PIXELS * 0.9 / focal) as f32;
+        Ok(self.image(frame, |stage, view, column, row| {
+            let Some(hit) = view.raster.get(column as i64, row as i64) else { return [200; 3] };
+            let corners = stage.corners(hit.triangle, &stage.props.rest);
+            let color =
+                Props::color(stage.props.thing(hit.triangle), blend(&hit, corners), patch_m);
+            let light = unit([0.3, -0.2, 0.9]);
+            let facing = dot(normal_of(stage.corners(hit.triangle, &view.vertices)), light);
+            let shade = 0.8 + 0.2 * facing.max(0.0);
+            std::array::from_fn(|channel| {
+                let at = [column as i64, row as i64, channel as i64, COLOR];
+                let noise = COLOR_NOISE * normal(seed, at);
+                (255.0 * color[channel] * shade + noise).round().clamp(0.0, 255.0) as u8
+            })
+        }))
+    }
+
+    fn depth(&mut self, frame: usize) -> Result<Option<DepthImage>, Error> {
+        let (seed, camera) = (self.seed(frame), self.lens());
+        let eye = camera.pose(frame).translation.map(|x| x as f32);
+        Ok(self.image(frame, |stage, view, column, row| {
+            let (column, row) = (column as i64, row as i64);
+            let Some(hit) = view.raster.get(column, row) else { return 0.0 };
+            let corners = stage.corners(hit.triangle, &view.vertices);
+            let towards = unit(sub(eye, blend(&hit, corners)));
+            let is_edge = [[1, 0], [-1, 0], [0, 1], [0, -1]].iter().any(|[x, y]| {
+                let beside = view.raster.get(column + x, row + y);
+                beside.is_some_and(|b| (b.depth_m - hit.depth_m).abs() > EDGE_M)
+            });
+            let holes = if is_edge { EDGE_HOLES } else { HOLES };
+            if chance(seed, [column, row, 0, HOLE]) < holes
+                || dot(normal_of(corners), towards).abs() < FLAT
+            {
+                return 0.0;
+            }
+            let sigma = DEPTH_NOISE * hit.depth_m * hit.depth_m;
+            let measured = hit.depth_m + sigma * normal(seed, [column, row, 0, DEPTH]);
+            // Cameras give whole millimetres.
+            (measured * 1000.0).round() / 1000.0
+        }))
+    }
+
+    fn mask(&mut self, frame: usize, region: Region) -> Result<Option<Mask>, Error> {
+        let seed = self.seed(frame);
+        let wanted = match region {
+            Region::Object => Thing::Body,
+            Region::Manipulator => Thing::Hand,
+        };
+        Ok(self.image(frame, |stage, view, column, row| {
+            let (column, row) = (column as i64, row as i64);
+            let shows = |column, row| {
+                let hit: Option<Hit> = view.raster.get(column, row);
+                hit.is_some_and(|hit| stage.props.thing(hit.triangle) == wanted)
+            };
+            if !shows(column, row) {
+                return false;
+            }
+            let around = [[1, 0], [-1, 0], [0, 1], [0, -1]];
+            let is_rim = around.iter().any(|[x, y]| !shows(column + x, row + y));
+            !is_rim || chance(seed, [column, row, 0, MASK]) >= RIM
+        }))
+    }
+
+    fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
+        if !self.stage.options.tracks {
+            return Ok(None);
+        }
+        Ok(Some(tracker::track(self.stage, self.camera)))
+    }
+}
+
+/// The point of a triangle that was hit.
+pub(super) fn blend(hit: &Hit, corners: [Point; 3]) -> Point {
+    std::array::from_fn(|a| (0..3).map(|k| hit.shares[k] * corners[k][a]).sum())
+}
+
+fn normal_of([a, b, c]: [Point; 3]) -> Point {
+    let (u, v) = (sub(b, a), sub(c, a));
+    unit([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
+}

@@ -1,0 +1,127 @@
+//! Synthetic captures, for tests and the demo. A body is simulated much more finely
+//! than any twin, on another topology and with other damping, and then observed
+//! as cameras and a tracker do, so that fitting it is no inverse crime.
+
+mod body;
+mod cable;
+mod camera;
+mod error;
+mod film;
+mod hand;
+mod observe;
+mod pose;
+mod raster;
+mod scene;
+mod simulate;
+mod skin;
+mod texture;
+
+use bendtwin_capture::validate;
+use bendtwin_core::Capture;
+use bendtwin_engine::Backend;
+
+pub use self::{
+    error::Error,
+    film::{FilmOptions, Shape, film, film_with},
+};
+
+/// What is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Scene {
+    /// A foam rope that one hand lifts at its end, waves and shakes: bending above all.
+    Rope,
+    /// A bar of foam, twice as wide as thick, that one hand holds at its end and waves.
+    Bar,
+    /// The same bar cut twice as thick: at least as stiff, whatever model is fitted.
+    ThickBar,
+    /// A toy-like body with four limbs, lifted by its head and shaken.
+    Toy,
+    /// A cable clamped at both ends by two grippers: motion capture, several sequences.
+    Cable,
+}
+
+impl Scene {
+    /// All scenes.
+    pub const ALL: [Self; 5] = [Self::Rope, Self::Bar, Self::ThickBar, Self::Toy, Self::Cable];
+
+    /// Its name, `rope` say.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rope => "rope",
+            Self::Bar => "bar",
+            Self::ThickBar => "thick_bar",
+            Self::Toy => "toy",
+            Self::Cable => "cable",
+        }
+    }
+
+    /// The scene of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|s| s.name() == name)
+    }
+}
+
+/// How it is recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MakeOptions {
+    /// Seed of noise, lost tracks and a cable's motions; the same seed gives the same capture.
+    pub seed: u64,
+    /// Frames of a sequence, 4 to 1000; 0 takes the scene's own length.
+    pub frames: usize,
+    /// A coarse simulation with few points and frames, made in a fraction of a second.
+    pub tiny: bool,
+}
+
+impl MakeOptions {
+    /// The scene at its full size.
+    pub fn full(seed: u64) -> Self {
+        Self { seed, frames: 0, tiny: false }
+    }
+
+    /// A small variant for fast tests.
+    pub fn tiny(seed: u64) -> Self {
+        Self { seed, frames: 0, tiny: true }
+    }
+
+    fn frames_or(&self, full: usize, tiny: usize) -> usize {
+        match self.frames {
+            0 if self.tiny => tiny,
+            0 => full,
+            frames => frames.clamp(4, 1000),
+        }
+    }
+}
+
+impl Default for MakeOptions {
+    fn default() -> Self {
+        Self::full(0)
+    }
+}
+
+/// Simulates and observes a scene on the CPU.
+///
+/// # Errors
+/// If the simulation fails.
+pub fn make(scene: Scene, options: &MakeOptions) -> Result<Capture, Error> {
+    make_with(scene, options, bendtwin_engine::cpu().as_ref())
+}
+
+/// Simulates a scene on a given backend and observes it.
+///
+/// # Errors
+/// If the simulation fails.
+pub fn make_with(
+    scene: Scene,
+    options: &MakeOptions,
+    backend: &dyn Backend,
+) -> Result<Capture, Error> {
+    let capture = match scene::setup(scene, options) {
+        Some(setup) => observe::record(&setup, options, backend)?,
+        None => cable::record(options, backend)?,
+    };
+    validate(&capture)?;
+    Ok(capture)
+}
+
+#[cfg(test)]
+mod tests;

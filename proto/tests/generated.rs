@@ -1,0 +1,78 @@
+//! The Rust code of the messages, in `src/generated`, is what the .proto files say.
+//!
+//! It is kept beside them, so that a build needs neither their compiler nor the forty crates that
+//! it is made of. After a change of a .proto file, or of what is generated:
+//!
+//! ```sh
+//! BENDTWIN_BLESS=1 cargo test -p bendtwin-proto --test generated
+//! ```
+
+#[path = "generated/json.rs"]
+mod json;
+
+use std::{collections::BTreeMap, path::Path};
+
+use prost::Message as _;
+
+const FILES: [&str; 9] = [
+    "bendtwin/v1/tensor.proto",
+    "bendtwin/v1/fault.proto",
+    "bendtwin/v1/capture.proto",
+    "bendtwin/v1/job.proto",
+    "bendtwin/v1/fit.proto",
+    "bendtwin/v1/twin.proto",
+    "bendtwin/v1/worker.proto",
+    "bendtwin/v1/rollout.proto",
+    "bendtwin/worker/v1/worker_link.proto",
+];
+
+#[test]
+fn the_generated_code_is_that_of_the_proto_files() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let made = generate(root);
+    let folder = root.join("src/generated");
+    if std::env::var_os("BENDTWIN_BLESS").is_some() {
+        std::fs::remove_dir_all(&folder).unwrap();
+        std::fs::create_dir(&folder).unwrap();
+        for (name, content) in &made {
+            std::fs::write(folder.join(name), content).unwrap();
+        }
+    }
+    let kept = read(&folder);
+    let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&kept), names(&made));
+    for (name, content) in made {
+        assert!(
+            kept[&name] == content,
+            "src/generated/{name} is not what the .proto files say: \
+             BENDTWIN_BLESS=1 cargo test -p bendtwin-proto --test generated"
+        );
+    }
+}
+
+/// Generated files by name.
+fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
+    let descriptors = protox::compile(FILES, [root]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("descriptors.bin"), descriptors.encode_to_vec()).unwrap();
+    let rollout = descriptors.file.iter().find(|f| f.name() == "bendtwin/v1/rollout.proto");
+    let code = json::implementations(rollout.unwrap());
+    std::fs::write(folder.path().join("json.rs"), code).unwrap();
+    tonic_prost_build::configure()
+        .bytes(".")
+        .out_dir(folder.path())
+        .compile_fds(descriptors)
+        .unwrap();
+    read(folder.path())
+}
+
+/// Files of a folder by name.
+fn read(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap());
+    files
+        .map(|file| {
+            let name = file.file_name().into_string().unwrap();
+            (name, std::fs::read(file.path()).unwrap())
+        })
+        .collect()
+}

@@ -1,0 +1,333 @@
+//! Reasons of errors and codes of findings, read from the Rust sources: from `fn category` and `fn reason` of every
+//! `impl Problem`, from faults that are built by name, and from what the crates of captures report.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use quote::ToTokens as _;
+use reqwest::StatusCode;
+use syn::{
+    Arm, Attribute, Block, Expr, ExprAssign, ExprCall, ExprLit, ExprMethodCall, ExprStruct,
+    ExprTuple, Fields, File, ImplItem, Item, ItemImpl, Lit, LitStr, Macro, Pat, Stmt, visit,
+    visit::Visit,
+};
+
+use crate::workspace;
+
+/// Crates whose words in capitals are codes of findings where they are no reasons.
+const FINDERS: [&str; 6] = [
+    "crates/capture/",
+    "crates/core/",
+    "crates/flow/",
+    "crates/ingest/",
+    "crates/inspect/",
+    "crates/lift/",
+];
+
+/// Files with words in capitals of other vocabularies.
+const OTHERS: [&str; 3] =
+    ["crates/cuda/", "proto/src/fault.rs", "crates/capture/src/raw/nerfstudio/"];
+
+/// Beginnings of words that name environment variables.
+const ENVIRONMENT: [&str; 6] =
+    ["BENDTWIN_", "CARGO_", "NO_COLOR", "OUT_DIR", "RAYON_NUM_THREADS", "XDG_"];
+
+/// What clients see of a reason. Several where it is raised in several places.
+#[derive(Debug, Default)]
+pub(super) struct Reason {
+    /// Names of the variants of `Category`.
+    pub(super) categories: BTreeSet<String>,
+    /// Statuses that only HTTP has.
+    pub(super) statuses: BTreeSet<u16>,
+    /// Whether the category is that of the cause.
+    pub(super) inherits: bool,
+}
+
+/// Everything that was found.
+#[derive(Debug, Default)]
+pub(super) struct Words {
+    /// By reason.
+    pub(super) reasons: BTreeMap<String, Reason>,
+    /// By code: meaning and advice where a table of the sources has them.
+    pub(super) codes: BTreeMap<String, Option<[String; 2]>>,
+    /// Words in capitals that are neither, with their file.
+    pub(super) unknown: BTreeSet<(String, String)>,
+}
+
+/// Reads all sources but those of tests.
+pub(super) fn read() -> Words {
+    let mut words = Words::default();
+    let mut loose = Vec::new();
+    for (name, path) in workspace::files() {
+        let tests = name.starts_with("tests/") || name.ends_with("tests.rs");
+        let beside = ["/tests/", "/benches/", "/examples/", "/testing"];
+        if !name.ends_with(".rs") || tests || beside.iter().any(|part| name.contains(part)) {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let file: File = syn::parse_file(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let mut visitor = Visitor {
+            words: &mut words,
+            loose: Vec::new(),
+            finds: FINDERS.iter().any(|finder| name.starts_with(finder)),
+            status: None,
+            category: None,
+        };
+        visitor.visit_file(&file);
+        loose.extend(visitor.loose.into_iter().map(|word| (word, name.clone())));
+    }
+    for (word, file) in loose {
+        let known = words.reasons.contains_key(&word)
+            || words.codes.contains_key(&word)
+            || ENVIRONMENT.iter().any(|prefix| word.starts_with(prefix))
+            || OTHERS.iter().any(|other| file.starts_with(other));
+        if known {
+            continue;
+        }
+        if FINDERS.iter().any(|finder| file.starts_with(finder)) {
+            words.codes.entry(word).or_default();
+        } else {
+            words.unknown.insert((word, file));
+        }
+    }
+    words
+}
+
+/// Whether a text is like `UPPER_SNAKE_CASE`, with an underscore.
+fn in_capitals(text: &str) -> bool {
+    let letter = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit();
+    text.contains('_') && text.split('_').all(|p| !p.is_empty() && p.chars().all(letter))
+}
+
+struct Visitor<'a> {
+    words: &'a mut Words,
+    /// Words in capitals that were not recognised by their place.
+    loose: Vec<String>,
+    /// Whether the first text of a call is the code of a finding.
+    finds: bool,
+    /// The category that was assigned last.
+    category: Option<String>,
+    /// The constant of `StatusCode` that was named last.
+    status: Option<u16>,
+}
+
+impl Visitor<'_> {
+    fn reason(&mut self, reason: &str, category: Option<String>) {
+        let entry = self.words.reasons.entry(reason.to_owned()).or_default();
+        match category {
+            Some(category) => {
+                entry.categories.insert(category);
+            }
+            None => entry.inherits = true,
+        }
+    }
+
+    fn code(&mut self, arguments: &[String]) {
+        let Some(code) = arguments.first().filter(|a| in_capitals(a)) else { return };
+        let about = match arguments {
+            [_, meaning, advice] => Some([meaning.clone(), advice.clone()]),
+            _ => None,
+        };
+        let entry = self.words.codes.entry(code.clone()).or_default();
+        *entry = entry.take().or(about);
+    }
+
+    /// Recognises a category and a reason that stand in one list of arguments.
+    fn arguments<'e>(&mut self, arguments: impl Iterator<Item = &'e Expr>) {
+        let arguments: Vec<_> = arguments.collect();
+        let category = arguments.iter().find_map(|a| category_of(a));
+        let passed_on = arguments.iter().any(|a| a.to_token_stream().to_string() == "category");
+        let reason = arguments.iter().find_map(|a| text_of(a)).filter(|r| is_reason(r));
+        match reason {
+            Some(reason) if category.is_some() || passed_on => self.reason(&reason, category),
+            Some(code) if self.finds && in_capitals(&code) => {
+                self.words.codes.entry(code).or_default();
+            }
+            _ => {}
+        }
+    }
+}
+
+impl<'ast> Visit<'ast> for Visitor<'_> {
+    fn visit_item(&mut self, item: &'ast Item) {
+        let attributes: &[Attribute] = match item {
+            Item::Mod(item) => &item.attrs,
+            Item::Fn(item) => &item.attrs,
+            _ => &[],
+        };
+        if !attributes.iter().any(|a| a.to_token_stream().to_string().contains("cfg (test)")) {
+            visit::visit_item(self, item);
+        }
+    }
+
+    fn visit_attribute(&mut self, _: &'ast Attribute) {}
+
+    fn visit_item_impl(&mut self, item: &'ast ItemImpl) {
+        let of = item.trait_.as_ref().and_then(|(_, path, _)| path.segments.last());
+        if of.is_some_and(|of| of.ident == "Problem") {
+            let body = |name: &str| {
+                item.items.iter().find_map(|part| match part {
+                    ImplItem::Fn(part) if part.sig.ident == name => Some(arms(&part.block)),
+                    _ => None,
+                })
+            };
+            let categories = body("category").unwrap_or_default();
+            for (pattern, _, reason) in body("reason").unwrap_or_default() {
+                // An arm without a text passes on the reason of a cause.
+                let Some(reason) = text_of(&reason) else { continue };
+                for category in categories_of(&pattern, &categories) {
+                    self.reason(&reason, category);
+                }
+            }
+        }
+        visit::visit_item_impl(self, item);
+    }
+
+    fn visit_expr_assign(&mut self, expr: &'ast ExprAssign) {
+        if let Expr::Field(field) = &*expr.left {
+            match field.member.to_token_stream().to_string().as_str() {
+                "category" => self.category = category_of(&expr.right),
+                "reason" => {
+                    if let Some(reason) = text_of(&expr.right) {
+                        self.reason(&reason, self.category.clone());
+                    }
+                }
+                _ => {}
+            }
+        }
+        visit::visit_expr_assign(self, expr);
+    }
+
+    fn visit_expr_struct(&mut self, expr: &'ast ExprStruct) {
+        self.arguments(expr.fields.iter().map(|field| &field.expr));
+        for field in &expr.fields {
+            if field.member.to_token_stream().to_string() == "code" {
+                self.code(&text_of(&field.expr).into_iter().collect::<Vec<_>>());
+            }
+        }
+        visit::visit_expr_struct(self, expr);
+    }
+
+    fn visit_expr_tuple(&mut self, expr: &'ast ExprTuple) {
+        self.arguments(expr.elems.iter());
+        visit::visit_expr_tuple(self, expr);
+    }
+
+    fn visit_expr_method_call(&mut self, expr: &'ast ExprMethodCall) {
+        self.arguments(expr.args.iter());
+        visit::visit_expr_method_call(self, expr);
+    }
+
+    fn visit_expr_call(&mut self, expr: &'ast ExprCall) {
+        let path = expr.func.to_token_stream().to_string();
+        let texts: Vec<_> = expr.args.iter().filter_map(text_of).collect();
+        self.arguments(expr.args.iter());
+        visit::visit_expr_call(self, expr);
+        if path.ends_with("http_only") {
+            if let (Some(reason), Some(status)) = (texts.first(), self.status) {
+                self.reason(reason, Some("InvalidArgument".to_owned()));
+                self.words.reasons.entry(reason.clone()).or_default().statuses.insert(status);
+            }
+        } else if path == "code" && self.finds {
+            self.code(&texts);
+        }
+    }
+
+    fn visit_path(&mut self, path: &'ast syn::Path) {
+        let segments: Vec<_> = path.segments.iter().map(|s| s.ident.to_string()).collect();
+        if let [.., of, name] = &segments[..]
+            && of == "StatusCode"
+        {
+            self.status = status(name).or(self.status);
+        }
+        visit::visit_path(self, path);
+    }
+
+    fn visit_macro(&mut self, mac: &'ast Macro) {
+        for word in mac.tokens.to_string().split('"').skip(1).step_by(2) {
+            if in_capitals(word) {
+                self.loose.push(word.to_owned());
+            }
+        }
+    }
+
+    fn visit_lit_str(&mut self, text: &'ast LitStr) {
+        if in_capitals(&text.value()) {
+            self.loose.push(text.value());
+        }
+    }
+
+    fn visit_fields(&mut self, _: &'ast Fields) {}
+}
+
+fn is_reason(text: &str) -> bool {
+    !text.is_empty() && text.chars().all(|c| c == '_' || c.is_ascii_uppercase())
+}
+
+/// The status of a constant of `StatusCode`.
+fn status(name: &str) -> Option<u16> {
+    (100..600).find(|&code| {
+        let reason = StatusCode::from_u16(code).ok().and_then(|s| s.canonical_reason());
+        reason.is_some_and(|r| r.to_uppercase().replace([' ', '-'], "_") == name)
+    })
+}
+
+/// A text literal, also where it is made a `String` of.
+fn text_of(expr: &Expr) -> Option<String> {
+    match expr {
+        Expr::Lit(ExprLit { lit: Lit::Str(text), .. }) => Some(text.value()),
+        Expr::MethodCall(call) if call.args.is_empty() => text_of(&call.receiver),
+        Expr::Reference(reference) => text_of(&reference.expr),
+        _ => None,
+    }
+}
+
+/// The variant of `Category` that an expression names.
+fn category_of(expr: &Expr) -> Option<String> {
+    let expr = match expr {
+        Expr::Block(block) => match &block.block.stmts[..] {
+            [Stmt::Expr(expr, None)] => expr,
+            _ => return None,
+        },
+        expr => expr,
+    };
+    let Expr::Path(path) = expr else { return None };
+    let segments: Vec<_> = path.path.segments.iter().map(|s| s.ident.to_string()).collect();
+    match &segments[..] {
+        [.., of, name] if of == "Category" => Some(name.clone()),
+        _ => None,
+    }
+}
+
+/// The arms of a function that is one `match`, as pattern, whether it has a guard, and value; a function that is one
+/// value has one arm for everything.
+fn arms(block: &Block) -> Vec<(String, bool, Expr)> {
+    let Some(Stmt::Expr(expr, None)) = block.stmts.last() else { return Vec::new() };
+    let Expr::Match(found) = expr else { return vec![("_".to_owned(), false, expr.clone())] };
+    let split = |arm: &Arm| {
+        let patterns: Vec<_> = match &arm.pat {
+            Pat::Or(any) => any.cases.iter().collect(),
+            one => vec![one],
+        };
+        let (guard, body) = (arm.guard.is_some(), (*arm.body).clone());
+        let of = |pattern: &Pat| (pattern.to_token_stream().to_string(), guard, body.clone());
+        patterns.into_iter().map(of).collect::<Vec<_>>()
+    };
+    found.arms.iter().flat_map(split).collect()
+}
+
+/// The categories of what a pattern matches; none for one that is passed on from a cause.
+fn categories_of(pattern: &str, categories: &[(String, bool, Expr)]) -> Vec<Option<String>> {
+    let variant = |pattern: &str| {
+        pattern.split([' ', '(', '{']).filter(|p| !p.is_empty()).take(3).collect::<String>()
+    };
+    let guarded = |p: &str, guard: bool| guard && variant(p) == variant(pattern);
+    let choose = |choice: &dyn Fn(&str, bool) -> bool| -> Vec<_> {
+        let chosen = categories.iter().filter(|(p, guard, _)| choice(p, *guard));
+        chosen.map(|(_, _, value)| category_of(value)).collect()
+    };
+    let exact = choose(&|p, guard| p == pattern || guarded(p, guard));
+    let same = choose(&|p, _| variant(p) == variant(pattern));
+    let all = choose(&|_, _| pattern == "_");
+    let rest = choose(&|p, _| p == "_");
+    [exact, same, all, rest].into_iter().find(|found| !found.is_empty()).unwrap_or_default()
+}
