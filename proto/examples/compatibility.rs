@@ -1,6 +1,6 @@
-//! Whether clients of an older `bendtwin.v1` can go on: compares the public contract in two folders of .proto
-//! files, and lists what is gone or changed. `proto/compatibility` runs it with a revision of the
-//! repository. From 1.0 on it is a test against the last release.
+//! Compatibility of `bendtwin.v1` with clients of an older one: compares the public contract in two
+//! folders of .proto files, and lists what is gone or changed. `proto/compatibility` runs it with a
+//! revision of the repository. From 1.0 on it is a test against the last release.
 //!
 //! ```sh
 //! cargo run -p bendtwin-proto --example compatibility -- OLD_FOLDER [NEW_FOLDER]

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use tonic::metadata::MetadataMap;
 
-/// The time that a call's `grpc-timeout` leaves: up to eight digits and a unit. `None` if there is none
-/// or it is malformed.
+/// The time that a call's `grpc-timeout` leaves: up to eight digits and a unit. `None` if there is
+/// none or it is malformed.
 pub fn timeout(metadata: &MetadataMap) -> Option<Duration> {
     let text = metadata.get("grpc-timeout")?.to_str().ok()?;
     let (digits, unit) = text.split_at_checked(text.len().checked_sub(1)?)?;

@@ -3,7 +3,7 @@
 use crate::v1::{Fit, Job, job::State};
 
 impl State {
-    /// Whether the job will not change any more.
+    /// True if the job will not change any more.
     pub fn has_ended(self) -> bool {
         matches!(self, Self::Succeeded | Self::Failed | Self::Cancelled)
     }

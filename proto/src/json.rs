@@ -1,6 +1,7 @@
-//! Rollouts as JSON: requests and replies with the fields of the messages, by their names in the .proto files.
-//! Which fields a message has is generated from its descriptor; by hand are tensors and the words of enums.
-//! An unknown field is refused, a field that is null or left out has its default.
+//! Rollouts as JSON: requests and replies with the fields of the messages, by their names in the
+//! .proto files. The fields of a message are generated from its descriptor; by hand are tensors and
+//! the words of enums. An unknown field is refused, a field that is null or left out has its
+//! default.
 
 mod fields;
 mod tensor;

@@ -24,5 +24,6 @@ pub mod worker {
     }
 }
 
-/// The encoded `FileDescriptorSet` of all services, for reflection and for descriptions of messages.
+/// The encoded `FileDescriptorSet` of all services, for reflection and for descriptions of
+/// messages.
 pub const DESCRIPTORS: &[u8] = include_bytes!("generated/descriptors.bin");

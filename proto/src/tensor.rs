@@ -12,7 +12,7 @@ use crate::v1::{Tensor, tensor::Dtype};
 pub struct TensorError {
     /// The field's name.
     pub name: String,
-    /// What is wrong with it.
+    /// The fault.
     pub fault: String,
 }
 
@@ -77,7 +77,7 @@ impl Tensor {
         }
     }
 
-    /// Whether the field was left out.
+    /// True if the field was left out.
     pub fn is_absent(&self) -> bool {
         self.shape.is_empty() && self.data.is_empty()
     }
@@ -121,7 +121,8 @@ impl Tensor {
         Ok((shape, values))
     }
 
-    /// Reads points of shape [..., 3] (FLOAT32 or INT16_SCALED); the returned shape leaves out the 3.
+    /// Reads points of shape [..., 3] (FLOAT32 or INT16_SCALED); the returned shape leaves out the
+    /// 3.
     ///
     /// # Errors
     /// As [`Tensor::unpack`], and if the last dimension is not 3.

@@ -75,7 +75,7 @@ impl Dispatch {
         true
     }
 
-    /// What job of a kind a worker is at.
+    /// Notes the job of a kind that a worker is at.
     pub(crate) fn set_job(&self, worker: WorkerId, kind: Kind, job: Option<&Job>) {
         let Some(entry) = self.lock().get(&worker).cloned() else { return };
         let mut live = entry.live();
@@ -104,7 +104,7 @@ impl Dispatch {
         views
     }
 
-    /// How many workers are there, and how many rollouts they are at.
+    /// Number of workers, and of the rollouts that they are at.
     pub(crate) fn counts(&self) -> (usize, usize) {
         let workers = self.lock();
         (workers.len(), workers.values().map(|e| e.load()).sum())

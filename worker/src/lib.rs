@@ -15,6 +15,7 @@
 //! from the last checkpoint.
 
 mod artifact;
+mod cut;
 mod device;
 mod error;
 #[cfg(test)]

@@ -52,7 +52,7 @@ class Fake(
     twin_pb2_grpc.TwinServiceServicer,
     rollout_pb2_grpc.RolloutServiceServicer,
 ):
-    """What it was sent, and how it shall behave."""
+    """Server that keeps the requests that it got, and ends jobs as it is told."""
 
     uploaded: bytes = b""
     metadata: capture_pb2.CaptureMetadata | None = None

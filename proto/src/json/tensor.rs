@@ -1,5 +1,5 @@
-//! Tensors as JSON: nested lists of numbers where they are small and read by people, base64 of the raw bytes
-//! where they are not. Lists are read straight into the bytes of the tensor.
+//! Tensors as JSON: nested lists of numbers where they are small and read by people, base64 of the
+//! raw bytes where they are not. Lists are read straight into the bytes of the tensor.
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use serde::{
@@ -12,8 +12,8 @@ use crate::v1::{Tensor, tensor::Dtype};
 
 /// Deepest nesting of a list.
 const MOST_DIMENSIONS: usize = 8;
-/// Most bytes of a tensor that lists make. Bodies are bounded, too, so this is only reached by lists of short
-/// numbers.
+/// Most bytes of a tensor that lists make. Bodies are bounded, too, so this is only reached by
+/// lists of short numbers.
 const MOST_BYTES: usize = 1 << 30;
 
 /// Form of the tensors that are written.
@@ -135,7 +135,7 @@ impl<'de> Visitor<'de> for Given {
     }
 }
 
-/// What has been read of nested lists.
+/// Numbers and lengths read so far of nested lists.
 struct Lists {
     dtype: Dtype,
     /// Depth at which the numbers stand, once there was one.

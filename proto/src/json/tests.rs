@@ -84,7 +84,7 @@ fn faults_name_the_field_and_what_may_be_there() {
         ),
         (
             json!({"costs": [{"smoothness": {}, "keypoints": {}}]}),
-            "`costs[0].keypoints` is given beside",
+            "`costs[0].smoothness` is given beside",
         ),
         (json!({"trajectories": {}, "poses": {}}), "is given beside a field that excludes it"),
         (json!({"trajectories": []}), "`trajectories` invalid type"),

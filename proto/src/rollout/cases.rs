@@ -1,5 +1,5 @@
-//! Requests that are right but for one thing, for tests: the check, the server and the worker must refuse
-//! each of them with the same fault.
+//! Requests that are right but for one thing, for tests: the check, the server and the worker must
+//! refuse each of them with the same fault.
 
 use bytes::Bytes;
 
@@ -15,7 +15,7 @@ use crate::v1::{
 /// A malformed request.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What is wrong.
+    /// The fault in a few words.
     pub what: &'static str,
     /// Text of the message: the field, or the limit.
     pub names: &'static str,
@@ -32,7 +32,8 @@ pub fn sound(twin: &TwinShape) -> RollOutRequest {
     }
 }
 
-/// Requests with one fault each for a twin, which has neither rods nor a capture nor a fast variant.
+/// Requests with one fault each for a twin, which has neither rods nor a capture nor a fast
+/// variant.
 pub fn malformed(twin: &TwinShape) -> Vec<Case> {
     let mut cases = Vec::new();
     let good = sound(twin);

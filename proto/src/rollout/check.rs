@@ -1,6 +1,6 @@
-//! The check of a rollout request, at two levels: [`check`] looks at the request alone, [`check_for`] also
-//! at the twin that it names. Sizes come before values, so that nothing is counted out before it is known
-//! to be within the limits; nothing is allocated but shapes.
+//! The check of a rollout request, at two levels: [`check`] looks at the request alone,
+//! [`check_for`] also at the twin that it names. Sizes come before values, so that nothing is
+//! counted out before it is known to be within the limits; nothing is allocated but shapes.
 
 mod actions;
 mod costs;

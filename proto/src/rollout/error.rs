@@ -1,4 +1,4 @@
-//! Why a request is refused.
+//! Reasons to refuse a request.
 
 use bendtwin_core::{Category, Problem};
 
@@ -12,7 +12,7 @@ pub enum Error {
     Field {
         /// Path of the field in the request, `costs[0].weight` say.
         field: String,
-        /// What is wrong with it and what to do.
+        /// The fault, and what to do.
         fault: String,
     },
     /// The request exceeds one of the [`Limits`](super::Limits).
@@ -24,7 +24,7 @@ pub enum Error {
         asked: u64,
         /// Largest quantity that is allowed.
         limit: u64,
-        /// What to do.
+        /// Advice on what to do.
         advice: &'static str,
     },
     /// The twin has no fast variant.

@@ -7,8 +7,8 @@ use crate::worker::v1;
 /// Bytes that the messages between server and worker add to those of the public API, at most.
 pub const ENVELOPE_BYTES: u64 = 64 << 10;
 
-/// Bounds on what one rollout request may ask for. A server's options set them; workers receive them
-/// when they register.
+/// Bounds on what one rollout request may ask for. A server's options set them; workers receive
+/// them when they register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Limits {
@@ -24,8 +24,8 @@ pub struct Limits {
     pub costs: u64,
     /// Length of the name of a cost [bytes].
     pub name_bytes: u64,
-    /// Number of target points, summed over the frames in which they count and over all costs. They are
-    /// held in memory; every cost counts for 16 more in each of its frames.
+    /// Number of target points, summed over the frames in which they count and over all costs. They
+    /// are held in memory; every cost counts for 16 more in each of its frames.
     pub targets: u64,
     /// Work in element substeps: instances x frames x substeps x (nodes + springs + triplets).
     pub work: u64,

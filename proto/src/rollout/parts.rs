@@ -5,8 +5,8 @@ use crate::v1::RollOutRequest;
 /// Instances of one part of a streamed reply.
 pub const STREAMED_PART: u32 = 16;
 
-/// Instances of one part of the reply to a request; 0 means that it comes in one part. `best` ranks the
-/// whole batch, so such a reply is never divided.
+/// Instances of one part of the reply to a request; 0 means that it comes in one part. `best` ranks
+/// the whole batch, so such a reply is never divided.
 pub fn part_instances(request: &RollOutRequest, streamed: bool) -> u32 {
     let ranked = request.returns.as_ref().is_some_and(|r| r.best > 0);
     if streamed && !ranked { STREAMED_PART } else { 0 }

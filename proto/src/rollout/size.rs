@@ -11,12 +11,13 @@ const HEAD: u64 = 2;
 const DIAGNOSTICS: u64 = HEAD + 4 * 5 + 6;
 /// Longest encoding of a `Divergence`: three counts.
 const DIVERGENCE: u64 = HEAD + 3 * 6;
-/// Longest encoding of everything else: first_instance, timing, worker, fidelity, substeps, deviation.
+/// Longest encoding of everything else: first_instance, timing, worker, fidelity, substeps,
+/// deviation.
 const REST: u64 = 6 + (HEAD + 2 * 9) + 48 + 2 + 7 + (1 + HEAD + 3 * 9 + 6);
 
 /// Most bytes that one message of the reply to a checked request takes when encoded, with
-/// `part_instances` instances to a message (0: all in one). Tensors are exact; of each instance it is
-/// assumed that it diverges and that no number of its diagnostics is zero.
+/// `part_instances` instances to a message (0: all in one). Tensors are exact; of each instance it
+/// is assumed that it diverges and that no number of its diagnostics is zero.
 pub fn reply_bytes(
     request: &RollOutRequest,
     batch: &Batch,

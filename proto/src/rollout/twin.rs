@@ -19,7 +19,7 @@ pub struct TwinShape {
     pub substeps: u32,
     /// Substeps per frame of its fast variant, if it has one.
     pub fast_substeps: Option<u32>,
-    /// Whether the twin names a capture of its own, in a frame of which rollouts may start.
+    /// True if the twin names a capture of its own, in a frame of which rollouts may start.
     pub has_capture: bool,
 }
 

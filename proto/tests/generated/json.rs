@@ -1,5 +1,5 @@
-//! Writes the implementations of `json::Fields` and `json::Words` for the messages of one file, from their
-//! descriptors: which fields they have and of which kind.
+//! Writes the implementations of `json::Fields` and `json::Words` for the messages of one file,
+//! from their descriptors: which fields they have and of which kind.
 
 use std::fmt::Write as _;
 

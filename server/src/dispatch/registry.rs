@@ -30,7 +30,7 @@ use crate::{
 };
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
-/// How long a worker that broke a connection is left alone.
+/// Time for which a worker that broke a connection is left alone.
 const BROKEN_FOR: Duration = Duration::from_secs(2);
 /// Replies of many megabytes should not wait for window updates.
 const WINDOW: u32 = 16 << 20;
@@ -52,7 +52,7 @@ pub(super) struct Entry {
     token: AsciiMetadataValue,
 }
 
-/// What changes while a worker lives.
+/// Facts that change while a worker lives.
 #[derive(Debug)]
 pub(super) struct Live {
     pub(super) last_heartbeat: Instant,
@@ -78,7 +78,7 @@ pub(crate) struct WorkerView {
     pub(crate) ingest: Option<CaptureId>,
 }
 
-/// What a worker says of itself with every sign of life.
+/// Facts that a worker reports with every heartbeat.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Heartbeat {
     /// The twins that it has loaded.

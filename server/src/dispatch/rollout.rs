@@ -1,4 +1,4 @@
-//! One rollout's way: check, choose a worker, wait for a slot, pass the parts
+//! The steps of a rollout: check it, choose a worker, wait for a slot, pass the parts
 //! on. A worker that breaks down before its first part is replaced once; a
 //! caller that goes away drops the stream, and with it the worker's work.
 
@@ -27,8 +27,8 @@ use crate::{
     metrics::Metrics,
 };
 
-/// Size of a request beyond which it is checked beside other work [bytes]: a hundred megabytes of actions take
-/// a while.
+/// Size of a request beyond which it is checked beside other work [bytes]: a hundred megabytes of
+/// actions take a while.
 const LARGE: usize = 1 << 20;
 /// Longest that a rollout without a deadline of its own may take.
 const LONGEST: Duration = Duration::from_secs(3600);
@@ -38,7 +38,7 @@ pub(crate) struct RollOut {
     pub(crate) request: RollOutRequest,
     /// Time that the caller allows, if it said.
     pub(crate) timeout: Option<Duration>,
-    /// Whether the reply may come in parts.
+    /// True if the reply may come in parts.
     pub(crate) in_parts: bool,
 }
 
@@ -230,7 +230,7 @@ impl Running {
     }
 }
 
-/// Whether the deadline is over, give or take the clocks of two timers. Both
+/// True if the deadline is over, give or take the clocks of two timers. Both
 /// ends of the call to the worker give up then, with various codes.
 fn is_late(deadline: Instant) -> bool {
     const SLACK: Duration = Duration::from_millis(2);
@@ -242,7 +242,7 @@ fn late(status: &Status) -> Error {
     Error::Deadline
 }
 
-/// Whether the worker or the way to it broke, as opposed to its having answered
+/// True if the worker or the way to it broke, as opposed to its having answered
 /// with an error: answers carry an `ErrorInfo`.
 fn is_breakdown(status: &Status) -> bool {
     let broken = matches!(

@@ -1,4 +1,4 @@
-//! Which worker answers: one that has the twin loaded if it has room, else the
+//! The choice of the worker that answers: one that has the twin loaded if it has room, else the
 //! first with room in the twin's own order of workers (rendezvous hashing), so
 //! that a twin is loaded in few places and a lost worker moves only its own.
 //! Room is bounded by the average load, so that one popular twin spreads.
@@ -16,7 +16,7 @@ pub(super) struct Candidate {
     pub(super) load: usize,
 }
 
-/// How much a worker takes.
+/// Number of rollouts that a worker takes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
     pub(super) running: usize,

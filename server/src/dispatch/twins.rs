@@ -1,5 +1,5 @@
-//! Facts of twins that rollouts need, at hand. Twins never change, so the hot path asks the database once
-//! for each.
+//! Facts of twins that rollouts need, at hand. Twins never change, so the hot path asks the
+//! database once for each.
 
 use std::{
     collections::HashMap,
@@ -68,7 +68,7 @@ impl From<&Twin> for Known {
     }
 }
 
-/// Substeps of the fast variant that a quality table tells of. Only that is read of it: a worker of a newer
+/// Substeps of the fast variant in a quality table. Only that is read of it: a worker of a newer
 /// build may have written more than this server knows.
 fn fast_substeps(quality: &str) -> Option<u32> {
     let quality: serde_json::Value = serde_json::from_str(quality).ok()?;

@@ -7,7 +7,8 @@ use crate::{
     tokens::Bearer,
 };
 
-/// Interceptor that refuses calls without a valid worker token, and notes on the others whose it is.
+/// Interceptor that refuses calls without a valid worker token, and notes on the others whose it
+/// is.
 #[derive(Clone, Debug)]
 pub(super) struct TokenCheck(pub(super) App);
 

@@ -5,7 +5,7 @@ use tonic::Streaming;
 
 use crate::app::{Body, Error, Result};
 
-/// What a message of an upload holds.
+/// Content of one message of an upload.
 pub(super) enum Part<M> {
     Metadata(M),
     Chunk(bytes::Bytes),

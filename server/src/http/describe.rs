@@ -1,5 +1,5 @@
-//! Completes the OpenAPI document that is derived from the handlers: what holds of every operation stands here
-//! once.
+//! Completes the OpenAPI document that is derived from the handlers: what holds of every operation
+//! stands here once.
 
 use serde_json::{Map, Value, json};
 use utoipa::openapi::OpenApi;

@@ -31,7 +31,7 @@ use bendtwin_core::ids::TwinId;
 
 const PROTOBUF: &str = "application/x-protobuf";
 
-/// How to answer.
+/// Form of the reply, and the time for it.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]

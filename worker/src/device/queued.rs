@@ -1,9 +1,8 @@
 //! A [`Backend`] that queues its batches for the device thread in slices.
 //!
-//! Instances are independent, so a batch may be cut anywhere and run in any order. On the CPU that
-//! does not change a bit of any result. On a GPU the last bits depend on the number of instances in
-//! a slice, so rollouts of a device with an urgent queue are cut by work alone, never by measured
-//! time. Instances of similar work share a slice, so that no core idles long.
+//! What cutting does to the bits of results stands in [`cut`](crate::cut): rollouts of a device with
+//! an urgent queue are cut by work alone, never by measured time. Instances of similar work share a
+//! slice, so that no core idles long.
 
 mod optimizer;
 
@@ -22,6 +21,7 @@ use bendtwin_engine::{
 use self::optimizer::QueuedOptimizer;
 
 use super::{Device, Priority};
+use crate::cut::next_run;
 
 /// Direction of a pass through the frames: a gradient costs several times a rollout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -230,18 +230,11 @@ impl Usage {
 /// Number of instances in `rest` that the next slice takes: whole rounds of SIMD lanes while they
 /// fit the budget, and at least one round. The first round measures the speed where none is known.
 fn slice_len(rest: &[usize], work: &[f64], budget: f64, lanes: usize) -> usize {
-    let lanes = lanes.max(1);
-    let mut taken = lanes.min(rest.len());
-    let mut sum: f64 = rest[..taken].iter().map(|i| work[*i]).sum();
-    while taken < rest.len() {
-        let next = (taken + lanes).min(rest.len());
-        sum += rest[taken..next].iter().map(|i| work[*i]).sum::<f64>();
-        if sum > budget {
-            break;
-        }
-        taken = next;
-    }
-    taken
+    let mut sum = 0.0;
+    next_run(rest.len(), lanes, |round| {
+        sum += rest[round].iter().map(|i| work[*i]).sum::<f64>();
+        sum <= budget
+    })
 }
 
 /// Estimated work of an instance, in element substeps.

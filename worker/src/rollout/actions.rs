@@ -1,4 +1,4 @@
-//! What the robot does: control trajectories, or poses of grippers that carry
+//! Actions of the robot: control trajectories, or poses of grippers that carry
 //! the control points. Both end as control positions at every frame boundary.
 
 mod poses;
@@ -27,7 +27,7 @@ pub(super) struct Trajectories {
     positions: Vec<Point>,
 }
 
-/// How many instances and knots there are.
+/// Number of instances and of knots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Shape {
     pub(super) instances: usize,
@@ -44,7 +44,7 @@ impl Actions {
         }
     }
 
-    /// How many instances and knots there are.
+    /// Number of instances and of knots.
     pub(super) fn shape(&self) -> Shape {
         match self {
             Self::Trajectories(t) => t.shape,

@@ -10,8 +10,8 @@ use bendtwin_proto::v1::{
 
 use super::error::Error;
 
-/// Reads the costs of a checked request for rollouts of `frames` frames. A cost of weight 0 has a group, in
-/// which nothing is added up.
+/// Reads the costs of a checked request for rollouts of `frames` frames. A cost of weight 0 has a
+/// group, in which nothing is added up.
 pub(super) fn read(costs: Vec<Cost>, frames: usize) -> Result<Objective, Error> {
     let mut groups = Vec::with_capacity(costs.len());
     let mut terms = Vec::new();

@@ -1,4 +1,4 @@
-//! Why a rollout is refused or fails.
+//! Reasons why a rollout is refused or fails.
 
 use bendtwin_core::{Category, Problem, twin::format::FormatError};
 use bendtwin_engine::backend;
@@ -6,7 +6,7 @@ use bendtwin_proto::{rollout, tensor::TensorError};
 
 use crate::artifact::FetchError;
 
-/// Why a rollout is refused or fails.
+/// Reason why a rollout is refused or fails.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
     /// The request is wrong, too large or does not fit the twin.
@@ -15,7 +15,7 @@ pub(crate) enum Error {
     /// As many rollouts as this worker takes are in flight.
     #[error("{limit} rollouts are in flight on this worker: try again in a moment")]
     Busy {
-        /// How many it takes.
+        /// Number of rollouts that it takes.
         limit: usize,
     },
     /// Twin or capture cannot be fetched.

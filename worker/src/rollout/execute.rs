@@ -5,11 +5,12 @@ use std::{ops::Range, time::Instant};
 use bendtwin_core::CancelToken;
 use bendtwin_engine::{
     Backend as _,
-    backend::{GradientRequest, Outputs, Rollout},
+    backend::{GradientRequest, Instance, Outputs, Rollout},
 };
 use bendtwin_proto::v1::{RollOutResponse, roll_out_response::Timing};
 
 use super::{error::Error, initial::Starts, plan::Plan, reply};
+use crate::cut;
 use crate::device::QueuedBackend;
 
 /// A plan being carried out.
@@ -25,7 +26,8 @@ pub(super) struct Execution<'a> {
 }
 
 impl Execution<'_> {
-    /// Simulates everything and hands out the parts in order. `emit` says whether anyone listens still.
+    /// Simulates everything and hands out the parts in order. `emit` says whether anyone listens
+    /// still.
     pub(super) fn run(
         &self,
         mut emit: impl FnMut(RollOutResponse) -> Result<(), Error>,
@@ -85,27 +87,35 @@ impl Execution<'_> {
     }
 
     fn parts(&self) -> impl Iterator<Item = Range<usize>> + use<> {
-        let (count, part) = (self.plan.instances(), self.plan.part.max(1));
-        (0..count).step_by(part).map(move |start| start..(start + part).min(count))
+        cut::runs(0..self.plan.instances(), self.plan.part)
     }
 
     fn roll_out(&self, indices: &[usize], outputs: &Outputs) -> Result<Vec<Rollout>, Error> {
         let mut rollouts = Vec::with_capacity(indices.len());
-        for chunk in indices.chunks(self.plan.chunk) {
-            let batch: Vec<_> = chunk.iter().map(|i| self.plan.instance(*i, self.starts)).collect();
+        for run in cut::runs(0..indices.len(), self.plan.prepared) {
+            let batch = self.batch(&indices[run]);
             rollouts.extend(self.backend.roll_out(&batch, outputs, self.cancel)?);
         }
         Ok(rollouts)
+    }
+
+    fn batch(&self, indices: &[usize]) -> Vec<Instance> {
+        indices.iter().map(|i| self.plan.instance(*i, self.starts)).collect()
     }
 
     fn add_gradients(&self, indices: &[usize], part: &mut RollOutResponse) -> Result<(), Error> {
         if !self.plan.returns.control_gradients {
             return Ok(());
         }
+        if self.plan.objective.terms.is_empty() {
+            // All costs are switched off: nothing depends on the controls.
+            reply::add_gradients(self.plan, &vec![Vec::new(); indices.len()], part);
+            return Ok(());
+        }
         let request = GradientRequest { controls: true, ..GradientRequest::default() };
         let mut gradients = Vec::with_capacity(indices.len());
-        for chunk in indices.chunks(self.plan.chunk) {
-            let batch: Vec<_> = chunk.iter().map(|i| self.plan.instance(*i, self.starts)).collect();
+        for run in cut::runs(0..indices.len(), self.plan.prepared) {
+            let batch = self.batch(&indices[run]);
             let results = self.backend.gradients(&batch, &request, self.cancel)?;
             // Per-spring gradients are not returned: let go of them at once.
             gradients.extend(results.into_iter().map(|g| g.controls));

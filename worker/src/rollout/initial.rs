@@ -1,4 +1,5 @@
-//! Where a rollout starts: the rest shape, a frame of a capture, or a state that the caller gives.
+//! Initial states of rollouts: the rest shape, a frame of a capture, or a state that the caller
+//! gives.
 
 use std::sync::Arc;
 
@@ -27,7 +28,7 @@ pub(super) enum Starts {
     Each(Vec<Start>),
 }
 
-/// What the request says, before captures are looked at.
+/// Initial state as the request asks for it, before captures are read.
 pub(super) enum Wanted {
     Ready(Starts),
     Frame(CaptureFrame),
@@ -52,7 +53,8 @@ impl Starts {
 }
 
 impl Wanted {
-    /// Reads the initial state of a checked request of `instances` instances; `own_capture` is the twin's.
+    /// Reads the initial state of a checked request of `instances` instances; `own_capture` is the
+    /// twin's.
     pub(super) fn read(
         wire: Option<InitialState>,
         graph: &Graph,
@@ -108,7 +110,7 @@ fn given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Starts, Er
     })
 }
 
-/// Where the control points must be for a given state: a control point that
+/// Control points that belong to a given state: a control point that
 /// holds a node is where that node says, the others are at rest.
 fn controls_of(graph: &Graph, positions: &[Point]) -> Vec<Point> {
     let mut controls = graph.control_rest.clone();

@@ -3,7 +3,7 @@
 use bendtwin_core::Point;
 use bendtwin_proto::v1::Interpolation;
 
-/// How positions between knots are found.
+/// Curve on which positions between knots lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Curve {
     /// Straight lines.
@@ -26,12 +26,12 @@ impl From<Interpolation> for Curve {
 pub(super) struct Place {
     /// The knot at or before it.
     pub(super) knot: usize,
-    /// How far towards the next knot, 0..1.
+    /// Share of the way to the next knot, 0..1.
     pub(super) share: f32,
 }
 
 impl Place {
-    /// Where frame `frame` of `frames` lies among `knots` >= 2 knots. In whole numbers, so that
+    /// Place of frame `frame` of `frames` among `knots` >= 2 knots. In whole numbers, so that
     /// with a knot a frame every frame is exactly its knot.
     pub(super) fn of(frame: usize, frames: usize, knots: usize) -> Self {
         let (scaled, frames) = (frame as u64 * (knots as u64 - 1), frames.max(1) as u64);

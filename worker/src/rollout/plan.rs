@@ -1,4 +1,5 @@
-//! A request after every check: what will be simulated, and that it fits.
+//! Plan of a request that has passed the check: the instances to be simulated, and the arrays to
+//! return.
 
 use std::sync::Arc;
 
@@ -17,9 +18,7 @@ use super::{
     returns::Returns,
     serve::Served,
 };
-
-/// Dense controls of the instances that are prepared at once, at most [bytes].
-const PREPARED_BYTES: u64 = 512 << 20;
+use crate::cut;
 
 /// A checked request.
 pub(super) struct Plan {
@@ -31,11 +30,11 @@ pub(super) struct Plan {
     /// Instances of one part of the reply.
     pub(super) part: usize,
     /// Instances that are prepared at once.
-    pub(super) chunk: usize,
+    pub(super) prepared: usize,
 }
 
 impl Plan {
-    /// Checks a request to a twin; also says where it wants to start.
+    /// Checks and reads a request to a twin; also returns the initial state that it asks for.
     pub(super) fn new(
         request: RollOutRequest,
         own_capture: &str,
@@ -55,8 +54,8 @@ impl Plan {
         let part = if part_instances == 0 { instances } else { part_instances as usize };
         let part = part.min(instances);
         let control_bytes = 12 * (frames as u64 + 1) * graph.control_count().max(1) as u64;
-        let chunk = (PREPARED_BYTES / control_bytes).clamp(1, part as u64) as usize;
-        Ok((Self { actions, frames, objective, returns, part, chunk, served }, wanted))
+        let prepared = cut::prepared(control_bytes);
+        Ok((Self { actions, frames, objective, returns, part, prepared, served }, wanted))
     }
 
     /// The twin.
@@ -83,7 +82,7 @@ impl Plan {
     }
 }
 
-/// What requests to a twin are checked against.
+/// Facts of a twin that requests are checked against.
 pub(super) fn shape(twin: &Twin, has_capture: bool) -> TwinShape {
     let graph = &twin.graph;
     TwinShape {

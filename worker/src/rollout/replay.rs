@@ -1,6 +1,6 @@
-//! Initial states that name a frame of a capture: the twin follows the
-//! capture's own controls up to that frame, as its ingest observed them. Observations are large and frames are
-//! asked for again and again, so controls and replayed states are kept, not observations.
+//! Initial states that name a frame of a capture: the twin follows the capture's own controls up to
+//! that frame, as its ingest observed them. Observations are large and frames are asked for again
+//! and again, so controls and replayed states are kept, not observations.
 
 use std::{
     path::PathBuf,
@@ -33,7 +33,7 @@ const KEPT_STARTS: usize = 64;
 /// Memory of either [bytes].
 const KEPT_BYTES: u64 = 128 << 20;
 
-/// What a twin needs of a capture's sequence.
+/// The part of a capture's sequence that a twin needs.
 struct Motion {
     start_frame: usize,
     start: Arc<State>,

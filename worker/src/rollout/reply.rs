@@ -64,8 +64,8 @@ pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) ->
     }
 }
 
-/// Recorded positions and final states. What a diverged instance did not reach is NaN (with INT16,
-/// which has none, the middle of the extent).
+/// Recorded positions and final states. Frames that a diverged instance did not reach are NaN (with
+/// INT16, which has none, the middle of the extent).
 pub(super) fn add_recordings(
     plan: &Plan,
     instances: &[usize],

@@ -8,7 +8,7 @@ use bendtwin_proto::v1::{Returns as Wire, returns::Encoding};
 
 use super::error::Error;
 
-/// What is wanted back, checked against the twin.
+/// Arrays that are wanted back, of a checked request.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Returns {
     /// Record every k-th frame; 0 records none.
@@ -55,17 +55,17 @@ impl Returns {
         self.nodes.as_ref().map_or(graph.node_count(), |n| n.len())
     }
 
-    /// Whether arrays beside the costs are wanted.
+    /// True if arrays beside the costs are wanted.
     pub(super) fn has_arrays(&self) -> bool {
         self.every > 0 || self.final_state || self.control_gradients
     }
 
-    /// Whether a simulation beside that of the costs is needed for the arrays.
+    /// True if the arrays need a simulation beside that of the costs.
     pub(super) fn has_recordings(&self) -> bool {
         self.every > 0 || self.final_state
     }
 
-    /// What the engine should record where arrays are wanted.
+    /// Outputs of the engine where arrays are wanted.
     pub(super) fn outputs(&self) -> Outputs {
         Outputs {
             every: self.every,
@@ -76,7 +76,7 @@ impl Returns {
         }
     }
 
-    /// What the engine should record where only costs count.
+    /// Outputs of the engine where only costs count.
     pub(super) fn summary(&self) -> Outputs {
         Outputs { diagnostics: self.diagnostics, ..Outputs::default() }
     }

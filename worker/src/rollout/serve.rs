@@ -1,4 +1,5 @@
-//! Which of a twin's models answers a request: the exact one, or the fast one, which is made when it is first asked for.
+//! The model of a twin that answers a request: the exact one, or the fast one, which is made when
+//! it is first asked for.
 
 use std::sync::Arc;
 

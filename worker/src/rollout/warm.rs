@@ -1,5 +1,5 @@
-//! Twins that are loaded and answer at once. They are kept while there is room: beyond a number, beyond
-//! an amount of memory, or when the device has none left for others, the longest unused go.
+//! Twins that are loaded and answer at once. They are kept while there is room: beyond a number,
+//! beyond an amount of memory, or when the device has none left for others, the longest unused go.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

@@ -1,4 +1,4 @@
-"""What goes into a rollout: actions and initial states."""
+"""Inputs of a rollout: actions and initial states."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Rest:
 
 @dataclass(frozen=True)
 class CaptureFrame:
-    """Where the twin is after following its capture's own controls up to a frame."""
+    """The twin's state after following its capture's own controls up to a frame."""
 
     frame: int
     sequence: int = 0

@@ -193,7 +193,7 @@ class Client:
         return ended
 
     def capture_report(self, name: str) -> dict[str, Any]:
-        """What reading a capture found: verdict, findings and what they rest on."""
+        """Report on a capture: verdict, findings and what they rest on."""
         request = capture_pb2.GetCaptureReportRequest(name=name)
         with translated():
             parts = [part.chunk for part in self._captures.GetCaptureReport(request)]

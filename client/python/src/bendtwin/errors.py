@@ -1,4 +1,4 @@
-"""What can go wrong, as the server says it: category, reason, message."""
+"""Errors as the server reports them: category, reason, message."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Category(str, enum.Enum):
 
     @property
     def is_transient(self) -> bool:
-        """Whether the same call may succeed a little later."""
+        """True if the same call may succeed a little later."""
         return self in (Category.UNAVAILABLE, Category.RESOURCE_EXHAUSTED, Category.ABORTED)
 
 

@@ -23,7 +23,7 @@ class JobState(enum.Enum):
 
     @property
     def has_ended(self) -> bool:
-        """Whether nothing will change any more."""
+        """True if nothing will change any more."""
         return self not in (JobState.QUEUED, JobState.RUNNING)
 
 

@@ -1,4 +1,4 @@
-"""What comes out of a rollout, and what to ask for."""
+"""Results of a rollout, and the request for them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ FIDELITIES: dict[str, rollout_pb2.Fidelity] = {
 
 @dataclass(frozen=True)
 class Returns:
-    """What a rollout sends back. The default is costs alone: the least to transfer."""
+    """Arrays that a rollout returns. The default is costs alone: the least to transfer."""
 
     #: Record the positions of every k-th frame; 0 records none.
     every_frames: int = 0
@@ -62,7 +62,7 @@ class Returns:
 
 @dataclass(frozen=True)
 class Diagnostics:
-    """What an instance went through."""
+    """Diagnostics of an instance over the whole rollout."""
 
     max_strain: float
     max_speed_m_s: float
@@ -73,7 +73,7 @@ class Diagnostics:
 
 @dataclass(frozen=True)
 class Divergence:
-    """Where an instance stopped being physical."""
+    """Frame and node in which an instance diverged."""
 
     instance: int
     #: 1-based.
@@ -83,7 +83,7 @@ class Divergence:
 
 @dataclass(frozen=True)
 class Timing:
-    """Where the time went, at the worker."""
+    """Time spent at the worker."""
 
     queue_s: float
     compute_s: float

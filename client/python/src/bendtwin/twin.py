@@ -64,10 +64,10 @@ class Twin:
                 rigidly, [B, K, G, 7]: x, y, z, quaternion x, y, z, w.
             gripper_of_control: The gripper of each control point [C]; None means gripper 0.
             interpolation: Between knots.
-            initial: Where the twin starts.
+            initial: State to start from.
             frames: Horizon F; 0 means that of the dense actions.
             costs: Terms to be summed into `RolloutResult.costs`.
-            returns: What to send back besides costs.
+            returns: Arrays to return beside the costs.
             fidelity: "fast" follows the twin by its fast variant, with fewer substeps;
                 `RolloutResult.deviation` says how far that strays.
             timeout_s: Deadline of the call.

@@ -162,7 +162,7 @@ def _is_worth_another_try(error: BendTwinError) -> bool:
 
 
 def _refusal(status: int, body: bytes) -> BendTwinError:
-    """What a problem document says; an answer to HEAD has none, nor has a proxy's page."""
+    """Message of a problem document; an answer to HEAD has none, nor has a proxy's page."""
     try:
         problem = json.loads(body)
         return BendTwinError(

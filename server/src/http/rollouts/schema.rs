@@ -1,4 +1,5 @@
-//! Schemas of rollout.proto's messages for the OpenAPI document, from their descriptors and comments.
+//! Schemas of rollout.proto's messages for the OpenAPI document, from their descriptors and
+//! comments.
 
 use std::{borrow::Cow, collections::HashMap};
 

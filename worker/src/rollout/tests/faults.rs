@@ -1,4 +1,4 @@
-//! What a caller sees of a device that fails.
+//! Answers of a device that fails.
 
 use bendtwin_engine::backend;
 

@@ -138,14 +138,14 @@ class CaptureServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def GetCaptureReport(self, request, context):
-        """What the ingest says of the capture, in chunks.
+        """Report of the ingest on the capture, in chunks.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
     def ExportObservation(self, request, context):
-        """What the ingest made of the capture, in chunks: a ZIP archive as docs/capture-format.md has it.
+        """Observation that the ingest made of the capture, in chunks: a ZIP archive as docs/capture-format.md has it.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

@@ -58,7 +58,9 @@ class RolloutServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def StreamRollOut(self, request, context):
-        """The same in parts, as instances finish: each part covers `first_instance` onwards.
+        """The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of
+        a result may differ from those of RollOut, as they depend on how many instances are simulated together; on
+        the CPU they do not. With `returns.best` there is one part.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
