@@ -6,6 +6,7 @@
 pub mod backend;
 pub mod build;
 pub mod conformance;
+pub mod constants;
 mod cpu;
 pub mod descent;
 mod energy;

@@ -10,14 +10,12 @@ use super::{
     real::{Quad, Real, quad},
     system::System,
 };
+use crate::constants::MAX_COORDINATE_M;
 use crate::{
     backend::{CancelToken, Divergence, Error, Loss},
     model::State,
     objective::Objective,
 };
-
-/// A node farther out than this [m] has diverged.
-const ROOM_M: f64 = 1000.0;
 
 /// One simulation to run.
 pub(crate) struct Case<'a, T> {
@@ -91,7 +89,7 @@ impl<T: Real> Case<'_, T> {
 
 /// First node that is not finite or has left the room.
 fn first_diverged<T: Real>(nodes: &[Node<T>]) -> Option<usize> {
-    let room = T::from_f64(ROOM_M);
+    let room = T::from_f64(MAX_COORDINATE_M);
     let inside = |n: &Node<T>| {
         n.x[..3].iter().all(|x| x.abs() <= room) && n.v[..3].iter().all(|v| v.is_finite())
     };
