@@ -338,7 +338,7 @@ impl Walk {
         Ok(())
     }
 
-    /// Drag, restitutions and frictions are the host's business: jobs carry them.
+    /// Drag, restitutions and frictions are the host's business: the arguments of instances carry them.
     fn read_laws(&mut self) -> Result<(), Error> {
         let params = &self.resident.params;
         let laws = params.read_from(params.len() - LAWS, LAWS)?;
@@ -352,7 +352,7 @@ impl Walk {
     }
 }
 
-/// Where each coordinate's parameter is in the kernels' order.
+/// Index of each coordinate's parameter in the kernels' order.
 fn indices(chart: &Chart, model: &Model) -> Vec<u32> {
     let lengths: Vec<usize> = bendtwin_engine::descent::Parameter::ALL
         .iter()
