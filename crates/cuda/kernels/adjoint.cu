@@ -44,7 +44,7 @@ DEVICE void accelerate_adjoint(
     publish_vector(l, p, buffer, lambda_of(l, buffer), lambda);
 }
 
-// What the tape says of a node at a substep: position, and velocity before contact.
+// A node's record on tape at a substep: position, and velocity before contact.
 struct Entry {
     float3 x, before;
 };

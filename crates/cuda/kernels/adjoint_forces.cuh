@@ -118,7 +118,7 @@ DEVICE void add_bend(const float3* in, u32 triplet, u32 role, float3& x_bar, flo
     }
 }
 
-// What an endpoint's half-springs are worked on with.
+// An endpoint's own state and lambda, and the arrays that its half-springs read.
 struct Self {
     State s;
     float3 lambda;

@@ -1,4 +1,4 @@
-// What the way back keeps: in shared memory beside the tape's states, in registers, and what it adds up.
+// Storage of the backward pass: in shared memory beside the tape's states, in registers, and its sums.
 
 // Lambda, two buffers; then what is carried from substep to substep.
 DEVICE float4* lambda_of(const Local& l, u32 buffer) { return l.after_states(buffer * l.stride); }
@@ -11,7 +11,7 @@ DEVICE float3* bend_buffer(const Local& l) {
     return reinterpret_cast<float3*>(BEND_IN_SHARED ? after_bars(l) + before : l.spill());
 }
 
-// What all substeps need, kept in registers.
+// Values of all substeps, kept in registers.
 struct Constants {
     float dt, decay;
     Ground ground;
@@ -26,7 +26,7 @@ struct Constants {
     u32 first_slot;  // on tape, of the thread's first local node
 };
 
-// What a thread adds up over a launch.
+// Sums of a thread over a launch.
 struct Sums {
     float decay;
     Law ground, object;

@@ -6,10 +6,6 @@
 // the force on a is -[k (q - q0) + c qdot] G_a.
 // Nearly collinear triplets keep a force only where the rest angle is pi, where it is smooth.
 
-#define MIN_SINE 1e-4f
-#define MIN_ARM_M 1e-6f
-#define ROUNDING 0.5f
-#define ROUNDED_REST 1.11803399f  // sqrt(1 + ROUNDING^2)
 #define PI_F 3.14159265358979f
 
 // atan2(y, x) for y >= 0, in [0, pi]; within 3e-7 of the exact angle.

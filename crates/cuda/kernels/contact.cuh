@@ -2,8 +2,6 @@
 // computed from the velocities before contact, so the order of pairs does not matter to the physics; it
 // is fixed all the same.
 
-#define MIN_APPROACH_M2_S 1e-4f
-
 struct Touch {
     float3 normal;  // from the first to the second
     float distance;
@@ -11,13 +9,13 @@ struct Touch {
     float mass;     // 1 / (1/m1 + 1/m2)
 };
 
-// Whether two nodes touch; `a` and `b` carry the inverse masses in w.
+// Test of two nodes for contact; `a` and `b` carry the inverse masses in w.
 DEVICE bool touch(float limit, float4 a, float4 b, float3 v_a, float3 v_b, Touch& t) {
     float3 r = sub(xyz(b), xyz(a));
     t.v = sub(v_b, v_a);
     float square = dot(r, r);
     float inverse = a.w + b.w;
-    if (!(square < limit * limit && dot(r, t.v) < -MIN_APPROACH_M2_S && square > 1e-24f &&
+    if (!(square < limit * limit && dot(r, t.v) < -MIN_APPROACH_M2_S && square > MIN_LENGTH_SQUARED_M2 &&
           inverse > 0.0f))
         return false;
     t.distance = sqrtf(square);
@@ -26,7 +24,7 @@ DEVICE bool touch(float limit, float4 a, float4 b, float3 v_a, float3 v_b, Touch
     return true;
 }
 
-// Where positions, velocities before contact and inverse masses of all nodes are while a substep runs.
+// Positions, velocities before contact and inverse masses of all nodes while a substep runs.
 struct Live {
     const float4 *x, *v;  // x with the inverse mass, v
     DEVICE_MEMBER void load(u32 node, float4& x_out, float3& v_out) const {

@@ -4,8 +4,6 @@
 // For the relative velocity v, unit normal n, v_n = v . n < 0, v_t = v - v_n n:
 // change = -(1 + e) v_n n + (a - 1) v_t, a = max(0, 1 - mu (1 + e) |v_n| / |v_t|).
 
-#define MIN_APPROACH_M_S 1e-4f
-
 struct Law {
     float restitution, friction;
 };

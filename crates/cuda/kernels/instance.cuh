@@ -99,7 +99,7 @@ struct StateArgs {
     u32 unused;
 };
 
-// What substeps record for the backward pass.
+// Records of substeps for the backward pass.
 struct TapeArgs {
     const u32* slot_of;  // by graph index: the node's slot on a tape that is read
     float4* x;           // [substeps on tape][N], in the order of the cut that writes it: x, v_x
@@ -180,7 +180,7 @@ DEVICE float3 control_velocity(const Path& p, u32 c) {
     if (!p.moves) return zero3();
     return scale(sub(load_v3(p.to + 3 * c), load_v3(p.from + 3 * c)), 1.0f / p.frame_s);
 }
-// How far into the frame the controls are in a substep: its end.
+// Share of the frame that the controls have moved by a substep's end.
 DEVICE float progress(u32 substep, u32 substeps) {
     return __fdiv_rn((float)(substep + 1), (float)substeps);
 }

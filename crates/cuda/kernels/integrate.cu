@@ -1,11 +1,11 @@
 // Frames forward: all substeps of all frames of a launch without leaving the kernel. For every substep:
 // forces, velocities, contact between nodes, ground, pins, in the order of the model's definition.
 //
-// Jobs come in groups of INSTANCES that share a graph and its parameters, so that a half-spring is
+// Instances come in groups of INSTANCES that share a graph and its parameters, so that a half-spring is
 // loaded once for all of them. The lanes of a node sum their forces by shuffles in a fixed order, and all
 // of them then know the node's new state.
 
-// What all substeps need, kept in registers.
+// Values of all substeps, kept in registers.
 struct Constants {
     float3 kick;
     float dt, decay;
@@ -207,7 +207,7 @@ DEVICE void work_on(
         vs[m] = anchored(l.vs(now, m));
     }
 #if HELD > 0
-    // What all rows have needs no question.
+    // Pairs that all rows have need no test.
 #pragma unroll
     for (u32 k = 0; k < HELD; k++) {
         if (k < HELD_ALWAYS || k < p.pairs) spring_forces(c, xs, vs, held.pairs[k], s, force);
@@ -318,9 +318,9 @@ DEVICE void load_states(const Local& l, const InstanceArgs* instances, u32 now, 
     __syncthreads();
 }
 
-// Nodes farther out than 1 km, or not finite, have diverged.
+// Nodes farther out than that, or not finite, have diverged.
 DEVICE bool inside(const State& s) {
-    return fabsf(s.x.x) <= 1000.0f && fabsf(s.x.y) <= 1000.0f && fabsf(s.x.z) <= 1000.0f &&
+    return fabsf(s.x.x) <= MAX_COORDINATE_M && fabsf(s.x.y) <= MAX_COORDINATE_M && fabsf(s.x.z) <= MAX_COORDINATE_M &&
            isfinite(s.v.x) && isfinite(s.v.y) && isfinite(s.v.z);
 }
 

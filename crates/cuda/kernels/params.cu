@@ -54,7 +54,7 @@ extern "C" __global__ void pack_bends(const __grid_constant__ PackBendsArgs args
     const float* bend = args.params + 3 * (u64)e + args.triplets[i];
     // A float's pi is not quite pi: straight rest angles are exactly so.
     double rest = 3.14159265358979323846 - (double)bend[2 * (u64)t];
-    float rest_bend = fabs(rest) < 1e-6 ? 0.0f : (float)rest;
+    float rest_bend = fabs(rest) < STRAIGHT_RAD ? 0.0f : (float)rest;
     args.out[i] = make_float4(bend[0], bend[t], rest_bend, 0.0f);
 }
 

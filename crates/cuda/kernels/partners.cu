@@ -121,7 +121,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const __grid
     for (u32 i = threadIdx.x; i < CELLS; i += THREADS) cursors[i] = 0;
     __syncthreads();
     for (u32 w = 0; w < THREADS / 32; w++) fast = fmaxf(fast, fastest[w]);
-    // What the fastest two can close within the frame, at least once and at most four times the distance.
+    // Distance that the fastest two can close within the frame, at least once and at most four times the distance.
     float d = instance.contact.collision_distance;
     float travel = 2.0f * sqrtf(fast) * instance.step.frame_s;
     s.radius = d + fminf(fmaxf(travel, d), 4.0f * d);

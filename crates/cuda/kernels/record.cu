@@ -1,4 +1,4 @@
-// What a rollout returns: recorded positions, and the extremes of strain and speed at frame ends.
+// Outputs of a rollout: recorded positions, and the extremes of strain and speed at frame ends.
 
 struct RecordingArgs {
     const float* states;    // [slots][6][N]

@@ -1,13 +1,9 @@
-// Rods that twist between a clamp and another one, or a branch: what the twist's gradient is at an inner node, and the adjoint of it.
+// Rods that twist between a clamp and another one, or a branch: the twist's gradient at an inner node, and its adjoint.
 //
 // With e and g the edges before and after a node, n = e x g and fold = |e||g| + e.g: the derivative of the twist by
 // the node before is a = n / (fold |e|), by the node after c = -n / (fold |g|), by the node itself minus their sum.
-// Where a branch holds the frame, its arm g: a = -(e.g) n / (|e||n|^2), c = -|e| n / |n|^2.
-// Where an edge has no length, the rod folds back on itself or an arm hardly leaves its line, everything is zero.
-
-#define MIN_FOLD 1e-2f
-#define MIN_EDGE_M 1e-6f
-#define MIN_SINE_SQUARED 1e-2f
+// With a branch that holds the frame, g is its arm: a = -(e.g) n / (|e||n|^2), c = -|e| n / |n|^2.
+// If an edge has no length, the rod folds back on itself or an arm hardly leaves its line, everything is zero.
 
 struct Turn {
     float3 e, g;
@@ -58,7 +54,7 @@ DEVICE Turn arm_of(float3 e, float3 g) {
     return t;
 }
 
-// What the gradient of the twist has of relative vectors at the nodes before and after.
+// The twist's gradient applied to relative vectors at the nodes before and after.
 DEVICE float along(const Turn& t, float3 before, float3 after) {
     return dot(t.a, before) + dot(t.c, after);
 }

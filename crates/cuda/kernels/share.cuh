@@ -1,6 +1,6 @@
-// Where a block keeps things. In shared memory: local state, two buffers of it per instance, a node in a float4
+// Storage of a block. In shared memory: local state, two buffers of it per instance, a node in a float4
 // and a float2; then the half-springs, if they are held there; then what triplets exert, if it fits, or
-// else in the block's spill. What every substep needs of global memory is read once, into registers.
+// else in the block's spill. Values of global memory that every substep needs are read once, into registers.
 
 #define NODES_A_ROW (32 / LANES)
 // Floats of a warp's pairs' sums.
@@ -48,7 +48,7 @@ struct Local {
         xs(buffer, m)[local] = with_w(x, v.x);
         vs(buffer, m)[local] = make_float2(v.y, v.z);
     }
-    // What follows the states, from so many float4s on.
+    // Shared memory behind the states, from so many float4s on.
     DEVICE_MEMBER float4* after_states(u32 offset) const {
         return shared_memory + 3 * INSTANCES * stride + offset;
     }
@@ -117,7 +117,7 @@ DEVICE Pairs pairs_of(const Local& l, u32 rows, float4* near) {
 #endif
 }
 
-// What a thread knows of the node that it works on: one of a row of NODES_A_ROW, LANES lanes to each.
+// Data of the node that a thread works on: one of a row of NODES_A_ROW, LANES lanes to each.
 struct Place {
     u32 node;             // local index; a lane without a node looks at node 0 and keeps silent
     u32 at;               // graph index

@@ -21,7 +21,7 @@ struct Pair {
 #endif
 };
 
-// Where pairs are.
+// Arrays of pairs.
 struct Pairs {
     const float4* rates;
     const u32* others;
@@ -76,13 +76,13 @@ DEVICE HalfSpring second_of(const Pair& p, float dashpot) {
 // Adds the spring's force on this end. Below the shortest length that has a direction r itself is nothing.
 DEVICE void spring_force(const HalfSpring& s, float3 r, float3 w, float3& force) {
     float square = dot(r, r);
-    float inverse = rsqrtf(fmaxf(square, 1e-24f));
+    float inverse = rsqrtf(fmaxf(square, MIN_LENGTH_SQUARED_M2));
     float stretch = fmaf(square, inverse, -s.rest);
     float magnitude = fmaf(s.dashpot * inverse, dot(w, r), s.rate * stretch) * inverse;
     force = add_scaled(force, magnitude, r);
 }
 
-// What d loss / d (stiffness, rest length, dashpot) is made of: sums over substeps of (l - l0) p, p and q p.
+// Parts of d loss / d (stiffness, rest length, dashpot): sums over substeps of (l - l0) p, p and q p.
 struct SpringSums {
     float stretch, pull, rate;
 };

@@ -1,4 +1,4 @@
-// Where instances start: the initial state, which many may share, with pinned nodes on their control points.
+// Starts of instances: the initial state, which many may share, with pinned nodes on their control points.
 
 // Initial state of an instance.
 struct InitialArgs {

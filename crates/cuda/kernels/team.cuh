@@ -1,5 +1,5 @@
-// A team of BLOCKS blocks simulates INSTANCES instances together. How its blocks meet and how a node's
-// new values reach the blocks that have it in their halo depends on the SHAPE of the launch:
+// A team of BLOCKS blocks simulates INSTANCES instances together. The SHAPE of the launch decides how its blocks
+// synchronize and how a node's new values reach the blocks that have it in their halo:
 //
 // - SHAPE_BLOCK: one block; its barrier is all there is.
 // - SHAPE_CLUSTER: owners write into the halos through distributed shared memory. A block waits for the bytes of

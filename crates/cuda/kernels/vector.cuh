@@ -28,7 +28,7 @@ DEVICE float3 cross(float3 a, float3 b) {
 }
 
 // 1 / sqrt(x); zero where x is below the square of the shortest length that has a direction.
-DEVICE float inverse_length(float square) { return square > 1e-24f ? rsqrtf(square) : 0.0f; }
+DEVICE float inverse_length(float square) { return square > MIN_LENGTH_SQUARED_M2 ? rsqrtf(square) : 0.0f; }
 
 // Sum over the LANES adjacent lanes that share a node; every one of them gets it, bit for bit.
 DEVICE float sum_lanes(float x) {

@@ -42,7 +42,7 @@ const BESIDE: usize = 8;
 /// Blocks of the clusters that are tried, the largest first: what runs depends on the chip and on who shares it.
 const CLUSTERS: [u32; 4] = [16, 8, 4, 2];
 
-/// What a device is able to.
+/// Capabilities of a device.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Capabilities {
     /// Multiprocessors.
@@ -175,7 +175,7 @@ impl Device {
         CLUSTERS.into_iter().find(|&blocks| runs(blocks)).unwrap_or(1)
     }
 
-    /// Whether a cluster runs here whose blocks have all the shared memory that a block can have.
+    /// True if a cluster runs here whose blocks have all the shared memory that a block can have.
     fn has_room_for_cluster(&self, blocks: u32) -> Result<bool, Error> {
         let shared = self.capabilities.dynamic_shared();
         // Any kernel will do.

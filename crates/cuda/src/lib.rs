@@ -18,12 +18,12 @@ use std::{path::PathBuf, sync::Arc};
 
 use bendtwin_engine::{Backend, Error};
 
-/// How to use a device.
+/// Settings of a device.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Which device, as CUDA counts them.
+    /// The device's index, as CUDA counts them.
     pub ordinal: usize,
-    /// Where compiled kernels are kept between runs; the user's cache directory if `None`.
+    /// Folder that keeps compiled kernels between runs; the user's cache directory if `None`.
     pub cache_dir: Option<PathBuf>,
     /// Device memory that may be used [bytes]; nine tenths of what is free if `None`.
     pub memory_limit: Option<u64>,

@@ -4,6 +4,7 @@
 
 pub mod backend;
 pub mod conformance;
+pub mod constants;
 mod cpu;
 mod energy;
 pub mod fidelity;

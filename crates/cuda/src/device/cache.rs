@@ -13,7 +13,7 @@ use super::{
     specialization::{Specialization, options},
 };
 
-/// Where compiled kernels are kept; without a folder everything is compiled anew.
+/// Store of compiled kernels; without a folder everything is compiled anew.
 #[derive(Debug)]
 pub(crate) struct Cache {
     folder: Option<PathBuf>,

@@ -5,7 +5,7 @@ use std::ffi::{CStr, CString, c_char};
 use bendtwin_engine::Error;
 use cudarc::nvrtc::sys;
 
-/// Whether NVRTC can be loaded on this machine.
+/// True if NVRTC can be loaded on this machine.
 pub(crate) fn is_present() -> bool {
     // SAFETY: loads a library by its well-known name and unloads it again.
     unsafe { sys::is_culib_present() }

@@ -8,7 +8,7 @@ use cudarc::driver::{CudaStream, result, sys};
 
 use super::{args::Pointer, fault};
 
-/// Where arrays that follow each other end, from where each starts and the last one ends.
+/// End of arrays that follow each other, from where each starts and the last one ends.
 pub(crate) fn end_of(starts: &[usize]) -> usize {
     starts.last().copied().unwrap_or(0)
 }

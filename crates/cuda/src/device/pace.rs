@@ -1,4 +1,4 @@
-//! How far the host runs ahead of the device: one stretch of work, so that others have their turn and
+//! Limit on the launches that the host has ahead of the device: one stretch of work, so that others have their turn and
 //! cancellations are noticed.
 
 use bendtwin_engine::Error;
@@ -6,7 +6,7 @@ use cudarc::driver::CudaEvent;
 
 use super::{fault, queue::Queue};
 
-/// What was launched last.
+/// The last launch.
 #[derive(Default)]
 pub(crate) struct Pace {
     before: Option<CudaEvent>,

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use bendtwin_engine::constants;
+
 use super::team::TeamShape;
 
 /// Threads of a block of the small kernels.
@@ -37,7 +39,7 @@ pub(crate) enum Source {
     Params,
     /// Adam.
     Descent,
-    /// What a rollout returns.
+    /// Outputs of a rollout.
     Record,
 }
 
@@ -45,7 +47,7 @@ impl Source {
     pub(crate) const SMALL: [Self; 6] =
         [Self::Start, Self::Partners, Self::Loss, Self::Params, Self::Descent, Self::Record];
 
-    /// Whether its kernels keep states in dynamic shared memory.
+    /// True if its kernels keep states in dynamic shared memory.
     pub(crate) fn is_persistent(self) -> bool {
         matches!(self, Self::Integrate | Self::Adjoint)
     }
@@ -69,7 +71,7 @@ impl Source {
     }
 }
 
-/// What a kernel is compiled for.
+/// Constants that a kernel is compiled with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Specialization {
     pub(crate) source: Source,
@@ -127,7 +129,7 @@ impl Specialization {
         }
     }
 
-    /// Whether a block works on triplets with its half-springs or their forces outside shared memory.
+    /// True if a block works on triplets with its half-springs or their forces outside shared memory.
     pub(crate) fn spills(&self) -> bool {
         self.bending && !(self.bend_in_shared && self.half_springs_in_shared)
     }
@@ -158,12 +160,37 @@ impl Specialization {
         for (name, value) in constants {
             let _ = writeln!(text, "#define {name} {value}");
         }
+        text.push_str(&physics());
         for (name, body) in HEADERS.iter().chain(self.source.files()) {
             let _ = writeln!(text, "#line 1 \"{name}\"\n{body}");
         }
         let _ = writeln!(text, "#line 1 \"arguments\"\n{}", self.source.layout_checks());
         text
     }
+}
+
+/// Definitions of the engine's constants, in single precision where the kernels use them so.
+fn physics() -> String {
+    let single = [
+        ("MIN_SINE", constants::MIN_SINE),
+        ("MIN_ARM_M", constants::MIN_ARM_M),
+        ("ROUNDING", constants::ROUNDING),
+        ("ROUNDED_REST", 1.0_f64.hypot(constants::ROUNDING)),
+        ("MIN_FOLD", constants::MIN_FOLD),
+        ("MIN_EDGE_M", constants::MIN_EDGE_M),
+        ("MIN_SINE_SQUARED", constants::MIN_SINE_SQUARED),
+        ("MIN_LENGTH_SQUARED_M2", constants::MIN_LENGTH_M * constants::MIN_LENGTH_M),
+        ("MIN_APPROACH_M_S", constants::MIN_APPROACH_M_S),
+        ("MIN_APPROACH_M2_S", constants::MIN_APPROACH_M2_S),
+        ("MAX_COORDINATE_M", constants::MAX_COORDINATE_M),
+    ];
+    let mut text = String::new();
+    // The shortest digits that are this number: parsed again they are the same.
+    for (name, value) in single {
+        let _ = writeln!(text, "#define {name} {value:e}f");
+    }
+    let _ = writeln!(text, "#define STRAIGHT_RAD {:e}", constants::STRAIGHT_RAD);
+    text
 }
 
 /// Options for an architecture, 90 for sm_90 say. Square roots and quotients within two units in

@@ -6,7 +6,7 @@ use super::Capabilities;
 pub(crate) const BLOCK_THREADS: u32 = 1024;
 pub(crate) const TEAM_THREADS: u32 = 512;
 
-/// How a team's blocks meet.
+/// Shape of a team: the way in which its blocks exchange state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum TeamShape {
     /// One block.
@@ -28,7 +28,7 @@ pub(crate) struct Team {
     pub(crate) instances: u32,
 }
 
-/// How a named team is written: `block`, `block4` (instances), `cluster16` or `grid66` (blocks), each perhaps
+/// Notation of a named team: `block`, `block4` (instances), `cluster16` or `grid66` (blocks), each perhaps
 /// with the threads of a block: `cluster16@256`.
 impl std::str::FromStr for Team {
     type Err = String;
@@ -66,7 +66,7 @@ impl Team {
         }
     }
 
-    /// Whether a device has room for such a team, and if not, why.
+    /// Checks that a device has room for such a team; the error says why it has not.
     pub(crate) fn check(&self, capabilities: &Capabilities) -> Result<(), String> {
         let most = match self.shape {
             TeamShape::Block => 1,

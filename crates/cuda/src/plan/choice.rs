@@ -1,5 +1,5 @@
-//! Which team simulates an instance: how many blocks, how they meet, how many instances at once. Chosen by
-//! a model of what a substep costs, and reported.
+//! Choice of the team that simulates an instance: its blocks, their shape, instances at once. Made by
+//! a model of the time of a substep, and reported.
 
 use bendtwin_core::Graph;
 use bendtwin_engine::{Error, Model};
@@ -17,7 +17,7 @@ use crate::{
     },
 };
 
-/// What a team is for.
+/// Purpose of a team.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Purpose {
     /// Frames forward.
@@ -58,7 +58,7 @@ const GRID_BACK_US: f64 = 3.3;
 /// Of a half-spring on one multiprocessor, forward and backward.
 const HALF_SPRING_US: f64 = 0.265e-3;
 const HALF_SPRING_BACK_US: f64 = 0.64e-3;
-/// How much slower a way back is whose sums are all in memory.
+/// Extra time of a backward pass whose sums are all in memory, as a share.
 const SUMS_IN_MEMORY: f64 = 0.3;
 /// Of one end of a triplet, in half-springs.
 const TRIPLET_END: f64 = 1.5;

@@ -1,4 +1,4 @@
-//! What the device keeps of a graph, for all parameters on it.
+//! A graph on the device, shared by all parameters on it.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::{
     plan::layout::Layout,
 };
 
-/// How a graph is cut: into so many blocks for about so many threads each.
+/// Cut of a graph: into so many blocks for about so many threads each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Cut {
     pub(crate) blocks: u32,
@@ -45,7 +45,7 @@ pub(crate) struct DeviceGraph {
     cuts: Memo<Cut, Arc<CutGraph>>,
 }
 
-/// Which nodes a spring joins to each node.
+/// Nodes that springs join to each node.
 pub(crate) struct Joined {
     /// First neighbour of each node, shape [N + 1].
     pub(crate) starts: Buffer<u32>,
@@ -60,9 +60,9 @@ pub(crate) struct CutGraph {
     pub(crate) springs: Buffer<u32>,
     pub(crate) others: Buffer<u32>,
     pub(crate) triplet_of: Buffer<u32>,
-    /// Where each spring's sums begin; see `layout.rs`.
+    /// First of each spring's sums; see `layout.rs`.
     pub(crate) sum_of: Buffer<u32>,
-    /// Where each node is on a tape that this cut writes.
+    /// Slot of each node on a tape that this cut writes.
     pub(crate) tape_slots: Buffer<u32>,
     /// Keeps alive what `topology` points to.
     _parts: Parts,

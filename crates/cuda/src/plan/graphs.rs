@@ -1,4 +1,4 @@
-//! Which graphs are on a device, by the host's: models with the same graph share it.
+//! Graphs that are on a device, by the host's: models with the same graph share it.
 
 use std::sync::{Arc, Mutex, Weak};
 

@@ -37,7 +37,7 @@ pub(crate) struct Layout {
     pub(crate) springs: Vec<u32>,
     /// Local index of the other end.
     pub(crate) others: Vec<u32>,
-    /// Where each spring's three sums for its gradient begin, [`SUMS_APART`] floats apart.
+    /// First of each spring's three sums for its gradient, [`SUMS_APART`] floats apart.
     pub(crate) sum_of: Vec<u32>,
     /// Pairs with sums before each row, by the same index as `rows`.
     pub(crate) sum_rows: Vec<u32>,
@@ -46,7 +46,7 @@ pub(crate) struct Layout {
     pub(crate) triplets: Vec<Triplet>,
     /// Index in the graph.
     pub(crate) triplet_of: Vec<u32>,
-    /// Where each rod's inner nodes begin among the triplets, behind the graph's, and their end; shape [R + 1]. Only
+    /// First of each rod's inner nodes among the triplets, behind the graph's, and their end; shape [R + 1]. Only
     /// where one block has all nodes.
     pub(crate) rod_turns: Vec<u32>,
     pub(crate) arms: Vec<u32>,
@@ -269,7 +269,7 @@ impl Layout {
         Ok(())
     }
 
-    /// Where each node is on a tape that this cut writes, by its index in the graph.
+    /// Slot of each node on a tape that this cut writes, by its index in the graph.
     pub(crate) fn tape_slots(&self) -> Vec<u32> {
         let own = |s: &Share| &self.nodes[s.nodes as usize..][..s.own as usize];
         let mut slots = vec![0; self.shares.iter().map(|s| s.own as usize).sum()];

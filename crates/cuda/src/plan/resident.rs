@@ -175,7 +175,7 @@ impl Packed {
     }
 }
 
-/// Whether nodes of a model can collide with each other.
+/// True if nodes of a model can collide with each other.
 pub(crate) fn has_contact(model: &Model) -> bool {
     let contact = &model.params.contact;
     let several = || model.graph.object_ids.windows(2).any(|w| w[0] != w[1]);
@@ -204,7 +204,7 @@ pub(crate) fn flatten(p: &Params) -> Vec<f32> {
     all
 }
 
-/// What this backend keeps of a model.
+/// This backend's copy of a model.
 pub(crate) fn resident(loaded: &Loaded) -> Result<&Resident, Error> {
     loaded.resident().ok_or_else(|| {
         Error::InvalidInput("the model was loaded by another backend: load it here".into())

@@ -1,4 +1,4 @@
-//! What substeps leave behind for the way back.
+//! Tapes: the records of substeps for the backward pass.
 
 use std::sync::Arc;
 
@@ -68,7 +68,7 @@ impl Tape {
         })
     }
 
-    /// Lets a job write or read from an entry on.
+    /// Lets an instance write or read from an entry on.
     pub(crate) fn place(&self, entry: Entries, args: &mut InstanceArgs) {
         args.tape.x = self.x.at(entry.nodes);
         args.tape.v = self.v.at(entry.nodes);
@@ -93,13 +93,13 @@ impl Kept {
         Ok(Self { tape: Tape::new(stream, end)?, starts, slots })
     }
 
-    /// Lets the job of an instance write all its frames.
+    /// Lets an instance write all its frames.
     pub(crate) fn write(&mut self, index: usize, args: &mut InstanceArgs) {
         self.tape.place(self.starts[index], args);
         self.slots[index] = args.tape.slot_of;
     }
 
-    /// Lets a job of an instance read from a frame on.
+    /// Lets an instance read from a frame on.
     pub(crate) fn read(
         &self,
         instances: &[Instance],

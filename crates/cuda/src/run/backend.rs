@@ -271,7 +271,7 @@ impl CudaBackend {
     }
 }
 
-/// What has no derivative stays at its default or zero.
+/// Gradients as parameters; those without a derivative stay at their default or zero.
 fn gradient_params(model: &Model, flat: &[f32]) -> Params {
     let mut params = unflatten(&model.params, flat);
     params.contact = bendtwin_core::Contact {
@@ -283,7 +283,7 @@ fn gradient_params(model: &Model, flat: &[f32]) -> Params {
     params
 }
 
-/// What is beyond f32 becomes its largest, NaN zero.
+/// A number in the range of f32; NaN becomes zero.
 fn narrow(x: f32) -> f32 {
     if x.is_nan() { 0.0 } else { x.clamp(-f32::MAX, f32::MAX) }
 }

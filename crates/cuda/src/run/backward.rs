@@ -57,7 +57,7 @@ fn hinges(graph: &Graph) -> usize {
     graph.triplets.len() + graph.rods.len()
 }
 
-/// What the way back needs of the way forward.
+/// Results of the forward pass that the backward pass reads.
 #[derive(Clone, Copy)]
 pub(crate) struct Way<'a> {
     pub(crate) simulation: &'a Simulation<'a>,

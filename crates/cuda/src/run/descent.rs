@@ -345,7 +345,7 @@ impl Walk {
         Ok(())
     }
 
-    /// Drag, restitutions and frictions are the host's business: jobs carry them.
+    /// Drag, restitutions and frictions are the host's business: the arguments of instances carry them.
     fn read_laws(&mut self) -> Result<(), Error> {
         let params = &self.resident.params;
         let laws = params.read_from(params.len() - LAWS, LAWS)?;
@@ -359,7 +359,7 @@ impl Walk {
     }
 }
 
-/// Where each coordinate's parameter is in the kernels' order.
+/// Index of each coordinate's parameter in the kernels' order.
 fn indices(parameterization: &Parameterization, model: &Model) -> Vec<u32> {
     let lengths: Vec<usize> = bendtwin_engine::optimizer::Parameter::ALL
         .iter()

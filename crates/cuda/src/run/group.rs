@@ -1,4 +1,4 @@
-//! InstanceSpan that one launch serves: alike enough for one kernel, and what their teams share.
+//! Instances that one launch serves: alike enough for one kernel, and the memory that their teams share.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::{
     },
 };
 
-/// InstanceSpan on the device, one after the other.
+/// Arguments of instances on the device, one after the other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InstanceSpan {
     pub(crate) address: Pointer<InstanceArgs>,
@@ -41,19 +41,19 @@ impl InstanceSpan {
     }
 }
 
-/// What a launch runs of its jobs, which take as many frames of it as they have.
+/// Frames that a launch runs; each instance takes as many of them as it has.
 #[derive(Clone, Debug)]
 pub(crate) struct FrameRange {
     first: u32,
     end: u32,
     /// Substeps that go onto tape; a frame ends with the last of them.
     taped: std::ops::Range<u32>,
-    /// Whether frames leave the states that they end in.
+    /// True if frames store the states that they end in.
     keep: bool,
 }
 
 impl FrameRange {
-    /// Frames from `first` to before `end`, on tape where jobs have one.
+    /// Frames from `first` to before `end`, on tape where instances have one.
     pub(crate) fn frames(first: usize, end: usize) -> Self {
         Self { first: first as u32, end: end as u32, taped: 0..u32::MAX, keep: true }
     }
@@ -64,14 +64,14 @@ impl FrameRange {
     }
 }
 
-/// Where a grid's blocks meet: x, y, z, vx and vy, vz.
+/// States that a grid's blocks exchange: x, y, z, vx and vy, vz.
 type Exchange = (Buffer<[f32; 4]>, Buffer<[f32; 2]>);
 
-/// InstanceSpan of instances that one launch serves.
+/// Instances that one launch serves.
 pub(crate) struct Group {
     pub(crate) fitted: Fitted,
-    /// Whose each job is, by the index that [`crate::run::simulation::Simulation::groups`] was given; jobs that only
-    /// fill up a team are nobody's.
+    /// Index of each member as given to [`crate::run::simulation::Simulation::groups`]; instances that only
+    /// fill up a team have none.
     pub(crate) members: Vec<usize>,
     instances: Vec<InstanceArgs>,
     packed: Vec<Arc<Packed>>,
@@ -93,7 +93,7 @@ impl Group {
         }
     }
 
-    /// Whether a job of another model fits in.
+    /// True if an instance of another model fits in.
     pub(crate) fn takes(&self, fit: &Fitted, packed: &Arc<Packed>) -> bool {
         self.fitted.specialization == fit.specialization
             && (fit.team.instances == 1 || self.packed.iter().all(|p| Arc::ptr_eq(p, packed)))
@@ -115,12 +115,12 @@ impl Group {
         }
     }
 
-    /// The parameters of its jobs, as this kernel wants them.
+    /// Parameters of its instances, packed for this kernel.
     pub(crate) fn packed(&self) -> &[Arc<Packed>] {
         &self.packed
     }
 
-    /// Fills the last team and gives the jobs what their teams share.
+    /// Fills the last team and gives the instances the memory that their teams share.
     pub(crate) fn complete(&mut self, queue: &Queue) -> Result<(), Error> {
         let together = self.fitted.team.instances as usize;
         while let Some(&last) = self.instances.last()
@@ -157,7 +157,7 @@ impl Group {
         Ok(())
     }
 
-    /// Members with their jobs, to be changed before they are uploaded.
+    /// Members with their arguments, to be changed before they are uploaded.
     pub(crate) fn members_mut(&mut self) -> impl Iterator<Item = (usize, &mut InstanceArgs)> {
         self.members.iter().copied().zip(&mut self.instances)
     }

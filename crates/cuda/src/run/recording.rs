@@ -1,8 +1,9 @@
-//! What a rollout returns beside its costs.
+//! Outputs of a rollout beside its costs.
 
 use bendtwin_engine::{
     Error,
     backend::{Diagnostics, Divergence, Instance, Loss, Outputs, Rollout},
+    constants::ON_GROUND_M,
     energy,
     model::State,
 };
@@ -19,9 +20,6 @@ use crate::{
     run::simulation::{Keep, Simulation},
 };
 
-/// Nodes lower than this above the ground [m] stand on it.
-const ON_GROUND_M: f32 = 1e-3;
-
 /// Recorded arrays of a simulation's instances, on the device.
 pub(crate) struct Recorded {
     frames: Vec<Vec<u32>>,
@@ -31,7 +29,7 @@ pub(crate) struct Recorded {
     extreme_starts: Vec<usize>,
 }
 
-/// Which states a rollout needs.
+/// States that a rollout needs.
 pub(crate) fn keeps(batch: &[Instance], outputs: &Outputs) -> Keep {
     let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
     let all = scored || outputs.every > 0 || outputs.initial || outputs.diagnostics;
@@ -168,7 +166,7 @@ fn diagnose(instance: &Instance, last: &State, extremes: &[[f32; 2]]) -> Diagnos
     let low = |x: &[f32; 3]| {
         model.environment.ground.is_some_and(|g| {
             let height: f32 = x.iter().zip(g.normal).map(|(x, n)| x * n).sum();
-            height - g.offset_m < ON_GROUND_M
+            height - g.offset_m < ON_GROUND_M as f32
         })
     };
     let mut found = Diagnostics {

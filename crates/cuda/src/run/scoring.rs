@@ -1,4 +1,4 @@
-//! What the objectives of simulated instances say: values by term, and d loss / d positions at frame ends.
+//! Scores of simulated instances: values of objectives by term, and d loss / d positions at frame ends.
 
 use std::sync::Arc;
 

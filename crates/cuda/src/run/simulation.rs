@@ -9,6 +9,7 @@ use bendtwin_core::{CancelToken, Point, environment::ControlVelocity};
 use bendtwin_engine::{
     Error, Model,
     backend::{Divergence, Instance},
+    constants::MAX_PARTNERS,
     model::State,
 };
 use cudarc::driver::CudaStream;
@@ -33,12 +34,10 @@ use crate::{
     run::group::{FrameRange, Group, InstanceSpan},
 };
 
-/// A node keeps its nearest so many contact candidates.
-const MAX_PARTNERS: usize = 512;
-/// How long a launch should take at most [us]: what others wait for, and a cancellation.
+/// Longest time of a launch [us]: other requests wait for it, and cancellations.
 const LAUNCH_US: f64 = 15_000.0;
 
-/// Which frames' states are kept.
+/// Frames whose states are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keep {
     /// All of them.
@@ -243,7 +242,7 @@ impl<'a> Simulation<'a> {
         unsafe { kernels::find_partners(&launch, &args) }
     }
 
-    /// InstanceSpan of some instances, in groups that one launch serves; an instance may have several. Groups' members
+    /// Some instances in groups that one launch serves; an instance may have several. Groups' members
     /// are indices in `of`.
     pub(crate) fn groups(&self, of: &[usize], purpose: Purpose) -> Result<Vec<Group>, Error> {
         let device = &self.queue.device;
@@ -290,7 +289,7 @@ impl<'a> Simulation<'a> {
         Ok(groups)
     }
 
-    /// Where instances diverged.
+    /// Frame and node of each divergence.
     pub(crate) fn divergences(&self) -> Result<Vec<Option<Divergence>>, Error> {
         let found = self.divergence.read()?;
         let decode = |key: u64| {
@@ -321,8 +320,8 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// Makes something of each, on several threads if there are several: new graphs are cut and kernels compiled. Who is
-/// in a hurry does it alone: the threads may be busy with a fit.
+/// Makes something of each, on several threads if there are several: new graphs are cut and kernels compiled. On an
+/// urgent queue on the caller's thread: the others may be busy with a fit.
 fn side_by_side<T: Sync, U: Send>(
     queue: &Queue,
     of: &[T],
@@ -420,7 +419,7 @@ impl Contact {
         })
     }
 
-    /// Gives a job the arrays of one of the simulations.
+    /// Gives an instance the arrays of one of the simulations.
     pub(crate) fn place(&self, index: usize, args: &mut InstanceArgs) {
         let at = self.starts[index];
         args.contact.partners = self.partners.at(at * MAX_PARTNERS);

@@ -23,15 +23,7 @@ use super::{
     real::{Quad, Real},
     strips::{Strip, Strips},
 };
-
-/// Sine below which a triplet counts as collinear.
-pub(crate) const MIN_SINE: f64 = 1e-4;
-/// Arms shorter than this [m] have no direction: the triplet is skipped.
-const MIN_ARM_M: f64 = 1e-6;
-/// Width of the rounding, as a share of pi - theta0.
-pub(crate) const ROUNDING: f64 = 0.5;
-/// Rest angles nearer to pi than this [rad] are pi (an `f32` pi is not quite).
-pub(crate) const STRAIGHT_RAD: f64 = 1e-6;
+use crate::constants::{MIN_ARM_M, MIN_SINE, ROUNDING, STRAIGHT_RAD};
 
 /// One triplet of each centre of a strip; a lane without one has no stiffness and no arms.
 #[derive(Clone, Debug)]

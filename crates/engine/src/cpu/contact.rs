@@ -8,11 +8,7 @@ use super::{
     real::{Quad, Real, add_scaled, dot, scale, sub},
     system::{ContactRule, System},
 };
-
-/// Approach below this [m²/s], position difference times velocity difference, is no contact.
-const MIN_APPROACH_M2_S: f64 = 1e-4;
-/// A node keeps its nearest so many candidates: bounds memory where an object has collapsed.
-const MAX_PARTNERS: usize = 512;
+use crate::constants::{MAX_PARTNERS, MIN_APPROACH_M2_S};
 
 /// For each node, the nodes that it may touch during a frame.
 #[derive(Clone, Debug, Default)]

@@ -8,14 +8,12 @@ use super::{
     rollout::Simulation,
     system::System,
 };
+use crate::constants::ON_GROUND_M;
 use crate::{
     backend::{Diagnostics, Loss, Outputs, Rollout},
     energy,
     model::State,
 };
-
-/// Nodes lower than this above the ground [m] stand on it.
-const ON_GROUND_M: f64 = 1e-3;
 
 /// Watches a rollout.
 pub(crate) struct Observer<'a, T> {

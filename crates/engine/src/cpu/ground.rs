@@ -6,12 +6,13 @@
 //! not (its derivative is zero almost everywhere). A node below the ground already has tau = 0.
 
 use super::{
-    impulse::{ImpactAdjoint, Law, MIN_APPROACH_M_S, impact, impact_adjoint},
+    impulse::{ImpactAdjoint, Law, impact, impact_adjoint},
     lanes::{FIRST, LANES, Node},
     machine::{Machine, Pack, Pack3, v3},
     real::{Quad, Real, add, add_scaled, dot, scale, sub},
     system::Ground,
 };
+use crate::constants::MIN_APPROACH_M_S;
 
 #[inline(always)]
 fn height<T: Real>(ground: &Ground<T>, x: Quad<T>) -> T {

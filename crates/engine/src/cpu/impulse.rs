@@ -22,9 +22,6 @@ pub(crate) struct ImpactAdjoint<T> {
     pub(crate) friction: T,
 }
 
-/// Approach is only an impact when faster than this [m/s].
-pub(crate) const MIN_APPROACH_M_S: f64 = 1e-4;
-
 /// Tangential speed and whether friction is too weak to stop it.
 #[inline(always)]
 fn slip<T: Real>(law: Law<T>, v_n: T, v_t: Quad<T>) -> (T, bool) {

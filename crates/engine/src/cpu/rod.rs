@@ -31,11 +31,7 @@ use super::{
     machine::{Machine, Pack, Pack3, v3},
     real::{Quad, Real},
 };
-
-/// 1 + cosine of the turn at a node below which the rod counts as folded: 172 degrees.
-pub(crate) const MIN_FOLD: f64 = 1e-2;
-/// Edges shorter than this [m] have no direction.
-pub(crate) const MIN_EDGE_M: f64 = 1e-6;
+use crate::constants::{MIN_EDGE_M, MIN_FOLD, MIN_SINE_SQUARED};
 
 /// Inner nodes of a rod with their neighbours along it; a lane without one names one node three
 /// times, which has no edges and so does nothing.
@@ -280,8 +276,7 @@ pub(crate) fn turned_pattern(points: &[[f64; 3]], has_arm: bool) -> Vec<[f64; 3]
         let turn = 2.0 * ((1.0 - cosine) / (1.0 + cosine).max(MIN_FOLD)).sqrt();
         let side = if j % 4 < 2 { 1.0 } else { -1.0 };
         let [a, c] = if has_arm && j + 3 == points.len() {
-            let sine =
-                (1.0 - cosine * cosine).clamp(arm::MIN_SINE_SQUARED, ARM_SINE * ARM_SINE).sqrt();
+            let sine = (1.0 - cosine * cosine).clamp(MIN_SINE_SQUARED, ARM_SINE * ARM_SINE).sqrt();
             [side * (1.0 - sine * sine).sqrt() / (sine * e), side / (sine * g)]
         } else {
             [e, g].map(|l| side * turn.max(least) / (2.0 * l))

@@ -10,14 +10,12 @@ use super::{
     real::{Quad, Real, quad},
     system::System,
 };
+use crate::constants::MAX_COORDINATE_M;
 use crate::{
     backend::{Divergence, Error, Loss},
     model::State,
     objective::Objective,
 };
-
-/// A node farther out than this [m] has diverged.
-const MAX_DISTANCE_M: f64 = 1000.0;
 
 /// One simulation to run.
 pub(crate) struct Simulation<'a, T> {
@@ -89,10 +87,10 @@ impl<T: Real> Simulation<'_, T> {
     }
 }
 
-/// First node that is not finite or is farther than [`MAX_DISTANCE_M`] from the origin along an
+/// First node that is not finite or is farther than [`MAX_COORDINATE_M`] from the origin along an
 /// axis.
 fn first_diverged<T: Real>(nodes: &[Node<T>]) -> Option<usize> {
-    let max_distance = T::from_f64(MAX_DISTANCE_M);
+    let max_distance = T::from_f64(MAX_COORDINATE_M);
     let inside = |n: &Node<T>| {
         n.x[..3].iter().all(|x| x.abs() <= max_distance) && n.v[..3].iter().all(|v| v.is_finite())
     };

@@ -9,9 +9,7 @@ use super::{
     real::{Quad, Real},
     strips::{Strip, Strips},
 };
-
-/// Below this length [m] a spring has no direction and exerts no force.
-const MIN_LENGTH_M: f64 = 1e-12;
+use crate::constants::MIN_LENGTH_M;
 
 /// One spring of each owner of a strip; a lane without one joins its owner with itself and has no
 /// stiffness.

@@ -2,7 +2,7 @@
 //! vector, and where to start looking for its stiffest mode.
 
 use crate::{
-    Model,
+    Model, constants,
     cpu::{bend, rod},
 };
 
@@ -207,7 +207,7 @@ fn bar(ends: [u32; 2], r: Vector, k: f64, rest: f64, damping: f64) -> Bar {
 fn slanted(ends: [u32; 2], x: &[Vector], torque: f64) -> Bar {
     let edge: Vector = std::array::from_fn(|c| x[1][c] - x[0][c]);
     let square = dot(edge, edge);
-    let across = if square > rod::MIN_EDGE_M.powi(2) { torque / square } else { 0.0 };
+    let across = if square > constants::MIN_EDGE_M.powi(2) { torque / square } else { 0.0 };
     Bar { ends, direction: [0.0; 3], along: across, across, damping: 0.0 }
 }
 
@@ -225,7 +225,7 @@ fn bend_patterns(u: Vector, w: Vector, rest_bend: f64) -> Vec<[Vector; 3]> {
         let (gi, gk) = (across_u.map(|x| -x / lu), across_w.map(|x| -x / lw));
         [gi, std::array::from_fn(|c| -gi[c] - gk[c]), gk]
     };
-    let collinear = sine < bend::MIN_SINE;
+    let collinear = sine < constants::MIN_SINE;
     let normal = if collinear { any_normal(u) } else { n.map(|x| x / (lu * lw * sine)) };
     // In the plane of the arms, away from the other arm; g = -across / length.
     let in_plane =

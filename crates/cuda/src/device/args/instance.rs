@@ -135,7 +135,7 @@ device_struct! {
 }
 
 device_struct! {
-    /// What substeps record for the backward pass.
+    /// Records of substeps for the backward pass.
     TapeArgs {
         slot_of: Pointer<u32>,
         x: Pointer<[f32; 4]>,

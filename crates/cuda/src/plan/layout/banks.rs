@@ -1,4 +1,4 @@
-//! Which half-spring a lane takes in which slot. A quarter of a warp reads eight float4s of shared memory at
+//! Assignment of half-springs to slots and lanes. A quarter of a warp reads eight float4s of shared memory at
 //! once, and in one go only if they lie in different banks: indices that differ modulo 8. Half a warp reads
 //! sixteen float2s at once: indices that differ modulo 16.
 

@@ -1,4 +1,4 @@
-//! Which end of a spring reports its gradient. A row of a warp waits for its node that reports most, so every
+//! Choice of the end of a spring that reports its gradient. A row of a warp waits for its node that reports most, so every
 //! node should report half of its springs: each is walked along once, and reported where it is left.
 
 use bendtwin_core::Graph;

@@ -14,7 +14,7 @@ const FEWEST_SLOTS: usize = 3;
 /// A half-spring: spring, other end by local index, whether it reports the gradient.
 pub(super) type Half = (u32, u32, bool);
 
-/// How many lanes share a node in a part of so many nodes: as many as the threads allow.
+/// Lanes that share a node in a part of so many nodes: as many as the threads allow.
 pub(super) fn lanes_for(nodes: usize, incidence: &Incidence, threads: u32) -> u32 {
     let ends = incidence.starts.len().saturating_sub(1).max(1);
     let valence = incidence.springs.len() / ends;
@@ -101,7 +101,7 @@ impl Rows<'_> {
     }
 }
 
-/// Where the sums of a half-spring begin: of one half of a pair, in a lane.
+/// First sum of a half-spring: of one half of a pair, in a lane.
 fn first_sum(pair: u32, half: usize, lane: usize) -> u32 {
     pair * PAIR_SUMS + half as u32 * 3 * SUMS_APART + lane as u32
 }

@@ -35,7 +35,7 @@ fn endpoint(graph: &Graph, layout: &Layout, share: &Share, local: u32) -> u32 {
     layout.nodes[(share.nodes + local) as usize]
 }
 
-/// What a row's lanes of one end hold: (spring, other end, whether its sums are here).
+/// Half-springs that a row's lanes of one end hold: (spring, other end, whether its sums are here).
 fn halves(
     graph: &Graph,
     layout: &Layout,

@@ -1,5 +1,5 @@
-//! How many windows go backward side by side, how many frames of each are on tape at a time, and the arrays for
-//! it.
+//! Sizes of the backward pass: windows that go backward side by side, frames of each on tape at a time, and
+//! the arrays for them.
 
 use std::ops::Range;
 
@@ -19,13 +19,13 @@ use crate::{
 const CONTACT_BYTES: u64 = 2_088;
 /// Frames that go onto tape together, a multiprocessor: more would not be quicker.
 const FRAMES_A_PROCESSOR: usize = 2;
-/// Most jobs that are made ready together. They stand in the host's memory too, where a small twin's would
+/// Most instances whose arguments are made ready together. They stand in the host's memory too, where a small twin's would
 /// take far more than its frames on the device.
 const JOBS_AT_ONCE: usize = 1 << 16;
 
 /// Arrays of windows that go backward side by side.
 pub(super) struct Slots {
-    /// How many windows.
+    /// Number of windows.
     pub(super) windows: usize,
     /// Frames of each that are made ready at a time; they are on tape together.
     pub(super) frames: usize,
@@ -121,7 +121,7 @@ impl Slots {
         self.segments().next_back().unwrap_or(0..0)
     }
 
-    /// Gives a job the arrays of a frame of a window on tape, counted from the first that is.
+    /// Gives an instance the arrays of a frame of a window on tape, counted from the first that is.
     pub(super) fn place(&self, window: usize, frame: usize, args: &mut InstanceArgs) {
         let slot = window * self.frames + frame;
         if let Some(tape) = &self.tape {

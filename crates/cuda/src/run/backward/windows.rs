@@ -66,16 +66,16 @@ struct Lane {
     _pin_sums: Buffer<f32>,
 }
 
-/// A lane's jobs for some frames: those of a depth stand together.
+/// Arguments of a lane's windows for some frames: those of a depth stand together.
 struct Rounds {
     instances: Buffer<InstanceArgs>,
-    /// Where d loss / d positions at each job's frame's end is.
+    /// d loss / d positions at the end of each instance's frame.
     seeds: Buffer<Pointer<f32>>,
-    /// Where d loss / d controls of each job's instance goes.
+    /// Output for d loss / d controls of each instance.
     outs: Buffer<Pointer<[f32; 3]>>,
-    /// First job of each depth, and the end of the last.
+    /// First instance of each depth, and the end of the last.
     starts: Vec<usize>,
-    /// Whether an instance has several jobs at a depth.
+    /// True if an instance has several windows at a depth.
     shared: bool,
 }
 
@@ -169,7 +169,7 @@ impl<'a> SideBySide<'a> {
         self.lanes.iter().try_for_each(|lane| self.add_sums(lane, &total))
     }
 
-    /// InstanceSpan of windows that reach so deep. For tapes that have just been written, `slots` says by window where nodes
+    /// Arguments of windows that reach so deep. For tapes that have just been written, `slots` says by window where nodes
     /// are on them.
     fn rounds(
         &self,

@@ -2,14 +2,11 @@
 //! would.
 
 use super::{Edges, Triple};
+use crate::constants::MIN_SINE_SQUARED;
 use crate::cpu::{
     machine::{Machine, Pack, Pack3, v3},
     real::Real,
 };
-
-/// Sine squared of the angle between the rod's last edge and the branch below which the branch
-/// holds nothing: 6 degrees.
-pub(super) const MIN_SINE_SQUARED: f64 = 1e-2;
 
 /// A branch as seen from the rod's end.
 ///

@@ -1,4 +1,4 @@
-//! What `team.cuh` relies on where blocks wait for bytes alone: a block writes into another's halo once it has heard
+//! Properties that `team.cuh` relies on where blocks wait for bytes alone: a block writes into another's halo once it has heard
 //! from it, so whoever reads what it wrote before must have been heard.
 
 use super::*;

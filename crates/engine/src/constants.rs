@@ -1,0 +1,28 @@
+//! Constants of the physics, shared by all backends. GPU kernels have them defined in front of their source.
+
+/// Sine below which a triplet counts as collinear.
+pub const MIN_SINE: f64 = 1e-4;
+/// Length of a triplet's arm [m] below which it has no direction: the triplet is skipped.
+pub const MIN_ARM_M: f64 = 1e-6;
+/// Width of the rounding of a triplet's angle, as a share of pi - theta0.
+pub const ROUNDING: f64 = 0.5;
+/// Distance from pi [rad] below which a rest angle is pi (an `f32` pi is not quite).
+pub const STRAIGHT_RAD: f64 = 1e-6;
+/// 1 + cosine of the turn at a node below which the rod counts as folded: 172 degrees.
+pub const MIN_FOLD: f64 = 1e-2;
+/// Length of a rod's edge [m] below which it has no direction.
+pub const MIN_EDGE_M: f64 = 1e-6;
+/// Sine squared of the angle between the rod's last edge and the branch below which the branch holds nothing: 6 degrees.
+pub const MIN_SINE_SQUARED: f64 = 1e-2;
+/// Length [m] below which a spring has no direction and exerts no force.
+pub const MIN_LENGTH_M: f64 = 1e-12;
+/// Speed of approach [m/s] up to which there is no impact.
+pub const MIN_APPROACH_M_S: f64 = 1e-4;
+/// Approach of two nodes [m²/s], position difference times velocity difference, up to which there is no contact.
+pub const MIN_APPROACH_M2_S: f64 = 1e-4;
+/// Most contact candidates of a node, the nearest: bounds memory where an object has collapsed.
+pub const MAX_PARTNERS: usize = 512;
+/// Largest coordinate [m]: a node farther out has diverged.
+pub const MAX_COORDINATE_M: f64 = 1000.0;
+/// Height above the ground [m] below which a node stands on it.
+pub const ON_GROUND_M: f64 = 1e-3;
