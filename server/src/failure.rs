@@ -1,4 +1,5 @@
-//! The error of use cases and of dispatch, below both. It knows no transport: `error.rs` turns it into one.
+//! The error of use cases and of dispatch, below both. It knows no transport: `error.rs` turns it
+//! into one.
 
 use std::time::Duration;
 

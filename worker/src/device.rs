@@ -88,8 +88,8 @@ impl Device {
         QueuedBackend::new(self.clone(), priority)
     }
 
-    /// Sets how memory is freed on a shortage. `reclaim` frees about so many bytes, or returns false if there is
-    /// nothing to free. Only the first call has an effect.
+    /// Sets how memory is freed on a shortage. `reclaim` frees about so many bytes, or returns
+    /// false if there is nothing to free. Only the first call has an effect.
     pub(crate) fn on_shortage(&self, reclaim: impl Fn(u64) -> bool + Send + Sync + 'static) {
         self.threads.on_shortage(Box::new(reclaim));
     }

@@ -6,7 +6,8 @@ use crate::{
     bench, capture, demo, eval, fit, global::Global, logging, rollout, server, suite, twin, worker,
 };
 
-/// Turns recordings of soft objects into physical twins, and predicts what robot actions do to them.
+/// Turns recordings of soft objects into physical twins, and predicts what robot actions do to
+/// them.
 ///
 /// Start with `bendtwin demo`.
 #[derive(Debug, Parser)]

@@ -19,7 +19,8 @@ const ROWS_SHOWN: usize = 10;
 pub(crate) struct Rollout {
     /// twins/{uuid}
     twin: TwinId,
-    /// Control points over time: .npy or .json of shape [B, K, C, 3], or [K, C, 3] for one [default: a test motion]
+    /// Control points over time: .npy or .json of shape [B, K, C, 3], or [K, C, 3] for one
+    /// [default: a test motion]
     #[arg(long, value_name = "FILE")]
     actions: Option<PathBuf>,
     /// Test motion: the control points swing this far along x and back [m]

@@ -91,7 +91,8 @@ impl Captures {
     /// process, the same call resumes. `sent` gets the number of bytes on the server, which may
     /// decrease a little.
     ///
-    /// The same content under the same name is one capture, however often it is uploaded, and is not sent again.
+    /// The same content under the same name is one capture, however often it is uploaded, and is
+    /// not sent again.
     ///
     /// # Errors
     /// As [`Captures::upload`].
@@ -172,8 +173,8 @@ impl Captures {
     /// Reads a capture again, for example with other settings.
     ///
     /// # Errors
-    /// If the settings are wrong, it is being read, a fit of it is queued or running, or the server cannot be
-    /// asked.
+    /// If the settings are wrong, it is being read, a fit of it is queued or running, or the server
+    /// cannot be asked.
     pub async fn ingest(
         &self,
         name: CaptureId,

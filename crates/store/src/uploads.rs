@@ -63,7 +63,8 @@ impl Uploads<'_> {
     /// that have arrived and to release it.
     ///
     /// # Errors
-    /// [`Error::NotFound`], [`Error::UploadGone`]; [`Error::UploadLocked`] if it is not free in time.
+    /// [`Error::NotFound`], [`Error::UploadGone`]; [`Error::UploadLocked`] if it is not free in
+    /// time.
     pub async fn claim(&self, id: UploadId, patience: Duration) -> Result<UploadWriter> {
         // Names that do not exist are not worth a seat.
         self.get(id).await?;

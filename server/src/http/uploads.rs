@@ -99,9 +99,9 @@ async fn options(State(app): State<App>) -> Response {
 
 /// Begin a resumable upload
 ///
-/// `Upload-Metadata` may give `filename`, `display_name`, `request_id` (or as `Idempotency-Key`) and `digest` (BLAKE3,
-/// hex). The same request id with the same metadata answers with the upload that was begun before,
-/// however far it is. A body is the first part of the content.
+/// `Upload-Metadata` may give `filename`, `display_name`, `request_id` (or as `Idempotency-Key`)
+/// and `digest` (BLAKE3, hex). The same request id with the same metadata answers with the upload
+/// that was begun before, however far it is. A body is the first part of the content.
 #[utoipa::path(post, path = "/v1/uploads", tag = "uploads",
     params(
         ("Tus-Resumable" = String, Header, description = "1.0.0"),
@@ -147,8 +147,8 @@ async fn create(State(app): State<App>, request: Request) -> Result<Response> {
 
 /// Offset at which to resume
 ///
-/// A request that still sends to the upload is ended: its connection may be dead. Makes the capture if only that is
-/// missing. To look without disturbing, GET.
+/// A request that still sends to the upload is ended: its connection may be dead. Makes the capture
+/// if only that is missing. To look without disturbing, GET.
 #[utoipa::path(head, path = "/v1/uploads/{id}", tag = "uploads",
     params(("id" = String, Path), ("Tus-Resumable" = String, Header, description = "1.0.0")),
     responses((status = 200, headers(

@@ -28,3 +28,9 @@ fn the_token_is_not_printed() {
     let options = Options { worker_token: Some("0123456789abcdef".into()), ..Options::default() };
     assert!(!format!("{options:?}").contains("0123456789abcdef"));
 }
+
+#[test]
+fn the_former_name_of_the_heartbeat_interval_is_read() {
+    let options: Options = serde_json::from_str(r#"{"beat_interval_s": 7.0}"#).unwrap();
+    assert_eq!(options.heartbeat_interval_s, 7.0);
+}

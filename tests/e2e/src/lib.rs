@@ -6,6 +6,10 @@ mod architecture;
 #[cfg(test)]
 mod broken_captures;
 #[cfg(test)]
+mod doc_comments;
+#[cfg(test)]
+mod doc_sentences;
+#[cfg(test)]
 mod documents;
 #[cfg(test)]
 mod first_five_minutes;

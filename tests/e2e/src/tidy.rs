@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
-use crate::workspace;
+use crate::{
+    doc_comments::doc_comments,
+    doc_sentences::{Sentence, sentences},
+    workspace,
+};
 
 const MAX_LINES: usize = 600;
 
@@ -22,6 +26,9 @@ const FORBIDDEN: [(&str, &str); 7] = [
 
 /// Names that do not describe their content.
 const EMPTY_NAMES: [&str; 6] = ["util", "utils", "helper", "helpers", "common", "misc"];
+
+/// Most sentences of private docs that may open with a question word, as a fraction.
+const MOST_QUESTIONS: f64 = 0.03;
 
 #[test]
 fn files_are_small() {
@@ -75,6 +82,29 @@ fn every_rust_file_says_what_it_is() {
         .map(|(name, _)| name)
         .collect();
     assert!(silent.is_empty(), "start with `//!` and what the file is for: {silent:?}");
+}
+
+#[test]
+fn docs_put_the_noun_first() {
+    let (mut public, mut private, mut count) = (Vec::new(), Vec::new(), 0);
+    for (name, text) in texts() {
+        for comment in doc_comments(&name, &text) {
+            let found = sentences(&comment);
+            count += if comment.is_public { 0 } else { found.len() };
+            let asking = found.into_iter().filter(Sentence::asks);
+            let asking = asking.map(|s| format!("{name}:{}: {}", s.line, s.text));
+            if comment.is_public { &mut public } else { &mut private }.extend(asking);
+        }
+    }
+    let advice = "say what a thing is: `Number of frames.` instead of `How many frames.`";
+    assert!(public.is_empty(), "public docs: {advice}\n{}", public.join("\n"));
+    let share = private.len() as f64 / count.max(1) as f64;
+    assert!(
+        share < MOST_QUESTIONS,
+        "private docs, {:.1} % of {count} sentences: {advice}\n{}",
+        100.0 * share,
+        private.join("\n")
+    );
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! The OS threads of a device: they take tasks off their queues until one breaks the device or it is closed.
+//! The OS threads of a device: they take tasks off their queues until one breaks the device or it
+//! is closed.
 
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
@@ -47,7 +48,8 @@ impl Threads {
         }
     }
 
-    /// Starts the main thread, which opens the backend and so owns what the backend binds to a thread.
+    /// Starts the main thread, which opens the backend and so owns what the backend binds to a
+    /// thread.
     pub(super) fn start<F>(self: &Arc<Self>, open: F) -> Result<Opened, Error>
     where
         F: FnOnce() -> Result<Arc<dyn Backend>, Error> + Send + 'static,

@@ -1,4 +1,5 @@
-//! The child's side: limits its own memory first, then reads one capture and writes the results beside it.
+//! The child's side: limits its own memory first, then reads one capture and writes the results
+//! beside it.
 
 use std::{
     io::{self, Read as _, Write as _},

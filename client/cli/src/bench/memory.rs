@@ -19,7 +19,8 @@ struct ProcessMemory;
 
 impl MemoryProbe for ProcessMemory {
     fn reset(&self) {
-        // Sets the peak back to what is resident now; where that is not allowed, the peak is the process's.
+        // Sets the peak back to what is resident now; where that is not allowed, the peak is the
+        // process's.
         let _ = std::fs::write("/proc/self/clear_refs", "5");
     }
 

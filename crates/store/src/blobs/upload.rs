@@ -63,8 +63,8 @@ impl Upload {
             return Err(Error::DigestMismatch { given, actual: digest });
         }
         let Self { blobs, path, mut sink, part, size_bytes, .. } = self;
-        // In a task of its own: whoever waits here may be dropped half way through, when content is no
-        // longer the upload's and not yet staged. Then the task drops what it staged.
+        // In a task of its own: whoever waits here may be dropped half way through, when content is
+        // no longer the upload's and not yet staged. Then the task drops what it staged.
         let whole = tokio::spawn(async move {
             sink.put_part(part.freeze().into()).await?;
             sink.complete().await?;
@@ -87,7 +87,8 @@ pub struct Staged {
 }
 
 impl Staged {
-    /// The content of a resumable upload, in its own file unless that is in its final place already.
+    /// The content of a resumable upload, in its own file unless that is in its final place
+    /// already.
     pub(crate) fn from_partial(
         blobs: Blobs,
         id: UploadId,

@@ -143,7 +143,8 @@ async fn begun_before(
     Err(Error::RequestIdTaken { request_id, name })
 }
 
-/// Id and size of the capture that was made under the same request id, if it is known to be the same.
+/// Id and size of the capture that was made under the same request id, if it is known to be the
+/// same.
 async fn made_before(
     tx: &mut Transaction<'static, Sqlite>,
     new: &NewResumableUpload,

@@ -70,7 +70,8 @@ impl Held {
     pub(crate) fn wanted(&self) -> impl Future<Output = ()> + Send + use<> {
         let mut waiting = self.seat.waiting.subscribe();
         async move {
-            // The sender lives as long as the seat: an error means that no writer can wait any more.
+            // The sender lives as long as the seat: an error means that no writer can wait any
+            // more.
             if waiting.wait_for(|n| *n > 0).await.is_err() {
                 std::future::pending::<()>().await;
             }
