@@ -21,7 +21,7 @@ fn cable() -> Capture {
     CABLE.get_or_init(|| make(Scene::Cable, &MakeOptions::tiny(11)).unwrap()).clone()
 }
 
-/// What a report lacks of a finding with this code that names the thing.
+/// Complaint if a report lacks a finding with this code that names the thing.
 fn lacks(report: &CheckReport, severity: Severity, code: &str, names: &str) -> Option<String> {
     let Some(found) = report.findings.iter().find(|f| f.code == code) else {
         return Some(format!("{code} ({names}) is missing: {:#?}", report.findings));
@@ -38,8 +38,7 @@ fn expect(report: &CheckReport, severity: Severity, code: &str, names: &str) {
 #[test]
 fn repetitions_are_shortened() {
     let finding = |n: usize| Finding::warning("A", n.to_string());
-    let merged =
-        report::merge((0..70).map(finding).chain([Finding::error("B", "x")]).collect());
+    let merged = report::merge((0..70).map(finding).chain([Finding::error("B", "x")]).collect());
     assert_eq!(merged.len(), 5);
     assert_eq!(merged[0].severity, Severity::Error);
     assert!(merged.iter().any(|f| f.message == "the same in 67 more places"));
