@@ -1,11 +1,9 @@
 //! What is kept of each frame, and what becomes of it in the end.
 
 use bendtwin_capture::raw::{Region, Tracks};
+use bendtwin_core::geometry::median;
 
-use crate::{
-    Guide, Texture, TrackerQuality,
-    quality::{mean_share, median},
-};
+use crate::{Guide, Texture, TrackerQuality, quality::mean_share};
 
 /// What was tracked in one camera.
 #[derive(Clone, Debug, PartialEq)]

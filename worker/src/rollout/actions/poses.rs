@@ -1,7 +1,10 @@
 //! Poses of rigid grippers. A control point c that is at c0 while its gripper
 //! is at (p0, R0) is at p + R R0⁻¹ (c0 - p0) while the gripper is at (p, R).
 
-use bendtwin_core::Point;
+use bendtwin_core::{
+    Point,
+    geometry::{add, sub},
+};
 use bendtwin_proto::v1::GripperPoses;
 
 use super::{Shape, curve, finite, given};
@@ -117,12 +120,4 @@ fn attachments(
         }
         None => Ok(indices.into_iter().map(|g| g as usize).collect()),
     }
-}
-
-fn add(a: Point, b: Point) -> Point {
-    std::array::from_fn(|i| a[i] + b[i])
-}
-
-fn sub(a: Point, b: Point) -> Point {
-    std::array::from_fn(|i| a[i] - b[i])
 }
