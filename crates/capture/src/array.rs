@@ -76,7 +76,7 @@ impl Dtype {
 /// An array whose byte count is known to fit its shape.
 #[derive(Clone, Debug)]
 pub(crate) struct Array<'a> {
-    /// Where it came from, for messages.
+    /// Origin, for messages.
     pub(crate) at: String,
     pub(crate) dtype: Dtype,
     pub(crate) shape: Vec<usize>,

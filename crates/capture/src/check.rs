@@ -64,14 +64,12 @@ fn visible_points(sequence: &Sequence, frame: usize) -> Vec<bendtwin_core::Point
 }
 
 fn distance(a: &bendtwin_core::Point, b: &bendtwin_core::Point) -> f32 {
-    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    (x * x + y * y + z * z).sqrt()
+    bendtwin_core::geometry::distance(*a, *b)
 }
 
 /// Median of finite numbers; 0 of none.
 fn median(mut values: Vec<f32>) -> f32 {
-    values.sort_by(f32::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    bendtwin_core::geometry::median(&mut values).unwrap_or(0.0)
 }
 
 fn percent(part: usize, whole: usize) -> usize {

@@ -1,4 +1,4 @@
-//! What a capture is, in 64 letters: equal content, whatever file it came in,
+//! Digest of a capture, 64 letters: equal content, whatever file it came in,
 //! gives the equal digest.
 
 use bendtwin_core::{Capture, Point};

@@ -14,7 +14,7 @@ pub enum Error {
     Io {
         /// The file concerned.
         at: String,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// Neither a bundle, nor a PhysTwin case, nor motion capture.
@@ -66,7 +66,7 @@ pub enum Error {
     ArchiveEntryKind {
         /// The entry.
         at: String,
-        /// What it is.
+        /// Kind of entry.
         kind: &'static str,
     },
     /// Two entries of one name.
@@ -77,7 +77,7 @@ pub enum Error {
         "{what} needs {bytes} bytes, beyond the limit of {limit}: use fewer frames or points, or split the capture"
     )]
     TooLarge {
-        /// What is too large.
+        /// Thing that is too large.
         what: String,
         /// Its size.
         bytes: u64,
@@ -87,9 +87,9 @@ pub enum Error {
     /// A limit on counts.
     #[error("{what}: {count}, the limit is {limit}: use a smaller capture")]
     TooMany {
-        /// What is too many.
+        /// Things that are too many.
         what: &'static str,
-        /// How many.
+        /// Number of them.
         count: u64,
         /// The limit.
         limit: u64,
@@ -110,7 +110,7 @@ pub enum Error {
     Document {
         /// The file.
         at: String,
-        /// What is wrong.
+        /// Description of the fault.
         fault: String,
     },
     /// A newer bundle.
@@ -132,7 +132,7 @@ pub enum Error {
     Damaged {
         /// The file.
         at: String,
-        /// What is wrong.
+        /// Description of the fault.
         fault: String,
     },
     /// A header that claims more than there is.
@@ -194,7 +194,7 @@ pub enum Error {
     Camera {
         /// The camera's name.
         camera: String,
-        /// What is wrong.
+        /// Description of the fault.
         fault: String,
     },
     /// Extrinsics that no camera can have.
@@ -237,7 +237,7 @@ pub enum Error {
         "edge {index} joins points {a} and {b}, but there are {points} points (0 to {points} exclusive, two different ones)"
     )]
     EdgeRange {
-        /// Which edge.
+        /// Index of the edge.
         index: usize,
         /// First end.
         a: i64,
@@ -251,7 +251,7 @@ pub enum Error {
         "pin {index} joins point {point} and control point {control}, but there are {points} points and {controls} control points"
     )]
     PinRange {
-        /// Which pin.
+        /// Index of the pin.
         index: usize,
         /// Its point.
         point: i64,
@@ -269,7 +269,7 @@ pub enum Error {
     SplitRange {
         /// The sequence.
         sequence: String,
-        /// Where it is split.
+        /// Frame at which it is split.
         split: i64,
         /// Its length.
         frames: usize,

@@ -31,7 +31,7 @@ enum Source<'a> {
 const DIRECTORY_SEARCH: u64 = 256 << 10;
 const DIRECTORY_ENTRY: usize = 256;
 
-/// Whether an entry's name stays inside the archive on every system.
+/// `true` if an entry's name stays inside the archive on every system.
 pub(crate) fn is_plain(name: &str) -> bool {
     let drive = name.as_bytes().get(1) == Some(&b':');
     !drive && !name.starts_with(['/', '\\']) && name.split(['/', '\\']).all(|part| part != "..")
@@ -53,7 +53,7 @@ pub(crate) struct Files<'a> {
 /// A JSON document longer than this describes no recording.
 pub(crate) const MAX_DOCUMENT: u64 = 16 << 20;
 
-/// How deep inside an archive or folder a capture may lie.
+/// Most folders between the root of an archive or folder and a capture.
 const MAX_NESTING: usize = 2;
 
 impl<'a> Files<'a> {
@@ -203,7 +203,7 @@ impl<'a> Files<'a> {
         }
     }
 
-    /// Whether a file of this name exists.
+    /// `true` if a file of this name exists.
     pub(crate) fn has(&self, name: &str) -> bool {
         let full = format!("{}{name}", self.prefix);
         match &self.source {
@@ -212,7 +212,7 @@ impl<'a> Files<'a> {
         }
     }
 
-    /// Whether some file's name starts so (`color/`, say).
+    /// `true` if some file's name starts so (`color/`, say).
     pub(crate) fn has_under(&self, folder: &str) -> bool {
         let full = format!("{}{folder}", self.prefix);
         match &self.source {

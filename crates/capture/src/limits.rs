@@ -1,4 +1,4 @@
-//! How much a capture may cost to read. Every allocation whose size a file
+//! Limits on the cost of reading a capture. Every allocation whose size a file
 //! decides is charged to a [`Budget`] before it is made.
 
 use crate::Error;
@@ -61,7 +61,7 @@ impl Default for Limits {
     }
 }
 
-/// What is left of [`Limits::total_bytes`].
+/// Remainder of [`Limits::total_bytes`].
 #[derive(Debug)]
 pub(crate) struct Budget {
     total: u64,

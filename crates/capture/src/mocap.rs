@@ -24,7 +24,7 @@ use crate::{
 /// Lowest height that both datasets record [m]: their floor, to which DEFORM clips.
 const FLOOR_M: f32 = 0.002_001;
 
-/// What is read of the description; the rest is for people.
+/// The part of the description that is read; the rest is for people.
 #[derive(Deserialize)]
 struct Description {
     fps: f64,
@@ -33,7 +33,7 @@ struct Description {
     #[serde(default)]
     object: String,
     gravity: Point,
-    /// Whether and where the recording is clipped is said here in words.
+    /// Remark in words on clipping of the recording.
     #[serde(default)]
     metric: serde_json::Value,
     #[serde(default)]

@@ -125,7 +125,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// What is left of a header's text.
+/// Remainder of a header's text.
 struct Words<'a>(&'a str);
 
 impl<'a> Words<'a> {

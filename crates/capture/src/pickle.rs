@@ -28,7 +28,7 @@ enum Value<'a> {
     Dict(Vec<(Id, Id)>),
     Global(numpy::Global),
     Dtype(numpy::Descr),
-    /// What `_reconstruct` returns, before its state is set.
+    /// Array as `_reconstruct` returns it, before its state is set.
     EmptyArray,
     Array(Array<'a>),
 }
@@ -110,7 +110,7 @@ impl<'a> Pickle<'a> {
 }
 
 impl Value<'_> {
-    /// What it is, for messages.
+    /// Name of its kind, for messages.
     fn kind(&self) -> &'static str {
         match self {
             Self::None => "None",

@@ -32,8 +32,8 @@ pub use self::{
 };
 use crate::{Error, Limits, files::Files, read};
 
-/// Opens the raw recording at a path, a folder, a ZIP archive or an MCAP file, without reading its frames. Where processed data lies
-/// beside it, that is passed over.
+/// Opens the raw recording at a path, a folder, a ZIP archive or an MCAP file, without reading its frames. Processed data
+/// beside it is passed over.
 ///
 /// # Errors
 /// If there is none, its description is damaged or impossible, or it exceeds the limits.
@@ -48,7 +48,7 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Recording, Error> {
     find(files)?.ok_or(Error::UnknownKind(name))
 }
 
-/// Whether an MCAP file lies at a path.
+/// `true` if an MCAP file lies at a path.
 pub(crate) fn is_mcap(path: &Path) -> Result<bool, Error> {
     Ok(mcap::file_at(path)?.is_some())
 }
@@ -69,13 +69,13 @@ pub(crate) fn find(mut files: Files<'static>) -> Result<Option<Recording>, Error
     Ok(Some(recording))
 }
 
-/// Whether files that hold no points are a recording.
+/// `true` if files that hold no points are a recording.
 pub(crate) fn is_here(files: &mut Files<'_>) -> Result<bool, Error> {
     Ok(files.enter(nerfstudio::MARKER)?
         || (files.enter(phystwin::MARKER)? && files.has_under("color")))
 }
 
-/// What cameras recorded of one manipulation.
+/// Recording of one manipulation by cameras.
 #[derive(Clone, Debug)]
 pub struct Recording {
     /// A person's name for it.
@@ -96,7 +96,7 @@ pub struct Recording {
     pub mesh: Option<MeshFile>,
     /// Clean tracks for metrics only [m], shape [T, K, 3]; NaN where unknown; empty if none.
     pub truth_tracks: Vec<Point>,
-    /// Where the frames are.
+    /// Source of the frames.
     pub source: Arc<dyn Source>,
 }
 
@@ -122,7 +122,7 @@ pub struct Alignment {
     pub translation: Point,
 }
 
-/// Which part of an image a mask shows.
+/// Part of an image that a mask shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Region {
     /// The soft object.
@@ -138,11 +138,11 @@ pub struct Tracks {
     pub count: usize,
     /// Pixels as x (column), y (row); the centre of the first pixel is (0, 0). Shape [T, N, 2].
     pub points: Vec<[f32; 2]>,
-    /// Whether the tracker saw the point, shape [T, N].
+    /// `true` where the tracker saw the point, shape [T, N].
     pub visible: Vec<bool>,
 }
 
-/// Where a recording's frames come from.
+/// Source of a recording's frames.
 pub trait Source: Send + Sync + std::fmt::Debug {
     /// A reader of the frames of `camera`, an index into [`Recording::cameras`].
     ///

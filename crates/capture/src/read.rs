@@ -17,7 +17,7 @@ use crate::{
 /// with its .json beside it.
 ///
 /// The result is structurally sound (lengths agree, indices exist), in metres
-/// with z up. Whether its numbers make sense is for [`crate::check()`].
+/// with z up. [`crate::check()`] judges its numbers.
 ///
 /// # Errors
 /// If there is no capture, it is damaged, or it exceeds the limits.
@@ -34,7 +34,7 @@ pub fn read_bytes(name: &str, bytes: &[u8], limits: &Limits) -> Result<Capture, 
     read_files(&mut files, &mut Vec::new())
 }
 
-/// What lies at a path: points, or what cameras recorded.
+/// Content of a path: points, or a raw recording of cameras.
 #[derive(Debug)]
 pub enum Opened {
     /// Points that were tracked already, and what the reader noticed without failing.

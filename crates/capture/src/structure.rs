@@ -1,5 +1,5 @@
-//! What must hold before anything may index into a capture: lengths agree,
-//! indices exist. Whether the numbers make sense is for [`crate::check()`].
+//! Conditions that have to hold before anything may index into a capture: lengths agree,
+//! indices exist. [`crate::check()`] judges the numbers.
 
 use bendtwin_core::Capture;
 

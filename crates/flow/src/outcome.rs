@@ -1,11 +1,9 @@
 //! The log of each camera's tracks, and the result that is made of it.
 
 use bendtwin_capture::raw::{Region, Tracks};
+use bendtwin_core::geometry::median;
 
-use crate::{
-    Guide, Texture, TrackerQuality,
-    quality::{mean_share, median},
-};
+use crate::{Guide, Texture, TrackerQuality, quality::mean_share};
 
 /// Tracks of one camera.
 #[derive(Clone, Debug, PartialEq)]

@@ -109,12 +109,3 @@ impl Texture {
 pub(crate) fn mean_share(survivors: &[usize], points: usize) -> f64 {
     survivors.iter().sum::<usize>() as f64 / (survivors.len() * points).max(1) as f64
 }
-
-/// Median; reorders.
-pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
-    if values.is_empty() {
-        return None;
-    }
-    let middle = values.len() / 2;
-    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
-}

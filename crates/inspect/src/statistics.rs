@@ -13,7 +13,7 @@ pub(crate) fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
 /// The middle number; `None` of none.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().collect();
-    quantile(&mut values, 0.5)
+    bendtwin_core::geometry::median(&mut values)
 }
 
 /// The mean; `None` of none.

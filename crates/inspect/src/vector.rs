@@ -1,47 +1,11 @@
 //! Vectors of space in f64, and the rays of cameras.
 
 use bendtwin_capture::raw::{Camera, Pose};
-use bendtwin_core::{Environment, Point};
+use bendtwin_core::Environment;
 
-pub(crate) type Vector = [f64; 3];
-
-pub(crate) fn add(a: Vector, b: Vector) -> Vector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-pub(crate) fn sub(a: Vector, b: Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(crate) fn scaled(a: Vector, by: f64) -> Vector {
-    a.map(|x| x * by)
-}
-
-pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(crate) fn length(a: Vector) -> f64 {
-    dot(a, a).sqrt()
-}
-
-pub(crate) fn distance(a: Vector, b: Vector) -> f64 {
-    length(sub(a, b))
-}
-
-/// A vector of length 1; `None` for one that has no direction.
-pub(crate) fn unit(a: Vector) -> Option<Vector> {
-    let n = length(a);
-    (n.is_finite() && n > 1e-12).then(|| scaled(a, 1.0 / n))
-}
-
-pub(crate) fn wide(p: Point) -> Vector {
-    p.map(f64::from)
-}
+pub(crate) use bendtwin_core::geometry::{
+    Vector, add, cross, distance, dot, length, scaled, sub, turn, turn_back, unit, wide,
+};
 
 /// From the camera's axes to the world's, in f64.
 pub(crate) fn to_world(pose: &Pose, p: Vector) -> Vector {
@@ -51,16 +15,6 @@ pub(crate) fn to_world(pose: &Pose, p: Vector) -> Vector {
 /// From the world's axes to the camera's, in f64.
 pub(crate) fn to_camera(pose: &Pose, p: Vector) -> Vector {
     turn_back(&pose.rotation, sub(p, pose.translation))
-}
-
-/// `rotation · p`.
-pub(crate) fn turn(rotation: &[[f64; 3]; 3], p: Vector) -> Vector {
-    std::array::from_fn(|i| dot(rotation[i], p))
-}
-
-/// `rotationᵀ · p`.
-pub(crate) fn turn_back(rotation: &[[f64; 3]; 3], p: Vector) -> Vector {
-    std::array::from_fn(|j| (0..3).map(|i| rotation[i][j] * p[i]).sum())
 }
 
 /// The point in the camera's axes [m] that appears at a pixel at a depth along the optical axis [m].

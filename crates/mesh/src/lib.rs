@@ -34,12 +34,6 @@ pub use similarity::Similarity;
 pub use winding::Solid;
 pub use write::write_glb;
 
+use bendtwin_core::geometry::{point, vector3 as vec3};
+
 type Vec3 = nalgebra::Vector3<f64>;
-
-fn vec3(p: bendtwin_core::Point) -> Vec3 {
-    Vec3::new(f64::from(p[0]), f64::from(p[1]), f64::from(p[2]))
-}
-
-fn point(v: Vec3) -> bendtwin_core::Point {
-    [v.x as f32, v.y as f32, v.z as f32]
-}

@@ -1,7 +1,10 @@
 //! An orthographic view that shows most: the object's widest horizontal direction lies across, up
 //! stays up, seen slightly from above. Without gravity, the principal axes decide alone.
 
-use bendtwin_core::Point;
+use bendtwin_core::{
+    Point,
+    geometry::{cross, dot},
+};
 
 use crate::Rect;
 
@@ -118,14 +121,6 @@ fn widest(spread: &[Vector; 3], excluded: &[Vector]) -> Vector {
     }
     let largest = v.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(1.0);
     if largest < 0.0 { v.map(|x| -x) } else { v }
-}
-
-fn dot(a: Vector, b: Vector) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn unit(v: Vector) -> Option<Vector> {

@@ -11,7 +11,7 @@ use bendtwin_core::Point;
 pub(super) struct Body {
     /// Positions [m], shape [N, 3].
     pub(super) positions: Vec<Point>,
-    /// Whether a node lacks a neighbour along an axis, shape [N].
+    /// `true` where a node lacks a neighbour along an axis, shape [N].
     pub(super) is_surface: Vec<bool>,
     /// Node pairs, shape [E, 2].
     pub(super) springs: Vec<[u32; 2]>,

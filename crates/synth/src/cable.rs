@@ -134,7 +134,7 @@ fn rest_point(s: f32) -> Point {
     ]
 }
 
-/// What one gripper does: sums of slow sines that start from rest.
+/// Motion of one gripper: sums of slow sines that start from rest.
 struct Gripper {
     /// Amplitude, frequency [Hz] and phase [rad] along x, y, z, yaw and pitch.
     waves: [[f32; 3]; 5],

@@ -53,7 +53,7 @@ impl Camera {
         (pixel.map(|x| x as i32), depth)
     }
 
-    /// Which of the surface nodes face the camera with nothing in front, shape as `surface`.
+    /// `true` for surface nodes that face the camera with nothing in front, shape as `surface`.
     pub(super) fn sees(
         &self,
         surface: &[u32],

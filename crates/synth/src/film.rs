@@ -27,7 +27,7 @@ use super::{
 };
 use crate::Error;
 
-/// How a scene is filmed.
+/// Options of filming a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmOptions {
     /// Seed of noise and lost tracks; the same seed gives the same recording.
@@ -40,9 +40,9 @@ pub struct FilmOptions {
     pub cameras: usize,
     /// Columns and rows of an image.
     pub size: [usize; 2],
-    /// Whether a point tracker ran.
+    /// `true` if a point tracker ran.
     pub tracks: bool,
-    /// What is given of the body's shape.
+    /// Mesh of the body that lies beside the recording.
     pub shape: Shape,
 }
 
@@ -131,7 +131,7 @@ pub fn film_with(
     })
 }
 
-/// What stands before the cameras, and moves.
+/// Bodies in front of the cameras, and their motion.
 #[derive(Debug)]
 struct Stage {
     props: props::Props,
@@ -153,9 +153,9 @@ impl Source for Stage {
     }
 }
 
-/// Where cameras look [m].
+/// Point that cameras look at [m].
 const TARGET: Point = [0.15, 0.0, 0.2];
-/// How each camera stands off its even place: azimuth [degrees], distance as a share, height [m]. Nobody's rig is symmetric,
+/// Offset of each camera from its even place: azimuth [degrees], distance as a share, height [m]. Nobody's rig is symmetric,
 /// and in one that is, exchanged calibrations would go unnoticed.
 const OFFSETS: [[f32; 3]; 8] = [
     [0.0, 1.0, 0.0],

@@ -12,17 +12,17 @@ pub(super) struct Hand {
     pub(super) grasp: Point,
     /// Semi-axes [m].
     pub(super) size: Point,
-    /// Where the forearm goes [unit vector].
+    /// Direction of the forearm [unit vector].
     pub(super) forearm: Point,
 }
 
-/// How thick hand and forearm are where they hide things [m].
+/// Thickness of hand and forearm where they hide things [m].
 pub(super) const THICKNESS_M: f32 = 0.026;
-/// How much of the forearm is in view [m].
+/// Length of the forearm in view [m].
 pub(super) const FOREARM_M: f32 = 0.25;
 
 impl Hand {
-    /// Whether a point of the body is held.
+    /// `true` if a point of the body is held.
     pub(super) fn holds(&self, p: Point) -> bool {
         (0..3).map(|a| ((p[a] - self.grasp[a]) / self.size[a]).powi(2)).sum::<f32>() <= 1.0
     }
@@ -41,7 +41,7 @@ impl Hand {
             .collect()
     }
 
-    /// Whether the hand at `pose` is between a camera and a point.
+    /// `true` if the hand at `pose` is between a camera and a point.
     pub(super) fn hides(&self, pose: &Pose, camera: Point, p: Point) -> bool {
         let wrist = pose.carry(self.grasp, self.grasp);
         let end = add(self.grasp, scale(unit(self.forearm), FOREARM_M));

@@ -25,7 +25,7 @@ pub use self::{
     film::{FilmOptions, Shape, film, film_with},
 };
 
-/// What is recorded.
+/// Scene that is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scene {
     /// A foam rope that one hand lifts at its end, waves and shakes: bending above all.
@@ -61,7 +61,7 @@ impl Scene {
     }
 }
 
-/// How it is recorded.
+/// Options of making a capture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MakeOptions {
     /// Seed of noise, lost tracks and a cable's motions; the same seed gives the same capture.

@@ -102,7 +102,7 @@ pub(super) fn record(
     })
 }
 
-/// What hand and body did.
+/// Motion of hand and body.
 pub(super) struct Performance {
     /// The hand's pose in each frame.
     pub(super) poses: Vec<Pose>,
@@ -164,7 +164,7 @@ struct Tracks<'a> {
     /// Surface nodes, and whether each is seen in each frame.
     surface: &'a [u32],
     seen: &'a [Vec<bool>],
-    /// Which surface nodes are tracked.
+    /// Surface nodes that are tracked.
     slots: &'a [usize],
 }
 

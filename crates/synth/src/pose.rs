@@ -1,6 +1,7 @@
 //! Rigid poses and the few vector operations that scenes need.
 
 use bendtwin_core::Point;
+pub(super) use bendtwin_core::geometry::{add, dot, length as norm, scaled as scale, sub};
 
 /// A rotation about the origin, then a shift.
 #[derive(Clone, Copy, Debug)]
@@ -23,26 +24,6 @@ impl Pose {
         let turned = self.rotation.map(|row| dot(row, local));
         add(add(turned, pivot), self.shift)
     }
-}
-
-pub(super) fn add(a: Point, b: Point) -> Point {
-    std::array::from_fn(|i| a[i] + b[i])
-}
-
-pub(super) fn sub(a: Point, b: Point) -> Point {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-pub(super) fn scale(a: Point, s: f32) -> Point {
-    a.map(|x| x * s)
-}
-
-pub(super) fn dot(a: Point, b: Point) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(super) fn norm(a: Point) -> f32 {
-    dot(a, a).sqrt()
 }
 
 /// The unit vector; zero stays zero.

@@ -7,7 +7,7 @@ use bendtwin_capture::raw::Camera;
 /// Nearer than this nothing is drawn [m].
 const NEAR_M: f64 = 0.05;
 
-/// What one camera sees in one frame, pixel by pixel.
+/// View of one camera in one frame, pixel by pixel.
 #[derive(Clone, Debug)]
 pub(super) struct Raster {
     pub(super) width: usize,
@@ -15,7 +15,7 @@ pub(super) struct Raster {
     pub(super) hits: Vec<Option<Hit>>,
 }
 
-/// What is in a pixel.
+/// Content of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hit {
     pub(super) triangle: u32,
@@ -79,7 +79,7 @@ impl Raster {
         }
     }
 
-    /// What is in a pixel, if it lies in the image.
+    /// Content of a pixel, if it lies in the image.
     pub(super) fn get(&self, column: i64, row: i64) -> Option<Hit> {
         let column = usize::try_from(column).ok().filter(|c| *c < self.width)?;
         let row = usize::try_from(row).ok()?;

@@ -31,7 +31,7 @@ pub(super) struct Setup {
     pub(super) controls: usize,
 }
 
-/// What a scene is made of; none where no camera looks at it.
+/// Parts of a scene; none where no camera looks at it.
 pub(super) fn setup(scene: Scene, options: &MakeOptions) -> Option<Setup> {
     match scene {
         Scene::Rope => Some(rope(options)),

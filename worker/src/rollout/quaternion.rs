@@ -1,6 +1,6 @@
 //! Rotations as unit quaternions x, y, z, w.
 
-use bendtwin_core::Point;
+use bendtwin_core::{Point, geometry::cross};
 
 /// Below this length nothing can be said about the rotation that was meant.
 const SHORTEST: f32 = 1e-6;
@@ -59,10 +59,6 @@ impl Quaternion {
 
 fn dot(a: [f32; 4], b: [f32; 4]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

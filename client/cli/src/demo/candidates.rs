@@ -1,6 +1,7 @@
 //! Candidate robot actions: the hands carry the object in all directions.
 
 use bendtwin_client::Point;
+use bendtwin_core::geometry::add;
 
 /// Distance of the hands' motion [m].
 const REACH: f32 = 0.12;
@@ -31,10 +32,6 @@ pub(super) fn displacement(start: &[Point], batch: &[Point], instance: usize) ->
         (Some(end), Some(start)) => std::array::from_fn(|i| end[i] - start[i]),
         _ => [0.0; 3],
     }
-}
-
-fn add(a: Point, b: Point) -> Point {
-    std::array::from_fn(|i| a[i] + b[i])
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ pub(crate) struct Manifest {
     /// Points that were tracked already; none where the bundle is raw.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) sequences: Vec<SequenceEntry>,
-    /// What cameras recorded.
+    /// Raw part: the recording of the cameras.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) raw: Option<Section>,
 }
@@ -101,7 +101,7 @@ impl Manifest {
             .map_err(|e| Error::Document { at: MARKER.to_owned(), fault: e.to_string() })
     }
 
-    /// What a writer of this build says about axes and units: metres, z up. Nothing recorded yet.
+    /// Axes and units that this build writes: metres, z up. Nothing recorded yet.
     pub(crate) fn in_world(
         name: &str,
         fps: f64,

@@ -7,9 +7,9 @@ use super::{Finding, distance, median, percent, visible_points};
 /// Extent of objects that people manipulate [m].
 const MAX_EXTENT_M: f32 = 5.0;
 const MIN_EXTENT_M: f32 = 0.005;
-/// How far below the ground noise may put a point [m].
+/// Depth below the ground that noise may give a point [m].
 const GROUND_TOLERANCE_M: f32 = 0.02;
-/// How far truth may lie from the nearest observed point [m].
+/// Largest plausible distance of a true track from the nearest observed point [m].
 const TRUTH_TOLERANCE_M: f32 = 0.05;
 /// Points that are compared one by one; more are thinned out.
 const SAMPLE: usize = 2000;

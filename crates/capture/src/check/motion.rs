@@ -1,4 +1,4 @@
-//! How points move: teleports, duplicated and dropped frames, stillness.
+//! Motion of points: teleports, duplicated and dropped frames, stillness.
 
 use bendtwin_core::{Capture, Sequence};
 

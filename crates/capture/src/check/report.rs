@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 
-/// What a reader noticed without failing.
+/// Remark of a reader that did not fail.
 #[derive(Debug)]
 pub(crate) struct Note(pub(crate) Finding);
 
@@ -23,7 +23,7 @@ pub struct CheckReport {
 }
 
 impl CheckReport {
-    /// Whether a fit can run: there is no error.
+    /// `true` if a fit can run: there is no error.
     pub fn is_usable(&self) -> bool {
         self.of(Severity::Error).next().is_none()
     }
@@ -33,7 +33,7 @@ impl CheckReport {
         self.findings.iter().filter(move |f| f.severity == severity)
     }
 
-    /// Whether a code was found.
+    /// `true` if a code was found.
     pub fn has(&self, code: &str) -> bool {
         self.findings.iter().any(|f| f.code == code)
     }

@@ -21,7 +21,7 @@ fn cable() -> Capture {
     CABLE.get_or_init(|| make(Scene::Cable, &MakeOptions::tiny(11)).unwrap()).clone()
 }
 
-/// What a report lacks of a finding with this code that names the thing.
+/// Complaint if a report lacks a finding with this code that names the thing.
 fn lacks(report: &CheckReport, severity: Severity, code: &str, names: &str) -> Option<String> {
     let Some(found) = report.findings.iter().find(|f| f.code == code) else {
         return Some(format!("{code} ({names}) is missing: {:#?}", report.findings));

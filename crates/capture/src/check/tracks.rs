@@ -1,4 +1,4 @@
-//! What was seen: visibility, missing numbers, survival.
+//! Visibility of points: missing numbers, flicker, survival.
 
 use bendtwin_core::{Capture, Sequence};
 

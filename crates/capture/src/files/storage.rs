@@ -74,7 +74,7 @@ impl Seek for SharedFile {
     }
 }
 
-/// What an archive is read from.
+/// Bytes that an archive is read from.
 #[derive(Debug)]
 pub(super) enum Storage<'a> {
     File(BufReader<SharedFile>),

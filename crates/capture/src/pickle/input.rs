@@ -1,4 +1,4 @@
-//! What is left of a pickle's bytes. Every length is checked against it.
+//! Remainder of a pickle's bytes. Every length is checked against it.
 
 use super::machine::Fault;
 

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{Error, Limits, array::Array, limits::Budget};
 
-/// What is wrong, before the file's name is added.
+/// Description of a fault, before the file's name is added.
 pub(super) enum Fault {
     Damaged(&'static str),
     Global(String),

@@ -16,7 +16,7 @@ pub struct Camera {
     pub height: usize,
     /// The pinhole.
     pub intrinsics: Intrinsics,
-    /// What the lens does to it.
+    /// Distortion by the lens.
     pub distortion: Distortion,
     /// From the camera to the world: one for a camera that stands, or one for each frame.
     pub poses: Vec<Pose>,
@@ -80,7 +80,7 @@ impl Camera {
         self.pose(frame).to_world([x * depth_m, y * depth_m, depth_m])
     }
 
-    /// Where it stands in a frame.
+    /// Pose in a frame.
     pub fn pose(&self, frame: usize) -> &Pose {
         // A reader gives at least one.
         self.poses.get(frame).unwrap_or(&self.poses[0])
@@ -98,7 +98,7 @@ impl Distortion {
         Some(if all == [0.0; 8] { Self::None } else { Self::BrownConrady(all) })
     }
 
-    /// Where a ray through (x, y) at depth 1 appears on the normalised image plane.
+    /// Place on the normalised image plane at which a ray through (x, y) at depth 1 appears.
     pub fn distort(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         match self {
             Self::None => [x, y],

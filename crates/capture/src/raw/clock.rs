@@ -2,7 +2,7 @@
 
 use crate::{Error, files::at_most};
 
-/// Which image of each camera belongs to which frame.
+/// Assignment of images to frames.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Aligned {
     /// Frames per second.

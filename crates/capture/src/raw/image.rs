@@ -15,7 +15,7 @@ pub struct Image<P> {
 pub type ColorImage = Image<[u8; 3]>;
 /// Metres along the optical axis; 0 where nothing was measured.
 pub type DepthImage = Image<f32>;
-/// Whether a pixel belongs to what the mask shows.
+/// A pixel is `true` if it belongs to what the mask shows.
 pub type Mask = Image<bool>;
 
 impl<P: Copy> Image<P> {

@@ -1,7 +1,7 @@
 //! MCAP: what robots record. Images, calibrations and transforms of ROS 1, ROS 2 (CDR) and Foxglove's protobuf messages.
 //!
 //! One pass over the file finds where every image lies; after that images are read one by one, so that memory stays flat
-//! however long the file is. Which topics make up a camera is decided in [`rig`].
+//! however long the file is. The topics of a camera are found in [`rig`].
 
 mod chunk;
 mod frames;
@@ -21,7 +21,7 @@ use self::{index::Index, place::Store};
 use super::Recording;
 use crate::{Error, Limits, files::SharedFile};
 
-/// How every MCAP file begins.
+/// First bytes of every MCAP file.
 const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
 /// The MCAP file at a path: the file itself, or the only one in a folder, as `ros2 bag record` leaves it.

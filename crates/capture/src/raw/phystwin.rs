@@ -162,7 +162,7 @@ fn camera_files(
     Ok(masks)
 }
 
-/// Whether a mask's name, such as `left_hand` or `gripper 2`, is that of what moves the object.
+/// `true` if a mask's name, such as `left_hand` or `gripper 2`, is that of what moves the object.
 fn is_manipulator(name: &str) -> bool {
     name.to_lowercase()
         .split(|c: char| !c.is_ascii_alphabetic())

@@ -44,7 +44,7 @@ impl Names {
     }
 }
 
-/// Where one camera's depth is.
+/// Place of one camera's depth.
 #[derive(Clone, Debug)]
 pub(super) struct DepthNames {
     pub(super) names: Names,
@@ -52,7 +52,7 @@ pub(super) struct DepthNames {
     pub(super) unit_m: f64,
 }
 
-/// Where one camera's tracks are.
+/// Place of one camera's tracks.
 #[derive(Clone, Debug)]
 pub(super) enum TrackFiles {
     /// CoTracker's .npz: `tracks` [T, N, 2] as row, column and `visibility` [T, N].
@@ -61,7 +61,7 @@ pub(super) enum TrackFiles {
     Npy { points: String, visible: Option<String> },
 }
 
-/// Where one camera's frames are.
+/// Place of one camera's frames.
 #[derive(Clone, Debug)]
 pub(super) struct CameraFiles {
     pub(super) size: Size,
@@ -105,7 +105,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// The file of a frame. What an earlier one was charged is given back: it is no longer held here.
+    /// The file of a frame. The charge of an earlier one is given back: it is no longer held here.
     fn file<'n>(&mut self, names: &'n Names, frame: usize) -> Result<Option<Named<'n>>, Error> {
         if frame >= self.frame_count {
             return Ok(None);

@@ -3,7 +3,7 @@
 use super::Tracks;
 use crate::{Error, array::Array, files::at_most, limits::Budget};
 
-/// Which of a track's two numbers comes first.
+/// Order of a track's two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Order {
     /// Column, row.

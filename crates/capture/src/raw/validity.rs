@@ -1,9 +1,11 @@
-//! What must hold for a recording before anybody may calculate with it. Whether it is a good recording is judged elsewhere.
+//! Conditions that a recording has to meet before anything may calculate with it. Its quality is judged elsewhere.
+
+use bendtwin_core::geometry;
 
 use super::{Camera, Distortion, Pose, Recording};
 use crate::{Error, Limits, files::at_most};
 
-/// How far rows may be from orthonormal: calibrations are written with few digits.
+/// Largest deviation of rows from orthonormal: calibrations are written with few digits.
 const ORTHONORMAL: f64 = 1e-2;
 
 /// Positions beyond this [m] are no calibration of cameras around a table.
@@ -121,7 +123,7 @@ fn settle_pose(camera: &str, pose: &Pose) -> Result<Pose, Error> {
     if translation.iter().any(|x| x.abs() > FARTHEST_M) {
         return fail(format!("it stands at {translation:?} m: are these the right units?"));
     }
-    let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let dot = |a: &[f64; 3], b: &[f64; 3]| geometry::dot(*a, *b);
     let off = |i: usize, j: usize| (dot(&r[i], &r[j]) - f64::from(u8::from(i == j))).abs();
     let worst = (0..9).map(|n| off(n / 3, n % 3)).fold(0.0, f64::max);
     if worst > ORTHONORMAL {
@@ -129,7 +131,7 @@ fn settle_pose(camera: &str, pose: &Pose) -> Result<Pose, Error> {
             "its pose is no rotation: rows are off orthonormal by {worst:.3} (limit {ORTHONORMAL})"
         ));
     }
-    if dot(&r[0], &cross(&r[1], &r[2])) < 0.0 {
+    if dot(&r[0], &geometry::cross(r[1], r[2])) < 0.0 {
         return Err(Error::MirroredPose(camera.to_owned()));
     }
     // Newton's iteration to the nearest rotation; it doubles the digits each time.
@@ -146,8 +148,4 @@ fn settle_pose(camera: &str, pose: &Pose) -> Result<Pose, Error> {
         });
     }
     Ok(Pose { rotation, translation: *translation })
-}
-
-fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

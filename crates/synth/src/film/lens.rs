@@ -1,4 +1,4 @@
-//! What one camera records of the stage: colour, depth as a stereo camera measures it, and masks as a segmenter draws them.
+//! The recording of one camera: colour, depth as a stereo camera measures it, and masks as a segmenter draws them.
 
 use bendtwin_core::Point;
 

@@ -1,4 +1,4 @@
-//! What is to be seen: the body, a hand with its forearm, a table. All in one list of triangles.
+//! Visible things: the body, a hand with its forearm, a table. All in one list of triangles.
 
 use bendtwin_core::Point;
 
@@ -21,7 +21,7 @@ pub(super) struct Prop {
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// Which thing a triangle belongs to.
+/// Thing that a triangle belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Thing {
     Body,
@@ -34,7 +34,7 @@ pub(super) enum Thing {
 pub(super) struct Props {
     pub(super) rest: Vec<Point>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Where the hand's and the table's vertices and triangles start.
+    /// First vertex and triangle of the hand and of the table.
     starts: [[usize; 2]; 2],
 }
 

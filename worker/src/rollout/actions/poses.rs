@@ -1,7 +1,10 @@
 //! Poses of rigid grippers. A control point c that is at c0 while its gripper
 //! is at (p0, R0) is at p + R R0⁻¹ (c0 - p0) while the gripper is at (p, R).
 
-use bendtwin_core::Point;
+use bendtwin_core::{
+    Point,
+    geometry::{add, sub},
+};
 use bendtwin_proto::v1::GripperPoses;
 
 use super::Shape;
@@ -83,12 +86,4 @@ impl Poses {
         }
         out
     }
-}
-
-fn add(a: Point, b: Point) -> Point {
-    std::array::from_fn(|i| a[i] + b[i])
-}
-
-fn sub(a: Point, b: Point) -> Point {
-    std::array::from_fn(|i| a[i] - b[i])
 }

@@ -16,7 +16,7 @@ use crate::{
     raw::{Frames, Recording, Region, Tracks, encode},
 };
 
-/// How a bundle is written.
+/// Options of writing a bundle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BundleOptions {
     /// Metres that one step of the 16-bit depth images means. Depth is rounded to it; what is beyond 65,535 steps counts as

@@ -71,7 +71,7 @@ pub(in crate::raw) fn measured(m: f64) -> f32 {
     if m.is_finite() && m > 0.0 { m as f32 } else { 0.0 }
 }
 
-/// Whether one image shows the same section as another: only its resolution may be lower or higher, by at most 8.
+/// Checks that one image shows the same section as another: only its resolution may be lower or higher, by at most 8.
 pub(in crate::raw) fn alike(at: &str, found: Size, needed: Size) -> Result<(), Error> {
     let [w, h] = found.map(|n| n as f64);
     let [width, height] = needed.map(|n| n as f64);

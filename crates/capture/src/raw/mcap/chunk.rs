@@ -18,7 +18,7 @@ pub(super) enum Compression {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chunk {
     pub(super) compression: Compression,
-    /// Where its (compressed) records start in the file, and their bytes.
+    /// Offset of its (compressed) records in the file, and their bytes.
     pub(super) start: u64,
     pub(super) length: u64,
     /// Bytes of its records.

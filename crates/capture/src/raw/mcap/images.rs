@@ -12,7 +12,7 @@ use crate::{
 /// ROS's convention for 16-bit depth.
 const MILLIMETRE: f64 = 0.001;
 
-/// What the encoding of a topic's images says they show.
+/// Content of a topic's images according to their encoding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shows {
     Color,
@@ -21,7 +21,7 @@ pub(super) enum Shows {
     Other,
 }
 
-/// What images of an encoding on a topic show.
+/// Content of images of an encoding on a topic.
 pub(super) fn shows(encoding: &str, topic: &str) -> Shows {
     let mut words = encoding.split([';', ' ']).filter(|word| !word.is_empty());
     let first = words.next().unwrap_or_default();

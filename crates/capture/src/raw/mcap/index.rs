@@ -43,7 +43,7 @@ pub(super) struct Stamped {
     pub(super) place: Place,
 }
 
-/// What a file holds.
+/// Content of a file.
 #[derive(Debug, Default)]
 pub(super) struct Index {
     /// Compressed chunks by their numbers.
@@ -52,20 +52,20 @@ pub(super) struct Index {
     /// The first calibration of each topic.
     pub(super) calibrations: BTreeMap<String, Calibration>,
     pub(super) tree: Tree,
-    /// What the metadata record `bendtwin` says.
+    /// Content of the metadata record `bendtwin`.
     pub(super) settings: BTreeMap<String, String>,
     /// The first attached mesh.
     pub(super) mesh: Option<(String, Vec<u8>)>,
 }
 
-/// What to do with the messages of a channel.
+/// Use of the messages of a channel.
 enum Role {
     Images { topic: usize },
     Calibration { topic: String, wire: Wire },
     Transforms { kind: Kind, wire: Wire, fixed: bool },
 }
 
-/// What a record lies in.
+/// Place of a record.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Within {
     File,

@@ -5,7 +5,7 @@ use super::{
     ros::Ros,
 };
 
-/// What a topic carries, by the name of its schema.
+/// Content of a topic, by the name of its schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     CompressedImage,
@@ -15,7 +15,7 @@ pub(super) enum Kind {
     Transforms,
 }
 
-/// How its messages are written.
+/// Serialisation of its messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wire {
     Ros1,
@@ -42,7 +42,7 @@ pub(super) fn kind_of(schema: &str, encoding: &str) -> Option<(Kind, Wire)> {
     Some((kind, wire))
 }
 
-/// What an image says about itself before its pixels come.
+/// Header of an image, before its pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct ImageHead {
     pub(super) stamp_ns: i64,
@@ -59,7 +59,7 @@ pub(super) struct ImageData<'a> {
     pub(super) data: &'a [u8],
 }
 
-/// How the pixels of an uncompressed image lie.
+/// Memory layout of an uncompressed image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
     pub(super) width: usize,
@@ -84,7 +84,7 @@ pub(super) struct Calibration {
     pub(super) p: Vec<f64>,
 }
 
-/// Where a frame stands in its parent.
+/// Pose of a frame in its parent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Transform {
     pub(super) stamp_ns: i64,

@@ -1,9 +1,9 @@
-//! Where messages lie, and how they are fetched again.
+//! Places of messages, and fetching them again.
 
 use super::chunk::Chunk;
 use crate::{Error, files::SharedFile};
 
-/// Where a message's content lies.
+/// Place of a message's content.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// Number of its chunk, if that is compressed.

@@ -32,7 +32,7 @@ pub(super) enum Region<'a> {
 /// A record whose length is known to fit its region.
 pub(super) struct Record<'a> {
     pub(super) opcode: u8,
-    /// Where its content starts, in the file or in the chunk.
+    /// Offset of its content, in the file or in the chunk.
     pub(super) start: u64,
     /// Bytes of its content.
     pub(super) length: u64,
@@ -41,7 +41,7 @@ pub(super) struct Record<'a> {
 }
 
 impl Record<'_> {
-    /// Where the next record starts.
+    /// Offset of the next record.
     pub(super) fn end(&self) -> u64 {
         self.start + self.length
     }

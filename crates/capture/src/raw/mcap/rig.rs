@@ -1,4 +1,4 @@
-//! Which topics make up a camera: a colour topic, and depth, masks and a calibration of the same `frame_id`.
+//! The topics of each camera: a colour topic, and depth, masks and a calibration of the same `frame_id`.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -18,7 +18,7 @@ use crate::{
     raw::{Camera, Distortion, Intrinsics, MeshFile, Recording, clock, validity},
 };
 
-/// What a topic's last words make it.
+/// Role of a topic by its last words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
     Color,
@@ -306,7 +306,7 @@ fn lens(c: &Calibration, rectified: bool, camera: &str) -> Result<(Intrinsics, D
     }
 }
 
-/// What people call it: the topic's words before those that name the image.
+/// Name of a camera for people: the topic's words before those that name the image.
 fn camera_name(topic: &str, frame_id: &str) -> String {
     let words = topic.split('/').filter(|word| !word.is_empty());
     let of_image =

@@ -18,7 +18,7 @@ use crate::{
     },
 };
 
-/// What a test wants to be otherwise.
+/// Deviations that a test wants.
 #[derive(Clone, Default)]
 pub(super) struct Wishes {
     encoding: Encoding,

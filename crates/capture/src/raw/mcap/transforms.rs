@@ -10,7 +10,7 @@ const MAX_SAMPLES: usize = 1_000_000;
 /// Frames between a camera and the world.
 const MAX_DEPTH: usize = 64;
 
-/// Where each frame stands in its parent.
+/// Pose of each frame in its parent.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
     edges: BTreeMap<String, Edge>,
@@ -71,12 +71,12 @@ impl Tree {
         path
     }
 
-    /// Whether a frame moves in one above it.
+    /// `true` if a frame moves in one above it.
     pub(super) fn moves(&self, frame: &str, world: &str) -> bool {
         self.between(frame, world).any(|edge| edge.samples.windows(2).any(|w| !w[0].is_as(&w[1])))
     }
 
-    /// Where a frame stands in one above it at a time.
+    /// Pose of a frame in one above it at a time.
     pub(super) fn pose(&self, frame: &str, world: &str, ns: i64) -> Pose {
         let mut pose = IDENTITY;
         for edge in self.between(frame, world) {

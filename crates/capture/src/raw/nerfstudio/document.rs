@@ -62,7 +62,7 @@ pub(super) struct Lens {
     p2: Option<f64>,
 }
 
-/// Where nerfstudio has the centre of the first pixel; OpenCV has it at 0.
+/// Centre of the first pixel in nerfstudio; OpenCV has it at 0.
 const PIXEL_CENTER: f64 = 0.5;
 
 impl Lens {

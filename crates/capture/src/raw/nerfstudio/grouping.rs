@@ -1,4 +1,4 @@
-//! Which camera took an image, and when: nerfstudio's list does not say it by itself.
+//! Assignment of images to cameras and frames: nerfstudio's list does not give it by itself.
 
 use std::collections::BTreeMap;
 

@@ -137,7 +137,7 @@ fn many_readers_work_side_by_side() {
     });
 }
 
-/// What becomes of the tiny case when its metadata is changed.
+/// Outcome of reading the tiny case with changed metadata.
 fn with_metadata(from: &str, to: &str) -> &'static str {
     let mut files = case();
     let text = String::from_utf8(files["metadata.json"].clone()).unwrap();

@@ -15,7 +15,7 @@ pub(in crate::raw) enum Encoding {
 /// Stamp, parent, child, translation and quaternion of a frame.
 type Placed<'a> = (i64, &'a str, &'a str, [f64; 3], [f64; 4]);
 
-/// What a calibration says.
+/// Content of a calibration.
 pub(super) struct Info<'a> {
     pub(super) frame_id: &'a str,
     pub(super) width: usize,
