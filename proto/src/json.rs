@@ -63,7 +63,12 @@ impl<'de, T: Fields> Visitor<'de> for MessageVisitor<T> {
     }
 }
 
-include!("generated/json.rs");
+#[allow(clippy::all)]
+mod generated {
+    use super::*;
+
+    include!("generated/json.rs");
+}
 
 #[cfg(test)]
 mod tests;

@@ -4,7 +4,8 @@
 //! gets those of its server when it registers), so no request passes one and is refused by the
 //! other.
 
-#[cfg(any(test, feature = "testing"))]
+// Not behind a feature: the binary and the tests of all crates then share one build.
+#[doc(hidden)]
 pub mod cases;
 mod check;
 mod error;

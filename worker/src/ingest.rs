@@ -104,7 +104,7 @@ impl Ingests {
                 saver.abort();
             }
             (Err(fault), stopped) => {
-                delivery.fail_unfinished("ingest", fault, stopped, saver).await
+                delivery.fail_unfinished("ingest", fault, stopped, saver).await;
             }
             // A finished result is delivered even if the job was asked to stop meanwhile.
             (Ok((folder, ended)), _) => {

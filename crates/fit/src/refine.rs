@@ -151,7 +151,7 @@ impl<'a> Refinement<'a> {
                 batch.extend(step.windows.iter().map(|window| {
                     let from = states[run][window.sequence].clone();
                     GradientSample {
-                        run: run,
+                        run,
                         instance: self.windows.instance(self.task, model, window, from),
                     }
                 }));
