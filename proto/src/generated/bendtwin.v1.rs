@@ -70,7 +70,7 @@ pub mod tensor {
         }
     }
 }
-/// Why something failed: the same triple that a failed call would carry.
+/// Reason why something failed: the same triple that a failed call would carry.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Fault {
     /// INVALID_ARGUMENT, NOT_FOUND, ...: the names of the gRPC codes.
@@ -79,7 +79,7 @@ pub struct Fault {
     /// Stable UPPER_SNAKE_CASE word for programs.
     #[prost(string, tag = "2")]
     pub reason: ::prost::alloc::string::String,
-    /// What happened and what to do about it, for a person.
+    /// Text for a person: what happened and what to do about it.
     #[prost(string, tag = "3")]
     pub message: ::prost::alloc::string::String,
 }
@@ -628,7 +628,7 @@ pub mod capture_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.CaptureService", "WatchIngest"));
             self.inner.server_streaming(req, path, codec).await
         }
-        /// What the ingest says of the capture, in chunks.
+        /// Report of the ingest on the capture, in chunks.
         pub async fn get_capture_report(
             &mut self,
             request: impl tonic::IntoRequest<super::GetCaptureReportRequest>,
@@ -655,7 +655,7 @@ pub mod capture_service_client {
                 );
             self.inner.server_streaming(req, path, codec).await
         }
-        /// What the ingest made of the capture, in chunks: a ZIP archive as docs/capture-format.md has it.
+        /// Observation that the ingest made of the capture, in chunks: a ZIP archive as docs/capture-format.md has it.
         pub async fn export_observation(
             &mut self,
             request: impl tonic::IntoRequest<super::ExportObservationRequest>,
@@ -759,7 +759,7 @@ pub mod capture_service_server {
             >
             + std::marker::Send
             + 'static;
-        /// What the ingest says of the capture, in chunks.
+        /// Report of the ingest on the capture, in chunks.
         async fn get_capture_report(
             &self,
             request: tonic::Request<super::GetCaptureReportRequest>,
@@ -776,7 +776,7 @@ pub mod capture_service_server {
             >
             + std::marker::Send
             + 'static;
-        /// What the ingest made of the capture, in chunks: a ZIP archive as docs/capture-format.md has it.
+        /// Observation that the ingest made of the capture, in chunks: a ZIP archive as docs/capture-format.md has it.
         async fn export_observation(
             &self,
             request: tonic::Request<super::ExportObservationRequest>,
@@ -3273,7 +3273,7 @@ pub mod initial_state {
         /// The twin's rest shape, not moving. The default.
         #[prost(message, tag = "1")]
         Rest(Rest),
-        /// Where the twin is after following the capture's own controls up to a frame.
+        /// The twin's state after following the capture's own controls up to a frame.
         #[prost(message, tag = "2")]
         CaptureFrame(CaptureFrame),
         /// Given positions, velocities and twists.
@@ -3380,7 +3380,8 @@ pub struct Returns {
     pub nodes: ::core::option::Option<Tensor>,
     #[prost(enumeration = "returns::Encoding", tag = "3")]
     pub encoding: i32,
-    /// Positions, final states and gradients of only the best k instances by cost; 0 means all.
+    /// Positions, final states and gradients of only the best k instances by cost; 0 means all. These are simulated
+    /// once more: on a GPU they may differ in the last bits from what the costs were computed from.
     #[prost(uint32, tag = "4")]
     pub best: u32,
     #[prost(bool, tag = "5")]
@@ -3474,7 +3475,7 @@ pub struct RollOutResponse {
     /// workers/{uuid}
     #[prost(string, tag = "14")]
     pub worker: ::prost::alloc::string::String,
-    /// What answered: EXACT or FAST.
+    /// Fidelity of the answer: EXACT or FAST.
     #[prost(enumeration = "Fidelity", tag = "15")]
     pub fidelity: i32,
     /// Substeps per frame that were simulated.
@@ -3537,7 +3538,7 @@ pub mod roll_out_response {
         pub frames: u32,
     }
 }
-/// How finely the twin is followed.
+/// Fidelity with which the twin is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum Fidelity {
@@ -3719,7 +3720,9 @@ pub mod rollout_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.RolloutService", "RollOut"));
             self.inner.unary(req, path, codec).await
         }
-        /// The same in parts, as instances finish: each part covers `first_instance` onwards.
+        /// The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of
+        /// a result may differ from those of RollOut, as they depend on how many instances are simulated together; on
+        /// the CPU they do not. With `returns.best` there is one part.
         pub async fn stream_roll_out(
             &mut self,
             request: impl tonic::IntoRequest<super::RollOutRequest>,
@@ -3769,7 +3772,9 @@ pub mod rollout_service_server {
             >
             + std::marker::Send
             + 'static;
-        /// The same in parts, as instances finish: each part covers `first_instance` onwards.
+        /// The same in parts, as instances finish: each part covers `first_instance` onwards. On a GPU the last bits of
+        /// a result may differ from those of RollOut, as they depend on how many instances are simulated together; on
+        /// the CPU they do not. With `returns.best` there is one part.
         async fn stream_roll_out(
             &self,
             request: tonic::Request<super::RollOutRequest>,

@@ -145,7 +145,7 @@ pub struct Lease {
     pub capture_digest: ::prost::alloc::string::String,
     #[prost(string, tag = "6")]
     pub settings_json: ::prost::alloc::string::String,
-    /// Whether Download has a checkpoint of this job.
+    /// True if Download has a checkpoint of this job.
     #[prost(bool, tag = "7")]
     pub has_checkpoint: bool,
     #[prost(string, tag = "8")]
@@ -252,7 +252,7 @@ pub mod end_ingest_request {
     pub enum Part {
         #[prost(message, tag = "1")]
         Metadata(super::IngestWrite),
-        /// What fits work on. Missing if there is nothing to fit.
+        /// The observation, which fits work on. Missing if there is nothing to fit.
         #[prost(bytes, tag = "2")]
         Observation(::prost::bytes::Bytes),
         /// The report as a document.
@@ -277,7 +277,7 @@ pub struct IngestWrite {
     pub report_digest: ::prost::alloc::string::String,
     #[prost(string, tag = "5")]
     pub page_digest: ::prost::alloc::string::String,
-    /// Why there is nothing to fit; missing if there is an observation.
+    /// Reason why there is nothing to fit; missing if there is an observation.
     #[prost(message, optional, tag = "6")]
     pub fault: ::core::option::Option<super::super::v1::Fault>,
 }
@@ -298,7 +298,7 @@ pub struct FailJobRequest {
 }
 /// Nested message and enum types in `FailJobRequest`.
 pub mod fail_job_request {
-    /// How the attempt ended.
+    /// End of an attempt.
     #[derive(
         Clone,
         Copy,
@@ -392,7 +392,7 @@ pub mod worker_link_client {
     )]
     use tonic::codegen::*;
     use tonic::codegen::http::Uri;
-    /// What workers ask of the server. Every call carries the shared worker token in the metadata entry
+    /// Calls of workers to the server. Every call carries the shared worker token in the metadata entry
     /// `authorization: Bearer {token}`. Every write about a job carries the lease's epoch: a stale one is
     /// refused with ABORTED, reason STALE_LEASE, and changes nothing.
     #[derive(Debug, Clone)]
@@ -546,7 +546,7 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "LeaseJob"));
             self.inner.unary(req, path, codec).await
         }
-        /// Renews the lease and stores progress; tells of cancellation.
+        /// Renews the lease and stores progress; the reply says whether the job is to be cancelled.
         pub async fn report_job(
             &mut self,
             request: impl tonic::IntoRequest<super::ReportJobRequest>,
@@ -738,7 +738,7 @@ pub mod worker_link_server {
             tonic::Response<super::LeaseJobResponse>,
             tonic::Status,
         >;
-        /// Renews the lease and stores progress; tells of cancellation.
+        /// Renews the lease and stores progress; the reply says whether the job is to be cancelled.
         async fn report_job(
             &self,
             request: tonic::Request<super::ReportJobRequest>,
@@ -788,7 +788,7 @@ pub mod worker_link_server {
             request: tonic::Request<super::DownloadRequest>,
         ) -> std::result::Result<tonic::Response<Self::DownloadStream>, tonic::Status>;
     }
-    /// What workers ask of the server. Every call carries the shared worker token in the metadata entry
+    /// Calls of workers to the server. Every call carries the shared worker token in the metadata entry
     /// `authorization: Bearer {token}`. Every write about a job carries the lease's epoch: a stale one is
     /// refused with ABORTED, reason STALE_LEASE, and changes nothing.
     #[derive(Debug)]
@@ -1328,7 +1328,7 @@ pub mod worker_rollouts_client {
     )]
     use tonic::codegen::*;
     use tonic::codegen::http::Uri;
-    /// What the server asks of a worker, at the endpoint that it registered, with the same token.
+    /// Calls of the server to a worker, at the endpoint that it registered, with the same token.
     #[derive(Debug, Clone)]
     pub struct WorkerRolloutsClient<T> {
         inner: tonic::client::Grpc<T>,
@@ -1459,7 +1459,7 @@ pub mod worker_rollouts_server {
             request: tonic::Request<super::ExecuteRollOutRequest>,
         ) -> std::result::Result<tonic::Response<Self::RollOutStream>, tonic::Status>;
     }
-    /// What the server asks of a worker, at the endpoint that it registered, with the same token.
+    /// Calls of the server to a worker, at the endpoint that it registered, with the same token.
     #[derive(Debug)]
     pub struct WorkerRolloutsServer<T> {
         inner: Arc<T>,

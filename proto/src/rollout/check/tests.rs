@@ -161,7 +161,7 @@ proptest! {
         let returns = Some(Returns { nodes: Some(tensor), every_frames: 1, ..Returns::default() });
         let initial = Some(InitialState { state: Some(State::Given(given)) });
         for request in [
-            bare.clone(),
+            bare,
             RollOutRequest { initial, ..sound() },
             RollOutRequest { returns, ..sound() },
         ] {
