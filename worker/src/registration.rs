@@ -9,7 +9,7 @@ use std::{
 };
 
 use bendtwin_core::Category;
-use bendtwin_proto::worker::v1::{BeatRequest, RegisterRequest};
+use bendtwin_proto::worker::v1::{HeartbeatRequest, RegisterRequest};
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
@@ -52,7 +52,7 @@ impl Registration {
                     let limits = answer.rollout_limits.as_ref();
                     self.rollouts.set_limits(limits.map(Into::into).unwrap_or_default());
                     // An absurd answer must not make this worker spin or fall silent.
-                    let every = answer.beat_interval_s;
+                    let every = answer.heartbeat_interval_s;
                     let every = if every.is_finite() { every.clamp(0.05, 60.0) } else { 5.0 };
                     self.heartbeat_interval_ms.store((every * 1000.0) as u64, Ordering::Relaxed);
                     return Ok(());
@@ -73,14 +73,14 @@ impl Registration {
             let every = Duration::from_millis(self.heartbeat_interval_ms.load(Ordering::Relaxed));
             tokio::time::sleep(every).await;
             let memory = self.device.memory();
-            let beat = BeatRequest {
+            let heartbeat = HeartbeatRequest {
                 worker: self.request.worker.clone(),
                 warm_twins: self.rollouts.warm_twins().iter().map(ToString::to_string).collect(),
                 rollouts_in_flight: u32::try_from(self.rollouts.in_flight()).unwrap_or(u32::MAX),
                 memory_used_bytes: memory.map_or(0, |m| m.used),
                 memory_total_bytes: memory.map_or(0, |m| m.total),
             };
-            match self.server.heartbeat(beat).await {
+            match self.server.heartbeat(heartbeat).await {
                 Ok(answer) if answer.drain => {
                     tracing::info!("the server asks this worker to end");
                     return drain.cancel();

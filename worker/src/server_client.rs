@@ -9,8 +9,8 @@ use bendtwin_core::{Category, Fault};
 use bendtwin_proto::{
     fault,
     worker::v1::{
-        BeatRequest, BeatResponse, CompleteFitRequest, DownloadRequest, EndIngestRequest,
-        FailJobRequest, JobWrite, Lease, LeaseJobRequest, RegisterRequest, RegisterResponse,
+        CompleteFitRequest, DownloadRequest, EndIngestRequest, FailJobRequest, HeartbeatRequest,
+        HeartbeatResponse, JobWrite, Lease, LeaseJobRequest, RegisterRequest, RegisterResponse,
         ReportJobRequest, ReportJobResponse, SaveCheckpointRequest, TwinWrite,
         lease_job_request::Kind, worker_link_client::WorkerLinkClient,
     },
@@ -123,9 +123,12 @@ impl ServerClient {
         Ok(self.client.clone().register(call).await?.into_inner())
     }
 
-    pub(crate) async fn heartbeat(&self, request: BeatRequest) -> Result<BeatResponse, CallError> {
+    pub(crate) async fn heartbeat(
+        &self,
+        request: HeartbeatRequest,
+    ) -> Result<HeartbeatResponse, CallError> {
         let call = within(request, CALL_TIMEOUT);
-        Ok(self.client.clone().beat(call).await?.into_inner())
+        Ok(self.client.clone().heartbeat(call).await?.into_inner())
     }
 
     /// Waits for a job of a kind; none if there was none in time.

@@ -40,7 +40,7 @@ pub(crate) fn pixel_of(camera: &Camera, p: Vector) -> Option<[f64; 2]> {
 pub(crate) struct Upright {
     pub(crate) up: Vector,
     pub(crate) offset_m: f64,
-    /// Whether there is a ground.
+    /// True if there is a ground.
     pub(crate) grounded: bool,
 }
 

@@ -1,4 +1,5 @@
-//! What lifting needs to resume in another process: postcard in the envelope that all checkpoints share.
+//! Checkpoint of lifting, to continue it in another process: postcard in the envelope that all
+//! checkpoints share.
 
 use bendtwin_capture::raw::{self, Recording};
 use bendtwin_core::{checkpoint::Kind, settings::ingest::IngestSettings};
@@ -13,7 +14,7 @@ const KIND: Kind = Kind { name: "ingest", magic: *b"BTIC", version: 2 };
 /// All that takes long.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
-    /// What the built-in tracker found, by camera; empty before, or if it is not needed.
+    /// Tracks of the built-in tracker, by camera; empty before, or if it is not needed.
     pub(crate) tracked: Vec<Tracked>,
     /// Units that are done, in the order of [`crate::survey::units`].
     pub(crate) units: Vec<Surveyed>,

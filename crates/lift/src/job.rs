@@ -29,13 +29,13 @@ const LIFTED: f64 = 0.9;
 /// A checkpoint is written at most so many times: it holds all that was done, and grows.
 const CHECKPOINTS: usize = 32;
 
-/// What an ingest makes.
+/// Result of lifting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
-    /// The recording, lifted. The same recording, settings and build give the same capture, however often the ingest was
+    /// The recording, lifted. The same recording, settings and build give the same capture, however often lifting was
     /// interrupted and whatever the number of threads.
     pub capture: Capture,
-    /// How it came about.
+    /// Evidence of its quality.
     pub evidence: Evidence,
 }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What an ingest is doing.
+/// A step of lifting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Step {
@@ -16,11 +16,11 @@ pub enum Step {
     Complete,
 }
 
-/// How far an ingest is.
+/// Progress of lifting.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// The step under way.
     pub step: Step,
-    /// Share of the whole ingest that is done, 0..=1.
+    /// Share of the whole work that is done, 0..=1.
     pub fraction: f64,
 }

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use bendtwin_core::{Category, Fault, ids::WorkerId};
 use bendtwin_proto::worker::v1::{
-    BeatRequest, BeatResponse, CompleteFitRequest, CompleteFitResponse, DownloadRequest,
-    DownloadResponse, EndIngestRequest, EndIngestResponse, FailJobRequest, FailJobResponse,
+    CompleteFitRequest, CompleteFitResponse, DownloadRequest, DownloadResponse, EndIngestRequest,
+    EndIngestResponse, FailJobRequest, FailJobResponse, HeartbeatRequest, HeartbeatResponse,
     JobWrite, Lease as LeaseMessage, LeaseJobRequest, LeaseJobResponse, RegisterRequest,
     RegisterResponse, ReportJobRequest, ReportJobResponse, SaveCheckpointRequest,
     SaveCheckpointResponse, complete_fit_request, end_ingest_request, fail_job_request::End,
@@ -72,13 +72,16 @@ impl WorkerLink for Api {
         };
         self.app.register_worker(new, bearer, &token).await?;
         Ok(Response::new(RegisterResponse {
-            beat_interval_s: self.app.options.heartbeat_interval_s,
+            heartbeat_interval_s: self.app.options.heartbeat_interval_s,
             lease_s: self.app.options.lease_s,
             rollout_limits: Some((&self.app.options.limits.rollout).into()),
         }))
     }
 
-    async fn beat(&self, request: Request<BeatRequest>) -> Result<Response<BeatResponse>, Status> {
+    async fn heartbeat(
+        &self,
+        request: Request<HeartbeatRequest>,
+    ) -> Result<Response<HeartbeatResponse>, Status> {
         let Shown { bearer, .. } = token::shown(&request)?;
         // Workers that others started outlive a restart of the server.
         let drain = self.app.stopping.is_cancelled() && matches!(bearer, Bearer::Child(_));
@@ -91,7 +94,7 @@ impl WorkerLink for Api {
         if !self.app.dispatch.heartbeat(worker, heartbeat) {
             return Err(Error::WorkerUnknown(worker.to_string()).into());
         }
-        Ok(Response::new(BeatResponse { drain }))
+        Ok(Response::new(HeartbeatResponse { drain }))
     }
 
     async fn lease_job(

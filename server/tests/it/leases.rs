@@ -3,7 +3,7 @@ use std::time::Duration;
 use bendtwin_proto::{
     v1::Fault,
     worker::v1::{
-        BeatRequest, FailJobRequest, LeaseJobRequest, fail_job_request::End,
+        FailJobRequest, HeartbeatRequest, LeaseJobRequest, fail_job_request::End,
         lease_job_request::Kind,
     },
 };
@@ -109,8 +109,9 @@ async fn a_silent_worker_loses_its_job_and_is_forgotten() {
     let mut heir = Worker::register(&server).await;
     let (mut link, worker) = (heir.link.clone(), heir.id.to_string());
     tokio::spawn(async move {
-        let beat = || BeatRequest { worker: worker.clone(), ..BeatRequest::default() };
-        while link.beat(beat()).await.is_ok() {
+        let heartbeat =
+            || HeartbeatRequest { worker: worker.clone(), ..HeartbeatRequest::default() };
+        while link.heartbeat(heartbeat()).await.is_ok() {
             tokio::time::sleep(Duration::from_millis(50)).await;
         }
     });
@@ -119,7 +120,7 @@ async fn a_silent_worker_loses_its_job_and_is_forgotten() {
     assert_eq!((&lease.job, lease.epoch), (&fit, 2));
     let (_, got) = server.get(&format!("/v1/{fit}")).await;
     assert_eq!(got["job"]["attempt_faults"][0]["reason"], "WORKER_LOST");
-    let unknown = silent.beat().await.unwrap_err();
+    let unknown = silent.heartbeat().await.unwrap_err();
     assert_eq!((unknown.code(), reason(&unknown).as_str()), (Code::NotFound, "WORKER_UNKNOWN"));
 }
 
@@ -131,12 +132,14 @@ async fn the_link_is_for_token_holders() {
         server.channel.clone(),
     );
     for token in [None, Some("Bearer wrong"), Some("Bearer "), Some("a-token-of-the-tests")] {
-        let mut request =
-            tonic::Request::new(BeatRequest { worker: id.clone(), ..BeatRequest::default() });
+        let mut request = tonic::Request::new(HeartbeatRequest {
+            worker: id.clone(),
+            ..HeartbeatRequest::default()
+        });
         if let Some(token) = token {
             request.metadata_mut().insert("authorization", token.parse().unwrap());
         }
-        let status = plain.beat(request).await.unwrap_err();
+        let status = plain.heartbeat(request).await.unwrap_err();
         assert_eq!(status.code(), Code::Unauthenticated, "{token:?}");
     }
     let mut link = link(&server);
@@ -167,7 +170,7 @@ async fn workers_of_others_outlive_the_server() {
     let channel = tonic::transport::Endpoint::from_shared(url).unwrap().connect_lazy();
     let server = Server { dir, handle, http: reqwest::Client::new(), channel };
     worker.link = link(&server);
-    worker.beat().await.unwrap();
+    worker.heartbeat().await.unwrap();
     worker.report(&lease, 0.5).await.unwrap();
     worker.complete(&lease, b"a twin").await.unwrap();
     assert_eq!(server.get(&format!("/v1/{fit}")).await.1["job"]["state"], "SUCCEEDED");

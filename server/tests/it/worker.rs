@@ -17,9 +17,9 @@ use bendtwin_proto::{
         roll_out_response::Timing,
     },
     worker::v1::{
-        BeatRequest, BeatResponse, CompleteFitRequest, DownloadRequest, EndIngestRequest,
-        ExecuteRollOutRequest, ExecuteRollOutResponse, FailJobRequest, IngestWrite, JobWrite,
-        Lease, LeaseJobRequest, RegisterRequest, ReportJobRequest, SaveCheckpointRequest,
+        CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteRollOutRequest,
+        ExecuteRollOutResponse, FailJobRequest, HeartbeatRequest, HeartbeatResponse, IngestWrite,
+        JobWrite, Lease, LeaseJobRequest, RegisterRequest, ReportJobRequest, SaveCheckpointRequest,
         TwinWrite, complete_fit_request, end_ingest_request,
         fail_job_request::End,
         lease_job_request::Kind,
@@ -49,7 +49,7 @@ pub(crate) struct Worker {
     breaks: Arc<AtomicBool>,
 }
 
-/// How the fake device answers.
+/// Answers of the fake device.
 #[derive(Clone, Default)]
 pub(crate) struct Device {
     /// Wait for this before answering.
@@ -99,7 +99,8 @@ impl Worker {
             .unwrap()
             .into_inner();
         assert!(
-            registered.beat_interval_s > 0.0 && registered.lease_s > registered.beat_interval_s
+            registered.heartbeat_interval_s > 0.0
+                && registered.lease_s > registered.heartbeat_interval_s
         );
         let rollout_limits = Limits::from(&registered.rollout_limits.unwrap());
         Self { id, link, rollout_limits, breaks }
@@ -110,14 +111,14 @@ impl Worker {
         self.breaks.store(true, Ordering::SeqCst);
     }
 
-    pub(crate) async fn beat(&mut self) -> Result<BeatResponse, Status> {
-        let request = BeatRequest {
+    pub(crate) async fn heartbeat(&mut self) -> Result<HeartbeatResponse, Status> {
+        let request = HeartbeatRequest {
             worker: self.id.to_string(),
             memory_used_bytes: 3 << 30,
             memory_total_bytes: 80 << 30,
-            ..BeatRequest::default()
+            ..HeartbeatRequest::default()
         };
-        self.link.beat(request).await.map(Response::into_inner)
+        self.link.heartbeat(request).await.map(Response::into_inner)
     }
 
     /// Leases a fit, after ingesting whatever there is to ingest.

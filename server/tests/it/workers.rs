@@ -103,7 +103,7 @@ async fn workers_are_listed() {
     assert_eq!(listed.workers, [got]);
     // Memory is known once the worker has said so.
     assert_eq!(list["workers"][0]["memory_total_bytes"], json!(null));
-    worker.beat().await.unwrap();
+    worker.heartbeat().await.unwrap();
     let (_, told) = server.get(&format!("/v1/{}", worker.id)).await;
     assert_eq!(told["memory_used_bytes"], json!(3u64 << 30));
     assert_eq!(told["memory_total_bytes"], json!(80u64 << 30));

@@ -1,6 +1,6 @@
 //! A [`Backend`] that queues its batches for the device thread in slices.
 //!
-//! What cutting does to the bits of results stands in [`cut`](crate::cut): rollouts of a device with
+//! The effect of cutting on the bits of results is described in [`cut`](crate::cut): rollouts of a device with
 //! an urgent queue are cut by work alone, never by measured time. Instances of similar work share a
 //! slice, so that no core idles long.
 

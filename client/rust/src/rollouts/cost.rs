@@ -1,4 +1,4 @@
-//! What a rollout is scored by.
+//! Costs that score a rollout.
 
 use bendtwin_core::Point;
 use bendtwin_proto::v1::{

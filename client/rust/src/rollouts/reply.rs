@@ -36,15 +36,15 @@ pub struct Reply {
     pub diagnostics: Vec<Diagnostics>,
     /// The instances that diverged.
     pub diverged: Vec<Divergence>,
-    /// Where the time went.
+    /// Times of the rollout.
     pub timing: RolloutTiming,
-    /// Who computed it.
+    /// The worker that computed it.
     pub worker: Option<WorkerId>,
-    /// What answered.
+    /// Fidelity of the answer.
     pub fidelity: Fidelity,
     /// Substeps per frame that were simulated.
     pub substeps: u32,
-    /// How far the fast variant strays, if it answered.
+    /// Deviation of the fast variant, if it answered.
     pub deviation: Option<Deviation>,
 }
 
@@ -76,18 +76,18 @@ pub struct Diagnostics {
     pub ground_contacts: u32,
 }
 
-/// Where an instance left the finite numbers.
+/// Divergence of an instance: its first state that is not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Divergence {
     /// The instance.
     pub instance: usize,
-    /// During which frame, 1-based.
+    /// Frame in which it diverged, 1-based.
     pub frame: usize,
     /// The first node concerned.
     pub node: usize,
 }
 
-/// Where the time of a rollout went.
+/// Times of a rollout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct RolloutTiming {
     /// Waiting for the device [s].

@@ -14,12 +14,13 @@ pub struct RobustRule {
     pub first_width: f64,
     /// Fewest pairs that have to keep a weight in every round.
     pub least_agreeing: usize,
-    /// Whether the motion is fitted to the weights of the last round as well, or only judged by them.
+    /// True if the motion is fitted to the weights of the last round as well, false if it is only
+    /// judged by them.
     pub fits_last: bool,
-    /// Whether distances are those of the motion about the origin in double precision, or of points that the motion
-    /// about its middles takes to positions in single precision.
+    /// True if distances are those of the motion about the origin in double precision, false if they
+    /// are those of points that the motion about its middles takes to positions in single precision.
     pub about_origin: bool,
-    /// How each round fits.
+    /// The fit of each round.
     pub kabsch: Kabsch,
 }
 

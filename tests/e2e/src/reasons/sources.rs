@@ -31,14 +31,14 @@ const OTHERS: [&str; 3] =
 const ENVIRONMENT: [&str; 6] =
     ["BENDTWIN_", "CARGO_", "NO_COLOR", "OUT_DIR", "RAYON_NUM_THREADS", "XDG_"];
 
-/// What clients see of a reason. Several where it is raised in several places.
+/// Public facts of a reason. Several where it is raised in several places.
 #[derive(Debug, Default)]
 pub(super) struct Reason {
     /// Names of the variants of `Category`.
     pub(super) categories: BTreeSet<String>,
     /// Statuses that only HTTP has.
     pub(super) statuses: BTreeSet<u16>,
-    /// Whether the category is that of the cause.
+    /// True if the category is that of the cause.
     pub(super) inherits: bool,
 }
 
@@ -92,7 +92,7 @@ pub(super) fn read() -> Words {
     words
 }
 
-/// Whether a text is like `UPPER_SNAKE_CASE`, with an underscore.
+/// True for a text like `UPPER_SNAKE_CASE`, with an underscore.
 fn in_capitals(text: &str) -> bool {
     let letter = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit();
     text.contains('_') && text.split('_').all(|p| !p.is_empty() && p.chars().all(letter))
@@ -102,7 +102,7 @@ struct Visitor<'a> {
     words: &'a mut Words,
     /// Words in capitals that were not recognised by their place.
     loose: Vec<String>,
-    /// Whether the first text of a call is the code of a finding.
+    /// True if the first text of a call is the code of a finding.
     finds: bool,
     /// The category that was assigned last.
     category: Option<String>,
