@@ -1,7 +1,11 @@
 //! Synthetic captures, for tests and the demo. A body is simulated much more finely
 //! than any twin, on another topology and with other damping, and then observed
 //! as cameras and a tracker do, so that fitting it is no inverse crime.
+//!
+//! [`analytic`] draws shapes in closed form instead, for tests that need to know where each point
+//! of an image lies.
 
+pub mod analytic;
 mod body;
 mod cable;
 mod camera;

@@ -1,5 +1,5 @@
-//! A textured square that moves in front of cameras, drawn by casting a ray through every pixel, so
-//! that it is known exactly where each of its points appears.
+//! A textured square that moves in front of cameras, of which it is known exactly where each of its
+//! points appears.
 
 use std::sync::Arc;
 
@@ -10,7 +10,11 @@ use bendtwin_capture::{
         Recording, Region, Source, Tracks,
     },
 };
-use bendtwin_core::{Environment, Point};
+use bendtwin_core::{
+    Environment,
+    geometry::{add, scaled, turn},
+};
+use bendtwin_synth::analytic::{Bodies, Hit, Precision, Primitive, Ray};
 use nalgebra::{Rotation3, Vector3};
 
 pub(crate) const WIDTH: usize = 120;
@@ -18,6 +22,10 @@ pub(crate) const HEIGHT: usize = 100;
 const FOCAL: f64 = 150.0;
 /// Half the square's side [m].
 const HALF: f64 = 0.09;
+/// Radius of the ball [m].
+const BALL_M: f64 = 0.03;
+/// Depth of the hand that covers columns [m].
+const HAND_M: f64 = 0.3;
 
 /// The scene and its recording.
 #[derive(Clone, Debug)]
@@ -79,41 +87,41 @@ impl Scene {
 
     /// The pixel at which the point that a camera sees at a pixel of the first frame appears later.
     pub(crate) fn moved(&self, camera: &Camera, at: [f64; 2], frame: usize) -> [f64; 2] {
-        let (on_square, _) = self.hit(camera, at, 0).unwrap();
+        let square = self.square(0);
+        let ray = ray(camera, at);
+        let [x, y, _] = square.local(ray.at(square.depth_m(&ray).unwrap()));
         let (rotation, center) = self.place(frame);
-        let p = rotation * Vector3::new(on_square[0], on_square[1], 0.0) + center;
-        camera.project([p.x as f32, p.y as f32, p.z as f32], 0).unwrap().0
+        let p = add(turn(&rotation, [x, y, 0.0]), center);
+        camera.project(p.map(|v| v as f32), 0).unwrap().0
     }
 
-    fn place(&self, frame: usize) -> (Rotation3<f64>, Vector3<f64>) {
+    /// Rotation and centre of the square.
+    fn place(&self, frame: usize) -> ([[f64; 3]; 3], [f64; 3]) {
         let t = frame as f64;
         let rotation = Rotation3::new(Vector3::from(self.spin) * t);
-        (rotation, Vector3::new(0.0, 0.0, 0.5) + Vector3::from(self.velocity) * t)
+        let rows = std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)]));
+        (rows, add([0.0, 0.0, 0.5], scaled(self.velocity, t)))
     }
 
-    /// Coordinates on the square of what a pixel shows, and its depth.
-    fn hit(&self, camera: &Camera, at: [f64; 2], frame: usize) -> Option<([f64; 2], f64)> {
+    fn square(&self, frame: usize) -> Primitive {
         let (rotation, center) = self.place(frame);
-        let vector = |p: Point| Vector3::from(p.map(f64::from));
-        let origin = Vector3::from(camera.poses[0].translation);
-        let ray = vector(camera.unproject(at, 1.0, 0)) - origin;
-        let normal = rotation * Vector3::z();
-        let depth = normal.dot(&(center - origin)) / normal.dot(&ray);
-        let on = rotation.inverse() * (origin + ray * depth - center);
-        (depth > 0.0 && on.x.abs() < HALF && on.y.abs() < HALF).then_some(([on.x, on.y], depth))
+        Primitive::Rectangle { center, rotation, half_sides_m: [HALF; 2] }
+    }
+
+    fn ball(&self, frame: usize) -> Option<Primitive> {
+        let [first, velocity] = self.ball?;
+        let center = add(first, scaled(velocity, frame as f64));
+        Some(Primitive::Sphere { center, radius_m: BALL_M })
     }
 
     /// Depth of the ball at a pixel.
     pub(crate) fn hit_ball(&self, camera: &Camera, at: [f64; 2], frame: usize) -> Option<f64> {
-        const RADIUS: f64 = 0.03;
-        let [first, velocity] = self.ball?;
-        let center = Vector3::from(first) + Vector3::from(velocity) * frame as f64;
-        let origin = Vector3::from(camera.poses[0].translation);
-        let ray = Vector3::from(camera.unproject(at, 1.0, 0).map(f64::from)) - origin;
-        let toward = center - origin;
-        let (a, b) = (ray.norm_squared(), ray.dot(&toward));
-        let inside = b * b - a * (toward.norm_squared() - RADIUS * RADIUS);
-        (inside > 0.0).then(|| (b - inside.sqrt()) / a)
+        self.ball(frame)?.depth_m(&ray(camera, at))
+    }
+
+    fn bodies(&self, frame: usize) -> Bodies<Region> {
+        let ball = self.ball(frame).map(|ball| (Region::Manipulator, ball));
+        Bodies(ball.into_iter().chain([(Region::Object, self.square(frame))]).collect())
     }
 
     fn color_at(&self, [x, y]: [f64; 2], frame: usize) -> [u8; 3] {
@@ -153,20 +161,16 @@ impl Reader<'_> {
         if self.scene.missing.contains(&frame) {
             return None;
         }
-        let mut image = Image::filled(WIDTH, HEIGHT, background);
         let covered = (self.scene.hand)(frame);
-        for (i, pixel) in image.pixels.iter_mut().enumerate() {
-            let at = [i % WIDTH, i / WIDTH];
-            if covered.contains(&at[0]) {
-                *pixel = hand(0.3);
-            } else if let Some(z) = self.scene.hit_ball(&self.camera, at.map(|v| v as f64), frame) {
-                *pixel = hand(z);
-            } else if let Some((on, z)) = self.scene.hit(&self.camera, at.map(|v| v as f64), frame)
-            {
-                *pixel = square(on, z);
+        let view = self.scene.bodies(frame).view(&self.camera, 0, Precision::Single);
+        Some(view.image(|[column, _], hit| match hit {
+            _ if covered.contains(&column) => hand(HAND_M),
+            Some(Hit { body: Region::Object, depth_m, local: [x, y, _] }) => {
+                square([x, y], depth_m)
             }
-        }
-        Some(image)
+            Some(ball) => hand(ball.depth_m),
+            None => background,
+        }))
     }
 }
 
@@ -184,6 +188,10 @@ impl Frames for Reader<'_> {
     fn tracks(&mut self) -> Result<Option<Tracks>, Error> {
         Ok(None)
     }
+}
+
+fn ray(camera: &Camera, at: [f64; 2]) -> Ray {
+    Ray::through(camera, at, 0, Precision::Single)
 }
 
 fn camera(number: usize, translation: [f64; 3]) -> Camera {
