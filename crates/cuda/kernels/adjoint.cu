@@ -1,14 +1,15 @@
 // A frame backward: the adjoint of `integrate.cu`, substep by substep from the tape, in exactly the
-// reverse order. Everything is gathered: a node adds up what it gets from its half-springs and triplets.
+// reverse order. Everything is gathered: a node adds up what it gets from its half-springs and
+// triplets.
 //
-// A substep has two halves. `node_adjoint` turns d loss / d state at its end into that before forces
-// acted, and into lambda = d loss / d force, which the neighbours need; `force_adjoint` adds what the
-// forces say about the state that they saw. The second of a substep and the first of the one before it
-// concern the same node, so the team meets once a substep (and once more for contact). The second half is in
-// `adjoint_forces.cuh`.
+// A substep has two halves. `node_adjoint` turns d loss / d state at its end into that before
+// forces acted, and into lambda = d loss / d force, which the neighbours need; `force_adjoint` adds
+// what the forces contribute to d loss / d the state that they depend on. The second of a substep
+// and the first of the one before it concern the same node, so the team synchronizes once a substep
+// (and once more for contact). The second half is in `adjoint_forces.cuh`.
 
 // Starts copying a substep of the tape to a buffer and puts the control points there.
-DEVICE void fetch_tape(const Local& l, const Constants& c, u32 buffer, u32 tape, u32 substep) {
+DEVICE void fetch_tape(const BlockState& l, const Constants& c, u32 buffer, u32 tape, u32 substep) {
     const InstanceArgs& instance = *l.instance;
     const u32* nodes = instance.topology.nodes + l.share.nodes;
     const float4* xs = c.tape_x + (u64)tape * c.nodes;
@@ -22,16 +23,19 @@ DEVICE void fetch_tape(const Local& l, const Constants& c, u32 buffer, u32 tape,
     float t = progress(substep, c.substeps);
     // The last threads: their rows are the shortest.
     for (u32 i = THREADS - 1 - threadIdx.x; i < l.controls; i += THREADS)
-        l.put(buffer, 0, l.control_base + i, control_position(path, t, i), control_velocity(path, i));
+        l.put(
+            buffer, 0, l.control_base + i, control_position(path, t, i), control_velocity(path, i)
+        );
 }
 
 // From d loss / d velocity before contact to that before forces acted, and to lambda.
 DEVICE void accelerate_adjoint(
-    const Local& l, const Constants& c, const Place& p, u32 buffer, float3 before, float3 x_bar,
-    float3 v_bar, Sums& sums
+    const BlockState& l, const Constants& c, const ThreadNode& p, u32 buffer, float3 before,
+    float3 x_bar, float3 v_bar, Sums& sums
 ) {
     if (p.pin >= 0) {
-        if (p.lane == 0) add_path(c.pin_sums, l.instance->topology.pin_count, p.pin, 0.0f, zero3(), v_bar);
+        if (p.lane == 0)
+            add_path(c.pin_sums, l.instance->topology.pin_count, p.pin, 0.0f, zero3(), v_bar);
         v_bar = zero3();
     }
     if (p.lane == 0) sums.decay += dot(v_bar, before);
@@ -45,23 +49,23 @@ DEVICE void accelerate_adjoint(
 }
 
 // A node's record on tape at a substep: position, and velocity before contact.
-struct Entry {
+struct TapeEntry {
     float3 x, before;
 };
 
-DEVICE Entry entry_of(const Constants& c, const Place& p, u32 tape) {
+DEVICE TapeEntry tape_entry_of(const Constants& c, const ThreadNode& p, u32 tape) {
     u64 at = (u64)tape * c.nodes + p.slot;
-    Entry e;
+    TapeEntry e;
     e.x = xyz(c.tape_x[at]);
     e.before = load_v3(c.tape_b + 3 * at);
     return e;
 }
 
 // First half of a substep, `bar` being d loss / d state at its end. With contact it ends before the
-// meeting that `contact_adjoint` needs.
+// barrier that `contact_adjoint` needs.
 DEVICE void node_adjoint(
-    const Local& l, const Constants& c, const Place& p, u32 buffer, u32 substep, u32 tape,
-    const Entry& entry, float3 x_bar, float3 v_bar, Sums& sums
+    const BlockState& l, const Constants& c, const ThreadNode& p, u32 buffer, u32 substep, u32 tape,
+    const TapeEntry& entry, float3 x_bar, float3 v_bar, Sums& sums
 ) {
     const InstanceArgs& instance = *l.instance;
     float3 x = entry.x, before = entry.before;
@@ -74,9 +78,12 @@ DEVICE void node_adjoint(
     Law law_bar = {0.0f, 0.0f};
 #if CONTACT
     u64 start = (u64)tape * c.nodes;
-    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, instance.topology.inverse_mass, instance.tape.slot_of};
-    float touches;
-    after = collide(instance, nodes, p.at, p.valid, p.lane, touches);
+    TapedNodes nodes = {
+        c.tape_x + start, c.tape_b + 3 * start, instance.topology.inverse_mass,
+        instance.tape.slot_of
+    };
+    float contact_count;
+    after = collide(instance, nodes, p.at, p.valid, p.lane, contact_count);
 #endif
 #if GROUND
     advance_adjoint(c.ground, c.law, c.dt, x, after, x_bar, v_bar, law_bar);
@@ -90,7 +97,7 @@ DEVICE void node_adjoint(
     }
 #if CONTACT
     if (p.lane == 0) {
-        float share = touches > 0.0f ? -(p.inverse_mass / touches) : 0.0f;
+        float share = contact_count > 0.0f ? -(p.inverse_mass / contact_count) : 0.0f;
         __stcg(instance.contact.v + p.at, with_w(scale(v_bar, share), 0.0f));
         bar_x_of(l)[p.node] = with_w(x_bar, 0.0f);
         bar_v_of(l)[p.node] = with_w(v_bar, 0.0f);
@@ -100,20 +107,25 @@ DEVICE void node_adjoint(
 #endif
 }
 
-// The rest of it with contact, after the team has met.
+// The rest of it with contact, after the team's barrier.
 DEVICE void contact_adjoint(
-    const Local& l, const Constants& c, const Place& p, u32 buffer, u32 tape, Sums& sums
+    const BlockState& l, const Constants& c, const ThreadNode& p, u32 buffer, u32 tape, Sums& sums
 ) {
     const InstanceArgs& instance = *l.instance;
     u64 start = (u64)tape * c.nodes;
-    Taped nodes = {c.tape_x + start, c.tape_b + 3 * start, instance.topology.inverse_mass, instance.tape.slot_of};
+    TapedNodes nodes = {
+        c.tape_x + start, c.tape_b + 3 * start, instance.topology.inverse_mass,
+        instance.tape.slot_of
+    };
     float3 x_bar = zero3(), v_bar = zero3();
     if (p.valid) {
         x_bar = xyz(bar_x_of(l)[p.node]);
         v_bar = xyz(bar_v_of(l)[p.node]);
     }
     __syncwarp();
-    collide_adjoint(instance, nodes, p.at, p.valid, p.lane, instance.contact.v, x_bar, v_bar, sums.object);
+    collide_adjoint(
+        instance, nodes, p.at, p.valid, p.lane, instance.contact.v, x_bar, v_bar, sums.object
+    );
     float4 x4;
     float3 before;
     nodes.load(p.at, x4, before);
@@ -134,8 +146,10 @@ DEVICE void add_block_sum(float value, float* to) {
     __syncthreads();
 }
 
-DEVICE void
-store_sums(const Local& l, const Constants& c, const Place& p, const HeldTriplet& triplet, const Sums& sums) {
+DEVICE void store_sums(
+    const BlockState& l, const Constants& c, const ThreadNode& p, const HeldTriplet& triplet,
+    const Sums& sums
+) {
     const InstanceArgs& instance = *l.instance;
 #if HELD > 0
 #pragma unroll
@@ -162,35 +176,40 @@ store_sums(const Local& l, const Constants& c, const Place& p, const HeldTriplet
 }
 
 #if ONE_ROW
-#define FOR_PLACES(p)
+#define FOR_NODES(p)
 #else
-#define FOR_PLACES(p)                                                                            \
+#define FOR_NODES(p)                                                                            \
     for (u32 row = threadIdx.x / 32; row < l.share.rows; row += WARPS)                           \
-        for (Place p = place_of(l, row), *once = &p; once; once = 0)
+        for (ThreadNode p = thread_node_of(l, row), *once = &p; once; once = 0)
 #endif
 
 DEVICE void contact_half(
-    Local& l, const Constants& c, const Place& one, u32 buffer, u32 tape, Sums& sums
+    BlockState& l, const Constants& c, const ThreadNode& one, u32 buffer, u32 tape, Sums& sums
 ) {
 #if CONTACT
-    meet(l.barrier, l.round);
+    synchronize_team(l.barrier, l.round);
 #if ONE_ROW
     contact_adjoint(l, c, one, buffer, tape, sums);
 #else
-    FOR_PLACES(p) contact_adjoint(l, c, p, buffer, tape, sums);
+    FOR_NODES(p) contact_adjoint(l, c, p, buffer, tape, sums);
 #endif
 #endif
 }
 
-DEVICE void meet_with_lambda(Local& l, const Halo& halo, u32 buffer) {
+DEVICE void synchronize_lambda(BlockState& l, const Halo& halo, u32 buffer) {
     wait_for_copies();
-    meet_for_halo(l.arrivals, buffer, l.barrier, l.round);
+    synchronize_halo(l.arrivals, buffer, l.barrier, l.round);
     fetch_vectors(l, halo, buffer, lambda_of(l, buffer));
 }
 
-DEVICE void begin_frame_adjoint(const Local& l, const Place& p, float3& x_bar, float3& v_bar) {
+DEVICE void
+begin_frame_adjoint(const BlockState& l, const ThreadNode& p, float3& x_bar, float3& v_bar) {
     if (p.pin >= 0) {
-        if (p.lane == 0) add_path(l.instance->adjoint.pin_sums, l.instance->topology.pin_count, p.pin, 0.0f, x_bar, v_bar);
+        if (p.lane == 0)
+            add_path(
+                l.instance->adjoint.pin_sums, l.instance->topology.pin_count, p.pin, 0.0f, x_bar,
+                v_bar
+            );
         x_bar = v_bar = zero3();
     }
 }
@@ -200,15 +219,28 @@ struct BackFrameArgs {
     u32 from, to;  // substeps
 };
 
-// Turns `AdjointArgs::bar_*` at the end of substep `to` - 1 of frame `StateArgs::first_frame` into that at the start
-// of substep `from`; substep `from` is the tape's first.
-extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const __grid_constant__ BackFrameArgs args) {
+// Turns `AdjointArgs::bar_*` at the end of substep `to` - 1 of frame `StateArgs::first_frame` into
+// that at the start of substep `from`; substep `from` is the tape's first.
+extern "C" __global__ void __launch_bounds__(THREADS)
+back_frame(const __grid_constant__ BackFrameArgs args) {
     const u32 from = args.from, to = args.to;
     const InstanceArgs& instance = args.instances[blockIdx.x / BLOCKS];
-    Local l = local_of(&instance, blockIdx.x % BLOCKS, sizeof(float4));
-    Constants c = {instance.step.dt,       instance.parameters.decay,    instance.step.ground, instance.parameters.ground_law, instance.parameters.dashpot, instance.step.substeps,
-                   instance.topology.node_count, instance.tape.x, instance.tape.v, instance.tape.before, instance.adjoint.pin_sums, instance.adjoint.spring_sums,
-                   threadIdx.x < l.share.local ? instance.tape.slot_of[l.graph_node(threadIdx.x)] : 0};
+    BlockState l = block_state_of(&instance, blockIdx.x % BLOCKS, sizeof(float4));
+    Constants c = {
+        instance.step.dt,
+        instance.parameters.decay,
+        instance.step.ground,
+        instance.parameters.ground_law,
+        instance.parameters.dashpot,
+        instance.step.substeps,
+        instance.topology.node_count,
+        instance.tape.x,
+        instance.tape.v,
+        instance.tape.before,
+        instance.adjoint.pin_sums,
+        instance.adjoint.spring_sums,
+        threadIdx.x < l.share.local ? instance.tape.slot_of[l.graph_node(threadIdx.x)] : 0
+    };
     u32 rows = l.share.rows + (instance.adjoint.control_sums ? l.share.control_rows : 0);
     Pairs pairs = pairs_of(l, rows, after_bars(l));
     float3* bends = bend_buffer(l);
@@ -220,7 +252,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const __grid_co
 #endif
     Halo halo = halo_of(l);
     Sums sums = {};
-    Place one = place_of(l, threadIdx.x / 32);
+    ThreadNode one = thread_node_of(l, threadIdx.x / 32);
     for (u32 i = threadIdx.x; i < l.controls; i += THREADS) {
         lambda_of(l, 0)[l.control_base + i] = zero4();
         lambda_of(l, 1)[l.control_base + i] = zero4();
@@ -230,19 +262,19 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const __grid_co
     wait_for_copies();
     __syncthreads();
     // A cluster's blocks must all have started before one writes into another.
-    meet(l.barrier, l.round);
+    synchronize_team(l.barrier, l.round);
     expect_halo(l.arrivals, now);
 #if ONE_ROW
-    node_adjoint(l, c, one, now, to - 1, to - 1 - from, entry_of(c, one, to - 1 - from),
+    node_adjoint(l, c, one, now, to - 1, to - 1 - from, tape_entry_of(c, one, to - 1 - from),
                  xyz(instance.adjoint.bar_x[one.at]), xyz(instance.adjoint.bar_v[one.at]), sums);
 #else
-    FOR_PLACES(p) {
-        node_adjoint(l, c, p, now, to - 1, to - 1 - from, entry_of(c, p, to - 1 - from),
+    FOR_NODES(p) {
+        node_adjoint(l, c, p, now, to - 1, to - 1 - from, tape_entry_of(c, p, to - 1 - from),
                      xyz(instance.adjoint.bar_x[p.at]), xyz(instance.adjoint.bar_v[p.at]), sums);
     }
 #endif
     contact_half(l, c, one, now, to - 1 - from, sums);
-    meet_with_lambda(l, halo, now);
+    synchronize_lambda(l, halo, now);
     for (u32 s = to; s-- > from;) {
         u32 earlier = now ^ 1;
         if (s > from) {
@@ -255,14 +287,14 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const __grid_co
         bend_adjoints(l, now, bends, triplet, sums);
 #if ONE_ROW
         {
-            const Place& p = one;
+            const ThreadNode& p = one;
 #else
-        FOR_PLACES(p) {
+        FOR_NODES(p) {
 #endif
             float3 x_bar, v_bar;
-            // Asked for early: it comes from far away.
-            Entry entry = {};
-            if (s > from) entry = entry_of(c, p, s - 1 - from);
+            // Loaded early: global memory is slow.
+            TapeEntry entry = {};
+            if (s > from) entry = tape_entry_of(c, p, s - 1 - from);
             force_adjoint(l, c, p, now, pairs, bends, refs, x_bar, v_bar, sums);
             if (s > from) {
                 node_adjoint(l, c, p, earlier, s - 1, s - 1 - from, entry, x_bar, v_bar, sums);
@@ -277,7 +309,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) back_frame(const __grid_co
         control_adjoint(l, c, now, s, pairs, bends, refs);
         if (s > from) {
             contact_half(l, c, one, earlier, s - 1 - from, sums);
-            meet_with_lambda(l, halo, earlier);
+            synchronize_lambda(l, halo, earlier);
         }
         now = earlier;
     }

@@ -1,9 +1,10 @@
-// The second half of a substep backward: what forces say about the state that they saw.
+// The second half of a substep backward: the forces' contribution to d loss / d state.
 
 DEVICE BendAdjoint
-bend_one(const Local& l, u32 now, float3* out, u32 t, const HeldTriplet& h) {
+bend_one(const BlockState& l, u32 now, float3* out, u32 t, const HeldTriplet& h) {
     const float4* lambda = lambda_of(l, now);
-    State i = l.state(now, 0, h.ends.i), j = l.state(now, 0, h.ends.j), k = l.state(now, 0, h.ends.k);
+    State i = l.state(now, 0, h.ends.i), j = l.state(now, 0, h.ends.j),
+          k = l.state(now, 0, h.ends.k);
     float3 lj = xyz(lambda[h.ends.j]);
     BendAdjoint a = bend_adjoint(
         h.params, sub(i.x, j.x), sub(k.x, j.x), sub(i.v, j.v), sub(k.v, j.v),
@@ -16,7 +17,7 @@ bend_one(const Local& l, u32 now, float3* out, u32 t, const HeldTriplet& h) {
 }
 
 DEVICE void
-bend_adjoints(const Local& l, u32 now, float3* out, const HeldTriplet& first, Sums& sums) {
+bend_adjoints(const BlockState& l, u32 now, float3* out, const HeldTriplet& first, Sums& sums) {
 #if BENDING
     if (first.has) {
         BendAdjoint a = bend_one(l, now, out, first_triplet(), first);
@@ -36,7 +37,7 @@ bend_adjoints(const Local& l, u32 now, float3* out, const HeldTriplet& first, Su
         }
     }
 #if !ONE_ROW
-    meet_for_bends();
+    synchronize_bends();
 #endif
 #endif
 }
@@ -49,22 +50,25 @@ DEVICE float* rod_sums() {
 }
 
 DEVICE void load_rod_bars(const InstanceArgs& instance) {
-    for (u32 r = threadIdx.x; r < RODS; r += THREADS) rod_twists()[r] = instance.adjoint.bar_twists[r];
+    for (u32 r = threadIdx.x; r < RODS; r += THREADS)
+        rod_twists()[r] = instance.adjoint.bar_twists[r];
     for (u32 i = threadIdx.x; i < 3 * RODS; i += THREADS) rod_sums()[i] = 0.0f;
 }
 
 DEVICE void store_rod_bars(const InstanceArgs& instance) {
     __syncthreads();
-    for (u32 r = threadIdx.x; r < RODS; r += THREADS) instance.adjoint.bar_twists[r] = rod_twists()[r];
+    for (u32 r = threadIdx.x; r < RODS; r += THREADS)
+        instance.adjoint.bar_twists[r] = rod_twists()[r];
     for (u32 i = threadIdx.x; i < 3 * RODS; i += THREADS)
         instance.adjoint.bend_sums[3 * instance.topology.triplet_count + i] += rod_sums()[i];
 }
 
-// The rods' part of a substep: from d loss / d twist at its end to that at its start, and what neighbours of inner
-// nodes get, where triplets leave theirs. With pull = grad . lambda: torque_bar = -pull, twist_bar += k torque_bar,
-// rate_bar = dt twist_bar + damping torque_bar; the adjoint of grad is rate_bar v - torque lambda.
+// The rods' part of a substep: from d loss / d twist at its end to that at its start, and what
+// neighbours of inner nodes get, where triplets leave theirs. With pull = grad . lambda: torque_bar
+// = -pull, twist_bar += k torque_bar, rate_bar = dt twist_bar + damping torque_bar; the adjoint of
+// grad is rate_bar v - torque lambda.
 DEVICE void rod_adjoints(
-    const Local& l, const Constants& c, u32 now, float3* out, const HeldRod& first, u32 tape
+    const BlockState& l, const Constants& c, u32 now, float3* out, const HeldRod& first, u32 tape
 ) {
     const float4* lambda = lambda_of(l, now);
     for_rods(l, first, [&](u32 r, const HeldRod& h) {
@@ -72,10 +76,11 @@ DEVICE void rod_adjoints(
         float before = l.instance->tape.twists[(u64)tape * RODS + r];
         float rate = 0.0f, pull = 0.0f;
         for (u32 t = h.first + lane; t < h.end; t += 32) {
-            Inner in = inner_at(l, now, 0, t);
+            InnerNode in = inner_node_at(l, now, 0, t);
             float3 own = xyz(lambda[in.ends.j]);
             rate += along(in.turn, in.v_before, in.v_after);
-            pull += along(in.turn, sub(xyz(lambda[in.ends.i]), own), sub(xyz(lambda[in.ends.k]), own));
+            pull +=
+                along(in.turn, sub(xyz(lambda[in.ends.i]), own), sub(xyz(lambda[in.ends.k]), own));
         }
         rate = sum_warp(rate);
         pull = sum_warp(pull);
@@ -91,7 +96,7 @@ DEVICE void rod_adjoints(
             rod_sums()[2 * RODS + r] += pull * h.stiffness;
         }
         for (u32 t = h.first + lane; t < h.end; t += 32) {
-            Inner in = inner_at(l, now, 0, t);
+            InnerNode in = inner_node_at(l, now, 0, t);
             float3 own = xyz(lambda[in.ends.j]);
             float3 by_before = sub(xyz(lambda[in.ends.i]), own);
             float3 by_after = sub(xyz(lambda[in.ends.k]), own);
@@ -118,33 +123,35 @@ DEVICE void add_bend(const float3* in, u32 triplet, u32 role, float3& x_bar, flo
     }
 }
 
-// An endpoint's own state and lambda, and the arrays that its half-springs read.
-struct Self {
+// State and lambda of an endpoint, and the arrays that its half-springs read.
+struct Endpoint {
     State s;
     float3 lambda;
     const float4 *xs, *lambdas;
     const float2* vs;
 };
 
-DEVICE Self self_of(const Local& l, u32 now, u32 local) {
-    Self self;
-    self.xs = anchored(l.xs(now, 0));
-    self.vs = anchored(l.vs(now, 0));
-    self.lambdas = anchored<float4>(lambda_of(l, now));
-    self.s = state_at(self.xs, self.vs, local);
-    self.lambda = xyz(self.lambdas[local]);
-    return self;
+DEVICE Endpoint endpoint_of(const BlockState& l, u32 now, u32 local) {
+    Endpoint own;
+    own.xs = opaque_shared(l.xs(now, 0));
+    own.vs = opaque_shared(l.vs(now, 0));
+    own.lambdas = opaque_shared<float4>(lambda_of(l, now));
+    own.s = state_at(own.xs, own.vs, local);
+    own.lambda = xyz(own.lambdas[local]);
+    return own;
 }
 
-DEVICE void half_adjoint(
-    const Local& l, const Self& self, const HalfSpring& h, float3& x_bar, float3& v_bar, SpringSums& sums
+DEVICE void half_spring_adjoint(
+    const BlockState& l, const Endpoint& own, const HalfSpring& h, float3& x_bar, float3& v_bar,
+    SpringSums& sums
 ) {
-    State other = state_at(self.xs, self.vs, h.other);
-    float3 pull = sub(self.lambda, xyz(self.lambdas[h.other]));
-    spring_adjoint(h, sub(other.x, self.s.x), sub(other.v, self.s.v), pull, x_bar, v_bar, sums);
+    State other = state_at(own.xs, own.vs, h.other);
+    float3 pull = sub(own.lambda, xyz(own.lambdas[h.other]));
+    spring_adjoint(h, sub(other.x, own.s.x), sub(other.v, own.s.v), pull, x_bar, v_bar, sums);
 }
 
-// Sums of a pair in memory, where a warp's stand side by side. Those of ends that report nothing are not looked at.
+// Sums of a pair in memory, where a warp's stand side by side. Those of ends that report nothing
+// are not read.
 DEVICE void add_sums(float* to, const float* before, const SpringSums& one, const SpringSums& two) {
     to[0] = before[0] + one.stretch;
     to[32] = before[1] + one.pull;
@@ -154,51 +161,55 @@ DEVICE void add_sums(float* to, const float* before, const SpringSums& one, cons
     to[160] = before[5] + two.rate;
 }
 
-// A pair with its sums in memory; they are asked for before there is anything to add.
+// A pair with its sums in memory; they are loaded before there is anything to add.
 DEVICE void summed_pair(
-    const Local& l, const Constants& c, const Self& self, const Pair& pair, float* to, float3& x_bar,
-    float3& v_bar
+    const BlockState& l, const Constants& c, const Endpoint& own, const Pair& pair, float* to,
+    float3& x_bar, float3& v_bar
 ) {
     float before[6];
 #pragma unroll
     for (u32 k = 0; k < 6; k++) before[k] = to[32 * k];
     SpringSums one = {0.0f, 0.0f, 0.0f}, two = {0.0f, 0.0f, 0.0f};
-    half_adjoint(l, self, first_of(pair, c.dashpot), x_bar, v_bar, one);
-    half_adjoint(l, self, second_of(pair, c.dashpot), x_bar, v_bar, two);
+    half_spring_adjoint(l, own, first_of(pair, c.dashpot), x_bar, v_bar, one);
+    half_spring_adjoint(l, own, second_of(pair, c.dashpot), x_bar, v_bar, two);
     add_sums(to, before, one, two);
 }
 
 // Second half of a substep for a node; leaves d loss / d state at its start in `x_bar`, `v_bar`.
 DEVICE void force_adjoint(
-    const Local& l, const Constants& c, const Place& p, u32 now, const Pairs& pairs, const float3* bends,
-    const u32* refs, float3& x_bar, float3& v_bar, Sums& sums
+    const BlockState& l, const Constants& c, const ThreadNode& p, u32 now, const Pairs& pairs,
+    const float3* bends, const u32* refs, float3& x_bar, float3& v_bar, Sums& sums
 ) {
     float3 x_sum = zero3(), v_sum = zero3();
-    Self self = self_of(l, now, p.node);
+    Endpoint own = endpoint_of(l, now, p.node);
 #if HELD > 0
 #pragma unroll
     for (u32 k = 0; k < HELD_SUMS; k++) {
         if (k < p.pairs) {
             Pair pair = load_pair(pairs, p.first + k * 32);
-            half_adjoint(l, self, first_of(pair, c.dashpot), x_sum, v_sum, sums.springs[2 * k]);
-            half_adjoint(l, self, second_of(pair, c.dashpot), x_sum, v_sum, sums.springs[2 * k + 1]);
+            half_spring_adjoint(
+                l, own, first_of(pair, c.dashpot), x_sum, v_sum, sums.springs[2 * k]
+            );
+            half_spring_adjoint(
+                l, own, second_of(pair, c.dashpot), x_sum, v_sum, sums.springs[2 * k + 1]
+            );
         }
     }
 #endif
-    // Those with sums come first; the others' are their other ends' business.
+    // Those with sums come first; the others' sums are kept at their other ends.
     u32 k = HELD_SUMS;
     for (; k < p.summed; k++)
-        summed_pair(l, c, self, load_pair(pairs, p.first + k * 32), c.sums + p.sums + k * PAIR_SUMS,
+        summed_pair(l, c, own, load_pair(pairs, p.first + k * 32), c.sums + p.sums + k * PAIR_SUMS,
                     x_sum, v_sum);
     SpringSums unwanted;
 #pragma unroll 2
     for (; k < p.pairs; k++) {
         Pair pair = load_pair(pairs, p.first + k * 32);
-        half_adjoint(l, self, first_of(pair, c.dashpot), x_sum, v_sum, unwanted);
-        half_adjoint(l, self, second_of(pair, c.dashpot), x_sum, v_sum, unwanted);
+        half_spring_adjoint(l, own, first_of(pair, c.dashpot), x_sum, v_sum, unwanted);
+        half_spring_adjoint(l, own, second_of(pair, c.dashpot), x_sum, v_sum, unwanted);
     }
 #if ONE_ROW
-    meet_for_bends();
+    synchronize_bends();
 #endif
 #if BENDING
     for_arms(p, refs, [&](u32 t, u32 role) { add_bend(bends, t, role, x_sum, v_sum); });
@@ -206,7 +217,7 @@ DEVICE void force_adjoint(
     x_sum = sum_lanes(x_sum);
     v_sum = sum_lanes(v_sum);
     x_bar = v_bar = zero3();
-    // Lanes without a node keep their hands off the node that they look at: its own warp writes there.
+    // Lanes without a node do not read these: the warp of the node that they point at writes there.
     if (p.valid) {
         x_bar = add(xyz(bar_x_of(l)[p.node]), x_sum);
         v_bar = add(xyz(bar_v_of(l)[p.node]), v_sum);
@@ -216,8 +227,8 @@ DEVICE void force_adjoint(
 
 // The control points' part of the second half.
 DEVICE void control_adjoint(
-    const Local& l, const Constants& c, u32 now, u32 substep, const Pairs& pairs, const float3* bends,
-    const u32* refs
+    const BlockState& l, const Constants& c, u32 now, u32 substep, const Pairs& pairs,
+    const float3* bends, const u32* refs
 ) {
     const InstanceArgs& instance = *l.instance;
     if (!instance.adjoint.control_sums) return;
@@ -229,13 +240,13 @@ DEVICE void control_adjoint(
         bool valid = control < l.controls;
         u32 start = rows[l.share.rows + row], end = rows[l.share.rows + row + 1];
         float3 x_bar = zero3(), v_bar = zero3();
-        Self self = self_of(l, now, l.control_base + (valid ? control : 0));
+        Endpoint own = endpoint_of(l, now, l.control_base + (valid ? control : 0));
         u32 first = (start - rows[0]) * 32 + threadIdx.x % 32;
         SpringSums unwanted;
         for (u32 k = 0; k < end - start; k++) {
             Pair pair = load_pair(pairs, first + k * 32);
-            half_adjoint(l, self, first_of(pair, c.dashpot), x_bar, v_bar, unwanted);
-            half_adjoint(l, self, second_of(pair, c.dashpot), x_bar, v_bar, unwanted);
+            half_spring_adjoint(l, own, first_of(pair, c.dashpot), x_bar, v_bar, unwanted);
+            half_spring_adjoint(l, own, second_of(pair, c.dashpot), x_bar, v_bar, unwanted);
         }
         if (valid) {
             const u32* arms = t.arms + l.share.arm + l.share.own;

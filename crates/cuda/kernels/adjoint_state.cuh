@@ -1,12 +1,19 @@
-// Storage of the backward pass: in shared memory beside the tape's states, in registers, and its sums.
+// Storage of the backward pass: in shared memory beside the tape's states, in registers, and its
+// sums.
 
 // Lambda, two buffers; then what is carried from substep to substep.
-DEVICE float4* lambda_of(const Local& l, u32 buffer) { return l.after_states(buffer * l.stride); }
-DEVICE float4* bar_x_of(const Local& l) { return l.after_states(2 * l.stride); }
-DEVICE float4* bar_v_of(const Local& l) { return l.after_states(2 * l.stride + l.control_base); }
-DEVICE float4* after_bars(const Local& l) { return l.after_states(2 * l.stride + 2 * l.control_base); }
+DEVICE float4* lambda_of(const BlockState& l, u32 buffer) {
+    return l.after_states(buffer * l.stride);
+}
+DEVICE float4* bar_x_of(const BlockState& l) { return l.after_states(2 * l.stride); }
+DEVICE float4* bar_v_of(const BlockState& l) {
+    return l.after_states(2 * l.stride + l.control_base);
+}
+DEVICE float4* after_bars(const BlockState& l) {
+    return l.after_states(2 * l.stride + 2 * l.control_base);
+}
 // d loss / d (x_i, x_k, v_i, v_k), by triplet.
-DEVICE float3* bend_buffer(const Local& l) {
+DEVICE float3* bend_buffer(const BlockState& l) {
     u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.instance->topology.max_all_pairs) : 0;
     return reinterpret_cast<float3*>(BEND_IN_SHARED ? after_bars(l) + before : l.spill());
 }
@@ -36,7 +43,8 @@ struct Sums {
 #endif
 };
 
-// Adds to one of the nine components of d loss / d (from, to, velocity); nothing if nobody asks.
+// Adds to one of the nine components of d loss / d (from, to, velocity); nothing where `sums` is
+// null.
 DEVICE void add_path(float* sums, u32 stride, u32 i, float t, float3 x_bar, float3 v_bar) {
     if (!sums) return;
     float from = 1.0f - t;

@@ -1,10 +1,10 @@
 // Bending triplets (i, j, k) about the centre j, and the adjoint of their forces.
 //
-// With u = xi - xj, w = xk - xj, n = u x w, m = |n|: theta = atan2(m, u.w), g_i = u x n / (|u|^2 m),
-// g_k = n x w / (|w|^2 m), g_j = -(g_i + g_k). Rounded where a bent triplet passes through straight: with
-// beta = pi - theta, epsilon = ROUNDING beta0, q = -sqrt(beta^2 + epsilon^2), G = beta / sqrt(beta^2 + epsilon^2) g,
-// the force on a is -[k (q - q0) + c qdot] G_a.
-// Nearly collinear triplets keep a force only where the rest angle is pi, where it is smooth.
+// With u = xi - xj, w = xk - xj, n = u x w, m = |n|: theta = atan2(m, u.w), g_i = u x n / (|u|^2
+// m), g_k = n x w / (|w|^2 m), g_j = -(g_i + g_k). Rounded where a bent triplet passes through
+// straight: with beta = pi - theta, epsilon = ROUNDING beta0, q = -sqrt(beta^2 + epsilon^2), G =
+// beta / sqrt(beta^2 + epsilon^2) g, the force on a is -[k (q - q0) + c qdot] G_a. Nearly collinear
+// triplets keep a force only where the rest angle is pi, where it is smooth.
 
 #define PI_F 3.14159265358979f
 
@@ -30,7 +30,7 @@ struct BendParams {
     float rest_bend;  // pi - theta0; exactly zero where straight
 };
 
-struct Bent {
+struct BendState {
     float3 a_u, a_w;  // m g_i and m g_k: smooth everywhere
     float3 n;
     float inverse_u2, inverse_w2;
@@ -42,9 +42,9 @@ struct Bent {
     bool regular, straight;
 };
 
-DEVICE Bent bent(float3 u, float3 w, float rest_bend) {
+DEVICE BendState bend_state(float3 u, float3 w, float rest_bend) {
     const float least = MIN_ARM_M * MIN_ARM_M;
-    Bent t;
+    BendState t;
     float u2 = dot(u, u), w2 = dot(w, w);
     bool armed = u2 > least && w2 > least;
     t.inverse_u2 = armed ? 1.0f / u2 : 0.0f;
@@ -73,7 +73,7 @@ DEVICE Bent bent(float3 u, float3 w, float rest_bend) {
 DEVICE void bend_force(
     BendParams p, float3 u, float3 w, float3 u_dot, float3 w_dot, float3& f_i, float3& f_k
 ) {
-    Bent t = bent(u, w, p.rest_bend);
+    BendState t = bend_state(u, w, p.rest_bend);
     float rate = dot(t.a_u, u_dot) + dot(t.a_w, w_dot);
     float inverse = t.ease * t.inverse_m;
     float elastic = t.straight ? 1.0f / t.cosine : t.deviation * inverse;
@@ -93,7 +93,7 @@ struct BendAdjoint {
 DEVICE BendAdjoint bend_adjoint(
     BendParams p, float3 u, float3 w, float3 u_dot, float3 w_dot, float3 pull_u, float3 pull_w
 ) {
-    Bent t = bent(u, w, p.rest_bend);
+    BendState t = bend_state(u, w, p.rest_bend);
     BendAdjoint out;
     out.x_i = out.x_k = out.v_i = out.v_k = zero3();
     out.stiffness = out.damping = out.rest = 0.0f;

@@ -1,8 +1,8 @@
-// Contact between nodes by impulses, and its adjoint. A node takes the mean of its pairs' impulses, all
-// computed from the velocities before contact, so the order of pairs does not matter to the physics; it
-// is fixed all the same.
+// Contact between nodes by impulses, and its adjoint. A node takes the mean of its pairs' impulses,
+// all computed from the velocities before contact, so the order of pairs does not matter to the
+// physics; it is fixed all the same.
 
-struct Touch {
+struct ContactPair {
     float3 normal;  // from the first to the second
     float distance;
     float3 v;       // of the second relative to the first
@@ -10,13 +10,13 @@ struct Touch {
 };
 
 // Test of two nodes for contact; `a` and `b` carry the inverse masses in w.
-DEVICE bool touch(float limit, float4 a, float4 b, float3 v_a, float3 v_b, Touch& t) {
+DEVICE bool contact_pair(float limit, float4 a, float4 b, float3 v_a, float3 v_b, ContactPair& t) {
     float3 r = sub(xyz(b), xyz(a));
     t.v = sub(v_b, v_a);
     float square = dot(r, r);
     float inverse = a.w + b.w;
-    if (!(square < limit * limit && dot(r, t.v) < -MIN_APPROACH_M2_S && square > MIN_LENGTH_SQUARED_M2 &&
-          inverse > 0.0f))
+    if (!(square < limit * limit && dot(r, t.v) < -MIN_APPROACH_M2_S &&
+          square > MIN_LENGTH_SQUARED_M2 && inverse > 0.0f))
         return false;
     t.distance = sqrtf(square);
     t.normal = scale(r, 1.0f / t.distance);
@@ -25,7 +25,7 @@ DEVICE bool touch(float limit, float4 a, float4 b, float3 v_a, float3 v_b, Touch
 }
 
 // Positions, velocities before contact and inverse masses of all nodes while a substep runs.
-struct Live {
+struct CurrentNodes {
     const float4 *x, *v;  // x with the inverse mass, v
     DEVICE_MEMBER void load(u32 node, float4& x_out, float3& v_out) const {
         x_out = __ldcg(x + node);
@@ -34,7 +34,7 @@ struct Live {
 };
 
 // The same from a substep on tape.
-struct Taped {
+struct TapedNodes {
     const float4* x;
     const float *b, *inverse_mass;
     const u32* slots;
@@ -45,11 +45,13 @@ struct Taped {
     }
 };
 
-// Velocity of a node after contact; `touches` counts its pairs. The LANES lanes of a node share
-// the work; lanes without a node come along, not active, for the sums' sake.
+// Velocity of a node after contact; `contact_count` counts its pairs. The LANES lanes of a node
+// share the work; lanes without a node come along, not active, for the sums' sake.
 template <class Nodes>
-DEVICE float3
-collide(const InstanceArgs& instance, const Nodes& nodes, u32 node, bool active, u32 lane, float& touches) {
+DEVICE float3 collide(
+    const InstanceArgs& instance, const Nodes& nodes, u32 node, bool active, u32 lane,
+    float& contact_count
+) {
     float4 own_x;
     float3 own_v;
     nodes.load(node, own_x, own_v);
@@ -62,24 +64,25 @@ collide(const InstanceArgs& instance, const Nodes& nodes, u32 node, bool active,
         float4 other_x;
         float3 other_v;
         nodes.load(other, other_x, other_v);
-        Touch t;
-        if (touch(instance.contact.collision_distance, own_x, other_x, own_v, other_v, t)) {
+        ContactPair t;
+        if (contact_pair(instance.contact.collision_distance, own_x, other_x, own_v, other_v, t)) {
             sum = add_scaled(sum, t.mass, impact(instance.parameters.object_law, t.v, t.normal));
             n += 1.0f;
         }
     }
     sum = sum_lanes(sum);
-    touches = sum_lanes(n);
-    return touches > 0.0f ? add_scaled(own_v, -(own_x.w / touches), sum) : own_v;
+    contact_count = sum_lanes(n);
+    return contact_count > 0.0f ? add_scaled(own_v, -(own_x.w / contact_count), sum) : own_v;
 }
 
-// Adjoint of `collide`, gathered: adds what a node's position and velocity before contact get from its own
-// impulses and from its partners'. `share` holds, per node, d loss / d velocity after contact times
-// -(1/m) / touches (zero where nothing touches); `law_bar` gets this node's impulses only.
+// Adjoint of `collide`, gathered: adds what a node's position and velocity before contact get from
+// its own impulses and from its partners'. `share` holds, per node, d loss / d velocity after
+// contact times -(1/m) / contact_count (zero where nothing contact_count); `law_bar` gets this
+// node's impulses only.
 template <class Nodes>
 DEVICE void collide_adjoint(
-    const InstanceArgs& instance, const Nodes& nodes, u32 node, bool active, u32 lane, const float4* share,
-    float3& x_bar, float3& v_bar, Law& law_bar
+    const InstanceArgs& instance, const Nodes& nodes, u32 node, bool active, u32 lane,
+    const float4* share, float3& x_bar, float3& v_bar, Law& law_bar
 ) {
     float4 own_x;
     float3 own_v;
@@ -93,14 +96,17 @@ DEVICE void collide_adjoint(
         float4 other_x;
         float3 other_v;
         nodes.load(other, other_x, other_v);
-        Touch t;
-        if (!touch(instance.contact.collision_distance, own_x, other_x, own_v, other_v, t)) continue;
-        ImpactAdjoint mine = impact_adjoint(instance.parameters.object_law, t.v, t.normal, scale(own_share, t.mass));
+        ContactPair t;
+        if (!contact_pair(instance.contact.collision_distance, own_x, other_x, own_v, other_v, t))
+            continue;
+        ImpactAdjoint mine =
+            impact_adjoint(instance.parameters.object_law, t.v, t.normal, scale(own_share, t.mass));
         law_bar.restitution += mine.restitution;
         law_bar.friction += mine.friction;
         float3 theirs_in = scale(xyz(__ldcg(share + other)), t.mass);
-        ImpactAdjoint theirs =
-            impact_adjoint(instance.parameters.object_law, scale(t.v, -1.0f), scale(t.normal, -1.0f), theirs_in);
+        ImpactAdjoint theirs = impact_adjoint(
+            instance.parameters.object_law, scale(t.v, -1.0f), scale(t.normal, -1.0f), theirs_in
+        );
         // Seen from the other end, this node is the second of the pair.
         float3 normal_bar = sub(theirs.normal, mine.normal);
         float3 flat = add_scaled(normal_bar, -dot(normal_bar, t.normal), t.normal);

@@ -1,4 +1,4 @@
-// Moving a node for one substep with the ground in the way, and the adjoint of it: the node moves
+// Motion of a node for one substep with ground contact, and its adjoint: the node moves
 // with the old velocity until the time of impact and with the reflected one after it.
 
 struct Ground {
@@ -29,7 +29,8 @@ DEVICE void advance(const Ground& g, Law law, float dt, float3& x, float3& v) {
     v = after;
 }
 
-// Adjoint of `advance` from (x, v): turns d loss / d result in (x_bar, v_bar) into that of its arguments.
+// Adjoint of `advance` from (x, v): turns d loss / d result in (x_bar, v_bar) into that of its
+// arguments.
 DEVICE void advance_adjoint(
     const Ground& g, Law law, float dt, float3 x, float3 v, float3& x_bar, float3& v_bar,
     Law& law_bar

@@ -1,6 +1,7 @@
-// Arguments of the kernels that simulate. The host declares the same structs in `src/device/args`; every
-// field's place and size is checked when a kernel is compiled. A kernel takes one struct of its own as a
-// `__grid_constant__`: without it NVVM unrolls fewer loops over memory that the struct points to.
+// Arguments of the kernels that simulate. The host declares the same structs in `src/device/args`;
+// every field's place and size is checked when a kernel is compiled. A kernel takes one struct of
+// its own as a `__grid_constant__`: without it NVVM unrolls fewer loops over memory that the struct
+// points to.
 
 // A block's share of a graph. A block knows its own nodes, then the halo of nodes that its elements
 // reach into, by local index; control points stand at `TopologyArgs::control_base` in every block.
@@ -32,7 +33,8 @@ struct Pin {
 
 struct Triplet {
     u16 i, j, k;  // local indices
-    u16 owned;    // whether this block reports its gradient; of a rod's inner node, whether `k` is an arm
+    // 1 if this block reports its gradient; of a rod's inner node, 1 if `k` is an arm.
+    u16 owned;
 };
 
 // A graph as one shape of launch sees it.
@@ -51,7 +53,7 @@ struct TopologyArgs {
     const float* inverse_mass; // by graph index; zero where pinned
     const u32* sum_rows;       // as `rows`: pairs with sums before each row
     const u32* triplet_of;     // per triplet of a share: its index in the graph
-    const u32* rod_turns;      // [R + 1]: first inner node of each rod in the share's list of triplets
+    const u32* rod_turns;      // [R + 1]: first inner node of each rod among the share's triplets
     u32 node_count;            // N
     u32 control_count;         // C
     u32 control_base;          // local index of control point 0
@@ -115,22 +117,22 @@ struct AdjointArgs {
     float* bar_twists;    // [R]: d loss / d twist
     float* spring_sums;   // [pairs with sums][2][3][32 lanes], as in `SpringSums`
     float* bend_sums;     // [3][T], then [3][R] of rods
-    float* law_sums;      // [blocks][5]: drag, ground restitution, friction, object restitution, friction
+    float* law_sums;      // [blocks][5]: drag, restitution and friction of ground and of objects
     float* control_sums;  // [blocks][9][C]: d loss / d from, to, velocity
     float* pin_sums;      // [9][pins]
 };
 
 // Contact between nodes.
 struct ContactArgs {
-    u32* partners;             // [N][max_partners]: candidates of each node
-    u32* partner_counts;       // [N]
-    u32* partner_scratch;      // [N]: nodes by cell
-    const u32* object_ids;     // [N]
-    const u32* joined_starts;  // [N + 1]: first neighbour of each node in `joined`
-    const u32* joined;         // nodes that a spring joins to a node, ascending
-    float4* x;                 // [N]: x, inverse mass
-    float4* v;                 // [N]: velocity before contact
-    float collision_distance;  // [m]
+    u32* partners;                // [N][max_partners]: candidates of each node
+    u32* partner_counts;          // [N]
+    u32* partner_scratch;         // [N]: nodes by cell
+    const u32* object_ids;        // [N]
+    const u32* neighbour_starts;  // [N + 1]: first neighbour of each node in `neighbours`
+    const u32* neighbours;        // nodes that a spring joins to a node, ascending
+    float4* x;                    // [N]: x, inverse mass
+    float4* v;                    // [N]: velocity before contact
+    float collision_distance;     // [m]
     u32 max_partners;
     u32 between_objects, within_object;
 };
@@ -171,7 +173,9 @@ DEVICE Path path_of(const InstanceArgs& instance, u32 frame) {
     Path p;
     p.from = instance.state.controls + (u64)frame * instance.topology.control_count * 3;
     // An instance without frames stands still.
-    p.to = frame < instance.state.first_frame + instance.state.frame_count ? p.from + instance.topology.control_count * 3 : p.from;
+    p.to = frame < instance.state.first_frame + instance.state.frame_count
+               ? p.from + instance.topology.control_count * 3
+               : p.from;
     p.frame_s = instance.step.frame_s;
     p.moves = instance.step.controls_move != 0;
     return p;

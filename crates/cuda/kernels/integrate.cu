@@ -1,9 +1,10 @@
-// Frames forward: all substeps of all frames of a launch without leaving the kernel. For every substep:
-// forces, velocities, contact between nodes, ground, pins, in the order of the model's definition.
+// Frames forward: all substeps of all frames of a launch without leaving the kernel. For every
+// substep: forces, velocities, contact between nodes, ground, pins, in the order of the model's
+// definition.
 //
-// Instances come in groups of INSTANCES that share a graph and its parameters, so that a half-spring is
-// loaded once for all of them. The lanes of a node sum their forces by shuffles in a fixed order, and all
-// of them then know the node's new state.
+// Instances come in groups of INSTANCES that share a graph and its parameters, so that a
+// half-spring is loaded once for all of them. The lanes of a node sum their forces by shuffles in a
+// fixed order, and all of them then know the node's new state.
 
 // Values of all substeps, kept in registers.
 struct Constants {
@@ -33,12 +34,12 @@ DEVICE u32 frame_of(const InstanceArgs& instance, u32 frame) {
 }
 
 // Forces of the ends i and k, by triplet and instance.
-DEVICE float3* bend_buffer(const Local& l) {
+DEVICE float3* bend_buffer(const BlockState& l) {
     u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.instance->topology.max_pairs) : 0;
     return reinterpret_cast<float3*>(BEND_IN_SHARED ? l.after_states(before) : l.spill());
 }
 
-DEVICE void bend_one(const Local& l, u32 now, float3* forces, u32 t, const HeldTriplet& h) {
+DEVICE void bend_one(const BlockState& l, u32 now, float3* forces, u32 t, const HeldTriplet& h) {
 #pragma unroll
     for (u32 m = 0; m < INSTANCES; m++) {
         State i = l.state(now, m, h.ends.i), j = l.state(now, m, h.ends.j);
@@ -51,17 +52,18 @@ DEVICE void bend_one(const Local& l, u32 now, float3* forces, u32 t, const HeldT
 }
 
 #if RODS
-// Moves the rods' twists and leaves what their inner nodes exert on their neighbours where triplets leave theirs.
+// Moves the rods' twists and leaves what their inner nodes exert on their neighbours where triplets
+// leave theirs.
 DEVICE void rod_forces(
-    const Local& l, const Constants& c, const InstanceArgs* instances, u32 now, float3* forces, const HeldRod& first,
-    u32 tape
+    const BlockState& l, const Constants& c, const InstanceArgs* instances, u32 now, float3* forces,
+    const HeldRod& first, u32 tape
 ) {
     for_rods(l, first, [&](u32 r, const HeldRod& h) {
         for (u32 m = 0; m < INSTANCES; m++) {
             u32 lane = threadIdx.x % 32;
             float rate = 0.0f;
             for (u32 t = h.first + lane; t < h.end; t += 32) {
-                Inner in = inner_at(l, now, m, t);
+                InnerNode in = inner_node_at(l, now, m, t);
                 rate += along(in.turn, in.v_before, in.v_after);
             }
             rate = sum_warp(rate);
@@ -77,7 +79,7 @@ DEVICE void rod_forces(
             }
             float torque = h.stiffness * (twist - h.rest_twist) + h.damping * rate;
             for (u32 t = h.first + lane; t < h.end; t += 32) {
-                Turn turn = inner_at(l, now, m, t).turn;
+                Turn turn = inner_node_at(l, now, m, t).turn;
                 forces[(t * INSTANCES + m) * 2] = scale(turn.a, -torque);
                 forces[(t * INSTANCES + m) * 2 + 1] = scale(turn.c, -torque);
             }
@@ -90,7 +92,8 @@ DEVICE void rod_forces(
 DEVICE void load_twists(const InstanceArgs* instances, u32 frame) {
     for (u32 i = threadIdx.x; i < RODS * INSTANCES; i += THREADS) {
         const InstanceArgs& instance = instances[i / RODS];
-        rod_twists()[i] = instance.state.twists[(u64)(frame_of(instance, frame) % instance.state.slot_count) * RODS + i % RODS];
+        u64 slot = frame_of(instance, frame) % instance.state.slot_count;
+        rod_twists()[i] = instance.state.twists[slot * RODS + i % RODS];
     }
 }
 
@@ -99,24 +102,25 @@ DEVICE void store_twists(const InstanceArgs* instances, u32 frame) {
         const InstanceArgs& instance = instances[i / RODS];
         if (frame >= instance.state.frame_count) continue;
         u32 reached = instance.state.first_frame + frame + 1;
-        instance.state.twists[(u64)(reached % instance.state.slot_count) * RODS + i % RODS] = rod_twists()[i];
+        instance.state.twists[(u64)(reached % instance.state.slot_count) * RODS + i % RODS] =
+            rod_twists()[i];
     }
 }
 #endif
 
-DEVICE void bend_forces(const Local& l, u32 now, float3* forces, const HeldTriplet& first) {
+DEVICE void bend_forces(const BlockState& l, u32 now, float3* forces, const HeldTriplet& first) {
 #if BENDING
     if (first.has) bend_one(l, now, forces, first_triplet(), first);
     for (u32 t = first_triplet() + THREADS; t < l.share.triplets; t += THREADS)
         bend_one(l, now, forces, t, triplet_at(l, t));
 #if !ONE_ROW
-    meet_for_bends();
+    synchronize_bends();
 #endif
 #endif
 }
 
 // A lane's part of the forces of its node's triplets.
-DEVICE float3 bend_share(const Place& p, const float3* forces, const u32* refs, u32 m) {
+DEVICE float3 bend_share(const ThreadNode& p, const float3* forces, const u32* refs, u32 m) {
     float3 sum = zero3();
 #if BENDING
     for_arms(p, refs, [&](u32 triplet, u32 role) {
@@ -133,15 +137,16 @@ DEVICE float3 accelerate(const Constants& c, float inverse_mass, float3 force, f
     return scale(add(v, change), c.decay);
 }
 
-// Ends a node's substep: from its velocity after contact to its new state, for everyone to see.
-DEVICE void travel(
-    const Local& l, const Constants& c, const Place& p, u32 m, u32 now, State s, float3 before,
-    float3 after, u32 tape
+// Ends a node's substep: from its velocity after contact to its new state, published to all blocks.
+DEVICE void finish_substep(
+    const BlockState& l, const Constants& c, const ThreadNode& p, u32 m, u32 now, State s,
+    float3 before, float3 after, u32 tape
 ) {
 #if TAPE
     if (p.lane == 0 && tape != NO_TAPE) {
         const InstanceArgs& instance = *l.instance;
-        // Nodes of a row side by side: scattered, they would cost more than the rest of the tape.
+        // Nodes of a row in adjacent entries: scattered, they would cost more than the rest of the
+        // tape.
         u64 at = (u64)tape * instance.topology.node_count + l.share.slot + p.node;
         instance.tape.x[at] = with_w(s.x, s.v.x);
         instance.tape.v[at] = make_float2(s.v.y, s.v.z);
@@ -167,7 +172,7 @@ DEVICE void travel(
 }
 
 // The half-springs of the one row that a warp has, in registers.
-struct Held {
+struct HeldPairs {
 #if HELD > 0
     Pair pairs[HELD];
 #endif
@@ -191,9 +196,9 @@ DEVICE void spring_forces(
     }
 }
 
-DEVICE void work_on(
-    const Local& l, const Constants& c, const Place& p, const Held& held, u32 now, u32 tape,
-    const Pairs& pairs, const float3* bends, const u32* refs
+DEVICE void integrate_node(
+    const BlockState& l, const Constants& c, const ThreadNode& p, const HeldPairs& held, u32 now,
+    u32 tape, const Pairs& pairs, const float3* bends, const u32* refs
 ) {
     State s[INSTANCES];
     float3 force[INSTANCES];
@@ -203,8 +208,8 @@ DEVICE void work_on(
     for (u32 m = 0; m < INSTANCES; m++) {
         s[m] = l.state(now, m, p.node);
         force[m] = zero3();
-        xs[m] = anchored(l.xs(now, m));
-        vs[m] = anchored(l.vs(now, m));
+        xs[m] = opaque_shared(l.xs(now, m));
+        vs[m] = opaque_shared(l.vs(now, m));
     }
 #if HELD > 0
     // Pairs that all rows have need no test.
@@ -217,7 +222,7 @@ DEVICE void work_on(
     for (u32 k = HELD; k < p.pairs; k++)
         spring_forces(c, xs, vs, load_pair(pairs, p.first + k * 32), s, force);
 #if ONE_ROW
-    meet_for_bends();
+    synchronize_bends();
 #endif
 #pragma unroll
     for (u32 m = 0; m < INSTANCES; m++) {
@@ -230,33 +235,33 @@ DEVICE void work_on(
             __stcg(l.instance->contact.v + p.at, with_w(before, 0.0f));
         }
 #else
-        if (p.valid) travel(l, c, p, m, now, s[m], before, before, tape);
+        if (p.valid) finish_substep(l, c, p, m, now, s[m], before, before, tape);
 #endif
     }
 }
 
-DEVICE void work_on_contact(
-    const Local& l, const Constants& c, const Place& p, u32 now, u32 tape
+DEVICE void resolve_contact(
+    const BlockState& l, const Constants& c, const ThreadNode& p, u32 now, u32 tape
 ) {
     const InstanceArgs& instance = *l.instance;
-    float touches;
-    Live nodes = {instance.contact.x, instance.contact.v};
-    float3 after = collide(instance, nodes, p.at, p.valid, p.lane, touches);
+    float contact_count;
+    CurrentNodes nodes = {instance.contact.x, instance.contact.v};
+    float3 after = collide(instance, nodes, p.at, p.valid, p.lane, contact_count);
     float3 before = xyz(__ldcg(instance.contact.v + p.at));
-    if (p.valid) travel(l, c, p, 0, now, l.state(now, 0, p.node), before, after, tape);
+    if (p.valid) finish_substep(l, c, p, 0, now, l.state(now, 0, p.node), before, after, tape);
 }
 
-// The path of the control point that a thread moves, held in registers. The last threads do it: their rows
-// are the shortest.
-struct Moved {
+// The path of the control point that a thread moves, held in registers. The last threads do it:
+// their rows are the shortest.
+struct ControlPath {
     float3 from[INSTANCES], to[INSTANCES];
     float3 velocity[INSTANCES];
     u32 control;
     u32 substeps;
 };
 
-DEVICE Moved moved_of(const Local& l, const InstanceArgs* instances, u32 frame) {
-    Moved w;
+DEVICE ControlPath control_path_of(const BlockState& l, const InstanceArgs* instances, u32 frame) {
+    ControlPath w;
     w.control = THREADS - 1 - threadIdx.x;
     w.substeps = instances->step.substeps;
 #pragma unroll
@@ -274,7 +279,8 @@ DEVICE Moved moved_of(const Local& l, const InstanceArgs* instances, u32 frame) 
 
 // Puts the control points where a substep's forces see them.
 DEVICE void place_controls(
-    const Local& l, const InstanceArgs* instances, const Moved& w, u32 buffer, u32 frame, u32 substep
+    const BlockState& l, const InstanceArgs* instances, const ControlPath& w, u32 buffer, u32 frame,
+    u32 substep
 ) {
     if (w.control >= l.controls) return;
     float t = progress(substep, w.substeps);
@@ -291,7 +297,7 @@ DEVICE void place_controls(
 }
 
 // Pinned nodes stand at the frame's start with its velocity, wherever they are known.
-DEVICE void begin_frame(const Local& l, const InstanceArgs* instances, u32 now, u32 frame) {
+DEVICE void begin_frame(const BlockState& l, const InstanceArgs* instances, u32 now, u32 frame) {
     const TopologyArgs& t = l.instance->topology;
     for (u32 m = 0; m < INSTANCES; m++) {
         Path path = path_of(instances[m], frame_of(instances[m], frame));
@@ -305,10 +311,12 @@ DEVICE void begin_frame(const Local& l, const InstanceArgs* instances, u32 now, 
     }
 }
 
-DEVICE void load_states(const Local& l, const InstanceArgs* instances, u32 now, u32 frame) {
+DEVICE void load_states(const BlockState& l, const InstanceArgs* instances, u32 now, u32 frame) {
     u32 n = l.instance->topology.node_count;
     for (u32 m = 0; m < INSTANCES; m++) {
-        const float* s = instances[m].state.states + (u64)(frame_of(instances[m], frame) % instances[m].state.slot_count) * 6 * n;
+        const float* s =
+            instances[m].state.states +
+            (u64)(frame_of(instances[m], frame) % instances[m].state.slot_count) * 6 * n;
         for (u32 i = threadIdx.x; i < l.share.local; i += THREADS) {
             u32 g = l.graph_node(i);
             l.put(now, m, i, v3(s[g], s[n + g], s[2 * n + g]),
@@ -320,11 +328,12 @@ DEVICE void load_states(const Local& l, const InstanceArgs* instances, u32 now, 
 
 // Nodes farther out than that, or not finite, have diverged.
 DEVICE bool inside(const State& s) {
-    return fabsf(s.x.x) <= MAX_COORDINATE_M && fabsf(s.x.y) <= MAX_COORDINATE_M && fabsf(s.x.z) <= MAX_COORDINATE_M &&
-           isfinite(s.v.x) && isfinite(s.v.y) && isfinite(s.v.z);
+    return fabsf(s.x.x) <= MAX_COORDINATE_M && fabsf(s.x.y) <= MAX_COORDINATE_M &&
+           fabsf(s.x.z) <= MAX_COORDINATE_M && isfinite(s.v.x) && isfinite(s.v.y) &&
+           isfinite(s.v.z);
 }
 
-DEVICE void store_states(const Local& l, const InstanceArgs* instances, u32 now, u32 frame) {
+DEVICE void store_states(const BlockState& l, const InstanceArgs* instances, u32 now, u32 frame) {
     u32 n = l.instance->topology.node_count;
     for (u32 m = 0; m < INSTANCES; m++) {
         const InstanceArgs& instance = instances[m];
@@ -360,12 +369,13 @@ struct AdvanceFramesArgs {
     u32 unused;
 };
 
-// Runs frames `first..end` of each instance. With TAPE, each only as far as substep `to`, and what happens from
-// `from` on goes onto tape, frame after frame.
-extern "C" __global__ void __launch_bounds__(THREADS) advance_frames(const __grid_constant__ AdvanceFramesArgs args) {
+// Runs frames `first..end` of each instance. With TAPE, each only as far as substep `to`, and what
+// happens from `from` on goes onto tape, frame after frame.
+extern "C" __global__ void __launch_bounds__(THREADS)
+advance_frames(const __grid_constant__ AdvanceFramesArgs args) {
     const u32 first = args.first, end = args.end, from = args.from, to = args.to, keep = args.keep;
     const InstanceArgs* instances = args.instances + (u64)(blockIdx.x / BLOCKS) * INSTANCES;
-    Local l = local_of(instances, blockIdx.x % BLOCKS, sizeof(float4) + sizeof(float2));
+    BlockState l = block_state_of(instances, blockIdx.x % BLOCKS, sizeof(float4) + sizeof(float2));
     Pairs pairs = pairs_of(l, l.share.rows, l.after_states(0));
     Constants c = constants_of(*instances);
     float3* bends = bend_buffer(l);
@@ -378,9 +388,9 @@ extern "C" __global__ void __launch_bounds__(THREADS) advance_frames(const __gri
     Halo halo = halo_of(l);
     u32 now = 0;
     load_states(l, instances, now, first);
-    Held held;
+    HeldPairs held;
 #if ONE_ROW
-    Place p = place_of(l, threadIdx.x / 32);
+    ThreadNode p = thread_node_of(l, threadIdx.x / 32);
 #if HELD > 0
 #pragma unroll
     for (u32 k = 0; k < HELD; k++)
@@ -388,39 +398,39 @@ extern "C" __global__ void __launch_bounds__(THREADS) advance_frames(const __gri
 #endif
 #endif
     // A cluster's blocks must all have started before one writes into another.
-    meet(l.barrier, l.round);
+    synchronize_team(l.barrier, l.round);
     u32 last_frame = min(end, longest(instances));
     for (u32 frame = first; frame < last_frame; frame++) {
-        Moved moved = moved_of(l, instances, frame);
+        ControlPath path = control_path_of(l, instances, frame);
         begin_frame(l, instances, now, frame);
-        place_controls(l, instances, moved, now, frame, 0);
+        place_controls(l, instances, path, now, frame, 0);
         __syncthreads();
-        u32 last = TAPE ? min(to, moved.substeps) : moved.substeps;
+        u32 last = TAPE ? min(to, path.substeps) : path.substeps;
         for (u32 s = 0; s < last; s++) {
             u32 tape = s >= from ? frame * (last - from) + s - from : NO_TAPE;
             expect_halo(l.arrivals, now ^ 1);
-            place_controls(l, instances, moved, now ^ 1, frame, s + 1);
+            place_controls(l, instances, path, now ^ 1, frame, s + 1);
 #if RODS
             rod_forces(l, c, instances, now, bends, rod, tape);
 #endif
             bend_forces(l, now, bends, triplet);
 #if ONE_ROW
-            work_on(l, c, p, held, now, tape, pairs, bends, refs);
+            integrate_node(l, c, p, held, now, tape, pairs, bends, refs);
 #else
             for (u32 row = threadIdx.x / 32; row < l.share.rows; row += WARPS)
-                work_on(l, c, place_of(l, row), held, now, tape, pairs, bends, refs);
+                integrate_node(l, c, thread_node_of(l, row), held, now, tape, pairs, bends, refs);
 #endif
 #if CONTACT
-            meet(l.barrier, l.round);
+            synchronize_team(l.barrier, l.round);
 #if ONE_ROW
-            work_on_contact(l, c, p, now, tape);
+            resolve_contact(l, c, p, now, tape);
 #else
             for (u32 row = threadIdx.x / 32; row < l.share.rows; row += WARPS)
-                work_on_contact(l, c, place_of(l, row), now, tape);
+                resolve_contact(l, c, thread_node_of(l, row), now, tape);
 #endif
 #endif
             now ^= 1;
-            meet_for_halo(l.arrivals, now, l.barrier, l.round);
+            synchronize_halo(l.arrivals, now, l.barrier, l.round);
             fetch_states(l, halo, now);
         }
 #if RODS
@@ -429,5 +439,5 @@ extern "C" __global__ void __launch_bounds__(THREADS) advance_frames(const __gri
         if (keep) store_states(l, instances, now, frame);
     }
     // None may end while another still writes into it.
-    meet(l.barrier, l.round);
+    synchronize_team(l.barrier, l.round);
 }

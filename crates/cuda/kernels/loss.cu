@@ -1,5 +1,5 @@
-// An objective's terms: their values, and d loss / d positions at frame ends, gathered by node. The nearest
-// node of a Chamfer target counts as fixed in the gradient.
+// An objective's terms: their values, and d loss / d positions at frame ends, gathered by node. The
+// nearest node of a Chamfer target counts as fixed in the gradient.
 
 #define TILE 512
 #define CHAMFER 0
@@ -74,7 +74,7 @@ DEVICE double point_loss(const Term& t, float3 d) {
     return sum / 3.0;
 }
 
-DEVICE float slope(float x, float beta) {
+DEVICE float smooth_l1_gradient(float x, float beta) {
     if (fabsf(x) < beta) return x / beta / 3.0f;
     return x == 0.0f ? 0.0f : copysignf(1.0f / 3.0f, x);
 }
@@ -85,10 +85,14 @@ DEVICE float3 point_gradient(const Term& t, float3 d) {
         float length = sqrtf(dot(d, d));
         return length > 0.0f ? scale(d, 1.0f / length) : zero3();
     }
-    return v3(slope(d.x, t.beta), slope(d.y, t.beta), slope(d.z, t.beta));
+    return v3(
+        smooth_l1_gradient(d.x, t.beta), smooth_l1_gradient(d.y, t.beta),
+        smooth_l1_gradient(d.z, t.beta)
+    );
 }
 
-// Sum of squared distances of the thread's targets to their nearest surface nodes; ties go to the lower index.
+// Sum of squared distances of the thread's targets to their nearest surface nodes; ties go to the
+// lower index.
 DEVICE double chamfer(const ObjectiveArgs& m, const Term& t) {
     __shared__ float3 tile[TILE];
     double sum = 0.0;
@@ -123,7 +127,8 @@ DEVICE double chamfer(const ObjectiveArgs& m, const Term& t) {
 }
 
 // Value of one term of one instance: block (term, instance).
-extern "C" __global__ void __launch_bounds__(THREADS) score(const __grid_constant__ ScoreArgs args) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+score(const __grid_constant__ ScoreArgs args) {
     const ObjectiveArgs& m = args.objectives[blockIdx.y];
     for (u32 term = blockIdx.x; term < m.term_count; term += gridDim.x) {
         const Term t = m.terms[term];
@@ -150,7 +155,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) score(const __grid_constan
     }
 }
 
-// d loss / d position of a node by the accelerations of a frame, which look back `back` frames at this one.
+// d loss / d position of a node by the accelerations of a frame, which look back `back` frames at
+// this one.
 DEVICE float3 acceleration_seed(const ObjectiveArgs& m, u32 frame, u32 back, u32 node) {
     float3 sum = zero3();
     u32 at = frame + back;

@@ -1,6 +1,7 @@
 // Parameters and their gradients. Both are one array of floats in the order of the host's `Params`:
-// stiffness [E], dashpot [E], rest length [E], bend stiffness [T], bend damping [T], rest angle [T], twist stiffness [R],
-// twist damping [R], rest twist [R]; then drag and the restitution and friction of ground and objects.
+// stiffness [E], dashpot [E], rest length [E], bend stiffness [T], bend damping [T], rest angle
+// [T], twist stiffness [R], twist damping [R], rest twist [R]; then drag and the restitution and
+// friction of ground and objects.
 
 #define NONE 0xffffffffu
 
@@ -15,8 +16,8 @@ struct PackHalfSpringsArgs {
     u32 spring_count;      // E
 };
 
-// Half-springs as one shape of launch wants them, in pairs: combined with rest lengths, beside the other ends'
-// indices.
+// Half-springs as one shape of launch wants them, in pairs: combined with rest lengths, beside the
+// other ends' indices.
 extern "C" __global__ void pack_half_springs(const __grid_constant__ PackHalfSpringsArgs args) {
     const float* params = args.params;
     const u32 e = args.spring_count;
@@ -69,8 +70,8 @@ struct GatherSumsArgs {
     u32 first_other;
 };
 
-// Adds up what the windows of an instance have summed: per spring from `sum_of` on, then the others from
-// `first_other` on.
+// Adds up what the windows of an instance have summed: per spring from `sum_of` on, then the others
+// from `first_other` on.
 extern "C" __global__ void gather_sums(const __grid_constant__ GatherSumsArgs args) {
     float* total = args.total;
     const float* sums = args.sums;
@@ -104,8 +105,8 @@ struct FinishGradientArgs {
     u32 unused;
 };
 
-// d loss / d parameters from the spring sums [3][E], the bend sums [3][T], those of rods [3][R] and the law sums
-// [blocks][5].
+// d loss / d parameters from the spring sums [3][E], the bend sums [3][T], those of rods [3][R] and
+// the law sums [blocks][5].
 extern "C" __global__ void finish_gradient(const __grid_constant__ FinishGradientArgs args) {
     float* out = args.out;
     const float *sums = args.sums, *params = args.params;
@@ -137,8 +138,8 @@ struct CollectControlsArgs {
     u32 unused;
 };
 
-// Adds a frame's d loss / d (from, to, velocity) of control points and pins to d loss / d controls, shape
-// [frames + 1][C][3], and clears them.
+// Adds a frame's d loss / d (from, to, velocity) of control points and pins to d loss / d controls,
+// shape [frames + 1][C][3], and clears them.
 extern "C" __global__ void collect_controls(const __grid_constant__ CollectControlsArgs args) {
     const InstanceArgs& instance = args.instances[blockIdx.y];
     const u32 c = instance.topology.control_count;
@@ -175,8 +176,8 @@ struct AddSeedsArgs {
     u32 unused;
 };
 
-// Starts or goes on with a window: d loss / d state at the end of frame `StateArgs::first_frame` - 1 is what came back so
-// far (nothing if `begins`) plus the seed of that frame's own terms.
+// Starts or goes on with a window: d loss / d state at the end of frame `StateArgs::first_frame` -
+// 1 is what came back so far (nothing if `begins`) plus the seed of that frame's own terms.
 extern "C" __global__ void add_seeds(const __grid_constant__ AddSeedsArgs args) {
     const InstanceArgs& instance = args.instances[blockIdx.y];
     const u32 begins = args.begins;

@@ -1,5 +1,6 @@
-// Contact candidates: for each node, the nodes that it may touch during a frame, through a hash grid;
-// once a frame, one block an instance. Everything is placed in a fixed order, so that impulses are summed in one.
+// Contact candidates: for each node, the nodes that it may touch during a frame, through a hash
+// grid; once a frame, one block an instance. Everything is placed in a fixed order, so that
+// impulses are summed in one.
 
 #define CELLS 4096
 #define SCAN (CELLS / THREADS)
@@ -46,25 +47,26 @@ DEVICE u32 bucket_of(const Search& s, u32 node) {
     return bucket(cell_index(x.x, s.radius), cell_index(x.y, s.radius), cell_index(x.z, s.radius));
 }
 
-DEVICE bool may_touch(const InstanceArgs& instance, u32 a, u32 b) {
+DEVICE bool can_collide(const InstanceArgs& instance, u32 a, u32 b) {
     if (a == b) return false;
-    if (instance.contact.object_ids[a] != instance.contact.object_ids[b]) return instance.contact.between_objects != 0;
+    if (instance.contact.object_ids[a] != instance.contact.object_ids[b])
+        return instance.contact.between_objects != 0;
     if (!instance.contact.within_object) return false;
-    u32 low = instance.contact.joined_starts[a], high = instance.contact.joined_starts[a + 1];
+    u32 low = instance.contact.neighbour_starts[a], high = instance.contact.neighbour_starts[a + 1];
     while (low < high) {
         u32 middle = (low + high) / 2;
-        if (instance.contact.joined[middle] < b) {
+        if (instance.contact.neighbours[middle] < b) {
             low = middle + 1;
         } else {
             high = middle;
         }
     }
-    return low == instance.contact.joined_starts[a + 1] || instance.contact.joined[low] != b;
+    return low == instance.contact.neighbour_starts[a + 1] || instance.contact.neighbours[low] != b;
 }
 
-// A warp goes through the nodes around `node`; writes those within `limit` to `to` unless it is null,
-// and returns how many there are.
-DEVICE u32 visit(const Search& s, const u32* starts, u32 node, float limit, u32* to) {
+// A warp goes through the nodes around `node`; writes those within `limit` to `to` unless it is
+// null, and returns how many there are.
+DEVICE u32 collect_near(const Search& s, const u32* starts, u32 node, float limit, u32* to) {
     u32 lane = threadIdx.x % 32;
     float3 here = position(s, node);
     u32 mine = CELLS + lane;
@@ -81,9 +83,11 @@ DEVICE u32 visit(const Search& s, const u32* starts, u32 node, float limit, u32*
         if (!__shfl_sync(0xffffffffu, (int)first, cell)) continue;
         u32 b = __shfl_sync(0xffffffffu, mine, cell);
         for (u32 i = starts[b]; i < starts[b + 1]; i += 32) {
-            u32 other = i + lane < starts[b + 1] ? s.instance->contact.partner_scratch[i + lane] : node;
+            u32 other =
+                i + lane < starts[b + 1] ? s.instance->contact.partner_scratch[i + lane] : node;
             float3 r = sub(position(s, other), here);
-            bool near = other != node && dot(r, r) <= limit && may_touch(*s.instance, node, other);
+            bool near =
+                other != node && dot(r, r) <= limit && can_collide(*s.instance, node, other);
             u32 hits = __ballot_sync(0xffffffffu, near);
             u32 slot = found + __popc(hits & ((1u << lane) - 1));
             // More nodes in one place than there is room for stay out, however near.
@@ -100,7 +104,8 @@ struct FindPartnersArgs {
     u32 unused;
 };
 
-extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const __grid_constant__ FindPartnersArgs args) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+find_partners(const __grid_constant__ FindPartnersArgs args) {
     __shared__ u32 starts[CELLS + 1];
     __shared__ u32 cursors[CELLS];
     __shared__ float fastest[THREADS / 32];
@@ -110,7 +115,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const __grid
     const u32 n = instance.topology.node_count;
     Search s;
     s.instance = &instance;
-    s.state = instance.state.states + (u64)((instance.state.first_frame + frame) % instance.state.slot_count) * 6 * n;
+    s.state = instance.state.states +
+              (u64)((instance.state.first_frame + frame) % instance.state.slot_count) * 6 * n;
     s.path = path_of(instance, instance.state.first_frame + frame);
 
     float fast = 0.0f;
@@ -121,10 +127,11 @@ extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const __grid
     for (u32 i = threadIdx.x; i < CELLS; i += THREADS) cursors[i] = 0;
     __syncthreads();
     for (u32 w = 0; w < THREADS / 32; w++) fast = fmaxf(fast, fastest[w]);
-    // Distance that the fastest two can close within the frame, at least once and at most four times the distance.
+    // Distance that the fastest two can close within the frame, at least once and at most four
+    // times the distance.
     float d = instance.contact.collision_distance;
-    float travel = 2.0f * sqrtf(fast) * instance.step.frame_s;
-    s.radius = d + fminf(fmaxf(travel, d), 4.0f * d);
+    float closing = 2.0f * sqrtf(fast) * instance.step.frame_s;
+    s.radius = d + fminf(fmaxf(closing, d), 4.0f * d);
 
     for (u32 i = threadIdx.x; i < n; i += THREADS) atomicAdd(cursors + bucket_of(s, i), 1u);
     __syncthreads();
@@ -159,13 +166,13 @@ extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const __grid
     for (u32 node = threadIdx.x / 32; node < n; node += THREADS / 32) {
         u32* to = instance.contact.partners + (u64)node * instance.contact.max_partners;
         float high = s.radius * s.radius;
-        u32 found = visit(s, starts, node, high, 0);
+        u32 found = collect_near(s, starts, node, high, 0);
         if (found > instance.contact.max_partners) {
             // An object has collapsed: as many of the nearest as there is room for.
             float low = 0.0f;
             for (u32 step = 0; step < 24; step++) {
                 float middle = 0.5f * (low + high);
-                if (visit(s, starts, node, middle, 0) > instance.contact.max_partners) {
+                if (collect_near(s, starts, node, middle, 0) > instance.contact.max_partners) {
                     high = middle;
                 } else {
                     low = middle;
@@ -173,7 +180,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) find_partners(const __grid
             }
             high = low;
         }
-        found = visit(s, starts, node, high, to);
-        if (threadIdx.x % 32 == 0) instance.contact.partner_counts[node] = min(found, instance.contact.max_partners);
+        found = collect_near(s, starts, node, high, to);
+        if (threadIdx.x % 32 == 0)
+            instance.contact.partner_counts[node] = min(found, instance.contact.max_partners);
     }
 }

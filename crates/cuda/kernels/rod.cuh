@@ -1,9 +1,11 @@
-// Rods that twist between a clamp and another one, or a branch: the twist's gradient at an inner node, and its adjoint.
+// Rods that twist between a clamp and another one, or a branch: the twist's gradient at an inner
+// node, and its adjoint.
 //
-// With e and g the edges before and after a node, n = e x g and fold = |e||g| + e.g: the derivative of the twist by
-// the node before is a = n / (fold |e|), by the node after c = -n / (fold |g|), by the node itself minus their sum.
-// With a branch that holds the frame, g is its arm: a = -(e.g) n / (|e||n|^2), c = -|e| n / |n|^2.
-// If an edge has no length, the rod folds back on itself or an arm hardly leaves its line, everything is zero.
+// With e and g the edges before and after a node, n = e x g and fold = |e||g| + e.g: the derivative
+// of the twist by the node before is a = n / (fold |e|), by the node after c = -n / (fold |g|), by
+// the node itself minus their sum. With a branch that holds the frame, g is its arm: a = -(e.g) n /
+// (|e||n|^2), c = -|e| n / |n|^2. If an edge has no length, the rod folds back on itself or an arm
+// hardly leaves its line, everything is zero.
 
 struct Turn {
     float3 e, g;
@@ -45,7 +47,8 @@ DEVICE Turn arm_of(float3 e, float3 g) {
     float e_length = sqrtf(dot(e, e)), g_length = sqrtf(dot(g, g));
     t.e_length = fmaxf(e_length, MIN_EDGE_M);
     t.g_length = fmaxf(g_length, MIN_EDGE_M);
-    float both = t.e_length * t.g_length, square = dot(t.n, t.n), least = MIN_SINE_SQUARED * both * both;
+    float both = t.e_length * t.g_length, square = dot(t.n, t.n),
+          least = MIN_SINE_SQUARED * both * both;
     bool regular = e_length > MIN_EDGE_M && g_length > MIN_EDGE_M && square > least;
     t.inverse_e = regular ? 1.0f / t.e_length : 0.0f;
     t.inverse_square = regular ? 1.0f / square : 0.0f;

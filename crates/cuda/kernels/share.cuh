@@ -1,12 +1,14 @@
-// Storage of a block. In shared memory: local state, two buffers of it per instance, a node in a float4
-// and a float2; then the half-springs, if they are held there; then what triplets exert, if it fits, or
-// else in the block's spill. Values of global memory that every substep needs are read once, into registers.
+// Storage of a block. In shared memory: local state, two buffers of it per instance, a node in a
+// float4 and a float2; then the half-springs, if they are held there; then what triplets exert, if
+// it fits, or else in the block's spill. Values of global memory that every substep needs are read
+// once, into registers.
 
 #define NODES_A_ROW (32 / LANES)
 // Floats of a warp's pairs' sums.
 #define PAIR_SUMS (6 * 32)
 #define WARPS (THREADS / 32)
-// Halos that a lane tells of its node's new state, and halo nodes that a thread fetches, held in registers.
+// Halos that a lane writes its node's new state to, and halo nodes that a thread fetches, held in
+// registers.
 #define HELD_EXPORTS 2
 #define HELD_HALO 4
 // References to its node's triplets that a lane holds in registers.
@@ -17,12 +19,12 @@ struct State {
     float3 x, v;
 };
 
-struct Local {
+struct BlockState {
     const InstanceArgs* instance;
     Share share;
     u32 rank;    // of this block in its team
     u32 stride;
-    u32 round;   // meetings so far
+    u32 round;   // arrivals of a grid's blocks so far
     u32 control_base, controls;
     u32* barrier;
     Arrivals arrivals;
@@ -52,14 +54,18 @@ struct Local {
     DEVICE_MEMBER float4* after_states(u32 offset) const {
         return shared_memory + 3 * INSTANCES * stride + offset;
     }
-    DEVICE_MEMBER float4* spill() const { return instance->team.spill + (u64)rank * instance->team.spill_stride; }
-    DEVICE_MEMBER u32 graph_node(u32 local) const { return instance->topology.nodes[share.nodes + local]; }
+    DEVICE_MEMBER float4* spill() const {
+        return instance->team.spill + (u64)rank * instance->team.spill_stride;
+    }
+    DEVICE_MEMBER u32 graph_node(u32 local) const {
+        return instance->topology.nodes[share.nodes + local];
+    }
 };
 
-// An array of shared memory that indices will be added to: its address is a number of its own, or the compiler
-// would work it out anew for every index.
+// An array of shared memory that indices will be added to: its address is a number of its own, or
+// the compiler would work it out anew for every index.
 template <class T>
-DEVICE const T* anchored(const T* p) {
+DEVICE const T* opaque_shared(const T* p) {
     u32 address = shared_address(p);
     asm volatile("" : "+r"(address));
     return reinterpret_cast<const T*>(__cvta_shared_to_generic(address));
@@ -74,9 +80,9 @@ DEVICE State state_at(const float4* xs, const float2* vs, u32 local) {
     return s;
 }
 
-// `halo_bytes` are those that a node in a halo is told of in a substep.
-DEVICE Local local_of(const InstanceArgs* instance, u32 rank, u32 halo_bytes) {
-    Local l;
+// `halo_bytes` are those that a node in a halo receives in a substep.
+DEVICE BlockState block_state_of(const InstanceArgs* instance, u32 rank, u32 halo_bytes) {
+    BlockState l;
     l.instance = instance;
     l.rank = rank;
     l.share = instance->topology.shares[rank];
@@ -95,11 +101,15 @@ DEVICE u32 pairs_size(u32 pairs) {
     return (pairs * floats + 3) / 4;
 }
 
-// The half-springs of rows `0..rows` of a block: where they are, after a copy to `near` if they are held there.
-DEVICE Pairs pairs_of(const Local& l, u32 rows, float4* near) {
+// The half-springs of rows `0..rows` of a block: where they are, after a copy to `near` if they are
+// held there.
+DEVICE Pairs pairs_of(const BlockState& l, u32 rows, float4* near) {
     const TopologyArgs& t = l.instance->topology;
     u32 first = t.rows[l.share.row] * 32;
-    Pairs far = {l.instance->parameters.rates + first, l.instance->parameters.others + first, l.instance->parameters.dashpots + first};
+    Pairs far = {
+        l.instance->parameters.rates + first, l.instance->parameters.others + first,
+        l.instance->parameters.dashpots + first
+    };
 #if HALF_SPRINGS_IN_SHARED
     u32 count = t.rows[l.share.row + rows] * 32 - first;
     float4* rates = near;
@@ -118,10 +128,10 @@ DEVICE Pairs pairs_of(const Local& l, u32 rows, float4* near) {
 }
 
 // Data of the node that a thread works on: one of a row of NODES_A_ROW, LANES lanes to each.
-struct Place {
-    u32 node;             // local index; a lane without a node looks at node 0 and keeps silent
+struct ThreadNode {
+    u32 node;             // local index; a lane without a node reads node 0 and writes nothing
     u32 at;               // graph index
-    u32 slot;             // where it is on tape; known on the way back only
+    u32 slot;             // where it is on tape; known in the backward pass only
     u32 lane;             // which of the node's lanes this is
     bool valid;
     int pin;              // -1 if it is free
@@ -136,9 +146,9 @@ struct Place {
     u32 refs[HELD_EXPORTS];
 };
 
-DEVICE Place place_of(const Local& l, u32 row) {
+DEVICE ThreadNode thread_node_of(const BlockState& l, u32 row) {
     const TopologyArgs& t = l.instance->topology;
-    Place p;
+    ThreadNode p;
     p.lane = threadIdx.x % LANES;
     u32 node = row * NODES_A_ROW + threadIdx.x % 32 / LANES;
     p.valid = row < l.share.rows && node < l.share.own;
@@ -184,22 +194,22 @@ DEVICE Place place_of(const Local& l, u32 row) {
     return p;
 }
 
-// Calls `tell(block, local index there)` for the halos that this lane tells of its node.
-template <class Tell>
-DEVICE void for_exports(const Local& l, const Place& p, Tell tell) {
+// Calls `publish(block, local index there)` for the halos that this lane writes its node to.
+template <class Publish>
+DEVICE void for_exports(const BlockState& l, const ThreadNode& p, Publish publish) {
 #pragma unroll
     for (u32 k = 0; k < HELD_EXPORTS; k++) {
-        if (p.refs[k] != 0xffffffffu) tell(p.refs[k] >> 16, p.refs[k] & 0xffff);
+        if (p.refs[k] != 0xffffffffu) publish(p.refs[k] >> 16, p.refs[k] & 0xffff);
     }
     for (u32 e = p.export_from + HELD_EXPORTS * LANES; e < p.exports; e += LANES) {
         u32 ref = l.instance->topology.export_refs[e];
-        tell(ref >> 16, ref & 0xffff);
+        publish(ref >> 16, ref & 0xffff);
     }
 }
 
 // Writes a node's new state here and, its lanes together, into all halos that it belongs to.
 DEVICE void
-publish_state(const Local& l, const Place& p, u32 next, u32 m, float3 x, float3 v) {
+publish_state(const BlockState& l, const ThreadNode& p, u32 next, u32 m, float3 x, float3 v) {
     float4 a = with_w(x, v.x);
     float2 b = make_float2(v.y, v.z);
     float4* xs = l.xs(next, m);
@@ -223,12 +233,18 @@ publish_state(const Local& l, const Place& p, u32 next, u32 m, float3 x, float3 
 }
 
 // The same for a vector that stands in `here`.
-DEVICE void publish_vector(const Local& l, const Place& p, u32 next, float4* here, float4 value) {
+DEVICE void
+publish_vector(const BlockState& l, const ThreadNode& p, u32 next, float4* here, float4 value) {
     if (p.lane == 0) here[p.node] = value;
 #if SHAPE == SHAPE_CLUSTER
-    for_exports(l, p, [&](u32 block, u32 there) { send(here + there, l.arrivals.of(next), block, value); });
+    for_exports(l, p, [&](u32 block, u32 there) {
+        send(here + there, l.arrivals.of(next), block, value);
+    });
 #elif SHAPE == SHAPE_GRID
-    if (p.lane == 0) __stcg(l.instance->team.exchange_x + next * (u64)l.instance->topology.node_count + p.at, value);
+    if (p.lane == 0)
+        __stcg(
+            l.instance->team.exchange_x + next * (u64)l.instance->topology.node_count + p.at, value
+        );
 #endif
 }
 
@@ -238,7 +254,7 @@ struct Halo {
     u32 nodes;
 };
 
-DEVICE Halo halo_of(const Local& l) {
+DEVICE Halo halo_of(const BlockState& l) {
     Halo h;
     h.nodes = 0;
 #if SHAPE == SHAPE_GRID
@@ -254,7 +270,7 @@ DEVICE Halo halo_of(const Local& l) {
 
 // Calls `fetch(local index, graph index)` for the thread's halo nodes.
 template <class Fetch>
-DEVICE void for_halo(const Local& l, const Halo& h, Fetch fetch) {
+DEVICE void for_halo(const BlockState& l, const Halo& h, Fetch fetch) {
 #if SHAPE == SHAPE_GRID
 #pragma unroll
     for (u32 k = 0; k < HELD_HALO; k++) {
@@ -267,7 +283,7 @@ DEVICE void for_halo(const Local& l, const Halo& h, Fetch fetch) {
 #endif
 }
 
-DEVICE void fetch_states(const Local& l, const Halo& h, u32 next) {
+DEVICE void fetch_states(const BlockState& l, const Halo& h, u32 next) {
 #if SHAPE == SHAPE_GRID
     const float4* from_x = l.instance->team.exchange_x + next * (u64)h.nodes;
     const float2* from_v = l.instance->team.exchange_v + next * (u64)h.nodes;
@@ -278,7 +294,7 @@ DEVICE void fetch_states(const Local& l, const Halo& h, u32 next) {
 #endif
 }
 
-DEVICE void fetch_vectors(const Local& l, const Halo& h, u32 next, float4* here) {
+DEVICE void fetch_vectors(const BlockState& l, const Halo& h, u32 next, float4* here) {
 #if SHAPE == SHAPE_GRID
     const float4* from = l.instance->team.exchange_x + next * (u64)h.nodes;
     for_halo(l, h, [&](u32 i, u32 at) { here[i] = __ldcg(from + at); });
@@ -287,7 +303,7 @@ DEVICE void fetch_vectors(const Local& l, const Halo& h, u32 next, float4* here)
 
 // Calls `add(triplet, role)` for a lane's share of its node's triplets.
 template <class Add>
-DEVICE void for_arms(const Place& p, const u32* refs, Add add) {
+DEVICE void for_arms(const ThreadNode& p, const u32* refs, Add add) {
 #pragma unroll
     for (u32 k = 0; k < HELD_ARMS; k++) {
         if (p.held_arms[k] != NO_ARM) add(p.held_arms[k] >> 2, p.held_arms[k] & 3);
@@ -299,9 +315,9 @@ DEVICE void for_arms(const Place& p, const u32* refs, Add add) {
 // The first triplet of a thread. The last threads have the shortest rows, so they begin.
 DEVICE u32 first_triplet() { return THREADS - 1 - threadIdx.x; }
 
-// All have written what their triplets exert. With one row a thread this is asked for when the row's
+// Barrier after the forces of triplets are written. With one row a thread it comes when the row's
 // half-springs are done, so that nobody waits for a triplet with nothing else to do.
-DEVICE void meet_for_bends() {
+DEVICE void synchronize_bends() {
 #if BENDING
     __syncthreads();
 #endif
@@ -315,7 +331,7 @@ struct HeldTriplet {
 };
 
 #if RODS
-// Twists of a block's rods (on the way back: d loss / d twist), by instance and rod.
+// Twists of a block's rods (in the backward pass: d loss / d twist), by instance and rod.
 DEVICE float* rod_twists() {
     static __shared__ float twists[RODS * INSTANCES];
     return twists;
@@ -327,7 +343,7 @@ struct HeldRod {
     float stiffness, damping, rest_twist;
 };
 
-DEVICE HeldRod rod_at(const Local& l, u32 r) {
+DEVICE HeldRod rod_at(const BlockState& l, u32 r) {
     HeldRod h = {0, 0, 0.0f, 0.0f, 0.0f};
     if (r < RODS) {
         h.first = l.instance->topology.rod_turns[r];
@@ -341,21 +357,21 @@ DEVICE HeldRod rod_at(const Local& l, u32 r) {
 
 // Calls `work(rod, what is held of it)` for the rods of a warp, all of its lanes together.
 template <class Work>
-DEVICE void for_rods(const Local& l, const HeldRod& first, Work work) {
+DEVICE void for_rods(const BlockState& l, const HeldRod& first, Work work) {
     u32 r = threadIdx.x / 32;
     if (r < RODS) work(r, first);
     for (r += WARPS; r < RODS; r += WARPS) work(r, rod_at(l, r));
 }
 
 // The inner node `t` of a rod: its turn, and its neighbours' velocities relative to its own.
-struct Inner {
+struct InnerNode {
     Triplet ends;
     Turn turn;
     float3 v_before, v_after;
 };
 
-DEVICE Inner inner_at(const Local& l, u32 now, u32 m, u32 t) {
-    Inner in;
+DEVICE InnerNode inner_node_at(const BlockState& l, u32 now, u32 m, u32 t) {
+    InnerNode in;
     in.ends = l.instance->topology.triplets[l.share.triplet + t];
     State i = l.state(now, m, in.ends.i), j = l.state(now, m, in.ends.j);
     State k = l.state(now, m, in.ends.k);
@@ -367,7 +383,7 @@ DEVICE Inner inner_at(const Local& l, u32 now, u32 m, u32 t) {
 }
 #endif
 
-DEVICE HeldTriplet triplet_at(const Local& l, u32 t) {
+DEVICE HeldTriplet triplet_at(const BlockState& l, u32 t) {
     HeldTriplet h;
     h.has = BENDING && t < l.share.triplets;
     h.ends.i = h.ends.j = h.ends.k = h.ends.owned = 0;

@@ -1,5 +1,5 @@
-// Axial springs with dashpots, and the adjoint of their forces, as seen from one end: every spring is
-// evaluated from both ends, so that a node's force is gathered in a fixed order.
+// Axial springs with dashpots, and the adjoint of their forces, as seen from one end: every spring
+// is evaluated from both ends, so that a node's force is gathered in a fixed order.
 //
 // With r = x_other - x_self, l = |r|, d = r / l and q = (v_other - v_self) . d:
 // f_self = [k (l/l0 - 1) + gamma q] d.
@@ -73,7 +73,8 @@ DEVICE HalfSpring second_of(const Pair& p, float dashpot) {
     return s;
 }
 
-// Adds the spring's force on this end. Below the shortest length that has a direction r itself is nothing.
+// Adds the spring's force on this end. Below the shortest length that has a direction r itself is
+// nothing.
 DEVICE void spring_force(const HalfSpring& s, float3 r, float3 w, float3& force) {
     float square = dot(r, r);
     float inverse = rsqrtf(fmaxf(square, MIN_LENGTH_SQUARED_M2));
@@ -82,7 +83,8 @@ DEVICE void spring_force(const HalfSpring& s, float3 r, float3 w, float3& force)
     force = add_scaled(force, magnitude, r);
 }
 
-// Parts of d loss / d (stiffness, rest length, dashpot): sums over substeps of (l - l0) p, p and q p.
+// Parts of d loss / d (stiffness, rest length, dashpot): sums over substeps of (l - l0) p, p and q
+// p.
 struct SpringSums {
     float stretch, pull, rate;
 };

@@ -1,4 +1,5 @@
-// Starts of instances: the initial state, which many may share, with pinned nodes on their control points.
+// Starts of instances: the initial state, which many may share, with pinned nodes on their control
+// points.
 
 // Initial state of an instance.
 struct InitialArgs {
@@ -33,7 +34,9 @@ extern "C" __global__ void start(const __grid_constant__ StartArgs args) {
     int pin = s.pin_of[i];
     if (pin >= 0) {
         Pin held = s.pins[pin];
-        Path path = {s.controls, s.controls + 3 * (u64)s.control_count, s.frame_s, s.controls_move != 0};
+        Path path = {
+            s.controls, s.controls + 3 * (u64)s.control_count, s.frame_s, s.controls_move != 0
+        };
         x = add(load_v3(path.from + 3 * held.control), load_v3(held.offset));
         v = control_velocity(path, held.control);
     }

@@ -1,11 +1,14 @@
-// A team of BLOCKS blocks simulates INSTANCES instances together. The SHAPE of the launch decides how its blocks
-// synchronize and how a node's new values reach the blocks that have it in their halo:
+// A team of BLOCKS blocks simulates INSTANCES instances together. The SHAPE of the launch decides
+// how its blocks synchronize and how a node's new values reach the blocks that have it in their
+// halo:
 //
 // - SHAPE_BLOCK: one block; its barrier is all there is.
-// - SHAPE_CLUSTER: owners write into the halos through distributed shared memory. A block waits for the bytes of
-//   its own halo, not for the others: a barrier of the cluster that also orders memory would wait for all that
-//   has been written anywhere, tapes included. Contact needs such a barrier, since it goes through global memory.
-// - SHAPE_GRID: owners write to global memory, a barrier of the grid, then halos are read from there.
+// - SHAPE_CLUSTER: owners write into the halos through distributed shared memory. A block waits for
+//   the bytes of its own halo, not for the others: a barrier of the cluster that also orders memory
+//   would wait for all that has been written anywhere, tapes included. Contact needs such a
+//   barrier, since it goes through global memory.
+// - SHAPE_GRID: owners write to global memory, a barrier of the grid, then halos are read from
+//   there.
 
 #define SHAPE_BLOCK 0
 #define SHAPE_CLUSTER 1
@@ -28,10 +31,12 @@ DEVICE void send(const float4* here, u32 arrivals, u32 block, float4 value) {
     u32 there = remote_address(shared_address(here), block);
 #if COUNTS_BYTES
     asm volatile(
-        "st.async.weak.shared::cluster.mbarrier::complete_tx::bytes.v4.f32 [%0], {%1, %2, %3, %4}, [%5];" ::"r"(
-            there),
-        "f"(value.x), "f"(value.y), "f"(value.z), "f"(value.w), "r"(remote_address(arrivals, block))
-        : "memory");
+        "st.async.weak.shared::cluster.mbarrier::complete_tx::bytes.v4.f32 [%0], {%1, %2, %3, %4}, "
+        "[%5];"
+        ::"r"(there), "f"(value.x), "f"(value.y), "f"(value.z), "f"(value.w),
+        "r"(remote_address(arrivals, block))
+        : "memory"
+    );
 #else
     asm volatile("st.shared::cluster.v4.f32 [%0], {%1, %2, %3, %4};" ::"r"(there), "f"(value.x),
                  "f"(value.y), "f"(value.z), "f"(value.w)
@@ -42,19 +47,21 @@ DEVICE void send(const float2* here, u32 arrivals, u32 block, float2 value) {
     u32 there = remote_address(shared_address(here), block);
 #if COUNTS_BYTES
     asm volatile(
-        "st.async.weak.shared::cluster.mbarrier::complete_tx::bytes.v2.f32 [%0], {%1, %2}, [%3];" ::"r"(there),
-        "f"(value.x), "f"(value.y), "r"(remote_address(arrivals, block))
-        : "memory");
+        "st.async.weak.shared::cluster.mbarrier::complete_tx::bytes.v2.f32 [%0], {%1, %2}, [%3];"
+        ::"r"(there), "f"(value.x), "f"(value.y), "r"(remote_address(arrivals, block))
+        : "memory"
+    );
 #else
-    asm volatile("st.shared::cluster.v2.f32 [%0], {%1, %2};" ::"r"(there), "f"(value.x), "f"(value.y)
+    asm volatile("st.shared::cluster.v2.f32 [%0], {%1, %2};" ::"r"(there), "f"(value.x),
+                 "f"(value.y)
                  : "memory");
 #endif
 }
 
-// Barriers that count the bytes of a block's halo, one for each buffer; bytes may come before they are expected. A
-// buffer is written to again only by blocks that have heard from this one since: whoever reads a node of another
-// block's does so for own nodes that are in the other's halo, and tells of them after all that it reads for them
-// (`src/plan/layout/tests/halos.rs`).
+// Barriers that count the bytes of a block's halo, one for each buffer; bytes may come before they
+// are expected. A buffer is written to again only by blocks that have received from this one since:
+// a block that reads a node of another block's does so for own nodes that are in the other's halo,
+// and sends them after all that it reads for them (`src/plan/layout/tests/halos.rs`).
 struct Arrivals {
     u32 address;  // of the first; the other is 8 bytes on
     u32 bytes;    // of a halo
@@ -62,7 +69,7 @@ struct Arrivals {
     DEVICE_MEMBER u32 of(u32 buffer) const { return address + 8 * buffer; }
 };
 
-// Before the team meets for the first time.
+// To be called before the team's first barrier.
 DEVICE Arrivals count_bytes(u32 bytes) {
     Arrivals a = {0, bytes, 0};
 #if COUNTS_BYTES
@@ -87,9 +94,9 @@ DEVICE void expect_halo(const Arrivals& a, u32 buffer) {
 #endif
 }
 
-// All threads of the team meet; what they wrote before, to shared and to global memory, is visible
-// after (global memory through `__ldcg`). `round` counts the meetings of a grid.
-DEVICE void meet(u32* counter, u32& round) {
+// Barrier of all threads of the team; what they wrote before, to shared and to global memory, is
+// visible after (global memory through `__ldcg`). `round` counts the arrivals of a grid's blocks.
+DEVICE void synchronize_team(u32* counter, u32& round) {
 #if SHAPE == SHAPE_BLOCK
     __syncthreads();
 #elif SHAPE == SHAPE_CLUSTER
@@ -111,8 +118,8 @@ DEVICE void meet(u32* counter, u32& round) {
 #endif
 }
 
-// The block meets, and what the others have sent to a buffer is there.
-DEVICE void meet_for_halo(Arrivals& a, u32 buffer, u32* counter, u32& round) {
+// Barrier of the block; what the others have sent to a buffer is there after it.
+DEVICE void synchronize_halo(Arrivals& a, u32 buffer, u32* counter, u32& round) {
 #if COUNTS_BYTES
     __syncthreads();
     asm volatile(
@@ -128,7 +135,7 @@ DEVICE void meet_for_halo(Arrivals& a, u32 buffer, u32* counter, u32& round) {
         : "memory");
     a.phases ^= 1u << buffer;
 #else
-    meet(counter, round);
+    synchronize_team(counter, round);
 #endif
 }
 

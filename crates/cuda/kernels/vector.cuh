@@ -7,7 +7,8 @@ typedef unsigned long long u64;
 #define DEVICE static __device__ __forceinline__
 #define DEVICE_MEMBER __device__ __forceinline__
 
-// First byte of a field in a struct, as a constant: NVRTC has no `offsetof`, this is the one of its front end.
+// First byte of a field in a struct, as a constant: NVRTC has no `offsetof`, this is the one of its
+// front end.
 #define OFFSET_OF(type, field) __INTADDR__(&((type*)0)->field)
 
 DEVICE float3 v3(float x, float y, float z) { return make_float3(x, y, z); }
@@ -28,7 +29,9 @@ DEVICE float3 cross(float3 a, float3 b) {
 }
 
 // 1 / sqrt(x); zero where x is below the square of the shortest length that has a direction.
-DEVICE float inverse_length(float square) { return square > MIN_LENGTH_SQUARED_M2 ? rsqrtf(square) : 0.0f; }
+DEVICE float inverse_length(float square) {
+    return square > MIN_LENGTH_SQUARED_M2 ? rsqrtf(square) : 0.0f;
+}
 
 // Sum over the LANES adjacent lanes that share a node; every one of them gets it, bit for bit.
 DEVICE float sum_lanes(float x) {

@@ -7,11 +7,11 @@ pub(crate) mod kernels;
 pub(crate) mod launch;
 pub(crate) mod memo;
 pub(crate) mod memory;
-pub(crate) mod pace;
 pub(crate) mod queue;
 pub(crate) mod specialization;
 pub(crate) mod staging;
 pub(crate) mod team;
+pub(crate) mod throttle;
 
 use std::sync::Arc;
 
@@ -37,9 +37,10 @@ const STATIC_SHARED_BYTES: u32 = 1024;
 /// Priorities of streams.
 const NORMAL: i32 = 0;
 const URGENT: i32 = -5;
-/// Kernels that run side by side at most.
-const BESIDE: usize = 8;
-/// Blocks of the clusters that are tried, the largest first: what runs depends on the chip and on who shares it.
+/// Most kernels that run concurrently.
+const MAX_CONCURRENT: usize = 8;
+/// Blocks of the clusters that are tried, the largest first: what runs depends on the chip and on
+/// who shares it.
 const CLUSTERS: [u32; 4] = [16, 8, 4, 2];
 
 /// Capabilities of a device.
@@ -72,9 +73,9 @@ pub(crate) struct Device {
     /// Serves requests that must not wait.
     pub(crate) urgent: Arc<CudaStream>,
     pub(crate) normal: Arc<CudaStream>,
-    /// Streams of the same priorities for kernels that run side by side.
-    pub(crate) beside_urgent: Vec<Arc<CudaStream>>,
-    pub(crate) beside_normal: Vec<Arc<CudaStream>>,
+    /// Streams of the same priorities for concurrent kernels.
+    pub(crate) concurrent_urgent: Vec<Arc<CudaStream>>,
+    pub(crate) concurrent_normal: Vec<Arc<CudaStream>>,
     cache: Cache,
     functions: Memo<(Specialization, &'static str), Arc<Function>>,
     modules: Memo<Specialization, Arc<CudaModule>>,
@@ -132,7 +133,7 @@ impl Device {
         };
         keep_freed_memory(&context, budget)?;
         let several =
-            |priority| (0..BESIDE).map(|_| stream(priority)).collect::<Result<Vec<_>, _>>();
+            |priority| (0..MAX_CONCURRENT).map(|_| stream(priority)).collect::<Result<Vec<_>, _>>();
         // Smaller numbers go first.
         let (normal, urgent) = (stream(NORMAL)?, stream(URGENT)?);
         let mut device = Self {
@@ -143,8 +144,8 @@ impl Device {
             team: None,
             urgent,
             normal,
-            beside_urgent: several(URGENT)?,
-            beside_normal: several(NORMAL)?,
+            concurrent_urgent: several(URGENT)?,
+            concurrent_normal: several(NORMAL)?,
             functions: Memo::default(),
             modules: Memo::default(),
             context,

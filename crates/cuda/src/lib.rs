@@ -1,11 +1,12 @@
 //! The CUDA backend. Whole batches are simulated by persistent kernels, compiled for the device at
 //! run time; nothing of CUDA is needed to build or to start this crate.
 //!
-//! `kernels/` has the physics, file by file as the CPU backend: a kernel advances all substeps of many frames
-//! without returning, and another goes backward along a tape. `device` is what talks to CUDA: memory,
-//! streams, compiled kernels and their launches. `plan` decides what to launch: graphs cut for teams of
-//! blocks, the team for a batch, room for tapes. `run` runs it: frames forward, gradients backward,
-//! objectives, the optimiser, and the backend over them. A folder uses those before it only.
+//! `kernels/` has the physics, file by file as the CPU backend: a kernel advances all substeps of
+//! many frames without returning, and another goes backward along a tape. `device` is what talks to
+//! CUDA: memory, streams, compiled kernels and their launches. `plan` decides what to launch:
+//! graphs cut for teams of blocks, the team for a batch, room for tapes. `run` runs it: frames
+//! forward, gradients backward, objectives, the optimiser, and the backend over them. A folder uses
+//! those before it only.
 
 // The one crate that talks to a C interface. Every `unsafe` says why it is sound.
 #![allow(unsafe_code)]

@@ -1,4 +1,5 @@
-//! Plans of launches: graphs cut for teams of blocks, models on the device, the team for a batch, tapes.
+//! Plans of launches: graphs cut for teams of blocks, models on the device, the team for a batch,
+//! tapes.
 
 pub(crate) mod choice;
 pub(crate) mod graph;

@@ -1,10 +1,11 @@
-//! Runs on the device: frames forward, gradients backward, objectives, optimizer steps, and the backend itself.
+//! Runs on the device: frames forward, gradients backward, objectives, optimizer steps, and the
+//! backend itself.
 
 pub(crate) mod backend;
 pub(crate) mod backward;
-pub(crate) mod descent;
 pub(crate) mod group;
 pub(crate) mod objective;
-pub(crate) mod recording;
+pub(crate) mod optimizer;
+pub(crate) mod outputs;
 pub(crate) mod scoring;
 pub(crate) mod simulation;

@@ -1,5 +1,5 @@
-//! The device against the CPU, which defines what is correct, on fresh random models: every run draws its own
-//! seed and prints it; `BENDTWIN_SEED` repeats one.
+//! The device against the CPU, which defines what is correct, on fresh random models: every run
+//! draws its own seed and prints it; `BENDTWIN_SEED` repeats one.
 
 use std::sync::{Arc, OnceLock};
 

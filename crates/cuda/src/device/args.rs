@@ -1,5 +1,5 @@
-//! Argument structs of kernels. Each is declared once in CUDA C++ (`kernels/`) and once here, field by
-//! field under the same names; [`Checks`] compares the two whenever a kernel is compiled.
+//! Argument structs of kernels. Each is declared once in CUDA C++ (`kernels/`) and once here, field
+//! by field under the same names; [`Checks`] compares the two whenever a kernel is compiled.
 
 mod instance;
 mod kernels;

@@ -39,7 +39,8 @@ impl Program {
     fn new(source: &str) -> Result<Self, Error> {
         let source = text(source)?;
         let mut program = std::ptr::null_mut();
-        // SAFETY: the source ends with a zero and is copied; the program has no name and no headers.
+        // SAFETY: the source ends with a zero and is copied; the program has no name and no
+        // headers.
         let created = unsafe {
             let none = std::ptr::null();
             sys::nvrtcCreateProgram(

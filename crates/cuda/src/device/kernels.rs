@@ -40,7 +40,8 @@ macro_rules! kernels {
 }
 
 kernels! {
-    /// Initial states, with pinned nodes on their control points: a block for some nodes of an instance.
+    /// Initial states, with pinned nodes on their control points: a block for some nodes of an
+    /// instance.
     Start: start(StartArgs);
     /// Frames forward: a team of blocks for an instance.
     Integrate: advance_frames(AdvanceFramesArgs);
@@ -65,13 +66,13 @@ kernels! {
     /// d loss / d state at a frame's end: a block for some nodes of an instance.
     Params: add_seeds(AddSeedsArgs);
     /// Squared lengths of gradients: some blocks for a gradient.
-    Descent: square_lengths(SquareLengthsArgs);
+    Optimizer: square_lengths(SquareLengthsArgs);
     /// The weighted sum of gradients.
-    Descent: weigh_gradients(WeighGradientsArgs);
+    Optimizer: weigh_gradients(WeighGradientsArgs);
     /// A step of Adam.
-    Descent: step_adam(StepAdamArgs);
+    Optimizer: step_adam(StepAdamArgs);
     /// Recorded positions: a block for some nodes of a recorded frame of an instance.
-    Record: record(RecordArgs);
+    Outputs: record(RecordArgs);
     /// Largest strain and speed at frame ends: a block for a frame of an instance.
-    Record: extremes(ExtremesArgs);
+    Outputs: extremes(ExtremesArgs);
 }

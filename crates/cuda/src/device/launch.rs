@@ -120,7 +120,8 @@ impl Function {
             .map_err(|e| fault(&format!("setting up {}", self.kernel), e))
     }
 
-    /// Lets blocks have so much dynamic shared memory. Once for all launches: they share the function.
+    /// Lets blocks have so much dynamic shared memory. Once for all launches: they share the
+    /// function.
     pub(crate) fn allow_shared(&self, bytes: u32) -> Result<(), Error> {
         let attribute = sys::CUfunction_attribute::CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES;
         self.set(attribute, bytes as i32)

@@ -127,7 +127,8 @@ impl<T: Pod> Buffer<T> {
         if count > 0 {
             self.bind()?;
             let stream = self.stream.cu_stream();
-            // SAFETY: the range is ours; the host's memory lives until the stream has been waited for.
+            // SAFETY: the range is ours; the host's memory lives until the stream has been waited
+            // for.
             unsafe { result::memcpy_dtoh_async(&mut values, self.at(at).address(), stream) }
                 .map_err(|e| fault("copying from the device", e))?;
         }

@@ -20,17 +20,18 @@ pub(crate) struct Queue {
     pub(crate) staging: Staging,
     /// Its callers wait for nobody else's work, on the host neither.
     pub(crate) is_urgent: bool,
-    sides: Vec<Arc<CudaStream>>,
+    concurrent: Vec<Arc<CudaStream>>,
 }
 
-/// Streams for kernels that run side by side.
-pub(crate) struct Sides<'a> {
+/// Streams on which kernels run concurrently, forked off the queue's and joined to it again.
+pub(crate) struct ForkedStreams<'a> {
     queue: &'a Queue,
     used: &'a [Arc<CudaStream>],
 }
 
-impl Sides<'_> {
-    /// The stream of the k-th kernel, which is a team's. A grid has its barriers on the queue's own stream.
+impl ForkedStreams<'_> {
+    /// The stream of the k-th kernel, which is a team's. A grid has its barriers on the queue's own
+    /// stream.
     pub(crate) fn of(&self, k: usize, team: &Team) -> &CudaStream {
         match self.used.len() {
             0 => &self.queue.stream,
@@ -42,53 +43,54 @@ impl Sides<'_> {
 
 impl Queue {
     pub(crate) fn normal(device: &Arc<Device>) -> Self {
-        Self::new(device, &device.normal, &device.beside_normal, false)
+        Self::new(device, &device.normal, &device.concurrent_normal, false)
     }
 
     pub(crate) fn urgent(device: &Arc<Device>) -> Self {
-        Self::new(device, &device.urgent, &device.beside_urgent, true)
+        Self::new(device, &device.urgent, &device.concurrent_urgent, true)
     }
 
     fn new(
         device: &Arc<Device>,
         stream: &Arc<CudaStream>,
-        sides: &[Arc<CudaStream>],
+        concurrent: &[Arc<CudaStream>],
         is_urgent: bool,
     ) -> Self {
         Self {
             device: device.clone(),
             stream: stream.clone(),
-            sides: sides.to_vec(),
+            concurrent: concurrent.to_vec(),
             staging: Staging::default(),
             is_urgent,
         }
     }
 
-    /// Launches so many kernels on streams side by side: behind all that has been launched, and before all that will be.
-    pub(crate) fn side_by_side(
+    /// Launches so many kernels on concurrent streams: after all that has been launched, and before
+    /// all that will be.
+    pub(crate) fn launch_concurrently(
         &self,
         kernels: usize,
-        mut launch: impl FnMut(usize, &Sides<'_>) -> Result<(), Error>,
+        mut launch: impl FnMut(usize, &ForkedStreams<'_>) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let count = if kernels > 1 { kernels.min(self.sides.len()) } else { 0 };
-        let sides = Sides { queue: self, used: &self.sides[..count] };
+        let count = if kernels > 1 { kernels.min(self.concurrent.len()) } else { 0 };
+        let streams = ForkedStreams { queue: self, used: &self.concurrent[..count] };
         if count > 0 {
             let mark = self.mark()?;
-            for side in sides.used {
-                side.wait(&mark).map_err(|e| fault("forking a stream", e))?;
+            for stream in streams.used {
+                stream.wait(&mark).map_err(|e| fault("forking a stream", e))?;
             }
         }
-        let launched = (0..kernels).try_for_each(|k| launch(k, &sides));
+        let launched = (0..kernels).try_for_each(|k| launch(k, &streams));
         // Even if one failed: memory that the others use is freed behind what the queue has.
-        let joined = sides.used.iter().map(|side| self.join(side)).fold(Ok(()), Result::and);
+        let joined = streams.used.iter().map(|stream| self.join(stream)).fold(Ok(()), Result::and);
         launched.and(joined)
     }
 
-    /// Puts what comes behind what a side has; if that fails, waits for the side.
-    fn join(&self, side: &CudaStream) -> Result<(), Error> {
-        let joined = side.record_event(None).and_then(|mark| self.stream.wait(&mark));
+    /// Orders later work of the queue after that of a forked stream; if that fails, waits for it.
+    fn join(&self, stream: &CudaStream) -> Result<(), Error> {
+        let joined = stream.record_event(None).and_then(|mark| self.stream.wait(&mark));
         joined.map_err(|e| {
-            let _ = side.synchronize();
+            let _ = stream.synchronize();
             fault("joining a stream", e)
         })
     }

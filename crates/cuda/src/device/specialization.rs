@@ -38,14 +38,14 @@ pub(crate) enum Source {
     /// Parameters and their gradients.
     Params,
     /// Adam.
-    Descent,
+    Optimizer,
     /// Outputs of a rollout.
-    Record,
+    Outputs,
 }
 
 impl Source {
     pub(crate) const SMALL: [Self; 6] =
-        [Self::Start, Self::Partners, Self::Loss, Self::Params, Self::Descent, Self::Record];
+        [Self::Start, Self::Partners, Self::Loss, Self::Params, Self::Optimizer, Self::Outputs];
 
     /// True if its kernels keep states in dynamic shared memory.
     pub(crate) fn is_persistent(self) -> bool {
@@ -65,8 +65,8 @@ impl Source {
             Self::Partners => &[("partners.cu", include_str!("../../kernels/partners.cu"))],
             Self::Loss => &[("loss.cu", include_str!("../../kernels/loss.cu"))],
             Self::Params => &[("params.cu", include_str!("../../kernels/params.cu"))],
-            Self::Descent => &[("descent.cu", include_str!("../../kernels/descent.cu"))],
-            Self::Record => &[("record.cu", include_str!("../../kernels/record.cu"))],
+            Self::Optimizer => &[("optimizer.cu", include_str!("../../kernels/optimizer.cu"))],
+            Self::Outputs => &[("outputs.cu", include_str!("../../kernels/outputs.cu"))],
         }
     }
 }
@@ -85,7 +85,8 @@ pub(crate) struct Specialization {
     pub(crate) threads: u32,
     /// Every warp has one row of nodes at most.
     pub(crate) one_row: bool,
-    /// Pairs of half-springs of a lane in registers (forward); whether their sums are there (backward).
+    /// Pairs of half-springs of a lane in registers (forward); whether their sums are there
+    /// (backward).
     pub(crate) held: u32,
     /// Of these, how many every row has.
     pub(crate) held_always: u32,
@@ -129,7 +130,8 @@ impl Specialization {
         }
     }
 
-    /// True if a block works on triplets with its half-springs or their forces outside shared memory.
+    /// True if a block works on triplets with its half-springs or their forces outside shared
+    /// memory.
     pub(crate) fn spills(&self) -> bool {
         self.bending && !(self.bend_in_shared && self.half_springs_in_shared)
     }

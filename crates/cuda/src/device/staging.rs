@@ -1,5 +1,5 @@
-//! Page-locked host memory through which large results come back: the device copies one half while the host
-//! empties the other.
+//! Page-locked host memory through which large results come back: the device copies one half while
+//! the host empties the other.
 
 use std::sync::{Mutex, PoisonError};
 

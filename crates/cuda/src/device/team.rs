@@ -28,8 +28,8 @@ pub(crate) struct Team {
     pub(crate) instances: u32,
 }
 
-/// Notation of a named team: `block`, `block4` (instances), `cluster16` or `grid66` (blocks), each perhaps
-/// with the threads of a block: `cluster16@256`.
+/// Notation of a named team: `block`, `block4` (instances), `cluster16` or `grid66` (blocks), each
+/// perhaps with the threads of a block: `cluster16@256`.
 impl std::str::FromStr for Team {
     type Err = String;
     fn from_str(s: &str) -> Result<Self, String> {

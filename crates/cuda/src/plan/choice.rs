@@ -1,5 +1,5 @@
-//! Choice of the team that simulates an instance: its blocks, their shape, instances at once. Made by
-//! a model of the time of a substep, and reported.
+//! Choice of the team that simulates an instance: its blocks, their shape, instances at once. Made
+//! by a model of the time of a substep, and reported.
 
 use bendtwin_core::Graph;
 use bendtwin_engine::{Error, Model};
@@ -38,9 +38,9 @@ impl Purpose {
     }
 }
 
-/// A kernel of a team for a model: the specialization, and its dynamic shared memory.
+/// Launch of a team for a model: the kernel's specialization, and its memory.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Fitted {
+pub(crate) struct LaunchPlan {
     pub(crate) team: Team,
     pub(crate) specialization: Specialization,
     pub(crate) shared_bytes: u32,
@@ -50,7 +50,19 @@ pub(crate) struct Fitted {
     pub(crate) substep_us: f64,
 }
 
-/// Microseconds of a substep that do not shrink with more blocks: latencies of a node's update and of meetings.
+/// Result of fitting a team into a device's memory.
+pub(crate) enum Fit {
+    /// The team can run.
+    Fits(LaunchPlan),
+    /// A block would need more shared memory than it can have.
+    TooLarge {
+        /// Shared memory that the block would need [bytes].
+        bytes: u64,
+    },
+}
+
+/// Microseconds of a substep that do not shrink with more blocks: latencies of a node's update and
+/// of barriers.
 const BLOCK_US: f64 = 0.1;
 const CLUSTER_US: f64 = 0.62;
 const GRID_US: f64 = 2.2;
@@ -76,13 +88,13 @@ pub(crate) fn choose(
     purpose: Purpose,
     batch: usize,
     alike: usize,
-) -> Result<Fitted, Error> {
+) -> Result<LaunchPlan, Error> {
     let mut candidates = match resident.device.team {
         Some(team) => vec![(BLOCK_US, for_purpose(team, purpose))],
         None => candidates(capabilities, &model.graph, purpose, batch, alike),
     };
     if !model.graph.rods.is_empty() {
-        // A rod's twist is the business of all of its nodes: they stay in one block.
+        // A rod's twist depends on all of its nodes: they stay in one block.
         let chosen = resident.device.team.is_some();
         candidates.iter_mut().filter(|_| chosen).for_each(|(_, t)| t.keep_together());
         candidates.retain(|(_, t)| t.shape == TeamShape::Block);
@@ -92,23 +104,23 @@ pub(crate) fn choose(
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
     let chosen = resident.device.team.is_some();
-    let wasteful = |f: &Fitted| !chosen && f.team.instances > 1 && f.specialization.spills();
+    let wasteful = |f: &LaunchPlan| !chosen && f.team.instances > 1 && f.specialization.spills();
     let mut least = u64::MAX;
-    let mut best: Option<Fitted> = None;
+    let mut best: Option<LaunchPlan> = None;
     for (substep_us, team) in candidates {
         if best.is_some_and(|b| b.substep_us <= substep_us) {
             break;
         }
         match fit(capabilities, resident, model, purpose, team)? {
             // Interleaved instances pay for what does not fit several times.
-            Ok(fitted) if wasteful(&fitted) => {}
-            Ok(fitted) => {
-                let fitted = Fitted { substep_us: substep_us * fitted.substep_us, ..fitted };
-                if best.is_none_or(|b| fitted.substep_us < b.substep_us) {
-                    best = Some(fitted);
+            Fit::Fits(plan) if wasteful(&plan) => {}
+            Fit::Fits(plan) => {
+                let plan = LaunchPlan { substep_us: substep_us * plan.substep_us, ..plan };
+                if best.is_none_or(|b| plan.substep_us < b.substep_us) {
+                    best = Some(plan);
                 }
             }
-            Err(bytes) => least = least.min(bytes),
+            Fit::TooLarge { bytes } => least = least.min(bytes),
         }
     }
     best.ok_or_else(|| {
@@ -172,25 +184,25 @@ fn candidates(
     found
 }
 
-/// The kernel of a team for a model, with how much slower than estimated it is; the bytes that it would need if it
-/// does not fit.
+/// Plan of a team for a model, if its memory fits the device. Its `substep_us` is a factor to the
+/// estimate of [`candidates`].
 pub(crate) fn fit(
     capabilities: &Capabilities,
     resident: &Resident,
     model: &Model,
     purpose: Purpose,
     team: Team,
-) -> Result<Result<Fitted, u64>, Error> {
+) -> Result<Fit, Error> {
     let cut = match resident.graph.cut(&resident.device, Cut::of(&team)) {
         Ok(cut) => cut,
         // Too many local nodes for this cut: another may do.
-        Err(Error::InvalidModel(_)) => return Ok(Err(u64::MAX)),
+        Err(Error::InvalidModel(_)) => return Ok(Fit::TooLarge { bytes: u64::MAX }),
         Err(e) => return Err(e),
     };
     let room = u64::from(capabilities.dynamic_shared());
     let states = 16 * state_float4s(&cut, purpose, team.instances);
     if states > room {
-        return Ok(Err(states));
+        return Ok(Fit::TooLarge { bytes: states });
     }
     let mut specialization = specialization(&cut, resident, model, purpose, team);
     let mut used = states;
@@ -219,7 +231,7 @@ pub(crate) fn fit(
         Purpose::Backward => 1.0 + SUMS_IN_MEMORY * share_in_memory(&cut.layout, &specialization),
         _ => 1.0,
     };
-    Ok(Ok(Fitted { team, specialization, shared_bytes, spill_stride, substep_us }))
+    Ok(Fit::Fits(LaunchPlan { team, specialization, shared_bytes, spill_stride, substep_us }))
 }
 
 /// Share of the springs' sums that are not in registers.
@@ -246,7 +258,8 @@ fn specialization(
 ) -> Specialization {
     let layout = &cut.layout;
     let one_row = layout.max_rows * 32 <= team.threads;
-    // Graphs that differ a little share a kernel. Registers are handed out to four warps at a time anyway.
+    // Graphs that differ a little share a kernel. Registers are handed out to four warps at a time
+    // anyway.
     let threads = if one_row { (layout.max_rows * 32).next_multiple_of(128) } else { team.threads };
     let threads = threads.clamp(64, team.threads.max(64));
     let even = |pairs: u32| pairs.next_multiple_of(2);

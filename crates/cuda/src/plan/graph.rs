@@ -41,12 +41,12 @@ pub(crate) struct DeviceGraph {
     /// Shape [E, 2].
     pub(crate) springs: Buffer<[u32; 2]>,
     /// Made when self contact first asks for it.
-    joined: Memo<(), Arc<Joined>>,
+    neighbours: Memo<(), Arc<Neighbours>>,
     cuts: Memo<Cut, Arc<CutGraph>>,
 }
 
 /// Nodes that springs join to each node.
-pub(crate) struct Joined {
+pub(crate) struct Neighbours {
     /// First neighbour of each node, shape [N + 1].
     pub(crate) starts: Buffer<u32>,
     /// Neighbours, ascending for each node.
@@ -65,10 +65,10 @@ pub(crate) struct CutGraph {
     /// Slot of each node on a tape that this cut writes.
     pub(crate) tape_slots: Buffer<u32>,
     /// Keeps alive what `topology` points to.
-    _parts: Parts,
+    _parts: TopologyBuffers,
 }
 
-struct Parts {
+struct TopologyBuffers {
     _shares: Buffer<Share>,
     _nodes: Buffer<u32>,
     _rows: Buffer<u32>,
@@ -102,7 +102,7 @@ impl DeviceGraph {
             pin_of: Buffer::of(stream, &pin_of)?,
             object_ids: Buffer::of(stream, &graph.object_ids)?,
             springs: Buffer::of(stream, &graph.springs)?,
-            joined: Memo::default(),
+            neighbours: Memo::default(),
             cuts: Memo::default(),
             graph: graph.clone(),
         })
@@ -123,7 +123,7 @@ impl DeviceGraph {
 
     fn upload(&self, device: &Device, layout: Layout) -> Result<CutGraph, Error> {
         let stream = &device.normal;
-        let parts = Parts {
+        let parts = TopologyBuffers {
             _shares: Buffer::of(stream, &layout.shares)?,
             _nodes: Buffer::of(stream, &layout.nodes)?,
             _rows: Buffer::of(stream, &layout.rows)?,
@@ -183,8 +183,8 @@ impl DeviceGraph {
     }
 
     /// Neighbours by springs; kept as long as the graph.
-    pub(crate) fn joined(&self, device: &Device) -> Result<Arc<Joined>, Error> {
-        self.joined.get_or_make((), || {
+    pub(crate) fn neighbours(&self, device: &Device) -> Result<Arc<Neighbours>, Error> {
+        self.neighbours.get_or_make((), || {
             let n = self.graph.node_count();
             let mut near: Vec<Vec<u32>> = vec![Vec::new(); n];
             for &[a, b] in self.graph.springs.iter().filter(|s| (s[1] as usize) < n) {
@@ -198,7 +198,7 @@ impl DeviceGraph {
                 all.extend(list);
                 starts.push(all.len() as u32);
             }
-            let made = Joined {
+            let made = Neighbours {
                 starts: Buffer::of(&device.normal, &starts)?,
                 nodes: Buffer::of(&device.normal, &all)?,
             };

@@ -1,5 +1,5 @@
-//! A graph as the blocks of a team see it: each block's nodes and halo by local index, half-springs in
-//! rows for its warps, triplets, pins, and who needs to be told of a node's new state.
+//! A graph as the blocks of a team see it: each block's nodes and halo by local index, half-springs
+//! in rows for its warps, triplets, pins, and the halos that a node's new state goes to.
 
 mod banks;
 mod reporters;
@@ -17,7 +17,8 @@ use crate::{
     plan::partition::partition,
 };
 
-/// Floats between the sums of a half-spring, and those of a pair of slots: each sum of a warp stands together.
+/// Floats between the sums of a half-spring, and those of a pair of slots: each sum of a warp
+/// stands together.
 pub(crate) const SUMS_APART: u32 = 32;
 pub(crate) const PAIR_SUMS: u32 = 6 * SUMS_APART;
 /// No spring: a slot that fills up a row.
@@ -46,8 +47,8 @@ pub(crate) struct Layout {
     pub(crate) triplets: Vec<Triplet>,
     /// Index in the graph.
     pub(crate) triplet_of: Vec<u32>,
-    /// First of each rod's inner nodes among the triplets, behind the graph's, and their end; shape [R + 1]. Only
-    /// where one block has all nodes.
+    /// First of each rod's inner nodes among the triplets, behind the graph's, and their end; shape
+    /// [R + 1]. Only where one block has all nodes.
     pub(crate) rod_turns: Vec<u32>,
     pub(crate) arms: Vec<u32>,
     pub(crate) arm_refs: Vec<u32>,
@@ -87,8 +88,8 @@ impl Layout {
         let mut parts = partition(graph, blocks);
         let largest = parts.iter().map(Vec::len).max().unwrap_or(0);
         let lanes = lanes_for(largest, &incidence, threads);
-        // Nodes of like valence share a row, so that few of its slots stay empty; among them neighbours
-        // in space, which reach for the same nodes at once.
+        // Nodes of like valence share a row, so that few of its slots stay empty; among them
+        // neighbours in space, which reach for the same nodes at once.
         let pairs = |i: u32| incidence.springs_of(i).len().div_ceil(2 * lanes as usize);
         for part in &mut parts {
             part.sort_by_key(|&i| (std::cmp::Reverse(pairs(i)), i));
@@ -213,7 +214,8 @@ impl Layout {
         halo
     }
 
-    /// Adds every inner node of a rod as a triplet with its neighbours, behind `before` that bend; returns how many.
+    /// Adds every inner node of a rod as a triplet with its neighbours, behind `before` that bend;
+    /// returns how many.
     fn add_rods(
         &mut self,
         graph: &Graph,
@@ -284,7 +286,7 @@ impl Layout {
         self.control_base + self.controls
     }
 
-    /// Whom a node's owner has to tell of it.
+    /// Halos that each node's owner writes it to.
     fn add_exports(
         &mut self,
         parts: &[Vec<u32>],
@@ -292,7 +294,7 @@ impl Layout {
         owner: &[u32],
         local: &mut [u32],
     ) {
-        let mut told: Vec<Vec<Vec<u32>>> =
+        let mut exported: Vec<Vec<Vec<u32>>> =
             parts.iter().map(|p| vec![Vec::new(); p.len()]).collect();
         for part in parts {
             for (at, &i) in part.iter().enumerate() {
@@ -302,10 +304,10 @@ impl Layout {
         for (block, halo) in halos.iter().enumerate() {
             for (at, &i) in halo.iter().enumerate() {
                 let there = (block << 16 | (parts[block].len() + at)) as u32;
-                told[owner[i as usize] as usize][local[i as usize] as usize].push(there);
+                exported[owner[i as usize] as usize][local[i as usize] as usize].push(there);
             }
         }
-        for (share, nodes) in self.shares.iter_mut().zip(told) {
+        for (share, nodes) in self.shares.iter_mut().zip(exported) {
             share.export_start = self.exports.len() as u32;
             for refs in nodes {
                 self.exports.push(self.export_refs.len() as u32);

@@ -1,5 +1,5 @@
-//! Cutting a graph into parts of equal work for the blocks of a team, along the axes in which it is long, so
-//! that few elements reach from one part into another.
+//! Cutting a graph into parts of equal work for the blocks of a team, along the axes in which it is
+//! long, so that few elements reach from one part into another.
 
 use bendtwin_core::Graph;
 

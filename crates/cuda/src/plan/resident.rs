@@ -1,5 +1,5 @@
-//! A model on the device: its graph, shared by all parameters on it, and its parameters, packed for each
-//! shape of launch that has asked for them.
+//! A model on the device: its graph, shared by all parameters on it, and its parameters, packed for
+//! each shape of launch that has asked for them.
 
 use std::sync::Arc;
 
@@ -29,8 +29,8 @@ pub(crate) const LAWS: usize = 5;
 pub(crate) struct Resident {
     pub(crate) device: Arc<Device>,
     pub(crate) graph: Arc<DeviceGraph>,
-    /// Stiffness, dashpot, rest length [E each]; bend stiffness, bend damping, rest angle [T each]; twist stiffness,
-    /// twist damping, rest twist [R each]; [`LAWS`] more.
+    /// Stiffness, dashpot, rest length [E each]; bend stiffness, bend damping, rest angle [T each];
+    /// twist stiffness, twist damping, rest twist [R each]; [`LAWS`] more.
     pub(crate) params: Buffer<f32>,
     /// The dashpot of all springs, if they are alike: then it need not be loaded again and again.
     pub(crate) dashpot: Option<f32>,

@@ -16,8 +16,8 @@ pub(crate) const NODE_BYTES: u64 = 36;
 /// Bytes of a rod's.
 pub(crate) const ROD_BYTES: u64 = 4;
 
-/// States that substeps began in, and velocities before contact: an entry for each node of each substep; and
-/// twists, an entry for each rod of each.
+/// States that substeps began in, and velocities before contact: an entry for each node of each
+/// substep; and twists, an entry for each rod of each.
 pub(crate) struct Tape {
     /// x, y, z, vx.
     x: Buffer<[f32; 4]>,
@@ -50,7 +50,7 @@ impl Entries {
 }
 
 /// Tapes of all frames of all instances, written as they ran.
-pub(crate) struct Kept {
+pub(crate) struct RolloutTapes {
     tape: Tape,
     starts: Vec<Entries>,
     /// By instance, where each node is on tape.
@@ -77,7 +77,7 @@ impl Tape {
     }
 }
 
-impl Kept {
+impl RolloutTapes {
     /// Bytes that it takes for these instances.
     pub(crate) fn bytes_of(instances: &[Instance]) -> u64 {
         instances.iter().map(|i| entries(i, i.frames).bytes()).sum()

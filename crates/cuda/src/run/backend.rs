@@ -17,15 +17,15 @@ use crate::{
         choice::{Purpose, choose},
         graphs::Graphs,
         resident::{Resident, resident, unflatten},
-        tape::Kept,
+        tape::RolloutTapes,
     },
     run::{
-        backward::{self, Gradients, Way},
-        descent::DeviceDescent,
+        backward::{self, ForwardPass, Gradients},
         objective::Objectives,
-        recording::{Recorded, keeps},
+        optimizer::DeviceOptimizer,
+        outputs::{RecordedOutputs, retained_states},
         scoring::{Scores, loss, refuse_too_long},
-        simulation::{self, Keep, Simulation},
+        simulation::{self, RetainedStates, Simulation},
     },
 };
 
@@ -49,8 +49,8 @@ pub(crate) struct CudaBackend {
     graphs: Arc<Graphs>,
 }
 
-/// A simulation that has been run and scored.
-pub(crate) struct Measured<'a> {
+/// Instances that have been simulated and scored.
+pub(crate) struct SimulatedBatch<'a> {
     simulation: Simulation<'a>,
     scores: Option<Scores>,
     divergences: Vec<Option<Divergence>>,
@@ -92,7 +92,7 @@ impl CudaBackend {
         Ok(())
     }
 
-    /// Parts of a batch that fit into the room side by side; at least one instance each.
+    /// Parts of a batch that fit into the room together; at least one instance each.
     fn chunks(
         batch: &[Instance],
         room: u64,
@@ -116,8 +116,9 @@ impl CudaBackend {
 
     /// Parts of a batch whose gradients fit; half of the room is for tapes.
     pub(crate) fn gradient_chunks(&self, batch: &[Instance]) -> Vec<Range<usize>> {
-        let bytes =
-            |i: &Instance| simulation::bytes_of(i, Keep::All).saturating_add(backward::bytes_of(i));
+        let bytes = |i: &Instance| {
+            simulation::bytes_of(i, RetainedStates::All).saturating_add(backward::bytes_of(i))
+        };
         Self::chunks(batch, self.room() / 2, bytes)
     }
 
@@ -135,44 +136,46 @@ impl CudaBackend {
         batch: &'a [Instance],
         request: &GradientRequest,
         cancel: &CancelToken,
-    ) -> Result<(Measured<'a>, Gradients), Error> {
+    ) -> Result<(SimulatedBatch<'a>, Gradients), Error> {
         refuse_too_long(batch)?;
-        let needed = batch.iter().map(|i| simulation::bytes_of(i, Keep::All)).sum::<u64>();
+        let needed =
+            batch.iter().map(|i| simulation::bytes_of(i, RetainedStates::All)).sum::<u64>();
         self.refuse_too_large(needed)?;
-        let simulation = Simulation::new(&self.queue, batch, Keep::All)?;
+        let simulation = Simulation::new(&self.queue, batch, RetainedStates::All)?;
         let gradients = batch.iter().map(backward::bytes_of).sum::<u64>();
         let mut room = self.room().saturating_sub(needed).saturating_sub(gradients);
-        // Tapes that fit are written on the way forward; others when they are needed.
-        let bytes = Kept::bytes_of(batch);
+        // Tapes that fit are written by the forward pass; others when they are needed.
+        let bytes = RolloutTapes::bytes_of(batch);
         let mut tape = if bytes <= room / 4 * 3 {
             room -= bytes;
-            Some(Kept::new(&self.queue.stream, batch)?)
+            Some(RolloutTapes::new(&self.queue.stream, batch)?)
         } else {
             None
         };
         simulation.run(tape.as_mut(), cancel)?;
         let scores = Scores::new(&simulation, &self.objectives, Some(request.cut_every))?;
-        let way = Way { simulation: &simulation, scores: &scores, kept: tape.as_ref() };
-        let gradients = Gradients::new(&way, request, room, cancel)?;
+        let forward =
+            ForwardPass { simulation: &simulation, scores: &scores, tapes: tape.as_ref() };
+        let gradients = Gradients::new(&forward, request, room, cancel)?;
         let divergences = simulation.divergences()?;
-        Ok((Measured { simulation, scores: Some(scores), divergences }, gradients))
+        Ok((SimulatedBatch { simulation, scores: Some(scores), divergences }, gradients))
     }
 
     /// Runs checked instances forward and scores them.
     fn score<'a>(
         &'a self,
         batch: &'a [Instance],
-        keep: Keep,
+        retained: RetainedStates,
         cancel: &CancelToken,
-    ) -> Result<Measured<'a>, Error> {
-        self.refuse_too_large(batch.iter().map(|i| simulation::bytes_of(i, keep)).sum())?;
-        let simulation = Simulation::new(&self.queue, batch, keep)?;
+    ) -> Result<SimulatedBatch<'a>, Error> {
+        self.refuse_too_large(batch.iter().map(|i| simulation::bytes_of(i, retained)).sum())?;
+        let simulation = Simulation::new(&self.queue, batch, retained)?;
         simulation.run(None, cancel)?;
         let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
         let scores =
             if scored { Some(Scores::new(&simulation, &self.objectives, None)?) } else { None };
         let divergences = simulation.divergences()?;
-        Ok(Measured { simulation, scores, divergences })
+        Ok(SimulatedBatch { simulation, scores, divergences })
     }
 
     /// Waits for what a failed call has left on the queue: its models may be gone next.
@@ -189,10 +192,10 @@ impl CudaBackend {
         outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        let measured = self.score(batch, keeps(batch, outputs), cancel)?;
-        let losses = measured.losses()?;
-        let recorded = Recorded::new(&measured.simulation, outputs)?;
-        recorded.rollouts(&measured.simulation, outputs, losses)
+        let simulated = self.score(batch, retained_states(batch, outputs), cancel)?;
+        let losses = simulated.losses()?;
+        let recorded = RecordedOutputs::new(&simulated.simulation, outputs)?;
+        recorded.rollouts(&simulated.simulation, outputs, losses)
     }
 
     fn gradient_chunk(
@@ -201,7 +204,7 @@ impl CudaBackend {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
-        let (measured, gradients) = self.measure(batch, request, cancel)?;
+        let (simulated, gradients) = self.measure(batch, request, cancel)?;
         let params = self.queue.fetch(&gradients.params)?;
         let controls = self.queue.fetch(&gradients.controls)?;
         let initial = match request.initial || request.controls {
@@ -213,7 +216,7 @@ impl CudaBackend {
             false => Vec::new(),
         };
         let mut out = Vec::with_capacity(batch.len());
-        for (i, (instance, loss)) in batch.iter().zip(measured.losses()?).enumerate() {
+        for (i, (instance, loss)) in batch.iter().zip(simulated.losses()?).enumerate() {
             let model = instance.model.model();
             let ended = loss.diverged.is_none();
             let own = &params[gradients.starts[i]..gradients.starts[i + 1]];
@@ -254,7 +257,7 @@ impl CudaBackend {
                 }
             }
             let final_state = match request.final_state && ended {
-                true => Some(measured.state(i, instance.frames)?),
+                true => Some(simulated.state(i, instance.frames)?),
                 false => None,
             };
             let narrowed: Vec<f32> = own.iter().map(|&x| narrow(x)).collect();
@@ -288,7 +291,7 @@ fn narrow(x: f32) -> f32 {
     if x.is_nan() { 0.0 } else { x.clamp(-f32::MAX, f32::MAX) }
 }
 
-impl Measured<'_> {
+impl SimulatedBatch<'_> {
     /// The losses; waits for the device.
     pub(crate) fn losses(&self) -> Result<Vec<Loss>, Error> {
         match &self.scores {
@@ -353,8 +356,8 @@ impl Backend for CudaBackend {
         for (index, instance) in batch.iter().enumerate() {
             check::outputs(index, instance, outputs)?;
         }
-        let keep = keeps(batch, outputs);
-        let bytes = |i: &Instance| simulation::bytes_of(i, keep).saturating_mul(2);
+        let retained = retained_states(batch, outputs);
+        let bytes = |i: &Instance| simulation::bytes_of(i, retained).saturating_mul(2);
         let mut rollouts = Vec::with_capacity(batch.len());
         for chunk in Self::chunks(batch, self.room(), bytes) {
             let done = self.roll_out_chunk(&batch[chunk], outputs, cancel);
@@ -366,11 +369,11 @@ impl Backend for CudaBackend {
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
         self.check(batch)?;
         let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
-        let keep = if scored { Keep::All } else { Keep::Last };
-        let bytes = |i: &Instance| simulation::bytes_of(i, keep);
+        let retained = if scored { RetainedStates::All } else { RetainedStates::Last };
+        let bytes = |i: &Instance| simulation::bytes_of(i, retained);
         let mut losses = Vec::with_capacity(batch.len());
         for chunk in Self::chunks(batch, self.room(), bytes) {
-            let done = self.score(&batch[chunk], keep, cancel).and_then(|m| m.losses());
+            let done = self.score(&batch[chunk], retained, cancel).and_then(|m| m.losses());
             losses.extend(self.settled(done)?);
         }
         Ok(losses)
@@ -397,7 +400,7 @@ impl Backend for CudaBackend {
         decay: Decay,
     ) -> Result<Box<dyn Optimizer>, Error> {
         let normal = self.on(&self.normal);
-        Ok(Box::new(DeviceDescent::new(normal, inits, decay)?))
+        Ok(Box::new(DeviceOptimizer::new(normal, inits, decay)?))
     }
 
     fn memory(&self) -> Option<Memory> {
@@ -411,8 +414,8 @@ impl Backend for CudaBackend {
     fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
         let resident = resident(model).ok()?;
         let (capabilities, purpose) = (&self.device.capabilities, Purpose::Forward);
-        let fitted = choose(capabilities, resident, model.model(), purpose, batch, batch).ok()?;
-        Some(fitted.team.to_string())
+        let plan = choose(capabilities, resident, model.model(), purpose, batch, batch).ok()?;
+        Some(plan.team.to_string())
     }
 }
 

@@ -1,15 +1,15 @@
-//! Gradients: every instance once forward, then its windows backward side by side, frame by frame, along
-//! the tape of each.
+//! Gradients: every instance once forward, then its windows backward concurrently, frame by frame,
+//! along the tape of each.
 
-mod slots;
+mod arrays;
 mod windows;
 
 use bendtwin_core::{CancelToken, Graph};
 use bendtwin_engine::{Error, backend::GradientRequest};
 
 use self::{
-    slots::Slots,
-    windows::{SideBySide, Window},
+    arrays::WindowArrays,
+    windows::{ConcurrentWindows, Window},
 };
 use crate::{
     device::{
@@ -20,7 +20,7 @@ use crate::{
     },
     plan::{
         resident::{LAWS, resident},
-        tape::Kept,
+        tape::RolloutTapes,
     },
     run::{
         scoring::Scores,
@@ -59,24 +59,25 @@ fn hinges(graph: &Graph) -> usize {
 
 /// Results of the forward pass that the backward pass reads.
 #[derive(Clone, Copy)]
-pub(crate) struct Way<'a> {
+pub(crate) struct ForwardPass<'a> {
     pub(crate) simulation: &'a Simulation<'a>,
     pub(crate) scores: &'a Scores,
-    /// Tapes of all frames, if they were written on the way forward.
-    pub(crate) kept: Option<&'a Kept>,
+    /// Tapes of all frames, if the forward pass wrote them.
+    pub(crate) tapes: Option<&'a RolloutTapes>,
 }
 
 impl Gradients {
     /// Gradients of instances that have been run and scored, with `room` bytes for windows.
     pub(crate) fn new(
-        way: &Way<'_>,
+        forward: &ForwardPass<'_>,
         request: &GradientRequest,
         room: u64,
         cancel: &CancelToken,
     ) -> Result<Self, Error> {
-        let instances = way.simulation.instances;
-        let this = Self::empty(way.simulation, request)?;
-        // Windows of like shape go side by side: of one graph, with as many substeps, and with contact or without.
+        let instances = forward.simulation.instances;
+        let this = Self::empty(forward.simulation, request)?;
+        // Windows of like shape run together: of one graph, with as many substeps, and with contact
+        // or without.
         let mut order: Vec<usize> = (0..instances.len()).collect();
         let key = |i: usize| {
             let loaded = &instances[i].model;
@@ -88,7 +89,7 @@ impl Gradients {
         let keys = order.iter().map(|&i| key(i)).collect::<Result<Vec<_>, _>>()?;
         order.sort_by_key(|&i| (keys[i], i));
         for alike in order.chunk_by(|&a, &b| keys[a] == keys[b]) {
-            Backward { way: *way, request, out: &this, cancel }.run(alike, room)?;
+            Backward { forward: *forward, request, out: &this, cancel }.run(alike, room)?;
         }
         Ok(this)
     }
@@ -119,9 +120,9 @@ impl Gradients {
     }
 }
 
-/// The way back of instances of one graph.
+/// Backward pass of instances of one graph.
 struct Backward<'a> {
-    way: Way<'a>,
+    forward: ForwardPass<'a>,
     request: &'a GradientRequest,
     out: &'a Gradients,
     cancel: &'a CancelToken,
@@ -130,7 +131,7 @@ struct Backward<'a> {
 impl Backward<'_> {
     fn run(&self, members: &[usize], room: u64) -> Result<(), Error> {
         let Some(&first) = members.first() else { return Ok(()) };
-        let simulation = self.way.simulation;
+        let simulation = self.forward.simulation;
         // Not all at once: there may be as many as frames.
         let all = || members.iter().enumerate().flat_map(|(place, &i)| self.windows(place, i));
         let shape = all().fold((0, 0), |(count, most), w| (count + 1, most.max(w.len())));
@@ -139,14 +140,15 @@ impl Backward<'_> {
         let blocks = simulation.queue.device.capabilities.processors as usize;
         let stride = 3 * (e + t) + LAWS * blocks;
         let total: Buffer<f32> = Buffer::zeros(&simulation.queue.stream, stride * members.len())?;
-        let slots = Slots::new(self, first, shape, room)?;
+        let arrays = WindowArrays::new(self, first, shape, room)?;
         let mut windows = all();
         loop {
-            let together: Vec<Window> = windows.by_ref().take(slots.windows).collect();
+            let together: Vec<Window> = windows.by_ref().take(arrays.windows).collect();
             if together.is_empty() {
                 break;
             }
-            SideBySide::new(self, &together, &slots)?.run(|place| total.at(place * stride))?;
+            ConcurrentWindows::new(self, &together, &arrays)?
+                .run(|place| total.at(place * stride))?;
         }
         for (place, &i) in members.iter().enumerate() {
             self.finish(i, total.at(place * stride), blocks)?;
@@ -155,7 +157,7 @@ impl Backward<'_> {
     }
 
     fn windows(&self, place: usize, instance: usize) -> impl Iterator<Item = Window> + use<> {
-        let frames = self.way.simulation.instances[instance].frames;
+        let frames = self.forward.simulation.instances[instance].frames;
         let every = match self.request.cut_every {
             0 => frames.max(1),
             every => every,
@@ -167,13 +169,13 @@ impl Backward<'_> {
 
     /// Springs, and triplets and rods.
     fn elements(&self, instance: usize) -> (usize, usize) {
-        let graph = &self.way.simulation.instances[instance].model.model().graph;
+        let graph = &self.forward.simulation.instances[instance].model.model().graph;
         (graph.springs.len(), hinges(graph))
     }
 
     fn finish(&self, instance: usize, sums: Pointer<f32>, blocks: usize) -> Result<(), Error> {
         let (e, t) = self.elements(instance);
-        let simulation = self.way.simulation;
+        let simulation = self.forward.simulation;
         let resident = resident(&simulation.instances[instance].model)?;
         let args = FinishGradientArgs {
             out: self.out.params.at(self.out.starts[instance]),

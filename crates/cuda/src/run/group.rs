@@ -1,4 +1,5 @@
-//! Instances that one launch serves: alike enough for one kernel, and the memory that their teams share.
+//! Instances that one launch serves: alike enough for one kernel, and the memory that their teams
+//! share.
 
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use crate::{
         team::TeamShape,
     },
     plan::{
-        choice::{Fitted, Purpose},
+        choice::{LaunchPlan, Purpose},
         resident::Packed,
     },
 };
@@ -69,9 +70,9 @@ type Exchange = (Buffer<[f32; 4]>, Buffer<[f32; 2]>);
 
 /// Instances that one launch serves.
 pub(crate) struct Group {
-    pub(crate) fitted: Fitted,
-    /// Index of each member as given to [`crate::run::simulation::Simulation::groups`]; instances that only
-    /// fill up a team have none.
+    pub(crate) plan: LaunchPlan,
+    /// Index of each member as given to [`crate::run::simulation::Simulation::groups`]; instances
+    /// that only fill up a team have none.
     pub(crate) members: Vec<usize>,
     instances: Vec<InstanceArgs>,
     packed: Vec<Arc<Packed>>,
@@ -81,9 +82,9 @@ pub(crate) struct Group {
 }
 
 impl Group {
-    pub(crate) fn new(fitted: Fitted) -> Self {
+    pub(crate) fn new(plan: LaunchPlan) -> Self {
         Self {
-            fitted,
+            plan,
             members: Vec::new(),
             instances: Vec::new(),
             packed: Vec::new(),
@@ -94,20 +95,20 @@ impl Group {
     }
 
     /// True if an instance of another model fits in.
-    pub(crate) fn takes(&self, fit: &Fitted, packed: &Arc<Packed>) -> bool {
-        self.fitted.specialization == fit.specialization
-            && (fit.team.instances == 1 || self.packed.iter().all(|p| Arc::ptr_eq(p, packed)))
+    pub(crate) fn takes(&self, plan: &LaunchPlan, packed: &Arc<Packed>) -> bool {
+        self.plan.specialization == plan.specialization
+            && (plan.team.instances == 1 || self.packed.iter().all(|p| Arc::ptr_eq(p, packed)))
     }
 
     pub(crate) fn add(
         &mut self,
         member: usize,
         args: InstanceArgs,
-        fit: &Fitted,
+        plan: &LaunchPlan,
         packed: &Arc<Packed>,
     ) {
-        self.fitted.shared_bytes = self.fitted.shared_bytes.max(fit.shared_bytes);
-        self.fitted.spill_stride = self.fitted.spill_stride.max(fit.spill_stride);
+        self.plan.shared_bytes = self.plan.shared_bytes.max(plan.shared_bytes);
+        self.plan.spill_stride = self.plan.spill_stride.max(plan.spill_stride);
         self.members.push(member);
         self.instances.push(args);
         if !self.packed.iter().any(|p| Arc::ptr_eq(p, packed)) {
@@ -122,7 +123,7 @@ impl Group {
 
     /// Fills the last team and gives the instances the memory that their teams share.
     pub(crate) fn complete(&mut self, queue: &Queue) -> Result<(), Error> {
-        let together = self.fitted.team.instances as usize;
+        let together = self.plan.team.instances as usize;
         while let Some(&last) = self.instances.last()
             && !self.instances.len().is_multiple_of(together)
         {
@@ -130,8 +131,8 @@ impl Group {
             self.instances
                 .push(InstanceArgs { state: StateArgs { frame_count: 0, ..last.state }, ..last });
         }
-        let (stream, blocks) = (&queue.stream, self.fitted.team.blocks as usize);
-        let stride = self.fitted.spill_stride as usize;
+        let (stream, blocks) = (&queue.stream, self.plan.team.blocks as usize);
+        let stride = self.plan.spill_stride as usize;
         if stride > 0 {
             let spill = Buffer::empty(stream, self.instances.len() * blocks * stride)?;
             for (j, args) in self.instances.iter_mut().enumerate() {
@@ -140,7 +141,7 @@ impl Group {
             }
             self._spill = Some(spill);
         }
-        if self.fitted.team.shape == TeamShape::Grid {
+        if self.plan.team.shape == TeamShape::Grid {
             let nodes = |j: &InstanceArgs| 2 * j.topology.node_count as usize;
             let total = self.instances.iter().map(nodes).sum();
             let exchange = (Buffer::empty(stream, total)?, Buffer::empty(stream, total)?);
@@ -206,9 +207,10 @@ impl Group {
         })
     }
 
-    /// Calls `run` with a launch for all teams of these instances, and the first of them; several times
-    /// where not all teams can run at once though their blocks wait for each other. The instances' arguments
-    /// are complete for the specialization, and what they point to lives until the queue has been waited for.
+    /// Calls `run` with a launch for all teams of these instances, and the first of them; several
+    /// times where not all teams can run at once though their blocks wait for each other. The
+    /// instances' arguments are complete for the specialization, and what they point to lives until
+    /// the queue has been waited for.
     fn for_teams(
         &self,
         queue: &Queue,
@@ -217,7 +219,7 @@ impl Group {
         of: InstanceSpan,
         run: impl Fn(&Launch<'_>, Pointer<InstanceArgs>) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let Fitted { team, specialization, shared_bytes, .. } = &self.fitted;
+        let LaunchPlan { team, specialization, shared_bytes, .. } = &self.plan;
         let instances = team.instances as usize;
         let teams = of.count / instances;
         let at_once = match team.shape {

@@ -115,7 +115,8 @@ impl DeviceObjective {
         })
     }
 
-    /// Arguments of an instance's objective; `nearest` has room for its targets, `values` for its terms.
+    /// Arguments of an instance's objective; `nearest` has room for its targets, `values` for its
+    /// terms.
     pub(crate) fn args(&self, nodes: usize, surface: usize) -> ObjectiveArgs {
         ObjectiveArgs {
             terms: self.on_device.address(),

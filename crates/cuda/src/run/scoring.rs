@@ -1,4 +1,5 @@
-//! Scores of simulated instances: values of objectives by term, and d loss / d positions at frame ends.
+//! Scores of simulated instances: values of objectives by term, and d loss / d positions at frame
+//! ends.
 
 use std::sync::Arc;
 

@@ -21,15 +21,15 @@ use crate::{
         kernels,
         launch::{Launch, MOST_BLOCKS},
         memory::{Buffer, end_of},
-        pace::Pace,
         queue::Queue,
         specialization::{Specialization, THREADS},
+        throttle::LaunchThrottle,
     },
     plan::{
-        choice::{Fitted, Purpose, choose},
+        choice::{LaunchPlan, Purpose, choose},
         graph::Cut,
         resident::{Packed, has_contact, resident},
-        tape::Kept,
+        tape::RolloutTapes,
     },
     run::group::{FrameRange, Group, InstanceSpan},
 };
@@ -39,7 +39,7 @@ const LAUNCH_US: f64 = 15_000.0;
 
 /// Frames whose states are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Keep {
+pub(crate) enum RetainedStates {
     /// All of them.
     All,
     /// The last one.
@@ -56,14 +56,14 @@ pub(crate) struct Simulation<'a> {
     /// Twists of each instance's rods, shape [slots, R].
     twists: Buffer<f32>,
     twist_starts: Vec<usize>,
-    keep: Keep,
+    retained: RetainedStates,
     controls: Buffer<Point>,
     control_starts: Vec<usize>,
     divergence: Buffer<u64>,
     contact: Contact,
 }
 
-/// Contact's arrays of simulations that run side by side.
+/// Contact's arrays of simulations that run concurrently.
 pub(crate) struct Contact {
     partners: Buffer<u32>,
     counts: Buffer<u32>,
@@ -75,18 +75,18 @@ pub(crate) struct Contact {
 }
 
 /// Bytes of device memory that an instance takes while it is simulated.
-pub(crate) fn bytes_of(instance: &Instance, keep: Keep) -> u64 {
+pub(crate) fn bytes_of(instance: &Instance, retained: RetainedStates) -> u64 {
     let model = instance.model.model();
     let n = model.graph.node_count() as u64;
-    let states = (24 * n + 4 * model.graph.rods.len() as u64) * slots(instance, keep) as u64;
+    let states = (24 * n + 4 * model.graph.rods.len() as u64) * slots(instance, retained) as u64;
     let contact = if has_contact(model) { n * (4 * MAX_PARTNERS as u64 + 40) } else { 0 };
     states + contact + 12 * instance.controls.len() as u64
 }
 
-fn slots(instance: &Instance, keep: Keep) -> usize {
-    match keep {
-        Keep::All => instance.frames + 1,
-        Keep::Last => 2,
+fn slots(instance: &Instance, retained: RetainedStates) -> usize {
+    match retained {
+        RetainedStates::All => instance.frames + 1,
+        RetainedStates::Last => 2,
     }
 }
 
@@ -95,7 +95,7 @@ impl<'a> Simulation<'a> {
     pub(crate) fn new(
         queue: &'a Queue,
         instances: &'a [Instance],
-        keep: Keep,
+        retained: RetainedStates,
     ) -> Result<Self, Error> {
         let stream = &queue.stream;
         let (mut state_starts, mut control_starts) = (vec![0], vec![0]);
@@ -103,8 +103,8 @@ impl<'a> Simulation<'a> {
         for instance in instances {
             let graph = &instance.model.model().graph;
             let (n, r) = (graph.node_count(), graph.rods.len());
-            state_starts.push(end_of(&state_starts) + 6 * n * slots(instance, keep));
-            twist_starts.push(end_of(&twist_starts) + r * slots(instance, keep));
+            state_starts.push(end_of(&state_starts) + 6 * n * slots(instance, retained));
+            twist_starts.push(end_of(&twist_starts) + r * slots(instance, retained));
             control_starts.push(end_of(&control_starts) + instance.controls.len());
         }
         let all: Vec<Point> = instances.iter().flat_map(|i| i.controls.iter()).copied().collect();
@@ -119,7 +119,7 @@ impl<'a> Simulation<'a> {
             instances,
             state_starts,
             twist_starts,
-            keep,
+            retained,
             control_starts,
             divergence,
         };
@@ -144,7 +144,7 @@ impl<'a> Simulation<'a> {
 
     /// Slots of an instance's states.
     pub(crate) fn slots_of(&self, index: usize) -> usize {
-        slots(&self.instances[index], self.keep)
+        slots(&self.instances[index], self.retained)
     }
 
     /// The arguments of an instance, for these packed parameters.
@@ -172,9 +172,9 @@ impl<'a> Simulation<'a> {
         args.contact.object_ids = resident.graph.object_ids.address();
         if has_contact(model) {
             if model.params.contact.within_object {
-                let joined = resident.graph.joined(&resident.device)?;
-                args.contact.joined_starts = joined.starts.address();
-                args.contact.joined = joined.nodes.address();
+                let neighbours = resident.graph.neighbours(&resident.device)?;
+                args.contact.neighbour_starts = neighbours.starts.address();
+                args.contact.neighbours = neighbours.nodes.address();
             }
             self.contact.place(index, &mut args);
         }
@@ -182,7 +182,11 @@ impl<'a> Simulation<'a> {
     }
 
     /// Runs all frames, with all that happens in them onto tape if there is one.
-    pub(crate) fn run(&self, tape: Option<&mut Kept>, cancel: &CancelToken) -> Result<(), Error> {
+    pub(crate) fn run(
+        &self,
+        tape: Option<&mut RolloutTapes>,
+        cancel: &CancelToken,
+    ) -> Result<(), Error> {
         let all: Vec<usize> = (0..self.instances.len()).collect();
         let purpose = if tape.is_some() { Purpose::Tape } else { Purpose::Forward };
         let mut groups = self.groups(&all, purpose)?;
@@ -196,29 +200,30 @@ impl<'a> Simulation<'a> {
             .iter()
             .map(|g| Buffer::of(&self.queue.stream, g.instances()))
             .collect::<Result<_, _>>()?;
-        let step = if groups.iter().any(|g| g.fitted.specialization.contact) {
+        let step = if groups.iter().any(|g| g.plan.specialization.contact) {
             1
         } else {
             let frame_us: f64 = groups.iter().map(|g| self.frame_us(g)).sum();
             ((LAUNCH_US / frame_us.max(1e-3)) as usize).clamp(1, longest.max(1))
         };
-        let mut pace = Pace::default();
+        let mut throttle = LaunchThrottle::default();
         for first in (0..longest).step_by(step) {
             if cancel.is_cancelled() {
                 self.queue.synchronize()?;
                 return Err(Error::Cancelled);
             }
             let range = FrameRange::frames(first, first + step);
-            // Different graphs take different kernels, none of which fills the device: they run side by side.
-            self.queue.side_by_side(groups.len(), |k, sides| {
+            // Different graphs take different kernels, none of which fills the device: they run
+            // concurrently.
+            self.queue.launch_concurrently(groups.len(), |k, streams| {
                 let (group, span) = (&groups[k], InstanceSpan::all(&uploaded[k]));
-                let stream = sides.of(k, &group.fitted.team);
-                if group.fitted.specialization.contact {
+                let stream = streams.of(k, &group.plan.team);
+                if group.plan.specialization.contact {
                     self.find_partners(stream, span, first as u32)?;
                 }
                 group.advance(self.queue, stream, span, &range)
             })?;
-            pace.step(self.queue)?;
+            throttle.step(self.queue)?;
         }
         Ok(())
     }
@@ -226,7 +231,7 @@ impl<'a> Simulation<'a> {
     fn frame_us(&self, group: &Group) -> f64 {
         let model = |&i: &usize| self.instances[i].model.model();
         let substeps = group.members.iter().map(model).map(|m| m.timing.substeps).max();
-        group.fitted.substep_us * f64::from(substeps.unwrap_or(1))
+        group.plan.substep_us * f64::from(substeps.unwrap_or(1))
     }
 
     /// Finds the contact candidates of a frame.
@@ -242,8 +247,8 @@ impl<'a> Simulation<'a> {
         unsafe { kernels::find_partners(&launch, &args) }
     }
 
-    /// Some instances in groups that one launch serves; an instance may have several. Groups' members
-    /// are indices in `of`.
+    /// Some instances in groups that one launch serves; an instance may have several. Groups'
+    /// members are indices in `of`.
     pub(crate) fn groups(&self, of: &[usize], purpose: Purpose) -> Result<Vec<Group>, Error> {
         let device = &self.queue.device;
         let model = |m: usize| &self.instances[of[m]].model;
@@ -257,33 +262,33 @@ impl<'a> Simulation<'a> {
             alike.entry(key).or_insert((m, 0)).1 += 1;
         }
         let firsts: Vec<usize> = alike.values().map(|&(first, _)| first).collect();
-        let fitted = side_by_side(self.queue, &firsts, |&m| {
+        let plans = map_concurrently(self.queue, &firsts, |&m| {
             let (resident, model) = (resident(model(m))?, model(m).model());
             let key = std::ptr::from_ref(resident) as usize;
             let (batch, alike) = (members.len(), alike[&key].1);
-            let fit = choose(&device.capabilities, resident, model, purpose, batch, alike)?;
-            Ok((key, (fit, resident.packed(Cut::of(&fit.team))?)))
+            let plan = choose(&device.capabilities, resident, model, purpose, batch, alike)?;
+            Ok((key, (plan, resident.packed(Cut::of(&plan.team))?)))
         })?;
-        let known: HashMap<usize, (Fitted, Arc<Packed>)> = fitted.into_iter().collect();
+        let known: HashMap<usize, (LaunchPlan, Arc<Packed>)> = plans.into_iter().collect();
         let specializations: HashSet<Specialization> =
-            known.values().map(|(fit, _)| fit.specialization).collect();
+            known.values().map(|(plan, _)| plan.specialization).collect();
         let specializations: Vec<Specialization> = specializations.into_iter().collect();
-        side_by_side(self.queue, &specializations, |specialization| {
+        map_concurrently(self.queue, &specializations, |specialization| {
             device.function(specialization, purpose.kernel())
         })?;
         let mut groups: Vec<Group> = Vec::new();
         for &m in &members {
-            let (fit, packed) = &known[&(std::ptr::from_ref(resident(model(m))?) as usize)];
+            let (plan, packed) = &known[&(std::ptr::from_ref(resident(model(m))?) as usize)];
             let args = self.instance_args(of[m], packed)?;
             // Instances that are simulated together share their model, and groups of them are full.
-            let at = match groups.iter().position(|g| g.takes(fit, packed)) {
+            let at = match groups.iter().position(|g| g.takes(plan, packed)) {
                 Some(at) => at,
                 None => {
-                    groups.push(Group::new(*fit));
+                    groups.push(Group::new(*plan));
                     groups.len() - 1
                 }
             };
-            groups[at].add(m, args, fit, packed);
+            groups[at].add(m, args, plan, packed);
         }
         groups.iter_mut().try_for_each(|g| g.complete(self.queue))?;
         Ok(groups)
@@ -320,9 +325,9 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// Makes something of each, on several threads if there are several: new graphs are cut and kernels compiled. On an
-/// urgent queue on the caller's thread: the others may be busy with a fit.
-fn side_by_side<T: Sync, U: Send>(
+/// Makes something of each, on several threads if there are several: new graphs are cut and kernels
+/// compiled. On an urgent queue on the caller's thread: the others may be busy with a fit.
+fn map_concurrently<T: Sync, U: Send>(
     queue: &Queue,
     of: &[T],
     make: impl Fn(&T) -> Result<U, Error> + Sync + Send,
@@ -367,14 +372,16 @@ fn start(this: &Simulation<'_>) -> Result<(), Error> {
         let count = MOST_BLOCKS.min(starts.len() - first) as u32;
         let args = StartArgs { instances: on_device.at(first) };
         let launch = this.queue.grid(most.div_ceil(THREADS), count, 1);
-        // SAFETY: every start has its instance's nodes, controls of its first frames, and room for its states.
+        // SAFETY: every start has its instance's nodes, controls of its first frames, and room for
+        // its states.
         unsafe { kernels::start(&launch, &args)? };
     }
     Ok(())
 }
 
-/// States as planes, each state followed by its twists, and where both of each instance's begin. Instances may share a
-/// state though their models have different numbers of rods: it is there once for each number.
+/// States as planes, each state followed by its twists, and where both of each instance's begin.
+/// Instances may share a state though their models have different numbers of rods: it is there once
+/// for each number.
 fn initial_planes<'a>(
     initial: impl Iterator<Item = (&'a State, usize)>,
 ) -> (Vec<f32>, Vec<(usize, usize)>) {

@@ -1,12 +1,13 @@
-//! An instance as the kernels that simulate have it; `kernels/instance.cuh` says what each field is.
+//! An instance as the kernels that simulate have it; `kernels/instance.cuh` describes the fields.
 
 use bendtwin_core::Point;
 
 use super::{Pointer, device_struct};
 
 device_struct! {
-    /// A block's share of a graph. A block knows its own nodes, then the halo of nodes that its elements
-    /// reach into, by local index; control points stand at `TopologyArgs::control_base` in every block.
+    /// A block's share of a graph. A block knows its own nodes, then the halo of nodes that its
+    /// elements reach into, by local index; control points stand at `TopologyArgs::control_base` in
+    /// every block.
     Share {
         own: u32,
         local: u32,
@@ -166,8 +167,8 @@ device_struct! {
         partner_counts: Pointer<u32>,
         partner_scratch: Pointer<u32>,
         object_ids: Pointer<u32>,
-        joined_starts: Pointer<u32>,
-        joined: Pointer<u32>,
+        neighbour_starts: Pointer<u32>,
+        neighbours: Pointer<u32>,
         x: Pointer<[f32; 4]>,
         v: Pointer<[f32; 4]>,
         collision_distance: f32,

@@ -1,6 +1,7 @@
-//! Parameters of the kernels, one struct each, passed by value. Fields are described beside each kernel.
+//! Parameters of the kernels, one struct each, passed by value. Fields are described beside each
+//! kernel.
 
-use super::{InitialArgs, InstanceArgs, ObjectiveArgs, Pointer, RecordingArgs, device_struct};
+use super::{InitialArgs, InstanceArgs, ObjectiveArgs, OutputArgs, Pointer, device_struct};
 
 device_struct! {
     /// Parameters of `start`.
@@ -183,13 +184,13 @@ device_struct! {
 device_struct! {
     /// Parameters of `record`.
     RecordArgs {
-        recordings: Pointer<RecordingArgs>,
+        outputs: Pointer<OutputArgs>,
     }
 }
 
 device_struct! {
     /// Parameters of `extremes`.
     ExtremesArgs {
-        recordings: Pointer<RecordingArgs>,
+        outputs: Pointer<OutputArgs>,
     }
 }

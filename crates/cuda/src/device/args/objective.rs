@@ -1,5 +1,5 @@
-//! Instances as the kernels beside the simulation have them: initial states, objectives, recordings. Fields are
-//! described where the kernels declare them.
+//! Instances as the kernels beside the simulation have them: initial states, objectives, outputs.
+//! Fields are described where the kernels declare them.
 
 use bendtwin_core::Point;
 
@@ -57,7 +57,7 @@ device_struct! {
 }
 
 device_struct! {
-    RecordingArgs {
+    OutputArgs {
         states: Pointer<f32>,
         frames: Pointer<u32>,
         nodes: Pointer<u32>,

@@ -114,20 +114,23 @@ fn nvrtc_takes_all_kernels() {
 }
 
 #[test]
-fn a_fault_in_a_kernel_is_told_with_its_place() {
+fn a_compile_error_names_its_place() {
     if !compile::is_present() {
         return;
     }
-    let text = format!("{}\nnonsense", Specialization::small(Source::Record).text());
+    let text = Specialization::small(Source::Outputs).text();
+    let checks = "#line 1 \"arguments\"";
+    assert!(text.contains(checks), "{checks}");
+    let text = text.replace(checks, &format!("nonsense\n{checks}"));
     let error = compile::compile(&text, &options(90)).expect_err("nonsense").to_string();
-    assert!(error.contains("record.cu") && error.contains("nonsense"), "{error}");
+    assert!(error.contains("outputs.cu") && error.contains("nonsense"), "{error}");
 }
 
 /// A kernel whose struct has other fields than the host's, or the same in another order.
 #[test]
 fn a_struct_that_differs_from_the_hosts_is_refused() {
     let sources = [
-        (Source::Descent, "double unbias1, unbias2;", "double unbias2, unbias1;", "StepAdamArgs"),
+        (Source::Optimizer, "double unbias1, unbias2;", "double unbias2, unbias1;", "StepAdamArgs"),
         (
             Source::Params,
             "float3 normal;\n    float offset;",

@@ -1,6 +1,6 @@
-//! Assignment of half-springs to slots and lanes. A quarter of a warp reads eight float4s of shared memory at
-//! once, and in one go only if they lie in different banks: indices that differ modulo 8. Half a warp reads
-//! sixteen float2s at once: indices that differ modulo 16.
+//! Assignment of half-springs to slots and lanes. A quarter of a warp reads eight float4s of shared
+//! memory at once, and in one go only if they lie in different banks: indices that differ modulo 8.
+//! Half a warp reads sixteen float2s at once: indices that differ modulo 16.
 
 use super::rows::{Half, WARP};
 
@@ -12,8 +12,8 @@ const BANKS: usize = 8;
 /// One slot: what each lane of the warp takes.
 pub(super) type Slot = [Option<Half>; WARP];
 
-/// Deals the half-springs of a row's nodes to at least `slots` slots of `lanes` lanes a node: `first` fill
-/// the first ones, `then` what is left.
+/// Deals the half-springs of a row's nodes to at least `slots` slots of `lanes` lanes a node:
+/// `first` fill the first ones, `then` what is left.
 pub(super) fn arrange(
     lanes: usize,
     mut first: Vec<Vec<Half>>,
@@ -42,8 +42,8 @@ pub(super) fn arrange(
     out
 }
 
-/// Takes a half-spring that is read along with another lane's, or else one whose banks are free, from the bank
-/// that has most of them left; any if none is.
+/// Takes a half-spring that is read along with another lane's, or else one whose banks are free,
+/// from the bank that has most of them left; any if none is.
 fn take(
     from: &mut Vec<Half>,
     used: &mut [Option<u32>; BANKS],

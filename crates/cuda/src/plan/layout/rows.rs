@@ -1,5 +1,6 @@
-//! Half-springs in rows: a warp works on 32 / lanes nodes at once, each lane on every lanes-th half-spring
-//! of its node. A slot is one half-spring for each of the 32 lanes; slots come in pairs.
+//! Half-springs in rows: a warp works on 32 / lanes nodes at once, each lane on every lanes-th
+//! half-spring of its node. A slot is one half-spring for each of the 32 lanes; slots come in
+//! pairs.
 
 use super::{Incidence, Layout, NONE, PAIR_SUMS, SUMS_APART, banks};
 
@@ -7,7 +8,8 @@ use super::{Incidence, Layout, NONE, PAIR_SUMS, SUMS_APART, banks};
 pub(super) const WARP: usize = 32;
 /// A block of so many threads keeps its multiprocessor busy.
 const BUSY_THREADS: usize = 512;
-/// Fewer half-springs than this a lane are not worth a shuffle more, in a block that is busy and in one that is not.
+/// Fewer half-springs than this a lane are not worth a shuffle more, in a block that is busy and in
+/// one that is not.
 const FEWEST_SLOTS_BUSY: usize = 6;
 const FEWEST_SLOTS: usize = 3;
 
@@ -37,7 +39,8 @@ pub(super) struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Rows for `count` endpoints, which have these local indices and half-springs; how many there are.
+    /// Rows for `count` endpoints, which have these local indices and half-springs; how many there
+    /// are.
     pub(super) fn add(
         &mut self,
         count: usize,
@@ -86,7 +89,8 @@ impl Rows<'_> {
         for (at, pair) in (0_u32..).zip(slots.chunks(2)) {
             for lane in 0..WARP {
                 for (h, slot) in pair.iter().enumerate() {
-                    // What fills up a slot joins an endpoint to itself: that exerts nothing, dashpot or not.
+                    // What fills up a slot joins an endpoint to itself: that exerts nothing,
+                    // dashpot or not.
                     let filler = (NONE, selves[lane / lanes], false);
                     let (spring, other, owns) = slot[lane].unwrap_or(filler);
                     layout.springs.push(spring);

@@ -1,10 +1,10 @@
-//! Windows that go backward side by side, from their ends to their starts.
+//! Windows that go backward together, from their ends to their starts.
 
 use std::ops::Range;
 
 use bendtwin_engine::Error;
 
-use super::{Backward, Slots};
+use super::{Backward, WindowArrays};
 use crate::{
     device::{
         args::{
@@ -13,8 +13,8 @@ use crate::{
         },
         kernels,
         memory::Buffer,
-        pace::Pace,
         specialization::THREADS,
+        throttle::LaunchThrottle,
     },
     plan::{choice::Purpose, layout::PAIR_SUMS, resident::LAWS},
     run::{
@@ -47,16 +47,16 @@ impl Window {
     }
 }
 
-/// Windows that go backward side by side.
-pub(super) struct SideBySide<'a> {
-    way_back: &'a Backward<'a>,
+/// Windows that go backward together.
+pub(super) struct ConcurrentWindows<'a> {
+    backward: &'a Backward<'a>,
     windows: &'a [Window],
-    slots: &'a Slots,
-    lanes: Vec<Lane>,
+    arrays: &'a WindowArrays,
+    batches: Vec<WindowBatch>,
 }
 
-/// Windows that one kernel takes backward, and what they sum on their way.
-struct Lane {
+/// Windows that one kernel takes backward, and their sums.
+struct WindowBatch {
     group: Group,
     sums: Buffer<f32>,
     /// Floats of a window's sums: first of springs, then of triplets, rods and laws.
@@ -66,8 +66,8 @@ struct Lane {
     _pin_sums: Buffer<f32>,
 }
 
-/// Arguments of a lane's windows for some frames: those of a depth stand together.
-struct Rounds {
+/// Arguments of a batch's windows for some frames, ordered by depth.
+struct BatchArgs {
     instances: Buffer<InstanceArgs>,
     /// d loss / d positions at the end of each instance's frame.
     seeds: Buffer<Pointer<f32>>,
@@ -79,31 +79,32 @@ struct Rounds {
     shared: bool,
 }
 
-impl<'a> SideBySide<'a> {
+impl<'a> ConcurrentWindows<'a> {
     pub(super) fn new(
-        way_back: &'a Backward<'a>,
+        backward: &'a Backward<'a>,
         windows: &'a [Window],
-        slots: &'a Slots,
+        arrays: &'a WindowArrays,
     ) -> Result<Self, Error> {
-        let simulation = way_back.way.simulation;
+        let simulation = backward.forward.simulation;
         let instances: Vec<usize> = windows.iter().map(|w| w.instance).collect();
         let groups = simulation.groups(&instances, Purpose::Backward)?;
-        let mut this = Self { way_back, windows, slots, lanes: Vec::with_capacity(groups.len()) };
+        let mut this =
+            Self { backward, windows, arrays, batches: Vec::with_capacity(groups.len()) };
         for group in groups {
-            let lane = this.lane(group)?;
-            this.lanes.push(lane);
+            let batch = this.batch(group)?;
+            this.batches.push(batch);
         }
         Ok(this)
     }
 
     fn simulation(&self) -> &'a Simulation<'a> {
-        self.way_back.way.simulation
+        self.backward.forward.simulation
     }
 
-    fn lane(&self, mut group: Group) -> Result<Lane, Error> {
+    fn batch(&self, mut group: Group) -> Result<WindowBatch, Error> {
         let stream = &self.simulation().queue.stream;
         let count = group.members.len();
-        let blocks = group.fitted.team.blocks as usize;
+        let blocks = group.plan.team.blocks as usize;
         let layout = group.packed().first().map(|p| &p.cut.layout);
         let of_springs = layout.map_or(0, |l| (l.sum_pairs * PAIR_SUMS) as usize);
         let (controls, pins, hinges) = group.instances().first().map_or((0, 0, 0), |args| {
@@ -112,15 +113,15 @@ impl<'a> SideBySide<'a> {
             (t.control_count as usize, t.pin_count as usize, hinges as usize)
         });
         let stride = of_springs + 3 * hinges + LAWS * blocks;
-        let wanted = usize::from(self.way_back.request.controls && controls > 0);
+        let wanted = usize::from(self.backward.request.controls && controls > 0);
         let sums = Buffer::zeros(stream, count * stride)?;
         let control_sums = Buffer::zeros(stream, wanted * count * 9 * blocks * controls)?;
         let pin_sums = Buffer::zeros(stream, wanted * count * 9 * pins)?;
         for (k, (w, args)) in group.members_mut().enumerate() {
             args.state.frame_count = 1;
-            args.adjoint.bar_x = self.slots.bar_x.at(w * self.slots.nodes);
-            args.adjoint.bar_v = self.slots.bar_v.at(w * self.slots.nodes);
-            args.adjoint.bar_twists = self.slots.twist_bars.at(w * self.slots.rods);
+            args.adjoint.bar_x = self.arrays.bar_x.at(w * self.arrays.nodes);
+            args.adjoint.bar_v = self.arrays.bar_v.at(w * self.arrays.nodes);
+            args.adjoint.bar_twists = self.arrays.twist_bars.at(w * self.arrays.rods);
             args.adjoint.spring_sums = sums.at(k * stride);
             args.adjoint.bend_sums = sums.at(k * stride + of_springs);
             args.adjoint.law_sums = sums.at(k * stride + of_springs + 3 * hinges);
@@ -129,7 +130,7 @@ impl<'a> SideBySide<'a> {
                 args.adjoint.pin_sums = pin_sums.at(k * 9 * pins);
             }
         }
-        Ok(Lane {
+        Ok(WindowBatch {
             group,
             sums,
             stride,
@@ -139,50 +140,52 @@ impl<'a> SideBySide<'a> {
         })
     }
 
-    /// Takes all windows back to their starts and adds their sums to those of their instances, by place.
+    /// Takes all windows back to their starts and adds their sums to those of their instances, by
+    /// place.
     pub(super) fn run(&self, total: impl Fn(usize) -> Pointer<f32>) -> Result<(), Error> {
         let queue = self.simulation().queue;
         let deepest = self.windows.iter().map(Window::len).max().unwrap_or(0);
         // Where nothing moves, what is wanted at the start is wanted of the start.
         self.store_initials(0)?;
-        let mut pace = Pace::default();
-        for from in (0..deepest).step_by(self.slots.frames) {
-            let depths = from..(from + self.slots.frames).min(deepest);
-            let slots = match self.way_back.way.kept {
+        let mut throttle = LaunchThrottle::default();
+        for from in (0..deepest).step_by(self.arrays.frames) {
+            let depths = from..(from + self.arrays.frames).min(deepest);
+            let slots = match self.backward.forward.tapes {
                 Some(_) => Vec::new(),
-                None => self.again(depths.clone(), self.slots.last_segment())?,
+                None => self.again(depths.clone(), self.arrays.last_segment())?,
             };
-            let rounds = self.lanes.iter().map(|lane| self.rounds(lane, depths.clone(), &slots));
-            let rounds = rounds.collect::<Result<Vec<_>, Error>>()?;
+            let args =
+                self.batches.iter().map(|batch| self.batch_args(batch, depths.clone(), &slots));
+            let args = args.collect::<Result<Vec<_>, Error>>()?;
             for depth in depths {
-                if self.way_back.cancel.is_cancelled() {
+                if self.backward.cancel.is_cancelled() {
                     queue.synchronize()?;
                     return Err(Error::Cancelled);
                 }
-                self.frame_back(depth, from, &rounds)?;
+                self.frame_back(depth, from, &args)?;
                 self.store_initials(depth + 1)?;
                 if depth % AHEAD == AHEAD - 1 {
-                    pace.step(queue)?;
+                    throttle.step(queue)?;
                 }
             }
         }
-        self.lanes.iter().try_for_each(|lane| self.add_sums(lane, &total))
+        self.batches.iter().try_for_each(|batch| self.add_sums(batch, &total))
     }
 
-    /// Arguments of windows that reach so deep. For tapes that have just been written, `slots` says by window where nodes
-    /// are on them.
-    fn rounds(
+    /// Arguments of windows that reach so deep. For tapes that have just been written, `slots` has
+    /// each window's entries of nodes on them.
+    fn batch_args(
         &self,
-        lane: &Lane,
+        batch: &WindowBatch,
         depths: Range<usize>,
         slots: &[Pointer<u32>],
-    ) -> Result<Rounds, Error> {
+    ) -> Result<BatchArgs, Error> {
         let (simulation, from) = (self.simulation(), depths.start);
         let (mut all, mut seeds, mut outs) = (Vec::new(), Vec::new(), Vec::new());
         let (mut starts, mut shared) = (vec![0], false);
         for depth in depths {
             let mut before = None;
-            for (&w, args) in lane.group.members.iter().zip(lane.group.instances()) {
+            for (&w, args) in batch.group.members.iter().zip(batch.group.instances()) {
                 let window = &self.windows[w];
                 if window.len() <= depth {
                     continue;
@@ -190,17 +193,21 @@ impl<'a> SideBySide<'a> {
                 let frame = window.frame(depth);
                 let mut args = *args;
                 args.state.first_frame = frame as u32;
-                self.slots.place(w, depth - from, &mut args);
-                match self.way_back.way.kept {
-                    Some(kept) => {
-                        kept.read(simulation.instances, window.instance, frame, &mut args);
+                self.arrays.place(w, depth - from, &mut args);
+                match self.backward.forward.tapes {
+                    Some(tapes) => {
+                        tapes.read(simulation.instances, window.instance, frame, &mut args);
                     }
                     None => args.tape.slot_of = slots[w],
                 }
                 all.push(args);
-                seeds.push(self.way_back.way.scores.seed(simulation, window.instance, frame + 1));
-                if self.way_back.request.controls {
-                    let out = &self.way_back.out;
+                seeds.push(self.backward.forward.scores.seed(
+                    simulation,
+                    window.instance,
+                    frame + 1,
+                ));
+                if self.backward.request.controls {
+                    let out = &self.backward.out;
                     outs.push(out.controls.at(out.control_starts[window.instance]));
                 }
                 shared |= before.replace(window.instance) == Some(window.instance);
@@ -208,7 +215,7 @@ impl<'a> SideBySide<'a> {
             starts.push(all.len());
         }
         let stream = &simulation.queue.stream;
-        Ok(Rounds {
+        Ok(BatchArgs {
             instances: Buffer::of(stream, &all)?,
             seeds: Buffer::of(stream, &seeds)?,
             outs: Buffer::of(stream, &outs)?,
@@ -217,52 +224,50 @@ impl<'a> SideBySide<'a> {
         })
     }
 
-    fn frame_back(&self, depth: usize, from: usize, rounds: &[Rounds]) -> Result<(), Error> {
-        let (simulation, slots) = (self.simulation(), self.slots);
+    fn frame_back(&self, depth: usize, from: usize, args: &[BatchArgs]) -> Result<(), Error> {
+        let (simulation, arrays) = (self.simulation(), self.arrays);
         let queue = simulation.queue;
-        let part = |rounds: &Rounds| {
-            let start = rounds.starts[depth - from];
+        let part = |args: &BatchArgs| {
+            let start = args.starts[depth - from];
             (
                 start,
-                InstanceSpan::part(
-                    &rounds.instances,
-                    start,
-                    rounds.starts[depth - from + 1] - start,
-                ),
+                InstanceSpan::part(&args.instances, start, args.starts[depth - from + 1] - start),
             )
         };
-        for (lane, rounds) in self.lanes.iter().zip(rounds) {
-            let (start, span) = part(rounds);
-            self.add_seeds(span, rounds.seeds.at(start), depth == 0)?;
-            // Tapes of the way forward have outlived the candidates of their frames.
-            if lane.group.fitted.specialization.contact && self.way_back.way.kept.is_some() {
+        for (batch, args) in self.batches.iter().zip(args) {
+            let (start, span) = part(args);
+            self.add_seeds(span, args.seeds.at(start), depth == 0)?;
+            // Tapes of the forward pass have outlived the contact candidates of their frames.
+            if batch.group.plan.specialization.contact && self.backward.forward.tapes.is_some() {
                 simulation.find_partners(&queue.stream, span, 0)?;
             }
         }
-        for taped in slots.segments().rev() {
-            // The last is there. The others take its place, in its order: they are written by the same span.
-            if taped != slots.last_segment() {
+        for taped in arrays.segments().rev() {
+            // The last is there. The others take its place, in its order: they are written by the
+            // same span.
+            if taped != arrays.last_segment() {
                 self.again(depth..depth + 1, taped.clone())?;
             }
-            for (lane, rounds) in self.lanes.iter().zip(rounds) {
-                lane.group.back(queue, part(rounds).1, taped.start, taped.end)?;
+            for (batch, args) in self.batches.iter().zip(args) {
+                batch.group.back(queue, part(args).1, taped.start, taped.end)?;
             }
         }
-        if self.way_back.request.controls {
-            for (lane, rounds) in self.lanes.iter().zip(rounds) {
-                let (start, span) = part(rounds);
+        if self.backward.request.controls {
+            for (batch, args) in self.batches.iter().zip(args) {
+                let (start, span) = part(args);
                 // Windows of one instance share frame boundaries: one after the other.
-                let at_once = if rounds.shared { 1 } else { span.count.max(1) };
+                let at_once = if args.shared { 1 } else { span.count.max(1) };
                 for k in (0..span.count).step_by(at_once) {
-                    let some = InstanceSpan::part(&rounds.instances, start + k, at_once);
-                    self.collect_controls(lane, some, rounds.outs.at(start + k))?;
+                    let some = InstanceSpan::part(&args.instances, start + k, at_once);
+                    self.collect_controls(batch, some, args.outs.at(start + k))?;
                 }
             }
         }
         Ok(())
     }
 
-    /// Runs frames again, all at once, with these substeps on tape; says where nodes are on it, by window.
+    /// Runs frames again, all at once, with these substeps on tape; returns where nodes are on it,
+    /// by window.
     fn again(&self, depths: Range<usize>, taped: Range<u32>) -> Result<Vec<Pointer<u32>>, Error> {
         let (simulation, from) = (self.simulation(), depths.start);
         let queue = simulation.queue;
@@ -279,11 +284,11 @@ impl<'a> SideBySide<'a> {
                 let (w, depth) = frames[f];
                 args.state.first_frame = self.windows[w].frame(depth) as u32;
                 args.state.frame_count = 1;
-                self.slots.place(w, depth - from, args);
+                self.arrays.place(w, depth - from, args);
                 slots[w] = args.tape.slot_of;
             }
             let uploaded = Buffer::of(&queue.stream, group.instances())?;
-            if group.fitted.specialization.contact {
+            if group.plan.specialization.contact {
                 simulation.find_partners(&queue.stream, InstanceSpan::all(&uploaded), 0)?;
             }
             let range = FrameRange::again(taped.clone());
@@ -300,7 +305,7 @@ impl<'a> SideBySide<'a> {
     ) -> Result<(), Error> {
         let begins = u32::from(begins);
         let args = AddSeedsArgs { instances: of.address, seeds, begins, unused: 0 };
-        let blocks = (self.slots.nodes as u32).div_ceil(THREADS);
+        let blocks = (self.arrays.nodes as u32).div_ceil(THREADS);
         let launch = self.simulation().queue.grid(blocks, of.count as u32, 1);
         // SAFETY: every instance has its derivatives and a seed of as many nodes.
         unsafe { kernels::add_seeds(&launch, &args) }
@@ -308,12 +313,13 @@ impl<'a> SideBySide<'a> {
 
     fn collect_controls(
         &self,
-        lane: &Lane,
+        batch: &WindowBatch,
         of: InstanceSpan,
         outs: Pointer<Pointer<[f32; 3]>>,
     ) -> Result<(), Error> {
-        let controls = lane.group.instances().first().map_or(0, |args| args.topology.control_count);
-        let block_count = lane.group.fitted.team.blocks;
+        let controls =
+            batch.group.instances().first().map_or(0, |args| args.topology.control_count);
+        let block_count = batch.group.plan.team.blocks;
         let args = CollectControlsArgs { instances: of.address, outs, block_count, unused: 0 };
         let queue = self.simulation().queue;
         let launch = queue.grid(controls.div_ceil(THREADS), of.count as u32, 1);
@@ -321,15 +327,15 @@ impl<'a> SideBySide<'a> {
         unsafe { kernels::collect_controls(&launch, &args) }
     }
 
-    /// Keeps what came back to the starts of instances, with the seeds of the starts themselves, of windows
-    /// with so many frames.
+    /// Keeps what came back to the starts of instances, with the seeds of the starts themselves, of
+    /// windows with so many frames.
     fn store_initials(&self, frames: usize) -> Result<(), Error> {
-        let request = self.way_back.request;
+        let request = self.backward.request;
         if !(request.initial || request.controls) {
             return Ok(());
         }
-        let (simulation, slots) = (self.simulation(), self.slots);
-        let (n, stream) = (slots.nodes, &simulation.queue.stream);
+        let (simulation, arrays) = (self.simulation(), self.arrays);
+        let (n, stream) = (arrays.nodes, &simulation.queue.stream);
         for (w, window) in self.windows.iter().enumerate() {
             if window.first > 0 || window.len() != frames {
                 continue;
@@ -337,13 +343,13 @@ impl<'a> SideBySide<'a> {
             let args = InstanceArgs {
                 topology: TopologyArgs {
                     node_count: n as u32,
-                    rod_count: slots.rods as u32,
+                    rod_count: arrays.rods as u32,
                     ..TopologyArgs::default()
                 },
                 adjoint: AdjointArgs {
-                    bar_x: slots.bar_x.at(w * n),
-                    bar_v: slots.bar_v.at(w * n),
-                    bar_twists: slots.twist_bars.at(w * slots.rods),
+                    bar_x: arrays.bar_x.at(w * n),
+                    bar_v: arrays.bar_v.at(w * n),
+                    bar_twists: arrays.twist_bars.at(w * arrays.rods),
                     ..AdjointArgs::default()
                 },
                 ..InstanceArgs::default()
@@ -351,42 +357,47 @@ impl<'a> SideBySide<'a> {
             let uploaded = Buffer::of(stream, &[args])?;
             let seeds = Buffer::of(
                 stream,
-                &[self.way_back.way.scores.seed(simulation, window.instance, 0)],
+                &[self.backward.forward.scores.seed(simulation, window.instance, 0)],
             )?;
             self.add_seeds(InstanceSpan::all(&uploaded), seeds.address(), frames == 0)?;
-            let out = self.way_back.out;
+            let out = self.backward.out;
             let to = out.initial_starts[window.instance];
-            out.initial.copy_from(to, &slots.bar_x, w * n, n)?;
-            out.initial.copy_from(to + n, &slots.bar_v, w * n, n)?;
-            if slots.rods > 0 {
-                let (to, r) = (out.initial_twist_starts[window.instance], slots.rods);
-                out.initial_twists.copy_from(to, &slots.twist_bars, w * r, r)?;
+            out.initial.copy_from(to, &arrays.bar_x, w * n, n)?;
+            out.initial.copy_from(to + n, &arrays.bar_v, w * n, n)?;
+            if arrays.rods > 0 {
+                let (to, r) = (out.initial_twist_starts[window.instance], arrays.rods);
+                out.initial_twists.copy_from(to, &arrays.twist_bars, w * r, r)?;
             }
         }
         Ok(())
     }
 
     /// Adds the sums of each instance's windows to its total.
-    fn add_sums(&self, lane: &Lane, total: &impl Fn(usize) -> Pointer<f32>) -> Result<(), Error> {
-        let Some(cut) = lane.group.packed().first().map(|p| &p.cut) else { return Ok(()) };
+    fn add_sums(
+        &self,
+        batch: &WindowBatch,
+        total: &impl Fn(usize) -> Pointer<f32>,
+    ) -> Result<(), Error> {
+        let Some(cut) = batch.group.packed().first().map(|p| &p.cut) else { return Ok(()) };
         let e = cut.sum_of.len() as u32;
-        let others = (lane.stride - lane.of_springs) as u32;
+        let others = (batch.stride - batch.of_springs) as u32;
         let place = |w: &usize| self.windows[*w].place;
         let mut at = 0;
-        for own in lane.group.members.chunk_by(|a, b| place(a) == place(b)) {
+        for own in batch.group.members.chunk_by(|a, b| place(a) == place(b)) {
             let args = GatherSumsArgs {
                 total: total(place(&own[0])),
-                sums: lane.sums.at(at * lane.stride),
+                sums: batch.sums.at(at * batch.stride),
                 sum_of: cut.sum_of.address(),
-                stride: lane.stride as u64,
+                stride: batch.stride as u64,
                 window_count: own.len() as u32,
                 spring_count: e,
                 other_count: others,
-                first_other: lane.of_springs as u32,
+                first_other: batch.of_springs as u32,
             };
             at += own.len();
             let launch = self.simulation().queue.grid((e + others).div_ceil(THREADS), 1, 1);
-            // SAFETY: sums are rows of `stride` numbers, so many of them, and the total has a place for each kind.
+            // SAFETY: sums are rows of `stride` numbers, so many of them, and the total has a place
+            // for each kind.
             unsafe { kernels::gather_sums(&launch, &args)? };
         }
         Ok(())

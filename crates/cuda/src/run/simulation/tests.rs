@@ -5,7 +5,8 @@ fn state(twists: &[f32]) -> State {
     State { positions: points(3.0), velocities: points(6.0), twists: twists.to_vec() }
 }
 
-/// A fit compares a model with rods and one without from the same state, and leaves its twists open.
+/// A fit compares a model with rods and one without from the same state, and leaves its twists
+/// open.
 #[test]
 fn models_that_share_a_state_have_twists_of_their_own() {
     let (untwisted, twisted) = (state(&[]), state(&[0.5, -0.5]));

@@ -1,5 +1,6 @@
-//! Properties that `team.cuh` relies on where blocks wait for bytes alone: a block writes into another's halo once it has heard
-//! from it, so whoever reads what it wrote before must have been heard.
+//! Properties that `team.cuh` relies on where blocks wait for bytes alone: a block writes into
+//! another's halo once it has received from it, so whoever reads what it wrote before must have
+//! been received.
 
 use super::*;
 
@@ -80,34 +81,34 @@ fn nodes_that_an_element_joins_are_in_each_others_halos() {
 }
 
 #[test]
-fn whom_a_block_tells_it_also_hears_from() {
+fn a_block_sends_to_those_it_receives_from() {
     for (graph, layout) in cut() {
         let (owners, halos) = (owners(&graph, &layout), halos(&layout));
-        let hears = |block: usize| -> BTreeSet<usize> {
+        let receives = |block: usize| -> BTreeSet<usize> {
             halos[block].iter().map(|&node| owners[node as usize]).collect()
         };
         for (block, share) in layout.shares.iter().enumerate() {
             let from = layout.exports[share.export_start as usize] as usize;
             let to = layout.exports[(share.export_start + share.own) as usize] as usize;
-            let told: BTreeSet<usize> =
+            let sent: BTreeSet<usize> =
                 layout.export_refs[from..to].iter().map(|there| (there >> 16) as usize).collect();
-            assert_eq!(told, hears(block));
-            assert!(!told.contains(&block));
+            assert_eq!(sent, receives(block));
+            assert!(!sent.contains(&block));
         }
     }
 }
 
 #[test]
-fn a_halo_is_told_as_often_as_it_has_nodes() {
+fn a_halo_receives_as_often_as_it_has_nodes() {
     for (_, layout) in cut() {
         for (block, share) in (0_u32..).zip(&layout.shares) {
-            let told = layout.export_refs.iter().filter(|&there| there >> 16 == block);
-            assert_eq!(told.count() as u32, share.local - share.own);
+            let received = layout.export_refs.iter().filter(|&there| there >> 16 == block);
+            assert_eq!(received.count() as u32, share.local - share.own);
         }
     }
 }
 
-/// Such a node is told to whoever owns what was read, after it was read.
+/// Such a node is sent to whoever owns what was read, after it was read.
 #[test]
 fn only_elements_of_own_nodes_read_the_halo() {
     for (_, layout) in cut() {

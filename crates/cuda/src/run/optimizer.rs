@@ -1,4 +1,4 @@
-//! Walks through parameter space on the device: parameters, coordinates, moments and gradients stay there;
+//! Optimizer runs on the device: parameters, coordinates, moments and gradients stay there;
 //! a few numbers per instance and step come back.
 
 use std::sync::Arc;
@@ -25,25 +25,25 @@ use crate::{
     run::{backend::CudaBackend, backward::Gradients},
 };
 
-/// Blocks that add up a gradient's length.
-const LENGTH_BLOCKS: u32 = 64;
-/// Marks a coordinate that is a logarithm; see `kernels/descent.cu`.
+/// Blocks that sum a gradient's norm.
+const NORM_BLOCKS: u32 = 64;
+/// Marks a coordinate that is a logarithm; see `kernels/optimizer.cu`.
 const LOGARITHM: u32 = 1 << 31;
 
-/// Walks on one device.
-pub(crate) struct DeviceDescent {
+/// Optimizer runs on one device.
+pub(crate) struct DeviceOptimizer {
     backend: CudaBackend,
     decay: Decay,
-    walks: Vec<Walk>,
+    runs: Vec<DeviceRun>,
 }
 
-struct Walk {
-    /// Owned by the walk alone. Its element parameters are those that it was loaded with; the
+struct DeviceRun {
+    /// Owned by the run alone. Its element parameters are those that it was loaded with; the
     /// current ones are on the device, and the laws here as well.
     model: Arc<Model>,
     resident: Arc<Resident>,
-    /// A model of its own at the current point, if somebody has asked for it.
-    shown: Option<Loaded>,
+    /// A model of its own at the current point, made when first needed.
+    current: Option<Loaded>,
     parameterization: Parameterization,
     indices: Buffer<u32>,
     rates: Buffer<f64>,
@@ -57,76 +57,76 @@ struct Walk {
     waiting: Vec<(Arc<Gradients>, Pointer<f32>)>,
 }
 
-impl DeviceDescent {
+impl DeviceOptimizer {
     pub(crate) fn new(
         backend: CudaBackend,
-        starts: Vec<OptimizerInit>,
+        inits: Vec<OptimizerInit>,
         decay: Decay,
     ) -> Result<Self, Error> {
-        let begin = |start: OptimizerInit| {
-            start.check()?;
-            Walk::new(&backend.queue, start)
+        let begin = |init: OptimizerInit| {
+            init.check()?;
+            DeviceRun::new(&backend.queue, init)
         };
-        let walks = starts.into_iter().map(begin).collect::<Result<_, Error>>()?;
-        Ok(Self { backend, decay, walks })
+        let runs = inits.into_iter().map(begin).collect::<Result<_, Error>>()?;
+        Ok(Self { backend, decay, runs })
     }
 
-    fn walk(&mut self, walk: usize) -> Result<(&Arc<Queue>, &mut Walk), Error> {
-        let count = self.walks.len();
-        let found = self.walks.get_mut(walk).ok_or_else(|| unknown(walk, count))?;
+    fn run(&mut self, run: usize) -> Result<(&Arc<Queue>, &mut DeviceRun), Error> {
+        let count = self.runs.len();
+        let found = self.runs.get_mut(run).ok_or_else(|| unknown(run, count))?;
         Ok((&self.backend.queue, found))
     }
 
-    /// Measures probes and leaves their gradients waiting.
+    /// Measures samples and leaves their gradients waiting.
     fn measure_chunk(
         &mut self,
-        probes: &[GradientSample],
+        samples: &[GradientSample],
         instances: &[Instance],
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<GradientNorm>, Error> {
-        let (measured, gradients) = self.backend.measure(instances, request, cancel)?;
+        let (simulated, gradients) = self.backend.measure(instances, request, cancel)?;
         let gradients = Arc::new(gradients);
-        let losses = measured.losses()?;
-        let mut slopes = Vec::with_capacity(probes.len());
-        for (i, (probe, loss)) in probes.iter().zip(losses).enumerate() {
+        let losses = simulated.losses()?;
+        let mut norms = Vec::with_capacity(samples.len());
+        for (i, (sample, loss)) in samples.iter().zip(losses).enumerate() {
             let ended = loss.diverged.is_none();
             let final_state = match request.final_state && ended {
-                true => Some(measured.state(i, instances[i].frames)?),
+                true => Some(simulated.state(i, instances[i].frames)?),
                 false => None,
             };
-            let walk = &mut self.walks[probe.run];
+            let run = &mut self.runs[sample.run];
             let own =
                 if ended { gradients.params.at(gradients.starts[i]) } else { Pointer::default() };
-            walk.waiting.push((gradients.clone(), own));
-            slopes.push(GradientNorm { loss, norm: 0.0, final_state });
+            run.waiting.push((gradients.clone(), own));
+            norms.push(GradientNorm { loss, norm: 0.0, final_state });
         }
-        for (w, walk) in self.walks.iter().enumerate() {
-            let own: Vec<usize> = (0..probes.len()).filter(|&i| probes[i].run == w).collect();
-            let newest = &walk.waiting[walk.waiting.len() - own.len()..];
-            let lengths = walk.lengths(&self.backend.queue, newest)?;
-            for (i, length) in own.into_iter().zip(lengths) {
-                slopes[i].norm = length;
+        for (w, run) in self.runs.iter().enumerate() {
+            let own: Vec<usize> = (0..samples.len()).filter(|&i| samples[i].run == w).collect();
+            let newest = &run.waiting[run.waiting.len() - own.len()..];
+            let own_norms = run.norms(&self.backend.queue, newest)?;
+            for (i, norm) in own.into_iter().zip(own_norms) {
+                norms[i].norm = norm;
             }
         }
-        Ok(slopes)
+        Ok(norms)
     }
 }
 
-fn unknown(walk: usize, count: usize) -> Error {
-    Error::InvalidInput(format!("walk {walk} does not exist: there are {count}"))
+fn unknown(run: usize, count: usize) -> Error {
+    Error::InvalidInput(format!("run {run} does not exist: there are {count}"))
 }
 
-impl Optimizer for DeviceDescent {
-    fn loaded(&mut self, walk: usize) -> Result<Loaded, Error> {
+impl Optimizer for DeviceOptimizer {
+    fn loaded(&mut self, run: usize) -> Result<Loaded, Error> {
         let backend = self.backend.clone();
-        let (queue, walk) = self.walk(walk)?;
-        if let Some(shown) = &walk.shown {
-            return Ok(shown.clone());
+        let (queue, run) = self.run(run)?;
+        if let Some(current) = &run.current {
+            return Ok(current.clone());
         }
-        let params = walk.params(queue)?;
-        let shown = backend.with_params(&walk.own(), params)?;
-        Ok(walk.shown.insert(shown).clone())
+        let params = run.params(queue)?;
+        let current = backend.with_params(&run.own(), params)?;
+        Ok(run.current.insert(current).clone())
     }
 
     fn measure(
@@ -135,52 +135,52 @@ impl Optimizer for DeviceDescent {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<GradientNorm>, Error> {
-        let here = |probe: &GradientSample| {
-            let walk = self.walks.get(probe.run);
-            let walk = walk.ok_or_else(|| unknown(probe.run, self.walks.len()))?;
-            Ok(Instance { model: walk.own(), ..probe.instance.clone() })
+        let here = |sample: &GradientSample| {
+            let run = self.runs.get(sample.run);
+            let run = run.ok_or_else(|| unknown(sample.run, self.runs.len()))?;
+            Ok(Instance { model: run.own(), ..sample.instance.clone() })
         };
         let instances = batch.iter().map(here).collect::<Result<Vec<_>, Error>>()?;
         let request = GradientRequest { controls: false, initial: false, ..*request };
-        let before: Vec<usize> = self.walks.iter().map(|w| w.waiting.len()).collect();
-        let mut slopes = Vec::with_capacity(batch.len());
+        let before: Vec<usize> = self.runs.iter().map(|w| w.waiting.len()).collect();
+        let mut norms = Vec::with_capacity(batch.len());
         let mut outcome = self.backend.check(&instances);
         for chunk in self.backend.gradient_chunks(&instances) {
             if outcome.is_err() {
                 break;
             }
-            let (probes, instances) = (&batch[chunk.clone()], &instances[chunk]);
+            let (samples, instances) = (&batch[chunk.clone()], &instances[chunk]);
             outcome = self
-                .measure_chunk(probes, instances, &request, cancel)
-                .map(|more| slopes.extend(more));
+                .measure_chunk(samples, instances, &request, cancel)
+                .map(|more| norms.extend(more));
         }
         if outcome.is_err() {
-            for (walk, &before) in self.walks.iter_mut().zip(&before) {
-                walk.waiting.truncate(before);
+            for (run, &before) in self.runs.iter_mut().zip(&before) {
+                run.waiting.truncate(before);
             }
             // Nothing of what failed may go on behind our back.
             let _ = self.backend.queue.synchronize();
         }
-        outcome.map(|()| slopes)
+        outcome.map(|()| norms)
     }
 
-    fn step(&mut self, walk: usize, weights: &[f64], rate: f64) -> Result<(), Error> {
+    fn step(&mut self, run: usize, weights: &[f64], rate: f64) -> Result<(), Error> {
         let decay = self.decay;
-        let (queue, walk) = self.walk(walk)?;
-        if weights.len() != walk.waiting.len() {
-            let (n, waiting) = (weights.len(), walk.waiting.len());
+        let (queue, run) = self.run(run)?;
+        if weights.len() != run.waiting.len() {
+            let (n, waiting) = (weights.len(), run.waiting.len());
             return Err(Error::InvalidInput(format!("{n} weights for {waiting} gradients")));
         }
-        walk.step(queue, weights, rate, decay)
+        run.step(queue, weights, rate, decay)
     }
 
-    fn discard(&mut self, walk: usize) -> Result<(), Error> {
-        self.walk(walk)?.1.waiting.clear();
+    fn discard(&mut self, run: usize) -> Result<(), Error> {
+        self.run(run)?.1.waiting.clear();
         Ok(())
     }
 
-    fn position(&self, walk: usize) -> Result<Position, Error> {
-        let found = self.walks.get(walk).ok_or_else(|| unknown(walk, self.walks.len()))?;
+    fn position(&self, run: usize) -> Result<Position, Error> {
+        let found = self.runs.get(run).ok_or_else(|| unknown(run, self.runs.len()))?;
         Ok(Position {
             theta: found.theta.read()?,
             adam: Adam {
@@ -191,26 +191,26 @@ impl Optimizer for DeviceDescent {
         })
     }
 
-    fn move_to(&mut self, walk: usize, position: &Position, timing: Timing) -> Result<(), Error> {
+    fn move_to(&mut self, run: usize, position: &Position, timing: Timing) -> Result<(), Error> {
         let backend = self.backend.clone();
-        let (queue, walk) = self.walk(walk)?;
-        walk.parameterization.check_position(position)?;
-        let params = walk.parameterization.params(&position.theta);
-        let model = Model { params, timing, ..Model::clone(&walk.model) };
+        let (queue, run) = self.run(run)?;
+        run.parameterization.check_position(position)?;
+        let params = run.parameterization.params(&position.theta);
+        let model = Model { params, timing, ..Model::clone(&run.model) };
         let loaded = backend.load(Arc::new(model))?;
-        let start = OptimizerInit {
+        let init = OptimizerInit {
             loaded,
-            parameterization: walk.parameterization.clone(),
+            parameterization: run.parameterization.clone(),
             position: position.clone(),
         };
-        *walk = Walk::new(queue, start)?;
+        *run = DeviceRun::new(queue, init)?;
         Ok(())
     }
 }
 
-impl Walk {
-    fn new(queue: &Queue, start: OptimizerInit) -> Result<Self, Error> {
-        let OptimizerInit { loaded, parameterization, position } = start;
+impl DeviceRun {
+    fn new(queue: &Queue, init: OptimizerInit) -> Result<Self, Error> {
+        let OptimizerInit { loaded, parameterization, position } = init;
         let before = resident(&loaded)?;
         let params = parameterization.params(&position.theta);
         let own = Resident::new(&before.device, &before.graph, &params)?.varying();
@@ -228,7 +228,7 @@ impl Walk {
             steps: position.adam.steps,
             model: Arc::new(model),
             resident: Arc::new(own),
-            shown: None,
+            current: None,
             parameterization,
             waiting: Vec::new(),
         })
@@ -244,8 +244,8 @@ impl Walk {
         Ok(unflatten(&self.model.params, &queue.fetch(&self.resident.params)?))
     }
 
-    /// Euclidean lengths of some gradients.
-    fn lengths(
+    /// Euclidean norms of some gradients.
+    fn norms(
         &self,
         queue: &Queue,
         gradients: &[(Arc<Gradients>, Pointer<f32>)],
@@ -256,7 +256,7 @@ impl Walk {
         let ended: Vec<Pointer<f32>> =
             gradients.iter().map(|g| g.1).filter(|g| !g.is_null()).collect();
         let addresses = Buffer::of(&queue.stream, &ended)?;
-        let sums: Buffer<f64> = Buffer::empty(&queue.stream, ended.len() * LENGTH_BLOCKS as usize)?;
+        let sums: Buffer<f64> = Buffer::empty(&queue.stream, ended.len() * NORM_BLOCKS as usize)?;
         let args = SquareLengthsArgs {
             out: sums.address(),
             gradients: addresses.address(),
@@ -265,17 +265,17 @@ impl Walk {
             count: self.indices.len() as u32,
             unused: 0,
         };
-        let launch = queue.grid(LENGTH_BLOCKS, ended.len() as u32, 1);
-        // SAFETY: the gradients are of this walk's parameters, which the indices count.
+        let launch = queue.grid(NORM_BLOCKS, ended.len() as u32, 1);
+        // SAFETY: the gradients are of this run's parameters, which the indices count.
         unsafe { kernels::square_lengths(&launch, &args)? };
         let sums = sums.read()?;
-        let mut squares = sums.chunks(LENGTH_BLOCKS as usize).map(|s| s.iter().sum::<f64>());
-        let length = |g: &(Arc<Gradients>, Pointer<f32>)| match g.1.is_null() {
+        let mut squares = sums.chunks(NORM_BLOCKS as usize).map(|s| s.iter().sum::<f64>());
+        let norm = |g: &(Arc<Gradients>, Pointer<f32>)| match g.1.is_null() {
             true => 0.0,
             false => squares.next().unwrap_or(0.0).sqrt(),
         };
-        let lengths = gradients.iter().map(length);
-        Ok(lengths.map(|l| if l.is_nan() { f64::INFINITY } else { l }).collect())
+        let norms = gradients.iter().map(norm);
+        Ok(norms.map(|l| if l.is_nan() { f64::INFINITY } else { l }).collect())
     }
 
     fn step(
@@ -305,7 +305,7 @@ impl Walk {
             count,
         };
         let launch = queue.grid(count.div_ceil(THREADS), 1, 1);
-        // SAFETY: as in `lengths`; the sums have a place for every coordinate.
+        // SAFETY: as in `norms`; the sums have a place for every coordinate.
         unsafe { kernels::weigh_gradients(&launch, &args)? };
         if !rate.is_finite() || finite.read()?.first() != Some(&1) {
             return Err(Error::InvalidInput("rate and weighted gradient must be finite".into()));
@@ -336,16 +336,18 @@ impl Walk {
             angles_end: 3 * e + 3 * t,
             unused: 0,
         };
-        // SAFETY: all arrays have a value for every coordinate, and indices are those of parameters.
+        // SAFETY: all arrays have a value for every coordinate, and indices are those of
+        // parameters.
         unsafe { kernels::step_adam(&launch, &args)? };
         self.resident.repack()?;
         self.read_laws()?;
         self.waiting.clear();
-        self.shown = None;
+        self.current = None;
         Ok(())
     }
 
-    /// Drag, restitutions and frictions are the host's business: the arguments of instances carry them.
+    /// Reads drag, restitutions and frictions back to the host: the arguments of instances carry
+    /// them.
     fn read_laws(&mut self) -> Result<(), Error> {
         let params = &self.resident.params;
         let laws = params.read_from(params.len() - LAWS, LAWS)?;

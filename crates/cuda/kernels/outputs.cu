@@ -1,6 +1,6 @@
 // Outputs of a rollout: recorded positions, and the extremes of strain and speed at frame ends.
 
-struct RecordingArgs {
+struct OutputArgs {
     const float* states;    // [slots][6][N]
     const u32* frames;      // recorded frames
     const u32* nodes;       // recorded nodes, or null for all
@@ -14,16 +14,16 @@ struct RecordingArgs {
 };
 
 struct RecordArgs {
-    const RecordingArgs* recordings;
+    const OutputArgs* outputs;
 };
 
 struct ExtremesArgs {
-    const RecordingArgs* recordings;
+    const OutputArgs* outputs;
 };
 
 // Block (nodes, recorded frame, instance).
 extern "C" __global__ void record(const __grid_constant__ RecordArgs args) {
-    const RecordingArgs& r = args.recordings[blockIdx.z];
+    const OutputArgs& r = args.outputs[blockIdx.z];
     u32 k = blockIdx.x * THREADS + threadIdx.x;
     if (blockIdx.y >= r.recorded_frames || k >= r.recorded_nodes) return;
     u32 n = r.node_count, node = r.nodes ? r.nodes[k] : k;
@@ -44,8 +44,9 @@ DEVICE float block_max(float value) {
 }
 
 // Block (frame - 1, instance).
-extern "C" __global__ void __launch_bounds__(THREADS) extremes(const __grid_constant__ ExtremesArgs args) {
-    const RecordingArgs& r = args.recordings[blockIdx.y];
+extern "C" __global__ void __launch_bounds__(THREADS)
+extremes(const __grid_constant__ ExtremesArgs args) {
+    const OutputArgs& r = args.outputs[blockIdx.y];
     u32 frame = blockIdx.x + 1, n = r.node_count;
     if (frame > r.frame_count) return;
     const float* s = r.states + (u64)(frame % r.slot_count) * 6 * n;

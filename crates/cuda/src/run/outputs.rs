@@ -10,18 +10,18 @@ use bendtwin_engine::{
 
 use crate::{
     device::{
-        args::{ExtremesArgs, Pointer, RecordArgs, RecordingArgs},
+        args::{ExtremesArgs, OutputArgs, Pointer, RecordArgs},
         kernels,
         launch::MOST_BLOCKS,
         memory::{Buffer, end_of},
         specialization::THREADS,
     },
     plan::resident::resident,
-    run::simulation::{Keep, Simulation},
+    run::simulation::{RetainedStates, Simulation},
 };
 
 /// Recorded arrays of a simulation's instances, on the device.
-pub(crate) struct Recorded {
+pub(crate) struct RecordedOutputs {
     frames: Vec<Vec<u32>>,
     positions: Buffer<[f32; 3]>,
     starts: Vec<usize>,
@@ -30,10 +30,10 @@ pub(crate) struct Recorded {
 }
 
 /// States that a rollout needs.
-pub(crate) fn keeps(batch: &[Instance], outputs: &Outputs) -> Keep {
+pub(crate) fn retained_states(batch: &[Instance], outputs: &Outputs) -> RetainedStates {
     let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
     let all = scored || outputs.every > 0 || outputs.initial || outputs.diagnostics;
-    if all { Keep::All } else { Keep::Last }
+    if all { RetainedStates::All } else { RetainedStates::Last }
 }
 
 /// Frames that a rollout records.
@@ -45,7 +45,7 @@ fn frames(instance: &Instance, outputs: &Outputs) -> Vec<u32> {
         .collect()
 }
 
-impl Recorded {
+impl RecordedOutputs {
     /// Gathers what is to be recorded of instances that have been run.
     pub(crate) fn new(simulation: &Simulation<'_>, outputs: &Outputs) -> Result<Self, Error> {
         let (queue, instances) = (simulation.queue, simulation.instances);
@@ -67,11 +67,11 @@ impl Recorded {
             Some(nodes) => Some(Buffer::of(stream, nodes)?),
             None => None,
         };
-        let mut recordings = Vec::with_capacity(instances.len());
+        let mut output_args = Vec::with_capacity(instances.len());
         for (i, instance) in instances.iter().enumerate() {
             let resident = resident(&instance.model)?;
             let graph = &resident.graph.graph;
-            recordings.push(RecordingArgs {
+            output_args.push(OutputArgs {
                 states: simulation.states_of(i),
                 frames: all_frames.at(frame_starts[i]),
                 nodes: selected.as_ref().map_or_else(Pointer::default, Buffer::address),
@@ -90,13 +90,13 @@ impl Recorded {
                 unused: 0,
             });
         }
-        let recordings = Buffer::of(stream, &recordings)?;
+        let output_args = Buffer::of(stream, &output_args)?;
         let most_nodes = instances.iter().map(nodes).max().unwrap_or(0) as u32;
         let most_frames = frames.iter().map(Vec::len).max().unwrap_or(0);
         let longest = instances.iter().map(|i| i.frames).max().unwrap_or(0);
         for first in (0..instances.len()).step_by(MOST_BLOCKS) {
             let count = MOST_BLOCKS.min(instances.len() - first) as u32;
-            let recordings = recordings.at(first);
+            let args = output_args.at(first);
             if most_frames > MOST_BLOCKS {
                 return Err(Error::InvalidInput(format!(
                     "{most_frames} recorded frames: {MOST_BLOCKS} is the most on this device"
@@ -104,11 +104,11 @@ impl Recorded {
             }
             let launch = queue.grid(most_nodes.div_ceil(THREADS), most_frames as u32, count);
             // SAFETY: the arrays have room for all recorded frames and nodes, which exist.
-            unsafe { kernels::record(&launch, &RecordArgs { recordings })? };
+            unsafe { kernels::record(&launch, &RecordArgs { outputs: args })? };
             if outputs.diagnostics {
                 let launch = queue.grid(longest as u32, count, 1);
                 // SAFETY: as above, for every frame.
-                unsafe { kernels::extremes(&launch, &ExtremesArgs { recordings })? };
+                unsafe { kernels::extremes(&launch, &ExtremesArgs { outputs: args })? };
             }
         }
         Ok(Self { frames, positions, starts, extremes, extreme_starts })

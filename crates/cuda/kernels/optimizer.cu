@@ -1,13 +1,13 @@
-// Adam on the device. A coordinate is a parameter or its logarithm; `indices` says which, as in `params.cu`,
-// with the highest bit set for a logarithm.
+// Adam on the device. A coordinate is a parameter or its logarithm; `indices` has its parameter, as
+// in `params.cu`, with the highest bit set for a logarithm.
 
 #define LOGARITHM 0x80000000u
 
-DEVICE double slope_of(const float* gradient, const float* params, u32 index) {
+DEVICE double coordinate_gradient(const float* gradient, const float* params, u32 index) {
     u32 at = index & ~LOGARITHM;
-    double slope = gradient[at];
+    double component = gradient[at];
     // d / d ln p = p d / d p.
-    return index & LOGARITHM ? slope * (double)params[at] : slope;
+    return index & LOGARITHM ? component * (double)params[at] : component;
 }
 
 struct SquareLengthsArgs {
@@ -20,13 +20,14 @@ struct SquareLengthsArgs {
 };
 
 // Sums of squares of d loss / d theta, one number a block, of gradient `blockIdx.y`.
-extern "C" __global__ void __launch_bounds__(THREADS) square_lengths(const __grid_constant__ SquareLengthsArgs args) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+square_lengths(const __grid_constant__ SquareLengthsArgs args) {
     __shared__ double partial[THREADS / 32];
     const float* gradient = args.gradients[blockIdx.y];
     double sum = 0.0;
     for (u32 i = blockIdx.x * THREADS + threadIdx.x; i < args.count; i += gridDim.x * THREADS) {
-        double slope = slope_of(gradient, args.params, args.indices[i]);
-        sum += slope * slope;
+        double component = coordinate_gradient(gradient, args.params, args.indices[i]);
+        sum += component * component;
     }
     for (int mask = 16; mask > 0; mask /= 2) sum += __shfl_xor_sync(0xffffffffu, sum, mask);
     if (threadIdx.x % 32 == 0) partial[threadIdx.x / 32] = sum;
@@ -55,7 +56,8 @@ extern "C" __global__ void weigh_gradients(const __grid_constant__ WeighGradient
     if (i >= args.count) return;
     double sum = 0.0;
     for (u32 g = 0; g < args.gradient_count; g++)
-        sum += args.weights[g] * slope_of(args.gradients[g], args.params, args.indices[i]);
+        sum +=
+            args.weights[g] * coordinate_gradient(args.gradients[g], args.params, args.indices[i]);
     args.sums[i] = sum;
     if (!isfinite(sum)) *args.finite = 0;
 }
@@ -70,7 +72,7 @@ struct StepAdamArgs {
     const double* start;    // [count]: coordinates that `back` pulls towards
     float* params;
     const u32* indices;     // [count]
-    double back;            // share of the way back to `start`
+    double back;            // share of the distance back to `start`
     double rate;
     double beta1, beta2;
     double unbias1, unbias2;
@@ -80,7 +82,8 @@ struct StepAdamArgs {
     u32 unused;
 };
 
-// One step of Adam down that sum, and back to the start by a share of the way; parameters follow.
+// One step of Adam down that sum, and back to the start by a share of the distance; parameters
+// follow.
 extern "C" __global__ void step_adam(const __grid_constant__ StepAdamArgs args) {
     u32 i = blockIdx.x * THREADS + threadIdx.x;
     if (i >= args.count) return;
@@ -88,7 +91,8 @@ extern "C" __global__ void step_adam(const __grid_constant__ StepAdamArgs args) 
     double g = args.sums[i];
     double m = args.first[i] = beta1 * args.first[i] + (1.0 - beta1) * g;
     double v = args.second[i] = beta2 * args.second[i] + (1.0 - beta2) * g * g;
-    double step = args.rates[i] * args.rate * (m / args.unbias1) / (sqrt(v / args.unbias2) + args.epsilon);
+    double step =
+        args.rates[i] * args.rate * (m / args.unbias1) / (sqrt(v / args.unbias2) + args.epsilon);
     double x = args.theta[i] - step - args.back * (args.theta[i] - args.start[i]);
     x = fmin(fmax(x, args.bounds[i].x), args.bounds[i].y);
     args.theta[i] = x;

@@ -1,5 +1,5 @@
-//! Limit on the launches that the host has ahead of the device: one stretch of work, so that others have their turn and
-//! cancellations are noticed.
+//! Limit on the launches that the host has ahead of the device: one stretch of work, so that others
+//! have their turn and cancellations are noticed.
 
 use bendtwin_engine::Error;
 use cudarc::driver::CudaEvent;
@@ -8,11 +8,11 @@ use super::{fault, queue::Queue};
 
 /// The last launch.
 #[derive(Default)]
-pub(crate) struct Pace {
+pub(crate) struct LaunchThrottle {
     before: Option<CudaEvent>,
 }
 
-impl Pace {
+impl LaunchThrottle {
     /// Ends a stretch of work; waits for the one before it.
     pub(crate) fn step(&mut self, queue: &Queue) -> Result<(), Error> {
         let now = queue.mark()?;

@@ -1,5 +1,5 @@
-//! Sizes of the backward pass: windows that go backward side by side, frames of each on tape at a time, and
-//! the arrays for them.
+//! Sizes of the backward pass: windows that go backward together, frames of each on tape at a time,
+//! and the arrays for them.
 
 use std::ops::Range;
 
@@ -19,12 +19,12 @@ use crate::{
 const CONTACT_BYTES: u64 = 2_088;
 /// Frames that go onto tape together, a multiprocessor: more would not be quicker.
 const FRAMES_A_PROCESSOR: usize = 2;
-/// Most instances whose arguments are made ready together. They stand in the host's memory too, where a small twin's would
-/// take far more than its frames on the device.
-const JOBS_AT_ONCE: usize = 1 << 16;
+/// Most instances whose arguments are made ready together. They stand in the host's memory too,
+/// where a small twin's would take far more than its frames on the device.
+const MAX_INSTANCE_ARGS: usize = 1 << 16;
 
-/// Arrays of windows that go backward side by side.
-pub(super) struct Slots {
+/// Arrays of windows that go backward together.
+pub(super) struct WindowArrays {
     /// Number of windows.
     pub(super) windows: usize,
     /// Frames of each that are made ready at a time; they are on tape together.
@@ -37,7 +37,7 @@ pub(super) struct Slots {
     pub(super) bar_x: Buffer<[f32; 4]>,
     pub(super) bar_v: Buffer<[f32; 4]>,
     pub(super) twist_bars: Buffer<f32>,
-    /// None if all tapes were written on the way forward.
+    /// None if the forward pass wrote all tapes.
     tape: Option<Tape>,
     contact: Option<Contact>,
 }
@@ -52,26 +52,27 @@ struct Bytes {
     substep: u64,
 }
 
-impl Slots {
-    /// For `all` windows of one graph, of which an instance is one, and of at most `deepest` frames, in `room` bytes.
+impl WindowArrays {
+    /// For `all` windows of one graph, of which an instance is one, and of at most `deepest`
+    /// frames, in `room` bytes.
     pub(super) fn new(
-        way_back: &Backward<'_>,
+        backward: &Backward<'_>,
         instance: usize,
         (all, deepest): (usize, usize),
         room: u64,
     ) -> Result<Self, Error> {
-        let simulation = way_back.way.simulation;
+        let simulation = backward.forward.simulation;
         let stream = &simulation.queue.stream;
         let model = simulation.instances[instance].model.model();
         let (nodes, substeps) = (model.graph.node_count(), model.timing.substeps as usize);
         let rods = model.graph.rods.len();
         let (most, deepest) = (all.clamp(1, MOST_BLOCKS), deepest.max(1));
-        let bytes = way_back.bytes(instance);
+        let bytes = backward.bytes(instance);
         let fit = |room: u64, each: u64| (room / each.max(1)) as usize;
-        let kept = way_back.way.kept.is_some();
-        let (count, frames, segment) = if kept {
+        let has_tapes = backward.forward.tapes.is_some();
+        let (count, frames, segment) = if has_tapes {
             let count = fit(room, bytes.fixed).clamp(1, most);
-            (count, deepest.min(JOBS_AT_ONCE / count).max(1), substeps)
+            (count, deepest.min(MAX_INSTANCE_ARGS / count).max(1), substeps)
         } else {
             let count = fit(room, bytes.fixed + bytes.frame).clamp(1, most);
             let left = room.saturating_sub(count as u64 * bytes.fixed);
@@ -84,7 +85,8 @@ impl Slots {
             (count, frames, segment)
         };
         // With tapes of their own the windows need none here, and one frame's candidates each.
-        let (on_tape, contacts) = if kept { (0, count) } else { (count * frames, count * frames) };
+        let (on_tape, contacts) =
+            if has_tapes { (0, count) } else { (count * frames, count * frames) };
         let contact = contact_nodes(model);
         Ok(Self {
             windows: count,
@@ -110,7 +112,8 @@ impl Slots {
         })
     }
 
-    /// The parts of a frame that go onto tape one after the other: one, unless not even a frame fits.
+    /// The parts of a frame that go onto tape one after the other: one, unless not even a frame
+    /// fits.
     pub(super) fn segments(&self) -> impl DoubleEndedIterator<Item = Range<u32>> + use<> {
         let (segment, substeps) = (self.segment.max(1), self.substeps);
         let part = move |s: usize| (s * segment) as u32..((s + 1) * segment).min(substeps) as u32;
@@ -137,7 +140,7 @@ impl Slots {
 
 impl Backward<'_> {
     fn bytes(&self, instance: usize) -> Bytes {
-        let simulation = self.way.simulation;
+        let simulation = self.forward.simulation;
         let model = simulation.instances[instance].model.model();
         let graph = &model.graph;
         let (n, e, t, r) =
@@ -154,7 +157,7 @@ impl Backward<'_> {
         let contact = CONTACT_BYTES * contact_nodes(model) as u64;
         let substep = tape::NODE_BYTES * n as u64 + tape::ROD_BYTES * r as u64;
         let substeps = u64::from(model.timing.substeps);
-        match self.way.kept {
+        match self.forward.tapes {
             Some(_) => Bytes { fixed: fixed + contact, frame: 0, substep: 0 },
             None => Bytes { fixed, frame: substep * substeps + contact, substep },
         }
