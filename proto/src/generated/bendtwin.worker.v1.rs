@@ -20,7 +20,7 @@ pub struct RegisterRequest {
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct RegisterResponse {
     #[prost(double, tag = "1")]
-    pub beat_interval_s: f64,
+    pub heartbeat_interval_s: f64,
     #[prost(double, tag = "2")]
     pub lease_s: f64,
     /// Bounds on rollout requests: the server checks every request against them before it passes it on.
@@ -53,7 +53,7 @@ pub struct RolloutLimits {
     pub work: u64,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct BeatRequest {
+pub struct HeartbeatRequest {
     #[prost(string, tag = "1")]
     pub worker: ::prost::alloc::string::String,
     #[prost(string, repeated, tag = "2")]
@@ -67,7 +67,7 @@ pub struct BeatRequest {
     pub memory_total_bytes: u64,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct BeatResponse {
+pub struct HeartbeatResponse {
     /// The worker should finish what it does and exit.
     #[prost(bool, tag = "1")]
     pub drain: bool,
@@ -475,7 +475,7 @@ pub mod worker_link_client {
             self.inner = self.inner.max_encoding_message_size(limit);
             self
         }
-        /// Makes the worker known; it must then call Beat at least every `beat_interval_s`.
+        /// Makes the worker known; it must then call Heartbeat at least every `heartbeat_interval_s`.
         pub async fn register(
             &mut self,
             request: impl tonic::IntoRequest<super::RegisterRequest>,
@@ -500,10 +500,13 @@ pub mod worker_link_client {
                 .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "Register"));
             self.inner.unary(req, path, codec).await
         }
-        pub async fn beat(
+        pub async fn heartbeat(
             &mut self,
-            request: impl tonic::IntoRequest<super::BeatRequest>,
-        ) -> std::result::Result<tonic::Response<super::BeatResponse>, tonic::Status> {
+            request: impl tonic::IntoRequest<super::HeartbeatRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::HeartbeatResponse>,
+            tonic::Status,
+        > {
             self.inner
                 .ready()
                 .await
@@ -514,11 +517,11 @@ pub mod worker_link_client {
                 })?;
             let codec = tonic_prost::ProstCodec::default();
             let path = http::uri::PathAndQuery::from_static(
-                "/bendtwin.worker.v1.WorkerLink/Beat",
+                "/bendtwin.worker.v1.WorkerLink/Heartbeat",
             );
             let mut req = request.into_request();
             req.extensions_mut()
-                .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "Beat"));
+                .insert(GrpcMethod::new("bendtwin.worker.v1.WorkerLink", "Heartbeat"));
             self.inner.unary(req, path, codec).await
         }
         /// Waits up to `wait_s` for a job of a kind; an empty reply means that there was none.
@@ -718,7 +721,7 @@ pub mod worker_link_server {
     /// Generated trait containing gRPC methods that should be implemented for use with WorkerLinkServer.
     #[async_trait]
     pub trait WorkerLink: std::marker::Send + std::marker::Sync + 'static {
-        /// Makes the worker known; it must then call Beat at least every `beat_interval_s`.
+        /// Makes the worker known; it must then call Heartbeat at least every `heartbeat_interval_s`.
         async fn register(
             &self,
             request: tonic::Request<super::RegisterRequest>,
@@ -726,10 +729,13 @@ pub mod worker_link_server {
             tonic::Response<super::RegisterResponse>,
             tonic::Status,
         >;
-        async fn beat(
+        async fn heartbeat(
             &self,
-            request: tonic::Request<super::BeatRequest>,
-        ) -> std::result::Result<tonic::Response<super::BeatResponse>, tonic::Status>;
+            request: tonic::Request<super::HeartbeatRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::HeartbeatResponse>,
+            tonic::Status,
+        >;
         /// Waits up to `wait_s` for a job of a kind; an empty reply means that there was none.
         async fn lease_job(
             &self,
@@ -912,23 +918,25 @@ pub mod worker_link_server {
                     };
                     Box::pin(fut)
                 }
-                "/bendtwin.worker.v1.WorkerLink/Beat" => {
+                "/bendtwin.worker.v1.WorkerLink/Heartbeat" => {
                     #[allow(non_camel_case_types)]
-                    struct BeatSvc<T: WorkerLink>(pub Arc<T>);
-                    impl<T: WorkerLink> tonic::server::UnaryService<super::BeatRequest>
-                    for BeatSvc<T> {
-                        type Response = super::BeatResponse;
+                    struct HeartbeatSvc<T: WorkerLink>(pub Arc<T>);
+                    impl<
+                        T: WorkerLink,
+                    > tonic::server::UnaryService<super::HeartbeatRequest>
+                    for HeartbeatSvc<T> {
+                        type Response = super::HeartbeatResponse;
                         type Future = BoxFuture<
                             tonic::Response<Self::Response>,
                             tonic::Status,
                         >;
                         fn call(
                             &mut self,
-                            request: tonic::Request<super::BeatRequest>,
+                            request: tonic::Request<super::HeartbeatRequest>,
                         ) -> Self::Future {
                             let inner = Arc::clone(&self.0);
                             let fut = async move {
-                                <T as WorkerLink>::beat(&inner, request).await
+                                <T as WorkerLink>::heartbeat(&inner, request).await
                             };
                             Box::pin(fut)
                         }
@@ -939,7 +947,7 @@ pub mod worker_link_server {
                     let max_encoding_message_size = self.max_encoding_message_size;
                     let inner = self.inner.clone();
                     let fut = async move {
-                        let method = BeatSvc(inner);
+                        let method = HeartbeatSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(
