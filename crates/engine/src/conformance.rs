@@ -77,7 +77,7 @@ pub fn run(backend: &dyn Backend) -> Report {
 /// Runs one case; a panic becomes an error.
 ///
 /// # Errors
-/// What was expected and what came.
+/// The message says what was expected and what came.
 pub fn run_case(case: &Case, backend: &dyn Backend) -> Result<(), String> {
     let check = std::panic::AssertUnwindSafe(|| (case.check)(backend));
     std::panic::catch_unwind(check).unwrap_or_else(|_| Err("the backend panicked".into()))

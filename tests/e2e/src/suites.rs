@@ -103,7 +103,7 @@ fn text(bytes: &[u8]) -> String {
 fn ended_with_failures(output: &Output) {
     let errors = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{errors}");
-    assert!(errors.contains("failed: out/table.md says why"), "{errors}");
+    assert!(errors.contains("failed: see out/table.md for the reasons"), "{errors}");
 }
 
 #[tokio::test]

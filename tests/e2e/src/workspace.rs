@@ -43,7 +43,8 @@ pub(crate) fn files() -> Vec<(String, PathBuf)> {
 }
 
 fn is_generated(name: &str) -> bool {
-    name.starts_with("client/python/src/bendtwin/v1/") || name.ends_with("Cargo.lock")
+    let folders = ["proto/src/generated/", "client/python/src/bendtwin/v1/"];
+    folders.iter().any(|folder| name.starts_with(folder)) || name.ends_with("Cargo.lock")
 }
 
 fn walk(path: &Path, found: &mut Vec<PathBuf>) {
