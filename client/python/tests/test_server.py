@@ -67,7 +67,7 @@ def twin(client, folder):
     fit = client.wait(client.fit(capture.name, SETTINGS), timeout_s=120, on_progress=seen.append)
     assert fit.state is JobState.SUCCEEDED
     assert seen[-1].state is JobState.SUCCEEDED
-    assert fit.settings["graph"]["max_nodes"] == 30
+    assert fit.job.settings["graph"]["max_nodes"] == 30
     twin = client.twin(fit.twin)
     assert [t.name for t in client.twins(capture.name)] == [twin.name]
     assert twin.info.quality["scores"]

@@ -133,8 +133,11 @@ async fn a_suite_that_was_killed_ends_in_the_same_table() {
     assert!(!war.path().join("out/table.json").exists(), "it had ended already");
     let output = start(war.path()).wait_with_output().unwrap();
     ended_with_failures(&output);
-    let told = text(&output.stderr);
-    assert!(told.contains("goes on") && !told.contains(" 0 are done already"), "{told}");
+    let progress = text(&output.stderr);
+    assert!(
+        progress.contains("resumes") && !progress.contains(" 0 are done already"),
+        "{progress}"
+    );
     assert_eq!(tables(war.path()), (table, markdown));
 
     // A third start has nothing to do.
