@@ -25,8 +25,8 @@ pub enum Error {
     /// The chosen backend cannot be opened.
     #[error(transparent)]
     Backend(#[from] bendtwin_backends::Error),
-    /// The compute device failed. A device that has failed once may fail or lie from then on, so the
-    /// process must restart.
+    /// The compute device failed. A device that has failed once may fail or lie from then on, so
+    /// the process must restart.
     #[error("the compute device failed ({0}); this worker ends so that a fresh one can start")]
     DeviceFailed(String),
     /// A thread or directory cannot be made.

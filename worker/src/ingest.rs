@@ -7,7 +7,8 @@
 //! ```
 //!
 //! [`protocol`] defines the messages between the two, `child` is the worker's side, `process` the
-//! child's, and [`bendtwin_ingest::ingest()`] the work itself; `deliver` takes the result to the server.
+//! child's, and [`bendtwin_ingest::ingest()`] the work itself; `deliver` takes the result to the
+//! server.
 
 mod child;
 mod deliver;

@@ -23,8 +23,8 @@ pub struct Capture {
     pub size_bytes: u64,
     /// BLAKE3 of the archive, hex.
     pub digest: String,
-    /// The job that reads it. There is one for each capture; running it again replaces it. Fits of the
-    /// capture fail with its fault.
+    /// The job that reads it. There is one for each capture; running it again replaces it. Fits of
+    /// the capture fail with its fault.
     pub ingest: Job,
     /// The report's verdict: `good`, `usable` or `unusable`; none while there is no report.
     pub verdict: Option<String>,

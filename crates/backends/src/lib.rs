@@ -1,5 +1,5 @@
-//! The choice of the backend, and how it is opened. The only crate that knows more than one backend:
-//! workers and all commands with physics in them open theirs here.
+//! The choice of the backend, and how it is opened. The only crate that knows more than one
+//! backend: workers and all commands with physics in them open theirs here.
 
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},

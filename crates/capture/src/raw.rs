@@ -1,8 +1,9 @@
 //! A raw recording: what cameras saw, before anything is lifted to points in space.
 //!
-//! Readers give a [`Recording`] whatever the format was: metres, seconds, a world with z up, OpenCV cameras, depth
-//! on the grid of its colour image. Frames are decoded when they are asked for, so that memory stays flat; every camera has a
-//! reader of its own, so that cameras can be read side by side.
+//! Readers give a [`Recording`] whatever the format was: metres, seconds, a world with z up, OpenCV
+//! cameras, depth on the grid of its colour image. Frames are decoded when they are asked for, so
+//! that memory stays flat; every camera has a reader of its own, so that cameras can be read side
+//! by side.
 
 mod bundle;
 mod camera;
@@ -32,8 +33,8 @@ pub use self::{
 };
 use crate::{Error, Limits, files::Files, read};
 
-/// Opens the raw recording at a path, a folder, a ZIP archive or an MCAP file, without reading its frames. Processed data
-/// beside it is passed over.
+/// Opens the raw recording at a path, a folder, a ZIP archive or an MCAP file, without reading its
+/// frames. Processed data beside it is passed over.
 ///
 /// # Errors
 /// If there is none, its description is damaged or impossible, or it exceeds the limits.
@@ -82,7 +83,8 @@ pub struct Recording {
     pub name: String,
     /// Frames per second.
     pub fps: f64,
-    /// Number of frames T, the same for every camera; what a camera lacks is `None` when it is read.
+    /// Number of frames T, the same for every camera; what a camera lacks is `None` when it is
+    /// read.
     pub frame_count: usize,
     /// Frames `0..train_frame_count` are for fitting.
     pub train_frame_count: usize,
@@ -107,7 +109,8 @@ pub struct MeshFile {
     pub name: String,
     /// Its content.
     pub bytes: Vec<u8>,
-    /// From the mesh's own axes and units to the world at the first frame. `None`: it has to be aligned.
+    /// From the mesh's own axes and units to the world at the first frame. `None`: it has to be
+    /// aligned.
     pub to_world: Option<Alignment>,
 }
 
@@ -151,14 +154,16 @@ pub trait Source: Send + Sync + std::fmt::Debug {
     fn frames(&self, camera: usize) -> Result<Box<dyn Frames + '_>, Error>;
 }
 
-/// Reads the frames of one camera. All images have the size that the camera says; readers refuse others.
+/// Reads the frames of one camera. All images have the size that the camera says; readers refuse
+/// others.
 pub trait Frames: Send {
     /// Colour, or `None` if this frame was not recorded.
     ///
     /// # Errors
     /// If it is there but damaged.
     fn color(&mut self, frame: usize) -> Result<Option<ColorImage>, Error>;
-    /// Depth along the optical axis [m], 0 where nothing was measured; `None` if this frame was not recorded.
+    /// Depth along the optical axis [m], 0 where nothing was measured; `None` if this frame was not
+    /// recorded.
     ///
     /// # Errors
     /// If it is there but damaged.

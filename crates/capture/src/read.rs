@@ -43,7 +43,8 @@ pub enum Opened {
     Raw(Recording),
 }
 
-/// Opens whatever lies at a path: as [`read`] and, where there is nothing processed, as [`raw::open`].
+/// Opens whatever lies at a path: as [`read`] and, where there is nothing processed, as
+/// [`raw::open`].
 ///
 /// # Errors
 /// If there is no capture, it is damaged, or it exceeds the limits.

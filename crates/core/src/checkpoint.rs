@@ -1,4 +1,5 @@
-//! The envelope of every checkpoint: what kind it is, which build wrote it, and which work it belongs to.
+//! The envelope of every checkpoint: what kind it is, which build wrote it, and which work it
+//! belongs to.
 //!
 //! | bytes | content |
 //! |---|---|

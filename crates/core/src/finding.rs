@@ -56,7 +56,8 @@ impl Finding {
         }
     }
 
-    /// A finding of a sentence that ends in advice after its last colon, `3 files are damaged: copy them again` say.
+    /// A finding of a sentence that ends in advice after its last colon, `3 files are damaged: copy
+    /// them again` say.
     pub fn from_sentence(severity: Severity, code: &str, sentence: impl Into<String>) -> Self {
         Self::new(severity, code, sentence).split()
     }
@@ -105,7 +106,8 @@ impl Finding {
         self
     }
 
-    /// Moves what stands after the last colon of the message to the advice, unless there is advice already.
+    /// Moves what stands after the last colon of the message to the advice, unless there is advice
+    /// already.
     #[must_use]
     pub fn split(mut self) -> Self {
         if self.advice.is_empty()

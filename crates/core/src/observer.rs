@@ -8,7 +8,8 @@ pub trait Observer<P> {
     /// Called after every unit of work.
     fn progress(&mut self, progress: P);
 
-    /// Called now and then with all that is needed to resume in another process; keeps nothing by default.
+    /// Called now and then with all that is needed to resume in another process; keeps nothing by
+    /// default.
     ///
     /// # Errors
     /// If the work should end, because the checkpoint cannot be kept.

@@ -1,4 +1,5 @@
-//! Constants of the physics, shared by all backends. GPU kernels have them defined in front of their source.
+//! Constants of the physics, shared by all backends. GPU kernels have them defined in front of
+//! their source.
 
 /// Sine below which a triplet counts as collinear.
 pub const MIN_SINE: f64 = 1e-4;
@@ -12,13 +13,15 @@ pub const STRAIGHT_RAD: f64 = 1e-6;
 pub const MIN_FOLD: f64 = 1e-2;
 /// Length of a rod's edge [m] below which it has no direction.
 pub const MIN_EDGE_M: f64 = 1e-6;
-/// Sine squared of the angle between the rod's last edge and the branch below which the branch holds nothing: 6 degrees.
+/// Sine squared of the angle between the rod's last edge and the branch below which the branch
+/// holds nothing: 6 degrees.
 pub const MIN_SINE_SQUARED: f64 = 1e-2;
 /// Length [m] below which a spring has no direction and exerts no force.
 pub const MIN_LENGTH_M: f64 = 1e-12;
 /// Speed of approach [m/s] up to which there is no impact.
 pub const MIN_APPROACH_M_S: f64 = 1e-4;
-/// Approach of two nodes [m²/s], position difference times velocity difference, up to which there is no contact.
+/// Approach of two nodes [m²/s], position difference times velocity difference, up to which there
+/// is no contact.
 pub const MIN_APPROACH_M2_S: f64 = 1e-4;
 /// Most contact candidates of a node, the nearest: bounds memory where an object has collapsed.
 pub const MAX_PARTNERS: usize = 512;

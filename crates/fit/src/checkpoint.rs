@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, cmaes::CmaEs, refine::RunState};
 
-/// Checkpoints of fits. The version rises with every change of [`Checkpoint`] or of what a stage computes from it.
+/// Checkpoints of fits. The version rises with every change of [`Checkpoint`] or of what a stage
+/// computes from it.
 const KIND: Kind = Kind { name: "fit", magic: *b"BTFC", version: 6 };
 
 /// The state of a fit that changes while it runs.

@@ -1,5 +1,5 @@
-//! Ingest: a capture of any kind becomes an observation and a report. It is opened, inspected, and lifted
-//! where it is raw. No transport: a worker and the command line call the same function.
+//! Ingest: a capture of any kind becomes an observation and a report. It is opened, inspected, and
+//! lifted where it is raw. No transport: a worker and the command line call the same function.
 
 mod progress;
 
@@ -28,8 +28,8 @@ pub struct Observed {
     pub report: Report,
 }
 
-/// Ingests the capture at `path`, from a checkpoint of the same work if there is one. `name` is what people
-/// call it; messages name it so.
+/// Ingests the capture at `path`, from a checkpoint of the same work if there is one. `name` is
+/// what people call it; messages name it so.
 ///
 /// # Errors
 /// Only what is no finding about the capture: that `observer` or `cancel` asked to stop.
@@ -114,7 +114,8 @@ fn error_of(fault: &Fault) -> Finding {
     Finding::from_sentence(Severity::Error, &fault.reason, fault.message.clone())
 }
 
-/// Errors call the capture by its name: its path here is a temporary file's, which tells nobody anything.
+/// Errors call the capture by its name: its path here is a temporary file's, which tells nobody
+/// anything.
 fn called(error: capture::Error, name: &str) -> capture::Error {
     use capture::Error::{RawOnly, UnknownKind};
     match error {

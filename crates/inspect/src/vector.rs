@@ -17,7 +17,8 @@ pub(crate) fn to_camera(pose: &Pose, p: Vector) -> Vector {
     turn_back(&pose.rotation, sub(p, pose.translation))
 }
 
-/// The point in the camera's axes [m] that appears at a pixel at a depth along the optical axis [m].
+/// The point in the camera's axes [m] that appears at a pixel at a depth along the optical axis
+/// [m].
 pub(crate) fn seen_at(camera: &Camera, pixel: [f64; 2], depth_m: f64) -> Vector {
     let i = &camera.intrinsics;
     let [x, y] = camera.distortion.undistort([(pixel[0] - i.cx) / i.fx, (pixel[1] - i.cy) / i.fy]);

@@ -1,5 +1,6 @@
 //! Lifts a raw recording and says how near its tracks are to the clean ones:
-//! `cargo run --release -p bendtwin-lift --example score -- RECORDING [--observation OUT.zip] [--settings JSON]`
+//! `cargo run --release -p bendtwin-lift --example score -- RECORDING [--observation OUT.zip]
+//! [--settings JSON]`
 //!
 //! With `--lifted` the path is a capture that is lifted already. With `--judged-by CAPTURE` what is
 //! written has only the start and the control points of the recording, and what the capture

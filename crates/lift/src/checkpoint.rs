@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, survey::Surveyed};
 
-/// Checkpoints of lifting. The version rises with every change of [`Checkpoint`] or of what a unit computes.
+/// Checkpoints of lifting. The version rises with every change of [`Checkpoint`] or of what a unit
+/// computes.
 const KIND: Kind = Kind { name: "ingest", magic: *b"BTIC", version: 2 };
 
 /// All that takes long.

@@ -32,8 +32,8 @@ const CHECKPOINTS: usize = 32;
 /// Result of lifting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
-    /// The recording, lifted. The same recording, settings and build give the same capture, however often lifting was
-    /// interrupted and whatever the number of threads.
+    /// The recording, lifted. The same recording, settings and build give the same capture, however
+    /// often lifting was interrupted and whatever the number of threads.
     pub capture: Capture,
     /// Evidence of its quality.
     pub evidence: Evidence,
@@ -42,8 +42,8 @@ pub struct Observation {
 /// Lifts a recording to a capture, from the start or from a checkpoint of the same ingest.
 ///
 /// # Errors
-/// If settings, recording or checkpoint are wrong, frames cannot be read, there is nothing to lift, the observer asks to
-/// stop, or `cancel` is set (within a second).
+/// If settings, recording or checkpoint are wrong, frames cannot be read, there is nothing to lift,
+/// the observer asks to stop, or `cancel` is set (within a second).
 pub fn lift(
     recording: &Recording,
     settings: &IngestSettings,

@@ -1,17 +1,19 @@
-//! Lifting: a raw recording (`bendtwin_capture::raw`) becomes a capture of tracked points that a fit can use.
+//! Lifting: a raw recording (`bendtwin_capture::raw`) becomes a capture of tracked points that a
+//! fit can use.
 //!
 //! [`lift()`] goes through these steps, each in a file of its own:
 //!
-//! 1. `clean`: masks lose flying pixels, specks, and pixels that belong to the hand rather than the object.
+//! 1. `clean`: masks lose flying pixels, specks, and pixels that belong to the hand rather than the
+//!    object.
 //! 2. `lift`: 2D tracks become points, at sub-pixel accuracy and only where nothing hides them.
 //! 3. `motion`: tracks that do not move as their neighbours do are not believed.
 //! 4. `thin`: of several tracks of one spot the one that is seen longest stays.
 //! 5. `hands`: tracks on hands become control points that move as rigid bodies.
 //! 6. `shape`, `complete`: a mesh fills in what no camera saw.
 //!
-//! The first two read frames, camera by camera in blocks, and are what a checkpoint keeps (`survey`); the rest takes seconds.
-//! Frames are read one at a time, so memory does not grow with their number or size. Results do not depend on the
-//! number of threads, nor on interruptions.
+//! The first two read frames, camera by camera in blocks, and are what a checkpoint keeps
+//! (`survey`); the rest takes seconds. Frames are read one at a time, so memory does not grow with
+//! their number or size. Results do not depend on the number of threads, nor on interruptions.
 
 mod checkpoint;
 mod clean;

@@ -18,7 +18,8 @@ pub(crate) struct Fitted {
     pub(crate) residual_m: f64,
 }
 
-/// Takes `from` to `to`; `None` with fewer than three pairs. Residuals below `least_m` count as noise.
+/// Takes `from` to `to`; `None` with fewer than three pairs. Residuals below `least_m` count as
+/// noise.
 pub(crate) fn fit(pairs: &[(Point, Point)], least_m: f64) -> Option<Fitted> {
     if pairs.len() < 3 {
         return None;

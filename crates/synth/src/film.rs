@@ -1,7 +1,8 @@
-//! Films a made scene: a raw recording as cameras, a segmenter and a point tracker would give it, with the truth beside it.
+//! Films a made scene: a raw recording as cameras, a segmenter and a point tracker would give it,
+//! with the truth beside it.
 //!
-//! Body, hand and table are triangles with colours that stick to them. Images are computed when they are asked for, and each
-//! comes out the same whenever that is.
+//! Body, hand and table are triangles with colours that stick to them. Images are computed when
+//! they are asked for, and each comes out the same whenever that is.
 
 mod lens;
 mod props;
@@ -155,8 +156,8 @@ impl Source for Stage {
 
 /// Point that cameras look at [m].
 const TARGET: Point = [0.15, 0.0, 0.2];
-/// Offset of each camera from its even place: azimuth [degrees], distance as a share, height [m]. Nobody's rig is symmetric,
-/// and in one that is, exchanged calibrations would go unnoticed.
+/// Offset of each camera from its even place: azimuth [degrees], distance as a share, height [m].
+/// Nobody's rig is symmetric, and in one that is, exchanged calibrations would go unnoticed.
 const OFFSETS: [[f32; 3]; 8] = [
     [0.0, 1.0, 0.0],
     [14.0, 0.92, 0.13],

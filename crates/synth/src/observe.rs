@@ -197,7 +197,8 @@ impl Tracks<'_> {
                 let visible = self.seen[frame][slot] && !lost;
                 let true_point = self.rows[frame][node];
                 let sigma = DEPTH_NOISE_M + NOISE_GROWTH_M * frame as f32 / 100.0;
-                // Drawn for hidden points too, so that one point's fate does not change another's noise.
+                // Drawn for hidden points too, so that one point's fate does not change another's
+                // noise.
                 let depth: f32 = StandardNormal.sample(rng);
                 let camera = &cameras[p % cameras.len()];
                 let ray = unit(sub(true_point, camera.position));

@@ -46,7 +46,8 @@ pub(super) fn setup(scene: Scene, options: &MakeOptions) -> Option<Setup> {
 /// over the body as real foam is, and light internal damping.
 fn foam(body: &Body, sound_m_s: f32, drag: f32) -> Material {
     let l = body.spacing_m;
-    // Axes and face diagonals of equal spring constant K: Young's modulus is about 2.5 K l² per unit mass.
+    // Axes and face diagonals of equal spring constant K: Young's modulus is about 2.5 K l² per
+    // unit mass.
     let constant = sound_m_s * sound_m_s / (2.5 * l * l);
     let mut material =
         Material { drag, ground_restitution: 0.1, ground_friction: 0.5, ..Material::default() };

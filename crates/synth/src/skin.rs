@@ -1,5 +1,6 @@
-//! A body's surface as triangles that move with its lattice. The lattice is blocky; the surface lies where the body's
-//! distance field says, and each of its vertices follows the nodes around it as they deform (moving least squares).
+//! A body's surface as triangles that move with its lattice. The lattice is blocky; the surface
+//! lies where the body's distance field says, and each of its vertices follows the nodes around it
+//! as they deform (moving least squares).
 
 use std::collections::HashMap;
 
@@ -72,7 +73,8 @@ impl Skin {
     }
 }
 
-/// The corners of a cell's face, counter-clockwise from outside; corner (0, 0, 0) is the cell's lowest.
+/// The corners of a cell's face, counter-clockwise from outside; corner (0, 0, 0) is the cell's
+/// lowest.
 fn face(cell: [i32; 3], axis: usize, side: i32) -> [[i32; 3]; 4] {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut around = [[0, 0], [1, 0], [1, 1], [0, 1]];
@@ -110,7 +112,8 @@ fn settled(v: Point, distance: impl Fn(Point) -> f32, spacing_m: f32) -> Point {
     if length > spacing_m { add(v, scale(moved, spacing_m / length)) } else { at }
 }
 
-/// Weights of the nearest nodes, so that a vertex goes where the affine motion that fits these nodes best takes it.
+/// Weights of the nearest nodes, so that a vertex goes where the affine motion that fits these
+/// nodes best takes it.
 fn carriers(v: Point, nodes: &[Point]) -> [(u32, f32); CARRIERS] {
     let square = |i: &u32| {
         let d = sub(nodes[*i as usize], v);

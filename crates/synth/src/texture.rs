@@ -1,5 +1,5 @@
-//! Noise that depends on where one looks and on nothing else: colours that stick to a material, and the randomness of sensors,
-//! the same in whatever order frames are read.
+//! Noise that depends on where one looks and on nothing else: colours that stick to a material, and
+//! the randomness of sensors, the same in whatever order frames are read.
 
 use bendtwin_core::Point;
 
@@ -18,7 +18,8 @@ pub(super) fn normal(seed: u64, at: [i64; 4]) -> f32 {
     (four - 2.0) * 3.0_f32.sqrt()
 }
 
-/// Smooth noise in 0..1 over space: random values at the corners of cells of a size [m], blended between.
+/// Smooth noise in 0..1 over space: random values at the corners of cells of a size [m], blended
+/// between.
 pub(super) fn smooth(seed: u64, p: Point, cell_m: f32) -> f32 {
     let at = p.map(|x| x / cell_m);
     let low = at.map(f32::floor);

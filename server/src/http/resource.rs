@@ -20,8 +20,8 @@ pub(super) struct Capture {
     size_bytes: u64,
     /// BLAKE3 of the archive, hex.
     digest: String,
-    /// The job that reads it. There is one for each capture; running it again replaces it. Fits of the
-    /// capture fail with its fault.
+    /// The job that reads it. There is one for each capture; running it again replaces it. Fits of
+    /// the capture fail with its fault.
     ingest: Job,
     /// The report's verdict: good, usable or unusable. Null until there is a report.
     verdict: Option<String>,

@@ -1,5 +1,5 @@
-//! Markdown has one sentence a line: a line of prose ends where a sentence does, so that an edit shows as the
-//! sentence that changed.
+//! Markdown has one sentence a line: a line of prose ends where a sentence does, so that an edit
+//! shows as the sentence that changed.
 
 use crate::workspace;
 

@@ -1,8 +1,8 @@
 //! A [`Backend`] that queues its batches for the device thread in slices.
 //!
-//! The effect of cutting on the bits of results is described in [`cut`](crate::cut): rollouts of a device with
-//! an urgent queue are cut by work alone, never by measured time. Instances of similar work share a
-//! slice, so that no core idles long.
+//! The effect of cutting on the bits of results is described in [`cut`](crate::cut): rollouts of a
+//! device with an urgent queue are cut by work alone, never by measured time. Instances of similar
+//! work share a slice, so that no core idles long.
 
 mod optimizer;
 

@@ -109,9 +109,10 @@ pub(crate) async fn serve(
     // Digests are compared in constant time.
     let check = move |request: Request<()>| {
         let given = request.metadata().get("authorization");
-        match given.is_some_and(|g| blake3::hash(g.as_bytes()) == expected) {
-            true => Ok(request),
-            false => Err(Status::unauthenticated("the worker token is missing or wrong")),
+        if given.is_some_and(|g| blake3::hash(g.as_bytes()) == expected) {
+            Ok(request)
+        } else {
+            Err(Status::unauthenticated("the worker token is missing or wrong"))
         }
     };
     let service = Bounded(rollouts);

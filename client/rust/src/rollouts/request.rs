@@ -101,7 +101,8 @@ impl Rollout {
         }))
     }
 
-    /// Twists all instances' rods by so much [rad], shape [rods], where they start from a given state.
+    /// Twists all instances' rods by so much [rad], shape [rods], where they start from a given
+    /// state.
     #[must_use]
     pub fn twisted(mut self, twists: &[f32]) -> Self {
         let state = self.request.initial.as_mut().and_then(|i| i.state.as_mut());

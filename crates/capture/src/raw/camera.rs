@@ -1,5 +1,5 @@
-//! A calibrated camera: OpenCV's axes (x right, y down, z into the scene) and pixel convention (the centre of the first
-//! pixel is (0, 0)).
+//! A calibrated camera: OpenCV's axes (x right, y down, z into the scene) and pixel convention (the
+//! centre of the first pixel is (0, 0)).
 
 use bendtwin_core::Point;
 
@@ -20,8 +20,8 @@ pub struct Camera {
     pub distortion: Distortion,
     /// From the camera to the world: one for a camera that stands, or one for each frame.
     pub poses: Vec<Pose>,
-    /// When each frame was taken, seconds on a clock that all cameras share, NaN for frames that are missing, shape [T];
-    /// empty if the recording has no times.
+    /// When each frame was taken, seconds on a clock that all cameras share, NaN for frames that
+    /// are missing, shape [T]; empty if the recording has no times.
     pub times_s: Vec<f64>,
 }
 
@@ -60,8 +60,8 @@ pub struct Pose {
 }
 
 impl Camera {
-    /// The pixel at which a point of the world appears, as column and row, and its depth along the optical axis [m].
-    /// `None` behind the camera. It may lie outside the image.
+    /// The pixel at which a point of the world appears, as column and row, and its depth along the
+    /// optical axis [m]. `None` behind the camera. It may lie outside the image.
     pub fn project(&self, point: Point, frame: usize) -> Option<([f64; 2], f64)> {
         let [x, y, z] = self.pose(frame).from_world(point);
         if z <= 1e-6 {
@@ -72,7 +72,8 @@ impl Camera {
         Some(([i.fx * u + i.cx, i.fy * v + i.cy], z))
     }
 
-    /// The point of the world [m] that appears at a pixel (column, row) at a depth along the optical axis [m].
+    /// The point of the world [m] that appears at a pixel (column, row) at a depth along the
+    /// optical axis [m].
     pub fn unproject(&self, pixel: [f64; 2], depth_m: f64, frame: usize) -> Point {
         let i = &self.intrinsics;
         let [x, y] =
@@ -88,7 +89,8 @@ impl Camera {
 }
 
 impl Distortion {
-    /// From 4, 5 or 8 coefficients in OpenCV's order; none where all are zero. `None` for another number of them.
+    /// From 4, 5 or 8 coefficients in OpenCV's order; none where all are zero. `None` for another
+    /// number of them.
     pub(super) fn brown_conrady(coefficients: &[f64]) -> Option<Self> {
         if !matches!(coefficients.len(), 0 | 4 | 5 | 8) {
             return None;
@@ -129,7 +131,8 @@ impl Distortion {
         if *self == Self::None {
             return [u, v];
         }
-        // Newton's method with a numerical Jacobian: fixed-point iteration does not converge at the rim of wide lenses.
+        // Newton's method with a numerical Jacobian: fixed-point iteration does not converge at the
+        // rim of wide lenses.
         let mut at = [u, v];
         for _ in 0..20 {
             let here = self.distort(at);

@@ -16,8 +16,9 @@ pub(super) struct Aligned {
 /// Share of a frame by which an image at either end may lie outside.
 const REACH: f64 = 0.6;
 
-/// Frames follow the clock of the camera with the most images, its gaps filled up; each image of another camera goes to the
-/// frame nearest in time, at most one to each. `times` [s] must ascend; shape [camera, images].
+/// Frames follow the clock of the camera with the most images, its gaps filled up; each image of
+/// another camera goes to the frame nearest in time, at most one to each. `times` [s] must ascend;
+/// shape [camera, images].
 ///
 /// # Errors
 /// If there are too many frames, or too few to tell how fast they follow each other.

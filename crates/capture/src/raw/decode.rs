@@ -1,4 +1,5 @@
-//! Images of files into images in memory. Sizes are compared with the camera's before a pixel is decoded.
+//! Images of files into images in memory. Sizes are compared with the camera's before a pixel is
+//! decoded.
 
 mod depth;
 mod jpeg;

@@ -1,7 +1,8 @@
-//! MCAP: what robots record. Images, calibrations and transforms of ROS 1, ROS 2 (CDR) and Foxglove's protobuf messages.
+//! MCAP: what robots record. Images, calibrations and transforms of ROS 1, ROS 2 (CDR) and
+//! Foxglove's protobuf messages.
 //!
-//! One pass over the file finds where every image lies; after that images are read one by one, so that memory stays flat
-//! however long the file is. The topics of a camera are found in [`rig`].
+//! One pass over the file finds where every image lies; after that images are read one by one, so
+//! that memory stays flat however long the file is. The topics of a camera are found in [`rig`].
 
 mod chunk;
 mod frames;
@@ -24,7 +25,8 @@ use crate::{Error, Limits, files::SharedFile};
 /// First bytes of every MCAP file.
 const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
-/// The MCAP file at a path: the file itself, or the only one in a folder, as `ros2 bag record` leaves it.
+/// The MCAP file at a path: the file itself, or the only one in a folder, as `ros2 bag record`
+/// leaves it.
 pub(super) fn file_at(path: &Path) -> Result<Option<PathBuf>, Error> {
     let is_mcap = |path: &Path| {
         let mut start = [0; MAGIC.len()];

@@ -1,5 +1,5 @@
-//! nerfstudio's `transforms.json`: one entry for every image of every camera. Its cameras look along -z with y up (OpenGL), the
-//! centre of its first pixel is (0.5, 0.5), its world has z up.
+//! nerfstudio's `transforms.json`: one entry for every image of every camera. Its cameras look
+//! along -z with y up (OpenGL), the centre of its first pixel is (0.5, 0.5), its world has z up.
 
 mod document;
 mod grouping;
@@ -156,7 +156,8 @@ fn camera(
     Ok((camera, files))
 }
 
-/// A pose for every frame: one for all if the camera stands, and the latest known where a frame is missing.
+/// A pose for every frame: one for all if the camera stands, and the latest known where a frame is
+/// missing.
 fn filled(poses: &[Option<Pose>]) -> Vec<Pose> {
     let mut known = poses.iter().flatten();
     let Some(&first) = known.next() else { return Vec::new() };

@@ -1,5 +1,5 @@
-//! A PhysTwin case as its cameras recorded it: colour, depth, masks, tracks and calibration beside each other. Its world has
-//! z pointing down and the ground at z = 0, as that of a processed case.
+//! A PhysTwin case as its cameras recorded it: colour, depth, masks, tracks and calibration beside
+//! each other. Its world has z pointing down and the ground at z = 0, as that of a processed case.
 
 mod writer;
 

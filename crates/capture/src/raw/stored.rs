@@ -1,5 +1,5 @@
-//! Frames that lie in files of their own, in a folder or a ZIP archive: what PhysTwin, the raw bundle and nerfstudio have
-//! in common.
+//! Frames that lie in files of their own, in a folder or a ZIP archive: what PhysTwin, the raw
+//! bundle and nerfstudio have in common.
 
 use std::{borrow::Cow, fmt};
 

@@ -1,4 +1,5 @@
-//! Conditions that a recording has to meet before anything may calculate with it. Its quality is judged elsewhere.
+//! Conditions that a recording has to meet before anything may calculate with it. Its quality is
+//! judged elsewhere.
 
 use bendtwin_core::geometry;
 

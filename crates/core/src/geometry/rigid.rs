@@ -29,7 +29,8 @@ impl RigidMotion {
         Self { rotation: back, translation: -(back * self.translation) }
     }
 
-    /// Motion between this one (`share` 0) and another (`share` 1), along which `pivot` moves evenly.
+    /// Motion between this one (`share` 0) and another (`share` 1), along which `pivot` moves
+    /// evenly.
     #[must_use]
     pub fn between(&self, other: &Self, share: f64, pivot: Point) -> Self {
         let turn = |m: &Matrix3<f64>| {
@@ -45,8 +46,8 @@ impl RigidMotion {
     }
 }
 
-/// A rigid motion about middles: `x` becomes `rotation · (x - from) + to`. Far from the origin it loses fewer digits
-/// than the [`RigidMotion`] that it is.
+/// A rigid motion about middles: `x` becomes `rotation · (x - from) + to`. Far from the origin it
+/// loses fewer digits than the [`RigidMotion`] that it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alignment {
     /// Rotation.
@@ -81,8 +82,8 @@ pub struct Pair {
     pub weight: f64,
 }
 
-/// A rotation to stay near in directions of which the pairs say nothing: about their line if they lie on one, or all
-/// if they are too few.
+/// A rotation to stay near in directions of which the pairs say nothing: about their line if they
+/// lie on one, or all if they are too few.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prior {
     /// The rotation.
@@ -111,8 +112,9 @@ impl Default for Kabsch {
     }
 }
 
-/// The rigid motion with the least weighted sum of squared distances; `weights` stand in for those of the pairs.
-/// `None` if there is no weight, or the decomposition does not converge to a finite rotation.
+/// The rigid motion with the least weighted sum of squared distances; `weights` stand in for those
+/// of the pairs. `None` if there is no weight, or the decomposition does not converge to a finite
+/// rotation.
 pub fn kabsch(pairs: &[Pair], weights: &[f64], options: &Kabsch) -> Option<Alignment> {
     let total: f64 = weights.iter().sum();
     if total <= options.least_weight {

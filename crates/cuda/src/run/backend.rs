@@ -77,9 +77,10 @@ impl CudaBackend {
 
     /// Checks that a model is on this device.
     fn own(&self, resident: &Resident) -> Result<(), Error> {
-        match Arc::ptr_eq(&resident.device, &self.device) {
-            true => Ok(()),
-            false => Err(Error::InvalidInput("the model is on another device".into())),
+        if Arc::ptr_eq(&resident.device, &self.device) {
+            Ok(())
+        } else {
+            Err(Error::InvalidInput("the model is on another device".into()))
         }
     }
 
@@ -207,14 +208,13 @@ impl CudaBackend {
         let (simulated, gradients) = self.measure(batch, request, cancel)?;
         let params = self.queue.fetch(&gradients.params)?;
         let controls = self.queue.fetch(&gradients.controls)?;
-        let initial = match request.initial || request.controls {
-            true => self.queue.fetch(&gradients.initial)?,
-            false => Vec::new(),
+        let initial = if request.initial || request.controls {
+            self.queue.fetch(&gradients.initial)?
+        } else {
+            Vec::new()
         };
-        let initial_twists = match request.initial {
-            true => self.queue.fetch(&gradients.initial_twists)?,
-            false => Vec::new(),
-        };
+        let initial_twists =
+            if request.initial { self.queue.fetch(&gradients.initial_twists)? } else { Vec::new() };
         let mut out = Vec::with_capacity(batch.len());
         for (i, (instance, loss)) in batch.iter().zip(simulated.losses()?).enumerate() {
             let model = instance.model.model();
@@ -244,9 +244,10 @@ impl CudaBackend {
                 },
             };
             let span = gradients.control_starts[i]..gradients.control_starts[i + 1];
-            let mut paths: Vec<[f32; 3]> = match ended {
-                true => controls[span].iter().map(|p| p.map(narrow)).collect(),
-                false => vec![[0.0; 3]; span.len()],
+            let mut paths: Vec<[f32; 3]> = if ended {
+                controls[span].iter().map(|p| p.map(narrow)).collect()
+            } else {
+                vec![[0.0; 3]; span.len()]
             };
             // Pinned nodes start on their control points.
             for pin in &model.graph.pins {
@@ -256,9 +257,10 @@ impl CudaBackend {
                     (0..3).for_each(|k| path[k] += x[k]);
                 }
             }
-            let final_state = match request.final_state && ended {
-                true => Some(simulated.state(i, instance.frames)?),
-                false => None,
+            let final_state = if request.final_state && ended {
+                Some(simulated.state(i, instance.frames)?)
+            } else {
+                None
             };
             let narrowed: Vec<f32> = own.iter().map(|&x| narrow(x)).collect();
             out.push(Gradient {

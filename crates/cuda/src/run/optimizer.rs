@@ -91,9 +91,10 @@ impl DeviceOptimizer {
         let mut norms = Vec::with_capacity(samples.len());
         for (i, (sample, loss)) in samples.iter().zip(losses).enumerate() {
             let ended = loss.diverged.is_none();
-            let final_state = match request.final_state && ended {
-                true => Some(simulated.state(i, instances[i].frames)?),
-                false => None,
+            let final_state = if request.final_state && ended {
+                Some(simulated.state(i, instances[i].frames)?)
+            } else {
+                None
             };
             let run = &mut self.runs[sample.run];
             let own =
@@ -270,9 +271,8 @@ impl DeviceRun {
         unsafe { kernels::square_lengths(&launch, &args)? };
         let sums = sums.read()?;
         let mut squares = sums.chunks(NORM_BLOCKS as usize).map(|s| s.iter().sum::<f64>());
-        let norm = |g: &(Arc<Gradients>, Pointer<f32>)| match g.1.is_null() {
-            true => 0.0,
-            false => squares.next().unwrap_or(0.0).sqrt(),
+        let norm = |g: &(Arc<Gradients>, Pointer<f32>)| {
+            if g.1.is_null() { 0.0 } else { squares.next().unwrap_or(0.0).sqrt() }
         };
         let norms = gradients.iter().map(norm);
         Ok(norms.map(|l| if l.is_nan() { f64::INFINITY } else { l }).collect())

@@ -132,9 +132,10 @@ impl RecordedOutputs {
             let frames: Vec<usize> = kept.map(|&f| f as usize).collect();
             let own = &positions[self.starts[i]..self.starts[i + 1]];
             let a_frame = own.len() / self.frames[i].len().max(1);
-            let last = match ended && (outputs.final_state || outputs.diagnostics) {
-                true => Some(simulation.state(i, instance.frames)?),
-                false => None,
+            let last = if ended && (outputs.final_state || outputs.diagnostics) {
+                Some(simulation.state(i, instance.frames)?)
+            } else {
+                None
             };
             let span = self.extreme_starts[i]..self.extreme_starts[i + 1];
             let diagnostics = match &last {

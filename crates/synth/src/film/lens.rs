@@ -1,4 +1,5 @@
-//! The recording of one camera: colour, depth as a stereo camera measures it, and masks as a segmenter draws them.
+//! The recording of one camera: colour, depth as a stereo camera measures it, and masks as a
+//! segmenter draws them.
 
 use bendtwin_core::Point;
 
@@ -19,7 +20,8 @@ use bendtwin_capture::{
 
 /// Deviation of depth [m at 1 m]; it grows with the square of distance.
 const DEPTH_NOISE: f32 = 0.0012;
-/// Share of pixels without depth anywhere, at edges of things, and where a surface is seen flatter than the cosine.
+/// Share of pixels without depth anywhere, at edges of things, and where a surface is seen flatter
+/// than the cosine.
 const HOLES: f32 = 0.004;
 const EDGE_HOLES: f32 = 0.6;
 const FLAT: f32 = 0.2;

@@ -1,4 +1,5 @@
-//! Tracks as a point tracker makes them of the film: points from the first frame's masks, followed with errors.
+//! Tracks as a point tracker makes them of the film: points from the first frame's masks, followed
+//! with errors.
 
 use bendtwin_capture::raw::Tracks;
 use bendtwin_core::Point;

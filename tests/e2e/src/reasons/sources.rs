@@ -1,5 +1,6 @@
-//! Reasons of errors and codes of findings, read from the Rust sources: from `fn category` and `fn reason` of every
-//! `impl Problem`, from faults that are built by name, and from what the crates of captures report.
+//! Reasons of errors and codes of findings, read from the Rust sources: from `fn category` and `fn
+//! reason` of every `impl Problem`, from faults that are built by name, and from what the crates of
+//! captures report.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -303,8 +304,8 @@ fn category_of(expr: &Expr) -> Option<String> {
     }
 }
 
-/// The arms of a function that is one `match`, as pattern, whether it has a guard, and value; a function that is one
-/// value has one arm for everything.
+/// The arms of a function that is one `match`, as pattern, whether it has a guard, and value; a
+/// function that is one value has one arm for everything.
 fn arms(block: &Block) -> Vec<(String, bool, Expr)> {
     let Some(Stmt::Expr(expr, None)) = block.stmts.last() else { return Vec::new() };
     let Expr::Match(found) = expr else { return vec![("_".to_owned(), false, expr.clone())] };

@@ -1,5 +1,5 @@
-//! An [`Optimizer`] that lives on the device thread; its batches are cut into slices like those of the
-//! backend.
+//! An [`Optimizer`] that lives on the device thread; its batches are cut into slices like those of
+//! the backend.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -56,8 +56,8 @@ fn on<R, J: FnOnce(&mut dyn Optimizer) -> Result<R, Error> + Send>(
 }
 
 impl Drop for QueuedOptimizer {
-    /// The optimizer is freed on the device's thread, for it belongs to the device; nobody waits for
-    /// it.
+    /// The optimizer is freed on the device's thread, for it belongs to the device; nobody waits
+    /// for it.
     fn drop(&mut self) {
         let slot = self.slot.clone();
         let free = move |_: &dyn Backend| {

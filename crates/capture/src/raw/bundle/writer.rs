@@ -19,8 +19,8 @@ use crate::{
 /// Options of writing a bundle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BundleOptions {
-    /// Metres that one step of the 16-bit depth images means. Depth is rounded to it; what is beyond 65,535 steps counts as
-    /// not measured.
+    /// Metres that one step of the 16-bit depth images means. Depth is rounded to it; what is
+    /// beyond 65,535 steps counts as not measured.
     pub depth_unit_m: f64,
 }
 

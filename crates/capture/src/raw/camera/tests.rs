@@ -9,7 +9,8 @@ const ROTATION: [[f64; 3]; 3] = [
 const POINTS: [Point; 4] =
     [[0.35, 0.15, 1.6], [-0.2, 0.4, 1.1], [0.0, 0.0, 1.4], [0.5, -0.45, 1.3]];
 
-/// Each model with the pixels that OpenCV 5.0 (`projectPoints`, `fisheye.projectPoints`) gives for [`POINTS`].
+/// Each model with the pixels that OpenCV 5.0 (`projectPoints`, `fisheye.projectPoints`) gives for
+/// [`POINTS`].
 const MODELS: [(Distortion, [[f64; 2]; 4]); 4] = [
     (
         Distortion::None,

@@ -71,7 +71,8 @@ pub(in crate::raw) fn measured(m: f64) -> f32 {
     if m.is_finite() && m > 0.0 { m as f32 } else { 0.0 }
 }
 
-/// Checks that one image shows the same section as another: only its resolution may be lower or higher, by at most 8.
+/// Checks that one image shows the same section as another: only its resolution may be lower or
+/// higher, by at most 8.
 pub(in crate::raw) fn alike(at: &str, found: Size, needed: Size) -> Result<(), Error> {
     let [w, h] = found.map(|n| n as f64);
     let [width, height] = needed.map(|n| n as f64);
@@ -84,8 +85,8 @@ pub(in crate::raw) fn alike(at: &str, found: Size, needed: Size) -> Result<(), E
     Err(Error::ImageSize { at: at.to_owned(), found, needed })
 }
 
-/// The image on another grid by its nearest neighbours. Depth is not interpolated: between an edge and what lies behind it
-/// there is nothing.
+/// The image on another grid by its nearest neighbours. Depth is not interpolated: between an edge
+/// and what lies behind it there is nothing.
 fn onto_grid(image: DepthImage, [width, height]: Size) -> DepthImage {
     if [image.width, image.height] == [width, height] {
         return image;

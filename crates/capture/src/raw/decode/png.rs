@@ -12,7 +12,8 @@ pub(super) const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// Memory that the decoder may take beside the pixels: rows, palettes, text.
 const OVERHEAD: usize = 1 << 20;
 
-/// Decodes what `check` accepts by its size. `deep` keeps samples of 16 bits, otherwise all become 8 bits.
+/// Decodes what `check` accepts by its size. `deep` keeps samples of 16 bits, otherwise all become
+/// 8 bits.
 pub(in crate::raw) fn decode(
     at: &str,
     bytes: &[u8],

@@ -4,7 +4,8 @@ use std::io::Read;
 
 use super::record::Fields;
 
-/// Bytes that a chunk may have in memory. Writers make chunks of about a megabyte, or of one message where that is larger.
+/// Bytes that a chunk may have in memory. Writers make chunks of about a megabyte, or of one
+/// message where that is larger.
 pub(super) const MAX_CHUNK: u64 = 128 << 20;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -89,8 +89,8 @@ pub(super) fn depth(at: &str, image: &ImageData<'_>, size: Size) -> Result<Depth
     decode::settle_depth(at, found, metres, size)
 }
 
-/// A PNG of millimetres; or what ROS's `compressed_depth_image_transport` makes: twelve bytes, then a PNG, of millimetres or of
-/// inverse depth.
+/// A PNG of millimetres; or what ROS's `compressed_depth_image_transport` makes: twelve bytes, then
+/// a PNG, of millimetres or of inverse depth.
 fn compressed_depth(at: &str, image: &ImageData<'_>, size: Size) -> Result<DepthImage, Error> {
     const PNG: &[u8] = b"\x89PNG";
     if image.data.starts_with(PNG) {

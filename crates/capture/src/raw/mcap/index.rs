@@ -117,7 +117,8 @@ impl Index {
 }
 
 impl Pass<'_> {
-    /// Visits every record; whether the end of the data was among them. Chunks lie in the file and not in each other.
+    /// Visits every record; whether the end of the data was among them. Chunks lie in the file and
+    /// not in each other.
     fn walk(&mut self, region: Region<'_>, within: Within) -> Result<bool, Error> {
         let mut at = region.start();
         while let Some(record) = region.record(self.store, at)? {

@@ -1,4 +1,5 @@
-//! Protocol buffers, as far as Foxglove's messages need them: fields by number, unknown ones passed over.
+//! Protocol buffers, as far as Foxglove's messages need them: fields by number, unknown ones passed
+//! over.
 
 /// A field's content.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,6 @@
-//! MCAP's records, found without believing what they say about their lengths. Written here rather than taken from the `mcap` crate
-//! because images are to be found again in the file, and lengths are hostile until checked.
+//! MCAP's records, found without believing what they say about their lengths. Written here rather
+//! than taken from the `mcap` crate because images are to be found again in the file, and lengths
+//! are hostile until checked.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,5 @@
-//! The topics of each camera: a colour topic, and depth, masks and a calibration of the same `frame_id`.
+//! The topics of each camera: a colour topic, and depth, masks and a calibration of the same
+//! `frame_id`.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -147,7 +148,8 @@ fn color_topics<'a>(index: &'a Index, store: &Store) -> Result<Vec<&'a Topic>, E
     }
     let mut colors: Vec<&Topic> = Vec::with_capacity(by_frame.len());
     for (frame_id, mut topics) in by_frame {
-        // The same images may have been recorded plain and compressed: the more complete ones count.
+        // The same images may have been recorded plain and compressed: the more complete ones
+        // count.
         topics.sort_by(|a, b| b.images.len().cmp(&a.images.len()).then(a.name.cmp(&b.name)));
         let base = |t: &Topic| t.name.trim_end_matches("/compressed").to_owned();
         if let Some(other) = topics.iter().find(|t| base(t) != base(topics[0])) {
@@ -170,7 +172,8 @@ fn color_topics<'a>(index: &'a Index, store: &Store) -> Result<Vec<&'a Topic>, E
     Ok(colors)
 }
 
-/// The frame that counts as the world: what the settings name, else `world`, else the root that all cameras share.
+/// The frame that counts as the world: what the settings name, else `world`, else the root that all
+/// cameras share.
 fn world(
     index: &Index,
     colors: &[&Topic],

@@ -31,7 +31,8 @@ pub(super) fn plain(frame: &str) -> &str {
 }
 
 impl Tree {
-    /// Adds a transform; one that is `fixed` holds for all times. The first parent of a frame stays.
+    /// Adds a transform; one that is `fixed` holds for all times. The first parent of a frame
+    /// stays.
     pub(super) fn add(&mut self, mut transform: Transform, fixed: bool) -> Result<(), Error> {
         self.count += 1;
         at_most("transforms", self.count, MAX_SAMPLES)?;
@@ -111,7 +112,8 @@ impl Edge {
             0.0
         };
         let mix = |a: f64, b: f64| a + share * (b - a);
-        // A quaternion and its negative are the same rotation; samples are near each other, so the chord will do.
+        // A quaternion and its negative are the same rotation; samples are near each other, so the
+        // chord will do.
         let dot: f64 = a.rotation.iter().zip(&b.rotation).map(|(a, b)| a * b).sum();
         let sign = if dot < 0.0 { -1.0 } else { 1.0 };
         let q = std::array::from_fn(|i| mix(a.rotation[i], sign * b.rotation[i]));

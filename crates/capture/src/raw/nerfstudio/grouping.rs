@@ -24,8 +24,8 @@ pub(super) struct Groups<'a> {
     pub(super) cameras: Vec<Group<'a>>,
 }
 
-/// Sorts the list by camera (`camera_label`, else the image's folder) and frame (`frame_index`, else `time`, else the number that
-/// ends the image's name).
+/// Sorts the list by camera (`camera_label`, else the image's folder) and frame (`frame_index`,
+/// else `time`, else the number that ends the image's name).
 pub(super) fn group<'a>(document: &'a Document, limits: &Limits) -> Result<Groups<'a>, Error> {
     let entries = &document.frames;
     let mut by_camera: BTreeMap<String, Vec<&FrameEntry>> = BTreeMap::new();

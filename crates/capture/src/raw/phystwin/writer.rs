@@ -1,5 +1,5 @@
-//! Writes a recording as a PhysTwin case, before its data processing: for made recordings, and for who wants to run the
-//! original on what was recorded in another format.
+//! Writes a recording as a PhysTwin case, before its data processing: for made recordings, and for
+//! who wants to run the original on what was recorded in another format.
 
 use std::{
     fs,
@@ -22,7 +22,8 @@ use crate::{
 /// Writes a recording as a PhysTwin case into a folder, which is made if it is not there.
 ///
 /// # Errors
-/// If a camera has a lens with distortion or moves, which the format cannot say; if a frame cannot be read or a file not written.
+/// If a camera has a lens with distortion or moves, which the format cannot say; if a frame cannot
+/// be read or a file not written.
 pub fn write_case(recording: &Recording, folder: &Path) -> Result<(), Error> {
     export_case(recording, |name, bytes| {
         let path = folder.join(name);
@@ -34,7 +35,8 @@ pub fn write_case(recording: &Recording, folder: &Path) -> Result<(), Error> {
     })
 }
 
-/// Hands every file of the case to `put`, with its name inside the case. Frame by frame, so that memory stays flat.
+/// Hands every file of the case to `put`, with its name inside the case. Frame by frame, so that
+/// memory stays flat.
 ///
 /// # Errors
 /// As [`write_case`], and what `put` returns.
