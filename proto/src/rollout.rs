@@ -15,7 +15,7 @@ mod size;
 mod twin;
 
 pub use self::{
-    check::{Batch, check, check_for, fidelity},
+    check::{Batch, check, check_for, fidelity, work},
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},
     parts::{STREAMED_PART, part_instances},

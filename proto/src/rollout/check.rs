@@ -71,10 +71,9 @@ pub fn check_for(
     if request.fidelity() == Fidelity::Fast && twin.fast_substeps.is_none() {
         return Err(Error::NoFastVariant { twin: request.twin.clone() });
     }
-    let each = twin.work(request.fidelity(), batch.frames) + costs::work(&request.costs, &batch);
     within(
         "the work (instances x frames x substeps x (nodes + springs + triplets))",
-        each.saturating_mul(u128::from(batch.instances)),
+        work(request, &batch, twin),
         limits.work,
         "send fewer instances or a shorter horizon, or use a coarser twin",
     )?;
@@ -85,6 +84,12 @@ pub fn check_for(
         "ask for fewer nodes (returns.nodes), every k-th frame (returns.every_frames) or the best few (returns.best), or stream it",
     )?;
     Ok(batch)
+}
+
+/// Work of a checked request, in element substeps.
+pub fn work(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u128 {
+    let each = twin.work(request.fidelity(), batch.frames) + costs::work(&request.costs, batch);
+    each.saturating_mul(u128::from(batch.instances))
 }
 
 /// Fidelity that a request asks for.
