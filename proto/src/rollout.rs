@@ -20,7 +20,7 @@ mod twin;
 pub const MOST_DIMENSIONS: usize = 8;
 
 pub use self::{
-    check::{Batch, check, check_for, fidelity},
+    check::{Batch, check, check_for, fidelity, work},
     encoded::check_encoded,
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},
