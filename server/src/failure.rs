@@ -27,6 +27,8 @@ pub(crate) enum Error {
     UploadBroken(String),
     #[error("the upload was silent for {} s: send it again", .0.as_secs())]
     UploadIdle(Duration),
+    #[error("the body of the request came too slowly: send it again, over a better connection")]
+    BodyTooSlow,
     #[error(
         "the upload continues at byte {offset}, not at {given}: query its offset and send from there"
     )]
@@ -47,7 +49,7 @@ pub(crate) enum Error {
     WorkerLost,
     #[error("{waiting} rollouts wait for each worker already: retry later, or start more workers")]
     Busy { waiting: usize },
-    #[error("the deadline passed before the rollout was done: ask for less or allow more time")]
+    #[error("the deadline passed before the answer was there: ask for less or allow more time")]
     Deadline,
     #[error("the server is stopping: retry")]
     Stopping,
@@ -91,6 +93,7 @@ impl Problem for Error {
             | Self::Settings(_)
             | Self::UploadBroken(_)
             | Self::UploadIdle(_)
+            | Self::BodyTooSlow
             | Self::UploadTooLong { .. }
             | Self::ChecksumMismatch => Category::InvalidArgument,
             Self::UploadOffset { .. } | Self::UploadTakenOver => Category::Aborted,
@@ -113,6 +116,7 @@ impl Problem for Error {
             Self::Settings(_) => "INVALID_SETTINGS",
             Self::UploadBroken(_) => "UPLOAD_BROKEN",
             Self::UploadIdle(_) => "UPLOAD_IDLE",
+            Self::BodyTooSlow => "BODY_TOO_SLOW",
             Self::UploadOffset { .. } => "UPLOAD_OFFSET",
             Self::UploadTooLong { .. } => "CONTENT_TOO_LARGE",
             Self::UploadTakenOver => "UPLOAD_TAKEN_OVER",
