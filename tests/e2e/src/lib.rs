@@ -20,6 +20,8 @@ mod harness;
 #[cfg(test)]
 mod ingests;
 #[cfg(test)]
+mod local_access;
+#[cfg(test)]
 mod malformed;
 #[cfg(test)]
 mod over_http;

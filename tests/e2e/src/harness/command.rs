@@ -20,7 +20,17 @@ pub(crate) fn binary() -> PathBuf {
 
 pub(crate) fn bendtwin() -> Command {
     let mut command = Command::new(binary());
-    command.env_remove("BENDTWIN_LOG").env_remove("BENDTWIN_SERVER").env("NO_COLOR", "1");
+    for variable in [
+        "BENDTWIN_LOG",
+        "BENDTWIN_SERVER",
+        "BENDTWIN_TOKEN",
+        "BENDTWIN_TOKEN_FILE",
+        "BENDTWIN_CLIENT_TOKEN",
+        "BENDTWIN_ALLOWED_HOSTS",
+    ] {
+        command.env_remove(variable);
+    }
+    command.env("NO_COLOR", "1");
     command
 }
 
