@@ -51,6 +51,9 @@ pub struct RolloutLimits {
     /// Element substeps: instances x frames x substeps x (nodes + springs + triplets).
     #[prost(uint64, tag = "8")]
     pub work: u64,
+    /// Memory of a rollout at the worker \[bytes\].
+    #[prost(uint64, tag = "9")]
+    pub memory_bytes: u64,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct HeartbeatRequest {

@@ -10,7 +10,8 @@ mod tensors;
 
 use prost::Message as _;
 
-use super::{Error, Limits, TwinShape, size};
+pub(super) use self::costs::targets;
+use super::{Error, Limits, TwinShape, memory, size};
 use crate::v1::{Fidelity, RollOutRequest};
 
 /// Size of the batch of a checked request.
@@ -83,6 +84,12 @@ pub fn check_for(
         u128::from(size::reply_bytes(request, &batch, twin, part_instances)),
         limits.reply_bytes,
         "ask for fewer nodes (returns.nodes), every k-th frame (returns.every_frames) or the best few (returns.best), or stream it",
+    )?;
+    within(
+        "the memory at a worker in bytes",
+        u128::from(memory::memory(request, &batch, twin, part_instances).least()),
+        limits.memory_bytes,
+        "ask for a shorter horizon, fewer control points, targets or arrays of the reply, or stream it",
     )?;
     Ok(batch)
 }
