@@ -30,6 +30,8 @@ pub(crate) enum Error {
     UploadBroken(String),
     #[error("the upload was silent for {} s: send it again", .0.as_secs())]
     UploadIdle(Duration),
+    #[error("the body of the request came too slowly: send it again, over a better connection")]
+    BodyTooSlow,
     #[error(
         "the upload continues at byte {offset}, not at {given}: query its offset and send from there"
     )]
@@ -53,7 +55,7 @@ pub(crate) enum Error {
         .retry_after.as_secs_f64().ceil()
     )]
     Busy { retry_after: Duration },
-    #[error("the deadline passed before the rollout was done: ask for less or allow more time")]
+    #[error("the deadline passed before the answer was there: ask for less or allow more time")]
     Deadline,
     #[error("the server is stopping: retry")]
     Stopping,
@@ -99,6 +101,7 @@ impl Problem for Error {
             | Self::FitTooLarge(_)
             | Self::UploadBroken(_)
             | Self::UploadIdle(_)
+            | Self::BodyTooSlow
             | Self::UploadTooLong { .. }
             | Self::ChecksumMismatch => Category::InvalidArgument,
             Self::UploadOffset { .. } | Self::UploadTakenOver => Category::Aborted,
@@ -122,6 +125,7 @@ impl Problem for Error {
             Self::FitTooLarge(_) => "FIT_OUT_OF_MEMORY",
             Self::UploadBroken(_) => "UPLOAD_BROKEN",
             Self::UploadIdle(_) => "UPLOAD_IDLE",
+            Self::BodyTooSlow => "BODY_TOO_SLOW",
             Self::UploadOffset { .. } => "UPLOAD_OFFSET",
             Self::UploadTooLong { .. } => "CONTENT_TOO_LARGE",
             Self::UploadTakenOver => "UPLOAD_TAKEN_OVER",

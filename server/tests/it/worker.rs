@@ -61,6 +61,8 @@ pub(crate) struct Device {
     pub(crate) given_up: Arc<Notify>,
     /// Break the connection off instead of answering.
     pub(crate) breaks: Arc<AtomicBool>,
+    /// Costs of every part, where it is to be large.
+    pub(crate) part_costs: usize,
 }
 
 fn with_token(mut request: Request<()>) -> Credentialed {
@@ -302,8 +304,10 @@ impl WorkerRollouts for Device {
             return Err(Status::unavailable("gone"));
         }
         let size = if execute.part_instances == 0 { batch } else { execute.part_instances };
+        let part_costs = self.part_costs;
         let parts = (0..batch).step_by(size as usize).map(move |first| {
-            let costs: Vec<f64> = (first..(first + size).min(batch)).map(f64::from).collect();
+            let mut costs: Vec<f64> = (first..(first + size).min(batch)).map(f64::from).collect();
+            costs.resize(costs.len().max(part_costs), 0.0);
             let response = RollOutResponse {
                 first_instance: first,
                 costs: Some(Tensor::pack(&[costs.len()], &costs)),
