@@ -67,7 +67,9 @@ impl Error {
     pub(crate) fn retry_after(&self) -> Option<Duration> {
         match self {
             Self::Busy { .. } | Self::WorkerLost => Some(Duration::from_millis(250)),
-            Self::Store(bendtwin_store::Error::UploadLocked { .. })
+            Self::Store(
+                bendtwin_store::Error::UploadLocked { .. } | bendtwin_store::Error::DatabaseBusy,
+            )
             | Self::UploadTakenOver
             | Self::NoWorker
             | Self::Stopping => Some(Duration::from_secs(1)),

@@ -32,6 +32,8 @@ mod rust_code;
 #[cfg(test)]
 mod sentences;
 #[cfg(test)]
+mod stores;
+#[cfg(test)]
 mod suites;
 #[cfg(test)]
 mod survival;
