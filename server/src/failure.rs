@@ -76,7 +76,9 @@ impl Error {
         match self {
             Self::Busy { retry_after } => Some(*retry_after),
             Self::WorkerLost => Some(Duration::from_millis(250)),
-            Self::Store(bendtwin_store::Error::UploadLocked { .. })
+            Self::Store(
+                bendtwin_store::Error::UploadLocked { .. } | bendtwin_store::Error::DatabaseBusy,
+            )
             | Self::UploadTakenOver
             | Self::NoWorker
             | Self::Stopping => Some(Duration::from_secs(1)),

@@ -31,6 +31,8 @@ mod service;
 mod supervise;
 mod tokens;
 
+/// Check, repair and backup of a data folder.
+pub use bendtwin_store::maintenance;
 pub use error::http_status;
 pub use options::{ClientTokenPolicy, Limits, Options, WorkerPolicy};
 pub use service::{Handle, Service, StartError};

@@ -46,9 +46,9 @@
 //! So a crash can leave blobs without rows, never rows without blobs. Equal
 //! content is one blob. It is deleted when a row went and no other refers to it:
 //! the check and the deletion hold a gate that publishing shares, so a
-//! reference cannot appear in between. What crashes left, and callers that went away
-//! in mid-call, [`Store::collect_garbage`] moves to a trash folder, and a day later
-//! removes. Database and blobs have a common identity: [`Store::open`] refuses to
+//! reference cannot appear in between. The remains of crashes, and of callers that
+//! went away in mid-call, are moved to a trash folder by [`Store::collect_garbage`],
+//! and removed a day later. Database and blobs have a common identity: [`Store::open`] refuses to
 //! make garbage of the blobs of another database.
 //!
 //! # Content that is not what it was

@@ -102,13 +102,13 @@ impl Server {
         RolloutServiceClient::new(self.channel.clone())
     }
 
-    /// Files below the folder of blobs.
+    /// Files below the folder of blobs, its identity apart.
     pub(crate) fn blob_files(&self) -> usize {
         fn count(path: &std::path::Path) -> usize {
             let Ok(entries) = std::fs::read_dir(path) else { return 0 };
             entries.flatten().map(|e| if e.path().is_dir() { count(&e.path()) } else { 1 }).sum()
         }
-        count(&self.dir.path().join("data/blobs"))
+        count(&self.dir.path().join("data/blobs")) - 1
     }
 }
 
