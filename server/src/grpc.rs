@@ -3,6 +3,7 @@
 
 mod captures;
 mod convert;
+mod counted;
 mod fits;
 mod link;
 mod rollouts;
@@ -33,10 +34,14 @@ use crate::{
     service::StartError,
 };
 
+use counted::Counted;
 use token::TokenCheck;
 
-/// Bytes of one message of an ordinary call; chunks of uploads are to be smaller.
-const MESSAGE: usize = 16 << 20;
+/// Bytes of one message of an ordinary call; chunks of uploads are to be smaller. Each call under way
+/// may hold as much.
+const MESSAGE: usize = 4 << 20;
+/// Bytes of one message of a worker.
+const WORKER_MESSAGE: usize = 16 << 20;
 /// Bytes of a chunk that is sent.
 const CHUNK: usize = 1 << 20;
 
@@ -73,13 +78,14 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(FitServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(WorkerServiceServer::new(api.clone()))
-        .add_service(
-            RolloutServiceServer::new(api.clone())
+        .add_service(Counted {
+            app: app.clone(),
+            inner: RolloutServiceServer::new(api.clone())
                 .max_decoding_message_size(bytes(limits.request_bytes))
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
-        )
+        })
         .add_service(InterceptedService::new(
-            WorkerLinkServer::new(api).max_decoding_message_size(MESSAGE),
+            WorkerLinkServer::new(api).max_decoding_message_size(WORKER_MESSAGE),
             TokenCheck(app.clone()),
         ));
     Ok(routes.routes().into_axum_router())

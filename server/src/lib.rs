@@ -23,6 +23,7 @@ mod failure;
 mod grpc;
 mod http;
 mod listen;
+mod memory;
 mod metrics;
 mod options;
 mod service;
@@ -32,4 +33,6 @@ mod tokens;
 pub use error::http_status;
 pub use options::{Limits, Options, WorkerPolicy};
 pub use service::{Handle, Service, StartError};
-pub use supervise::{BACKEND_VARIABLE, DEVICE_VARIABLE, SERVER_VARIABLE, TOKEN_VARIABLE};
+pub use supervise::{
+    BACKEND_VARIABLE, DEVICE_VARIABLE, MEMORY_VARIABLE, SERVER_VARIABLE, TOKEN_VARIABLE,
+};

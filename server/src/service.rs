@@ -100,6 +100,9 @@ impl Service {
             tracing::warn!(%address, "listening beyond loopback without authentication of users");
         }
         let grace = options.shutdown_grace();
+        let memory_mib = options.memory_bytes() >> 20;
+        let worker_memory_mib = options.workers.each_memory_mib();
+        tracing::info!(memory_mib, worker_memory_mib, "memory for requests, and of each worker");
         let app = App::new(options, store);
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
         let root_service = http::root_service::RootService {

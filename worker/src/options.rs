@@ -9,6 +9,9 @@ use crate::Error;
 /// Approximate memory of the process that reads a capture before it has read anything [bytes].
 const LEAST_INGEST_BYTES: u64 = 64 << 20;
 
+/// Least memory of a worker [bytes].
+const LEAST_BYTES: u64 = 128 << 20;
+
 /// Options of a worker process.
 #[derive(Clone)]
 pub struct Options {
@@ -29,6 +32,8 @@ pub struct Options {
     pub fits: bool,
     /// The program whose hidden command `ingest-capture` reads captures; this very program if none.
     pub ingest_program: Option<PathBuf>,
+    /// Memory for rollouts, loaded twins and fits [bytes].
+    pub memory_bytes: u64,
     /// Bounds on the work of one worker.
     pub limits: Limits,
     /// Time for which a finished result is kept while the server cannot be reached.
@@ -90,6 +95,7 @@ impl Options {
             cache_dir: None,
             fits: true,
             ingest_program: None,
+            memory_bytes: crate::budget::default_bytes(),
             limits: Limits::default(),
             delivery_timeout: Duration::from_secs(600),
         }
@@ -109,6 +115,9 @@ impl Options {
                 "listening on {} needs --advertise http://host:port, so that the server can reach this worker",
                 self.listen
             ))
+        } else if self.memory_bytes < LEAST_BYTES {
+            let least = LEAST_BYTES >> 20;
+            Some(format!("--memory-mib is too little for anything: give at least {least}"))
         } else if self.limits.ingest_bytes < LEAST_INGEST_BYTES {
             let least = LEAST_INGEST_BYTES >> 20;
             Some(format!("--ingest-memory-mib is too little for anything: give at least {least}"))

@@ -33,6 +33,9 @@ pub(crate) struct Worker {
     /// Answer rollouts only, lease no jobs
     #[arg(long)]
     no_fits: bool,
+    /// Memory for rollouts, loaded twins and fits [MiB; default: half of the machine's]
+    #[arg(long, env = "BENDTWIN_WORKER_MEMORY_MIB", value_name = "MIB")]
+    memory_mib: Option<u64>,
     /// Memory of the process that reads an uploaded capture [MiB]
     #[arg(long, env = "BENDTWIN_INGEST_MEMORY_MIB", value_name = "MIB", default_value_t = 1500)]
     ingest_memory_mib: u64,
@@ -49,7 +52,10 @@ pub(crate) struct Worker {
 
 impl Worker {
     fn options(self, server: &str) -> Options {
+        let defaults = Options::new(server, self.token);
+        let memory = self.memory_mib.map(|mib| mib.saturating_mul(1 << 20));
         Options {
+            memory_bytes: memory.unwrap_or(defaults.memory_bytes),
             backend: self.backend.options(self.cache_dir.as_ref().map(|dir| dir.join("kernels"))),
             listen: self.worker_listen,
             advertise: self.advertise,
@@ -61,7 +67,7 @@ impl Worker {
                 warm_bytes: self.warm_memory_mib.saturating_mul(1 << 20),
                 ..Limits::default()
             },
-            ..Options::new(server, self.token)
+            ..defaults
         }
     }
 }

@@ -4,6 +4,7 @@
 
 use std::{pin::Pin, sync::Arc, time::Duration};
 
+use bendtwin_budget::Share;
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
     fault,
@@ -24,6 +25,7 @@ use super::{
 use crate::{
     context::Context,
     failure::{Error, Result},
+    memory::Shares,
     metrics::Metrics,
 };
 
@@ -40,6 +42,31 @@ pub(crate) struct RollOut {
     pub(crate) timeout: Option<Duration>,
     /// True if the reply may come in parts.
     pub(crate) in_parts: bool,
+    /// True if the reply is to be written as nested lists of JSON.
+    pub(crate) as_lists: bool,
+    /// Memory of the request, held until a worker answers.
+    pub(crate) memory: Arc<Shares>,
+}
+
+/// Held until a reply has been sent: its memory, and the place in the worker's line.
+#[derive(Clone, Debug)]
+pub(crate) struct Held {
+    #[expect(dead_code, reason = "held, not read")]
+    share: Arc<Share>,
+    #[expect(dead_code, reason = "held, not read")]
+    place: Arc<Place>,
+}
+
+/// A reply in one part.
+pub(crate) struct Whole {
+    pub(crate) response: RollOutResponse,
+    pub(crate) held: Held,
+}
+
+/// A reply in parts.
+pub(crate) struct InParts {
+    pub(crate) parts: Parts,
+    pub(crate) held: Held,
 }
 
 /// Parts of a reply as they come.
@@ -50,8 +77,7 @@ struct Running {
     replies: Streaming<ExecuteRollOutResponse>,
     entry: Arc<Entry>,
     /// Held until the last part has come.
-    #[expect(dead_code, reason = "held, not read")]
-    place: Place,
+    place: Arc<Place>,
     started: Instant,
     queued: Duration,
     deadline: Instant,
@@ -69,23 +95,27 @@ impl Drop for Running {
 impl Dispatch {
     /// The reply in one part. Workers are asked not to split it: `best` ranks
     /// the whole batch, and 16-bit positions have one scale.
-    pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<RollOutResponse> {
-        let mut parts = self.parts(RollOut { in_parts: false, ..rollout }).await?;
-        let whole = parts.next().await.ok_or(Error::WorkerLost)??;
+    pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<Whole> {
+        let InParts { mut parts, held } =
+            self.parts(RollOut { in_parts: false, ..rollout }).await?;
+        let response = parts.next().await.ok_or(Error::WorkerLost)??;
         match parts.next().await {
-            None => Ok(whole),
+            None => Ok(Whole { response, held }),
             Some(Ok(_)) => Err(Error::Internal("the worker split a reply".to_owned())),
             Some(Err(error)) => Err(error),
         }
     }
 
     /// The reply in the parts that the worker sends. The first has come when this returns.
-    pub(crate) async fn parts(&self, rollout: RollOut) -> Result<Parts> {
-        let RollOut { request, timeout, in_parts } = rollout;
+    pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
+        let RollOut { request, timeout, in_parts, as_lists, memory } = rollout;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);
-        let request = self.checked(request, twin.shape, part_instances).await?;
+        let (request, reply_bytes) = self.checked(request, twin.shape, part_instances).await?;
+        if as_lists {
+            self.fits_lists(reply_bytes)?;
+        }
         let execute = ExecuteRollOutRequest {
             capture: twin.capture.map(|c| c.to_string()).unwrap_or_default(),
             part_instances,
@@ -93,9 +123,14 @@ impl Dispatch {
             request: Some(request),
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
+        let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
+        let share = share.await.map_err(|_| Error::Deadline)??;
         let started = self.start(id, execute, deadline);
         let (first, running) =
             tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
+        // The worker has all of the request.
+        drop(memory);
+        let held = Held { share: Arc::new(share), place: Arc::clone(&running.place) };
         let rest = stream::unfold(Some(running), |running| async {
             let mut running = running?;
             match running.next().await {
@@ -104,20 +139,37 @@ impl Dispatch {
                 Err(error) => Some((Err(error), None)),
             }
         });
-        Ok(stream::iter([Ok(first)]).chain(rest).boxed())
+        Ok(InParts { parts: stream::iter([Ok(first)]).chain(rest).boxed(), held })
     }
 
-    /// The request, if it is sound.
+    /// Refuses a reply that is too large for nested lists of JSON.
+    fn fits_lists(&self, reply_bytes: u64) -> Result<()> {
+        let limit = self.limits.rollout.json_reply_bytes;
+        if reply_bytes <= limit {
+            return Ok(());
+        }
+        Err(Error::Rollout(rollout::Error::TooLarge {
+            what: "the size of the reply in bytes, as lists in JSON,",
+            asked: reply_bytes,
+            limit,
+            advice: "ask for ?tensors=base64 or for application/x-protobuf, or for fewer nodes (returns.nodes) or every k-th frame (returns.every_frames)",
+        }))
+    }
+
+    /// The request, if it is sound, and the most bytes of a message of its reply.
     async fn checked(
         &self,
         request: RollOutRequest,
         twin: TwinShape,
         part_instances: u32,
-    ) -> Result<RollOutRequest> {
+    ) -> Result<(RollOutRequest, u64)> {
         let limits = self.limits.rollout;
         let is_large = request.encoded_len() > LARGE;
         let check = move || match rollout::check_for(&request, &twin, &limits, part_instances) {
-            Ok(_) => Ok(request),
+            Ok(batch) => {
+                let bytes = rollout::reply_bytes(&request, &batch, &twin, part_instances);
+                Ok((request, bytes))
+            }
             Err(error) => Err(error.into()),
         };
         if !is_large {
@@ -169,9 +221,12 @@ impl Dispatch {
         let started = Instant::now();
         let mut place = entry.place()?;
         entry.slot(&mut place).await?;
+        let place = Arc::new(place);
         let queued = started.elapsed();
         let (mut client, token) = entry.client();
+        let length = execute.encoded_len();
         let mut call = Request::new(execute);
+        call.metadata_mut().insert(rollout::REQUEST_BYTES, length.into());
         call.metadata_mut().insert("authorization", token);
         call.set_timeout(deadline.saturating_duration_since(Instant::now()));
         let replies = match client.roll_out(call).await {
