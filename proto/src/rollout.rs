@@ -23,7 +23,7 @@ pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
 pub const MOST_DIMENSIONS: usize = 8;
 
 pub use self::{
-    check::{Batch, check, check_for, fidelity, too_much_memory},
+    check::{Batch, check, check_for, fidelity, too_much_memory, work},
     encoded::check_encoded,
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},

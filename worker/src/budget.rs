@@ -3,9 +3,9 @@
 //! | part | share | held by |
 //! |---|---|---|
 //! | requests | 1/8 | rollout requests, from before they are read to their end |
-//! | rollouts | 3/8 | what rollouts unpack and compute, and their replies until they are sent |
+//! | rollouts | 1/4 | what rollouts unpack and compute, and their replies until they are sent |
 //! | twins | 1/8 | loaded twins, and what is kept of replayed captures |
-//! | fits | 3/8 | the fit under way |
+//! | fits | 1/2 | the fit under way: [`Limits::fit_bytes`](crate::Limits), which may be set apart |
 //!
 //! Whoever waits for a part holds none that comes after it in this table, so nobody waits in a
 //! circle. The process that reads a capture has a limit of its own.
@@ -27,7 +27,6 @@ pub(crate) struct Memory {
     pub(crate) requests: Budget,
     pub(crate) rollouts: Budget,
     pub(crate) twins: Budget,
-    pub(crate) fits: Budget,
     /// Memory of what is kept of replayed captures, for each of the two kinds [bytes].
     pub(crate) kept_bytes: u64,
 }
@@ -38,9 +37,8 @@ impl Memory {
         let eighth = bytes / 8;
         Self {
             requests: Budget::new(eighth),
-            rollouts: Budget::new(3 * eighth),
+            rollouts: Budget::new(2 * eighth),
             twins: Budget::new(eighth / 4 * 3),
-            fits: Budget::new(3 * eighth),
             kept_bytes: eighth / 8,
         }
     }

@@ -14,7 +14,7 @@ use tokio_util::sync::CancellationToken;
 use tonic::transport::server::TcpIncoming;
 
 use crate::{
-    Error, Limits, Options,
+    Error, Options,
     budget::Memory,
     device::Device,
     fit::Fits,
@@ -64,7 +64,7 @@ async fn run_on(
     let dir = scratch.path().to_owned();
 
     let memory = Memory::new(options.memory_bytes);
-    let (memory_mib, fit_bytes) = (options.memory_bytes >> 20, memory.fits.total());
+    let memory_mib = options.memory_bytes >> 20;
     tracing::info!(memory_mib, "memory for rollouts, twins and fits");
     let twins = WarmTwins::new(server.clone(), device.clone(), limits, memory.clone(), dir.clone());
     let replays = Replays::new(server.clone(), dir.clone(), limits, memory.clone());
@@ -73,7 +73,9 @@ async fn run_on(
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
     let request = register_request(id, &endpoint, device);
-    let registration = Registration::new(server.clone(), request, rollouts, device.clone());
+    let fit_bytes = if options.fits { limits.fit_bytes } else { 0 };
+    let registration =
+        Registration::new(server.clone(), request, rollouts, device.clone(), fit_bytes);
     tokio::select! {
         registered = registration.register(options.delivery_timeout) => registered?,
         () = shutdown.cancelled() => return Ok(()),
@@ -90,7 +92,7 @@ async fn run_on(
         device: device.clone(),
         worker: id.to_string(),
         dir: dir.clone(),
-        limits: Limits { capture_bytes: limits.capture_bytes.min(fit_bytes), ..limits },
+        limits,
         delivery_timeout: options.delivery_timeout,
         fatal,
     };
@@ -148,8 +150,9 @@ async fn open_device(
     fatal: mpsc::UnboundedSender<Error>,
 ) -> Result<Device, Error> {
     let backend = options.backend.clone();
+    let fit_share = options.fit_share;
     let open = move || Ok(bendtwin_backends::open(&backend)?);
-    tokio::task::spawn_blocking(move || Device::spawn(open, fatal))
+    tokio::task::spawn_blocking(move || Device::spawn(open, fatal, fit_share))
         .await
         .map_err(|e| Error::Panicked(e.to_string()))?
 }

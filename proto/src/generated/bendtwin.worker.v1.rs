@@ -68,6 +68,9 @@ pub struct HeartbeatRequest {
     pub memory_used_bytes: u64,
     #[prost(uint64, tag = "5")]
     pub memory_total_bytes: u64,
+    /// Memory that a fit may take of the process \[bytes\]; zero if this worker takes no fits.
+    #[prost(uint64, tag = "6")]
+    pub fit_memory_bytes: u64,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct HeartbeatResponse {

@@ -72,10 +72,9 @@ pub fn check_for(
     if request.fidelity() == Fidelity::Fast && twin.fast_substeps.is_none() {
         return Err(Error::NoFastVariant { twin: request.twin.clone() });
     }
-    let each = twin.work(request.fidelity(), batch.frames) + costs::work(&request.costs, &batch);
     within(
         "the work (instances x frames x substeps x (nodes + springs + triplets))",
-        each.saturating_mul(u128::from(batch.instances)),
+        work(request, &batch, twin),
         limits.work,
         "send fewer instances or a shorter horizon, or use a coarser twin",
     )?;
@@ -100,6 +99,12 @@ pub fn too_much_memory(asked: u64, limit: u64) -> Error {
         limit,
         advice: "ask for a shorter horizon, fewer targets or smaller arrays of the reply, stream it, or use a twin with fewer control points",
     }
+}
+
+/// Work of a checked request, in element substeps.
+pub fn work(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u128 {
+    let each = twin.work(request.fidelity(), batch.frames) + costs::work(&request.costs, batch);
+    each.saturating_mul(u128::from(batch.instances))
 }
 
 /// Fidelity that a request asks for.

@@ -8,7 +8,7 @@ use bendtwin_budget::Share;
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
     fault,
-    rollout::{self, TwinShape},
+    rollout::{self, Batch, TwinShape},
     v1::{RollOutRequest, RollOutResponse, roll_out_response},
     worker::v1::{ExecuteRollOutRequest, ExecuteRollOutResponse},
 };
@@ -20,7 +20,8 @@ use tonic_types::StatusExt as _;
 
 use super::{
     Dispatch,
-    registry::{Entry, Place},
+    line::{Ask, Place},
+    registry::Entry,
 };
 use crate::{
     context::Context,
@@ -32,6 +33,8 @@ use crate::{
 /// Size of a request beyond which it is checked beside other work [bytes]: a hundred megabytes of
 /// actions take a while.
 const LARGE: usize = 1 << 20;
+/// Cost of a gradient beside that of a rollout.
+const GRADIENT_COST: f64 = 3.0;
 /// Longest that a rollout without a deadline of its own may take.
 const LONGEST: Duration = Duration::from_secs(3600);
 
@@ -80,6 +83,8 @@ struct Running {
     place: Arc<Place>,
     started: Instant,
     queued: Duration,
+    /// Time that the worker has computed, as it says [s].
+    computed_s: f64,
     deadline: Instant,
     metrics: Metrics,
     outcome: &'static str,
@@ -112,10 +117,13 @@ impl Dispatch {
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);
-        let (request, reply_bytes) = self.checked(request, twin.shape, part_instances).await?;
+        let (request, batch) = self.checked(request, twin.shape, part_instances).await?;
+        let reply_bytes = rollout::reply_bytes(&request, &batch, &twin.shape, part_instances);
         if as_lists {
             self.fits_lists(reply_bytes)?;
         }
+        let work = rollout::work(&request, &batch, &twin.shape) as f64 * passes(&request, &batch);
+        let ask = Ask { client: Context::current().client, work };
         let execute = ExecuteRollOutRequest {
             capture: twin.capture.map(|c| c.to_string()).unwrap_or_default(),
             part_instances,
@@ -125,7 +133,7 @@ impl Dispatch {
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
         let share = share.await.map_err(|_| Error::Deadline)??;
-        let started = self.start(id, execute, deadline);
+        let started = self.start(id, &ask, execute, deadline);
         let (first, running) =
             tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
         // The worker has all of the request.
@@ -156,20 +164,17 @@ impl Dispatch {
         }))
     }
 
-    /// The request, if it is sound, and the most bytes of a message of its reply.
+    /// The request, if it is sound.
     async fn checked(
         &self,
         request: RollOutRequest,
         twin: TwinShape,
         part_instances: u32,
-    ) -> Result<(RollOutRequest, u64)> {
+    ) -> Result<(RollOutRequest, Batch)> {
         let limits = self.limits.rollout;
         let is_large = request.encoded_len() > LARGE;
         let check = move || match rollout::check_for(&request, &twin, &limits, part_instances) {
-            Ok(batch) => {
-                let bytes = rollout::reply_bytes(&request, &batch, &twin, part_instances);
-                Ok((request, bytes))
-            }
+            Ok(batch) => Ok((request, batch)),
             Err(error) => Err(error.into()),
         };
         if !is_large {
@@ -183,17 +188,18 @@ impl Dispatch {
     async fn start(
         &self,
         twin: TwinId,
+        ask: &Ask,
         execute: ExecuteRollOutRequest,
         deadline: Instant,
     ) -> Result<(RollOutResponse, Running)> {
         let mut tried = Vec::new();
         loop {
-            let chosen = self.choose(twin, &tried);
+            let chosen = self.choose(twin, ask, &tried);
             let entry = match chosen {
                 Err(Error::NoWorker) if !tried.is_empty() => return Err(Error::WorkerLost),
                 chosen => chosen?,
             };
-            match self.start_at(&entry, execute.clone(), deadline).await? {
+            match self.start_at(&entry, ask, execute.clone(), deadline).await? {
                 Some(started) => {
                     entry.warmed(twin);
                     return Ok(started);
@@ -215,12 +221,15 @@ impl Dispatch {
     async fn start_at(
         &self,
         entry: &Arc<Entry>,
+        ask: &Ask,
         execute: ExecuteRollOutRequest,
         deadline: Instant,
     ) -> Result<Option<(RollOutResponse, Running)>> {
         let started = Instant::now();
-        let mut place = entry.place()?;
-        entry.slot(&mut place).await?;
+        // Others may have joined since the worker was chosen.
+        let joined = entry.line.join(ask);
+        let mut place = joined.map_err(|full| Error::Busy { retry_after: full.retry_after })?;
+        place.turn().await;
         let place = Arc::new(place);
         let queued = started.elapsed();
         let (mut client, token) = entry.client();
@@ -237,8 +246,18 @@ impl Dispatch {
         };
         let (entry, metrics) = (entry.clone(), self.metrics.clone());
         let outcome = "abandoned";
-        let mut running =
-            Running { replies, entry, place, started, queued, deadline, metrics, outcome };
+        let computed_s = 0.0;
+        let mut running = Running {
+            replies,
+            entry,
+            place,
+            started,
+            queued,
+            computed_s,
+            deadline,
+            metrics,
+            outcome,
+        };
         match running.receive().await {
             Ok(Some(mut first)) => {
                 let timing = first.timing.get_or_insert_with(Default::default);
@@ -275,14 +294,32 @@ impl Running {
         let worker = self.entry.id();
         let part = self.replies.message().await;
         match &part {
-            Ok(None) => self.outcome = "done",
+            Ok(None) => {
+                self.outcome = "done";
+                // No worker computes for longer than it was asked to.
+                let most = self.started.elapsed().as_secs_f64();
+                self.place.computed(self.computed_s.min(most));
+            }
             Err(_) => self.outcome = "failed",
             Ok(Some(_)) => {}
         }
         let Some(reply) = part? else { return Ok(None) };
         let response = reply.response.unwrap_or_default();
+        self.computed_s = response.timing.map_or(0.0, |t| t.compute_s);
         Ok(Some(RollOutResponse { worker: worker.to_string(), ..response }))
     }
+}
+
+/// Passes through a batch: gradients follow the rollouts, of all instances or of the best.
+fn passes(request: &RollOutRequest, batch: &Batch) -> f64 {
+    let Some(returns) = request.returns.as_ref().filter(|r| r.control_gradients) else {
+        return 1.0;
+    };
+    let share = match returns.best {
+        0 => 1.0,
+        best => (f64::from(best) / batch.instances.max(1) as f64).min(1.0),
+    };
+    1.0 + GRADIENT_COST * share
 }
 
 /// True if the deadline is over, give or take the clocks of two timers. Both
