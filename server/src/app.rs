@@ -19,7 +19,9 @@ use serde::de::DeserializeOwned;
 use tokio_util::sync::CancellationToken;
 
 pub(crate) use crate::failure::{Error, Result};
-use crate::{dispatch::Dispatch, metrics::Metrics, options::Options, tokens::Tokens};
+use crate::{
+    dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options, tokens::Tokens,
+};
 
 pub(crate) use captures::CaptureUpload;
 pub(crate) use ingests::{IngestPart, IngestUpload};
@@ -41,6 +43,7 @@ pub(crate) struct Inner {
     pub(crate) dispatch: Dispatch,
     pub(crate) tokens: Tokens,
     pub(crate) metrics: Metrics,
+    pub(crate) memory: Memory,
     /// Cancelled when the server begins to stop: streams end then.
     pub(crate) stopping: CancellationToken,
 }
@@ -55,10 +58,12 @@ impl std::ops::Deref for App {
 impl App {
     pub(crate) fn new(options: Options, store: Store) -> Self {
         let metrics = Metrics::new();
+        let memory = Memory::new(options.memory_bytes());
         let inner = Inner {
-            dispatch: Dispatch::new(&options, store.clone(), metrics.clone()),
+            dispatch: Dispatch::new(&options, store.clone(), metrics.clone(), memory.clone()),
             tokens: Tokens::new(options.worker_token.as_deref()),
             metrics,
+            memory,
             stopping: CancellationToken::new(),
             options,
             store,

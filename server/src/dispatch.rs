@@ -28,7 +28,7 @@ use line::Ask;
 pub(crate) use line::Size;
 use registry::Entry;
 pub(crate) use registry::{FitRoom, Heartbeat, Memory, WorkerView};
-pub(crate) use rollout::RollOut;
+pub(crate) use rollout::{Held, InParts, RollOut, Whole};
 use twins::Twins;
 
 /// The routing table. Clones share it.
@@ -37,17 +37,24 @@ pub(crate) struct Dispatch {
     store: Store,
     limits: Limits,
     metrics: Metrics,
+    memory: crate::memory::Memory,
     heartbeat_interval: Duration,
     workers: Arc<Mutex<HashMap<WorkerId, Arc<Entry>>>>,
     twins: Twins,
 }
 
 impl Dispatch {
-    pub(crate) fn new(options: &Options, store: Store, metrics: Metrics) -> Self {
+    pub(crate) fn new(
+        options: &Options,
+        store: Store,
+        metrics: Metrics,
+        memory: crate::memory::Memory,
+    ) -> Self {
         Self {
             store,
             limits: options.limits.clone(),
             metrics,
+            memory,
             heartbeat_interval: options.heartbeat_interval(),
             workers: Arc::default(),
             twins: Twins::default(),

@@ -3,7 +3,10 @@
 
 use std::time::Duration;
 
+use bendtwin_budget::Exhausted;
 use bendtwin_core::{Category, Fault, Problem, ids::InvalidName};
+
+use crate::memory::is_passing;
 
 /// Result with this module's [`Error`].
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
@@ -57,6 +60,8 @@ pub(crate) enum Error {
     Busy { retry_after: Duration },
     #[error("the deadline passed before the answer was there: ask for less or allow more time")]
     Deadline,
+    #[error("{exhausted}, for {purpose}{}", if is_passing(.exhausted) { ", or retry" } else { "" })]
+    Memory { purpose: &'static str, exhausted: Exhausted },
     #[error("the server is stopping: retry")]
     Stopping,
     /// The answer of a worker, unchanged.
@@ -82,6 +87,9 @@ impl Error {
             | Self::UploadTakenOver
             | Self::NoWorker
             | Self::Stopping => Some(Duration::from_secs(1)),
+            Self::Memory { exhausted, .. } => {
+                is_passing(exhausted).then_some(Duration::from_secs(1))
+            }
             Self::Worker(fault) if fault.category == Category::ResourceExhausted => {
                 Some(Duration::from_millis(250))
             }
@@ -111,6 +119,9 @@ impl Problem for Error {
             Self::WorkerUnknown(_) => Category::NotFound,
             Self::NoWorker | Self::WorkerLost | Self::Stopping => Category::Unavailable,
             Self::Busy { .. } => Category::ResourceExhausted,
+            // Sent again, it would be refused again.
+            Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
+            Self::Memory { .. } => Category::ResourceExhausted,
             Self::Deadline => Category::DeadlineExceeded,
             Self::Internal(_) => Category::Internal,
         }
@@ -137,6 +148,8 @@ impl Problem for Error {
             Self::NoWorker => "NO_WORKER",
             Self::WorkerLost => "WORKER_LOST",
             Self::Busy { .. } => "WORKERS_BUSY",
+            Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",
+            Self::Memory { .. } => "MEMORY_IN_USE",
             Self::Deadline => "DEADLINE_EXCEEDED",
             Self::Stopping => "STOPPING",
             Self::Worker(_) => "WORKER_FAULT",

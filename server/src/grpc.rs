@@ -3,6 +3,7 @@
 
 mod captures;
 mod convert;
+mod counted;
 mod fits;
 mod link;
 mod rollouts;
@@ -37,10 +38,14 @@ use crate::{
     service::StartError,
 };
 
+use counted::Counted;
 use token::TokenCheck;
 
-/// Bytes of one message of an ordinary call; chunks of uploads are to be smaller.
-const MESSAGE: usize = 16 << 20;
+/// Bytes of one message of an ordinary call; chunks of uploads are to be smaller. Each call under way
+/// may hold as much.
+const MESSAGE: usize = 4 << 20;
+/// Bytes of one message of a worker.
+const WORKER_MESSAGE: usize = 16 << 20;
 /// Bytes of a chunk that is sent.
 const CHUNK: usize = 1 << 20;
 
@@ -77,11 +82,12 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(FitServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(WorkerServiceServer::new(api.clone()))
-        .add_service(
-            RolloutServiceServer::new(api.clone())
+        .add_service(Counted {
+            app: app.clone(),
+            inner: RolloutServiceServer::new(api.clone())
                 .max_decoding_message_size(bytes(limits.request_bytes))
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
-        )
+        })
         .add_service(worker_link(app));
     Ok(routes.routes().into_axum_router())
 }
@@ -95,7 +101,7 @@ pub(crate) async fn worker_router(app: &App) -> axum::Router {
 }
 
 fn worker_link(app: &App) -> InterceptedService<WorkerLinkServer<Api>, TokenCheck> {
-    let link = WorkerLinkServer::new(Api { app: app.clone() }).max_decoding_message_size(MESSAGE);
+    let link = WorkerLinkServer::new(Api { app: app.clone() }).max_decoding_message_size(WORKER_MESSAGE);
     InterceptedService::new(link, TokenCheck(app.clone()))
 }
 

@@ -25,6 +25,7 @@ mod failure;
 mod grpc;
 mod http;
 mod listen;
+mod memory;
 mod metrics;
 mod options;
 mod service;
@@ -36,4 +37,6 @@ pub use bendtwin_store::maintenance;
 pub use error::http_status;
 pub use options::{ClientTokenPolicy, Limits, Options, WorkerPolicy};
 pub use service::{Handle, Service, StartError};
-pub use supervise::{BACKEND_VARIABLE, DEVICE_VARIABLE, SERVER_VARIABLE, TOKEN_VARIABLE};
+pub use supervise::{
+    BACKEND_VARIABLE, DEVICE_VARIABLE, MEMORY_VARIABLE, SERVER_VARIABLE, TOKEN_VARIABLE,
+};

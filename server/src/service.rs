@@ -124,6 +124,9 @@ impl Service {
             tracing::warn!(%address, "everyone who reaches this address may use the API");
         }
         let (grace, hosts) = (options.shutdown_grace(), Hosts::new(&options.allowed_hosts));
+        let memory_mib = options.memory_bytes() >> 20;
+        let worker_memory_mib = options.workers.each_memory_mib();
+        tracing::info!(memory_mib, worker_memory_mib, "memory for requests, and of each worker");
         let app = App::new(options, store);
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
         let root_service = RootService {

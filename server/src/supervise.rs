@@ -24,6 +24,9 @@ pub const BACKEND_VARIABLE: &str = "BENDTWIN_BACKEND";
 /// The environment variable with the number of the CUDA device.
 pub const DEVICE_VARIABLE: &str = "BENDTWIN_DEVICE";
 
+/// The environment variable with the memory of the worker [MiB].
+pub const MEMORY_VARIABLE: &str = "BENDTWIN_WORKER_MEMORY_MIB";
+
 /// Lifetime from which a child counts as healthy: the next restart is quick again.
 const HEALTHY_AFTER: Duration = Duration::from_secs(3);
 
@@ -45,6 +48,7 @@ struct SpawnOptions {
     backend: String,
     /// CUDA devices, taken in turn.
     devices: Vec<u32>,
+    memory_mib: u64,
     min_backoff: Duration,
     max_backoff: Duration,
 }
@@ -78,6 +82,7 @@ pub(crate) fn start(app: &App, address: SocketAddr) -> Result<Supervisor, StartE
         server: format!("http://{}", reachable(address)),
         backend: policy.backend.clone(),
         devices: policy.devices.clone(),
+        memory_mib: policy.each_memory_mib(),
         min_backoff: Duration::from_secs_f64(policy.min_backoff_s),
         max_backoff: Duration::from_secs_f64(policy.max_backoff_s),
     };
@@ -168,6 +173,7 @@ impl SlotSupervisor {
             .env(SERVER_VARIABLE, &self.spawn_options.server)
             .env(TOKEN_VARIABLE, self.app.tokens.issue(child))
             .env(BACKEND_VARIABLE, &self.spawn_options.backend)
+            .env(MEMORY_VARIABLE, self.spawn_options.memory_mib.to_string())
             .stdin(Stdio::piped())
             .kill_on_drop(true)
             .spawn()

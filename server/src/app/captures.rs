@@ -23,6 +23,7 @@ impl App {
         let digest = super::digest(&upload.digest)?;
         let ingest = self.ingest_settings(&upload.ingest_json)?;
         let limit = self.options.limits.capture_bytes;
+        let _buffers = self.memory.upload().await?;
         let content = self.receive(upload.body, limit, digest, |_| ()).await?;
         if content.size_bytes() == 0 {
             return Err(Error::invalid("content", "is empty: send the capture archive"));

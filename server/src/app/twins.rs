@@ -21,14 +21,13 @@ impl App {
         let request_id = super::request_id(upload.request_id)?;
         let digest = super::digest(&upload.digest)?;
         let limit = self.options.limits.twin_bytes;
-        let mut bytes = Vec::new();
-        let tap = |chunk: &bytes::Bytes| {
-            if (bytes.len() + chunk.len()) as u64 <= limit {
-                bytes.extend_from_slice(chunk);
-            }
-        };
-        let content = self.receive(upload.body, limit, digest, tap).await?;
+        let _buffers = self.memory.upload().await?;
+        let content = self.receive(upload.body, limit, digest, |_| ()).await?;
+        // Only now, so that a slow upload holds no memory.
+        let share = self.memory.twin_file(content.size_bytes()).await?;
+        let bytes = content.read().await?;
         let facts = tokio::task::spawn_blocking(move || {
+            let _share = share;
             TwinFile::decode(&bytes).map_err(Error::from).and_then(|twin| facts(&twin))
         })
         .await

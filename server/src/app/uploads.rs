@@ -164,6 +164,8 @@ impl App {
         append: Append,
         room: u64,
     ) -> Result<(), Interrupted> {
+        let buffers = self.memory.upload().await;
+        let _buffers = buffers.map_err(|error| Interrupted { error, keep_it: true })?;
         let (mut body, mut checksum) = (append.body, append.checksum);
         let idle = self.options.limits.upload_idle();
         let keep = self.options.upload_expiry();

@@ -4,6 +4,7 @@
 
 use std::{pin::Pin, sync::Arc, time::Duration};
 
+use bendtwin_budget::Share;
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
     fault,
@@ -25,6 +26,7 @@ use super::{
 use crate::{
     context::Context,
     failure::{Error, Result},
+    memory::Shares,
     metrics::Metrics,
 };
 
@@ -43,6 +45,31 @@ pub(crate) struct RollOut {
     pub(crate) timeout: Option<Duration>,
     /// True if the reply may come in parts.
     pub(crate) in_parts: bool,
+    /// True if the reply is to be written as nested lists of JSON.
+    pub(crate) as_lists: bool,
+    /// Memory of the request, held until a worker answers.
+    pub(crate) memory: Arc<Shares>,
+}
+
+/// Held until a reply has been sent: its memory, and the place in the worker's line.
+#[derive(Clone, Debug)]
+pub(crate) struct Held {
+    #[expect(dead_code, reason = "held, not read")]
+    share: Arc<Share>,
+    #[expect(dead_code, reason = "held, not read")]
+    place: Arc<Place>,
+}
+
+/// A reply in one part.
+pub(crate) struct Whole {
+    pub(crate) response: RollOutResponse,
+    pub(crate) held: Held,
+}
+
+/// A reply in parts.
+pub(crate) struct InParts {
+    pub(crate) parts: Parts,
+    pub(crate) held: Held,
 }
 
 /// Parts of a reply as they come.
@@ -53,7 +80,7 @@ struct Running {
     replies: Streaming<ExecuteRollOutResponse>,
     entry: Arc<Entry>,
     /// Held until the last part has come.
-    place: Place,
+    place: Arc<Place>,
     started: Instant,
     queued: Duration,
     /// Time that the worker has computed, as it says [s].
@@ -73,23 +100,28 @@ impl Drop for Running {
 impl Dispatch {
     /// The reply in one part. Workers are asked not to split it: `best` ranks
     /// the whole batch, and 16-bit positions have one scale.
-    pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<RollOutResponse> {
-        let mut parts = self.parts(RollOut { in_parts: false, ..rollout }).await?;
-        let whole = parts.next().await.ok_or(Error::WorkerLost)??;
+    pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<Whole> {
+        let InParts { mut parts, held } =
+            self.parts(RollOut { in_parts: false, ..rollout }).await?;
+        let response = parts.next().await.ok_or(Error::WorkerLost)??;
         match parts.next().await {
-            None => Ok(whole),
+            None => Ok(Whole { response, held }),
             Some(Ok(_)) => Err(Error::Internal("the worker split a reply".to_owned())),
             Some(Err(error)) => Err(error),
         }
     }
 
     /// The reply in the parts that the worker sends. The first has come when this returns.
-    pub(crate) async fn parts(&self, rollout: RollOut) -> Result<Parts> {
-        let RollOut { request, timeout, in_parts } = rollout;
+    pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
+        let RollOut { request, timeout, in_parts, as_lists, memory } = rollout;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);
         let (request, batch) = self.checked(request, twin.shape, part_instances).await?;
+        let reply_bytes = rollout::reply_bytes(&request, &batch, &twin.shape, part_instances);
+        if as_lists {
+            self.fits_lists(reply_bytes)?;
+        }
         let work = rollout::work(&request, &batch, &twin.shape) as f64 * passes(&request, &batch);
         let ask = Ask { client: Context::current().client, work };
         let execute = ExecuteRollOutRequest {
@@ -99,9 +131,14 @@ impl Dispatch {
             request: Some(request),
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
+        let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
+        let share = share.await.map_err(|_| Error::Deadline)??;
         let started = self.start(id, &ask, execute, deadline);
         let (first, running) =
             tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
+        // The worker has all of the request.
+        drop(memory);
+        let held = Held { share: Arc::new(share), place: Arc::clone(&running.place) };
         let rest = stream::unfold(Some(running), |running| async {
             let mut running = running?;
             match running.next().await {
@@ -110,7 +147,21 @@ impl Dispatch {
                 Err(error) => Some((Err(error), None)),
             }
         });
-        Ok(stream::iter([Ok(first)]).chain(rest).boxed())
+        Ok(InParts { parts: stream::iter([Ok(first)]).chain(rest).boxed(), held })
+    }
+
+    /// Refuses a reply that is too large for nested lists of JSON.
+    fn fits_lists(&self, reply_bytes: u64) -> Result<()> {
+        let limit = self.limits.rollout.json_reply_bytes;
+        if reply_bytes <= limit {
+            return Ok(());
+        }
+        Err(Error::Rollout(rollout::Error::TooLarge {
+            what: "the size of the reply in bytes, as lists in JSON,",
+            asked: reply_bytes,
+            limit,
+            advice: "ask for ?tensors=base64 or for application/x-protobuf, or for fewer nodes (returns.nodes) or every k-th frame (returns.every_frames)",
+        }))
     }
 
     /// The request, if it is sound.
@@ -179,9 +230,12 @@ impl Dispatch {
         let joined = entry.line.join(ask);
         let mut place = joined.map_err(|full| Error::Busy { retry_after: full.retry_after })?;
         place.turn().await;
+        let place = Arc::new(place);
         let queued = started.elapsed();
         let (mut client, token) = entry.client();
+        let length = execute.encoded_len();
         let mut call = Request::new(execute);
+        call.metadata_mut().insert(rollout::REQUEST_BYTES, length.into());
         call.metadata_mut().insert("authorization", token);
         call.set_timeout(deadline.saturating_duration_since(Instant::now()));
         let replies = match client.roll_out(call).await {

@@ -52,6 +52,8 @@ pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
         app.metrics.rollouts_waiting(size.as_str(), waiting);
     }
     let gauges = Gauges { workers, rollouts, memory: app.dispatch.memory(), uploads };
+    let (used, total) = app.memory.state();
+    app.metrics.memory_budget(used, total);
     let text = app.metrics.render(&depth, &gauges);
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response())
 }

@@ -47,6 +47,12 @@ impl Server {
         if let Some(devices) = &self.devices {
             options.workers.devices.clone_from(devices);
         }
+        if let Some(memory) = self.memory_mib {
+            options.memory_mib = Some(memory);
+        }
+        if let Some(memory) = self.workers_memory_mib {
+            options.workers.memory_mib = Some(memory);
+        }
         if let Some(token) = &self.worker_token {
             options.worker_token = Some(token.clone());
         }
@@ -82,6 +88,8 @@ mod tests {
             workers: None,
             backend: None,
             devices: None,
+            memory_mib: None,
+            workers_memory_mib: None,
             worker_token: None,
             upload_expiry: None,
             port_file: None,
