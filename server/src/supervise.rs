@@ -134,6 +134,9 @@ impl SlotSupervisor {
         let mut generation = 0u32;
         while !self.stop.is_cancelled() {
             let child = Child(u64::from(generation) << 32 | u64::from(self.slot));
+            if generation > 0 {
+                self.app.metrics.worker_restarted(self.slot);
+            }
             generation = generation.wrapping_add(1);
             let started = Instant::now();
             match self.spawn(child) {

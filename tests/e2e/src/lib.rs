@@ -16,8 +16,6 @@ mod first_five_minutes;
 #[cfg(test)]
 mod fits;
 #[cfg(test)]
-mod harness;
-#[cfg(test)]
 mod ingests;
 #[cfg(test)]
 mod malformed;
@@ -43,3 +41,6 @@ mod tidy;
 mod uploads;
 #[cfg(test)]
 mod workspace;
+
+#[cfg(test)]
+use bendtwin_harness as harness;

@@ -17,50 +17,53 @@ use tonic::{
     transport::{Channel, Endpoint},
 };
 
-use super::waiting::until;
+use crate::waiting::until;
 
 const CHUNK: usize = 256 * 1024;
 
 /// A server's API.
 #[derive(Clone, Debug)]
-pub(crate) struct Api {
-    pub(crate) channel: Channel,
+pub struct Api {
+    /// The channel; it connects again by itself.
+    pub channel: Channel,
 }
 
 impl Api {
-    pub(crate) fn new(address: &str) -> Self {
+    /// The API at `host:port`.
+    pub fn new(address: &str) -> Self {
         let endpoint = Endpoint::from_shared(format!("http://{address}")).unwrap();
         Self { channel: endpoint.tcp_nodelay(true).connect_lazy() }
     }
 
-    pub(crate) fn captures(&self) -> CaptureServiceClient<Channel> {
+    /// Captures.
+    pub fn captures(&self) -> CaptureServiceClient<Channel> {
         CaptureServiceClient::new(self.channel.clone())
     }
 
-    pub(crate) fn fits(&self) -> FitServiceClient<Channel> {
+    /// Fits.
+    pub fn fits(&self) -> FitServiceClient<Channel> {
         FitServiceClient::new(self.channel.clone())
     }
 
-    pub(crate) fn twins(&self) -> TwinServiceClient<Channel> {
+    /// Twins.
+    pub fn twins(&self) -> TwinServiceClient<Channel> {
         TwinServiceClient::new(self.channel.clone())
     }
 
-    pub(crate) fn rollouts(&self) -> RolloutServiceClient<Channel> {
+    /// Rollouts, of messages of up to a gibibyte.
+    pub fn rollouts(&self) -> RolloutServiceClient<Channel> {
         RolloutServiceClient::new(self.channel.clone())
             .max_decoding_message_size(1 << 30)
             .max_encoding_message_size(1 << 30)
     }
 
-    pub(crate) fn workers(&self) -> WorkerServiceClient<Channel> {
+    /// Workers.
+    pub fn workers(&self) -> WorkerServiceClient<Channel> {
         WorkerServiceClient::new(self.channel.clone())
     }
 
     /// Uploads a capture archive.
-    pub(crate) async fn upload(
-        &self,
-        archive: &Bytes,
-        request_id: &str,
-    ) -> Result<Capture, Status> {
+    pub async fn upload(&self, archive: &Bytes, request_id: &str) -> Result<Capture, Status> {
         use create_capture_request::Part;
         let metadata = CaptureMetadata {
             display_name: "e2e".to_owned(),
@@ -77,7 +80,7 @@ impl Api {
     }
 
     /// Stores a twin file.
-    pub(crate) async fn import(&self, file: &Bytes) -> Result<Twin, Status> {
+    pub async fn import(&self, file: &Bytes) -> Result<Twin, Status> {
         use create_twin_request::Part;
         let metadata = TwinMetadata { display_name: "e2e".to_owned(), ..TwinMetadata::default() };
         let parts = std::iter::once(Part::Metadata(metadata))
@@ -88,7 +91,7 @@ impl Api {
     }
 
     /// The content of a twin file.
-    pub(crate) async fn export(&self, name: &str) -> Result<Bytes, Status> {
+    pub async fn export(&self, name: &str) -> Result<Bytes, Status> {
         let request = ExportTwinRequest { name: name.to_owned() };
         let mut parts = self.twins().export_twin(request).await?.into_inner();
         let mut file = Vec::new();
@@ -99,12 +102,7 @@ impl Api {
     }
 
     /// Starts a fit.
-    pub(crate) async fn fit(
-        &self,
-        capture: &str,
-        settings: &str,
-        priority: i32,
-    ) -> Result<Fit, Status> {
+    pub async fn fit(&self, capture: &str, settings: &str, priority: i32) -> Result<Fit, Status> {
         let request = CreateFitRequest {
             capture: capture.to_owned(),
             settings_json: settings.to_owned(),
@@ -114,47 +112,52 @@ impl Api {
         Ok(self.fits().create_fit(request).await?.into_inner())
     }
 
-    pub(crate) async fn get_fit(&self, name: &str) -> Result<Fit, Status> {
+    /// A fit by its name.
+    pub async fn get_fit(&self, name: &str) -> Result<Fit, Status> {
         Ok(self.fits().get_fit(GetFitRequest { name: name.to_owned() }).await?.into_inner())
     }
 
-    pub(crate) async fn cancel(&self, name: &str) -> Result<Fit, Status> {
+    /// Asks a fit to stop.
+    pub async fn cancel(&self, name: &str) -> Result<Fit, Status> {
         Ok(self.fits().cancel_fit(CancelFitRequest { name: name.to_owned() }).await?.into_inner())
     }
 
-    pub(crate) async fn get_twin(&self, name: &str) -> Result<Twin, Status> {
+    /// A twin by its name.
+    pub async fn get_twin(&self, name: &str) -> Result<Twin, Status> {
         Ok(self.twins().get_twin(GetTwinRequest { name: name.to_owned() }).await?.into_inner())
     }
 
-    pub(crate) async fn roll_out(
-        &self,
-        request: RollOutRequest,
-    ) -> Result<RollOutResponse, Status> {
+    /// A rollout.
+    pub async fn roll_out(&self, request: RollOutRequest) -> Result<RollOutResponse, Status> {
         Ok(self.rollouts().roll_out(request).await?.into_inner())
     }
 
-    pub(crate) async fn list_captures(&self) -> Result<Vec<Capture>, Status> {
+    /// The newest thousand captures.
+    pub async fn list_captures(&self) -> Result<Vec<Capture>, Status> {
         let request = ListCapturesRequest { page_size: 1000, ..Default::default() };
         Ok(self.captures().list_captures(request).await?.into_inner().captures)
     }
 
-    pub(crate) async fn list_fits(&self) -> Result<Vec<Fit>, Status> {
+    /// The newest thousand fits.
+    pub async fn list_fits(&self) -> Result<Vec<Fit>, Status> {
         let request = ListFitsRequest { page_size: 1000, ..Default::default() };
         Ok(self.fits().list_fits(request).await?.into_inner().fits)
     }
 
-    pub(crate) async fn list_twins(&self) -> Result<Vec<Twin>, Status> {
+    /// The newest thousand twins.
+    pub async fn list_twins(&self) -> Result<Vec<Twin>, Status> {
         let request = ListTwinsRequest { page_size: 1000, ..Default::default() };
         Ok(self.twins().list_twins(request).await?.into_inner().twins)
     }
 
-    pub(crate) async fn list_workers(&self) -> Result<Vec<Worker>, Status> {
+    /// The workers that are connected.
+    pub async fn list_workers(&self) -> Result<Vec<Worker>, Status> {
         let request = ListWorkersRequest { page_size: 1000, ..Default::default() };
         Ok(self.workers().list_workers(request).await?.into_inner().workers)
     }
 
     /// Waits until a fit is in the wanted state; failed calls are repeated.
-    pub(crate) async fn fit_when(
+    pub async fn fit_when(
         &self,
         name: &str,
         what: &str,
@@ -168,7 +171,7 @@ impl Api {
     }
 
     /// Waits until a fit has succeeded; fails the test at once if it ends otherwise.
-    pub(crate) async fn succeeded(&self, name: &str, deadline: Duration) -> Fit {
+    pub async fn succeeded(&self, name: &str, deadline: Duration) -> Fit {
         let fit = self.fit_when(name, "over", deadline, has_ended).await;
         assert_eq!(fit.state(), State::Succeeded, "{:?}", fit.job);
         fit
@@ -176,17 +179,17 @@ impl Api {
 }
 
 /// True if the state of a fit is final.
-pub(crate) fn has_ended(fit: &Fit) -> bool {
+pub fn has_ended(fit: &Fit) -> bool {
     !matches!(fit.state(), State::Queued | State::Running)
 }
 
 /// The worker that runs a fit; empty if none does.
-pub(crate) fn worker(fit: &Fit) -> &str {
+pub fn worker(fit: &Fit) -> &str {
     fit.job.as_ref().map_or("", |job| &job.worker)
 }
 
 /// Progress of a fit, 0..=1.
-pub(crate) fn fraction(fit: &Fit) -> f64 {
+pub fn fraction(fit: &Fit) -> f64 {
     let progress = fit.job.as_ref().and_then(|job| job.progress.as_ref());
     progress.map_or(0.0, |p| p.fraction)
 }

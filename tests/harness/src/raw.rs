@@ -43,7 +43,7 @@ impl Decoder for Raw {
 }
 
 /// Calls `/{package}.{Service}/{Method}` with these messages and returns how the call ended.
-pub(crate) async fn call(channel: &Channel, path: &str, messages: Vec<Bytes>) -> Code {
+pub async fn call(channel: &Channel, path: &str, messages: Vec<Bytes>) -> Code {
     let mut grpc = Grpc::new(channel.clone());
     if let Err(error) = grpc.ready().await {
         return Status::unknown(error.to_string()).code();

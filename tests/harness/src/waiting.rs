@@ -14,17 +14,17 @@ const CLUSTERS: u32 = 2;
 static SLOTS: Semaphore = Semaphore::const_new(CLUSTERS as usize);
 
 /// Waits for a slot beside other clusters.
-pub(crate) async fn shared_slot() -> SemaphorePermit<'static> {
+pub async fn shared_slot() -> SemaphorePermit<'static> {
     SLOTS.acquire().await.unwrap()
 }
 
 /// Waits until no other cluster runs, for tests that measure time.
-pub(crate) async fn all_slots() -> SemaphorePermit<'static> {
+pub async fn all_slots() -> SemaphorePermit<'static> {
     SLOTS.acquire_many(CLUSTERS).await.unwrap()
 }
 
 /// Asks again and again until there is an answer; fails the test after `deadline`.
-pub(crate) async fn until<T>(
+pub async fn until<T>(
     what: &str,
     deadline: Duration,
     mut probe: impl AsyncFnMut() -> Option<T>,
@@ -40,10 +40,6 @@ pub(crate) async fn until<T>(
 }
 
 /// Fails the test if the future takes longer.
-pub(crate) async fn within<T>(
-    what: &str,
-    deadline: Duration,
-    future: impl Future<Output = T>,
-) -> T {
+pub async fn within<T>(what: &str, deadline: Duration, future: impl Future<Output = T>) -> T {
     timeout(deadline, future).await.unwrap_or_else(|_| panic!("{what} took over {deadline:?}"))
 }

@@ -9,26 +9,28 @@ use tokio::{
     net::TcpStream,
 };
 
-use super::waiting::within;
+use crate::waiting::within;
 
 const DEADLINE: Duration = Duration::from_secs(60);
 
 /// A server's HTTP side.
 #[derive(Clone, Debug)]
-pub(crate) struct Http {
+pub struct Http {
     url: String,
     client: Client,
 }
 
 impl Http {
-    pub(crate) fn new(url: &str) -> Self {
+    /// The server at `http://host:port`.
+    pub fn new(url: &str) -> Self {
         // A connection a request: the server closes one whose body it refused to read, and whoever
         // takes that one next loses the race.
         let client = Client::builder().pool_max_idle_per_host(0).build().unwrap();
         Self { url: url.to_owned(), client }
     }
 
-    pub(crate) async fn is_ready(&self) -> bool {
+    /// True if the server says that it is ready.
+    pub async fn is_ready(&self) -> bool {
         self.request(Method::GET, "/readyz")
             .timeout(Duration::from_secs(2))
             .send()
@@ -36,22 +38,25 @@ impl Http {
             .is_ok_and(|reply| reply.status() == StatusCode::OK)
     }
 
-    pub(crate) fn request(&self, method: Method, path: &str) -> RequestBuilder {
+    /// A request of this path, with a deadline.
+    pub fn request(&self, method: Method, path: &str) -> RequestBuilder {
         self.client.request(method, format!("{}{path}", self.url)).timeout(DEADLINE)
     }
 
-    pub(crate) async fn get(&self, path: &str) -> Response {
+    /// The answer to a GET.
+    pub async fn get(&self, path: &str) -> Response {
         self.request(Method::GET, path).send().await.unwrap()
     }
 
-    pub(crate) async fn get_json(&self, path: &str) -> Value {
+    /// The JSON that a GET answers with.
+    pub async fn get_json(&self, path: &str) -> Value {
         let reply = self.get(path).await;
         assert_eq!(reply.status(), StatusCode::OK, "{path}");
         reply.json().await.unwrap()
     }
 
     /// Sends bytes as they are and returns the status of the first reply, if there was one.
-    pub(crate) async fn send_raw(&self, bytes: &[u8]) -> Option<u16> {
+    pub async fn send_raw(&self, bytes: &[u8]) -> Option<u16> {
         let address = self.url.strip_prefix("http://").unwrap();
         let mut stream = TcpStream::connect(address).await.unwrap();
         // The server may answer and close before it has read everything.

@@ -5,13 +5,13 @@ use std::time::{Duration, Instant};
 use bytes::Bytes;
 use tokio::sync::OnceCell;
 
-use super::{Isolation, Setup, TestCluster, command::run_ok};
+use crate::{Isolation, Setup, TestCluster, command::run_ok};
 
 /// Longest time for a small fit, even if it is disturbed often.
-pub(crate) const FIT: Duration = Duration::from_secs(300);
+pub const FIT: Duration = Duration::from_secs(300);
 
 /// A fit of seconds, with all stages and enough steps for disturbances.
-pub(crate) const SETTINGS: &str = r#"{
+pub const SETTINGS: &str = r#"{
     "seed": 11,
     "graph": {"max_nodes": 40},
     "search": {"generations": 12, "population": 8},
@@ -19,22 +19,22 @@ pub(crate) const SETTINGS: &str = r#"{
 }"#;
 
 /// A fit that never ends by itself within a test.
-pub(crate) const ENDLESS: &str = r#"{
+pub const ENDLESS: &str = r#"{
     "graph": {"max_nodes": 40},
     "search": {"generations": 10000, "population": 8}
 }"#;
 
 /// Result of an undisturbed fit of the capture.
 #[derive(Clone, Debug)]
-pub(crate) struct Reference {
+pub struct Reference {
     /// BLAKE3 of the twin file.
-    pub(crate) digest: String,
+    pub digest: String,
     /// The twin file.
-    pub(crate) file: Bytes,
+    pub file: Bytes,
 }
 
 /// The archive of a small capture: a rope of a few dozen points.
-pub(crate) async fn capture() -> Bytes {
+pub async fn capture() -> Bytes {
     static CAPTURE: OnceCell<Bytes> = OnceCell::const_new();
     let make = async || {
         let folder = tempfile::tempdir().unwrap();
@@ -50,13 +50,13 @@ pub(crate) async fn capture() -> Bytes {
 }
 
 /// The twin of [`capture`] under [`SETTINGS`].
-pub(crate) async fn reference() -> Reference {
+pub async fn reference() -> Reference {
     static REFERENCE: OnceCell<Reference> = OnceCell::const_new();
     REFERENCE.get_or_init(|| undisturbed(SETTINGS)).await.clone()
 }
 
 /// Fits [`capture`] without disturbances.
-pub(crate) async fn undisturbed(settings: &str) -> Reference {
+pub async fn undisturbed(settings: &str) -> Reference {
     // The caller may hold a slot already.
     let server =
         TestCluster::start(Setup { isolation: Isolation::Nested, ..Setup::default() }).await;

@@ -14,7 +14,7 @@ use tokio::{
 const CHUNK: usize = 64 << 10;
 
 /// A proxy of a server for the clients of a test.
-pub(crate) struct StallingProxy {
+pub struct StallingProxy {
     url: String,
     accepting: tokio::task::JoinHandle<()>,
 }
@@ -22,7 +22,7 @@ pub(crate) struct StallingProxy {
 impl StallingProxy {
     /// A proxy of `server` (`http://host:port`) that passes on so many bytes from all clients
     /// together.
-    pub(crate) async fn to(server: &str, bytes: u64) -> Self {
+    pub async fn to(server: &str, bytes: u64) -> Self {
         let server = server.strip_prefix("http://").unwrap().to_owned();
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let url = format!("http://{}", listener.local_addr().unwrap());
@@ -37,7 +37,7 @@ impl StallingProxy {
     }
 
     /// The proxy's address, for clients.
-    pub(crate) fn url(&self) -> &str {
+    pub fn url(&self) -> &str {
         &self.url
     }
 }

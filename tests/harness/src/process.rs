@@ -11,17 +11,18 @@ const MARK: &str = "BENDTWIN_E2E_CLUSTER";
 
 /// A cluster's processes.
 #[derive(Debug)]
-pub(crate) struct Processes {
+pub struct Processes {
     mark: String,
 }
 
 impl Processes {
-    pub(crate) fn new(cluster: &Path) -> Self {
+    /// The processes of the cluster in this folder.
+    pub fn new(cluster: &Path) -> Self {
         Self { mark: format!("{MARK}={}", cluster.display()) }
     }
 
     /// Starts a process of this cluster; its output goes to `log`.
-    pub(crate) fn start(&self, command: &mut Command, log: &Path) -> Child {
+    pub fn start(&self, command: &mut Command, log: &Path) -> Child {
         let log = std::fs::OpenOptions::new().create(true).append(true).open(log).unwrap();
         let (name, value) = self.mark.split_once('=').unwrap();
         command
@@ -34,12 +35,12 @@ impl Processes {
     }
 
     /// Ids of the live worker processes, in no particular order.
-    pub(crate) fn workers(&self) -> Vec<u32> {
+    pub fn workers(&self) -> Vec<u32> {
         self.running("worker")
     }
 
     /// Ids of the live processes that read captures.
-    pub(crate) fn readers(&self) -> Vec<u32> {
+    pub fn readers(&self) -> Vec<u32> {
         self.running("ingest-capture")
     }
 
@@ -77,7 +78,7 @@ impl Drop for Processes {
 }
 
 /// kill -9.
-pub(crate) fn kill(pid: u32) {
+pub fn kill(pid: u32) {
     let mut shell = Command::new("sh");
     shell.args(["-c", &format!("kill -9 {pid}")]).stderr(Stdio::null());
     shell.status().unwrap();

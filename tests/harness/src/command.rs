@@ -1,36 +1,38 @@
 //! The `bendtwin` command.
 
 use std::{
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Command, Output},
 };
 
 use serde_json::Value;
 
-/// The binary: `BENDTWIN_BIN`, or `bendtwin` in the target folder that this test was built into.
-pub(crate) fn binary() -> PathBuf {
+/// The binary: `BENDTWIN_BIN`, or `bendtwin` in the target folder that this program was built into.
+pub fn binary() -> PathBuf {
     if let Some(path) = std::env::var_os("BENDTWIN_BIN") {
         return path.into();
     }
-    let test = std::env::current_exe().unwrap();
-    let path = test.parent().and_then(Path::parent).unwrap().join("bendtwin");
-    assert!(path.is_file(), "{} is missing: run `cargo build` first", path.display());
-    path
+    // Tests are built into a folder of the target folder, programs into the target folder itself.
+    let this = std::env::current_exe().unwrap();
+    let mut paths = this.ancestors().skip(1).take(2).map(|folder| folder.join("bendtwin"));
+    let found = paths.find(|path| path.is_file());
+    found.unwrap_or_else(|| panic!("no bendtwin near {}: run `cargo build` first", this.display()))
 }
 
-pub(crate) fn bendtwin() -> Command {
+/// The command without settings from the environment.
+pub fn bendtwin() -> Command {
     let mut command = Command::new(binary());
     command.env_remove("BENDTWIN_LOG").env_remove("BENDTWIN_SERVER").env("NO_COLOR", "1");
     command
 }
 
 /// Runs `bendtwin` to its end.
-pub(crate) fn run(arguments: &[&str]) -> Output {
+pub fn run(arguments: &[&str]) -> Output {
     bendtwin().args(arguments).output().unwrap()
 }
 
 /// Runs `bendtwin`, which must succeed, and returns its output.
-pub(crate) fn run_ok(arguments: &[&str]) -> String {
+pub fn run_ok(arguments: &[&str]) -> String {
     let output = run(arguments);
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     assert!(
@@ -45,7 +47,7 @@ pub(crate) fn run_ok(arguments: &[&str]) -> String {
 }
 
 /// Runs `bendtwin ... --json` and reads its last line.
-pub(crate) fn run_json(arguments: &[&str]) -> Value {
+pub fn run_json(arguments: &[&str]) -> Value {
     let text = run_ok(&[arguments, &["--json"]].concat());
     let last = text.trim().lines().last().unwrap_or_default();
     serde_json::from_str(&text)

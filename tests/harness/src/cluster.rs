@@ -10,7 +10,7 @@ use bendtwin_proto::v1::Worker;
 use tempfile::TempDir;
 use tokio::sync::SemaphorePermit;
 
-use super::{
+use crate::{
     Api,
     command::bendtwin,
     http::Http,
@@ -19,22 +19,22 @@ use super::{
 };
 
 /// Longest time for the start of a process on a busy machine.
-pub(crate) const START: Duration = Duration::from_secs(60);
+pub const START: Duration = Duration::from_secs(60);
 /// The token of workers that the test starts itself.
 const TOKEN: &str = "end-to-end-worker-token";
 
 /// Options of a cluster.
 #[derive(Clone, Debug)]
-pub(crate) struct Setup {
+pub struct Setup {
     /// Workers that the server starts and restarts itself.
-    pub(crate) own_workers: u32,
+    pub own_workers: u32,
     /// Time after which a dead worker's job goes to the next one, where the server did not see the
     /// worker die [s].
-    pub(crate) lease_s: f64,
+    pub lease_s: f64,
     /// Other clusters that may run at the same time.
-    pub(crate) isolation: Isolation,
+    pub isolation: Isolation,
     /// Additional arguments of the server's own workers.
-    pub(crate) worker_args: &'static [&'static str],
+    pub worker_args: &'static [&'static str],
 }
 
 impl Default for Setup {
@@ -45,7 +45,7 @@ impl Default for Setup {
 
 /// Other clusters that may run at the same time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Isolation {
+pub enum Isolation {
     /// As many as the machine can take.
     Shared,
     /// None, because time is measured.
@@ -55,7 +55,7 @@ pub(crate) enum Isolation {
 }
 
 /// A server with its workers and its folder.
-pub(crate) struct TestCluster {
+pub struct TestCluster {
     setup: Setup,
     child: Child,
     address: String,
@@ -67,7 +67,7 @@ pub(crate) struct TestCluster {
 
 impl TestCluster {
     /// Starts a cluster and waits until it is ready.
-    pub(crate) async fn start(setup: Setup) -> Self {
+    pub async fn start(setup: Setup) -> Self {
         let slots = match setup.isolation {
             Isolation::Shared => Some(waiting::shared_slot().await),
             Isolation::Exclusive => Some(waiting::all_slots().await),
@@ -83,48 +83,48 @@ impl TestCluster {
     }
 
     /// A cluster with default options.
-    pub(crate) async fn ordinary() -> Self {
+    pub async fn ordinary() -> Self {
         Self::start(Setup::default()).await
     }
 
     /// `http://host:port`.
-    pub(crate) fn url(&self) -> String {
+    pub fn url(&self) -> String {
         format!("http://{}", self.address)
     }
 
     /// A new gRPC channel.
-    pub(crate) fn api(&self) -> Api {
+    pub fn api(&self) -> Api {
         Api::new(&self.address)
     }
 
     /// An HTTP client.
-    pub(crate) fn http(&self) -> Http {
+    pub fn http(&self) -> Http {
         Http::new(&self.url())
     }
 
     /// The folder that survives restarts.
-    pub(crate) fn data_dir(&self) -> PathBuf {
+    pub fn data_dir(&self) -> PathBuf {
         self.folder.path().join("data")
     }
 
     /// A path for a file of the test.
-    pub(crate) fn path(&self, name: &str) -> String {
+    pub fn path(&self, name: &str) -> String {
         self.folder.path().join(name).to_string_lossy().into_owned()
     }
 
     /// Output of all processes.
-    pub(crate) fn log(&self) -> String {
+    pub fn log(&self) -> String {
         std::fs::read_to_string(self.folder.path().join("log")).unwrap_or_default()
     }
 
     /// kill -9 of the server; its workers have to notice by themselves.
-    pub(crate) fn kill(&mut self) {
+    pub fn kill(&mut self) {
         self.child.kill().unwrap();
         self.child.wait().unwrap();
     }
 
     /// Starts the server again after [`TestCluster::kill`], at the same address.
-    pub(crate) async fn start_again(&mut self) {
+    pub async fn start_again(&mut self) {
         let (child, address) =
             launch(&self.processes, self.folder.path(), &self.setup, &self.address).await;
         self.child = child;
@@ -132,32 +132,32 @@ impl TestCluster {
     }
 
     /// True if the server process still runs and has not been replaced.
-    pub(crate) fn is_alive(&mut self) -> bool {
+    pub fn is_alive(&mut self) -> bool {
         self.child.try_wait().unwrap().is_none()
     }
 
     /// Id of the server process.
-    pub(crate) fn pid(&self) -> u32 {
+    pub fn pid(&self) -> u32 {
         self.child.id()
     }
 
     /// Ids of the worker processes.
-    pub(crate) fn worker_pids(&self) -> Vec<u32> {
+    pub fn worker_pids(&self) -> Vec<u32> {
         self.processes.workers()
     }
 
     /// Ids of the processes that read captures.
-    pub(crate) fn reader_pids(&self) -> Vec<u32> {
+    pub fn reader_pids(&self) -> Vec<u32> {
         self.processes.readers()
     }
 
     /// kill -9 of every worker process.
-    pub(crate) fn kill_workers(&self) {
+    pub fn kill_workers(&self) {
         self.worker_pids().into_iter().for_each(kill);
     }
 
     /// Starts a worker that the server did not start.
-    pub(crate) async fn start_worker(&mut self) -> Worker {
+    pub async fn start_worker(&mut self) -> Worker {
         let before: Vec<_> = self.known_workers().await.into_iter().map(|w| w.name).collect();
         let mut command = bendtwin();
         command.args(["worker", "--server", &self.url()]).env("BENDTWIN_WORKER_TOKEN", TOKEN);
@@ -169,7 +169,7 @@ impl TestCluster {
     }
 
     /// kill -9 of a worker that the test started, oldest first.
-    pub(crate) fn kill_own_worker(&mut self) {
+    pub fn kill_own_worker(&mut self) {
         let mut worker = self.started.remove(0);
         worker.kill().unwrap();
         worker.wait().unwrap();
