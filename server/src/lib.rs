@@ -30,6 +30,8 @@ mod supervise;
 mod tokens;
 
 pub use error::http_status;
+#[doc(hidden)]
+pub use http::uploads::read_upload_headers;
 pub use options::{Limits, Options, WorkerPolicy};
 pub use service::{Handle, Service, StartError};
 pub use supervise::{BACKEND_VARIABLE, DEVICE_VARIABLE, SERVER_VARIABLE, TOKEN_VARIABLE};
