@@ -15,7 +15,7 @@ use tokio::{
 };
 use tokio_util::{sync::CancellationToken, task::TaskTracker};
 
-use crate::http::root_service::RootService;
+use crate::{context::Peer, http::root_service::RootService};
 
 /// Stream and connection windows: a rollout of megabytes should not wait for updates.
 const WINDOW: u32 = 4 << 20;
@@ -97,6 +97,8 @@ async fn connection(
         .max_concurrent_streams(MAX_STREAMS)
         .keep_alive_interval(PING_INTERVAL)
         .keep_alive_timeout(PING_INTERVAL);
+    // Clients have shares of the workers.
+    let service = service.layer(axum::Extension(Peer(peer)));
     let serving = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(service));
     let mut serving = std::pin::pin!(serving);
     let ended = tokio::select! {

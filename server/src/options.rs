@@ -75,9 +75,10 @@ pub struct Limits {
     pub json_bytes: usize,
     /// Bounds on what one rollout request may ask for. Workers receive them when they register.
     pub rollout: rollout::Limits,
-    /// Rollouts under way at one worker.
+    /// Rollouts under way at one worker; large ones take a quarter of them at most.
     pub rollouts_per_worker: usize,
-    /// Rollouts waiting for one worker; more are refused with a retry delay.
+    /// Rollouts waiting for one worker; more are refused with the time that the work ahead takes
+    /// as retry delay.
     pub rollout_queue: usize,
     /// Silence after which the request of an upload is given up [s].
     pub upload_idle_s: f64,

@@ -31,7 +31,7 @@ impl RootService {
     /// Answers one request.
     pub(crate) async fn answer(self, request: Request<Body>) -> Result<Response<Body>, Infallible> {
         let started = Instant::now();
-        let context = Context::of(request.headers());
+        let context = Context::of(request.headers(), request.extensions());
         let is_grpc = is_grpc(&request);
         let span = tracing::info_span!(
             "request",
