@@ -28,7 +28,7 @@ pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{Attempt, Leased};
 pub(crate) use twins::TwinUpload;
 pub(crate) use upload::Body;
-pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload};
+pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload, capture_name};
 
 /// The application. Clones share it.
 #[derive(Clone, Debug)]

@@ -101,7 +101,8 @@ pub(crate) async fn worker_router(app: &App) -> axum::Router {
 }
 
 fn worker_link(app: &App) -> InterceptedService<WorkerLinkServer<Api>, TokenCheck> {
-    let link = WorkerLinkServer::new(Api { app: app.clone() }).max_decoding_message_size(WORKER_MESSAGE);
+    let link =
+        WorkerLinkServer::new(Api { app: app.clone() }).max_decoding_message_size(WORKER_MESSAGE);
     InterceptedService::new(link, TokenCheck(app.clone()))
 }
 

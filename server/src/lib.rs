@@ -35,6 +35,8 @@ mod tokens;
 /// Check, repair and backup of a data folder.
 pub use bendtwin_store::maintenance;
 pub use error::http_status;
+#[doc(hidden)]
+pub use http::uploads::read_upload_headers;
 pub use options::{ClientTokenPolicy, Limits, Options, WorkerPolicy};
 pub use service::{Handle, Service, StartError};
 pub use supervise::{

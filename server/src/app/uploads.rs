@@ -19,6 +19,11 @@ use super::{App, Body, Error, Result};
 pub(crate) use checksum::{ALGORITHMS, Checksum};
 use metadata::Metadata;
 
+/// Display name of the capture that an upload with this metadata would become.
+pub(crate) fn capture_name(metadata: &str) -> Result<String> {
+    super::display_name(Metadata::parse(metadata)?.capture_name())
+}
+
 /// Time for which a request waits for the request before it to release the upload.
 const CLAIM_TIMEOUT: Duration = Duration::from_secs(10);
 /// Number of bytes after which received content is made durable.

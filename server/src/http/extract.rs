@@ -85,7 +85,7 @@ pub(super) async fn whole(
             Refusal::http_only(StatusCode::PAYLOAD_TOO_LARGE, "CONTENT_TOO_LARGE", &message)
         }
         ReceiveError::Memory(error) => error.into(),
-        ReceiveError::Broken(error) => broken(&*error).into(),
+        ReceiveError::Broken(error) => broken(&error).into(),
     })
 }
 

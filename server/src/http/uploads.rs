@@ -25,6 +25,7 @@ use crate::{
     error::{ProblemDocument, Refusal},
 };
 
+pub use protocol::read_upload_headers;
 pub(crate) use protocol::with_overridden_method;
 use protocol::{
     BENDTWIN_CAPTURE, EXTENSIONS, TUS_CHECKSUM_ALGORITHM, TUS_EXTENSION, TUS_MAX_SIZE, TUS_VERSION,
