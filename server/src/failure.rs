@@ -51,8 +51,14 @@ pub(crate) enum Error {
     WorkerUnknown(String),
     #[error("no worker is ready for rollouts: retry, or start one")]
     NoWorker,
-    #[error("the worker failed during the rollout and no other could take over: retry")]
+    #[error("the workers that were chosen for the rollout cannot be reached: retry")]
     WorkerLost,
+    #[error(
+        "the worker ended, or the connection to it broke, while it computed this rollout: it was \
+         not sent to another worker, which it might end as well. Send it again with fewer \
+         instances or frames, or once more as it is if the worker was stopped"
+    )]
+    WorkerEnded,
     #[error(
         "too many rollouts wait for the workers already: retry in {} s, or start more workers",
         .retry_after.as_secs_f64().ceil()
@@ -117,7 +123,9 @@ impl Problem for Error {
             Self::UploadOffset { .. } | Self::UploadTakenOver => Category::Aborted,
             Self::BadToken => Category::Unauthenticated,
             Self::WorkerUnknown(_) => Category::NotFound,
-            Self::NoWorker | Self::WorkerLost | Self::Stopping => Category::Unavailable,
+            Self::NoWorker | Self::WorkerLost | Self::WorkerEnded | Self::Stopping => {
+                Category::Unavailable
+            }
             Self::Busy { .. } => Category::ResourceExhausted,
             // Sent again, it would be refused again.
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
@@ -146,7 +154,7 @@ impl Problem for Error {
             Self::BadToken => "BAD_WORKER_TOKEN",
             Self::WorkerUnknown(_) => "WORKER_UNKNOWN",
             Self::NoWorker => "NO_WORKER",
-            Self::WorkerLost => "WORKER_LOST",
+            Self::WorkerLost | Self::WorkerEnded => "WORKER_LOST",
             Self::Busy { .. } => "WORKERS_BUSY",
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",
             Self::Memory { .. } => "MEMORY_IN_USE",

@@ -5,6 +5,7 @@ mod captures;
 mod convert;
 mod counted;
 mod fits;
+mod health;
 mod link;
 mod rollouts;
 mod token;
@@ -30,6 +31,7 @@ use tonic::{
     Status,
     service::{Routes, interceptor::InterceptedService},
 };
+use tonic_health::pb::health_server::HealthServer;
 
 use crate::{
     app::{self, App},
@@ -39,6 +41,7 @@ use crate::{
 };
 
 use counted::Counted;
+use health::ServerHealth;
 use token::TokenCheck;
 
 /// Bytes of one message of an ordinary call; chunks of uploads are to be smaller. Each call under way
@@ -68,15 +71,15 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
         .build_v1()
         .map_err(|e| StartError::Descriptors(e.to_string()))?;
-    let (health, health_service) = tonic_health::server::health_reporter();
-    health.set_serving::<CaptureServiceServer<Api>>().await;
-    health.set_serving::<FitServiceServer<Api>>().await;
-    health.set_serving::<TwinServiceServer<Api>>().await;
-    health.set_serving::<WorkerServiceServer<Api>>().await;
-    health.set_serving::<RolloutServiceServer<Api>>().await;
+    let health = ServerHealth::new(app)
+        .with::<CaptureServiceServer<Api>>()
+        .with::<FitServiceServer<Api>>()
+        .with::<TwinServiceServer<Api>>()
+        .with::<WorkerServiceServer<Api>>()
+        .with::<RolloutServiceServer<Api>>();
     let mut routes = Routes::builder();
     routes
-        .add_service(health_service)
+        .add_service(HealthServer::new(health))
         .add_service(reflection)
         .add_service(CaptureServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(FitServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))

@@ -13,7 +13,8 @@
 //!
 //! `app/` has the use cases and knows no transport; `http/` and `grpc/` turn
 //! them into two APIs over one error table (`error.rs`); `dispatch/` knows the
-//! workers and routes rollouts; `supervise.rs` keeps worker processes alive.
+//! workers and routes rollouts; `supervise.rs` keeps worker processes alive; `sweeps.rs` does what
+//! is to be done at intervals, and `readiness.rs` says whether requests can be served.
 
 mod app;
 mod client_token;
@@ -28,8 +29,10 @@ mod listen;
 mod memory;
 mod metrics;
 mod options;
+mod readiness;
 mod service;
 mod supervise;
+mod sweeps;
 mod tokens;
 
 /// Check, repair and backup of a data folder.

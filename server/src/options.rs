@@ -48,6 +48,10 @@ pub struct Options {
     /// Time for which a resumable upload is kept without further bytes, and remembered after its
     /// end [s].
     pub upload_expiry_s: f64,
+    /// The same while hardly anything of it has come: less than a megabyte [s].
+    pub upload_start_s: f64,
+    /// Free space of the disk below which new captures, twins and fits are refused [MiB].
+    pub disk_floor_mib: u64,
     /// Longest wait of a shutdown for requests and workers to end [s].
     pub shutdown_grace_s: f64,
 }
@@ -122,7 +126,7 @@ pub struct Limits {
     pub upload_idle_s: f64,
     /// Uploads under way that can be resumed.
     pub uploads: u64,
-    /// Their sizes together [bytes].
+    /// The room that is kept for them together, which grows with what has come of each [bytes].
     pub uploads_bytes: u64,
 }
 
@@ -141,6 +145,8 @@ impl Default for Options {
             lease_s: 30.0,
             heartbeat_interval_s: 5.0,
             upload_expiry_s: 7.0 * 86_400.0,
+            upload_start_s: 600.0,
+            disk_floor_mib: 256,
             shutdown_grace_s: 10.0,
         }
     }
@@ -210,6 +216,8 @@ impl Options {
         within("lease_s", self.lease_s, 0.1, 86_400.0);
         within("heartbeat_interval_s", self.heartbeat_interval_s, 0.01, 3_600.0);
         within("upload_expiry_s", self.upload_expiry_s, 1.0, 365.0 * 86_400.0);
+        within("upload_start_s", self.upload_start_s, 1.0, 365.0 * 86_400.0);
+        within("disk_floor_mib", self.disk_floor_mib as f64, 0.0, f64::from(1 << 30));
         within("shutdown_grace_s", self.shutdown_grace_s, 0.0, 3_600.0);
         let workers = &self.workers;
         within("workers.count", f64::from(workers.count), 0.0, 256.0);
@@ -302,6 +310,10 @@ impl Options {
             body: self.limits.upload_idle() + Duration::from_secs(1),
             unread: Duration::from_secs_f64(self.limits.stream_idle_s),
         }
+    }
+
+    pub(crate) fn upload_start(&self) -> Duration {
+        Duration::from_secs_f64(self.upload_start_s.min(self.upload_expiry_s))
     }
 
     pub(crate) fn shutdown_grace(&self) -> Duration {

@@ -64,6 +64,10 @@ pub(crate) struct Server {
     /// 604800]
     #[arg(long, env = "BENDTWIN_UPLOAD_EXPIRY", value_name = "SECONDS")]
     upload_expiry: Option<f64>,
+    /// Free space of the disk below which new captures, twins and fits are refused [MiB] [default:
+    /// 256]
+    #[arg(long, env = "BENDTWIN_DISK_FLOOR_MIB", value_name = "MIB")]
+    disk_floor_mib: Option<u64>,
     /// Write the port to this file once the server answers
     #[arg(long, value_name = "FILE")]
     port_file: Option<PathBuf>,

@@ -59,6 +59,9 @@ impl Server {
         if let Some(expiry) = self.upload_expiry {
             options.upload_expiry_s = expiry;
         }
+        if let Some(floor) = self.disk_floor_mib {
+            options.disk_floor_mib = floor;
+        }
         let args = &mut options.workers.args;
         if args.first().is_some_and(|a| a == "worker") && !args.iter().any(|a| a == END_WITH_SERVER)
         {
@@ -92,6 +95,7 @@ mod tests {
             workers_memory_mib: None,
             worker_token: None,
             upload_expiry: None,
+            disk_floor_mib: None,
             port_file: None,
             exit_with_parent: false,
         }
