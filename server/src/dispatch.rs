@@ -1,6 +1,7 @@
 //! The workers that are there, and the routing of rollouts to them. All of it
 //! is in memory: a worker that the server forgot registers again.
 
+mod line;
 mod registry;
 mod rollout;
 mod route;
@@ -23,8 +24,10 @@ use crate::{
     tokens::Child,
 };
 
+use line::Ask;
+pub(crate) use line::Size;
 use registry::Entry;
-pub(crate) use registry::{Heartbeat, Memory, WorkerView};
+pub(crate) use registry::{FitRoom, Heartbeat, Memory, WorkerView};
 pub(crate) use rollout::RollOut;
 use twins::Twins;
 
@@ -81,7 +84,10 @@ impl Dispatch {
         let mut live = entry.live();
         match kind {
             Kind::Ingest => live.ingest = job.map(|j| j.capture),
-            Kind::Fit => live.fit = job.and_then(|j| j.id.fit()),
+            Kind::Fit => {
+                live.fit = job.and_then(|j| j.id.fit());
+                entry.line.set_fit(live.fit.is_some());
+            }
         }
     }
 
@@ -107,7 +113,13 @@ impl Dispatch {
     /// Number of workers, and of the rollouts that they are at.
     pub(crate) fn counts(&self) -> (usize, usize) {
         let workers = self.lock();
-        (workers.len(), workers.values().map(|e| e.load()).sum())
+        (workers.len(), workers.values().map(|e| e.line.len()).sum())
+    }
+
+    /// Rollouts that wait, by [`Size`].
+    pub(crate) fn waiting(&self) -> [usize; 3] {
+        let lines = self.lock().values().map(|e| e.line.waiting()).collect::<Vec<_>>();
+        Size::ALL.map(|size| lines.iter().map(|waiting| waiting[size as usize]).sum())
     }
 
     /// Memory of all workers' devices together, as far as it is known.
@@ -119,27 +131,32 @@ impl Dispatch {
         })
     }
 
+    /// Room for a fit at each worker that has said so.
+    pub(crate) fn fit_rooms(&self) -> Vec<FitRoom> {
+        self.lock().values().filter_map(|e| e.fit_room()).collect()
+    }
+
     pub(crate) fn forget_twin(&self, id: TwinId) {
         self.twins.forget(id);
     }
 
     /// The worker to send a rollout of this twin to; `tried` have failed it.
-    fn choose(&self, twin: TwinId, tried: &[WorkerId]) -> Result<Arc<Entry>> {
+    fn choose(&self, twin: TwinId, ask: &Ask, tried: &[WorkerId]) -> Result<Arc<Entry>> {
         let entries: Vec<Arc<Entry>> = self.lock().values().cloned().collect();
         let fresh = self.heartbeat_interval * 3;
         let candidates: Vec<route::Candidate> = entries
             .iter()
-            .map(|e| e.candidate(twin, fresh))
+            .map(|e| e.candidate(twin, ask, fresh))
             .map(|c| route::Candidate { usable: c.usable && !tried.contains(&c.worker), ..c })
             .collect();
-        let bounds = route::Bounds {
-            running: self.limits.rollouts_per_worker,
-            waiting: self.limits.rollout_queue,
-        };
-        match route::choose(twin, &candidates, bounds) {
+        match route::choose(twin, &candidates) {
             route::Choice::Worker(i) => entries.get(i).cloned().ok_or(Error::NoWorker),
-            route::Choice::AllFull => Err(Error::Busy { waiting: self.limits.rollout_queue }),
             route::Choice::NoneThere => Err(Error::NoWorker),
+            route::Choice::AllFull => {
+                let usable = entries.iter().zip(&candidates).filter(|(_, c)| c.usable);
+                let waits = usable.map(|(e, _)| e.line.retry_after(ask));
+                Err(Error::Busy { retry_after: waits.min().unwrap_or_default() })
+            }
         }
     }
 

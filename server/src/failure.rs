@@ -21,12 +21,17 @@ pub(crate) enum Error {
     Rollout(#[from] bendtwin_proto::rollout::Error),
     #[error("the settings are not accepted: {}", .0.join("; "))]
     Settings(Vec<String>),
+    /// No worker has the memory for a fit.
+    #[error("{0}")]
+    FitTooLarge(String),
     #[error(transparent)]
     TwinFile(#[from] bendtwin_core::twin::format::FormatError),
     #[error("the upload was interrupted: {0}")]
     UploadBroken(String),
     #[error("the upload was silent for {} s: send it again", .0.as_secs())]
     UploadIdle(Duration),
+    #[error("the body of the request came too slowly: send it again, over a better connection")]
+    BodyTooSlow,
     #[error(
         "the upload continues at byte {offset}, not at {given}: query its offset and send from there"
     )]
@@ -45,9 +50,12 @@ pub(crate) enum Error {
     NoWorker,
     #[error("the worker failed during the rollout and no other could take over: retry")]
     WorkerLost,
-    #[error("{waiting} rollouts wait for each worker already: retry later, or start more workers")]
-    Busy { waiting: usize },
-    #[error("the deadline passed before the rollout was done: ask for less or allow more time")]
+    #[error(
+        "too many rollouts wait for the workers already: retry in {} s, or start more workers",
+        .retry_after.as_secs_f64().ceil()
+    )]
+    Busy { retry_after: Duration },
+    #[error("the deadline passed before the answer was there: ask for less or allow more time")]
     Deadline,
     #[error("the server is stopping: retry")]
     Stopping,
@@ -66,7 +74,8 @@ impl Error {
     /// Delay after which another attempt makes sense, if it does.
     pub(crate) fn retry_after(&self) -> Option<Duration> {
         match self {
-            Self::Busy { .. } | Self::WorkerLost => Some(Duration::from_millis(250)),
+            Self::Busy { retry_after } => Some(*retry_after),
+            Self::WorkerLost => Some(Duration::from_millis(250)),
             Self::Store(bendtwin_store::Error::UploadLocked { .. })
             | Self::UploadTakenOver
             | Self::NoWorker
@@ -89,8 +98,10 @@ impl Problem for Error {
             Self::Name(_)
             | Self::Invalid { .. }
             | Self::Settings(_)
+            | Self::FitTooLarge(_)
             | Self::UploadBroken(_)
             | Self::UploadIdle(_)
+            | Self::BodyTooSlow
             | Self::UploadTooLong { .. }
             | Self::ChecksumMismatch => Category::InvalidArgument,
             Self::UploadOffset { .. } | Self::UploadTakenOver => Category::Aborted,
@@ -111,8 +122,10 @@ impl Problem for Error {
             Self::Name(_) => "INVALID_NAME",
             Self::Invalid { .. } => "INVALID_FIELD",
             Self::Settings(_) => "INVALID_SETTINGS",
+            Self::FitTooLarge(_) => "FIT_OUT_OF_MEMORY",
             Self::UploadBroken(_) => "UPLOAD_BROKEN",
             Self::UploadIdle(_) => "UPLOAD_IDLE",
+            Self::BodyTooSlow => "BODY_TOO_SLOW",
             Self::UploadOffset { .. } => "UPLOAD_OFFSET",
             Self::UploadTooLong { .. } => "CONTENT_TOO_LARGE",
             Self::UploadTakenOver => "UPLOAD_TAKEN_OVER",

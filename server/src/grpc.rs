@@ -11,6 +11,8 @@ mod twins;
 mod upload;
 mod workers;
 
+use std::collections::HashSet;
+
 use bendtwin_proto::{
     DESCRIPTORS,
     v1::{
@@ -21,6 +23,8 @@ use bendtwin_proto::{
     worker::v1::worker_link_server::WorkerLinkServer,
 };
 use futures::{Stream, StreamExt, stream::BoxStream};
+use prost::Message as _;
+use prost_types::FileDescriptorSet;
 use tonic::{
     Status,
     service::{Routes, interceptor::InterceptedService},
@@ -78,11 +82,44 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
                 .max_decoding_message_size(bytes(limits.request_bytes))
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
         )
-        .add_service(InterceptedService::new(
-            WorkerLinkServer::new(api).max_decoding_message_size(MESSAGE),
-            TokenCheck(app.clone()),
-        ));
+        .add_service(worker_link(app));
     Ok(routes.routes().into_axum_router())
+}
+
+/// The services of the workers' listener.
+pub(crate) async fn worker_router(app: &App) -> axum::Router {
+    let (_, health_service) = tonic_health::server::health_reporter();
+    let mut routes = Routes::builder();
+    routes.add_service(health_service).add_service(worker_link(app));
+    routes.routes().into_axum_router()
+}
+
+fn worker_link(app: &App) -> InterceptedService<WorkerLinkServer<Api>, TokenCheck> {
+    let link = WorkerLinkServer::new(Api { app: app.clone() }).max_decoding_message_size(MESSAGE);
+    InterceptedService::new(link, TokenCheck(app.clone()))
+}
+
+/// The paths of all methods, as `/package.Service/Method`.
+pub(crate) fn methods() -> Result<HashSet<String>, StartError> {
+    let sets = [
+        DESCRIPTORS,
+        tonic_health::pb::FILE_DESCRIPTOR_SET,
+        tonic_reflection::pb::v1::FILE_DESCRIPTOR_SET,
+    ];
+    let mut paths = HashSet::new();
+    for set in sets {
+        let set =
+            FileDescriptorSet::decode(set).map_err(|e| StartError::Descriptors(e.to_string()))?;
+        for file in &set.file {
+            for service in &file.service {
+                let (package, name) = (file.package(), service.name());
+                let methods =
+                    service.method.iter().map(|m| format!("/{package}.{name}/{}", m.name()));
+                paths.extend(methods);
+            }
+        }
+    }
+    Ok(paths)
 }
 
 /// Turns items into messages and errors into statuses of this request.

@@ -16,7 +16,9 @@
 //! workers and routes rollouts; `supervise.rs` keeps worker processes alive.
 
 mod app;
+mod client_token;
 mod context;
+mod deadline;
 mod dispatch;
 mod error;
 mod failure;
@@ -30,6 +32,6 @@ mod supervise;
 mod tokens;
 
 pub use error::http_status;
-pub use options::{Limits, Options, WorkerPolicy};
+pub use options::{ClientTokenPolicy, Limits, Options, WorkerPolicy};
 pub use service::{Handle, Service, StartError};
 pub use supervise::{BACKEND_VARIABLE, DEVICE_VARIABLE, SERVER_VARIABLE, TOKEN_VARIABLE};

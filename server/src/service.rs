@@ -7,7 +7,15 @@ use bendtwin_store::Store;
 use tokio::{net::TcpListener, task::JoinHandle};
 use tokio_util::sync::CancellationToken;
 
-use crate::{app::App, grpc, http, listen, options::Options, supervise};
+use crate::{
+    app::App,
+    client_token::{self, ClientToken},
+    grpc,
+    http::{self, origin::Hosts, root_service::RootService},
+    listen,
+    options::{ClientTokenPolicy, Options},
+    supervise,
+};
 
 /// Reason for which a server did not start.
 #[derive(Debug, thiserror::Error)]
@@ -26,6 +34,14 @@ pub enum StartError {
     /// The data folder cannot be opened.
     #[error("cannot open the data folder: {0}")]
     Store(#[from] bendtwin_store::Error),
+    /// The file of the client token cannot be read or written.
+    #[error("cannot keep the client token in {path}: {source}: give the file to this user")]
+    ClientToken {
+        /// The file.
+        path: std::path::PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
     /// The server's own program cannot be found to start workers with.
     #[error("cannot find this program to start workers with: {0}: name it in workers.program")]
     Program(std::io::Error),
@@ -41,7 +57,9 @@ impl Problem for StartError {
     fn category(&self) -> Category {
         match self {
             Self::Options(_) => Category::InvalidArgument,
-            Self::Listen { .. } | Self::Program(_) => Category::FailedPrecondition,
+            Self::Listen { .. } | Self::ClientToken { .. } | Self::Program(_) => {
+                Category::FailedPrecondition
+            }
             Self::Store(error) => error.category(),
             Self::Descriptors(_) | Self::Recovery(_) => Category::Internal,
         }
@@ -52,6 +70,7 @@ impl Problem for StartError {
             Self::Options(_) => "INVALID_OPTIONS",
             Self::Listen { .. } => "CANNOT_LISTEN",
             Self::Store(error) => error.reason(),
+            Self::ClientToken { .. } => "CLIENT_TOKEN_FILE",
             Self::Program(_) => "NO_WORKER_PROGRAM",
             Self::Descriptors(_) => "DESCRIPTORS",
             Self::Recovery(_) => "RECOVERY",
@@ -73,13 +92,15 @@ pub struct Service;
 #[derive(Debug)]
 pub struct Handle {
     address: SocketAddr,
+    worker_address: SocketAddr,
+    client_token: Option<String>,
     grace: Duration,
     app: App,
-    /// Cancelled to close the socket.
+    /// Cancelled to close the sockets.
     close: CancellationToken,
     /// Cancelled to cut off connections.
     cut: CancellationToken,
-    listener: JoinHandle<()>,
+    listeners: JoinHandle<()>,
     sweeper: JoinHandle<()>,
     uploads: JoinHandle<()>,
     workers: supervise::Supervisor,
@@ -92,31 +113,73 @@ impl Service {
     /// See [`StartError`].
     pub async fn start(options: Options) -> Result<Handle, StartError> {
         options.validate().map_err(StartError::Options)?;
-        let cannot_listen = |source| StartError::Listen { address: options.listen, source };
         let store = Store::open(bendtwin_store::Options::new(&options.data_dir)).await?;
-        let socket = TcpListener::bind(options.listen).await.map_err(cannot_listen)?;
-        let address = socket.local_addr().map_err(cannot_listen)?;
-        if !address.ip().is_loopback() {
-            tracing::warn!(%address, "listening beyond loopback without authentication of users");
+        let (socket, address) = bind(options.listen).await?;
+        let (worker_socket, worker_address) = bind(options.worker_listen).await?;
+        let client_token = match options.client_token {
+            ClientTokenPolicy::Required => Some(load_token(&options)?),
+            ClientTokenPolicy::None => None,
+        };
+        if !address.ip().is_loopback() && client_token.is_none() {
+            tracing::warn!(%address, "everyone who reaches this address may use the API");
         }
-        let grace = options.shutdown_grace();
+        let (grace, hosts) = (options.shutdown_grace(), Hosts::new(&options.allowed_hosts));
         let app = App::new(options, store);
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
-        let root_service = http::root_service::RootService {
+        let root_service = RootService {
             http: http::router(&app),
             grpc: grpc::router(&app).await?,
             metrics: app.metrics.clone(),
-            loopback: address.ip().is_loopback(),
+            methods: grpc::methods()?.into(),
+            hosts,
+            token: client_token.as_deref().map(ClientToken::new),
+        };
+        let for_workers = RootService {
+            http: http::operations_router(&app),
+            grpc: grpc::worker_router(&app).await,
+            ..root_service.clone()
         };
         let (close, cut) = (CancellationToken::new(), CancellationToken::new());
-        let serving = listen::serve(socket, root_service, close.clone(), cut.clone());
-        let listener = tokio::spawn(serving);
+        let serve = |socket, service, bounds| {
+            listen::serve(socket, service, bounds, app.metrics.clone(), close.clone(), cut.clone())
+        };
+        let public = serve(socket, root_service, listen::Bounds::public(&app.options));
+        let workers = serve(worker_socket, for_workers, listen::Bounds::workers(&app.options));
+        let listeners = tokio::spawn(async {
+            tokio::join!(public, workers);
+        });
         let sweeper = tokio::spawn(sweep(app.clone()));
         let uploads = tokio::spawn(sweep_uploads(app.clone()));
-        let workers = supervise::start(&app, address)?;
-        tracing::info!(%address, "listening");
-        Ok(Handle { address, grace, app, close, cut, listener, sweeper, uploads, workers })
+        let workers = supervise::start(&app, worker_address)?;
+        tracing::info!(%address, %worker_address, "listening");
+        Ok(Handle {
+            address,
+            worker_address,
+            client_token,
+            grace,
+            app,
+            close,
+            cut,
+            listeners,
+            sweeper,
+            uploads,
+            workers,
+        })
     }
+}
+
+async fn bind(address: SocketAddr) -> Result<(TcpListener, SocketAddr), StartError> {
+    let cannot_listen = |source| StartError::Listen { address, source };
+    let socket = TcpListener::bind(address).await.map_err(cannot_listen)?;
+    let address = socket.local_addr().map_err(cannot_listen)?;
+    Ok((socket, address))
+}
+
+fn load_token(options: &Options) -> Result<String, StartError> {
+    client_token::load(&options.data_dir).map_err(|source| StartError::ClientToken {
+        path: client_token::path(&options.data_dir),
+        source,
+    })
 }
 
 impl Handle {
@@ -125,20 +188,30 @@ impl Handle {
         self.address
     }
 
+    /// Address on which workers reach it.
+    pub fn worker_addr(&self) -> SocketAddr {
+        self.worker_address
+    }
+
+    /// The token that clients have to show, if any.
+    pub fn client_token(&self) -> Option<&str> {
+        self.client_token.as_deref()
+    }
+
     /// Shuts down in order: workers give their jobs back and end, streams end, requests under way
     /// finish within the grace period, the store closes.
     pub async fn shutdown(self) {
         tracing::info!("stopping");
         self.app.stopping.cancel();
-        // Workers need the socket to give their jobs back.
+        // Workers need their socket to give their jobs back.
         self.workers.stop(self.grace).await;
         self.close.cancel();
-        let mut listener = self.listener;
-        if tokio::time::timeout(self.grace, &mut listener).await.is_err() {
+        let mut listeners = self.listeners;
+        if tokio::time::timeout(self.grace, &mut listeners).await.is_err() {
             tracing::warn!("requests under way are cut off");
             self.cut.cancel();
-            // It ends as soon as its connections have.
-            let _ = listener.await;
+            // They end as soon as their connections have.
+            let _ = listeners.await;
         }
         self.sweeper.abort();
         self.uploads.abort();

@@ -1,13 +1,14 @@
 //! The compute device: OS threads that own the backend, each behind a queue. Callers use it through
 //! a [`QueuedBackend`], which cuts their batches into slices.
 //!
-//! Most devices have one queue: then one thread does everything, with two priorities, and a rollout
-//! runs between two slices of a fit. If [`Backend::urgent`] gives a second queue, rollouts have a
-//! thread of their own and run while fits do.
+//! Most devices have one queue: then one thread does everything, slice by slice, and takes
+//! [`turns`]. If [`Backend::urgent`] gives a second queue, rollouts have a thread of their own and
+//! run while fits do; the device lets them go first, so that thread rests between their slices.
 
 mod queue;
 mod queued;
 mod thread;
+mod turns;
 
 use std::{
     sync::Arc,
@@ -25,6 +26,7 @@ pub(crate) use self::queued::QueuedBackend;
 use self::{
     queue::{Broken, Queue},
     thread::{Opened, Threads},
+    turns::Flow,
 };
 use crate::Error;
 
@@ -47,17 +49,22 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    /// Starts the threads and opens the backend on them.
+    /// Starts the threads and opens the backend on them. Fits get `fit_share` of the device's time,
+    /// 0 to below 1, while rollouts want all of it.
     ///
     /// A panic in a task is caught: its caller gets an error, the device takes no more work, and
     /// the error is sent to `fatal`, because the state of the device is unknown then.
     /// [`backend::Error::Device`] ends the device alike: a CUDA context does not recover from a
     /// failed launch.
-    pub(crate) fn spawn<F>(open: F, fatal: mpsc::UnboundedSender<Error>) -> Result<Self, Error>
+    pub(crate) fn spawn<F>(
+        open: F,
+        fatal: mpsc::UnboundedSender<Error>,
+        fit_share: f64,
+    ) -> Result<Self, Error>
     where
         F: FnOnce() -> Result<Arc<dyn Backend>, Error> + Send + 'static,
     {
-        let threads = Arc::new(Threads::new(fatal));
+        let threads = Arc::new(Threads::new(fatal, fit_share));
         let Opened { description, urgent } = threads.start(open)?;
         let has_urgent = urgent.is_some();
         if let Some(urgent) = urgent {
@@ -123,7 +130,7 @@ impl Device {
     /// Runs a task on the device and waits for it. Also returns the time it ran.
     fn call<R: Send + 'static>(
         &self,
-        priority: Priority,
+        flow: &Arc<Flow>,
         task: impl FnOnce(&dyn Backend) -> Result<R, backend::Error> + Send + 'static,
     ) -> Result<(R, Duration), backend::Error> {
         let (reply, result) = std::sync::mpsc::sync_channel(1);
@@ -139,7 +146,7 @@ impl Device {
             let _ = reply.send(value.map(|value| (value, took)));
             broken
         };
-        self.queue(priority).push(priority, Box::new(task));
+        self.queue(flow.priority).push(flow, Box::new(task));
         result.recv().unwrap_or_else(|_| {
             let why = "it failed in other work, or the worker ends: try again";
             Err(backend::Error::Device(why.to_owned()))

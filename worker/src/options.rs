@@ -9,6 +9,9 @@ use crate::Error;
 /// Approximate memory of the process that reads a capture before it has read anything [bytes].
 const LEAST_INGEST_BYTES: u64 = 64 << 20;
 
+/// Default of [`Options::fit_share`].
+const FIT_SHARE: f64 = 0.25;
+
 /// Options of a worker process.
 #[derive(Clone)]
 pub struct Options {
@@ -25,6 +28,8 @@ pub struct Options {
     pub advertise: Option<String>,
     /// Folder for captures while they are read; the system's temporary directory if none.
     pub cache_dir: Option<PathBuf>,
+    /// Least share of the device's time that fits get while rollouts want all of it.
+    pub fit_share: f64,
     /// True to lease jobs, false to answer rollouts only.
     pub fits: bool,
     /// The program whose hidden command `ingest-capture` reads captures; this very program if none.
@@ -55,6 +60,8 @@ pub struct Limits {
     pub ingest_bytes: u64,
     /// Memory that one observation may take when read [bytes].
     pub capture_bytes: u64,
+    /// Memory that a fit may take, its capture included [bytes, estimated].
+    pub fit_bytes: u64,
     /// Size of a twin file [bytes].
     pub twin_bytes: u64,
     /// Memory of all loaded twins [bytes, estimated].
@@ -70,6 +77,7 @@ impl Default for Limits {
         Self {
             ingest_bytes: 1500 << 20,
             capture_bytes: 2 << 30,
+            fit_bytes: bendtwin_budget::machine_bytes().map_or(4 << 30, |bytes| bytes / 2),
             twin_bytes: 512 << 20,
             warm_bytes: 1 << 30,
             warm_twins: 32,
@@ -88,6 +96,7 @@ impl Options {
             listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             advertise: None,
             cache_dir: None,
+            fit_share: FIT_SHARE,
             fits: true,
             ingest_program: None,
             limits: Limits::default(),
@@ -112,6 +121,8 @@ impl Options {
         } else if self.limits.ingest_bytes < LEAST_INGEST_BYTES {
             let least = LEAST_INGEST_BYTES >> 20;
             Some(format!("--ingest-memory-mib is too little for anything: give at least {least}"))
+        } else if !(0.0..=0.9).contains(&self.fit_share) {
+            Some(format!("--fit-share is {}: it must lie in 0..=0.9", self.fit_share))
         } else {
             None
         };

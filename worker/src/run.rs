@@ -68,7 +68,9 @@ async fn run_on(
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
     let request = register_request(id, &endpoint, device);
-    let registration = Registration::new(server.clone(), request, rollouts, device.clone());
+    let fit_bytes = if options.fits { limits.fit_bytes } else { 0 };
+    let registration =
+        Registration::new(server.clone(), request, rollouts, device.clone(), fit_bytes);
     tokio::select! {
         registered = registration.register(options.delivery_timeout) => registered?,
         () = shutdown.cancelled() => return Ok(()),
@@ -143,8 +145,9 @@ async fn open_device(
     fatal: mpsc::UnboundedSender<Error>,
 ) -> Result<Device, Error> {
     let backend = options.backend.clone();
+    let fit_share = options.fit_share;
     let open = move || Ok(bendtwin_backends::open(&backend)?);
-    tokio::task::spawn_blocking(move || Device::spawn(open, fatal))
+    tokio::task::spawn_blocking(move || Device::spawn(open, fatal, fit_share))
         .await
         .map_err(|e| Error::Panicked(e.to_string()))?
 }

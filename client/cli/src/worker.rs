@@ -39,6 +39,13 @@ pub(crate) struct Worker {
     /// Memory of one observation in a fit [MiB]
     #[arg(long, env = "BENDTWIN_CAPTURE_MEMORY_MIB", value_name = "MIB", default_value_t = 2048)]
     capture_memory_mib: u64,
+    /// Memory of a fit, its capture included [MiB, estimated] [default: half of the memory of the
+    /// machine or container]
+    #[arg(long, env = "BENDTWIN_FIT_MEMORY_MIB", value_name = "MIB")]
+    fit_memory_mib: Option<u64>,
+    /// Least share of the device's time for fits while rollouts want all of it, 0 to 0.9
+    #[arg(long, env = "BENDTWIN_FIT_SHARE", value_name = "SHARE", default_value_t = 0.25)]
+    fit_share: f64,
     /// Memory of the loaded twins [MiB, estimated]
     #[arg(long, env = "BENDTWIN_WARM_MEMORY_MIB", value_name = "MIB", default_value_t = 1024)]
     warm_memory_mib: u64,
@@ -49,17 +56,21 @@ pub(crate) struct Worker {
 
 impl Worker {
     fn options(self, server: &str) -> Options {
+        let limits = Limits::default();
+        let fit_bytes = self.fit_memory_mib.map(|mib| mib.saturating_mul(1 << 20));
         Options {
             backend: self.backend.options(self.cache_dir.as_ref().map(|dir| dir.join("kernels"))),
             listen: self.worker_listen,
             advertise: self.advertise,
             cache_dir: self.cache_dir,
             fits: !self.no_fits,
+            fit_share: self.fit_share,
             limits: Limits {
                 ingest_bytes: self.ingest_memory_mib.saturating_mul(1 << 20),
                 capture_bytes: self.capture_memory_mib.saturating_mul(1 << 20),
+                fit_bytes: fit_bytes.unwrap_or(limits.fit_bytes),
                 warm_bytes: self.warm_memory_mib.saturating_mul(1 << 20),
-                ..Limits::default()
+                ..limits
             },
             ..Options::new(server, self.token)
         }

@@ -72,6 +72,28 @@ pub enum Error {
     /// Two entries of one name.
     #[error("the archive has several entries of the same name: pack the folder anew")]
     ArchiveDuplicate,
+    /// Entries that share bytes.
+    #[error(
+        "entries of the archive share the same bytes, as only those of a decompression bomb do: pack the folder anew"
+    )]
+    ArchiveOverlap,
+    /// More pixels than a file of its size may hold.
+    #[error(
+        "the images of the recording have {pixels} pixels in all, the limit for a file of {length} bytes is {limit}: \
+         send at most {fitting} of its {frames} frames, or images of lower resolution"
+    )]
+    Pixels {
+        /// Pixels of all images.
+        pixels: u64,
+        /// Pixels allowed.
+        limit: u64,
+        /// Size of the file [bytes].
+        length: u64,
+        /// Frames of the recording.
+        frames: u64,
+        /// Frames that would fit.
+        fitting: u64,
+    },
     /// A limit on sizes.
     #[error(
         "{what} needs {bytes} bytes, beyond the limit of {limit}: use fewer frames or points, or split the capture"
@@ -289,9 +311,10 @@ impl Problem for Error {
         match self {
             Self::NotFound(_) => Category::NotFound,
             Self::Io { .. } => Category::Internal,
-            Self::TooLarge { .. } | Self::TooMany { .. } | Self::ArchiveEntries { .. } => {
-                Category::ResourceExhausted
-            }
+            Self::TooLarge { .. }
+            | Self::TooMany { .. }
+            | Self::Pixels { .. }
+            | Self::ArchiveEntries { .. } => Category::ResourceExhausted,
             _ => Category::InvalidArgument,
         }
     }
@@ -309,6 +332,8 @@ impl Problem for Error {
             Self::ArchiveName(_) => "ARCHIVE_UNSAFE_NAME",
             Self::ArchiveEntryKind { .. } => "ARCHIVE_NOT_A_FILE",
             Self::ArchiveDuplicate => "ARCHIVE_DUPLICATE_NAME",
+            Self::ArchiveOverlap => "ARCHIVE_OVERLAP",
+            Self::Pixels { .. } => "RECORDING_TOO_MANY_PIXELS",
             Self::TooLarge { .. } => "CAPTURE_TOO_LARGE",
             Self::TooMany { .. } => "CAPTURE_TOO_MANY",
             Self::MissingFile(_) => "MISSING_FILE",

@@ -48,6 +48,8 @@ pub(crate) struct Files<'a> {
     entries: Arc<BTreeMap<String, usize>>,
     /// Put before every name: the folder inside the archive that holds the capture.
     prefix: String,
+    /// Size of the archive [bytes]; none for a folder.
+    length: Option<u64>,
 }
 
 /// A JSON document longer than this describes no recording.
@@ -77,6 +79,7 @@ impl<'a> Files<'a> {
                 source: Source::Folder(path.to_owned()),
                 entries: Arc::default(),
                 prefix: String::new(),
+                length: None,
             });
         }
         let file = BufReader::new(SharedFile::open(path).map_err(io)?);
@@ -97,10 +100,12 @@ impl<'a> Files<'a> {
             source: self.source.clone(),
             entries: self.entries.clone(),
             prefix: self.prefix.clone(),
+            length: self.length,
         }
     }
 
     fn zip(name: &str, mut reader: Storage<'a>, limits: &Limits) -> Result<Self, Error> {
+        let length = reader.length();
         let mut magic = [0; 2];
         let is_zip = reader.read_exact(&mut magic).is_ok() && &magic == b"PK";
         if !is_zip {
@@ -113,7 +118,7 @@ impl<'a> Files<'a> {
             .saturating_add((limits.archive_entries as u64).saturating_mul(longest));
         let left = Arc::new(AtomicU64::new(left));
         let metered = Metered { inner: reader, left: left.clone() };
-        let archive = ZipArchive::new(metered).map_err(|e| unusable(name, e))?;
+        let mut archive = ZipArchive::new(metered).map_err(|e| unusable(name, e))?;
         left.store(u64::MAX, Ordering::Relaxed);
         let directory = archive.metadata();
         let entries = directory.len();
@@ -123,6 +128,11 @@ impl<'a> Files<'a> {
         if directory.has_duplicate_names() {
             return Err(Error::ArchiveDuplicate);
         }
+        // Sizes in the directory mean something only where no byte belongs to two entries.
+        if archive.has_overlapping_entries().map_err(|e| unusable(name, e))? {
+            return Err(Error::ArchiveOverlap);
+        }
+        let mut unpacked = 0_u64;
         let mut names = BTreeMap::new();
         for index in 0..entries {
             let entry = directory.entry(index).map_err(|e| unusable(name, e))?;
@@ -136,11 +146,17 @@ impl<'a> Files<'a> {
             let Some(enclosed) = enclosed.filter(|_| is_plain(&raw)) else {
                 return Err(Error::ArchiveName(raw));
             };
+            unpacked = unpacked.saturating_add(entry.size());
             if !entry.is_dir() {
                 names.insert(enclosed.replace('\\', "/"), index);
             }
         }
         budget.take(entries as u64 * 256, "the archive's directory")?;
+        let limit = limits.unpacked_of(length);
+        if unpacked > limit {
+            let what = "the archive's unpacked content".to_owned();
+            return Err(Error::TooLarge { what, bytes: unpacked, limit });
+        }
         Ok(Self {
             name: name.to_owned(),
             limits: limits.clone(),
@@ -148,6 +164,7 @@ impl<'a> Files<'a> {
             source: Source::Zip(Box::new(archive)),
             entries: Arc::new(names),
             prefix: String::new(),
+            length: Some(length),
         })
     }
 
@@ -201,6 +218,16 @@ impl<'a> Files<'a> {
                 Err(Error::Several(names.join(", ")))
             }
         }
+    }
+
+    /// Size of the archive [bytes]; none for a folder.
+    pub(crate) fn length(&self) -> Option<u64> {
+        self.length
+    }
+
+    /// Number of files of an archive; none for a folder.
+    pub(crate) fn entry_count(&self) -> Option<usize> {
+        self.length.map(|_| self.entries.len())
     }
 
     /// `true` if a file of this name exists.

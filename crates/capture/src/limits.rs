@@ -37,6 +37,15 @@ pub struct Limits {
     pub recording_frames: usize,
     /// Pixels of one image of a raw recording.
     pub image_pixels: usize,
+    /// Bytes that all files of an archive may unpack to, whatever its size.
+    pub unpacked_bytes: u64,
+    /// Further such bytes for every byte of the archive.
+    pub unpacked_per_byte: u64,
+    /// Pixels that all images of a packed recording may have, whatever its size. Decoding is the
+    /// larger part of the work that a small file can ask for.
+    pub pixels: u64,
+    /// Further pixels for every byte of the file. Images of real scenes have about ten.
+    pub pixels_per_byte: u64,
 }
 
 impl Default for Limits {
@@ -57,7 +66,36 @@ impl Default for Limits {
             cameras: 64,
             recording_frames: 100_000,
             image_pixels: 1 << 25,
+            unpacked_bytes: 4 << 30,
+            unpacked_per_byte: 64,
+            pixels: 1 << 29,
+            pixels_per_byte: 128,
         }
+    }
+}
+
+impl Limits {
+    /// Bytes that the files of an archive of `length` bytes may unpack to.
+    pub(crate) fn unpacked_of(&self, length: u64) -> u64 {
+        self.unpacked_bytes.saturating_add(self.unpacked_per_byte.saturating_mul(length))
+    }
+
+    /// Refuses a recording whose images have more pixels than its file may hold. `length` are the
+    /// bytes of the file; none for a folder, whose owner may read what they like.
+    pub(crate) fn check_pixels(
+        &self,
+        pixels: u64,
+        frames: usize,
+        length: Option<u64>,
+    ) -> Result<(), Error> {
+        let Some(length) = length else { return Ok(()) };
+        let limit = self.pixels.saturating_add(self.pixels_per_byte.saturating_mul(length));
+        if pixels <= limit {
+            return Ok(());
+        }
+        let share = limit as f64 / pixels as f64;
+        let fitting = (frames as f64 * share).floor() as u64;
+        Err(Error::Pixels { pixels, limit, length, frames: frames as u64, fitting })
     }
 }
 

@@ -34,6 +34,10 @@ impl Environment {
     };
 }
 
+/// Frame rates that captures and twins may have [1/s]. Beyond them are no cameras, but lengths of
+/// frames that ruin every calculation with them.
+pub const FRAME_RATES: std::ops::RangeInclusive<f64> = 0.01..=100_000.0;
+
 /// The division of time: frames of a capture, substeps of the integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {

@@ -24,7 +24,7 @@ pub mod twin;
 
 pub use cancel::CancelToken;
 pub use capture::{Capture, Sequence};
-pub use environment::{Environment, Plane, Timing};
+pub use environment::{Environment, FRAME_RATES, Plane, Timing};
 pub use error::{Category, Fault, Problem};
 pub use fidelity::{FastVariant, Fidelity};
 pub use finding::{Finding, Severity};

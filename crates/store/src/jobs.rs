@@ -23,6 +23,8 @@ use crate::{Digest, Error, Result, Store};
 
 pub use end::AttemptEnd;
 pub use fits::NewFit;
+#[cfg(test)]
+pub(crate) use fits::{LIST, LIST_OF_CAPTURE};
 pub use id::{JobId, Kind};
 pub use ingests::{IngestResult, NewIngest, NewReport};
 pub(crate) use ingests::{dequeue, enqueue};

@@ -46,8 +46,22 @@
 //! So a crash can leave blobs without rows, never rows without blobs. Equal
 //! content is one blob. It is deleted when a row went and no other refers to it:
 //! the check and the deletion hold a gate that publishing shares, so a
-//! reference cannot appear in between. [`Store::open`] deletes what crashes
-//! left, [`Store::collect_garbage`] what callers left that went away in mid-call.
+//! reference cannot appear in between. What crashes left, and callers that went away
+//! in mid-call, [`Store::collect_garbage`] moves to a trash folder, and a day later
+//! removes. Database and blobs have a common identity: [`Store::open`] refuses to
+//! make garbage of the blobs of another database.
+//!
+//! # Content that is not what it was
+//! Sizes are compared when content is opened, digests while it is read: damaged
+//! content never arrives whole. [`maintenance`] has the check of a whole store, its
+//! repair and its backup.
+//!
+//! # A full disk
+//! A reserve file is given up when the database meets a full disk, so that
+//! deletions and the ends of jobs get through; new content is refused until the
+//! reserve is there again. A connection whose transaction SQLite ended by itself
+//! is closed, so that writes work again as soon as the disk has room.
+//!
 //! The crash points are named in [`failpoint`] and are inputs of the tests.
 //!
 //! # Room for PostgreSQL and S3
@@ -64,12 +78,17 @@ mod blobs;
 mod captures;
 mod clock;
 mod database;
+mod disk;
 mod error;
 pub mod failpoint;
+mod folder;
+mod identity;
 mod jobs;
+pub mod maintenance;
 mod migrations;
 mod observations;
 mod page;
+mod references;
 mod row;
 mod store;
 mod twins;
@@ -79,6 +98,7 @@ mod workers;
 pub use blobs::{Blobs, Content, Staged, Upload};
 pub use captures::{Capture, Captures, NewCapture, Overview};
 pub use clock::{Clock, ManualClock, SystemClock};
+pub use disk::Disk;
 pub use error::{Error, Result};
 pub use jobs::{
     AttemptEnd, IngestResult, Job, JobId, Jobs, Kind, Lease, MAX_STALLED_ATTEMPTS, NewFit,

@@ -51,6 +51,9 @@ pub struct RolloutLimits {
     /// Element substeps: instances x frames x substeps x (nodes + springs + triplets).
     #[prost(uint64, tag = "8")]
     pub work: u64,
+    /// Memory of a rollout at the worker \[bytes\].
+    #[prost(uint64, tag = "9")]
+    pub memory_bytes: u64,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct HeartbeatRequest {
@@ -65,6 +68,9 @@ pub struct HeartbeatRequest {
     pub memory_used_bytes: u64,
     #[prost(uint64, tag = "5")]
     pub memory_total_bytes: u64,
+    /// Memory that a fit may take of the process \[bytes\]; zero if this worker takes no fits.
+    #[prost(uint64, tag = "6")]
+    pub fit_memory_bytes: u64,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct HeartbeatResponse {

@@ -2,27 +2,27 @@
 //! the connection to it.
 
 use std::{
-    sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicUsize, Ordering},
-    },
+    sync::{Mutex, MutexGuard, PoisonError},
     time::Duration,
 };
 
-use bendtwin_core::ids::{CaptureId, FitId, TwinId};
+use bendtwin_core::{
+    ids::{CaptureId, FitId, TwinId},
+    settings::memory::Lanes,
+};
 use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
 use bendtwin_store::Worker;
 use jiff::Timestamp;
-use tokio::{
-    sync::{OwnedSemaphorePermit, Semaphore},
-    time::Instant,
-};
+use tokio::time::Instant;
 use tonic::{
     metadata::AsciiMetadataValue,
     transport::{Channel, Endpoint},
 };
 
-use super::route::Candidate;
+use super::{
+    line::{Ask, Line},
+    route::Candidate,
+};
 use crate::{
     failure::{Error, Result},
     options::Limits,
@@ -42,12 +42,7 @@ pub(super) struct Entry {
     /// The process of the server's that it is, if it is one.
     pub(super) child: Option<Child>,
     live: Mutex<Live>,
-    slots: Arc<Semaphore>,
-    /// Rollouts under way or waiting for a slot; at most `room`.
-    load: Arc<AtomicUsize>,
-    room: usize,
-    /// Of these, so many wait.
-    waiting: usize,
+    pub(super) line: Line,
     client: WorkerRolloutsClient<Channel>,
     token: AsciiMetadataValue,
 }
@@ -60,6 +55,7 @@ pub(super) struct Live {
     warm: Vec<TwinId>,
     in_flight: u32,
     memory: Option<Memory>,
+    fit_bytes: u64,
     pub(super) fit: Option<FitId>,
     /// The capture whose ingest it is at.
     pub(super) ingest: Option<CaptureId>,
@@ -85,6 +81,16 @@ pub(crate) struct Heartbeat {
     pub(crate) warm: Vec<TwinId>,
     pub(crate) in_flight: u32,
     pub(crate) memory: Option<Memory>,
+    /// Memory that a fit may take [bytes]; zero if it takes no fits.
+    pub(crate) fit_bytes: u64,
+}
+
+/// Room for a fit at a worker.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FitRoom {
+    /// Memory that a fit may take [bytes].
+    pub(crate) bytes: u64,
+    pub(crate) lanes: Lanes,
 }
 
 /// Memory of a worker's device [bytes].
@@ -93,20 +99,6 @@ pub(crate) struct Memory {
     /// In use, by whomever.
     pub(crate) used: u64,
     pub(crate) total: u64,
-}
-
-/// A place in a worker's line: waiting at first, then with a slot.
-#[derive(Debug)]
-pub(super) struct Place {
-    load: Arc<AtomicUsize>,
-    /// Given back when the place is.
-    slot: Option<OwnedSemaphorePermit>,
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        self.load.fetch_sub(1, Ordering::SeqCst);
-    }
 }
 
 impl Entry {
@@ -141,6 +133,7 @@ impl Entry {
             warm: Vec::new(),
             in_flight: 0,
             memory: None,
+            fit_bytes: 0,
             fit: None,
             ingest: None,
             broken_until: None,
@@ -149,10 +142,7 @@ impl Entry {
             worker,
             child,
             live: Mutex::new(live),
-            slots: Arc::new(Semaphore::new(limits.rollouts_per_worker)),
-            load: Arc::default(),
-            room: limits.rollouts_per_worker + limits.rollout_queue,
-            waiting: limits.rollout_queue,
+            line: Line::new(limits.rollouts_per_worker, limits.rollout_queue),
             client,
             token,
         })
@@ -178,6 +168,7 @@ impl Entry {
         live.warm = heartbeat.warm;
         live.in_flight = heartbeat.in_flight;
         live.memory = heartbeat.memory;
+        live.fit_bytes = heartbeat.fit_bytes;
     }
 
     /// The worker answered a rollout of this twin: it has it loaded.
@@ -194,29 +185,15 @@ impl Entry {
         self.live().broken_until = Some(Instant::now() + BROKEN_FOR);
     }
 
-    pub(super) fn load(&self) -> usize {
-        self.load.load(Ordering::SeqCst)
+    /// Room for a fit; none if it takes no fits or has not said yet.
+    pub(super) fn fit_room(&self) -> Option<FitRoom> {
+        let bytes = self.live().fit_bytes;
+        let worker = &self.worker.registration;
+        let lanes = Lanes { count: u64::from(worker.lanes), on_host: worker.backend == "cpu" };
+        (bytes > 0).then_some(FitRoom { bytes, lanes })
     }
 
-    /// Joins the line. The place counts as load from now until it is dropped.
-    pub(super) fn place(&self) -> Result<Place> {
-        let place = Place { load: self.load.clone(), slot: None };
-        // Others may have joined since the worker was chosen.
-        if self.load.fetch_add(1, Ordering::SeqCst) >= self.room {
-            return Err(Error::Busy { waiting: self.waiting });
-        }
-        Ok(place)
-    }
-
-    /// Waits for a slot.
-    pub(super) async fn slot(&self, place: &mut Place) -> Result<()> {
-        // Slots are never closed.
-        let slot = self.slots.clone().acquire_owned().await.map_err(|_| Error::Stopping)?;
-        place.slot = Some(slot);
-        Ok(())
-    }
-
-    pub(super) fn candidate(&self, twin: TwinId, fresh: Duration) -> Candidate {
+    pub(super) fn candidate(&self, twin: TwinId, ask: &Ask, fresh: Duration) -> Candidate {
         let live = self.live();
         let now = Instant::now();
         let broken = live.broken_until.is_some_and(|until| until > now);
@@ -224,7 +201,8 @@ impl Entry {
             worker: self.id(),
             usable: !broken && now.duration_since(live.last_heartbeat) <= fresh,
             warm: live.warm.contains(&twin),
-            load: self.load(),
+            has_room: self.line.has_room(ask),
+            ahead_s: self.line.ahead_s(),
         }
     }
 
@@ -234,7 +212,7 @@ impl Entry {
             worker: self.worker.clone(),
             last_seen: live.last_seen,
             warm: live.warm.clone(),
-            in_flight: live.in_flight.max(u32::try_from(self.load()).unwrap_or(u32::MAX)),
+            in_flight: live.in_flight.max(u32::try_from(self.line.len()).unwrap_or(u32::MAX)),
             memory: live.memory,
             fit: live.fit,
             ingest: live.ingest,

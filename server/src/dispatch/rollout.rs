@@ -7,7 +7,7 @@ use std::{pin::Pin, sync::Arc, time::Duration};
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
     fault,
-    rollout::{self, TwinShape},
+    rollout::{self, Batch, TwinShape},
     v1::{RollOutRequest, RollOutResponse, roll_out_response},
     worker::v1::{ExecuteRollOutRequest, ExecuteRollOutResponse},
 };
@@ -19,7 +19,8 @@ use tonic_types::StatusExt as _;
 
 use super::{
     Dispatch,
-    registry::{Entry, Place},
+    line::{Ask, Place},
+    registry::Entry,
 };
 use crate::{
     context::Context,
@@ -30,6 +31,8 @@ use crate::{
 /// Size of a request beyond which it is checked beside other work [bytes]: a hundred megabytes of
 /// actions take a while.
 const LARGE: usize = 1 << 20;
+/// Cost of a gradient beside that of a rollout.
+const GRADIENT_COST: f64 = 3.0;
 /// Longest that a rollout without a deadline of its own may take.
 const LONGEST: Duration = Duration::from_secs(3600);
 
@@ -50,10 +53,11 @@ struct Running {
     replies: Streaming<ExecuteRollOutResponse>,
     entry: Arc<Entry>,
     /// Held until the last part has come.
-    #[expect(dead_code, reason = "held, not read")]
     place: Place,
     started: Instant,
     queued: Duration,
+    /// Time that the worker has computed, as it says [s].
+    computed_s: f64,
     deadline: Instant,
     metrics: Metrics,
     outcome: &'static str,
@@ -85,7 +89,9 @@ impl Dispatch {
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);
-        let request = self.checked(request, twin.shape, part_instances).await?;
+        let (request, batch) = self.checked(request, twin.shape, part_instances).await?;
+        let work = rollout::work(&request, &batch, &twin.shape) as f64 * passes(&request, &batch);
+        let ask = Ask { client: Context::current().client, work };
         let execute = ExecuteRollOutRequest {
             capture: twin.capture.map(|c| c.to_string()).unwrap_or_default(),
             part_instances,
@@ -93,7 +99,7 @@ impl Dispatch {
             request: Some(request),
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
-        let started = self.start(id, execute, deadline);
+        let started = self.start(id, &ask, execute, deadline);
         let (first, running) =
             tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
         let rest = stream::unfold(Some(running), |running| async {
@@ -113,11 +119,11 @@ impl Dispatch {
         request: RollOutRequest,
         twin: TwinShape,
         part_instances: u32,
-    ) -> Result<RollOutRequest> {
+    ) -> Result<(RollOutRequest, Batch)> {
         let limits = self.limits.rollout;
         let is_large = request.encoded_len() > LARGE;
         let check = move || match rollout::check_for(&request, &twin, &limits, part_instances) {
-            Ok(_) => Ok(request),
+            Ok(batch) => Ok((request, batch)),
             Err(error) => Err(error.into()),
         };
         if !is_large {
@@ -131,17 +137,18 @@ impl Dispatch {
     async fn start(
         &self,
         twin: TwinId,
+        ask: &Ask,
         execute: ExecuteRollOutRequest,
         deadline: Instant,
     ) -> Result<(RollOutResponse, Running)> {
         let mut tried = Vec::new();
         loop {
-            let chosen = self.choose(twin, &tried);
+            let chosen = self.choose(twin, ask, &tried);
             let entry = match chosen {
                 Err(Error::NoWorker) if !tried.is_empty() => return Err(Error::WorkerLost),
                 chosen => chosen?,
             };
-            match self.start_at(&entry, execute.clone(), deadline).await? {
+            match self.start_at(&entry, ask, execute.clone(), deadline).await? {
                 Some(started) => {
                     entry.warmed(twin);
                     return Ok(started);
@@ -163,12 +170,15 @@ impl Dispatch {
     async fn start_at(
         &self,
         entry: &Arc<Entry>,
+        ask: &Ask,
         execute: ExecuteRollOutRequest,
         deadline: Instant,
     ) -> Result<Option<(RollOutResponse, Running)>> {
         let started = Instant::now();
-        let mut place = entry.place()?;
-        entry.slot(&mut place).await?;
+        // Others may have joined since the worker was chosen.
+        let joined = entry.line.join(ask);
+        let mut place = joined.map_err(|full| Error::Busy { retry_after: full.retry_after })?;
+        place.turn().await;
         let queued = started.elapsed();
         let (mut client, token) = entry.client();
         let mut call = Request::new(execute);
@@ -182,8 +192,18 @@ impl Dispatch {
         };
         let (entry, metrics) = (entry.clone(), self.metrics.clone());
         let outcome = "abandoned";
-        let mut running =
-            Running { replies, entry, place, started, queued, deadline, metrics, outcome };
+        let computed_s = 0.0;
+        let mut running = Running {
+            replies,
+            entry,
+            place,
+            started,
+            queued,
+            computed_s,
+            deadline,
+            metrics,
+            outcome,
+        };
         match running.receive().await {
             Ok(Some(mut first)) => {
                 let timing = first.timing.get_or_insert_with(Default::default);
@@ -220,14 +240,32 @@ impl Running {
         let worker = self.entry.id();
         let part = self.replies.message().await;
         match &part {
-            Ok(None) => self.outcome = "done",
+            Ok(None) => {
+                self.outcome = "done";
+                // No worker computes for longer than it was asked to.
+                let most = self.started.elapsed().as_secs_f64();
+                self.place.computed(self.computed_s.min(most));
+            }
             Err(_) => self.outcome = "failed",
             Ok(Some(_)) => {}
         }
         let Some(reply) = part? else { return Ok(None) };
         let response = reply.response.unwrap_or_default();
+        self.computed_s = response.timing.map_or(0.0, |t| t.compute_s);
         Ok(Some(RollOutResponse { worker: worker.to_string(), ..response }))
     }
+}
+
+/// Passes through a batch: gradients follow the rollouts, of all instances or of the best.
+fn passes(request: &RollOutRequest, batch: &Batch) -> f64 {
+    let Some(returns) = request.returns.as_ref().filter(|r| r.control_gradients) else {
+        return 1.0;
+    };
+    let share = match returns.best {
+        0 => 1.0,
+        best => (f64::from(best) / batch.instances.max(1) as f64).min(1.0),
+    };
+    1.0 + GRADIENT_COST * share
 }
 
 /// True if the deadline is over, give or take the clocks of two timers. Both

@@ -90,7 +90,8 @@ impl WorkerLink for Api {
         let warm = r.warm_twins.iter().map(|t| app::name(t)).collect::<app::Result<_>>()?;
         let memory = (r.memory_total_bytes > 0)
             .then_some(Memory { used: r.memory_used_bytes, total: r.memory_total_bytes });
-        let heartbeat = Heartbeat { warm, in_flight: r.rollouts_in_flight, memory };
+        let (in_flight, fit_bytes) = (r.rollouts_in_flight, r.fit_memory_bytes);
+        let heartbeat = Heartbeat { warm, in_flight, memory, fit_bytes };
         if !self.app.dispatch.heartbeat(worker, heartbeat) {
             return Err(Error::WorkerUnknown(worker.to_string()).into());
         }

@@ -12,6 +12,7 @@ use serde::de::DeserializeOwned;
 use crate::{
     app::{self, App, Error},
     error::Refusal,
+    listen::is_too_slow,
 };
 
 /// The id of a path.
@@ -79,14 +80,20 @@ pub(super) async fn whole(request: Request, limit: usize) -> Result<Bytes, Refus
                 &message,
             );
         }
-        Error::UploadBroken("the body ended early".to_owned()).into()
+        broken(&*error).into()
     })
 }
 
 /// A body to be streamed.
 pub(super) fn upload_body(request: Request) -> app::Body {
-    let broken = |_| Error::UploadBroken("the body ended early".to_owned());
-    TryStreamExt::map_err(request.into_body().into_data_stream(), broken).boxed()
+    TryStreamExt::map_err(request.into_body().into_data_stream(), |e| broken(&e)).boxed()
+}
+
+fn broken(error: &(dyn std::error::Error + 'static)) -> Error {
+    if is_too_slow(error) {
+        return Error::BodyTooSlow;
+    }
+    Error::UploadBroken("the body ended early".to_owned())
 }
 
 /// The digest that an upload declares: `?digest={hex}`, `X-Content-Blake3: {hex}`

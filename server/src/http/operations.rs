@@ -10,7 +10,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Result;
-use crate::{app::App, error::ProblemDocument, metrics::Gauges};
+use crate::{app::App, dispatch::Size, error::ProblemDocument, metrics::Gauges};
 
 /// State of the server as `/readyz` reports it.
 #[derive(Serialize, ToSchema)]
@@ -48,6 +48,9 @@ pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
     let depth = app.store.jobs().depth().await?;
     let uploads = app.store.uploads().in_use().await?;
     let (workers, rollouts) = app.dispatch.counts();
+    for (size, waiting) in Size::ALL.into_iter().zip(app.dispatch.waiting()) {
+        app.metrics.rollouts_waiting(size.as_str(), waiting);
+    }
     let gauges = Gauges { workers, rollouts, memory: app.dispatch.memory(), uploads };
     let text = app.metrics.render(&depth, &gauges);
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text).into_response())

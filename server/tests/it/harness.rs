@@ -4,7 +4,7 @@ use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,
     rollout_service_client::RolloutServiceClient, twin_service_client::TwinServiceClient,
 };
-use bendtwin_server::{Handle, Options, Service};
+use bendtwin_server::{ClientTokenPolicy, Handle, Options, Service};
 use serde_json::Value;
 use tonic::transport::{Channel, Endpoint};
 
@@ -23,6 +23,7 @@ pub(crate) fn options(dir: &tempfile::TempDir) -> Options {
         listen: ([127, 0, 0, 1], 0).into(),
         data_dir: dir.path().join("data"),
         worker_token: Some(TOKEN.to_owned()),
+        client_token: ClientTokenPolicy::None,
         ..Options::default()
     };
     options.workers.count = 0;

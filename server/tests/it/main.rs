@@ -1,7 +1,9 @@
 //! The server as its clients and workers see it: over real sockets, with a fake worker. `worker.rs`
 //! is also an example of the protocol between server and workers.
 
+mod access;
 mod captures;
+mod connections;
 mod fits;
 mod harness;
 mod ingests;

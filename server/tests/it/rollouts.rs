@@ -237,3 +237,76 @@ async fn full_queues_deadlines_and_clients_that_leave() {
     assert_eq!((status, &problem["reason"]), (504, &json!("DEADLINE_EXCEEDED")));
     device.given_up.notified().await;
 }
+
+/// Half a minute of work for what is assumed of a worker at first: 12 elements, 10 substeps.
+fn large(twin: &str) -> RollOutRequest {
+    RollOutRequest { frames: 100_000, ..request(twin, 100) }
+}
+
+#[tokio::test]
+async fn small_rollouts_pass_large_ones() {
+    let server = Server::start().await;
+    let hold = Arc::new(Notify::new());
+    let device = Device { hold: Some(hold.clone()), hold_above: 1, ..Device::default() };
+    let mut worker = Worker::register_with(&server, device.clone()).await;
+    let twin = twin(&server, &mut worker).await;
+    let mut large_ones = Vec::new();
+    for _ in 0..8 {
+        let (mut rollouts, request) = (server.rollouts(), large(&twin));
+        large_ones.push(tokio::spawn(async move { rollouts.roll_out(request).await }));
+    }
+    device.begun.notified().await;
+    let (_, ready) = server.get("/readyz").await;
+    assert!(ready["rollouts"].as_u64().unwrap() >= 1, "{ready}");
+    // As many slots as there are large ones, and still there is one for a small one.
+    for _ in 0..8 {
+        let mut rollouts = server.rollouts();
+        let small = rollouts.roll_out(request(&twin, 1));
+        let answered = tokio::time::timeout(Duration::from_secs(10), small).await;
+        answered.expect("a small rollout does not wait for large ones").unwrap();
+    }
+    let (_, metrics) = server.get("/metrics").await;
+    let metrics = metrics.as_str().unwrap();
+    assert!(metrics.contains("bendtwin_rollouts_waiting{class=\"large\"} 6"), "{metrics}");
+    assert!(metrics.contains("bendtwin_rollouts_waiting{class=\"small\"} 0"), "{metrics}");
+    assert!(large_ones.iter().all(|l| !l.is_finished()));
+    large_ones.iter().for_each(tokio::task::JoinHandle::abort);
+}
+
+#[tokio::test]
+async fn a_refusal_says_how_long_the_work_ahead_takes() {
+    let server = Server::start_with(|o| {
+        o.limits.rollouts_per_worker = 1;
+        o.limits.rollout_queue = 2;
+    })
+    .await;
+    let device = Device { hold: Some(Arc::default()), ..Device::default() };
+    let mut worker = Worker::register_with(&server, device.clone()).await;
+    let twin = twin(&server, &mut worker).await;
+    let call = || {
+        let (mut rollouts, request) = (server.rollouts(), large(&twin));
+        tokio::spawn(async move { rollouts.roll_out(request).await })
+    };
+    let running = call();
+    device.begun.notified().await;
+    let waiting = call();
+    // One is under way, one waits; the other place is kept for smaller ones.
+    let refused = loop {
+        let refused = call();
+        match tokio::time::timeout(Duration::from_millis(200), refused).await {
+            Ok(refused) => break refused.unwrap().unwrap_err(),
+            Err(_) => assert!(!waiting.is_finished()),
+        }
+    };
+    use tonic_types::StatusExt;
+    let retry = refused.get_details_retry_info().unwrap().retry_delay.unwrap();
+    // Two of 100 x 100,000 x 10 x 12 at 4e7 a second.
+    assert_eq!(retry, Duration::from_secs(60), "{refused}");
+    let body = large(&twin).encode_to_vec();
+    let call = server.http.post(server.url(&format!("/v1/{twin}/rollouts")));
+    let call = call.header("content-type", "application/x-protobuf").body(body);
+    let response = call.send().await.unwrap();
+    assert_eq!(response.status(), 429);
+    assert_eq!(response.headers()["retry-after"], "60");
+    (running.abort(), waiting.abort());
+}

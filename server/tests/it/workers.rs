@@ -38,7 +38,7 @@ async fn children_are_restarted_with_fresh_tokens() {
     let script = format!("echo $BENDTWIN_SERVER $BENDTWIN_WORKER_TOKEN >> {}", log.display());
     let server = Server::start_with(|o| shell(o, script)).await;
     let seen = until("three starts", || Some(lines(&log)).filter(|l| l.len() >= 3)).await;
-    let address = server.url("");
+    let address = format!("http://{}", server.handle.worker_addr());
     let tokens: std::collections::HashSet<&str> =
         seen.iter().map(|l| l.strip_prefix(&format!("{address} ")).unwrap()).collect();
     assert_eq!(tokens.len(), seen.len());

@@ -65,6 +65,13 @@ pub fn all() -> Vec<Broken> {
             replace(&mut bytes, b"color/0/x.png", b"color/0/7.png");
             bytes
         }),
+        archive("entries that share their bytes", Refused("ARCHIVE_OVERLAP"), |f| {
+            let mut files = f.clone();
+            files.remove("color/0/7.png");
+            let mut zip = opened(&files);
+            zip.shallow_copy_file("color/0/6.png", "color/0/7.png").expect("entries can be shared");
+            closed(zip)
+        }),
         archive("entries under a password", Refused("ARCHIVE_NOT_A_FILE"), |f| {
             let mut bytes = pack(f);
             // The lowest bit of an entry's flags.

@@ -218,6 +218,7 @@ async fn launch(
         "listen = \"{listen}\"\n\
          data_dir = \"{data}\"\n\
          worker_token = \"{TOKEN}\"\n\
+         client_token = \"none\"\n\
          lease_s = {lease_s:?}\n\
          heartbeat_interval_s = {heartbeat:?}\n\
          [workers]\n\

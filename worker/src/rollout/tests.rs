@@ -82,7 +82,7 @@ impl Bench {
     /// On a backend; also says where the end of the worker is announced.
     fn on(backend: Arc<dyn Backend>) -> (Self, mpsc::UnboundedReceiver<crate::Error>) {
         let (fatal, died) = mpsc::unbounded_channel();
-        let device = Device::spawn(move || Ok(backend), fatal).unwrap();
+        let device = Device::spawn(move || Ok(backend), fatal, 0.25).unwrap();
         let twin = twin();
         let model = Arc::new(Model::from(&twin));
         let loaded = device.backend(Priority::Interactive).load(model).unwrap();

@@ -1,6 +1,6 @@
 //! Frame rate, length, split, gravity.
 
-use bendtwin_core::Capture;
+use bendtwin_core::{Capture, FRAME_RATES};
 
 use super::Finding;
 
@@ -46,7 +46,7 @@ pub(super) fn check(capture: &Capture, findings: &mut Vec<Finding>) {
 }
 
 fn frame_rate(fps: f64, findings: &mut Vec<Finding>) {
-    if !(fps.is_finite() && fps > 0.0) {
+    if !FRAME_RATES.contains(&fps) {
         findings.push(Finding::error(
             "FPS_INVALID",
             format!("the frame rate is {fps} fps: give the camera's frames per second"),

@@ -81,6 +81,16 @@ pub(super) enum Storage<'a> {
     Memory(Cursor<&'a [u8]>),
 }
 
+impl Storage<'_> {
+    /// Bytes in all.
+    pub(super) fn length(&self) -> u64 {
+        match self {
+            Self::File(reader) => reader.get_ref().len(),
+            Self::Memory(reader) => reader.get_ref().len() as u64,
+        }
+    }
+}
+
 impl Clone for Storage<'_> {
     fn clone(&self) -> Self {
         match self {

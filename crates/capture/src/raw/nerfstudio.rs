@@ -78,7 +78,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         cameras,
         mesh: None,
         truth_tracks: Vec::new(),
-        source: Arc::new(StoredFrames { files: files.fork(), frame_count, cameras: stored }),
+        source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }
 

@@ -95,7 +95,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         cameras,
         mesh,
         truth_tracks,
-        source: Arc::new(StoredFrames { files: files.fork(), frame_count, cameras: stored }),
+        source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }
 

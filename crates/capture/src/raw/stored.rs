@@ -34,6 +34,15 @@ impl Names {
         Self::Numbered { before, digits: 1, after: after.to_owned() }
     }
 
+    /// Number of images that are read under these names in an archive of `entries` files.
+    fn count(&self, frames: usize, entries: usize) -> usize {
+        match self {
+            Self::Numbered { .. } => frames.min(entries),
+            // One file may be listed many times, and is decoded as often.
+            Self::Listed(names) => names.iter().flatten().count(),
+        }
+    }
+
     pub(super) fn at(&self, frame: usize) -> Option<Cow<'_, str>> {
         match self {
             Self::Numbered { before, digits, after } => {
@@ -79,6 +88,36 @@ pub(super) struct StoredFrames {
     pub(super) files: Files<'static>,
     pub(super) frame_count: usize,
     pub(super) cameras: Vec<CameraFiles>,
+}
+
+impl StoredFrames {
+    /// The frames of these cameras.
+    ///
+    /// # Errors
+    /// If their images have more pixels than an archive of its size may hold.
+    pub(super) fn new(
+        files: Files<'static>,
+        frame_count: usize,
+        cameras: Vec<CameraFiles>,
+    ) -> Result<Self, Error> {
+        let entries = files.entry_count().unwrap_or(usize::MAX);
+        let pixels = cameras.iter().map(|c| c.pixels(frame_count, entries));
+        let pixels = pixels.fold(0, u64::saturating_add);
+        files.limits.check_pixels(pixels, frame_count, files.length())?;
+        Ok(Self { files, frame_count, cameras })
+    }
+}
+
+impl CameraFiles {
+    /// Pixels of all its images, at most.
+    fn pixels(&self, frames: usize, entries: usize) -> u64 {
+        let depth = self.depth.as_ref().map(|d| &d.names);
+        let kinds = [&self.color].into_iter().chain(depth);
+        let kinds = kinds.chain(&self.object).chain(&self.manipulator);
+        let images = kinds.map(|names| names.count(frames, entries) as u64).sum::<u64>();
+        let [width, height] = self.size.map(|n| n as u64);
+        width.saturating_mul(height).saturating_mul(images)
+    }
 }
 
 impl fmt::Debug for StoredFrames {

@@ -1,7 +1,7 @@
 //! Conditions that a recording has to meet before anything may calculate with it. Its quality is
 //! judged elsewhere.
 
-use bendtwin_core::geometry;
+use bendtwin_core::{FRAME_RATES, geometry};
 
 use super::{Camera, Distortion, Pose, Recording};
 use crate::{Error, Limits, files::at_most};
@@ -19,7 +19,7 @@ const FARTHEST_M: f64 = 1e4;
 pub(super) fn settle(recording: &mut Recording, limits: &Limits) -> Result<(), Error> {
     let frames = recording.frame_count;
     count(recording.cameras.len(), frames, limits)?;
-    if !(recording.fps.is_finite() && recording.fps > 0.0 && recording.fps <= 1e5) {
+    if !FRAME_RATES.contains(&recording.fps) {
         return Err(Error::Lengths(format!(
             "the recording has {} frames per second: give its true rate",
             recording.fps

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Provenance, Twin};
 use crate::{
-    Category, Contact, Environment, Graph, NodeKind, Params, Pin, Point, Problem, Quality, Timing,
-    environment::ControlVelocity,
+    Category, Contact, Environment, FRAME_RATES, Graph, NodeKind, Params, Pin, Point, Problem,
+    Quality, Timing, environment::ControlVelocity,
 };
 
 /// Newest version that this build reads and writes; it reads every earlier one. A twin is written
@@ -252,8 +252,12 @@ impl Twin {
             return fail(m);
         }
         let t = self.timing;
-        if !(t.fps.is_finite() && t.fps > 0.0 && t.substeps > 0) {
-            return fail(format!("{} frames per second with {} substeps", t.fps, t.substeps));
+        if !(FRAME_RATES.contains(&t.fps) && t.substeps > 0) {
+            let (low, high) = (FRAME_RATES.start(), FRAME_RATES.end());
+            return fail(format!(
+                "{} frames per second ({low} to {high} are possible) with {} substeps",
+                t.fps, t.substeps
+            ));
         }
         let e = &self.environment;
         let ground =

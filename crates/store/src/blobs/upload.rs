@@ -47,6 +47,7 @@ impl Upload {
         self.hasher.update(&chunk);
         self.part.extend_from_slice(&chunk);
         if self.part.len() >= PART {
+            self.blobs.admit()?;
             let part = self.part.split().freeze();
             self.sink.put_part(part.into()).await?;
         }

@@ -184,11 +184,11 @@ impl Jobs<'_> {
     /// The newest checkpoint of a job.
     ///
     /// # Errors
-    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`].
+    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`], [`Error::ContentDamaged`].
     pub async fn checkpoint(&self, id: JobId) -> Result<Content> {
         let digest = self.get(id).await?.checkpoint;
         let digest =
             digest.ok_or_else(|| Error::NotFound { name: format!("checkpoint of {id}") })?;
-        self.store.blobs().read(&digest, &id.to_string()).await
+        self.store.blobs().read(&digest, None, &id.to_string()).await
     }
 }

@@ -35,6 +35,12 @@ impl Bench {
         Self { store, ..self }
     }
 
+    /// The folder alone, after the process has died.
+    pub(crate) async fn close(self) -> tempfile::TempDir {
+        self.store.close().await;
+        self.dir
+    }
+
     pub(crate) async fn stage(&self, content: &'static str) -> Staged {
         let mut upload = self.store.blobs().upload(1 << 20).await.unwrap();
         upload.write(Bytes::from_static(content.as_bytes())).await.unwrap();

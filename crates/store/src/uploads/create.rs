@@ -60,12 +60,13 @@ impl Uploads<'_> {
     /// request id, the upload is complete at once.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`]; [`Error::UploadsFull`] beyond `bounds`.
+    /// [`Error::RequestIdTaken`]; [`Error::UploadsFull`] beyond `bounds`; [`Error::DiskFull`].
     pub async fn create(
         &self,
         new: NewResumableUpload,
         bounds: UploadBounds,
     ) -> Result<ResumableUpload> {
+        self.store.admit()?;
         let mut tx = self.store.inner.database.write().await?;
         let mut capture = None;
         if let Some(request_id) = &new.request_id {

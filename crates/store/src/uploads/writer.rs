@@ -216,6 +216,7 @@ impl UploadWriter {
     }
 
     async fn flush(&mut self) -> Result<()> {
+        self.store.admit()?;
         if self.file.is_none() {
             self.file = Some(self.open().await?);
         }

@@ -11,7 +11,7 @@ use crate::{
 fn warm(room: usize) -> (WarmTwins, Arc<Script>) {
     let (backend, script) = Faulty::new(room);
     let (fatal, _) = mpsc::unbounded_channel();
-    let device = Device::spawn(move || Ok(Arc::new(backend) as _), fatal).unwrap();
+    let device = Device::spawn(move || Ok(Arc::new(backend) as _), fatal, 0.25).unwrap();
     // Nothing listens there: these twins come from memory.
     let server = ServerClient::new("http://127.0.0.1:1", "a-token").unwrap();
     (WarmTwins::new(server, device, Limits::default()), script)

@@ -284,6 +284,25 @@ fn hostile_archives_are_refused() {
 }
 
 #[test]
+fn entries_that_share_bytes_are_refused() {
+    let mut zip = ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    zip.start_file("capture.json", SimpleFileOptions::default()).unwrap();
+    zip.write_all(&[b' '; 4096]).unwrap();
+    zip.shallow_copy_file("capture.json", "color/0/0.png").unwrap();
+    let bytes = zip.finish().unwrap().into_inner();
+    expect(&check_bytes(&bytes, &Limits::default()), Severity::Error, "ARCHIVE_OVERLAP", "share");
+}
+
+#[test]
+fn archives_do_not_unpack_without_end() {
+    let bytes = pack(&bundle(&rope()));
+    let tight = Limits { unpacked_bytes: 100, unpacked_per_byte: 0, ..Limits::default() };
+    expect(&check_bytes(&bytes, &tight), Severity::Error, "CAPTURE_TOO_LARGE", "limit of 100");
+    let enough = Limits { unpacked_bytes: 0, unpacked_per_byte: 2, ..Limits::default() };
+    assert!(check_bytes(&bytes, &enough).is_usable());
+}
+
+#[test]
 fn memory_is_counted_before_it_is_taken() {
     let bytes = pack(&bundle(&rope()));
     let tight = Limits { total_bytes: 20_000, ..Limits::default() };

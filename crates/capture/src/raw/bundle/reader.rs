@@ -60,7 +60,7 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         cameras,
         mesh,
         truth_tracks: truth,
-        source: Arc::new(StoredFrames { files: files.fork(), frame_count, cameras: stored }),
+        source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }
 

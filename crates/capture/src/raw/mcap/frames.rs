@@ -43,6 +43,19 @@ pub(super) struct McapFrames {
     pub(super) cameras: Vec<Streams>,
 }
 
+impl McapFrames {
+    /// Pixels of all images.
+    pub(super) fn pixels(&self) -> u64 {
+        let of_stream = |s: &Stream| s.places.iter().flatten().count() as u64;
+        let of_camera = |c: &Streams| {
+            let masks = [&c.object, &c.manipulator].into_iter().flatten();
+            let images: u64 = [&c.color, &c.depth].into_iter().chain(masks).map(of_stream).sum();
+            (c.size[0] as u64).saturating_mul(c.size[1] as u64).saturating_mul(images)
+        };
+        self.cameras.iter().map(of_camera).fold(0, u64::saturating_add)
+    }
+}
+
 impl fmt::Debug for McapFrames {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("McapFrames").field("file", &self.store.name()).finish_non_exhaustive()

@@ -125,6 +125,8 @@ pub(super) fn recording(
             Some(Plane { normal: [0.0, 0.0, 1.0], offset_m })
         }
     };
+    let source = McapFrames { store, chunks: index.chunks, cameras: streams };
+    limits.check_pixels(source.pixels(), frame_count, Some(source.store.len()))?;
     Ok(Recording {
         name: name.to_owned(),
         fps: aligned.fps,
@@ -135,7 +137,7 @@ pub(super) fn recording(
         cameras,
         mesh: index.mesh.map(|(name, bytes)| MeshFile { name, bytes, to_world: None }),
         truth_tracks: Vec::new(),
-        source: Arc::new(McapFrames { store, chunks: index.chunks, cameras: streams }),
+        source: Arc::new(source),
     })
 }
 

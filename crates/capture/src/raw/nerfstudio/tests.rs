@@ -1,9 +1,10 @@
+use bendtwin_core::Problem as _;
 use serde_json::{Value, json};
 
 use super::*;
 use crate::{
     Limits,
-    check::testing::FileMap,
+    check::testing::{FileMap, pack},
     raw::{
         self, Distortion, Region,
         testing::{
@@ -84,6 +85,24 @@ fn cameras_in_folders_are_read() {
 }
 
 /// The document with its frames changed one by one.
+/// A small archive may name one large image for every frame.
+#[test]
+fn pixels_are_counted_before_they_are_decoded() {
+    let mut document = document();
+    document["w"] = json!(5000);
+    document["h"] = json!(5000);
+    let sample = tempfile::tempdir().unwrap();
+    let path = sample.path().join("recording.zip");
+    std::fs::write(&path, pack(&files(&document))).unwrap();
+    let refused = raw::open(&path, &Limits::default()).unwrap_err();
+    assert_eq!(refused.reason(), "RECORDING_TOO_MANY_PIXELS", "{refused}");
+    // 2 cameras x 3 kinds of images x 4 frames x 25 million pixels, and room for half of it.
+    assert!(refused.to_string().contains("600000000 pixels"), "{refused}");
+    assert!(refused.to_string().contains("at most 3 of its 4 frames"), "{refused}");
+    // Whoever has the folder may read what they like.
+    raw::open(folder(&files(&document)).path(), &Limits::default()).unwrap();
+}
+
 fn with(mut change: impl FnMut(usize, &mut Value)) -> Value {
     let mut document = document();
     let frames = document["frames"].as_array_mut().unwrap();

@@ -42,6 +42,14 @@ fn a_twin_survives_its_file() {
     assert_eq!(bytes, twin().encode().unwrap(), "encoding is deterministic");
 }
 
+#[test]
+fn frame_rates_of_no_camera_are_refused() {
+    for fps in [1e-300, 1e300, 0.0, -30.0, f64::NAN, f64::INFINITY] {
+        let twin = Twin { timing: Timing { fps, substeps: 50 }, ..twin() };
+        assert!(twin.check().is_err(), "{fps}");
+    }
+}
+
 /// Written by the first release; must be readable for ever. To add one for a new version, write
 /// `encode()` of one that needs it to `testdata/twin-v{VERSION}.safetensors` and keep the old ones.
 #[test]
