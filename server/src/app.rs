@@ -5,6 +5,7 @@ mod captures;
 mod fits;
 mod ingests;
 mod jobs;
+mod results;
 mod twins;
 mod upload;
 mod uploads;

@@ -8,6 +8,7 @@ mod ingests;
 mod leases;
 mod malformed;
 mod operations;
+mod results;
 mod rollouts;
 mod tus;
 mod twins;
