@@ -4,7 +4,10 @@ use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_backends as backends;
 
-use crate::Error;
+use crate::{
+    Error,
+    ingest::{Sandbox, available},
+};
 
 /// Approximate memory of the process that reads a capture before it has read anything [bytes].
 const LEAST_INGEST_BYTES: u64 = 64 << 20;
@@ -23,12 +26,17 @@ pub struct Options {
     /// URL `http://host:port` at which the server reaches `listen`, where that differs (in a
     /// container, for example).
     pub advertise: Option<String>,
-    /// Folder for captures while they are read; the system's temporary directory if none.
+    /// Folder for captures while they are read; a private folder is made in it. The cache folder if
+    /// none, and without one the system's temporary folder.
+    pub scratch_dir: Option<PathBuf>,
+    /// Folder for content that a later start can use.
     pub cache_dir: Option<PathBuf>,
     /// True to lease jobs, false to answer rollouts only.
     pub fits: bool,
     /// The program whose hidden command `ingest-capture` reads captures; this very program if none.
     pub ingest_program: Option<PathBuf>,
+    /// Demand on the confinement of the process that reads captures.
+    pub ingest_sandbox: Sandbox,
     /// Bounds on the work of one worker.
     pub limits: Limits,
     /// Time for which a finished result is kept while the server cannot be reached.
@@ -53,6 +61,8 @@ impl std::fmt::Debug for Options {
 pub struct Limits {
     /// Memory of the process that reads a capture [bytes].
     pub ingest_bytes: u64,
+    /// Time of that process; it gets another second for each MiB of the archive.
+    pub ingest_time: Duration,
     /// Memory that one observation may take when read [bytes].
     pub capture_bytes: u64,
     /// Size of a twin file [bytes].
@@ -69,6 +79,7 @@ impl Default for Limits {
     fn default() -> Self {
         Self {
             ingest_bytes: 1500 << 20,
+            ingest_time: Duration::from_secs(600),
             capture_bytes: 2 << 30,
             twin_bytes: 512 << 20,
             warm_bytes: 1 << 30,
@@ -87,9 +98,11 @@ impl Options {
             backend: backends::Options::default(),
             listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             advertise: None,
+            scratch_dir: None,
             cache_dir: None,
             fits: true,
             ingest_program: None,
+            ingest_sandbox: Sandbox::default(),
             limits: Limits::default(),
             delivery_timeout: Duration::from_secs(600),
         }
@@ -112,6 +125,14 @@ impl Options {
         } else if self.limits.ingest_bytes < LEAST_INGEST_BYTES {
             let least = LEAST_INGEST_BYTES >> 20;
             Some(format!("--ingest-memory-mib is too little for anything: give at least {least}"))
+        } else if self.limits.ingest_time.is_zero() {
+            Some("--ingest-timeout-s is 0: give at least 1".to_owned())
+        } else if self.ingest_sandbox == Sandbox::Required && !available().suffices() {
+            let lacking = available().lacking().unwrap_or_default();
+            Some(format!(
+                "this system does not confine the process that reads captures ({lacking}): use a kernel with Landlock \
+                 and seccomp, or --ingest-sandbox best-effort"
+            ))
         } else {
             None
         };

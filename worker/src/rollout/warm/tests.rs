@@ -13,7 +13,7 @@ fn warm(room: usize) -> (WarmTwins, Arc<Script>) {
     let (fatal, _) = mpsc::unbounded_channel();
     let device = Device::spawn(move || Ok(Arc::new(backend) as _), fatal).unwrap();
     // Nothing listens there: these twins come from memory.
-    let server = ServerClient::new("http://127.0.0.1:1", "a-token").unwrap();
+    let server = ServerClient::new("http://127.0.0.1:1", "a-token", "a-key").unwrap();
     (WarmTwins::new(server, device, Limits::default()), script)
 }
 
