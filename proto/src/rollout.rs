@@ -1,6 +1,6 @@
 //! Rules of a rollout that server, worker and clients share: [`Limits`] of a request, the check of
-//! a request against them and against a twin's [`TwinShape`], the size of its reply, and the parts
-//! that a streamed reply comes in. Both ends call the same functions with the same limits (a worker
+//! a request against them and against a twin's [`TwinShape`], the size of its reply, the memory that
+//! it takes at a worker, and the parts that a streamed reply comes in. Both ends call the same functions with the same limits (a worker
 //! gets those of its server when it registers), so no request passes one and is refused by the
 //! other.
 
@@ -8,16 +8,26 @@
 #[doc(hidden)]
 pub mod cases;
 mod check;
+mod encoded;
 mod error;
 mod limits;
+mod memory;
 mod parts;
 mod size;
 mod twin;
 
+/// Metadata of a call from the server to a worker: the length of its message, for which the worker
+/// takes memory before it reads it.
+pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
+/// Most dimensions of a tensor.
+pub const MOST_DIMENSIONS: usize = 8;
+
 pub use self::{
-    check::{Batch, check, check_for, fidelity},
+    check::{Batch, check, check_for, fidelity, too_much_memory, work},
+    encoded::check_encoded,
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},
+    memory::{Memory, memory, request_bytes},
     parts::{STREAMED_PART, part_instances},
     size::reply_bytes,
     twin::TwinShape,

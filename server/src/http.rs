@@ -8,7 +8,7 @@ mod events;
 mod extract;
 mod fits;
 mod operations;
-mod origin;
+pub(crate) mod origin;
 mod resource;
 mod rollouts;
 pub(crate) mod root_service;
@@ -18,9 +18,10 @@ mod workers;
 
 use axum::{
     body::Body,
-    http::{StatusCode, header},
+    http::{HeaderName, StatusCode, header},
     response::{IntoResponse, Response},
 };
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use bendtwin_store::Content;
 use futures::TryStreamExt;
 use utoipa::OpenApi;
@@ -53,9 +54,25 @@ struct Description;
 /// All routes, and the fallbacks for what is none.
 pub(crate) fn router(app: &App) -> axum::Router {
     let (router, description) = described().split_for_parts();
-    router
+    let router = router
         .merge(docs::router(&description))
-        .route_layer(axum::middleware::from_fn(root_service::note_route))
+        .route_layer(axum::middleware::from_fn(root_service::note_route));
+    with_fallbacks(router).with_state(app.clone())
+}
+
+/// The routes of the workers' listener, for operators.
+pub(crate) fn operations_router(app: &App) -> axum::Router {
+    let (router, _) = OpenApiRouter::new()
+        .routes(routes!(operations::healthz))
+        .routes(routes!(operations::readyz))
+        .routes(routes!(operations::metrics))
+        .split_for_parts();
+    let router = router.route_layer(axum::middleware::from_fn(root_service::note_route));
+    with_fallbacks(router).with_state(app.clone())
+}
+
+fn with_fallbacks(router: axum::Router<App>) -> axum::Router<App> {
+    router
         .fallback(|| async {
             let message = "there is nothing at this path: see /docs for what there is";
             Refusal::http_only(StatusCode::NOT_FOUND, "NO_SUCH_ROUTE", message)
@@ -64,7 +81,6 @@ pub(crate) fn router(app: &App) -> axum::Router {
             let message = "this path does not have that method: see /docs for what it has";
             Refusal::http_only(StatusCode::METHOD_NOT_ALLOWED, "METHOD_NOT_ALLOWED", message)
         })
-        .with_state(app.clone())
 }
 
 fn described() -> OpenApiRouter<App> {
@@ -103,10 +119,15 @@ fn download(content: Content, media_type: &'static str, file_name: &str) -> Resp
 
 /// Content to be shown. Browsers must not guess another type than the given one.
 fn inline(content: Content, media_type: &'static str) -> Response {
+    // RFC 9530, with an algorithm that its registry lacks; uploads declare theirs in the same form.
+    let digest = format!("blake3=:{}:", BASE64_STANDARD.encode(content.digest.as_bytes()));
     let headers = [
         (header::CONTENT_TYPE, media_type.to_owned()),
         (header::CONTENT_LENGTH, content.size_bytes.to_string()),
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff".to_owned()),
+        (header::ETAG, format!("\"{}\"", content.digest.to_hex())),
+        (HeaderName::from_static("content-digest"), digest.clone()),
+        (HeaderName::from_static("repr-digest"), digest),
     ];
     // A read that fails in mid-stream cuts the body short of its length.
     let chunks = content.chunks.inspect_err(|error| tracing::error!(%error, "download broke off"));

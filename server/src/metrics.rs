@@ -1,6 +1,8 @@
 //! Prometheus metrics of one server. They belong to the server, not to the process, so that several
 //! servers in one test do not add up.
 
+mod gauges;
+
 use std::{fmt, sync::Arc, time::Duration};
 
 use ::metrics::{Key, Label, Level, Metadata, Recorder as _};
@@ -122,10 +124,6 @@ impl Metrics {
 
     fn seconds(&self, name: &'static str, labels: Vec<Label>, value: f64) {
         self.recorder.register_histogram(&Key::from_parts(name, labels), &METADATA).record(value);
-    }
-
-    fn gauge(&self, name: &'static str, labels: Vec<Label>, value: f64) {
-        self.recorder.register_gauge(&Key::from_parts(name, labels), &METADATA).set(value);
     }
 }
 

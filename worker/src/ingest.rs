@@ -37,7 +37,7 @@ use crate::{
     job::{
         Job, checkpoints,
         deliver::Delivery,
-        report as reporting,
+        report as reporting, resume,
         stop::{Reason, Stop},
     },
     leasing::Execute,
@@ -145,10 +145,8 @@ impl Ingests {
         let archive = archive.persist(folder.path().join(ARCHIVE)).map_err(|e| disk(e.error))?;
         let bytes = archive.metadata().map_err(disk)?.len();
         let time = self.time + Duration::from_secs(bytes / BYTES_PER_SECOND);
-        if lease.has_checkpoint {
-            let checkpoint = artifact::fetch(&self.server, &lease.job, checkpoints::MAX_BYTES)
-                .await
-                .map_err(|e| e.fault())?;
+        let checkpoint = resume::checkpoint(&self.server, lease).await.map_err(|e| e.fault())?;
+        if let Some(checkpoint) = checkpoint {
             std::fs::write(folder.path().join(CHECKPOINT), checkpoint).map_err(disk)?;
         }
         let request = Request {

@@ -12,6 +12,12 @@ use crate::{
 /// Approximate memory of the process that reads a capture before it has read anything [bytes].
 const LEAST_INGEST_BYTES: u64 = 64 << 20;
 
+/// Least memory of a worker [bytes].
+const LEAST_BYTES: u64 = 128 << 20;
+
+/// Default of [`Options::fit_share`].
+const FIT_SHARE: f64 = 0.25;
+
 /// Options of a worker process.
 #[derive(Clone)]
 pub struct Options {
@@ -31,12 +37,16 @@ pub struct Options {
     pub scratch_dir: Option<PathBuf>,
     /// Folder for content that a later start can use.
     pub cache_dir: Option<PathBuf>,
+    /// Least share of the device's time that fits get while rollouts want all of it.
+    pub fit_share: f64,
     /// True to lease jobs, false to answer rollouts only.
     pub fits: bool,
     /// The program whose hidden command `ingest-capture` reads captures; this very program if none.
     pub ingest_program: Option<PathBuf>,
     /// Demand on the confinement of the process that reads captures.
     pub ingest_sandbox: Sandbox,
+    /// Memory for rollouts, loaded twins and fits [bytes].
+    pub memory_bytes: u64,
     /// Bounds on the work of one worker.
     pub limits: Limits,
     /// Time for which a finished result is kept while the server cannot be reached.
@@ -65,6 +75,8 @@ pub struct Limits {
     pub ingest_time: Duration,
     /// Memory that one observation may take when read [bytes].
     pub capture_bytes: u64,
+    /// Memory that a fit may take, its capture included [bytes, estimated].
+    pub fit_bytes: u64,
     /// Size of a twin file [bytes].
     pub twin_bytes: u64,
     /// Memory of all loaded twins [bytes, estimated].
@@ -81,6 +93,7 @@ impl Default for Limits {
             ingest_bytes: 1500 << 20,
             ingest_time: Duration::from_secs(600),
             capture_bytes: 2 << 30,
+            fit_bytes: crate::budget::default_bytes() / 2,
             twin_bytes: 512 << 20,
             warm_bytes: 1 << 30,
             warm_twins: 32,
@@ -100,9 +113,11 @@ impl Options {
             advertise: None,
             scratch_dir: None,
             cache_dir: None,
+            fit_share: FIT_SHARE,
             fits: true,
             ingest_program: None,
             ingest_sandbox: Sandbox::default(),
+            memory_bytes: crate::budget::default_bytes(),
             limits: Limits::default(),
             delivery_timeout: Duration::from_secs(600),
         }
@@ -122,6 +137,9 @@ impl Options {
                 "listening on {} needs --advertise http://host:port, so that the server can reach this worker",
                 self.listen
             ))
+        } else if self.memory_bytes < LEAST_BYTES {
+            let least = LEAST_BYTES >> 20;
+            Some(format!("--memory-mib is too little for anything: give at least {least}"))
         } else if self.limits.ingest_bytes < LEAST_INGEST_BYTES {
             let least = LEAST_INGEST_BYTES >> 20;
             Some(format!("--ingest-memory-mib is too little for anything: give at least {least}"))
@@ -133,6 +151,8 @@ impl Options {
                 "this system does not confine the process that reads captures ({lacking}): use a kernel with Landlock \
                  and seccomp, or --ingest-sandbox best-effort"
             ))
+        } else if !(0.0..=0.9).contains(&self.fit_share) {
+            Some(format!("--fit-share is {}: it must lie in 0..=0.9", self.fit_share))
         } else {
             None
         };

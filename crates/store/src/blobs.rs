@@ -1,7 +1,18 @@
 //! Content by digest. An upload streams to a temporary object while it is hashed; publishing
 //! renames it to the path derived from its digest, so equal content shares one object.
+//!
+//! | folder | content |
+//! |---|---|
+//! | `blake3` | what rows refer to, by digest |
+//! | `incoming` | uploads under way; emptied at start |
+//! | `partial` | uploads that can be resumed |
+//! | `trash` | what no row referred to, for a day |
+//! | `found` | what a repair found no row for; nothing removes it |
 
+mod content;
+pub(crate) mod files;
 mod partial;
+mod trash;
 mod upload;
 
 use std::{
@@ -9,26 +20,25 @@ use std::{
     sync::Arc,
 };
 
-use bytes::Bytes;
-use futures::{StreamExt, TryStreamExt, stream::BoxStream};
+use futures::TryStreamExt;
 use object_store::{
-    GetResultPayload, ObjectStore, ObjectStoreExt, RenameOptions, local::LocalFileSystem,
-    path::Path,
+    ObjectStore, ObjectStoreExt, RenameOptions, local::LocalFileSystem, path::Path,
 };
 use tokio::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard};
-use tokio_util::io::ReaderStream;
 
 use crate::{
-    Digest, Error, Result,
+    Result,
+    disk::Reserve,
     failpoint::{Armed, Failpoint},
+    folder,
 };
 
+pub use content::Content;
 pub use upload::{Staged, Upload};
 
 const INCOMING: &str = "incoming";
 const PUBLISHED: &str = "blake3";
-/// Bytes per chunk of a download.
-const CHUNK: usize = 1 << 20;
+const TRASH: &str = "trash";
 
 /// The blobs of a store. Clones share it.
 #[derive(Clone, Debug)]
@@ -38,66 +48,54 @@ pub struct Blobs {
     /// Lock shared by callers that publish and then refer, and exclusive for those that delete.
     gate: Arc<RwLock<()>>,
     armed: Arc<Armed>,
-}
-
-/// A blob being read. The reader is not affected if it is deleted meanwhile.
-pub struct Content {
-    /// Size [bytes].
-    pub size_bytes: u64,
-    /// Its bytes, in chunks of up to 1 MiB.
-    pub chunks: BoxStream<'static, Result<Bytes>>,
-}
-
-impl std::fmt::Debug for Content {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Content").field("size_bytes", &self.size_bytes).finish_non_exhaustive()
-    }
+    reserve: Arc<Reserve>,
 }
 
 impl Blobs {
     /// Opens a local folder and empties its `incoming`.
-    pub(crate) async fn open(root: &FsPath, armed: Arc<Armed>) -> Result<Self> {
+    pub(crate) async fn open(
+        root: &FsPath,
+        armed: Arc<Armed>,
+        reserve: Arc<Reserve>,
+    ) -> Result<Self> {
         match tokio::fs::remove_dir_all(root.join(INCOMING)).await {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
             _ => {}
         }
-        tokio::fs::create_dir_all(root).await?;
+        folder::make(root)?;
+        folder::close_to_others(root, folder::FOLDER);
         let objects = LocalFileSystem::new_with_prefix(root)?.with_fsync(true);
         let root = Arc::new(root.to_owned());
-        Ok(Self { objects: Arc::new(objects), root, gate: Arc::default(), armed })
+        Ok(Self { objects: Arc::new(objects), root, gate: Arc::default(), armed, reserve })
     }
 
     /// Begins an upload of at most `limit` bytes.
     ///
     /// # Errors
-    /// If no temporary object can be made.
+    /// [`crate::Error::DiskFull`]; if no temporary object can be made.
     pub async fn upload(&self, limit: u64) -> Result<Upload> {
         let path = Path::from_iter([INCOMING, &uuid::Uuid::new_v4().simple().to_string()]);
         let sink = self.objects.put_multipart(&path).await?;
         Ok(Upload::new(self.clone(), path, sink, limit))
     }
 
-    /// Opens the content that a row refers to; `name` is the row's, for the error.
-    ///
-    /// # Errors
-    /// [`Error::ContentLost`] if it is not there.
-    pub async fn read(&self, digest: &Digest, name: &str) -> Result<Content> {
-        let got = match self.objects.get(&published(&digest.to_hex())).await {
-            Err(object_store::Error::NotFound { .. }) => {
-                let (name, digest) = (name.to_owned(), digest.to_hex().to_string());
-                return Err(Error::ContentLost { name, digest });
-            }
-            got => got?,
-        };
-        let size_bytes = got.meta.size;
-        let chunks = match got.payload {
-            GetResultPayload::File(file, _) => {
-                let file = tokio::fs::File::from_std(file);
-                ReaderStream::with_capacity(file, CHUNK).map_err(Error::from).boxed()
-            }
-            GetResultPayload::Stream(stream) => stream.map_err(Error::from).boxed(),
-        };
-        Ok(Content { size_bytes, chunks })
+    /// Refuses new content of some size on a full disk. Little content gets through: it may be the
+    /// result of a job.
+    fn admit(&self) -> Result<()> {
+        self.reserve.admit()
+    }
+
+    /// Writes, syncs and removes a small file.
+    pub(crate) async fn probe(&self) -> Result<()> {
+        let folder = self.root.join(INCOMING);
+        let file = folder.join(format!("probe-{}", uuid::Uuid::new_v4().simple()));
+        let probed = tokio::task::spawn_blocking(move || {
+            folder::make(&folder)?;
+            let written = std::fs::write(&file, [0; 4096])
+                .and_then(|()| std::fs::OpenOptions::new().write(true).open(&file)?.sync_all());
+            std::fs::remove_file(&file).and(written)
+        });
+        Ok(probed.await.map_err(std::io::Error::other)??)
     }
 
     /// Puts staged content in its place. The guard is held until the row that
@@ -116,7 +114,7 @@ impl Blobs {
             match content.path() {
                 Some(path) => self.objects.rename_opts(path, &to, RenameOptions::new()).await?,
                 // Put in place before a crash.
-                None => drop(self.objects.head(&to).await?),
+                None => self.require(&content.digest().to_hex(), &to).await?,
             }
             content.disarm();
         }
@@ -146,6 +144,11 @@ impl Blobs {
             .try_filter_map(|meta| async move { Ok(meta.location.filename().map(str::to_owned)) });
         Ok(names.try_collect().await?)
     }
+}
+
+/// `trash/abcd...`.
+fn trashed(digest: &str) -> Path {
+    Path::from_iter([TRASH, digest])
 }
 
 /// `blake3/ab/abcd...`: folders of a 256th each keep listings short.

@@ -88,8 +88,9 @@ impl Captures<'_> {
     /// returns the capture created before.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`], database and file errors.
+    /// [`Error::RequestIdTaken`], [`Error::DiskFull`], database and file errors.
     pub async fn create(&self, new: NewCapture) -> Result<Capture> {
+        self.store.admit()?;
         let NewCapture { display_name, request_id, content, ingest } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let upload = content.upload();
@@ -205,10 +206,14 @@ impl Captures<'_> {
     /// The archive of a capture.
     ///
     /// # Errors
-    /// [`Error::NotFound`], [`Error::ContentLost`].
+    /// [`Error::NotFound`], [`Error::ContentLost`], [`Error::ContentDamaged`].
     pub async fn content(&self, id: CaptureId) -> Result<(Capture, Content)> {
         let capture = self.get(id).await?;
-        let content = self.store.blobs().read(&capture.digest, &id.to_string()).await?;
+        let content = self
+            .store
+            .blobs()
+            .read(&capture.digest, Some(capture.size_bytes), &id.to_string())
+            .await?;
         Ok((capture, content))
     }
 

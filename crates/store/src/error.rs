@@ -1,8 +1,10 @@
 //! Errors of the store.
 
+use std::path::PathBuf;
+
 use bendtwin_core::{Category, Problem, ids::FitId};
 
-use crate::{Digest, JobId};
+use crate::{Digest, JobId, disk};
 
 /// Result with this crate's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -52,14 +54,34 @@ pub enum Error {
     DiskFull,
     #[error("the data folder is in use by another server: stop it or choose another folder")]
     DataDirInUse,
-    #[error("the content {digest} of {name} is missing or damaged")]
+    #[error(
+        "the data folder has content but no database {}: put the database back, or run \
+         `bendtwin store repair` to begin a new one beside it", .file.display()
+    )]
+    DatabaseMissing { file: PathBuf },
+    #[error(
+        "the database {} and the content in {} belong to different stores: put the right one back, \
+         or run `bendtwin store repair` to join them", .file.display(), .blobs.display()
+    )]
+    StoreMismatch { file: PathBuf, blobs: PathBuf },
+    #[error("the database is damaged ({fault}): run `bendtwin store check`")]
+    DatabaseDamaged { fault: String },
+    #[error("the database cannot be rebuilt ({fault}): restore it from a backup")]
+    BeyondRepair { fault: String },
+    #[error("the database is locked by another program or overloaded: retry in a moment")]
+    DatabaseBusy,
+    #[error("the folder {} is not empty: name a new one for the backup", .folder.display())]
+    BackupNotEmpty { folder: PathBuf },
+    #[error("the content {digest} of {name} is missing: run `bendtwin store check`")]
     ContentLost { name: String, digest: String },
+    #[error("the content {digest} of {name} is damaged ({fault}): run `bendtwin store check`")]
+    ContentDamaged { name: String, digest: String, fault: String },
     #[error("stored row of {name}: {fault}")]
     CorruptRow { name: String, fault: String },
     #[error("database: {0}")]
     Database(#[source] sqlx::Error),
     #[error("migration of the database: {0}")]
-    Migration(#[from] sqlx::migrate::MigrateError),
+    Migration(#[source] sqlx::migrate::MigrateError),
     #[error("files: {0}")]
     Objects(#[source] object_store::Error),
     #[error("files: {0}")]
@@ -77,14 +99,21 @@ impl Problem for Error {
             Self::CaptureInUse { .. }
             | Self::IngestUnderWay { .. }
             | Self::FitRunning { .. }
+            | Self::DatabaseMissing { .. }
+            | Self::StoreMismatch { .. }
+            | Self::BackupNotEmpty { .. }
             | Self::DataDirInUse => Category::FailedPrecondition,
             Self::InvalidPageToken
             | Self::TooLarge { .. }
             | Self::DigestMismatch { .. }
             | Self::UploadLength { .. } => Category::InvalidArgument,
             Self::DiskFull | Self::UploadsFull { .. } => Category::ResourceExhausted,
-            Self::ContentLost { .. } | Self::CorruptRow { .. } => Category::DataLoss,
-            Self::Database(sqlx::Error::PoolTimedOut) => Category::Unavailable,
+            Self::ContentLost { .. }
+            | Self::ContentDamaged { .. }
+            | Self::DatabaseDamaged { .. }
+            | Self::BeyondRepair { .. }
+            | Self::CorruptRow { .. } => Category::DataLoss,
+            Self::DatabaseBusy => Category::Unavailable,
             Self::Database(_)
             | Self::Migration(_)
             | Self::Objects(_)
@@ -110,9 +139,14 @@ impl Problem for Error {
             Self::UploadsFull { .. } => "UPLOADS_FULL",
             Self::DiskFull => "DISK_FULL",
             Self::DataDirInUse => "DATA_DIR_IN_USE",
+            Self::DatabaseMissing { .. } => "DATABASE_MISSING",
+            Self::StoreMismatch { .. } => "STORE_MISMATCH",
+            Self::BackupNotEmpty { .. } => "BACKUP_NOT_EMPTY",
+            Self::DatabaseDamaged { .. } | Self::BeyondRepair { .. } => "DATABASE_DAMAGED",
+            Self::DatabaseBusy => "DATABASE_BUSY",
             Self::ContentLost { .. } => "CONTENT_LOST",
+            Self::ContentDamaged { .. } => "CONTENT_DAMAGED",
             Self::CorruptRow { .. } => "CORRUPT_ROW",
-            Self::Database(sqlx::Error::PoolTimedOut) => "DATABASE_BUSY",
             Self::Database(_) | Self::Migration(_) => "DATABASE_FAILED",
             Self::Objects(_) | Self::Io(_) => "FILES_FAILED",
             Self::Failpoint(_) => "FAILPOINT",
@@ -122,19 +156,47 @@ impl Problem for Error {
 
 impl From<sqlx::Error> for Error {
     fn from(error: sqlx::Error) -> Self {
-        /// SQLITE_FULL; extended codes keep it in the low byte.
-        const SQLITE_FULL: i64 = 13;
-        let code = error.as_database_error().and_then(|e| e.code()?.parse::<i64>().ok());
-        if code.is_some_and(|c| c & 0xff == SQLITE_FULL) {
-            return Self::DiskFull;
+        const BUSY: i64 = 5;
+        const LOCKED: i64 = 6;
+        const CORRUPT: i64 = 11;
+        const FULL: i64 = 13;
+        const NOT_A_DATABASE: i64 = 26;
+        /// The index of the log cannot grow: its file is as large as the disk lets it be.
+        const SHARED_MEMORY_SIZE: i64 = 4874;
+        if matches!(error, sqlx::Error::PoolTimedOut) {
+            return Self::DatabaseBusy;
         }
-        Self::Database(error)
+        let code = error.as_database_error().and_then(|e| e.code()?.parse::<i64>().ok());
+        // Extended codes have the primary one in the low byte.
+        match code.map(|code| (code, code & 0xff)) {
+            Some((SHARED_MEMORY_SIZE, _) | (_, FULL)) => Self::DiskFull,
+            Some((_, BUSY | LOCKED)) => Self::DatabaseBusy,
+            Some((_, CORRUPT | NOT_A_DATABASE)) => {
+                Self::DatabaseDamaged { fault: error.to_string() }
+            }
+            _ => Self::Database(error),
+        }
+    }
+}
+
+impl From<sqlx::migrate::MigrateError> for Error {
+    fn from(error: sqlx::migrate::MigrateError) -> Self {
+        use sqlx::migrate::MigrateError;
+        match error {
+            MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) => {
+                match error.into() {
+                    Self::Database(error) => Self::Migration(MigrateError::Execute(error)),
+                    known => known,
+                }
+            }
+            error => Self::Migration(error),
+        }
     }
 }
 
 impl From<std::io::Error> for Error {
     fn from(error: std::io::Error) -> Self {
-        if is_disk_full(&error) { Self::DiskFull } else { Self::Io(error) }
+        if disk::is_full(&error) { Self::DiskFull } else { Self::Io(error) }
     }
 }
 
@@ -142,16 +204,11 @@ impl From<object_store::Error> for Error {
     fn from(error: object_store::Error) -> Self {
         let mut source: Option<&(dyn std::error::Error + 'static)> = Some(&error);
         while let Some(e) = source {
-            if e.downcast_ref::<std::io::Error>().is_some_and(is_disk_full) {
+            if e.downcast_ref::<std::io::Error>().is_some_and(disk::is_full) {
                 return Self::DiskFull;
             }
             source = e.source();
         }
         Self::Objects(error)
     }
-}
-
-fn is_disk_full(error: &std::io::Error) -> bool {
-    use std::io::ErrorKind;
-    matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
 }

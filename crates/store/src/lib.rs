@@ -26,12 +26,14 @@
 //!   `where lease_epoch = $mine and state = 'running'`; else [`Error::StaleLease`]
 //!   and nothing changes. A lease that has run out but that nobody took still
 //!   writes: expiry by itself changes nothing, the sweeper does.
-//! * **Leases** end by the database's clock. SQLite lives in this process, so
-//!   that is the process's [`Clock`]; with PostgreSQL it would be the database's.
+//! * **Leases** end by the time for which this process has run ([`Store::lease_time`]), so that
+//!   neither a clock that is set nor a process that stood still ends one. After a
+//!   restart those that run begin anew. `lease_until` is for people.
 //! * **Attempts**: a claim adds 1 to `stalled`; a checkpoint with new content or a
 //!   report further along than any before resets it. An attempt that ends badly
 //!   with `stalled` at [`MAX_STALLED_ATTEMPTS`] fails the job; the faults of all
-//!   attempts stay with it.
+//!   attempts stay with it. An attempt that other work of its worker ended (a rollout that
+//!   killed it) does not count, up to [`MAX_INTERRUPTED_ATTEMPTS`] without progress.
 //! * **Completion** inserts the twin, or observation and report, and ends the job
 //!   in one transaction, and is idempotent for one lease, so a lost reply can be
 //!   asked for again.
@@ -46,8 +48,22 @@
 //! So a crash can leave blobs without rows, never rows without blobs. Equal
 //! content is one blob. It is deleted when a row went and no other refers to it:
 //! the check and the deletion hold a gate that publishing shares, so a
-//! reference cannot appear in between. [`Store::open`] deletes what crashes
-//! left, [`Store::collect_garbage`] what callers left that went away in mid-call.
+//! reference cannot appear in between. The remains of crashes, and of callers that
+//! went away in mid-call, are moved to a trash folder by [`Store::collect_garbage`],
+//! and removed a day later. Database and blobs have a common identity: [`Store::open`] refuses to
+//! make garbage of the blobs of another database.
+//!
+//! # Content that is not what it was
+//! Sizes are compared when content is opened, digests while it is read: damaged
+//! content never arrives whole. [`maintenance`] has the check of a whole store, its
+//! repair and its backup.
+//!
+//! # A full disk
+//! A reserve file is given up when the database meets a full disk, so that
+//! deletions and the ends of jobs get through; new content is refused until the
+//! reserve is there again. A connection whose transaction SQLite ended by itself
+//! is closed, so that writes work again as soon as the disk has room.
+//!
 //! The crash points are named in [`failpoint`] and are inputs of the tests.
 //!
 //! # Room for PostgreSQL and S3
@@ -64,12 +80,17 @@ mod blobs;
 mod captures;
 mod clock;
 mod database;
+mod disk;
 mod error;
 pub mod failpoint;
+mod folder;
+mod identity;
 mod jobs;
+pub mod maintenance;
 mod migrations;
 mod observations;
 mod page;
+mod references;
 mod row;
 mod store;
 mod twins;
@@ -79,18 +100,20 @@ mod workers;
 pub use blobs::{Blobs, Content, Staged, Upload};
 pub use captures::{Capture, Captures, NewCapture, Overview};
 pub use clock::{Clock, ManualClock, SystemClock};
+pub use disk::Disk;
 pub use error::{Error, Result};
 pub use jobs::{
-    AttemptEnd, IngestResult, Job, JobId, Jobs, Kind, Lease, MAX_STALLED_ATTEMPTS, NewFit,
-    NewIngest, NewReport, QueueDepth, Reported, State,
+    AttemptEnd, IngestResult, Job, JobId, Jobs, Kind, Lease, LeaseTerms, Loss,
+    MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport, QueueDepth,
+    Reported, State,
 };
 pub use observations::{Observation, Report};
 pub use page::{Page, PageRequest};
 pub use store::{Options, Store};
 pub use twins::{NewTwin, Twin, TwinFacts, Twins};
 pub use uploads::{
-    NewResumableUpload, ResumableUpload, UploadBounds, UploadState, UploadUse, UploadWriter,
-    Uploads,
+    FIRST_ROOM, NewResumableUpload, ResumableUpload, UploadBounds, UploadState, UploadUse,
+    UploadWriter, Uploads,
 };
 pub use workers::{NewWorker, Worker, Workers};
 

@@ -106,12 +106,16 @@ impl Captures<'_> {
     /// The bundle of a capture's observation.
     ///
     /// # Errors
-    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`].
+    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`], [`Error::ContentDamaged`].
     pub async fn observation_content(&self, id: CaptureId) -> Result<(Observation, Content)> {
         let name = format!("the observation of {id}");
         let found = self.observation(id).await?;
         let observation = found.ok_or_else(|| Error::NotFound { name: name.clone() })?;
-        let content = self.store.blobs().read(&observation.digest, &name).await?;
+        let content = self
+            .store
+            .blobs()
+            .read(&observation.digest, Some(observation.size_bytes), &name)
+            .await?;
         Ok((observation, content))
     }
 
@@ -142,13 +146,13 @@ impl Captures<'_> {
     /// A capture's report, as a document or as a page.
     ///
     /// # Errors
-    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`].
+    /// [`Error::NotFound`] if there is none, [`Error::ContentLost`], [`Error::ContentDamaged`].
     pub async fn report_content(&self, id: CaptureId, page: bool) -> Result<Content> {
         let name = format!("the report of {id}");
         let report = self.report(id).await?;
         let report = report.ok_or_else(|| Error::NotFound { name: name.clone() })?;
         let digest = if page { report.html } else { report.json };
-        self.store.blobs().read(&digest, &name).await
+        self.store.blobs().read(&digest, None, &name).await
     }
 }
 

@@ -1,15 +1,19 @@
 //! The store as a whole: opening, closing, and access to the aggregates.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use jiff::Timestamp;
-use tokio::sync::{Notify, broadcast};
+use tokio::sync::{Notify, RwLockWriteGuard, broadcast};
 
 use crate::{
-    Blobs, Captures, Clock, JobId, Jobs, Result, SystemClock, Twins, Uploads, Workers,
+    Blobs, Captures, Clock, Error, JobId, Jobs, Result, SystemClock, Twins, Uploads, Workers,
     clock::micros,
-    database::Database,
+    database::{self, Database},
+    disk::{Disk, Reserve},
     failpoint::{Armed, Failpoint},
+    folder, identity,
+    jobs::LeaseTimes,
+    references,
     uploads::Seats,
 };
 
@@ -18,7 +22,7 @@ use crate::{
 pub struct Options {
     /// The folder of all data; made if missing.
     pub data_dir: PathBuf,
-    /// The clock by which leases end.
+    /// The clocks: of rows, and of leases.
     pub clock: Arc<dyn Clock>,
 }
 
@@ -37,6 +41,8 @@ pub struct Store {
 
 #[derive(Debug)]
 pub(crate) struct Inner {
+    data_dir: PathBuf,
+    reserve: Arc<Reserve>,
     pub(crate) database: Database,
     pub(crate) blobs: Blobs,
     pub(crate) clock: Arc<dyn Clock>,
@@ -47,26 +53,48 @@ pub(crate) struct Inner {
     pub(crate) armed: Arc<Armed>,
     /// Current writer of each resumable upload.
     pub(crate) seats: Seats,
+    /// Ends of the leases of running jobs.
+    pub(crate) leases: LeaseTimes,
 }
 
 impl Store {
-    /// Opens the folder, migrates its tables, deletes the remains of crashes (half-written uploads
-    /// and blobs that no row refers to), and queues the ingests of captures from before ingests
+    /// Opens the folder, migrates its tables, moves blobs that no row refers to into the trash,
+    /// deletes half-written uploads, and queues the ingests of captures from before ingests
     /// existed.
     ///
     /// # Errors
-    /// [`crate::Error::DataDirInUse`] if another server has it open; database and file errors.
+    /// [`Error::DataDirInUse`] if another server has it open; [`Error::DatabaseMissing`] and
+    /// [`Error::StoreMismatch`] if database and blobs do not belong together;
+    /// [`Error::DatabaseDamaged`]; database and file errors.
     pub async fn open(options: Options) -> Result<Self> {
-        tokio::fs::create_dir_all(&options.data_dir).await?;
-        let database = Database::open(&options.data_dir).await?;
+        let Options { data_dir, clock } = options;
+        folder::make(&data_dir)?;
+        let lock = database::lock(&data_dir)?;
+        identity::require_database(&data_dir)?;
+        let reserve = Arc::new(Reserve::open(&data_dir));
+        let database = Database::open(&data_dir, lock, reserve.clone()).await?;
+        identity::settle(&database, &data_dir, micros(clock.now())).await?;
         let armed = Arc::new(Armed::default());
-        let blobs = Blobs::open(&options.data_dir.join("blobs"), armed.clone()).await?;
+        let blobs = Blobs::open(&data_dir.join("blobs"), armed.clone(), reserve.clone()).await?;
         let (changes, _) = broadcast::channel(1024);
-        let queued = Notify::new();
-        let (clock, seats) = (options.clock, Seats::default());
-        let inner = Inner { database, blobs, clock, changes, queued, armed, seats };
+        let (queued, seats, leases) = (Notify::new(), Seats::default(), LeaseTimes::default());
+        let inner = Inner {
+            data_dir,
+            reserve,
+            database,
+            blobs,
+            clock,
+            changes,
+            queued,
+            armed,
+            seats,
+            leases,
+        };
         let store = Self { inner: Arc::new(inner) };
-        store.collect_garbage().await?;
+        match store.collect_garbage().await {
+            Err(Error::DiskFull) => tracing::warn!("unused content stays while the disk is full"),
+            collected => collected?,
+        }
         store.uploads().collect_garbage().await?;
         store.captures().ingest_old().await?;
         Ok(store)
@@ -102,9 +130,16 @@ impl Store {
         &self.inner.blobs
     }
 
-    /// The time by the clock of leases.
+    /// The time of day.
     pub fn now(&self) -> Timestamp {
         self.inner.clock.now()
+    }
+
+    /// The time by which leases end: that for which this process was seen to run by
+    /// [`Jobs::sweep`], whatever is done to the clock of the day, and hardly any of the time in
+    /// which the process stood still.
+    pub fn lease_time(&self) -> Duration {
+        self.inner.leases.now(self.inner.clock.monotonic())
     }
 
     /// Checks that the database answers.
@@ -116,21 +151,52 @@ impl Store {
         Ok(())
     }
 
+    /// Proves that a change can be made to last, by making one in the database and one among the
+    /// blobs. Also makes room again for the reserve of a disk that was full.
+    ///
+    /// # Errors
+    /// [`Error::DiskFull`] while new content is refused; database and file errors.
+    pub async fn probe_write(&self) -> Result<()> {
+        let mut tx = self.inner.database.write().await?;
+        sqlx::query("update store set probed_at = $1 where id = 1")
+            .bind(self.now_micros())
+            .execute(&mut *tx)
+            .await?;
+        tx.commit().await?;
+        self.admit()?;
+        self.inner.blobs.probe().await
+    }
+
+    /// Space of the disk that has the data folder.
+    ///
+    /// # Errors
+    /// If the system does not tell.
+    pub fn disk(&self) -> Result<Disk> {
+        Disk::of(&self.inner.data_dir)
+    }
+
+    /// Refuses what would grow on a full disk.
+    pub(crate) fn admit(&self) -> Result<()> {
+        self.inner.reserve.admit()
+    }
+
     /// Closes the database. Work under way fails.
     pub async fn close(&self) {
         self.inner.database.close().await;
     }
 
-    /// Deletes blobs that no row refers to, left by callers that went away in the middle of a call.
-    /// Safe at any time.
+    /// Moves blobs that no row refers to into the trash, and removes what has been there for a day.
+    /// They were left by callers that went away in the middle of a call. Safe at any time.
     ///
     /// # Errors
     /// Database and file errors.
     pub async fn collect_garbage(&self) -> Result<()> {
         for digest in self.inner.blobs.list().await? {
-            self.release(&digest).await?;
+            if let Some(_gate) = self.unless_referred(&digest).await? {
+                self.inner.blobs.discard(&digest, self.now()).await?;
+            }
         }
-        Ok(())
+        self.inner.blobs.empty_trash(self.now()).await
     }
 
     pub(crate) fn now_micros(&self) -> i64 {
@@ -141,29 +207,23 @@ impl Store {
         self.inner.armed.pass(point)
     }
 
-    /// Deletes a blob unless a row refers to it.
+    /// Deletes a blob unless a row refers to it: its row was deleted on purpose.
     pub(crate) async fn release(&self, digest: &str) -> Result<()> {
-        // Most are in use: do not bar others for those.
-        if self.is_referred(digest).await? {
-            return Ok(());
+        match self.unless_referred(digest).await? {
+            Some(_gate) => self.inner.blobs.delete(digest).await,
+            None => Ok(()),
         }
-        let _gate = self.inner.blobs.close_gate().await;
-        if self.is_referred(digest).await? {
-            return Ok(());
-        }
-        self.inner.blobs.delete(digest).await
     }
 
-    async fn is_referred(&self, digest: &str) -> Result<bool> {
-        let referred = sqlx::query_scalar(
-            "select exists (select 1 from captures where digest = $1)
-                 or exists (select 1 from twins where digest = $1)
-                 or exists (select 1 from jobs where checkpoint = $1)
-                 or exists (select 1 from observations where digest = $1)
-                 or exists (select 1 from reports where json_digest = $1 or html_digest = $1)
-                 or exists (select 1 from uploads where digest = $1)",
-        );
-        Ok(referred.bind(digest).fetch_one(self.inner.database.read()).await?)
+    /// The closed gate, if no row refers to a blob: none will while it is held.
+    async fn unless_referred(&self, digest: &str) -> Result<Option<RwLockWriteGuard<'_, ()>>> {
+        let readers = self.inner.database.read();
+        // Most are in use: do not bar others for those.
+        if references::exist(readers, digest).await? {
+            return Ok(None);
+        }
+        let gate = self.inner.blobs.close_gate().await;
+        Ok((!references::exist(readers, digest).await?).then_some(gate))
     }
 }
 

@@ -159,13 +159,21 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
     row.try_into()
 }
 
+/// A page of twins. One statement with an optional filter would find no index for either.
+pub(crate) const LIST: &str =
+    "select * from twins where id < $1 and $3 is null order by id desc limit $2";
+/// A page of the twins of a capture.
+pub(crate) const LIST_OF_CAPTURE: &str =
+    "select * from twins where capture = $3 and id < $1 order by id desc limit $2";
+
 impl Twins<'_> {
     /// Stores an imported twin. The same request id with the same content and name returns the twin
     /// created before.
     ///
     /// # Errors
-    /// [`Error::RequestIdTaken`], database and file errors.
+    /// [`Error::RequestIdTaken`], [`Error::DiskFull`], database and file errors.
     pub async fn create(&self, new: NewTwin) -> Result<Twin> {
+        self.store.admit()?;
         let NewTwin { display_name, request_id, facts, content } = new;
         let (digest, size_bytes) = (content.digest(), content.size_bytes());
         let guard = self.store.blobs().publish(content).await?;
@@ -222,15 +230,9 @@ impl Twins<'_> {
     pub async fn list(&self, page: &PageRequest, capture: Option<CaptureId>) -> Result<Page<Twin>> {
         let capture = capture.map(|c| c.uuid().to_string());
         let listing = format!("twins/{}", capture.as_deref().unwrap_or_default());
-        let rows: Vec<Row> = sqlx::query_as(
-            "select * from twins where id < $1 and ($3 is null or capture = $3)
-             order by id desc limit $2",
-        )
-        .bind(page.before(&listing)?)
-        .bind(page.fetch())
-        .bind(capture)
-        .fetch_all(self.store.inner.database.read())
-        .await?;
+        let query = sqlx::query_as(if capture.is_some() { LIST_OF_CAPTURE } else { LIST });
+        let query = query.bind(page.before(&listing)?).bind(page.fetch()).bind(capture);
+        let rows: Vec<Row> = query.fetch_all(self.store.inner.database.read()).await?;
         let items = rows.into_iter().map(Twin::try_from).collect::<Result<_>>()?;
         Ok(Page::cut(items, page, &listing, |t: &Twin| t.id.uuid()))
     }
@@ -238,10 +240,11 @@ impl Twins<'_> {
     /// The file of a twin.
     ///
     /// # Errors
-    /// [`Error::NotFound`], [`Error::ContentLost`].
+    /// [`Error::NotFound`], [`Error::ContentLost`], [`Error::ContentDamaged`].
     pub async fn content(&self, id: TwinId) -> Result<(Twin, Content)> {
         let twin = self.get(id).await?;
-        let content = self.store.blobs().read(&twin.digest, &id.to_string()).await?;
+        let content =
+            self.store.blobs().read(&twin.digest, Some(twin.size_bytes), &id.to_string()).await?;
         Ok((twin, content))
     }
 

@@ -10,6 +10,10 @@ use serde::{
 
 use super::{Read, TensorFormat, Write};
 
+/// Longest list of messages. Three bytes of text become a message of two hundred bytes, so the
+/// length of the text is no bound of their memory.
+pub(super) const MOST_MESSAGES: usize = 65_536;
+
 /// A message whose fields are known. Implementations are generated.
 pub trait Fields: Default {
     /// Name of the message.
@@ -179,6 +183,10 @@ impl<'de, T: Fields> Visitor<'de> for ListVisitor<T> {
         loop {
             let place = format!("[{}]", messages.len());
             match seq.next_element::<Read<T>>().map_err(|error| at(&place, error))? {
+                Some(_) if messages.len() == MOST_MESSAGES => {
+                    let fault = format!("has more than {MOST_MESSAGES} entries");
+                    return Err(A::Error::custom(fault));
+                }
                 Some(Read(message)) => messages.push(message),
                 None => return Ok(messages),
             }

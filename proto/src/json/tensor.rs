@@ -8,10 +8,11 @@ use serde::{
     ser::{Error as _, SerializeMap, SerializeSeq as _},
 };
 
-use crate::v1::{Tensor, tensor::Dtype};
+use crate::{
+    rollout::MOST_DIMENSIONS,
+    v1::{Tensor, tensor::Dtype},
+};
 
-/// Deepest nesting of a list.
-const MOST_DIMENSIONS: usize = 8;
 /// Most bytes of a tensor that lists make. Bodies are bounded, too, so this is only reached by
 /// lists of short numbers.
 const MOST_BYTES: usize = 1 << 30;
@@ -57,12 +58,40 @@ pub(super) fn write_tensor<M: SerializeMap>(
 #[serde(deny_unknown_fields)]
 struct Packed {
     dtype: String,
+    #[serde(deserialize_with = "shape")]
     shape: Vec<u64>,
     data: String,
     #[serde(default, skip_serializing_if = "is_zero")]
     scale: f32,
     #[serde(default, skip_serializing_if = "is_zero")]
     offset: f32,
+}
+
+/// A shape: a few lengths, however many the body has.
+fn shape<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u64>, D::Error> {
+    deserializer.deserialize_seq(Lengths)
+}
+
+struct Lengths;
+
+impl<'de> Visitor<'de> for Lengths {
+    type Value = Vec<u64>;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a list of lengths")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+        let mut lengths = Vec::new();
+        while let Some(length) = seq.next_element()? {
+            if lengths.len() == MOST_DIMENSIONS {
+                let fault = format!("has a shape of more than {MOST_DIMENSIONS} lengths");
+                return Err(A::Error::custom(fault));
+            }
+            lengths.push(length);
+        }
+        Ok(lengths)
+    }
 }
 
 fn is_zero(x: &f32) -> bool {

@@ -158,6 +158,18 @@ fn every_type_is_written_by_its_values() {
 }
 
 #[test]
+fn lists_of_messages_and_shapes_are_bounded() {
+    let costs = |count: usize| format!("{{\"costs\": [{}{{}}]}}", "{},".repeat(count - 1));
+    let read = |text: &str| serde_json::from_str::<Read<RollOutRequest>>(text);
+    assert_eq!(read(&costs(fields::MOST_MESSAGES)).unwrap().0.costs.len(), fields::MOST_MESSAGES);
+    let error = read(&costs(fields::MOST_MESSAGES + 1)).unwrap_err().to_string();
+    assert!(error.contains("`costs` has more than 65536 entries"), "{error}");
+    let shape = json!({"dtype": "FLOAT32", "shape": vec![0; 9], "data": ""});
+    let error = positions(shape).unwrap_err();
+    assert!(error.contains("a shape of more than 8 lengths"), "{error}");
+}
+
+#[test]
 fn broken_tensors_are_refused() {
     let broken = [
         json!(3),

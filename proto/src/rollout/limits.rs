@@ -14,8 +14,16 @@ pub const ENVELOPE_BYTES: u64 = 64 << 10;
 pub struct Limits {
     /// Size of a request [bytes].
     pub request_bytes: u64,
+    /// Size of a request in JSON [bytes]. Its numbers take several times the memory of its text, so
+    /// this is less than `request_bytes`: larger requests are sent as protobuf.
+    pub json_bytes: u64,
     /// Size of a reply, or of one part of a streamed reply [bytes].
     pub reply_bytes: u64,
+    /// Size of a reply that is written as nested lists of JSON [bytes, as protobuf]. Written out it
+    /// is several times as large: larger replies are sent as base64 or as protobuf.
+    pub json_reply_bytes: u64,
+    /// Memory that a rollout may take at a worker, by [`memory`](super::memory()) [bytes].
+    pub memory_bytes: u64,
     /// Number of instances.
     pub instances: u64,
     /// Horizon [frames].
@@ -35,7 +43,10 @@ impl Default for Limits {
     fn default() -> Self {
         Self {
             request_bytes: 256 << 20,
+            json_bytes: 16 << 20,
             reply_bytes: 256 << 20,
+            json_reply_bytes: 16 << 20,
+            memory_bytes: 2 << 30,
             instances: 65_536,
             frames: 100_000,
             costs: 256,
@@ -70,6 +81,7 @@ impl From<&Limits> for v1::RolloutLimits {
             name_bytes: limits.name_bytes,
             targets: limits.targets,
             work: limits.work,
+            memory_bytes: limits.memory_bytes,
         }
     }
 }
@@ -88,6 +100,10 @@ impl From<&v1::RolloutLimits> for Limits {
             name_bytes: known(wire.name_bytes, default.name_bytes),
             targets: known(wire.targets, default.targets),
             work: known(wire.work, default.work),
+            memory_bytes: known(wire.memory_bytes, default.memory_bytes),
+            // Workers see no JSON.
+            json_bytes: default.json_bytes,
+            json_reply_bytes: default.json_reply_bytes,
         }
     }
 }

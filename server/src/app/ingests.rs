@@ -87,7 +87,7 @@ impl App {
         let fault = upload.fault.clone();
         self.require_lease(attempt).await?;
         let (observation, json, html) = self.receive_parts(upload).await?;
-        results::check_report(&json, &verdict).await?;
+        self.check_report(&json, &verdict).await?;
         if let Some(observation) = &observation {
             results::check_observation(observation).await?;
         }
@@ -111,7 +111,7 @@ impl App {
         };
         let store = self.store.clone();
         let end = async move { store.jobs().end_ingest(attempt.lease, result).await };
-        let job = super::run_to_completion(end).await?;
+        let job = self.change(end).await?;
         self.record_end(attempt.worker, &job);
         Ok(())
     }

@@ -8,12 +8,8 @@ use bendtwin_core::{
 };
 use bendtwin_store::{Staged, TwinFacts};
 use serde::Deserialize;
-use tokio::sync::Semaphore;
 
-use super::{Error, Result};
-
-/// One content at a time is decoded: together they could take any amount of memory.
-static DECODING: Semaphore = Semaphore::const_new(1);
+use super::{App, Error, Result};
 
 /// First bytes of an entry of a ZIP archive.
 const ENTRY: &[u8] = b"PK\x03\x04";
@@ -21,14 +17,39 @@ const ENTRY: &[u8] = b"PK\x03\x04";
 const ENTRY_HEAD: usize = 30;
 const NAME_LENGTH: std::ops::Range<usize> = 26..28;
 
-/// Decodes and checks a twin file. Returns the facts that listings show.
-pub(super) async fn check_twin(content: &Staged) -> Result<TwinFacts> {
-    let _one = DECODING.acquire().await.map_err(|e| Error::Internal(e.to_string()))?;
-    let bytes = content.bytes().await?;
-    let decode = move || TwinFile::decode(&bytes).map_err(Error::from).and_then(|t| facts(&t));
-    tokio::task::spawn_blocking(decode)
+impl App {
+    /// Decodes and checks a twin file. Returns the facts that listings show.
+    pub(super) async fn check_twin(&self, content: &Staged) -> Result<TwinFacts> {
+        // Only when it is whole, so that a slow upload holds no memory.
+        let share = self.memory.twin_file(content.size_bytes()).await?;
+        let bytes = content.bytes().await?;
+        tokio::task::spawn_blocking(move || {
+            let _share = share;
+            TwinFile::decode(&bytes).map_err(Error::from).and_then(|twin| facts(&twin))
+        })
         .await
         .map_err(|e| Error::Internal(format!("reading a twin file: {e}")))?
+    }
+
+    /// Checks that a report is one, and that it has this verdict.
+    pub(super) async fn check_report(&self, content: &Staged, verdict: &str) -> Result<()> {
+        let unsound = |fault: String| Error::Unsound { what: "a report", fault };
+        let share = self.memory.report(content.size_bytes()).await?;
+        let bytes = content.bytes().await?;
+        let read = tokio::task::spawn_blocking(move || {
+            let _share = share;
+            serde_json::from_slice(&bytes)
+        });
+        let read = read.await.map_err(|e| Error::Internal(format!("reading a report: {e}")))?;
+        let head: ReportHead = read.map_err(|e| unsound(e.to_string()))?;
+        if head.format != REPORT_FORMAT || head.version == 0 {
+            return Err(unsound(format!("its format is `{}` {}", head.format, head.version)));
+        }
+        if head.verdict != verdict {
+            return Err(unsound(format!("its verdict is `{}`, not `{verdict}`", head.verdict)));
+        }
+        Ok(())
+    }
 }
 
 /// Refuses a twin that is not what its worker says it is.
@@ -50,26 +71,6 @@ struct ReportHead {
     format: String,
     version: u32,
     verdict: String,
-}
-
-/// Checks that a report is one, and that it has this verdict.
-pub(super) async fn check_report(content: &Staged, verdict: &str) -> Result<()> {
-    let unsound = |fault: String| Error::Unsound { what: "a report", fault };
-    let head: ReportHead = {
-        let _one = DECODING.acquire().await.map_err(|e| Error::Internal(e.to_string()))?;
-        let bytes = content.bytes().await?;
-        tokio::task::spawn_blocking(move || serde_json::from_slice(&bytes))
-            .await
-            .map_err(|e| Error::Internal(format!("reading a report: {e}")))?
-            .map_err(|e| unsound(e.to_string()))?
-    };
-    if head.format != REPORT_FORMAT || head.version == 0 {
-        return Err(unsound(format!("its format is `{}` {}", head.format, head.version)));
-    }
-    if head.verdict != verdict {
-        return Err(unsound(format!("its verdict is `{}`, not `{verdict}`", head.verdict)));
-    }
-    Ok(())
 }
 
 /// Checks that an observation begins like a capture bundle. Workers check the rest when they read

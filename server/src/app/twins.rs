@@ -20,12 +20,14 @@ impl App {
         let display_name = super::display_name(upload.display_name)?;
         let request_id = super::request_id(upload.request_id)?;
         let digest = super::digest(&upload.digest)?;
+        self.require_room(0)?;
         let limit = self.options.limits.twin_bytes;
+        let _buffers = self.memory.upload().await?;
         let content = self.receive(upload.body, limit, digest, |_| ()).await?;
-        let facts = results::check_twin(&content).await?;
+        let facts = self.check_twin(&content).await?;
         let new = NewTwin { display_name, request_id, facts, content };
         let store = self.store.clone();
-        super::run_to_completion(async move { store.twins().create(new).await }).await
+        self.change(async move { store.twins().create(new).await }).await
     }
 
     pub(crate) async fn twin(&self, name: &str) -> Result<Twin> {
@@ -43,7 +45,7 @@ impl App {
     pub(crate) async fn delete_twin(&self, name: &str) -> Result<()> {
         let id: TwinId = super::name(name)?;
         let store = self.store.clone();
-        super::run_to_completion(async move { store.twins().delete(id).await }).await?;
+        self.change(async move { store.twins().delete(id).await }).await?;
         self.dispatch.forget_twin(id);
         Ok(())
     }

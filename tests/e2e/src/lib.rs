@@ -16,9 +16,9 @@ mod first_five_minutes;
 #[cfg(test)]
 mod fits;
 #[cfg(test)]
-mod harness;
-#[cfg(test)]
 mod ingests;
+#[cfg(test)]
+mod local_access;
 #[cfg(test)]
 mod malformed;
 #[cfg(test)]
@@ -34,6 +34,8 @@ mod rust_code;
 #[cfg(test)]
 mod sentences;
 #[cfg(test)]
+mod stores;
+#[cfg(test)]
 mod suites;
 #[cfg(test)]
 mod survival;
@@ -43,3 +45,6 @@ mod tidy;
 mod uploads;
 #[cfg(test)]
 mod workspace;
+
+#[cfg(test)]
+use bendtwin_harness as harness;

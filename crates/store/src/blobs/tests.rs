@@ -54,3 +54,77 @@ async fn equal_content_is_shared_until_the_last_reference_goes() {
     // Open readers are not affected.
     assert_eq!(content.chunks.try_collect::<Vec<_>>().await.unwrap().concat(), b"same");
 }
+
+/// Content of more than one chunk, and its capture.
+async fn large(bench: &Bench) -> (Vec<u8>, crate::Capture) {
+    let content: Vec<u8> = (0..3_000_000u32).map(|i| (i % 251) as u8).collect();
+    let mut upload = bench.store.blobs().upload(1 << 30).await.unwrap();
+    upload.write(Bytes::copy_from_slice(&content)).await.unwrap();
+    let staged = upload.finish(None).await.unwrap();
+    (content, bench.store.captures().create(new_capture("", staged)).await.unwrap())
+}
+
+fn file(bench: &Bench, digest: &Digest) -> std::path::PathBuf {
+    super::files::published(&bench.dir.path().join("blobs"), &digest.to_hex())
+}
+
+#[tokio::test]
+async fn content_of_another_size_is_refused() {
+    let bench = Bench::new().await;
+    let (content, capture) = large(&bench).await;
+    for size in [0, 1, content.len() - 1, content.len() + 1] {
+        let mut other = content.clone();
+        other.resize(size, 0);
+        std::fs::write(file(&bench, &capture.digest), other).unwrap();
+        let refused = bench.store.captures().content(capture.id).await.unwrap_err();
+        assert!(matches!(refused, Error::ContentDamaged { .. }), "{size}: {refused}");
+    }
+    std::fs::remove_file(file(&bench, &capture.digest)).unwrap();
+    let refused = bench.store.captures().content(capture.id).await.unwrap_err();
+    assert!(matches!(refused, Error::ContentLost { .. }), "{refused}");
+}
+
+#[tokio::test]
+async fn changed_content_never_arrives_whole() {
+    let bench = Bench::new().await;
+    let (content, capture) = large(&bench).await;
+    for at in [0, content.len() / 2, content.len() - 1] {
+        let mut other = content.clone();
+        other[at] ^= 1;
+        std::fs::write(file(&bench, &capture.digest), other).unwrap();
+        let (_, mut read) = bench.store.captures().content(capture.id).await.unwrap();
+        let mut got = 0;
+        let end = loop {
+            match read.chunks.try_next().await {
+                Ok(Some(chunk)) => got += chunk.len(),
+                end => break end,
+            }
+        };
+        assert!(matches!(end, Err(Error::ContentDamaged { .. })), "{at}: {end:?}");
+        assert!(got < content.len());
+    }
+    // Content of one chunk is refused before any of it is sent.
+    let small = bench.capture("small").await;
+    std::fs::write(file(&bench, &small.digest), "Small").unwrap();
+    let refused = bench.store.captures().content(small.id).await.unwrap_err();
+    assert!(matches!(refused, Error::ContentDamaged { .. }), "{refused}");
+}
+
+#[tokio::test]
+async fn ranges_are_the_bytes_asked_for() {
+    let bench = Bench::new().await;
+    let (content, capture) = large(&bench).await;
+    let end = content.len() as u64;
+    for range in [0..1, 5..2_000_005, end - 1..end, 0..end, 7..2 * end] {
+        let (_, read) = bench.store.captures().content(capture.id).await.unwrap();
+        let part = read.range(range.clone()).await.unwrap();
+        assert_eq!((part.size_bytes, part.digest), (end, capture.digest));
+        let got = part.chunks.try_collect::<Vec<_>>().await.unwrap().concat();
+        assert_eq!(got, content[range.start as usize..range.end.min(end) as usize], "{range:?}");
+    }
+    let (_, read) = bench.store.captures().content(capture.id).await.unwrap();
+    assert!(read.range(end..end + 1).await.is_err());
+    let empty = bench.capture("").await;
+    let (_, read) = bench.store.captures().content(empty.id).await.unwrap();
+    assert!(read.chunks.try_collect::<Vec<_>>().await.unwrap().is_empty());
+}

@@ -9,8 +9,8 @@ use bendtwin_core::ids::UploadId;
 use super::{Blobs, partial};
 use crate::{Digest, Error, Result};
 
-/// Part size of multipart uploads; S3 asks for 5 MiB at least.
-const PART: usize = 8 << 20;
+/// Part size of multipart uploads: memory of each upload under way.
+const PART: usize = 512 << 10;
 
 /// An upload under way.
 #[derive(Debug)]
@@ -47,6 +47,7 @@ impl Upload {
         self.hasher.update(&chunk);
         self.part.extend_from_slice(&chunk);
         if self.part.len() >= PART {
+            self.blobs.admit()?;
             let part = self.part.split().freeze();
             self.sink.put_part(part.into()).await?;
         }

@@ -30,14 +30,23 @@ pub struct NewFit {
     pub trace_parent: Option<String>,
 }
 
+/// A page of fits. One statement with an optional filter would find no index for either.
+pub(crate) const LIST: &str =
+    "select * from jobs where kind = 'fit' and id < $1 and $3 is null order by id desc limit $2";
+/// A page of the fits of a capture.
+pub(crate) const LIST_OF_CAPTURE: &str =
+    "select * from jobs where kind = 'fit' and capture = $3 and id < $1 order by id desc limit $2";
+
 impl Jobs<'_> {
     /// Queues a fit. It waits for its capture's ingest; if that has failed already, the fit fails
     /// with the same fault. The same request id with the same payload returns the job created
     /// before.
     ///
     /// # Errors
-    /// [`Error::NotFound`] if there is no such capture, [`Error::RequestIdTaken`].
+    /// [`Error::NotFound`] if there is no such capture, [`Error::RequestIdTaken`],
+    /// [`Error::DiskFull`].
     pub async fn create_fit(&self, new: NewFit) -> Result<Job> {
+        self.store.admit()?;
         let mut tx = self.store.inner.database.write().await?;
         if let Some(request_id) = &new.request_id
             && let Some(row) = row::requested(&mut tx, request_id).await?
@@ -96,15 +105,9 @@ impl Jobs<'_> {
     pub async fn fits(&self, page: &PageRequest, capture: Option<CaptureId>) -> Result<Page<Job>> {
         let capture = capture.map(|c| c.uuid().to_string());
         let listing = format!("fits/{}", capture.as_deref().unwrap_or_default());
-        let rows: Vec<Row> = sqlx::query_as(
-            "select * from jobs where kind = 'fit' and id < $1 and ($3 is null or capture = $3)
-             order by id desc limit $2",
-        )
-        .bind(page.before(&listing)?)
-        .bind(page.fetch())
-        .bind(capture)
-        .fetch_all(self.store.inner.database.read())
-        .await?;
+        let query = sqlx::query_as(if capture.is_some() { LIST_OF_CAPTURE } else { LIST });
+        let query = query.bind(page.before(&listing)?).bind(page.fetch()).bind(capture);
+        let rows: Vec<Row> = query.fetch_all(self.store.inner.database.read()).await?;
         let items = rows.into_iter().map(Job::try_from).collect::<Result<_>>()?;
         Ok(Page::cut(items, page, &listing, |f: &Job| f.id.uuid()))
     }

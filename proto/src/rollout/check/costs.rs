@@ -21,7 +21,6 @@ const TARGET_WORK: u128 = 20;
 pub(super) fn check(costs: &[Cost], batch: &Batch, limits: &Limits) -> Result<(), Error> {
     within("the number of costs", costs.len() as u128, limits.costs, "merge target clouds")?;
     let mut names = HashSet::new();
-    let mut targets = 0u128;
     for (i, cost) in costs.iter().enumerate() {
         let field = |part: &str| format!("costs[{i}].{part}");
         let name = if cost.name.is_empty() { format!("cost{i}") } else { cost.name.clone() };
@@ -45,14 +44,18 @@ pub(super) fn check(costs: &[Cost], batch: &Batch, limits: &Limits) -> Result<()
             return Err(Error::field(field("when"), fault));
         }
         kind(cost.kind.as_ref(), field)?;
-        targets += (points(cost) + OVERHEAD) * frames(cost, batch);
     }
     within(
         "the number of target points over all frames of all costs",
-        targets,
+        targets(costs, batch),
         limits.targets,
         "thin the targets out, or count them in the last frame only",
     )
+}
+
+/// Target points over all frames of all costs, with the overhead of each.
+pub(in crate::rollout) fn targets(costs: &[Cost], batch: &Batch) -> u128 {
+    costs.iter().map(|cost| (points(cost) + OVERHEAD) * frames(cost, batch)).sum()
 }
 
 pub(super) fn check_for(costs: &[Cost], twin: &TwinShape) -> Result<(), Error> {

@@ -1,0 +1,173 @@
+//! Reading content, and noticing that it is not what was stored. Disks lose and change bytes, and
+//! people restore half of a backup: the size is compared before the first byte, and the digest
+//! before the last one is handed out, so damaged content never arrives whole.
+
+use std::ops::Range;
+
+use bytes::Bytes;
+use futures::{
+    StreamExt as _, TryStreamExt as _,
+    stream::{self, BoxStream},
+};
+use object_store::{
+    GetOptions, GetRange, GetResult, GetResultPayload, ObjectStore as _, ObjectStoreExt as _,
+};
+use tokio::io::{AsyncReadExt as _, AsyncSeekExt as _, SeekFrom};
+use tokio_util::io::ReaderStream;
+
+use super::{Blobs, published};
+use crate::{Digest, Error, Result};
+
+/// Bytes per chunk of a download. Content of no more is checked before it is opened.
+const CHUNK: usize = 1 << 20;
+
+/// A blob being read. The reader is not affected if it is deleted meanwhile.
+pub struct Content {
+    /// Size of all of it [bytes].
+    pub size_bytes: u64,
+    /// BLAKE3 of all of it.
+    pub digest: Digest,
+    /// Its bytes, in chunks of up to 1 MiB. If they are not those that were stored, an error comes
+    /// in place of the last chunk.
+    pub chunks: BoxStream<'static, Result<Bytes>>,
+    blobs: Blobs,
+    name: String,
+}
+
+impl std::fmt::Debug for Content {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Content").field("size_bytes", &self.size_bytes).finish_non_exhaustive()
+    }
+}
+
+impl Content {
+    /// The bytes of a range in place of all, cut off at the end of the content. A part has no
+    /// digest of its own, so only the size of the whole has been compared.
+    ///
+    /// # Errors
+    /// [`Error::ContentLost`] if it has been deleted since; file errors, for an empty range, too.
+    pub async fn range(self, range: Range<u64>) -> Result<Self> {
+        let options = GetOptions { range: Some(GetRange::Bounded(range)), ..GetOptions::default() };
+        let path = published(&self.digest.to_hex());
+        let got = match self.blobs.objects.get_opts(&path, options).await {
+            Err(object_store::Error::NotFound { .. }) => {
+                return Err(lost(&self.digest, &self.name));
+            }
+            got => got?,
+        };
+        Ok(Self { chunks: chunks(got).await?, ..self })
+    }
+}
+
+impl Blobs {
+    /// Opens the content that a row refers to. `size_bytes` is what the row says, if it says
+    /// anything; `name` is the row's, for the error.
+    ///
+    /// # Errors
+    /// [`Error::ContentLost`] if it is not there, [`Error::ContentDamaged`] if it is another.
+    pub(crate) async fn read(
+        &self,
+        digest: &Digest,
+        size_bytes: Option<u64>,
+        name: &str,
+    ) -> Result<Content> {
+        let path = published(&digest.to_hex());
+        let got = match self.objects.get(&path).await {
+            Err(object_store::Error::NotFound { .. }) => {
+                if !self.take_back(&digest.to_hex()).await? {
+                    return Err(lost(digest, name));
+                }
+                self.objects.get(&path).await?
+            }
+            got => got?,
+        };
+        let (digest, name) = (*digest, name.to_owned());
+        let found = got.meta.size;
+        if let Some(stored) = size_bytes.filter(|stored| *stored != found) {
+            let fault = format!("it has {found} bytes and should have {stored}");
+            return Err(damaged(&digest, &name, fault));
+        }
+        let checked = Verified::stream(chunks(got).await?, digest, name.clone());
+        let chunks = if found <= CHUNK as u64 {
+            let all: Vec<Bytes> = checked.try_collect().await?;
+            stream::iter(all).map(Ok).boxed()
+        } else {
+            checked
+        };
+        Ok(Content { size_bytes: found, digest, chunks, blobs: self.clone(), name })
+    }
+
+    /// Checks that a published blob is there, and takes it back from the trash if need be.
+    pub(super) async fn require(
+        &self,
+        digest: &str,
+        path: &object_store::path::Path,
+    ) -> Result<()> {
+        match self.objects.head(path).await {
+            Err(object_store::Error::NotFound { .. }) if self.take_back(digest).await? => Ok(()),
+            found => Ok(found.map(drop)?),
+        }
+    }
+}
+
+/// The bytes of the range that was asked for.
+async fn chunks(got: GetResult) -> Result<BoxStream<'static, Result<Bytes>>> {
+    let Range { start, end } = got.range;
+    Ok(match got.payload {
+        GetResultPayload::File(file, _) => {
+            let mut file = tokio::fs::File::from_std(file);
+            if start > 0 {
+                file.seek(SeekFrom::Start(start)).await?;
+            }
+            let part = file.take(end.saturating_sub(start));
+            ReaderStream::with_capacity(part, CHUNK).map_err(Error::from).boxed()
+        }
+        GetResultPayload::Stream(stream) => stream.map_err(Error::from).boxed(),
+    })
+}
+
+/// Chunks that are compared with a digest as they pass, each one step late, so that the last is
+/// withheld if the digest is another.
+struct Verified {
+    chunks: stream::Fuse<BoxStream<'static, Result<Bytes>>>,
+    hasher: Box<blake3::Hasher>,
+    held: Option<Bytes>,
+    digest: Digest,
+    name: String,
+}
+
+impl Verified {
+    fn stream(
+        chunks: BoxStream<'static, Result<Bytes>>,
+        digest: Digest,
+        name: String,
+    ) -> BoxStream<'static, Result<Bytes>> {
+        let verified =
+            Self { chunks: chunks.fuse(), hasher: Box::default(), held: None, digest, name };
+        stream::try_unfold(verified, |mut verified| async move {
+            Ok(verified.next().await?.map(|chunk| (chunk, verified)))
+        })
+        .boxed()
+    }
+
+    async fn next(&mut self) -> Result<Option<Bytes>> {
+        while let Some(chunk) = self.chunks.try_next().await? {
+            self.hasher.update(&chunk);
+            if let Some(before) = self.held.replace(chunk) {
+                return Ok(Some(before));
+            }
+        }
+        if self.hasher.finalize() != self.digest {
+            return Err(damaged(&self.digest, &self.name, "its digest is another".to_owned()));
+        }
+        Ok(self.held.take())
+    }
+}
+
+fn lost(digest: &Digest, name: &str) -> Error {
+    Error::ContentLost { name: name.to_owned(), digest: digest.to_hex().to_string() }
+}
+
+fn damaged(digest: &Digest, name: &str, fault: String) -> Error {
+    Error::ContentDamaged { name: name.to_owned(), digest: digest.to_hex().to_string(), fault }
+}

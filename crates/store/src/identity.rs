@@ -1,0 +1,95 @@
+//! The identity of a store, which its database and its blobs share. A database beside the blobs of
+//! another would take all of them for garbage.
+
+use std::{fs, io, io::Write as _, path::Path};
+
+use sqlx::SqlitePool;
+
+use crate::{
+    Error, Result,
+    blobs::files,
+    database::{self, Database},
+    folder, references,
+    references::Reference,
+};
+
+/// Name of the file in the folder of the blobs.
+const FILE: &str = "identity";
+
+/// Refuses blobs without a database, before a new one is made beside them.
+pub(crate) fn require_database(data_dir: &Path) -> Result<()> {
+    let file = data_dir.join(database::FILE);
+    if !file.try_exists()? && files::any(&data_dir.join("blobs"))? {
+        return Err(Error::DatabaseMissing { file });
+    }
+    Ok(())
+}
+
+/// Checks that database and blobs belong together. Gives them an identity if they are new, or from
+/// before there were identities.
+pub(crate) async fn settle(database: &Database, data_dir: &Path, now: i64) -> Result<()> {
+    let blobs = data_dir.join("blobs");
+    let mine = of_database(database.read()).await?;
+    let theirs = of_blobs(&blobs)?;
+    if mine.is_some() && mine == theirs {
+        return Ok(());
+    }
+    let strangers = theirs.is_some() || !any_referred(database.read(), &blobs).await?;
+    if strangers && files::any(&blobs)? {
+        return Err(Error::StoreMismatch { file: data_dir.join(database::FILE), blobs });
+    }
+    join(database, mine, &blobs, now).await
+}
+
+/// Makes database and blobs belong together.
+pub(crate) async fn join(
+    database: &Database,
+    mine: Option<String>,
+    blobs: &Path,
+    now: i64,
+) -> Result<()> {
+    let identity = match mine {
+        Some(identity) => identity,
+        None => {
+            let identity = uuid::Uuid::new_v4().to_string();
+            let mut tx = database.write().await?;
+            sqlx::query("insert into store (id, identity, probed_at) values (1, $1, $2)")
+                .bind(&identity)
+                .bind(now)
+                .execute(&mut *tx)
+                .await?;
+            tx.commit().await?;
+            identity
+        }
+    };
+    folder::make(blobs)?;
+    // Whole or not at all: half an identity would be another one.
+    let partial = blobs.join("identity.partial");
+    let mut file = fs::File::create(&partial)?;
+    writeln!(file, "{identity}")?;
+    file.sync_all()?;
+    fs::rename(partial, blobs.join(FILE))?;
+    folder::sync(blobs)?;
+    Ok(())
+}
+
+pub(crate) async fn of_database(readers: &SqlitePool) -> Result<Option<String>> {
+    let identity = sqlx::query_scalar("select identity from store where id = 1");
+    Ok(identity.fetch_optional(readers).await?)
+}
+
+pub(crate) fn of_blobs(blobs: &Path) -> Result<Option<String>> {
+    match fs::read_to_string(blobs.join(FILE)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        read => Ok(Some(read?.trim().to_owned())),
+    }
+}
+
+/// True if any row refers to any blob that is there.
+async fn any_referred(readers: &SqlitePool, blobs: &Path) -> Result<bool> {
+    let all: Vec<Reference> = sqlx::query_as(references::ALL).fetch_all(readers).await?;
+    Ok(all.iter().any(|reference| files::published(blobs, &reference.digest).exists()))
+}
+
+#[cfg(test)]
+mod tests;

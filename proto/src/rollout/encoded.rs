@@ -1,0 +1,107 @@
+//! A look at an encoded request before it is decoded. Two bytes of an empty cost become two hundred
+//! in memory, and a byte of a shape eight: what is repeated is counted first. All else takes about
+//! as much memory decoded as encoded.
+
+use prost::{
+    bytes::Buf,
+    encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field},
+};
+
+use super::{Error, Limits, MOST_DIMENSIONS};
+
+/// Numbers of fields in the .proto files.
+const COSTS: u32 = 6;
+const SHAPE: u32 = 2;
+
+/// Bytes of the longest encoding of a shape.
+const SHAPE_BYTES: usize = 10 * MOST_DIMENSIONS;
+
+/// Most fields of a message and those below it: a request that has more has no use of them.
+const MOST_FIELDS: u64 = 1_000_000;
+
+/// Fields of a message by number.
+struct Message(&'static [(u32, &'static Message)]);
+
+/// A tensor has no fields below it; its shape is what counts.
+static TENSOR: Message = Message(&[]);
+static TRAJECTORIES: Message = Message(&[(1, &TENSOR)]);
+static POSES: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
+static INITIAL: Message = Message(&[(3, &GIVEN)]);
+static GIVEN: Message = Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR)]);
+static COST: Message = Message(&[(4, &CLOUD), (5, &KEYPOINTS)]);
+static CLOUD: Message = Message(&[(1, &TENSOR)]);
+static KEYPOINTS: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
+static RETURNS: Message = Message(&[(2, &TENSOR)]);
+static REQUEST: Message =
+    Message(&[(2, &TRAJECTORIES), (3, &POSES), (4, &INITIAL), (COSTS, &COST), (7, &RETURNS)]);
+
+/// Checks an encoded [`RollOutRequest`](crate::v1::RollOutRequest) for parts that take far more
+/// memory decoded. Bytes that are no message pass: decoding refuses them.
+///
+/// # Errors
+/// If it has more costs than the limits allow, a tensor with too many dimensions, or a million
+/// fields.
+pub fn check_encoded(request: &[u8], limits: &Limits) -> Result<(), Error> {
+    let (mut costs, mut fields) = (0, 0);
+    walk(&REQUEST, request, &mut |message, field| {
+        fields += 1;
+        if fields > MOST_FIELDS {
+            let fault = format!("has more than {MOST_FIELDS} fields");
+            return Err(Error::field("request", fault));
+        }
+        if std::ptr::eq(message, &REQUEST) && field == COSTS {
+            costs += 1;
+        }
+        if costs > limits.costs {
+            return Err(Error::TooLarge {
+                what: "the number of costs",
+                asked: costs,
+                limit: limits.costs,
+                advice: "merge target clouds",
+            });
+        }
+        Ok(())
+    })
+}
+
+/// Goes through the fields of a message and those below it.
+fn walk(
+    message: &'static Message,
+    mut rest: &[u8],
+    see: &mut impl FnMut(&'static Message, u32) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let mut shape_bytes = 0;
+    while rest.has_remaining() {
+        let Ok((field, wire)) = decode_key(&mut rest) else { return Ok(()) };
+        see(message, field)?;
+        if wire != WireType::LengthDelimited {
+            let before = rest.len();
+            if skip_field(wire, field, &mut rest, DecodeContext::default()).is_err() {
+                return Ok(());
+            }
+            shape_bytes += if field == SHAPE { before - rest.len() } else { 0 };
+        } else {
+            let Some(content) = content(&mut rest) else { return Ok(()) };
+            shape_bytes += if field == SHAPE { content.len() } else { 0 };
+            if let Some((_, below)) = message.0.iter().find(|(number, _)| *number == field) {
+                walk(below, content, see)?;
+            }
+        }
+        if std::ptr::eq(message, &TENSOR) && shape_bytes > SHAPE_BYTES {
+            let fault = format!("of a tensor has more than {MOST_DIMENSIONS} dimensions");
+            return Err(Error::field("shape", fault));
+        }
+    }
+    Ok(())
+}
+
+/// Content of a field with a length.
+fn content<'b>(rest: &mut &'b [u8]) -> Option<&'b [u8]> {
+    let length = usize::try_from(decode_varint(rest).ok()?).ok()?;
+    let (content, later) = rest.split_at_checked(length)?;
+    *rest = later;
+    Some(content)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,159 @@
+//! Memory of a rollout at a worker, before anything is unpacked. It is an upper bound for the CPU;
+//! on a GPU the state of a simulation is in the device's memory, and counted there.
+
+use prost::Message as _;
+
+use super::{check::Batch, check::targets, size::reply_bytes, twin::TwinShape};
+use crate::v1::{RollOutRequest, initial_state::State, returns::Encoding};
+
+/// Messages of a reply that are there at once when it is streamed: one is made, two wait, one is
+/// sent.
+const STREAMED_MESSAGES: u64 = 4;
+/// A part of a reply while it is made: results, whose buffers may be twice as large, their
+/// concatenation and the message.
+const MAKING: u64 = 4;
+/// The same with 16-bit integers: results are twice as large as what is sent of them.
+const MAKING_INT16: u64 = 8;
+/// The request: as it came, and its tensors unpacked once or twice.
+const REQUEST: u64 = 3;
+/// A target point with its node, its term's share and the copy that sorting makes.
+const TARGET: u64 = 32;
+/// An instance beside its arrays, in the batch, in a slice of it, and its result.
+const INSTANCE: u64 = 1024;
+/// A name of a cost beside its text.
+const NAME: u64 = 64;
+/// A control point in a frame: dense controls in single precision, and as the engine reads them.
+const CONTROL: u64 = 12;
+const CONTROL_READ: u64 = 16;
+/// Its gradient, as the engine adds it up and as it is returned.
+const CONTROL_GRADIENT: u64 = 28;
+/// A node (or control point) of a simulation that runs: its state, forces, velocities before and
+/// after contact, candidates.
+const NODE: u64 = 256;
+/// State of a node and of a rod at the end of a frame, kept for the way back.
+const NODE_STATE: u64 = 32;
+const ROD_STATE: u64 = 4;
+/// A node and a control point on the tape of a substep.
+const NODE_TAPED: u64 = 48;
+/// A spring's, triplet's or rod's gradient as it is added up, and as it is returned.
+const ELEMENT_GRADIENT: u64 = 64;
+const ELEMENT_RETURNED: u64 = 16;
+/// A tape up to this size is whole; of a larger one segments of about this size are kept.
+const WHOLE_TAPE: u64 = 64 << 20;
+
+/// Memory of a rollout at a worker [bytes].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// The request.
+    pub request: u64,
+    /// What is unpacked of it for all instances, and the reply.
+    pub fixed: u64,
+    /// An instance that is prepared.
+    pub prepared: u64,
+    /// An instance that runs, beyond that.
+    pub running: u64,
+}
+
+impl Memory {
+    /// Bytes beside the request, with so many instances prepared at once, on a device that runs so
+    /// many at once.
+    pub fn bytes(&self, prepared: usize, lanes: usize) -> u64 {
+        let prepared = prepared as u64;
+        let running = prepared.min(lanes as u64);
+        self.fixed
+            .saturating_add(self.prepared.saturating_mul(prepared))
+            .saturating_add(self.running.saturating_mul(running))
+    }
+
+    /// The least that the rollout can do with, request included: one instance after another.
+    pub fn least(&self) -> u64 {
+        self.request.saturating_add(self.bytes(1, 1))
+    }
+}
+
+/// Memory of a request that has passed the other checks, with `part_instances` instances to a
+/// message of its reply (0: all in one).
+pub fn memory(
+    request: &RollOutRequest,
+    batch: &Batch,
+    twin: &TwinShape,
+    part_instances: u32,
+) -> Memory {
+    let Batch { instances, frames, .. } = *batch;
+    let rods = twin.rods.unwrap_or(0);
+    let boundaries = frames.saturating_add(1);
+    let returns = request.returns.clone().unwrap_or_default();
+    let names = request.costs.iter().map(|cost| cost.name.len() as u64 + NAME);
+    let names = names.sum::<u64>();
+
+    let part = reply_bytes(request, batch, twin, part_instances);
+    let making = if returns.encoding() == Encoding::Int16 { MAKING_INT16 } else { MAKING };
+    let messages = making + if part_instances == 0 { 0 } else { STREAMED_MESSAGES };
+    let targets = u64::try_from(targets(&request.costs, batch)).unwrap_or(u64::MAX);
+    let state =
+        sum(&[mul(&[24, twin.nodes]), mul(&[4, rods]), mul(&[CONTROL, twin.controls]), INSTANCE]);
+    let starts = match request.initial.as_ref().and_then(|initial| initial.state.as_ref()) {
+        Some(State::Given(_)) => mul(&[state, instances]),
+        _ => state,
+    };
+    let fixed = sum(&[
+        mul(&[messages, part]),
+        mul(&[TARGET, targets]),
+        // Costs by instance, of all parts where the best are chosen.
+        mul(&[instances, 16]),
+        starts,
+    ]);
+
+    let endpoints = twin.nodes.saturating_add(twin.controls);
+    let elements = sum(&[twin.springs, twin.triplets, rods]);
+    let mut prepared =
+        sum(&[mul(&[CONTROL, boundaries, twin.controls]), mul(&[2, names]), INSTANCE]);
+    let mut running = sum(&[
+        mul(&[CONTROL_READ, boundaries, twin.controls]),
+        mul(&[NODE, endpoints]),
+        // Terms in the order of their frames.
+        targets,
+    ]);
+    if returns.control_gradients {
+        prepared = sum(&[
+            prepared,
+            mul(&[CONTROL, boundaries, twin.controls]),
+            mul(&[ELEMENT_RETURNED, elements]),
+        ]);
+        let kept = sum(&[mul(&[NODE_STATE, twin.nodes]), mul(&[ROD_STATE, rods]), NAME]);
+        running = sum(&[
+            running,
+            mul(&[CONTROL_GRADIENT, boundaries, twin.controls]),
+            mul(&[kept, boundaries]),
+            mul(&[ELEMENT_GRADIENT, elements]),
+            mul(&[NODE, endpoints]),
+            tape(endpoints, rods, twin.substeps),
+        ]);
+    }
+    Memory { request: request_bytes(request.encoded_len() as u64), fixed, prepared, running }
+}
+
+/// Memory of an encoded request of so many bytes.
+pub fn request_bytes(encoded: u64) -> u64 {
+    encoded.saturating_mul(REQUEST)
+}
+
+/// Most bytes of a tape. A frame whose tape is too large is cut into segments, no shorter than the
+/// root of their number; marks are kept of their starts.
+fn tape(endpoints: u64, rods: u64, substeps: u32) -> u64 {
+    let substep = sum(&[mul(&[NODE_TAPED, endpoints]), mul(&[ROD_STATE, rods])]);
+    let root = u64::from(substeps.isqrt()) + 1;
+    mul(&[substep, u64::from(substeps)]).min(WHOLE_TAPE.saturating_add(mul(&[2, root, substep])))
+}
+
+/// What overflows stays at the largest number, which exceeds every limit.
+fn sum(terms: &[u64]) -> u64 {
+    terms.iter().fold(0, |sum, term| sum.saturating_add(*term))
+}
+
+fn mul(factors: &[u64]) -> u64 {
+    factors.iter().fold(1, |product, factor| product.saturating_mul(*factor))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,97 @@
+use super::*;
+use crate::{
+    rollout::{Error, Limits, check_for},
+    v1::{
+        ControlTrajectories, Cost, GripperPoses, InitialState, Returns, Tensor,
+        initial_state::GivenState, roll_out_request::Actions,
+    },
+};
+
+const MIB: u64 = 1 << 20;
+
+/// Two nodes that nobody would count, and ten thousand control points.
+const MANY_CONTROLS: TwinShape = TwinShape {
+    nodes: 2,
+    springs: 1,
+    triplets: 0,
+    controls: 10_000,
+    rods: Some(0),
+    substeps: 1,
+    fast_substeps: None,
+    has_capture: false,
+};
+
+fn zeros(shape: &[u64]) -> Option<Tensor> {
+    let data = vec![0; 4 * shape.iter().product::<u64>() as usize].into();
+    Some(Tensor { dtype: 1, shape: shape.to_vec(), data, ..Tensor::default() })
+}
+
+fn request(twin: &TwinShape, instances: u64, frames: u32) -> RollOutRequest {
+    let positions = zeros(&[instances, 2, twin.controls, 3]);
+    let trajectories = ControlTrajectories { positions, interpolation: 0 };
+    let actions = Some(Actions::Trajectories(trajectories));
+    RollOutRequest { actions, frames, ..RollOutRequest::default() }
+}
+
+fn of(request: &RollOutRequest, twin: &TwinShape) -> Memory {
+    let limits = Limits { memory_bytes: u64::MAX, ..Limits::default() };
+    memory(request, &check_for(request, twin, &limits, 0).unwrap(), twin, 0)
+}
+
+#[test]
+fn a_few_knots_that_become_gigabytes_are_refused() {
+    let request = request(&MANY_CONTROLS, 1, 100_000);
+    assert!(request.encoded_len() < 300_000);
+    let refused = check_for(&request, &MANY_CONTROLS, &Limits::default(), 0).unwrap_err();
+    let Error::TooLarge { asked, limit, advice, .. } = refused else { panic!("{refused}") };
+    // The dense controls alone: 12 bytes for each control point and frame boundary.
+    assert!(asked > 12 * 100_001 * 10_000 && limit == Limits::default().memory_bytes);
+    assert!(advice.contains("shorter horizon"), "{advice}");
+    // A hundredth of it passes.
+    let shorter = RollOutRequest { frames: 1_000, ..request };
+    assert!(check_for(&shorter, &MANY_CONTROLS, &Limits::default(), 0).is_ok());
+}
+
+#[test]
+fn starts_of_each_instance_are_counted() {
+    // A pose moves any number of control points: 56 bytes an instance.
+    let instances = 2_000;
+    let mut poses = vec![0.0f32; instances * 2 * 7];
+    poses.chunks_mut(7).for_each(|pose| pose[6] = 1.0);
+    let poses = Some(Tensor::pack(&[instances, 2, 1, 7], &poses));
+    let actions = Actions::Poses(GripperPoses { poses, ..GripperPoses::default() });
+    let given = GivenState { positions: zeros(&[instances as u64, 2, 3]), ..GivenState::default() };
+    let request = RollOutRequest {
+        actions: Some(actions),
+        initial: Some(InitialState { state: Some(State::Given(given)) }),
+        ..RollOutRequest::default()
+    };
+    let starts = 12 * 10_000 * instances as u64;
+    assert!(of(&request, &MANY_CONTROLS).fixed > starts);
+    let at_rest = RollOutRequest { initial: None, ..request };
+    assert!(of(&at_rest, &MANY_CONTROLS).fixed < starts / 100);
+}
+
+#[test]
+fn gradients_count_states_of_all_frames() {
+    let twin =
+        TwinShape { nodes: 1_000, springs: 3_000, controls: 2, substeps: 10, ..MANY_CONTROLS };
+    let mut request = request(&twin, 1, 10_000);
+    request.costs = vec![Cost {
+        kind: Some(crate::v1::cost::Kind::Smoothness(crate::v1::cost::Smoothness {})),
+        ..Cost::default()
+    }];
+    let forward = of(&request, &twin);
+    request.returns = Some(Returns { control_gradients: true, ..Returns::default() });
+    let backward = of(&request, &twin);
+    assert!(forward.least() < 4 * MIB, "{forward:?}");
+    assert!(backward.least() > 32 * 1_000 * 10_000, "{backward:?}");
+}
+
+#[test]
+fn lanes_and_prepared_instances_are_counted() {
+    let memory = Memory { request: 1000, fixed: 100, prepared: 10, running: 1 };
+    assert_eq!((memory.least(), memory.bytes(8, 4), memory.bytes(2, 4)), (1111, 184, 122));
+    let absurd = Memory { request: 0, fixed: 1, prepared: u64::MAX, running: u64::MAX };
+    assert_eq!(absurd.bytes(usize::MAX, 3), u64::MAX);
+}

@@ -1,0 +1,251 @@
+//! A server with workers in a temporary folder: the server's own, or some that the test starts.
+
+use std::{
+    path::{Path, PathBuf},
+    process::Child,
+    time::Duration,
+};
+
+use bendtwin_proto::v1::Worker;
+use tempfile::TempDir;
+use tokio::sync::SemaphorePermit;
+
+use crate::{
+    Api,
+    command::bendtwin,
+    http::Http,
+    process::{Processes, kill},
+    waiting::{self, until},
+};
+
+/// Longest time for the start of a process on a busy machine.
+pub const START: Duration = Duration::from_secs(60);
+/// The token of workers that the test starts itself.
+const TOKEN: &str = "end-to-end-worker-token";
+
+/// Options of a cluster.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// Workers that the server starts and restarts itself.
+    pub own_workers: u32,
+    /// Time after which a dead worker's job goes to the next one, where the server did not see the
+    /// worker die [s].
+    pub lease_s: f64,
+    /// Other clusters that may run at the same time.
+    pub isolation: Isolation,
+    /// Additional arguments of the server's own workers.
+    pub worker_args: &'static [&'static str],
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self { own_workers: 1, lease_s: 2.0, isolation: Isolation::Shared, worker_args: &[] }
+    }
+}
+
+/// Other clusters that may run at the same time.
+#[derive(Clone, Copy, Debug)]
+pub enum Isolation {
+    /// As many as the machine can take.
+    Shared,
+    /// None, because time is measured.
+    Exclusive,
+    /// Any number: the caller holds a slot already.
+    Nested,
+}
+
+/// A server with its workers and its folder.
+pub struct TestCluster {
+    setup: Setup,
+    child: Child,
+    address: String,
+    started: Vec<Child>,
+    processes: Processes,
+    folder: TempDir,
+    _slots: Option<SemaphorePermit<'static>>,
+}
+
+impl TestCluster {
+    /// Starts a cluster and waits until it is ready.
+    pub async fn start(setup: Setup) -> Self {
+        let slots = match setup.isolation {
+            Isolation::Shared => Some(waiting::shared_slot().await),
+            Isolation::Exclusive => Some(waiting::all_slots().await),
+            Isolation::Nested => None,
+        };
+        let folder = tempfile::Builder::new().prefix("bendtwin-e2e-").tempdir().unwrap();
+        let processes = Processes::new(folder.path());
+        let (child, address) = launch(&processes, folder.path(), &setup, "127.0.0.1:0").await;
+        let server =
+            Self { setup, child, address, started: Vec::new(), processes, folder, _slots: slots };
+        server.workers_ready(server.setup.own_workers as usize).await;
+        server
+    }
+
+    /// A cluster with default options.
+    pub async fn ordinary() -> Self {
+        Self::start(Setup::default()).await
+    }
+
+    /// `http://host:port`.
+    pub fn url(&self) -> String {
+        format!("http://{}", self.address)
+    }
+
+    /// A new gRPC channel.
+    pub fn api(&self) -> Api {
+        Api::new(&self.address)
+    }
+
+    /// An HTTP client.
+    pub fn http(&self) -> Http {
+        Http::new(&self.url())
+    }
+
+    /// The folder that survives restarts.
+    pub fn data_dir(&self) -> PathBuf {
+        self.folder.path().join("data")
+    }
+
+    /// A path for a file of the test.
+    pub fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).to_string_lossy().into_owned()
+    }
+
+    /// Output of all processes.
+    pub fn log(&self) -> String {
+        std::fs::read_to_string(self.folder.path().join("log")).unwrap_or_default()
+    }
+
+    /// kill -9 of the server; its workers have to notice by themselves.
+    pub fn kill(&mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+
+    /// Starts the server again after [`TestCluster::kill`], at the same address.
+    pub async fn start_again(&mut self) {
+        let (child, address) =
+            launch(&self.processes, self.folder.path(), &self.setup, &self.address).await;
+        self.child = child;
+        assert_eq!(address, self.address);
+    }
+
+    /// True if the server process still runs and has not been replaced.
+    pub fn is_alive(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+
+    /// Id of the server process.
+    pub fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Ids of the worker processes.
+    pub fn worker_pids(&self) -> Vec<u32> {
+        self.processes.workers()
+    }
+
+    /// Ids of the processes that read captures.
+    pub fn reader_pids(&self) -> Vec<u32> {
+        self.processes.readers()
+    }
+
+    /// kill -9 of every worker process.
+    pub fn kill_workers(&self) {
+        self.worker_pids().into_iter().for_each(kill);
+    }
+
+    /// Starts a worker that the server did not start.
+    pub async fn start_worker(&mut self) -> Worker {
+        let before: Vec<_> = self.known_workers().await.into_iter().map(|w| w.name).collect();
+        let mut command = bendtwin();
+        command.args(["worker", "--server", &self.url()]).env("BENDTWIN_WORKER_TOKEN", TOKEN);
+        self.started.push(self.processes.start(&mut command, &self.folder.path().join("log")));
+        until("a new worker", START, async || {
+            self.known_workers().await.into_iter().find(|w| !before.contains(&w.name))
+        })
+        .await
+    }
+
+    /// kill -9 of a worker that the test started, oldest first.
+    pub fn kill_own_worker(&mut self) {
+        let mut worker = self.started.remove(0);
+        worker.kill().unwrap();
+        worker.wait().unwrap();
+    }
+
+    async fn known_workers(&self) -> Vec<Worker> {
+        self.api().list_workers().await.unwrap_or_default()
+    }
+
+    async fn workers_ready(&self, count: usize) {
+        let api = self.api();
+        until(&format!("{count} workers\n{}", self.log()), START, async || {
+            (api.list_workers().await.ok()?.len() >= count).then_some(())
+        })
+        .await;
+    }
+}
+
+impl Drop for TestCluster {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            let log = self.log();
+            let tail: Vec<_> = log.lines().rev().take(30).collect();
+            eprintln!("the last lines of the server and its workers:");
+            tail.into_iter().rev().for_each(|line| eprintln!("  {line}"));
+        }
+        // Reaps the children; what they started ends with `processes`.
+        for child in self.started.iter_mut().chain([&mut self.child]) {
+            child.kill().ok();
+            child.wait().ok();
+        }
+    }
+}
+
+async fn launch(
+    processes: &Processes,
+    folder: &Path,
+    setup: &Setup,
+    listen: &str,
+) -> (Child, String) {
+    let (config, port_file) = (folder.join("config.toml"), folder.join("port"));
+    std::fs::remove_file(&port_file).ok();
+    let Setup { own_workers, lease_s, worker_args, .. } = setup;
+    let args: Vec<&str> = ["worker"].iter().chain(*worker_args).copied().collect();
+    let text = format!(
+        "listen = \"{listen}\"\n\
+         data_dir = \"{data}\"\n\
+         worker_token = \"{TOKEN}\"\n\
+         client_token = \"none\"\n\
+         lease_s = {lease_s:?}\n\
+         heartbeat_interval_s = {heartbeat:?}\n\
+         [workers]\n\
+         count = {own_workers}\n\
+         args = {args:?}\n\
+         min_backoff_s = 0.02\n\
+         max_backoff_s = 0.2\n",
+        data = folder.join("data").display(),
+        heartbeat = lease_s / 4.0,
+    );
+    std::fs::write(&config, text).unwrap();
+    let mut command = bendtwin();
+    command.arg("server").arg("--config").arg(&config).arg("--port-file").arg(&port_file);
+    let log = folder.join("log");
+    let mut child = processes.start(&mut command, &log);
+    let address = until("the server's address", START, async || {
+        if let Some(status) = child.try_wait().unwrap() {
+            panic!("the server ended ({status}):\n{}", std::fs::read_to_string(&log).unwrap());
+        }
+        let text = std::fs::read_to_string(&port_file).ok()?;
+        let port: u16 = text.trim().parse().ok()?;
+        Some(format!("127.0.0.1:{port}"))
+    })
+    .await;
+    until("the server to answer", START, async || {
+        Http::new(&format!("http://{address}")).is_up().await.then_some(())
+    })
+    .await;
+    (child, address)
+}
