@@ -6,6 +6,7 @@ mod disk;
 mod fits;
 mod ingests;
 mod jobs;
+mod results;
 mod twins;
 mod upload;
 mod uploads;
