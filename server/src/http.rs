@@ -8,7 +8,7 @@ mod events;
 mod extract;
 mod fits;
 mod operations;
-mod origin;
+pub(crate) mod origin;
 mod resource;
 mod rollouts;
 pub(crate) mod root_service;
@@ -54,9 +54,25 @@ struct Description;
 /// All routes, and the fallbacks for what is none.
 pub(crate) fn router(app: &App) -> axum::Router {
     let (router, description) = described().split_for_parts();
-    router
+    let router = router
         .merge(docs::router(&description))
-        .route_layer(axum::middleware::from_fn(root_service::note_route))
+        .route_layer(axum::middleware::from_fn(root_service::note_route));
+    with_fallbacks(router).with_state(app.clone())
+}
+
+/// The routes of the workers' listener, for operators.
+pub(crate) fn operations_router(app: &App) -> axum::Router {
+    let (router, _) = OpenApiRouter::new()
+        .routes(routes!(operations::healthz))
+        .routes(routes!(operations::readyz))
+        .routes(routes!(operations::metrics))
+        .split_for_parts();
+    let router = router.route_layer(axum::middleware::from_fn(root_service::note_route));
+    with_fallbacks(router).with_state(app.clone())
+}
+
+fn with_fallbacks(router: axum::Router<App>) -> axum::Router<App> {
+    router
         .fallback(|| async {
             let message = "there is nothing at this path: see /docs for what there is";
             Refusal::http_only(StatusCode::NOT_FOUND, "NO_SUCH_ROUTE", message)
@@ -65,7 +81,6 @@ pub(crate) fn router(app: &App) -> axum::Router {
             let message = "this path does not have that method: see /docs for what it has";
             Refusal::http_only(StatusCode::METHOD_NOT_ALLOWED, "METHOD_NOT_ALLOWED", message)
         })
-        .with_state(app.clone())
 }
 
 fn described() -> OpenApiRouter<App> {

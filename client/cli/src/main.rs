@@ -14,6 +14,7 @@ mod npy;
 mod observation;
 mod output;
 mod picture;
+mod process;
 mod progress;
 mod quality;
 mod rollout;
@@ -38,6 +39,9 @@ fn main() -> ExitCode {
         arguments.command,
         Command::Server(_) | Command::Worker(_) | Command::IngestCapture(_)
     );
+    if service {
+        process::keep_files_private();
+    }
     logging::start(&arguments.logging, service);
     // Its memory is counted: it does without the threads of a runtime.
     if let Command::IngestCapture(args) = &arguments.command {

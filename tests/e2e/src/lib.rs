@@ -18,6 +18,8 @@ mod fits;
 #[cfg(test)]
 mod ingests;
 #[cfg(test)]
+mod local_access;
+#[cfg(test)]
 mod malformed;
 #[cfg(test)]
 mod over_http;
