@@ -1,6 +1,9 @@
-//! The context of a request: its id and its trace. The middleware sets it once; errors and jobs
+//! The context of a request: its id, its trace and its client. The middleware sets it once; errors and jobs
 //! take it over.
 
+use std::{net::SocketAddr, sync::Arc};
+
+use axum::http::HeaderMap;
 use bendtwin_core::{Category, Fault};
 
 tokio::task_local! {
@@ -8,12 +11,16 @@ tokio::task_local! {
 }
 
 /// The context of the request under way.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Context {
     /// Taken from `x-request-id`, or made here.
     pub(crate) request_id: String,
     /// W3C `traceparent`, if the client sent a sound one.
     pub(crate) trace_parent: Option<String>,
+    /// The client, as far as shares of the workers are concerned: `x-client-id` of its address if
+    /// it sends one, else its address. Many clients have this machine's, so there each connection
+    /// counts as a client.
+    pub(crate) client: Arc<str>,
 }
 
 impl Context {
@@ -27,14 +34,31 @@ impl Context {
         CURRENT.scope(self, future)
     }
 
-    /// Reads the headers of a request.
-    pub(crate) fn of(headers: &axum::http::HeaderMap) -> Self {
+    /// Reads the headers of a request; `peer` is the other end of its connection.
+    pub(crate) fn of(headers: &HeaderMap, peer: Option<SocketAddr>) -> Self {
         let text = |name: &str| headers.get(name).and_then(|v| v.to_str().ok());
         let request_id = text("x-request-id")
             .filter(|id| is_sane_id(id))
             .map_or_else(|| uuid::Uuid::now_v7().to_string(), str::to_owned);
         let trace_parent = text("traceparent").filter(|t| is_trace_parent(t)).map(str::to_owned);
-        Self { request_id, trace_parent }
+        let client = client(peer, text("x-client-id").filter(|id| is_sane_id(id)));
+        Self { request_id, trace_parent, client }
+    }
+}
+
+impl Default for Context {
+    fn default() -> Self {
+        Self { request_id: String::new(), trace_parent: None, client: client(None, None) }
+    }
+}
+
+fn client(peer: Option<SocketAddr>, id: Option<&str>) -> Arc<str> {
+    let address = peer.map(|p| p.ip().to_canonical());
+    match (peer, address, id) {
+        (_, Some(address), Some(id)) => format!("{address} {id}").into(),
+        (Some(peer), Some(address), None) if address.is_loopback() => peer.to_string().into(),
+        (_, Some(address), None) => address.to_string().into(),
+        (_, None, id) => id.unwrap_or_default().into(),
     }
 }
 
@@ -76,5 +100,24 @@ pub(crate) fn redact(fault: Fault, request_id: &str) -> Fault {
             Fault { message, ..fault }
         }
         _ => fault,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clients_are_told_apart() {
+        let peer = |text: &str| Some(text.parse().unwrap());
+        // On this machine by connection.
+        assert_ne!(client(peer("127.0.0.1:1"), None), client(peer("127.0.0.1:2"), None));
+        assert_ne!(client(peer("[::ffff:127.0.0.1]:1"), None), client(peer("[::1]:2"), None));
+        // Elsewhere by address, however many connections it opens.
+        assert_eq!(client(peer("10.0.0.1:1"), None), client(peer("10.0.0.1:2"), None));
+        assert_eq!(client(peer("10.0.0.1:1"), None), client(peer("[::ffff:10.0.0.1]:2"), None));
+        // Ids count beside the address: no client can use up the share of another machine's.
+        assert_ne!(client(peer("10.0.0.1:1"), Some("a")), client(peer("10.0.0.2:1"), Some("a")));
+        assert_eq!(client(peer("127.0.0.1:1"), Some("a")), client(peer("127.0.0.1:2"), Some("a")));
     }
 }

@@ -1,7 +1,7 @@
 //! Deadlines of calls, and the errors that end a response too late: the one place that knows both
 //! transports' forms of them.
 
-use std::time::Duration;
+use std::{net::SocketAddr, time::Duration};
 
 use axum::http::{HeaderMap, header};
 use bendtwin_core::{Category, Fault};
@@ -31,7 +31,7 @@ pub(crate) enum Cut {
 }
 
 impl Call {
-    pub(crate) fn of(headers: &HeaderMap) -> Self {
+    pub(crate) fn of(headers: &HeaderMap, peer: SocketAddr) -> Self {
         let content_type = headers.get(header::CONTENT_TYPE);
         let is_grpc = content_type.is_some_and(|v| v.as_bytes().starts_with(b"application/grpc"));
         let timeout = headers.get("grpc-timeout").filter(|_| is_grpc).and_then(|value| {
@@ -40,7 +40,7 @@ impl Call {
             bendtwin_proto::deadline::timeout(&MetadataMap::from_headers(metadata))
         });
         let deadline = timeout.and_then(|t| Instant::now().checked_add(t + GRACE));
-        Self { context: Context::of(headers), is_grpc, deadline }
+        Self { context: Context::of(headers, Some(peer)), is_grpc, deadline }
     }
 
     /// Waits for the deadline, for ever without one.

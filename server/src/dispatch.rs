@@ -1,10 +1,13 @@
 //! The workers that are there, and the routing of rollouts to them. All of it
 //! is in memory: a worker that the server forgot registers again.
 
+mod executing;
+mod line;
 mod registry;
 mod rollout;
 mod route;
 mod twins;
+mod untaken;
 
 use std::{
     collections::HashMap,
@@ -13,8 +16,7 @@ use std::{
 };
 
 use bendtwin_core::ids::{TwinId, WorkerId};
-use bendtwin_store::{Job, Kind, Store, Worker};
-use tokio::time::Instant;
+use bendtwin_store::{Job, Kind, Loss, Store, Worker};
 
 use crate::{
     failure::{Error, Result},
@@ -23,9 +25,11 @@ use crate::{
     tokens::Child,
 };
 
-use registry::Entry;
-pub(crate) use registry::{Heartbeat, Memory, WorkerView};
-pub(crate) use rollout::RollOut;
+use line::Ask;
+pub(crate) use line::Size;
+use registry::{Entry, Now};
+pub(crate) use registry::{FitRoom, Heartbeat, Memory, WorkerView};
+pub(crate) use rollout::{Held, InParts, RollOut, Whole};
 use twins::Twins;
 
 /// The routing table. Clones share it.
@@ -34,17 +38,24 @@ pub(crate) struct Dispatch {
     store: Store,
     limits: Limits,
     metrics: Metrics,
+    memory: crate::memory::Memory,
     heartbeat_interval: Duration,
     workers: Arc<Mutex<HashMap<WorkerId, Arc<Entry>>>>,
     twins: Twins,
 }
 
 impl Dispatch {
-    pub(crate) fn new(options: &Options, store: Store, metrics: Metrics) -> Self {
+    pub(crate) fn new(
+        options: &Options,
+        store: Store,
+        metrics: Metrics,
+        memory: crate::memory::Memory,
+    ) -> Self {
         Self {
             store,
             limits: options.limits.clone(),
             metrics,
+            memory,
             heartbeat_interval: options.heartbeat_interval(),
             workers: Arc::default(),
             twins: Twins::default(),
@@ -54,7 +65,7 @@ impl Dispatch {
     /// Adds a worker; `token` is what it expects to be shown.
     pub(crate) fn add(&self, worker: Worker, child: Option<Child>, token: &str) -> Result<()> {
         let id = worker.registration.id;
-        let entry = Entry::new(worker, child, token, &self.limits, self.store.now())?;
+        let entry = Entry::new(worker, child, token, &self.limits, self.now())?;
         self.lock().insert(id, Arc::new(entry));
         Ok(())
     }
@@ -71,8 +82,15 @@ impl Dispatch {
     pub(crate) fn heartbeat(&self, worker: WorkerId, heartbeat: Heartbeat) -> bool {
         let entry = self.lock().get(&worker).cloned();
         let Some(entry) = entry else { return false };
-        entry.heartbeat(self.store.now(), heartbeat);
+        entry.heartbeat(self.now(), heartbeat);
         true
+    }
+
+    /// A sign of life other than a heartbeat.
+    pub(crate) fn seen(&self, worker: WorkerId) {
+        if let Some(entry) = self.lock().get(&worker) {
+            entry.seen(self.now());
+        }
     }
 
     /// Notes the job of a kind that a worker is at.
@@ -81,15 +99,32 @@ impl Dispatch {
         let mut live = entry.live();
         match kind {
             Kind::Ingest => live.ingest = job.map(|j| j.capture),
-            Kind::Fit => live.fit = job.and_then(|j| j.id.fit()),
+            Kind::Fit => {
+                live.fit = job.and_then(|j| j.id.fit());
+                entry.line.set_fit(live.fit.is_some());
+            }
         }
     }
 
-    /// Workers without a sign of life for so long.
+    /// Workers without a sign of life for so long, by the time of leases: not after a standstill.
     pub(crate) fn silent(&self, span: Duration) -> Vec<WorkerId> {
-        let now = Instant::now();
-        let silent = |e: &Entry| now.duration_since(e.live().last_heartbeat) > span;
-        self.lock().iter().filter(|(_, e)| silent(e)).map(|(id, _)| *id).collect()
+        let now = self.store.lease_time();
+        self.lock().iter().filter(|(_, e)| e.silence(now) > span).map(|(id, _)| *id).collect()
+    }
+
+    /// Number of workers that lately gave a sign of life.
+    pub(crate) fn answering(&self) -> usize {
+        let now = self.store.lease_time();
+        self.lock().values().filter(|e| e.silence(now) <= self.fresh()).count()
+    }
+
+    /// Reason for the loss of a worker's attempts, if it is gone.
+    pub(crate) fn loss(&self, worker: WorkerId) -> Loss {
+        let was_at_rollouts = |e: &Arc<Entry>| e.executing.was_under_way();
+        match self.lock().get(&worker).is_some_and(was_at_rollouts) {
+            true => Loss::Rollout,
+            false => Loss::Worker,
+        }
     }
 
     /// The workers that a child process registered as; more than one if it was quick.
@@ -107,7 +142,13 @@ impl Dispatch {
     /// Number of workers, and of the rollouts that they are at.
     pub(crate) fn counts(&self) -> (usize, usize) {
         let workers = self.lock();
-        (workers.len(), workers.values().map(|e| e.load()).sum())
+        (workers.len(), workers.values().map(|e| e.line.len()).sum())
+    }
+
+    /// Rollouts that wait, by [`Size`].
+    pub(crate) fn waiting(&self) -> [usize; 3] {
+        let lines = self.lock().values().map(|e| e.line.waiting()).collect::<Vec<_>>();
+        Size::ALL.map(|size| lines.iter().map(|waiting| waiting[size as usize]).sum())
     }
 
     /// Memory of all workers' devices together, as far as it is known.
@@ -119,28 +160,42 @@ impl Dispatch {
         })
     }
 
+    /// Room for a fit at each worker that has said so.
+    pub(crate) fn fit_rooms(&self) -> Vec<FitRoom> {
+        self.lock().values().filter_map(|e| e.fit_room()).collect()
+    }
+
     pub(crate) fn forget_twin(&self, id: TwinId) {
         self.twins.forget(id);
     }
 
     /// The worker to send a rollout of this twin to; `tried` have failed it.
-    fn choose(&self, twin: TwinId, tried: &[WorkerId]) -> Result<Arc<Entry>> {
+    fn choose(&self, twin: TwinId, ask: &Ask, tried: &[WorkerId]) -> Result<Arc<Entry>> {
         let entries: Vec<Arc<Entry>> = self.lock().values().cloned().collect();
-        let fresh = self.heartbeat_interval * 3;
+        let (fresh, now) = (self.fresh(), self.store.lease_time());
         let candidates: Vec<route::Candidate> = entries
             .iter()
-            .map(|e| e.candidate(twin, fresh))
+            .map(|e| e.candidate(twin, ask, e.silence(now) <= fresh))
             .map(|c| route::Candidate { usable: c.usable && !tried.contains(&c.worker), ..c })
             .collect();
-        let bounds = route::Bounds {
-            running: self.limits.rollouts_per_worker,
-            waiting: self.limits.rollout_queue,
-        };
-        match route::choose(twin, &candidates, bounds) {
+        match route::choose(twin, &candidates) {
             route::Choice::Worker(i) => entries.get(i).cloned().ok_or(Error::NoWorker),
-            route::Choice::AllFull => Err(Error::Busy { waiting: self.limits.rollout_queue }),
             route::Choice::NoneThere => Err(Error::NoWorker),
+            route::Choice::AllFull => {
+                let usable = entries.iter().zip(&candidates).filter(|(_, c)| c.usable);
+                let waits = usable.map(|(e, _)| e.line.retry_after(ask));
+                Err(Error::Busy { retry_after: waits.min().unwrap_or_default() })
+            }
         }
+    }
+
+    /// Silence after which a worker is not asked for rollouts.
+    fn fresh(&self) -> Duration {
+        self.heartbeat_interval * 3
+    }
+
+    fn now(&self) -> Now {
+        Now { day: self.store.now(), lease: self.store.lease_time() }
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<WorkerId, Arc<Entry>>> {

@@ -1,13 +1,15 @@
 //! The compute device: OS threads that own the backend, each behind a queue. Callers use it through
 //! a [`QueuedBackend`], which cuts their batches into slices.
 //!
-//! Most devices have one queue: then one thread does everything, with two priorities, and a rollout
-//! runs between two slices of a fit. If [`Backend::urgent`] gives a second queue, rollouts have a
-//! thread of their own and run while fits do.
+//! Most devices have one queue: then one thread does everything, slice by slice, and takes
+//! [`turns`]. If [`Backend::urgent`] gives a second queue, rollouts have a thread of their own and
+//! run while fits do; the device lets them go first, so that thread rests between their slices.
 
+mod blame;
 mod queue;
 mod queued;
 mod thread;
+mod turns;
 
 use std::{
     sync::Arc,
@@ -23,8 +25,10 @@ use tokio::sync::mpsc;
 pub(crate) use self::queue::Priority;
 pub(crate) use self::queued::QueuedBackend;
 use self::{
+    blame::Blame,
     queue::{Broken, Queue},
     thread::{Opened, Threads},
+    turns::Flow,
 };
 use crate::Error;
 
@@ -44,31 +48,42 @@ pub(crate) struct Device {
     description: Description,
     /// True if rollouts have a thread of their own.
     has_urgent: bool,
+    blame: Blame,
 }
 
 impl Device {
-    /// Starts the threads and opens the backend on them.
+    /// Starts the threads and opens the backend on them. Fits get `fit_share` of the device's time,
+    /// 0 to below 1, while rollouts want all of it.
     ///
     /// A panic in a task is caught: its caller gets an error, the device takes no more work, and
     /// the error is sent to `fatal`, because the state of the device is unknown then.
     /// [`backend::Error::Device`] ends the device alike: a CUDA context does not recover from a
     /// failed launch.
-    pub(crate) fn spawn<F>(open: F, fatal: mpsc::UnboundedSender<Error>) -> Result<Self, Error>
+    pub(crate) fn spawn<F>(
+        open: F,
+        fatal: mpsc::UnboundedSender<Error>,
+        fit_share: f64,
+    ) -> Result<Self, Error>
     where
         F: FnOnce() -> Result<Arc<dyn Backend>, Error> + Send + 'static,
     {
-        let threads = Arc::new(Threads::new(fatal));
+        let threads = Arc::new(Threads::new(fatal, fit_share));
         let Opened { description, urgent } = threads.start(open)?;
         let has_urgent = urgent.is_some();
         if let Some(urgent) = urgent {
             threads.start_urgent(urgent)?;
         }
-        Ok(Self { threads, description, has_urgent })
+        Ok(Self { threads, description, has_urgent, blame: Blame::default() })
     }
 
     /// Description of the backend's hardware.
     pub(crate) fn description(&self) -> &Description {
         &self.description
+    }
+
+    /// Priority of the task that broke the device, if one has.
+    pub(crate) fn broken_by(&self) -> Option<Priority> {
+        self.blame.get()
     }
 
     /// The device's memory as of its last task, at most about a second old; never waits.
@@ -123,23 +138,28 @@ impl Device {
     /// Runs a task on the device and waits for it. Also returns the time it ran.
     fn call<R: Send + 'static>(
         &self,
-        priority: Priority,
+        flow: &Arc<Flow>,
         task: impl FnOnce(&dyn Backend) -> Result<R, backend::Error> + Send + 'static,
     ) -> Result<(R, Duration), backend::Error> {
         let (reply, result) = std::sync::mpsc::sync_channel(1);
+        let running = self.blame.running(flow.priority);
         let task = move |backend: &dyn Backend| {
+            let running = running;
             let started = Instant::now();
             let value = task(backend);
             let took = started.elapsed();
             let broken = match &value {
-                Err(backend::Error::Device(why)) => Err(Broken(why.clone())),
+                Err(backend::Error::Device(why)) => {
+                    running.broke();
+                    Err(Broken(why.clone()))
+                }
                 _ => Ok(()),
             };
             // The caller waits below, so sending cannot fail while it lives.
             let _ = reply.send(value.map(|value| (value, took)));
             broken
         };
-        self.queue(priority).push(priority, Box::new(task));
+        self.queue(flow.priority).push(flow, Box::new(task));
         result.recv().unwrap_or_else(|_| {
             let why = "it failed in other work, or the worker ends: try again";
             Err(backend::Error::Device(why.to_owned()))

@@ -9,6 +9,12 @@ use crate::Error;
 /// Approximate memory of the process that reads a capture before it has read anything [bytes].
 const LEAST_INGEST_BYTES: u64 = 64 << 20;
 
+/// Least memory of a worker [bytes].
+const LEAST_BYTES: u64 = 128 << 20;
+
+/// Default of [`Options::fit_share`].
+const FIT_SHARE: f64 = 0.25;
+
 /// Options of a worker process.
 #[derive(Clone)]
 pub struct Options {
@@ -25,10 +31,14 @@ pub struct Options {
     pub advertise: Option<String>,
     /// Folder for captures while they are read; the system's temporary directory if none.
     pub cache_dir: Option<PathBuf>,
+    /// Least share of the device's time that fits get while rollouts want all of it.
+    pub fit_share: f64,
     /// True to lease jobs, false to answer rollouts only.
     pub fits: bool,
     /// The program whose hidden command `ingest-capture` reads captures; this very program if none.
     pub ingest_program: Option<PathBuf>,
+    /// Memory for rollouts, loaded twins and fits [bytes].
+    pub memory_bytes: u64,
     /// Bounds on the work of one worker.
     pub limits: Limits,
     /// Time for which a finished result is kept while the server cannot be reached.
@@ -55,6 +65,8 @@ pub struct Limits {
     pub ingest_bytes: u64,
     /// Memory that one observation may take when read [bytes].
     pub capture_bytes: u64,
+    /// Memory that a fit may take, its capture included [bytes, estimated].
+    pub fit_bytes: u64,
     /// Size of a twin file [bytes].
     pub twin_bytes: u64,
     /// Memory of all loaded twins [bytes, estimated].
@@ -70,6 +82,7 @@ impl Default for Limits {
         Self {
             ingest_bytes: 1500 << 20,
             capture_bytes: 2 << 30,
+            fit_bytes: crate::budget::default_bytes() / 2,
             twin_bytes: 512 << 20,
             warm_bytes: 1 << 30,
             warm_twins: 32,
@@ -88,8 +101,10 @@ impl Options {
             listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             advertise: None,
             cache_dir: None,
+            fit_share: FIT_SHARE,
             fits: true,
             ingest_program: None,
+            memory_bytes: crate::budget::default_bytes(),
             limits: Limits::default(),
             delivery_timeout: Duration::from_secs(600),
         }
@@ -109,9 +124,14 @@ impl Options {
                 "listening on {} needs --advertise http://host:port, so that the server can reach this worker",
                 self.listen
             ))
+        } else if self.memory_bytes < LEAST_BYTES {
+            let least = LEAST_BYTES >> 20;
+            Some(format!("--memory-mib is too little for anything: give at least {least}"))
         } else if self.limits.ingest_bytes < LEAST_INGEST_BYTES {
             let least = LEAST_INGEST_BYTES >> 20;
             Some(format!("--ingest-memory-mib is too little for anything: give at least {least}"))
+        } else if !(0.0..=0.9).contains(&self.fit_share) {
+            Some(format!("--fit-share is {}: it must lie in 0..=0.9", self.fit_share))
         } else {
             None
         };

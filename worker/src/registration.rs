@@ -27,6 +27,8 @@ pub(crate) struct Registration {
     request: Arc<RegisterRequest>,
     rollouts: Rollouts,
     device: Device,
+    /// Memory that a fit may take; zero if this worker takes none [bytes].
+    fit_bytes: u64,
     /// Interval that the server asked for [ms].
     heartbeat_interval_ms: Arc<AtomicU64>,
 }
@@ -37,9 +39,11 @@ impl Registration {
         request: RegisterRequest,
         rollouts: Rollouts,
         device: Device,
+        fit_bytes: u64,
     ) -> Self {
         let heartbeat_interval_ms = Arc::new(AtomicU64::new(5_000));
-        Self { server, request: Arc::new(request), rollouts, device, heartbeat_interval_ms }
+        let request = Arc::new(request);
+        Self { server, request, rollouts, device, fit_bytes, heartbeat_interval_ms }
     }
 
     /// Registers, trying again while the server cannot be reached.
@@ -79,6 +83,7 @@ impl Registration {
                 rollouts_in_flight: u32::try_from(self.rollouts.in_flight()).unwrap_or(u32::MAX),
                 memory_used_bytes: memory.map_or(0, |m| m.used),
                 memory_total_bytes: memory.map_or(0, |m| m.total),
+                fit_memory_bytes: self.fit_bytes,
             };
             match self.server.heartbeat(heartbeat).await {
                 Ok(answer) if answer.drain => {

@@ -15,6 +15,7 @@ use tonic::transport::server::TcpIncoming;
 
 use crate::{
     Error, Options,
+    budget::Memory,
     device::Device,
     fit::Fits,
     ingest::Ingests,
@@ -62,13 +63,19 @@ async fn run_on(
         .map_err(|source| Error::System { what: "make a folder for captures", source })?;
     let dir = scratch.path().to_owned();
 
-    let twins = WarmTwins::new(server.clone(), device.clone(), limits);
-    let replays = Replays::new(server.clone(), dir.clone(), limits);
-    let rollouts = Rollouts::new(id.to_string(), device.clone(), twins, replays, limits.rollouts);
+    let memory = Memory::new(options.memory_bytes);
+    let memory_mib = options.memory_bytes >> 20;
+    tracing::info!(memory_mib, "memory for rollouts, twins and fits");
+    let twins = WarmTwins::new(server.clone(), device.clone(), limits, memory.clone(), dir.clone());
+    let replays = Replays::new(server.clone(), dir.clone(), limits, memory.clone());
+    let rollouts =
+        Rollouts::new(id.to_string(), device.clone(), twins, replays, memory, limits.rollouts);
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
     let request = register_request(id, &endpoint, device);
-    let registration = Registration::new(server.clone(), request, rollouts, device.clone());
+    let fit_bytes = if options.fits { limits.fit_bytes } else { 0 };
+    let registration =
+        Registration::new(server.clone(), request, rollouts, device.clone(), fit_bytes);
     tokio::select! {
         registered = registration.register(options.delivery_timeout) => registered?,
         () = shutdown.cancelled() => return Ok(()),
@@ -143,8 +150,9 @@ async fn open_device(
     fatal: mpsc::UnboundedSender<Error>,
 ) -> Result<Device, Error> {
     let backend = options.backend.clone();
+    let fit_share = options.fit_share;
     let open = move || Ok(bendtwin_backends::open(&backend)?);
-    tokio::task::spawn_blocking(move || Device::spawn(open, fatal))
+    tokio::task::spawn_blocking(move || Device::spawn(open, fatal, fit_share))
         .await
         .map_err(|e| Error::Panicked(e.to_string()))?
 }

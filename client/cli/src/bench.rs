@@ -1,5 +1,7 @@
-//! `bendtwin bench`: speed of the physics on this machine, on named scenes.
+//! `bendtwin bench`: speed of the physics on this machine, on named scenes; and what load on a
+//! server leaves to others.
 
+mod load;
 mod memory;
 mod tables;
 
@@ -9,7 +11,7 @@ use anyhow::Context as _;
 use bendtwin_bench::{FitPlan, Plan, Report, SceneName, Scheme, Setup};
 use bendtwin_core::CancelToken;
 use bendtwin_engine::Backend;
-use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
+use clap::{Args, Subcommand, ValueEnum, builder::RangedU64ValueParser};
 
 use crate::{backend::BackendArgs, failure, global::Global, output, signals};
 
@@ -17,12 +19,17 @@ use crate::{backend::BackendArgs, failure, global::Global, output, signals};
 const MOST_INSTANCES: u64 = 16_384;
 
 #[derive(Debug, Args)]
-#[command(after_help = "\
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "\
 The defaults are for a data centre's GPU. On a laptop, say which scenes, and how much:
   bendtwin bench n500 --batches 1,16 --quick
 A whole fit takes minutes on a GPU and hours on a CPU; it is measured only if asked for:
-  bendtwin bench n2000 --bending without --fit frame,pass,cut")]
+  bendtwin bench n2000 --bending without --fit frame,pass,cut"
+)]
 pub(crate) struct Bench {
+    #[command(subcommand)]
+    command: Option<Command>,
     /// Scenes [default: all; with --quick: rope and n500]
     scenes: Vec<SceneName>,
     /// List the scenes and exit
@@ -71,6 +78,12 @@ pub(crate) struct Bench {
     /// Also write the report as JSON to this file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Time small rollouts and a fit on a running server, alone and beside greedy clients
+    Load(load::Load),
 }
 
 /// Choice between scenes without bending triplets and with them.
@@ -144,6 +157,9 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) async fn run(args: Bench, global: &Global) -> anyhow::Result<()> {
+    if let Some(Command::Load(load)) = args.command {
+        return load::run(load, global).await;
+    }
     if args.list {
         let names = SceneName::ALL.map(|name| {
             serde_json::json!({

@@ -3,6 +3,7 @@
 
 pub mod ingest;
 pub mod layers;
+pub mod memory;
 
 use serde::{Deserialize, Serialize};
 

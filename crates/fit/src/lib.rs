@@ -12,6 +12,7 @@ mod checkpoint;
 pub mod cmaes;
 mod error;
 mod job;
+pub mod memory;
 mod model_fit;
 mod parameterization;
 mod progress;

@@ -1,9 +1,13 @@
 //! The zeroth-order stage: CMA-ES over global variables. A generation of all models is one batch,
-//! every candidate with its own graph; the host's threads prepare the candidates in parallel.
+//! every candidate with its own graph; the host's threads prepare the candidates in parallel, as
+//! many at a time as a bound on their memory allows.
 
 use std::sync::Arc;
 
-use bendtwin_core::CancelToken;
+use bendtwin_core::{
+    CancelToken,
+    settings::memory::{GENERATION_BYTES, GraphSize},
+};
 use bendtwin_engine::{Backend, Loaded, backend};
 use rayon::prelude::*;
 
@@ -11,6 +15,7 @@ use crate::{
     Error,
     built_graph::{BuiltGraph, GraphCache, LoadError, build_model, load},
     cmaes::CmaEs,
+    memory,
     space::{Candidate, Space},
     submit,
     task::{Task, Training},
@@ -57,11 +62,22 @@ pub(crate) struct Search<'a> {
     task: &'a Task<'a>,
     set: Vec<Training<'a>>,
     graphs: GraphCache,
+    /// Candidates that are loaded at a time, unless a slice needs more.
+    most_loaded: usize,
 }
 
 impl<'a> Search<'a> {
     pub(crate) fn new(task: &'a Task<'a>) -> Self {
-        Self { task, set: task.search_set(), graphs: GraphCache::default() }
+        let size = GraphSize::largest(task.settings, &memory::size_of(task.capture));
+        let most = GENERATION_BYTES / size.candidate_bytes().max(1);
+        let most_loaded = usize::try_from(most).unwrap_or(usize::MAX).max(1);
+        Self { task, set: task.search_set(), graphs: GraphCache::default(), most_loaded }
+    }
+
+    /// With at most so many candidates loaded at a time, unless a slice needs more.
+    #[cfg(test)]
+    pub(crate) fn with_most_loaded(self, most_loaded: usize) -> Self {
+        Self { most_loaded, ..self }
     }
 
     /// Evaluates one generation of candidates and passes the losses to their strategies.
@@ -76,16 +92,26 @@ impl<'a> Search<'a> {
         let candidates: Vec<Candidate> = of
             .flat_map(|(of, samples)| samples.iter().map(|s| of.space.candidate(&s.point)))
             .collect();
-        let mut batch = Vec::new();
         // Index of each candidate's first instance; none if it was refused.
         let mut first = Vec::with_capacity(candidates.len());
-        for loaded in self.load(&candidates, backend, cancel)? {
-            first.push(loaded.is_some().then_some(batch.len()));
-            if let Some(loaded) = &loaded {
-                batch.extend(self.set.iter().map(|t| t.instance(loaded)));
+        let (mut batch, mut count, mut losses) = (Vec::new(), 0, Vec::new());
+        let slice = submit::slice_len(backend);
+        let a_slice = slice.div_ceil(self.set.len().max(1));
+        for part in candidates.chunks(self.most_loaded.max(a_slice)) {
+            for loaded in self.load(part, backend, cancel)? {
+                first.push(loaded.is_some().then_some(count));
+                if let Some(loaded) = &loaded {
+                    batch.extend(self.set.iter().map(|t| t.instance(loaded)));
+                    count += self.set.len();
+                }
             }
+            // Whole slices, so that instances are simulated together with the same others however
+            // many candidates are loaded at a time. Those that are done are let go of.
+            let whole = batch.len() - batch.len() % slice.max(1);
+            losses.extend(submit::losses(backend, &batch[..whole], cancel)?);
+            batch.drain(..whole);
         }
-        let losses = submit::losses(backend, &batch, cancel)?;
+        losses.extend(submit::losses(backend, &batch, cancel)?);
         let mean =
             |at: usize| self.task.loss(losses[at..at + self.set.len()].iter().map(|l| l.total));
         let mut first = first.into_iter();
@@ -130,3 +156,6 @@ impl<'a> Search<'a> {
         Ok(loaded.into_iter().collect::<Result<_, _>>()?)
     }
 }
+
+#[cfg(test)]
+mod tests;

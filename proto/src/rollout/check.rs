@@ -72,10 +72,9 @@ pub fn check_for(
     if request.fidelity() == Fidelity::Fast && twin.fast_substeps.is_none() {
         return Err(Error::NoFastVariant { twin: request.twin.clone() });
     }
-    let each = twin.work(request.fidelity(), batch.frames) + costs::work(&request.costs, &batch);
     within(
         "the work (instances x frames x substeps x (nodes + springs + triplets))",
-        each.saturating_mul(u128::from(batch.instances)),
+        work(request, &batch, twin),
         limits.work,
         "send fewer instances or a shorter horizon, or use a coarser twin",
     )?;
@@ -85,13 +84,27 @@ pub fn check_for(
         limits.reply_bytes,
         "ask for fewer nodes (returns.nodes), every k-th frame (returns.every_frames) or the best few (returns.best), or stream it",
     )?;
-    within(
-        "the memory at a worker in bytes",
-        u128::from(memory::memory(request, &batch, twin, part_instances).least()),
-        limits.memory_bytes,
-        "ask for a shorter horizon, fewer control points, targets or arrays of the reply, or stream it",
-    )?;
+    let least = memory::memory(request, &batch, twin, part_instances).least();
+    if least > limits.memory_bytes {
+        return Err(too_much_memory(least, limits.memory_bytes));
+    }
     Ok(batch)
+}
+
+/// The refusal of a rollout that takes too much memory.
+pub fn too_much_memory(asked: u64, limit: u64) -> Error {
+    Error::TooLarge {
+        what: "the memory at a worker in bytes",
+        asked,
+        limit,
+        advice: "ask for a shorter horizon, fewer targets or smaller arrays of the reply, stream it, or use a twin with fewer control points",
+    }
+}
+
+/// Work of a checked request, in element substeps.
+pub fn work(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u128 {
+    let each = twin.work(request.fidelity(), batch.frames) + costs::work(&request.costs, batch);
+    each.saturating_mul(u128::from(batch.instances))
 }
 
 /// Fidelity that a request asks for.

@@ -1,10 +1,19 @@
 //! Fit jobs as users see them: created, read, cancelled.
 
-use bendtwin_core::{FitSettings, ids::FitId};
+use bendtwin_core::{
+    FitSettings,
+    ids::{CaptureId, FitId},
+    settings::memory::{self, CaptureSize, GraphSize},
+};
 use bendtwin_store::{Job, NewFit, Page, PageRequest};
+use futures::StreamExt as _;
+use serde::Deserialize;
 
 use super::{App, Error, Result};
-use crate::context::Context;
+use crate::{context::Context, dispatch::FitRoom};
+
+/// Largest report that is read for the size of its capture [bytes].
+const LARGEST_REPORT: u64 = 8 << 20;
 
 const PRIORITIES: std::ops::RangeInclusive<i32> = -100..=100;
 
@@ -20,9 +29,13 @@ impl App {
         if !PRIORITIES.contains(&priority) {
             return Err(Error::invalid("priority", format!("is {priority}: use -100..=100")));
         }
+        self.require_room(0)?;
+        let capture = super::name(capture)?;
+        let settings = settings(settings_json, self.options.limits.json_bytes)?;
+        self.check_memory(capture, &settings).await?;
         let new = NewFit {
-            capture: super::name(capture)?,
-            settings: settings(settings_json, self.options.limits.json_bytes)?,
+            capture,
+            settings: canonical(&settings)?,
             priority,
             request_id: super::request_id(request_id)?,
             trace_parent: Context::current().trace_parent,
@@ -30,6 +43,47 @@ impl App {
         let fit = self.store.jobs().create_fit(new).await?;
         tracing::info!(fit = %fit.id, capture = %fit.capture, "fit queued");
         Ok(fit)
+    }
+
+    /// Refuses a fit that no worker has the memory for. Before the capture has been read, or while
+    /// no worker has said what it has, nothing is refused: a worker checks it again.
+    async fn check_memory(&self, capture: CaptureId, settings: &FitSettings) -> Result<()> {
+        let rooms = self.dispatch.fit_rooms();
+        let Some(largest) = rooms.iter().max_by_key(|room| room.bytes) else { return Ok(()) };
+        let Some(size) = self.capture_size(capture).await else { return Ok(()) };
+        let graph = GraphSize::largest(settings, &size);
+        let needed = |room: &FitRoom| memory::estimate(settings, &size, &graph, room.lanes).total();
+        if rooms.iter().any(|room| needed(room) <= room.bytes) {
+            return Ok(());
+        }
+        let FitRoom { bytes, lanes } = *largest;
+        let advice = memory::what_would_fit(settings, &size, lanes, bytes);
+        Err(Error::FitTooLarge(memory::refusal(needed(largest), bytes, &advice)))
+    }
+
+    /// The size of a capture by its report; none if there is no report, or none that says it.
+    async fn capture_size(&self, capture: CaptureId) -> Option<CaptureSize> {
+        let mut content = self.store.captures().report_content(capture, false).await.ok()?;
+        if content.size_bytes > LARGEST_REPORT {
+            return None;
+        }
+        let mut json = Vec::new();
+        while let Some(chunk) = content.chunks.next().await {
+            json.extend_from_slice(&chunk.ok()?);
+        }
+        let report: Report = serde_json::from_slice(&json).ok()?;
+        let observed = report.observed?;
+        Some(CaptureSize {
+            points: observed.point_count,
+            completed: observed.completed_count,
+            interior: observed.interior_count,
+            controls: observed.control_count,
+            // Those of the first sequence; a worker knows all of them.
+            frames: report.frame_count,
+            longest: report.frame_count,
+            sequences: 1,
+            edges: 0,
+        })
     }
 
     pub(crate) async fn fit(&self, name: &str) -> Result<Job> {
@@ -47,13 +101,32 @@ impl App {
     pub(crate) async fn delete_fit(&self, name: &str) -> Result<()> {
         let id: FitId = super::name(name)?;
         let store = self.store.clone();
-        super::run_to_completion(async move { store.jobs().delete(id).await }).await
+        self.change(async move { store.jobs().delete(id).await }).await
     }
 }
 
-/// The settings in force as canonical JSON: equal settings are equal text.
-fn settings(json: &str, limit: usize) -> Result<String> {
+/// The part of a capture's report that tells its size.
+#[derive(Deserialize)]
+struct Report {
+    frame_count: u64,
+    observed: Option<Observed>,
+}
+
+#[derive(Deserialize)]
+struct Observed {
+    point_count: u64,
+    control_count: u64,
+    completed_count: u64,
+    interior_count: u64,
+}
+
+fn settings(json: &str, limit: usize) -> Result<FitSettings> {
     let settings: FitSettings = super::read_settings(json, limit)?;
     settings.validate().map_err(Error::Settings)?;
-    serde_json::to_string(&settings).map_err(|e| Error::Internal(e.to_string()))
+    Ok(settings)
+}
+
+/// The settings in force as canonical JSON: equal settings are equal text.
+fn canonical(settings: &FitSettings) -> Result<String> {
+    serde_json::to_string(settings).map_err(|e| Error::Internal(e.to_string()))
 }

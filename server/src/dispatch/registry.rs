@@ -2,27 +2,28 @@
 //! the connection to it.
 
 use std::{
-    sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicUsize, Ordering},
-    },
+    sync::{Mutex, MutexGuard, PoisonError},
     time::Duration,
 };
 
-use bendtwin_core::ids::{CaptureId, FitId, TwinId};
+use bendtwin_core::{
+    ids::{CaptureId, FitId, TwinId},
+    settings::memory::Lanes,
+};
 use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
 use bendtwin_store::Worker;
 use jiff::Timestamp;
-use tokio::{
-    sync::{OwnedSemaphorePermit, Semaphore},
-    time::Instant,
-};
+use tokio::time::Instant;
 use tonic::{
     metadata::AsciiMetadataValue,
     transport::{Channel, Endpoint},
 };
 
-use super::route::Candidate;
+use super::{
+    executing::Executing,
+    line::{Ask, Line},
+    route::Candidate,
+};
 use crate::{
     failure::{Error, Result},
     options::Limits,
@@ -42,24 +43,30 @@ pub(super) struct Entry {
     /// The process of the server's that it is, if it is one.
     pub(super) child: Option<Child>,
     live: Mutex<Live>,
-    slots: Arc<Semaphore>,
-    /// Rollouts under way or waiting for a slot; at most `room`.
-    load: Arc<AtomicUsize>,
-    room: usize,
-    /// Of these, so many wait.
-    waiting: usize,
+    pub(super) line: Line,
     client: WorkerRolloutsClient<Channel>,
     token: AsciiMetadataValue,
+    /// Rollouts that it has taken.
+    pub(super) executing: Executing,
+}
+
+/// The time of day, and the time of leases: [`bendtwin_store::Store::lease_time`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Now {
+    pub(super) day: Timestamp,
+    pub(super) lease: Duration,
 }
 
 /// Facts that change while a worker lives.
 #[derive(Debug)]
 pub(super) struct Live {
-    pub(super) last_heartbeat: Instant,
+    /// Last sign of life, by the time of leases.
+    last_sign: Duration,
     last_seen: Timestamp,
     warm: Vec<TwinId>,
     in_flight: u32,
     memory: Option<Memory>,
+    fit_bytes: u64,
     pub(super) fit: Option<FitId>,
     /// The capture whose ingest it is at.
     pub(super) ingest: Option<CaptureId>,
@@ -85,6 +92,16 @@ pub(crate) struct Heartbeat {
     pub(crate) warm: Vec<TwinId>,
     pub(crate) in_flight: u32,
     pub(crate) memory: Option<Memory>,
+    /// Memory that a fit may take [bytes]; zero if it takes no fits.
+    pub(crate) fit_bytes: u64,
+}
+
+/// Room for a fit at a worker.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FitRoom {
+    /// Memory that a fit may take [bytes].
+    pub(crate) bytes: u64,
+    pub(crate) lanes: Lanes,
 }
 
 /// Memory of a worker's device [bytes].
@@ -95,27 +112,13 @@ pub(crate) struct Memory {
     pub(crate) total: u64,
 }
 
-/// A place in a worker's line: waiting at first, then with a slot.
-#[derive(Debug)]
-pub(super) struct Place {
-    load: Arc<AtomicUsize>,
-    /// Given back when the place is.
-    slot: Option<OwnedSemaphorePermit>,
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        self.load.fetch_sub(1, Ordering::SeqCst);
-    }
-}
-
 impl Entry {
     pub(super) fn new(
         worker: Worker,
         child: Option<Child>,
         token: &str,
         limits: &Limits,
-        now: Timestamp,
+        now: Now,
     ) -> Result<Self> {
         let url = &worker.registration.endpoint;
         let channel = Endpoint::from_shared(url.clone())
@@ -136,11 +139,12 @@ impl Entry {
             AsciiMetadataValue::try_from(format!("Bearer {token}")).map_err(|_| Error::BadToken)?;
         token.set_sensitive(true);
         let live = Live {
-            last_heartbeat: Instant::now(),
-            last_seen: now,
+            last_sign: now.lease,
+            last_seen: now.day,
             warm: Vec::new(),
             in_flight: 0,
             memory: None,
+            fit_bytes: 0,
             fit: None,
             ingest: None,
             broken_until: None,
@@ -149,12 +153,10 @@ impl Entry {
             worker,
             child,
             live: Mutex::new(live),
-            slots: Arc::new(Semaphore::new(limits.rollouts_per_worker)),
-            load: Arc::default(),
-            room: limits.rollouts_per_worker + limits.rollout_queue,
-            waiting: limits.rollout_queue,
+            line: Line::new(limits.rollouts_per_worker, limits.rollout_queue),
             client,
             token,
+            executing: Executing::default(),
         })
     }
 
@@ -171,13 +173,19 @@ impl Entry {
         self.live.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn heartbeat(&self, now: Timestamp, heartbeat: Heartbeat) {
+    pub(super) fn heartbeat(&self, now: Now, heartbeat: Heartbeat) {
+        self.executing.is_alive(heartbeat.in_flight);
+        self.seen(now);
         let mut live = self.live();
-        live.last_heartbeat = Instant::now();
-        live.last_seen = now;
         live.warm = heartbeat.warm;
         live.in_flight = heartbeat.in_flight;
         live.memory = heartbeat.memory;
+        live.fit_bytes = heartbeat.fit_bytes;
+    }
+
+    pub(super) fn seen(&self, now: Now) {
+        let mut live = self.live();
+        (live.last_sign, live.last_seen) = (now.lease, now.day);
     }
 
     /// The worker answered a rollout of this twin: it has it loaded.
@@ -194,37 +202,28 @@ impl Entry {
         self.live().broken_until = Some(Instant::now() + BROKEN_FOR);
     }
 
-    pub(super) fn load(&self) -> usize {
-        self.load.load(Ordering::SeqCst)
+    /// Room for a fit; none if it takes no fits or has not said yet.
+    pub(super) fn fit_room(&self) -> Option<FitRoom> {
+        let bytes = self.live().fit_bytes;
+        let worker = &self.worker.registration;
+        let lanes = Lanes { count: u64::from(worker.lanes), on_host: worker.backend == "cpu" };
+        (bytes > 0).then_some(FitRoom { bytes, lanes })
     }
 
-    /// Joins the line. The place counts as load from now until it is dropped.
-    pub(super) fn place(&self) -> Result<Place> {
-        let place = Place { load: self.load.clone(), slot: None };
-        // Others may have joined since the worker was chosen.
-        if self.load.fetch_add(1, Ordering::SeqCst) >= self.room {
-            return Err(Error::Busy { waiting: self.waiting });
-        }
-        Ok(place)
+    /// Time without a sign of life, given the time of leases.
+    pub(super) fn silence(&self, now: Duration) -> Duration {
+        now.saturating_sub(self.live().last_sign)
     }
 
-    /// Waits for a slot.
-    pub(super) async fn slot(&self, place: &mut Place) -> Result<()> {
-        // Slots are never closed.
-        let slot = self.slots.clone().acquire_owned().await.map_err(|_| Error::Stopping)?;
-        place.slot = Some(slot);
-        Ok(())
-    }
-
-    pub(super) fn candidate(&self, twin: TwinId, fresh: Duration) -> Candidate {
+    pub(super) fn candidate(&self, twin: TwinId, ask: &Ask, is_fresh: bool) -> Candidate {
         let live = self.live();
-        let now = Instant::now();
-        let broken = live.broken_until.is_some_and(|until| until > now);
+        let broken = live.broken_until.is_some_and(|until| until > Instant::now());
         Candidate {
             worker: self.id(),
-            usable: !broken && now.duration_since(live.last_heartbeat) <= fresh,
+            usable: !broken && is_fresh,
             warm: live.warm.contains(&twin),
-            load: self.load(),
+            has_room: self.line.has_room(ask),
+            ahead_s: self.line.ahead_s(),
         }
     }
 
@@ -234,7 +233,7 @@ impl Entry {
             worker: self.worker.clone(),
             last_seen: live.last_seen,
             warm: live.warm.clone(),
-            in_flight: live.in_flight.max(u32::try_from(self.load()).unwrap_or(u32::MAX)),
+            in_flight: live.in_flight.max(u32::try_from(self.line.len()).unwrap_or(u32::MAX)),
             memory: live.memory,
             fit: live.fit,
             ingest: live.ingest,

@@ -46,6 +46,7 @@ fn lease_of(leased: Leased) -> LeaseMessage {
         capture_digest: capture.digest.to_hex().to_string(),
         settings_json: job.settings,
         has_checkpoint: job.checkpoint.is_some(),
+        checkpoint_digest: job.checkpoint.map(|d| d.to_hex().to_string()).unwrap_or_default(),
         request_id: job.request_id.unwrap_or_default(),
         trace_parent: job.trace_parent.unwrap_or_default(),
         observation_digest: observation.map(|o| o.digest.to_hex().to_string()).unwrap_or_default(),
@@ -90,7 +91,8 @@ impl WorkerLink for Api {
         let warm = r.warm_twins.iter().map(|t| app::name(t)).collect::<app::Result<_>>()?;
         let memory = (r.memory_total_bytes > 0)
             .then_some(Memory { used: r.memory_used_bytes, total: r.memory_total_bytes });
-        let heartbeat = Heartbeat { warm, in_flight: r.rollouts_in_flight, memory };
+        let (in_flight, fit_bytes) = (r.rollouts_in_flight, r.fit_memory_bytes);
+        let heartbeat = Heartbeat { warm, in_flight, memory, fit_bytes };
         if !self.app.dispatch.heartbeat(worker, heartbeat) {
             return Err(Error::WorkerUnknown(worker.to_string()).into());
         }
@@ -215,6 +217,7 @@ impl WorkerLink for Api {
             End::Cancelled => AttemptEnd::Cancelled,
             End::FailedForGood => AttemptEnd::FailedForGood(fault),
             End::Failed => AttemptEnd::Failed(fault),
+            End::Interrupted => AttemptEnd::Interrupted(fault),
             End::Unspecified => {
                 return Err(Error::invalid("end", "is none that this server knows").into());
             }

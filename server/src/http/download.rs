@@ -34,26 +34,21 @@ pub(super) async fn download(
     media_type: &'static str,
     file_name: &str,
 ) -> Result<Response> {
-    let (size, digest) = (content.size_bytes, content.digest);
-    let tag = format!("\"{}\"", digest.to_hex());
+    let size = content.size_bytes;
+    let tag = tag(&content);
     let headers = [
         (header::ACCEPT_RANGES, "bytes".to_owned()),
         (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file_name}\"")),
-        (REPR_DIGEST, digest_header(&content)),
-        (header::ETAG, tag.clone()),
     ];
     match part(request, size, &tag) {
-        Part::Whole => {
-            let digest = [(CONTENT_DIGEST, digest_header(&content))];
-            Ok((headers, digest, inline(content, media_type)).into_response())
-        }
+        Part::Whole => Ok((headers, inline(content, media_type)).into_response()),
         Part::Range(range) => {
             let told = format!("bytes {}-{}/{size}", range.start, range.end - 1);
             let length = range.end - range.start;
             let mut part = content.range(range).await?;
             part.size_bytes = length;
             let told = [(header::CONTENT_RANGE, told)];
-            let response = (StatusCode::PARTIAL_CONTENT, headers, told, inline(part, media_type));
+            let response = (StatusCode::PARTIAL_CONTENT, headers, told, bytes(part, media_type));
             Ok(response.into_response())
         }
         Part::Nothing => {
@@ -68,19 +63,34 @@ pub(super) async fn download(
     }
 }
 
-/// Content to be shown. Browsers must not guess another type than the given one.
+/// Content to be shown.
 pub(super) fn inline(content: Content, media_type: &'static str) -> Response {
+    let digest = [(CONTENT_DIGEST, digest(&content))];
+    (digest, bytes(content, media_type)).into_response()
+}
+
+/// The bytes of content, or of a part of it. Browsers must not guess another type than the given
+/// one.
+fn bytes(content: Content, media_type: &'static str) -> Response {
     let headers = [
         (header::CONTENT_TYPE, media_type.to_owned()),
         (header::CONTENT_LENGTH, content.size_bytes.to_string()),
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff".to_owned()),
+        (header::ETAG, tag(&content)),
+        (REPR_DIGEST, digest(&content)),
     ];
     // A read that fails in mid-stream cuts the body short of its length.
     let chunks = content.chunks.inspect_err(|error| tracing::error!(%error, "download broke off"));
     (headers, Body::from_stream(chunks)).into_response()
 }
 
-fn digest_header(content: &Content) -> String {
+fn tag(content: &Content) -> String {
+    format!("\"{}\"", content.digest.to_hex())
+}
+
+/// The digest in the form of RFC 9530, with an algorithm that its registry lacks; uploads declare
+/// theirs in the same form.
+fn digest(content: &Content) -> String {
     format!("blake3=:{}:", BASE64_STANDARD.encode(content.digest.as_bytes()))
 }
 

@@ -65,7 +65,7 @@ pub(super) async fn serve(
         .keep_alive_timeout(PING_INTERVAL);
     let service = tower::service_fn({
         let activity = activity.clone();
-        move |request| answer(request, root_service.clone(), activity.clone(), timeouts)
+        move |request| answer(request, peer, root_service.clone(), activity.clone(), timeouts)
     });
     let serving = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(service));
     let mut serving = std::pin::pin!(serving);
@@ -95,12 +95,13 @@ pub(super) async fn serve(
 
 async fn answer(
     request: Request<Incoming>,
+    peer: SocketAddr,
     root_service: RootService,
     activity: Arc<Activity>,
     timeouts: Timeouts,
 ) -> Result<Response<Body>, Infallible> {
     let exchange = activity.exchange();
-    let call = Call::of(request.headers());
+    let call = Call::of(request.headers(), peer);
     // A client that waits for leave to send its body will not send it now. HTTP/2 ends one stream
     // without the others.
     let drains =

@@ -206,7 +206,7 @@ async fn workers_have_a_door_of_their_own() {
     assert!(refused.is_err(), "{refused:?}");
     let door = format!("http://{}", server.handle.worker_addr());
     for (path, status) in
-        [("/healthz", 200), ("/readyz", 200), ("/metrics", 200), ("/v1/captures", 404)]
+        [("/healthz", 200), ("/readyz", 503), ("/metrics", 200), ("/v1/captures", 404)]
     {
         let response = reqwest::get(format!("{door}{path}")).await.unwrap();
         assert_eq!(response.status(), status, "{path}");

@@ -3,6 +3,7 @@ use std::time::Duration;
 use bendtwin_proto::v1::{
     CreateFitRequest, GetFitRequest, ListFitsRequest, WatchFitRequest, job::State,
 };
+use bendtwin_proto::worker::v1::lease_job_request::Kind;
 use futures::StreamExt;
 use serde_json::{Value, json};
 
@@ -115,4 +116,42 @@ async fn events_tell_every_change_and_resume() {
     assert_eq!(messages.last().unwrap().twin, twin);
     let unknown = server.get("/v1/fits/00000000-0000-7000-8000-000000000000/events").await;
     assert_eq!(unknown.0, 404);
+}
+
+#[tokio::test]
+async fn a_fit_that_no_worker_has_the_memory_for_is_refused_with_what_would_fit() {
+    let server = Server::start().await;
+    let mut worker = Worker::register(&server).await;
+    // It may give a fit 4 GiB.
+    worker.heartbeat().await.unwrap();
+    let capture = server.capture().await;
+    let settings = json!({
+        "graph": {"max_nodes": 3000, "max_neighbours": 256, "max_triplets": 256},
+        "search": {"population": 10_000, "starts": 64},
+    });
+    let fit = json!({"capture": capture, "settings": settings});
+    // Nothing is known of the capture yet: a worker will see.
+    let (status, early) = server.post("/v1/fits", fit.clone()).await;
+    assert_eq!(status, 202, "{early}");
+
+    let report = br#"{"frame_count": 100, "observed": {"point_count": 3000, "control_count": 30,
+        "completed_count": 0, "interior_count": 0, "visible": [3000]}}"#;
+    let lease = worker.lease_a(Kind::Ingest, Duration::ZERO).await.unwrap();
+    worker.end_ingest_reporting(&lease, Some(b"seen"), "good", None, report).await.unwrap();
+    let (status, refused) = server.post("/v1/fits", fit).await;
+    assert_eq!((status, &refused["reason"]), (400, &json!("FIT_OUT_OF_MEMORY")), "{refused}");
+    let detail = refused["detail"].as_str().unwrap();
+    assert!(detail.contains("may take 4.0"), "{detail}");
+    let starts = detail.split("search.starts ").nth(1).expect(detail);
+    let starts: u32 = starts.split(|c: char| !c.is_ascii_digit()).next().unwrap().parse().unwrap();
+    assert!((1..64).contains(&starts), "{detail}");
+
+    // What it says would fit does, and so does a large population alone.
+    for starts in [starts, 1] {
+        let mut settings = settings.clone();
+        settings["search"]["starts"] = starts.into();
+        let fit = json!({"capture": capture, "settings": settings});
+        let (status, fit) = server.post("/v1/fits", fit).await;
+        assert_eq!(status, 202, "{fit}");
+    }
 }

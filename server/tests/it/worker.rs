@@ -54,6 +54,8 @@ pub(crate) struct Worker {
 pub(crate) struct Device {
     /// Wait for this before answering.
     pub(crate) hold: Option<Arc<Notify>>,
+    /// Wait only with batches of more instances than this.
+    pub(crate) hold_above: usize,
     /// Rung when a rollout has begun, and when one was given up.
     pub(crate) begun: Arc<Notify>,
     pub(crate) given_up: Arc<Notify>,
@@ -78,6 +80,11 @@ impl Worker {
         Self::register_with(server, Device::default()).await
     }
 
+    /// A worker at this endpoint, where nobody answers rollouts.
+    pub(crate) async fn register_at(server: &Server, endpoint: &str) -> Self {
+        Self::register_as(server, endpoint.to_owned(), Arc::default()).await
+    }
+
     pub(crate) async fn register_with(server: &Server, device: Device) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let endpoint = format!("http://{}", listener.local_addr().unwrap());
@@ -87,6 +94,10 @@ impl Worker {
             .add_service(WorkerRolloutsServer::new(device))
             .serve_with_incoming(incoming);
         tokio::spawn(async move { service.await.unwrap() });
+        Self::register_as(server, endpoint, breaks).await
+    }
+
+    async fn register_as(server: &Server, endpoint: String, breaks: Arc<AtomicBool>) -> Self {
         let (id, mut link) = (WorkerId::generate(), link(server));
         let registered = link
             .register(RegisterRequest {
@@ -118,6 +129,7 @@ impl Worker {
             worker: self.id.to_string(),
             memory_used_bytes: 3 << 30,
             memory_total_bytes: 80 << 30,
+            fit_memory_bytes: 4 << 30,
             ..HeartbeatRequest::default()
         };
         self.link.heartbeat(request).await.map(Response::into_inner)
@@ -149,8 +161,19 @@ impl Worker {
         verdict: &str,
         fault: Option<Fault>,
     ) -> Result<(), Status> {
+        self.end_ingest_reporting(lease, observation, verdict, fault, b"{\"findings\":[]}").await
+    }
+
+    pub(crate) async fn end_ingest_reporting(
+        &mut self,
+        lease: &Lease,
+        observation: Option<&'static [u8]>,
+        verdict: &str,
+        fault: Option<Fault>,
+        report: &'static [u8],
+    ) -> Result<(), Status> {
         use end_ingest_request::Part;
-        let (report, page): (&[u8], &[u8]) = (b"{\"findings\":[]}", b"<p>");
+        let page: &[u8] = b"<p>";
         let digest = |content: &[u8]| blake3::hash(content).to_hex().to_string();
         let made = IngestWrite {
             job: Some(JobWrite { digest: String::new(), ..self.write(lease, b"") }),
@@ -276,19 +299,19 @@ impl WorkerRollouts for Device {
         let token = request.metadata().get("authorization").unwrap().to_str().unwrap();
         assert_eq!(token, format!("Bearer {TOKEN}"));
         let execute = request.into_inner();
+        let Some(Actions::Trajectories(t)) = execute.request.unwrap().actions else {
+            return Err(Status::invalid_argument("no trajectories"));
+        };
+        let batch = t.positions.unwrap().shape[0] as u32;
         self.begun.notify_one();
         let mut given_up = GivenUp(Some(self.given_up.clone()));
-        if let Some(hold) = &self.hold {
+        if let Some(hold) = self.hold.as_ref().filter(|_| batch as usize > self.hold_above) {
             hold.notified().await;
         }
         given_up.0 = None;
         if self.breaks.load(Ordering::SeqCst) {
             return Err(Status::unavailable("gone"));
         }
-        let Some(Actions::Trajectories(t)) = execute.request.unwrap().actions else {
-            return Err(Status::invalid_argument("no trajectories"));
-        };
-        let batch = t.positions.unwrap().shape[0] as u32;
         let size = if execute.part_instances == 0 { batch } else { execute.part_instances };
         let part_costs = self.part_costs;
         let parts = (0..batch).step_by(size as usize).map(move |first| {

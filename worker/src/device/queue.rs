@@ -1,22 +1,19 @@
 //! The queue in front of a device thread.
 
 use std::{
-    collections::VecDeque,
-    sync::{Condvar, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
 
 use bendtwin_engine::Backend;
+
+use super::turns::{Flow, Turns};
 
 /// Work for a device thread.
 pub(super) type Task = Box<dyn FnOnce(&dyn Backend) -> Result<(), Broken> + Send>;
 
 /// Reason for which a device cannot be used any more.
 pub(super) struct Broken(pub(super) String);
-
-/// A background task that has waited this long goes first once, so that a
-/// stream of rollouts slows a fit down but never stops it.
-const STARVATION_LIMIT: Duration = Duration::from_secs(2);
 
 /// Priority of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,55 +24,82 @@ pub(crate) enum Priority {
     Background,
 }
 
-/// Tasks by priority, first in, first out within each.
-#[derive(Default)]
+/// Tasks that wait for their [`Turns`].
 pub(super) struct Queue {
     tasks: Mutex<Tasks>,
     arrived: Condvar,
 }
 
-#[derive(Default)]
 struct Tasks {
-    interactive: VecDeque<Task>,
-    background: VecDeque<(Instant, Task)>,
+    turns: Turns<Task>,
+    /// True while the thread runs a task.
+    is_running: bool,
+    /// Rollouts that have been served wait until then.
+    rest_until: Option<Instant>,
     closed: bool,
 }
 
 impl Queue {
+    /// A queue in which fits have this share of the time.
+    pub(super) fn new(fit_share: f64) -> Self {
+        let turns = Turns::new(fit_share);
+        let tasks = Tasks { turns, is_running: false, rest_until: None, closed: false };
+        Self { tasks: Mutex::new(tasks), arrived: Condvar::new() }
+    }
+
     /// Adds a task; drops it if the queue is closed.
-    pub(super) fn push(&self, priority: Priority, task: Task) {
+    pub(super) fn push(&self, flow: &Arc<Flow>, task: Task) {
         let mut tasks = self.lock();
         if tasks.closed {
             return;
         }
-        match priority {
-            Priority::Interactive => tasks.interactive.push_back(task),
-            Priority::Background => tasks.background.push_back((Instant::now(), task)),
-        }
+        tasks.turns.push(flow, task);
         drop(tasks);
         self.arrived.notify_one();
     }
 
     /// Waits for the next task; none once the queue is closed.
-    pub(super) fn next(&self) -> Option<Task> {
+    pub(super) fn next(&self) -> Option<(Arc<Flow>, Task)> {
         let mut tasks = self.lock();
         loop {
             if tasks.closed {
                 return None;
             }
-            if let Some(task) = tasks.take() {
-                return Some(task);
+            let rest = tasks.rest_until.and_then(|t| t.checked_duration_since(Instant::now()));
+            if let Some(next) = tasks.turns.take(rest.is_some()) {
+                tasks.is_running = true;
+                return Some(next);
             }
-            tasks = self.arrived.wait(tasks).unwrap_or_else(PoisonError::into_inner);
+            tasks = match rest {
+                Some(rest) => {
+                    let woken = self.arrived.wait_timeout(tasks, rest);
+                    woken.unwrap_or_else(PoisonError::into_inner).0
+                }
+                None => self.arrived.wait(tasks).unwrap_or_else(PoisonError::into_inner),
+            };
         }
+    }
+
+    /// Notes the time that a task took. For `rest` after it, only rollouts that have not been
+    /// served yet run.
+    pub(super) fn served(&self, flow: &Arc<Flow>, took: Duration, rest: Duration) {
+        let mut tasks = self.lock();
+        tasks.turns.served(flow, took);
+        tasks.is_running = false;
+        tasks.rest_until = Instant::now().checked_add(rest).filter(|_| !rest.is_zero());
+    }
+
+    /// True if a task runs or waits.
+    pub(super) fn is_busy(&self) -> bool {
+        let tasks = self.lock();
+        tasks.is_running || !tasks.turns.is_empty()
     }
 
     /// Accepts no more tasks and drops those that wait, which wakes their callers.
     pub(super) fn close(&self) {
         let mut tasks = self.lock();
         tasks.closed = true;
-        let waiting =
-            (std::mem::take(&mut tasks.interactive), std::mem::take(&mut tasks.background));
+        let waiting = tasks.turns.drain();
         drop(tasks);
         drop(waiting);
         self.arrived.notify_all();
@@ -84,16 +108,5 @@ impl Queue {
     /// Tasks run outside the lock, so a panic cannot leave it half changed.
     fn lock(&self) -> MutexGuard<'_, Tasks> {
         self.tasks.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Tasks {
-    fn take(&mut self) -> Option<Task> {
-        let starving =
-            self.background.front().is_some_and(|(since, _)| since.elapsed() > STARVATION_LIMIT);
-        if starving || self.interactive.is_empty() {
-            return self.background.pop_front().map(|(_, task)| task);
-        }
-        self.interactive.pop_front()
     }
 }

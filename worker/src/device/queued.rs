@@ -20,7 +20,7 @@ use bendtwin_engine::{
 
 use self::optimizer::QueuedOptimizer;
 
-use super::{Device, Priority};
+use super::{Device, Priority, turns::Flow};
 use crate::cut::next_run;
 
 /// Direction of a pass through the frames: a gradient costs several times a rollout.
@@ -39,13 +39,13 @@ pub(crate) struct Usage {
     work: f64,
 }
 
-/// A backend whose calls are queued for the device with one priority.
+/// A backend whose calls are queued for the device as those of one request or fit.
 pub(crate) struct QueuedBackend(Arc<Shared>);
 
 /// State that the backend and its descents share.
 struct Shared {
     device: Device,
-    priority: Priority,
+    flow: Arc<Flow>,
     forward: Mutex<Usage>,
     backward: Mutex<Usage>,
 }
@@ -53,7 +53,7 @@ struct Shared {
 impl QueuedBackend {
     pub(super) fn new(device: Device, priority: Priority) -> Self {
         let (forward, backward) = (Mutex::default(), Mutex::default());
-        Self(Arc::new(Shared { device, priority, forward, backward }))
+        Self(Arc::new(Shared { device, flow: Flow::new(priority), forward, backward }))
     }
 
     /// Device time used so far.
@@ -110,7 +110,7 @@ impl Shared {
         &self,
         task: impl FnOnce(&dyn Backend) -> Result<R, Error> + Send + 'static,
     ) -> Result<(R, Duration), Error> {
-        self.device.call(self.priority, task)
+        self.device.call(&self.flow, task)
     }
 
     /// Runs a batch in slices, in this order; `run` takes a slice to the device. Results are in the
@@ -132,7 +132,7 @@ impl Shared {
                 return Err(Error::Cancelled);
             }
             let speed = lock(usage).speed();
-            let budget = self.device.slice_work(self.priority, speed);
+            let budget = self.device.slice_work(self.flow.priority, speed);
             let count = slice_len(rest, work, budget, self.device.description().lanes);
             let (slice, later) = rest.split_at(count);
             rest = later;

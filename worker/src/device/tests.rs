@@ -91,7 +91,7 @@ impl Backend for Slow {
 
 fn device(backend: Slow) -> (Device, mpsc::UnboundedReceiver<Error>) {
     let (fatal, died) = mpsc::unbounded_channel();
-    (Device::spawn(move || Ok(Arc::new(backend) as _), fatal).unwrap(), died)
+    (Device::spawn(move || Ok(Arc::new(backend) as _), fatal, 0.25).unwrap(), died)
 }
 
 fn instances(backend: &QueuedBackend, frames: impl IntoIterator<Item = usize>) -> Vec<Instance> {
@@ -189,6 +189,7 @@ fn a_panic_is_caught_and_told() {
     let batch = instances(&backend, [1]);
     let result = backend.losses(&batch, &CancelToken::default());
     assert!(matches!(result, Err(EngineError::Device(_))), "{result:?}");
+    assert_eq!(device.broken_by(), Some(Priority::Interactive));
     let told = died.blocking_recv();
     assert!(matches!(told, Some(Error::Panicked(text)) if text.contains("broken")));
     // Later callers do not wait for a thread that is gone.
@@ -291,6 +292,7 @@ fn what_breaks_in_one_queue_ends_both() {
             Err(EngineError::Device(_))
         ));
         assert!(matches!(died.blocking_recv(), Some(Error::Panicked(_) | Error::DeviceFailed(_))));
+        assert_eq!(device.broken_by(), Some(Priority::Interactive));
         let fit = device.backend(Priority::Background);
         let model = Arc::new(Model {
             graph: Arc::new(Graph::default()),
@@ -300,6 +302,7 @@ fn what_breaks_in_one_queue_ends_both() {
             control_velocity: Default::default(),
         });
         assert!(matches!(fit.load(model), Err(EngineError::Device(_))));
+        assert_eq!(device.broken_by(), Some(Priority::Interactive), "the fit found it broken");
     }
 }
 
@@ -315,4 +318,64 @@ fn with_a_second_queue_a_batch_is_cut_alike_every_time() {
         backend.roll_out(&batch, &Outputs::default(), &cancel).unwrap();
     }
     assert_eq!(*batches.lock().unwrap(), [20, 20]);
+}
+
+/// Rollouts of this many slices each, one after another, until `stop`; counts the slices.
+fn greedy(device: &Device, stop: &CancelToken) -> std::thread::JoinHandle<usize> {
+    let (device, stop) = (device.clone(), stop.clone());
+    std::thread::spawn(move || {
+        let mut slices = 0;
+        while !stop.is_cancelled() {
+            let backend = device.backend(Priority::Interactive);
+            // Slices of two instances: the first measures the speed, the others fill their time.
+            let batch = instances(&backend, std::iter::repeat_n(1, 8));
+            let _ = backend.roll_out(&batch, &Outputs::default(), &stop);
+            slices += batch.len() / 2;
+        }
+        slices
+    })
+}
+
+#[test]
+fn a_fit_goes_on_beside_greedy_rollouts() {
+    // A round of lanes fills a slice, for rollouts and fit alike.
+    let (device, _died) = device(Slow { each: Duration::from_millis(15), ..Slow::default() });
+    let stop = CancelToken::default();
+    let clients: Vec<_> = (0..4).map(|_| greedy(&device, &stop)).collect();
+    let fit = device.backend(Priority::Background);
+    let batch = instances(&fit, std::iter::repeat_n(1, 20));
+    fit.losses(&batch, &CancelToken::default()).unwrap();
+    stop.cancel();
+    let rollouts: usize = clients.into_iter().map(|c| c.join().unwrap()).sum();
+    // Its ten slices are a quarter of all; twice that is left for what happens at both ends.
+    assert!(rollouts <= 60, "{rollouts} slices of rollouts beside 10 of the fit");
+}
+
+#[test]
+fn a_small_rollout_passes_between_the_slices_of_large_ones() {
+    let slow = Slow { each: Duration::from_millis(15), ..Slow::default() };
+    let batches = slow.batches.clone();
+    let (device, _died) = device(slow);
+    let stop = CancelToken::default();
+    let large: Vec<_> = (0..6)
+        .map(|_| {
+            let backend = device.backend(Priority::Interactive);
+            let batch = instances(&backend, std::iter::repeat_n(1, 1_000));
+            let stop = stop.clone();
+            std::thread::spawn(move || backend.roll_out(&batch, &Outputs::default(), &stop))
+        })
+        .collect();
+    // All are under way.
+    while batches.lock().unwrap().len() < 12 {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let small = device.backend(Priority::Interactive);
+    let batch = instances(&small, [3]);
+    let before = batches.lock().unwrap().len();
+    small.roll_out(&batch, &Outputs::default(), &CancelToken::default()).unwrap();
+    let after = batches.lock().unwrap().len();
+    stop.cancel();
+    assert!(large.into_iter().all(|l| l.join().unwrap() == Err(EngineError::Cancelled)));
+    // The slice under way, its own, and one that began before it was counted here.
+    assert!(after - before <= 4, "{} slices", after - before);
 }

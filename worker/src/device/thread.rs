@@ -35,16 +35,19 @@ pub(super) struct Threads {
     reclaim: OnceLock<Reclaim>,
     /// Channel for errors after which the process must restart.
     fatal: mpsc::UnboundedSender<Error>,
+    /// Least share of the device's time for fits, while they have work.
+    fit_share: f64,
 }
 
 impl Threads {
-    pub(super) fn new(fatal: mpsc::UnboundedSender<Error>) -> Self {
+    pub(super) fn new(fatal: mpsc::UnboundedSender<Error>, fit_share: f64) -> Self {
         Self {
-            main: Queue::default(),
-            urgent: Queue::default(),
+            main: Queue::new(fit_share),
+            urgent: Queue::new(fit_share),
             memory: Mutex::default(),
             reclaim: OnceLock::new(),
             fatal,
+            fit_share,
         }
     }
 
@@ -103,7 +106,8 @@ impl Threads {
 
     fn work(&self, queue: &Queue, backend: &dyn Backend) {
         let mut sampled = Instant::now();
-        while let Some(task) = queue.next() {
+        while let Some((flow, task)) = queue.next() {
+            let started = Instant::now();
             let error = match catch_unwind(AssertUnwindSafe(|| task(backend))) {
                 Ok(Ok(())) => None,
                 Ok(Err(Broken(why))) => Some(Error::DeviceFailed(why)),
@@ -115,11 +119,22 @@ impl Threads {
                 let _ = self.fatal.send(error);
                 return;
             }
+            let took = started.elapsed();
+            queue.served(&flow, took, self.rest_after(queue, took));
             if sampled.elapsed() >= MEMORY_SAMPLE_INTERVAL {
                 self.sample_memory(backend);
                 sampled = Instant::now();
             }
         }
+    }
+
+    /// Time that the second queue leaves to the first one after a task: only so have fits their
+    /// share where rollouts go before them on the device itself.
+    fn rest_after(&self, queue: &Queue, took: Duration) -> Duration {
+        if std::ptr::eq(queue, &self.main) || !self.main.is_busy() {
+            return Duration::ZERO;
+        }
+        took.mul_f64(self.fit_share / (1.0 - self.fit_share))
     }
 
     fn sample_memory(&self, backend: &dyn Backend) {

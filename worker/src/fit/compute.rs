@@ -62,12 +62,17 @@ impl Compute {
         if !lease.capture_display_name.is_empty() {
             capture.name = lease.capture_display_name;
         }
+        let backend = Arc::new(device.backend(Priority::Background));
+        let most = limits.fit_bytes;
+        let needed = bendtwin_fit::memory::check(&capture, &settings, &*backend, most)
+            .map_err(|e| e.fault())?;
+        tracing::info!(mib = needed >> 20, "memory of the fit, estimated");
         let job = FitJob {
             capture: &capture,
             // Of what is fitted, not of the upload: an ingest may run again with other settings.
             capture_digest: bendtwin_capture::digest(&capture),
             settings,
-            backend: Arc::new(device.backend(Priority::Background)),
+            backend,
         };
         let token = self.stop.token().clone();
         let mut observer = JobObserver { compute: self, stage_ended: false };

@@ -2,12 +2,16 @@ use std::collections::HashSet;
 
 use bendtwin_core::ids::{TwinId, WorkerId};
 
-use super::{Bounds, Candidate, Choice, choose};
-
-const BOUNDS: Bounds = Bounds { running: 2, waiting: 3 };
+use super::{Candidate, Choice, FAIR, NEAR_S, choose};
 
 fn idle(n: usize) -> Vec<Candidate> {
-    let new = || Candidate { worker: WorkerId::generate(), usable: true, warm: false, load: 0 };
+    let new = || Candidate {
+        worker: WorkerId::generate(),
+        usable: true,
+        warm: false,
+        has_room: true,
+        ahead_s: 0.0,
+    };
     std::iter::repeat_with(new).take(n).collect()
 }
 
@@ -16,21 +20,21 @@ fn warm_workers_first() {
     let twin = TwinId::generate();
     let mut workers = idle(5);
     workers[3].warm = true;
-    assert_eq!(choose(twin, &workers, BOUNDS), Choice::Worker(3));
+    assert_eq!(choose(twin, &workers), Choice::Worker(3));
     workers[3].usable = false;
-    assert_ne!(choose(twin, &workers, BOUNDS), Choice::Worker(3));
+    assert_ne!(choose(twin, &workers), Choice::Worker(3));
 }
 
 #[test]
 fn a_lost_worker_moves_only_its_own_twins() {
     let mut workers = idle(4);
     let twins: Vec<TwinId> = std::iter::repeat_with(TwinId::generate).take(200).collect();
-    let before: Vec<Choice> = twins.iter().map(|t| choose(*t, &workers, BOUNDS)).collect();
+    let before: Vec<Choice> = twins.iter().map(|t| choose(*t, &workers)).collect();
     let used: HashSet<_> = before.iter().map(|c| format!("{c:?}")).collect();
     assert_eq!(used.len(), 4);
     workers[1].usable = false;
     for (twin, before) in twins.iter().zip(before) {
-        let after = choose(*twin, &workers, BOUNDS);
+        let after = choose(*twin, &workers);
         assert!(after == before || before == Choice::Worker(1));
     }
 }
@@ -40,12 +44,30 @@ fn one_popular_twin_spreads_and_is_refused_when_all_are_full() {
     let twin = TwinId::generate();
     let mut workers = idle(3);
     workers[0].warm = true;
-    for total in 0..15usize {
-        let Choice::Worker(i) = choose(twin, &workers, BOUNDS) else { panic!("room is left") };
-        workers[i].load += 1;
-        // A quarter above the average of three, or what runs at once.
-        assert!(workers[i].load <= ((total + 1) * 5).div_ceil(12).max(BOUNDS.running));
+    for done in 0..15_u32 {
+        let Choice::Worker(i) = choose(twin, &workers) else { panic!("room is left") };
+        let ahead = workers[i].ahead_s;
+        assert!(ahead <= (FAIR * f64::from(done) * 10.0 / 3.0).max(NEAR_S), "{ahead}");
+        workers[i].ahead_s += 10.0;
     }
-    assert_eq!(choose(twin, &workers, BOUNDS), Choice::AllFull);
-    assert_eq!(choose(twin, &[], BOUNDS), Choice::NoneThere);
+    workers.iter_mut().for_each(|w| w.has_room = false);
+    assert_eq!(choose(twin, &workers), Choice::AllFull);
+    assert_eq!(choose(twin, &[]), Choice::NoneThere);
+}
+
+#[test]
+fn work_counts_and_not_the_number_of_rollouts() {
+    let twin = TwinId::generate();
+    let mut workers = idle(2);
+    // One large rollout weighs more than many small ones.
+    (workers[0].warm, workers[0].ahead_s) = (true, 100.0);
+    (workers[1].warm, workers[1].ahead_s) = (true, 2.0);
+    assert_eq!(choose(twin, &workers), Choice::Worker(1));
+    // A moment's work is no reason to load the twin elsewhere.
+    workers[1].warm = false;
+    workers[0].ahead_s = 0.9;
+    workers[1].ahead_s = 0.0;
+    assert_eq!(choose(twin, &workers), Choice::Worker(0));
+    workers[0].has_room = false;
+    assert_eq!(choose(twin, &workers), Choice::Worker(1));
 }

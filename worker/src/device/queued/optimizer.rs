@@ -64,7 +64,8 @@ impl Drop for QueuedOptimizer {
             drop(open(&slot).take());
             Ok(())
         };
-        self.shared.device.queue(self.shared.priority).push(self.shared.priority, Box::new(free));
+        let flow = &self.shared.flow;
+        self.shared.device.queue(flow.priority).push(flow, Box::new(free));
     }
 }
 

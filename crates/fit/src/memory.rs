@@ -1,0 +1,105 @@
+//! Memory of the fit of a capture that has been read: the formulas of
+//! [`bendtwin_core::settings::memory`] with the graph that the fit will build.
+
+use bendtwin_core::{
+    Capture, Category, FitSettings, Problem, Sequence,
+    settings::memory::{
+        self, Advice, CaptureSize, GraphSize, Lanes, estimate as of_sizes, what_would_fit,
+    },
+};
+use bendtwin_engine::Backend;
+use bendtwin_graph::{Connectivity, connect, sample_nodes};
+
+/// A fit that needs more memory than it may take.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", memory::refusal(*.needed, *.most, .advice))]
+pub struct TooLarge {
+    /// Bytes that it needs.
+    pub needed: u64,
+    /// Bytes that it may take.
+    pub most: u64,
+    /// Settings with which it would fit.
+    pub advice: Vec<Advice>,
+}
+
+impl Problem for TooLarge {
+    fn category(&self) -> Category {
+        // Asked again, it would be refused again.
+        Category::InvalidArgument
+    }
+
+    fn reason(&self) -> &'static str {
+        "FIT_OUT_OF_MEMORY"
+    }
+}
+
+/// Memory of a fit [bytes], an upper bound by its settings and the capture.
+pub fn estimate(capture: &Capture, settings: &FitSettings, backend: &dyn Backend) -> u64 {
+    let size = size_of(capture);
+    of_sizes(settings, &size, &GraphSize::largest(settings, &size), lanes(backend)).total()
+}
+
+/// Memory of a fit [bytes] that may take at most so much. Settings may allow far more springs than
+/// there are neighbours within their radius, so where they seem to ask for too much, the graph is
+/// built to see.
+///
+/// # Errors
+/// [`TooLarge`].
+pub fn check(
+    capture: &Capture,
+    settings: &FitSettings,
+    backend: &dyn Backend,
+    most: u64,
+) -> Result<u64, TooLarge> {
+    let bound = estimate(capture, settings, backend);
+    if bound <= most {
+        return Ok(bound);
+    }
+    let (size, lanes) = (size_of(capture), lanes(backend));
+    let largest = GraphSize::largest(settings, &size);
+    // Without a single spring it would be too large, or candidates have graphs of their own.
+    let is_hopeless = {
+        let bare = GraphSize { springs: 0, triplets: 0, ..largest };
+        of_sizes(settings, &size, &bare, lanes).total() > most
+    };
+    let built =
+        if is_hopeless || settings.search.topology { None } else { graph_of(capture, settings) };
+    let needed =
+        built.map_or(bound, |built| of_sizes(settings, &size, &built, lanes).total().min(bound));
+    if needed <= most {
+        return Ok(needed);
+    }
+    Err(TooLarge { needed, most, advice: what_would_fit(settings, &size, lanes, most) })
+}
+
+/// The graph of the settings; none if there cannot be one, which the fit will say.
+fn graph_of(capture: &Capture, settings: &FitSettings) -> Option<GraphSize> {
+    let sample = sample_nodes(capture, &settings.graph, settings.seed).ok()?;
+    let graph = connect(&sample, &Connectivity::from_settings(&settings.graph, settings.bending));
+    Some(GraphSize {
+        nodes: graph.node_count() as u64,
+        springs: graph.springs.len() as u64,
+        triplets: graph.triplets.len() as u64,
+        controls: graph.control_count() as u64,
+    })
+}
+
+pub(crate) fn lanes(backend: &dyn Backend) -> Lanes {
+    let device = backend.device();
+    Lanes { count: device.lanes as u64, on_host: device.kind == "cpu" }
+}
+
+/// Size of a capture.
+pub fn size_of(capture: &Capture) -> CaptureSize {
+    let frames = capture.sequences.iter().map(|s| s.frame_count as u64);
+    CaptureSize {
+        points: capture.object.point_count as u64,
+        completed: capture.object.completed_surface.len() as u64,
+        interior: capture.object.interior.len() as u64,
+        controls: capture.sequences.first().map_or(0, Sequence::control_count) as u64,
+        frames: frames.clone().sum(),
+        longest: frames.max().unwrap_or(0),
+        sequences: capture.sequences.len() as u64,
+        edges: capture.object.edges.len() as u64,
+    }
+}

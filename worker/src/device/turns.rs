@@ -1,0 +1,170 @@
+//! Turns at a device. Two rules decide which slice is next:
+//!
+//! - Fits have a least share of the device's time while rollouts want all of it. Time that they are
+//!   short of it is owed to them; otherwise rollouts go first.
+//! - Requests of one priority get equal parts of its time, whatever their sizes: next is the one
+//!   that was served least. For its first slice a request goes ahead of those that were served, so
+//!   a small one runs between two slices of large ones.
+//!
+//! Turns decide when a slice runs, never what is in it: results do not depend on them.
+
+use std::{
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
+
+use super::Priority;
+
+/// Device time, about a slice, within which a request goes ahead of others by as much.
+const HEAD_START: Duration = Duration::from_millis(30);
+/// Most device time by which a request that was away may be behind the others: longer absences are
+/// not made up for.
+const MOST_BEHIND: Duration = Duration::from_millis(100);
+/// Most device time that fits may be short of, and ahead by [s]: after a slice that could not be
+/// cut, neither side should have the device for itself for long.
+const MOST_OWED_S: f64 = 0.25;
+const MOST_AHEAD_S: f64 = 1.0;
+
+/// A request or a fit, as its slices queue for the device.
+#[derive(Debug)]
+pub(super) struct Flow {
+    pub(super) priority: Priority,
+    /// Device time that it was served, from a start that is common to all flows.
+    clock: Mutex<Clock>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Clock {
+    at: Duration,
+    served: Duration,
+}
+
+impl Clock {
+    /// The order of turns, least first.
+    fn rank(self) -> Duration {
+        let is_new = self.served < HEAD_START;
+        self.at.saturating_sub(if is_new { HEAD_START } else { Duration::ZERO })
+    }
+}
+
+impl Flow {
+    pub(super) fn new(priority: Priority) -> Arc<Self> {
+        Arc::new(Self { priority, clock: Mutex::default() })
+    }
+
+    fn clock(&self) -> Clock {
+        *self.clock.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn set(&self, clock: Clock) {
+        *self.clock.lock().unwrap_or_else(PoisonError::into_inner) = clock;
+    }
+}
+
+/// Work that waits for its turn.
+pub(super) struct Turns<T> {
+    /// In order of arrival.
+    waiting: Vec<(Arc<Flow>, T)>,
+    /// Mean clock of the flows of each priority.
+    means: [Duration; 2],
+    fit_share: f64,
+    /// Device time that fits are short of their share [s]; negative if they are ahead.
+    owed_s: f64,
+    /// True if rollouts waited when a fit had the last turn.
+    rollouts_waited: bool,
+}
+
+impl<T> Turns<T> {
+    /// Fits get this share of the time, 0 to below 1, while they and rollouts have work.
+    pub(super) fn new(fit_share: f64) -> Self {
+        Self {
+            waiting: Vec::new(),
+            means: [HEAD_START; 2],
+            fit_share,
+            owed_s: 0.0,
+            rollouts_waited: false,
+        }
+    }
+
+    /// Adds work of a flow.
+    pub(super) fn push(&mut self, flow: &Arc<Flow>, work: T) {
+        let clock = flow.clock();
+        let behind = if clock.served.is_zero() { Duration::ZERO } else { MOST_BEHIND };
+        let least = self.means[flow.priority as usize].saturating_sub(behind);
+        flow.set(Clock { at: clock.at.max(least), ..clock });
+        self.waiting.push((Arc::clone(flow), work));
+    }
+
+    /// The next work. While rollouts rest, only those that have not been served yet.
+    pub(super) fn take(&mut self, rollouts_rest: bool) -> Option<(Arc<Flow>, T)> {
+        let may_run = |flow: &Flow| {
+            !(rollouts_rest
+                && flow.priority == Priority::Interactive
+                && !flow.clock().served.is_zero())
+        };
+        let has = |priority| self.waiting.iter().any(|(f, _)| f.priority == priority && may_run(f));
+        let rollouts_wait = has(Priority::Interactive);
+        let fits_first = self.owed_s > 0.0 || !rollouts_wait;
+        let turn = if has(Priority::Background) && fits_first {
+            Priority::Background
+        } else {
+            Priority::Interactive
+        };
+        let candidates = self.waiting.iter().enumerate();
+        let own = candidates.filter(|(_, (f, _))| f.priority == turn && may_run(f));
+        // The first of equals: work of one flow keeps its order.
+        let (index, _) = own.min_by_key(|(_, (flow, _))| flow.clock().rank())?;
+        self.rollouts_waited = rollouts_wait;
+        Some(self.waiting.remove(index))
+    }
+
+    /// Notes the device time that work of a flow took.
+    pub(super) fn served(&mut self, flow: &Arc<Flow>, took: Duration) {
+        let Clock { at, served } = flow.clock();
+        flow.set(Clock { at: at.saturating_add(took), served: served.saturating_add(took) });
+        let mut rivals: Vec<*const Flow> = self
+            .waiting
+            .iter()
+            .filter(|(f, _)| f.priority == flow.priority && !Arc::ptr_eq(f, flow))
+            .map(|(f, _)| Arc::as_ptr(f))
+            .collect();
+        rivals.sort_unstable();
+        rivals.dedup();
+        let sharers = u32::try_from(rivals.len() + 1).unwrap_or(u32::MAX);
+        let mean = &mut self.means[flow.priority as usize];
+        *mean = mean.saturating_add(took / sharers);
+        self.settle(flow.priority, took.as_secs_f64());
+    }
+
+    /// Shares are counted while both priorities have work; otherwise what one is ahead by is worked
+    /// off. Between two slices a fit or a rollout is away for a moment: a fit that comes back during
+    /// a rollout's slice has waited for it, a slice of a fit that nothing waited for is no debt.
+    fn settle(&mut self, served: Priority, took_s: f64) {
+        let is_shared = match served {
+            Priority::Interactive => {
+                self.waiting.iter().any(|(f, _)| f.priority == Priority::Background)
+            }
+            Priority::Background => self.rollouts_waited,
+        };
+        let owed_s = match (served, is_shared) {
+            (Priority::Interactive, true) => self.owed_s + took_s * self.fit_share,
+            (Priority::Background, true) => self.owed_s - took_s * (1.0 - self.fit_share),
+            (Priority::Interactive, false) => (self.owed_s + took_s).min(self.owed_s.max(0.0)),
+            (Priority::Background, false) => (self.owed_s - took_s).max(self.owed_s.min(0.0)),
+        };
+        self.owed_s = owed_s.clamp(-MOST_AHEAD_S, MOST_OWED_S);
+    }
+
+    /// True if nothing waits.
+    pub(super) fn is_empty(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
+    /// Everything that waits.
+    pub(super) fn drain(&mut self) -> Vec<(Arc<Flow>, T)> {
+        std::mem::take(&mut self.waiting)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+use super::*;
+
+/// Flows that always have work, served for so many milliseconds a slice; returns the device time of
+/// each [ms] after `total` of them.
+fn busy(fit_share: f64, flows: &[(Priority, u64)], total: u64) -> Vec<u64> {
+    let mut turns = Turns::new(fit_share);
+    let made: Vec<_> = flows.iter().map(|(priority, _)| Flow::new(*priority)).collect();
+    for (index, flow) in made.iter().enumerate() {
+        turns.push(flow, index);
+    }
+    let mut used = vec![0; flows.len()];
+    while used.iter().sum::<u64>() < total {
+        let (flow, index) = turns.take(false).unwrap();
+        let took = flows[index].1;
+        used[index] += took;
+        turns.served(&flow, Duration::from_millis(took));
+        turns.push(&flow, index);
+    }
+    used
+}
+
+#[test]
+fn a_fit_keeps_its_share_beside_greedy_rollouts() {
+    use Priority::{Background, Interactive};
+    for fit_slice in [5, 30, 100] {
+        let mut flows = vec![(Interactive, 30); 8];
+        flows.push((Background, fit_slice));
+        let used = busy(0.25, &flows, 60_000);
+        assert!((14_500..15_500).contains(&used[8]), "{used:?}");
+    }
+    assert_eq!(busy(0.0, &[(Interactive, 30), (Background, 30)], 3_000)[1], 0);
+}
+
+#[test]
+fn requests_share_by_time_and_not_by_slices() {
+    let used = busy(0.25, &[(Priority::Interactive, 10), (Priority::Interactive, 100)], 20_000);
+    assert!(used.iter().all(|ms| (9_000..11_000).contains(ms)), "{used:?}");
+}
+
+#[test]
+fn a_new_request_is_next_but_one_whatever_waits() {
+    let mut turns = Turns::new(0.25);
+    let large: Vec<_> = (0..8).map(|_| Flow::new(Priority::Interactive)).collect();
+    large.iter().for_each(|flow| turns.push(flow, "large"));
+    for _ in 0..8 {
+        let (flow, what) = turns.take(false).unwrap();
+        turns.served(&flow, Duration::from_millis(30));
+        turns.push(&flow, what);
+    }
+    for _ in 0..100 {
+        let (flow, _) = turns.take(false).unwrap();
+        let small = Flow::new(Priority::Interactive);
+        turns.push(&small, "small");
+        turns.served(&flow, Duration::from_millis(30));
+        turns.push(&flow, "large");
+        let (flow, what) = turns.take(false).unwrap();
+        assert_eq!(what, "small");
+        turns.served(&flow, Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn a_stream_of_small_requests_does_not_starve_a_large_one() {
+    let mut turns = Turns::new(0.25);
+    let large = Flow::new(Priority::Interactive);
+    turns.push(&large, true);
+    let mut of_large = 0;
+    turns.push(&Flow::new(Priority::Interactive), false);
+    for _ in 0..1_000 {
+        let (flow, is_large) = turns.take(false).unwrap();
+        turns.served(&flow, Duration::from_millis(10));
+        of_large += usize::from(is_large);
+        if is_large {
+            turns.push(&large, true);
+        } else {
+            turns.push(&Flow::new(Priority::Interactive), false);
+        }
+    }
+    assert!((400..600).contains(&of_large), "{of_large}");
+}
+
+#[test]
+fn rollouts_go_first_where_they_are_few() {
+    let mut turns = Turns::new(0.25);
+    let fit = Flow::new(Priority::Background);
+    turns.push(&fit, "fit");
+    for _ in 0..50 {
+        turns.push(&Flow::new(Priority::Interactive), "rollout");
+        let (flow, what) = turns.take(false).unwrap();
+        assert_eq!(what, "rollout");
+        turns.served(&flow, Duration::from_millis(20));
+        let (flow, what) = turns.take(false).unwrap();
+        assert_eq!(what, "fit");
+        turns.served(&flow, Duration::from_millis(30));
+        turns.push(&fit, "fit");
+    }
+}
+
+#[test]
+fn a_slice_that_cannot_be_cut_is_not_repaid_at_once() {
+    let mut turns = Turns::new(0.25);
+    let (fit, rollout) = (Flow::new(Priority::Background), Flow::new(Priority::Interactive));
+    turns.push(&fit, ());
+    turns.push(&rollout, ());
+    turns.served(&rollout, Duration::from_secs(3600));
+    let mut slices = 0;
+    while turns.take(false).unwrap().0.priority == Priority::Background {
+        turns.served(&fit, Duration::from_millis(30));
+        turns.push(&fit, ());
+        slices += 1;
+    }
+    assert!((1..=20).contains(&slices), "{slices}");
+}
+
+#[test]
+fn while_rollouts_rest_only_new_ones_run() {
+    let mut turns = Turns::new(0.25);
+    let large = Flow::new(Priority::Interactive);
+    turns.served(&large, Duration::from_millis(1));
+    turns.push(&large, "large");
+    assert!(turns.take(true).is_none());
+    turns.push(&Flow::new(Priority::Interactive), "small");
+    assert_eq!(turns.take(true).unwrap().1, "small");
+    assert_eq!(turns.take(false).unwrap().1, "large");
+}
+
+#[test]
+fn work_of_one_flow_keeps_its_order() {
+    let mut turns = Turns::new(0.25);
+    let flow = Flow::new(Priority::Background);
+    (0..5).for_each(|n| turns.push(&flow, n));
+    let order: Vec<i32> = std::iter::from_fn(|| turns.take(false)).map(|(_, n)| n).collect();
+    assert_eq!(order, [0, 1, 2, 3, 4]);
+    assert!(turns.is_empty());
+}
