@@ -144,7 +144,7 @@ impl Service {
         };
         let for_workers = RootService {
             http: http::operations_router(&app),
-            grpc: grpc::worker_router(&app).await,
+            grpc: grpc::worker_router(&app),
             ..root_service.clone()
         };
         let (close, cut) = (CancellationToken::new(), CancellationToken::new());
