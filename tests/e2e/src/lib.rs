@@ -20,6 +20,8 @@ mod ingests;
 #[cfg(test)]
 mod malformed;
 #[cfg(test)]
+mod memory;
+#[cfg(test)]
 mod over_http;
 #[cfg(test)]
 mod reasons;
