@@ -17,11 +17,9 @@ async fn without_the_token_only_health_and_the_description_are_told() {
     let token = server.handle.client_token().unwrap().to_owned();
     let file = server.dir.path().join("data/client-token");
     assert_eq!(std::fs::read_to_string(file).unwrap().trim(), token);
-    for (path, status) in
-        // There is no worker.
-        [("/healthz", 200), ("/readyz", 503), ("/docs", 200), ("/openapi.json", 200)]
-    {
-        assert_eq!(server.get(path).await.0, status, "{path}");
+    let _worker = crate::worker::Worker::register(&server).await;
+    for path in ["/healthz", "/readyz", "/docs", "/openapi.json"] {
+        assert_eq!(server.get(path).await.0, 200, "{path}");
     }
     for path in ["/v1/captures", "/v1/fits", "/v1/workers", "/metrics", "/nothing"] {
         let refused = server.http.get(server.url(path)).send().await.unwrap();

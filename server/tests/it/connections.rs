@@ -205,6 +205,7 @@ async fn workers_have_a_door_of_their_own() {
     let refused = reqwest::Client::new().get(server.url("/healthz")).send().await;
     assert!(refused.is_err(), "{refused:?}");
     let door = format!("http://{}", server.handle.worker_addr());
+    // No worker has come so far, so it is not ready.
     for (path, status) in
         [("/healthz", 200), ("/readyz", 503), ("/metrics", 200), ("/v1/captures", 404)]
     {

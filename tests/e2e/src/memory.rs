@@ -113,7 +113,10 @@ async fn the_largest_requests_at_once_end_no_process() {
         add("twin", Box::pin(http(url, "application/octet-stream", twins.large.clone())));
     }
     for _ in 0..2 {
-        add("reply in base64", Box::pin(http(at("?tensors=base64"), "application/json", json.clone())));
+        add(
+            "reply in base64",
+            Box::pin(http(at("?tensors=base64"), "application/json", json.clone())),
+        );
         add("reply in protobuf", Box::pin(http(at(""), PROTOBUF, long.encode_to_vec())));
         let lists = requests::as_json(&long_reply(&twins.chain));
         add("reply in lists", Box::pin(http(at(""), "application/json", lists)));
@@ -141,7 +144,9 @@ async fn the_largest_requests_at_once_end_no_process() {
     for (name, outcome) in alone {
         assert_eq!(outcome, None, "{name}");
     }
-    for request in [many_controls(&twins.controls, 250), gradients(&twins.controls, 80), long, small] {
+    for request in
+        [many_controls(&twins.controls, 250), gradients(&twins.controls, 80), long, small]
+    {
         assert_eq!(grpc(address.clone(), request, false).await, None);
     }
     assert_eq!((cluster.pid(), cluster.worker_pids()), pids, "{}", cluster.log());
