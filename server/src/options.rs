@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::listen::Timeouts;
 
+const MIB: u64 = 1 << 20;
+
 /// Backends that workers can use.
 const BACKENDS: [&str; 3] = ["auto", "cpu", "cuda"];
 
@@ -33,6 +35,9 @@ pub struct Options {
     pub worker_token: Option<String>,
     /// The server's own worker processes.
     pub workers: WorkerPolicy,
+    /// Memory that requests under way may take together [MiB]; without it an eighth of the machine's
+    /// (or the container's), at least 128 and at most 2048.
+    pub memory_mib: Option<u64>,
     /// Bounds on one request.
     pub limits: Limits,
     /// Time for which a worker keeps a job without reporting [s].
@@ -43,6 +48,10 @@ pub struct Options {
     /// Time for which a resumable upload is kept without further bytes, and remembered after its
     /// end [s].
     pub upload_expiry_s: f64,
+    /// The same while hardly anything of it has come: less than a megabyte [s].
+    pub upload_start_s: f64,
+    /// Free space of the disk below which new captures, twins and fits are refused [MiB].
+    pub disk_floor_mib: u64,
     /// Longest wait of a shutdown for requests and workers to end [s].
     pub shutdown_grace_s: f64,
 }
@@ -67,6 +76,9 @@ pub struct WorkerPolicy {
     pub program: Option<PathBuf>,
     /// Its arguments.
     pub args: Vec<String>,
+    /// Memory of the workers together [MiB]; without it half of the machine's (or the container's).
+    /// Passed in their environment, so that `args` take precedence.
+    pub memory_mib: Option<u64>,
     /// Backend of the workers: `auto`, `cpu` or `cuda`. Passed in their environment, so that `args`
     /// take precedence; the same holds for `devices`.
     pub backend: String,
@@ -114,7 +126,7 @@ pub struct Limits {
     pub upload_idle_s: f64,
     /// Uploads under way that can be resumed.
     pub uploads: u64,
-    /// Their sizes together [bytes].
+    /// The room that is kept for them together, which grows with what has come of each [bytes].
     pub uploads_bytes: u64,
 }
 
@@ -128,10 +140,13 @@ impl Default for Options {
             data_dir: PathBuf::from("bendtwin-data"),
             worker_token: None,
             workers: WorkerPolicy::default(),
+            memory_mib: None,
             limits: Limits::default(),
             lease_s: 30.0,
             heartbeat_interval_s: 5.0,
             upload_expiry_s: 7.0 * 86_400.0,
+            upload_start_s: 600.0,
+            disk_floor_mib: 256,
             shutdown_grace_s: 10.0,
         }
     }
@@ -143,6 +158,7 @@ impl Default for WorkerPolicy {
             count: 1,
             program: None,
             args: vec!["worker".to_owned()],
+            memory_mib: None,
             backend: "auto".to_owned(),
             devices: Vec::new(),
             min_backoff_s: 0.1,
@@ -200,11 +216,17 @@ impl Options {
         within("lease_s", self.lease_s, 0.1, 86_400.0);
         within("heartbeat_interval_s", self.heartbeat_interval_s, 0.01, 3_600.0);
         within("upload_expiry_s", self.upload_expiry_s, 1.0, 365.0 * 86_400.0);
+        within("upload_start_s", self.upload_start_s, 1.0, 365.0 * 86_400.0);
+        within("disk_floor_mib", self.disk_floor_mib as f64, 0.0, f64::from(1 << 30));
         within("shutdown_grace_s", self.shutdown_grace_s, 0.0, 3_600.0);
         let workers = &self.workers;
         within("workers.count", f64::from(workers.count), 0.0, 256.0);
         within("workers.min_backoff_s", workers.min_backoff_s, 0.001, 3_600.0);
         within("workers.max_backoff_s", workers.max_backoff_s, workers.min_backoff_s, 86_400.0);
+        let mib = |mib: Option<u64>, least: u64| mib.unwrap_or(least) as f64;
+        within("memory_mib", mib(self.memory_mib, 64), 64.0, f64::from(1 << 24));
+        let least = 128 * u64::from(workers.count);
+        within("workers.memory_mib", mib(workers.memory_mib, least), least as f64, 1e9);
         let limits = &self.limits;
         let large = (1u64 << 50) as f64;
         within("limits.capture_bytes", limits.capture_bytes as f64, 1.0, large);
@@ -216,6 +238,9 @@ impl Options {
         // Protocol buffers end at 2 GiB.
         let message = f64::from(1 << 30);
         within("limits.rollout.request_bytes", rollout.request_bytes as f64, 1024.0, message);
+        within("limits.rollout.json_bytes", rollout.json_bytes as f64, 1024.0, message);
+        within("limits.rollout.json_reply_bytes", rollout.json_reply_bytes as f64, 1024.0, message);
+        within("limits.rollout.memory_bytes", rollout.memory_bytes as f64, 1e6, large);
         within("limits.rollout.reply_bytes", rollout.reply_bytes as f64, 1024.0, message);
         within("limits.rollout.instances", rollout.instances as f64, 1.0, f64::from(u32::MAX));
         within("limits.rollout.frames", rollout.frames as f64, 1.0, f64::from(1 << 24));
@@ -260,6 +285,12 @@ impl Options {
         if faults.is_empty() { Ok(()) } else { Err(faults) }
     }
 
+    /// Memory that requests under way may take together [bytes].
+    pub(crate) fn memory_bytes(&self) -> u64 {
+        let chosen = self.memory_mib.map(|mib| mib.saturating_mul(MIB));
+        chosen.unwrap_or_else(|| (machine_bytes() / 8).clamp(128 * MIB, 2048 * MIB))
+    }
+
     pub(crate) fn lease(&self) -> Duration {
         Duration::from_secs_f64(self.lease_s)
     }
@@ -281,6 +312,10 @@ impl Options {
         }
     }
 
+    pub(crate) fn upload_start(&self) -> Duration {
+        Duration::from_secs_f64(self.upload_start_s.min(self.upload_expiry_s))
+    }
+
     pub(crate) fn shutdown_grace(&self) -> Duration {
         Duration::from_secs_f64(self.shutdown_grace_s)
     }
@@ -290,6 +325,19 @@ impl Options {
 fn is_host(host: &str) -> bool {
     let is_part = |b: u8| b.is_ascii_alphanumeric() || b"-._".contains(&b);
     host == "*" || !host.is_empty() && host.bytes().all(is_part)
+}
+
+impl WorkerPolicy {
+    /// Memory of one worker [MiB].
+    pub(crate) fn each_memory_mib(&self) -> u64 {
+        let all = self.memory_mib.unwrap_or_else(|| machine_bytes() / 2 / MIB);
+        (all / u64::from(self.count.max(1))).max(128)
+    }
+}
+
+/// Memory of the machine or the container; 4 GiB where it is not known.
+fn machine_bytes() -> u64 {
+    bendtwin_budget::machine_bytes().unwrap_or(4096 * MIB)
 }
 
 impl Limits {

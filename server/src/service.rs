@@ -4,7 +4,7 @@ use std::{net::SocketAddr, time::Duration};
 
 use bendtwin_core::{Category, Problem};
 use bendtwin_store::Store;
-use tokio::{net::TcpListener, task::JoinHandle};
+use tokio::{net::TcpListener, task::JoinHandle, time::Instant};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
@@ -15,6 +15,7 @@ use crate::{
     listen,
     options::{ClientTokenPolicy, Options},
     supervise,
+    sweeps::Sweeps,
 };
 
 /// Reason for which a server did not start.
@@ -42,9 +43,14 @@ pub enum StartError {
         /// The system's error.
         source: std::io::Error,
     },
-    /// The server's own program cannot be found to start workers with.
-    #[error("cannot find this program to start workers with: {0}: name it in workers.program")]
-    Program(std::io::Error),
+    /// The program of the workers cannot be started.
+    #[error("cannot start workers with {program}: {fault}: name their program in workers.program")]
+    Program {
+        /// The program.
+        program: String,
+        /// The reason.
+        fault: String,
+    },
     /// The descriptors that are compiled in are damaged.
     #[error("descriptors of the API: {0}")]
     Descriptors(String),
@@ -57,7 +63,7 @@ impl Problem for StartError {
     fn category(&self) -> Category {
         match self {
             Self::Options(_) => Category::InvalidArgument,
-            Self::Listen { .. } | Self::ClientToken { .. } | Self::Program(_) => {
+            Self::Listen { .. } | Self::ClientToken { .. } | Self::Program { .. } => {
                 Category::FailedPrecondition
             }
             Self::Store(error) => error.category(),
@@ -71,17 +77,16 @@ impl Problem for StartError {
             Self::Listen { .. } => "CANNOT_LISTEN",
             Self::Store(error) => error.reason(),
             Self::ClientToken { .. } => "CLIENT_TOKEN_FILE",
-            Self::Program(_) => "NO_WORKER_PROGRAM",
+            Self::Program { .. } => "NO_WORKER_PROGRAM",
             Self::Descriptors(_) => "DESCRIPTORS",
             Self::Recovery(_) => "RECOVERY",
         }
     }
 }
 
-/// Interval at which expired uploads, and those that a crash left complete, are searched for.
-const UPLOAD_SWEEP_INTERVAL: Duration = Duration::from_secs(60);
-/// Interval at which unused content is searched for; the store also does so when it opens.
-const GARBAGE_COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
+/// Time for answers under way after the workers have ended, even if those took the whole grace
+/// period.
+const LAST_WORDS: Duration = Duration::from_millis(500);
 
 /// A server to be started.
 #[derive(Debug)]
@@ -101,8 +106,7 @@ pub struct Handle {
     /// Cancelled to cut off connections.
     cut: CancellationToken,
     listeners: JoinHandle<()>,
-    sweeper: JoinHandle<()>,
-    uploads: JoinHandle<()>,
+    sweeps: Sweeps,
     workers: supervise::Supervisor,
 }
 
@@ -113,6 +117,7 @@ impl Service {
     /// See [`StartError`].
     pub async fn start(options: Options) -> Result<Handle, StartError> {
         options.validate().map_err(StartError::Options)?;
+        let program = supervise::program(&options.workers)?;
         let store = Store::open(bendtwin_store::Options::new(&options.data_dir)).await?;
         let (socket, address) = bind(options.listen).await?;
         let (worker_socket, worker_address) = bind(options.worker_listen).await?;
@@ -124,6 +129,9 @@ impl Service {
             tracing::warn!(%address, "everyone who reaches this address may use the API");
         }
         let (grace, hosts) = (options.shutdown_grace(), Hosts::new(&options.allowed_hosts));
+        let memory_mib = options.memory_bytes() >> 20;
+        let worker_memory_mib = options.workers.each_memory_mib();
+        tracing::info!(memory_mib, worker_memory_mib, "memory for requests, and of each worker");
         let app = App::new(options, store);
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
         let root_service = RootService {
@@ -148,9 +156,8 @@ impl Service {
         let listeners = tokio::spawn(async {
             tokio::join!(public, workers);
         });
-        let sweeper = tokio::spawn(sweep(app.clone()));
-        let uploads = tokio::spawn(sweep_uploads(app.clone()));
-        let workers = supervise::start(&app, worker_address)?;
+        let sweeps = Sweeps::start(&app);
+        let workers = supervise::start(&app, program, worker_address);
         tracing::info!(%address, %worker_address, "listening");
         Ok(Handle {
             address,
@@ -161,8 +168,7 @@ impl Service {
             close,
             cut,
             listeners,
-            sweeper,
-            uploads,
+            sweeps,
             workers,
         })
     }
@@ -203,55 +209,21 @@ impl Handle {
     pub async fn shutdown(self) {
         tracing::info!("stopping");
         self.app.stopping.cancel();
+        // One period for all: workers that take theirs leave little to a request that hangs.
+        let ends = Instant::now() + self.grace;
         // Workers need their socket to give their jobs back.
         self.workers.stop(self.grace).await;
         self.close.cancel();
         let mut listeners = self.listeners;
-        if tokio::time::timeout(self.grace, &mut listeners).await.is_err() {
+        let last = ends.max(Instant::now() + self.grace.min(LAST_WORDS));
+        if tokio::time::timeout_at(last, &mut listeners).await.is_err() {
             tracing::warn!("requests under way are cut off");
             self.cut.cancel();
             // They end as soon as their connections have.
             let _ = listeners.await;
         }
-        self.sweeper.abort();
-        self.uploads.abort();
+        self.sweeps.stop();
         self.app.store.close().await;
         tracing::info!("stopped");
-    }
-}
-
-/// Ends leases that have run out, and forgets workers that fell silent.
-async fn sweep(app: App) {
-    let every = (app.options.lease() / 10).clamp(Duration::from_millis(20), Duration::from_secs(1));
-    // Leases that ran out while the server was down: their workers first get a chance to report.
-    let first = tokio::time::Instant::now() + 2 * app.options.heartbeat_interval();
-    let mut tick = tokio::time::interval_at(first, every);
-    let mut collected = tokio::time::Instant::now();
-    tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
-    loop {
-        tick.tick().await;
-        if let Err(error) = app.sweep().await {
-            tracing::error!(%error, "sweeping failed; trying again");
-        }
-        if collected.elapsed() >= GARBAGE_COLLECTION_INTERVAL {
-            collected = tokio::time::Instant::now();
-            if let Err(error) = app.store.collect_garbage().await {
-                tracing::error!(%error, "cannot remove unused content; trying again");
-            }
-        }
-    }
-}
-
-/// Finishes uploads that a crash left complete, and ends expired ones, at once and then at
-/// intervals.
-async fn sweep_uploads(app: App) {
-    let every = UPLOAD_SWEEP_INTERVAL.min(app.options.upload_expiry());
-    let mut tick = tokio::time::interval(every);
-    tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
-    loop {
-        tick.tick().await;
-        if let Err(error) = app.sweep_uploads().await {
-            tracing::error!(%error, "sweeping uploads failed; trying again");
-        }
     }
 }

@@ -33,7 +33,7 @@ use crate::{
     job::{
         Job, checkpoints,
         deliver::Delivery,
-        report as reporting,
+        report as reporting, resume,
         stop::{Reason, Stop},
     },
     leasing::Execute,
@@ -131,10 +131,8 @@ impl Ingests {
             .await
             .map_err(|e| e.fault())?;
         archive.persist(folder.path().join(ARCHIVE)).map_err(|e| disk(e.error))?;
-        if lease.has_checkpoint {
-            let checkpoint = artifact::fetch(&self.server, &lease.job, checkpoints::MAX_BYTES)
-                .await
-                .map_err(|e| e.fault())?;
+        let checkpoint = resume::checkpoint(&self.server, lease).await.map_err(|e| e.fault())?;
+        if let Some(checkpoint) = checkpoint {
             std::fs::write(folder.path().join(CHECKPOINT), checkpoint).map_err(disk)?;
         }
         let request = Request {

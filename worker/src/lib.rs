@@ -15,6 +15,7 @@
 //! from the last checkpoint.
 
 mod artifact;
+mod budget;
 mod cut;
 mod device;
 mod error;

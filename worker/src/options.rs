@@ -9,6 +9,9 @@ use crate::Error;
 /// Approximate memory of the process that reads a capture before it has read anything [bytes].
 const LEAST_INGEST_BYTES: u64 = 64 << 20;
 
+/// Least memory of a worker [bytes].
+const LEAST_BYTES: u64 = 128 << 20;
+
 /// Default of [`Options::fit_share`].
 const FIT_SHARE: f64 = 0.25;
 
@@ -34,6 +37,8 @@ pub struct Options {
     pub fits: bool,
     /// The program whose hidden command `ingest-capture` reads captures; this very program if none.
     pub ingest_program: Option<PathBuf>,
+    /// Memory for rollouts, loaded twins and fits [bytes].
+    pub memory_bytes: u64,
     /// Bounds on the work of one worker.
     pub limits: Limits,
     /// Time for which a finished result is kept while the server cannot be reached.
@@ -77,7 +82,7 @@ impl Default for Limits {
         Self {
             ingest_bytes: 1500 << 20,
             capture_bytes: 2 << 30,
-            fit_bytes: bendtwin_budget::machine_bytes().map_or(4 << 30, |bytes| bytes / 2),
+            fit_bytes: crate::budget::default_bytes() / 2,
             twin_bytes: 512 << 20,
             warm_bytes: 1 << 30,
             warm_twins: 32,
@@ -99,6 +104,7 @@ impl Options {
             fit_share: FIT_SHARE,
             fits: true,
             ingest_program: None,
+            memory_bytes: crate::budget::default_bytes(),
             limits: Limits::default(),
             delivery_timeout: Duration::from_secs(600),
         }
@@ -118,6 +124,9 @@ impl Options {
                 "listening on {} needs --advertise http://host:port, so that the server can reach this worker",
                 self.listen
             ))
+        } else if self.memory_bytes < LEAST_BYTES {
+            let least = LEAST_BYTES >> 20;
+            Some(format!("--memory-mib is too little for anything: give at least {least}"))
         } else if self.limits.ingest_bytes < LEAST_INGEST_BYTES {
             let least = LEAST_INGEST_BYTES >> 20;
             Some(format!("--ingest-memory-mib is too little for anything: give at least {least}"))

@@ -15,6 +15,7 @@ use tonic::transport::server::TcpIncoming;
 
 use crate::{
     Error, Options,
+    budget::Memory,
     device::Device,
     fit::Fits,
     ingest::Ingests,
@@ -62,9 +63,13 @@ async fn run_on(
         .map_err(|source| Error::System { what: "make a folder for captures", source })?;
     let dir = scratch.path().to_owned();
 
-    let twins = WarmTwins::new(server.clone(), device.clone(), limits);
-    let replays = Replays::new(server.clone(), dir.clone(), limits);
-    let rollouts = Rollouts::new(id.to_string(), device.clone(), twins, replays, limits.rollouts);
+    let memory = Memory::new(options.memory_bytes);
+    let memory_mib = options.memory_bytes >> 20;
+    tracing::info!(memory_mib, "memory for rollouts, twins and fits");
+    let twins = WarmTwins::new(server.clone(), device.clone(), limits, memory.clone(), dir.clone());
+    let replays = Replays::new(server.clone(), dir.clone(), limits, memory.clone());
+    let rollouts =
+        Rollouts::new(id.to_string(), device.clone(), twins, replays, memory, limits.rollouts);
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
     let request = register_request(id, &endpoint, device);

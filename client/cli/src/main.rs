@@ -21,6 +21,7 @@ mod rollout;
 mod server;
 mod settings;
 mod signals;
+mod store;
 mod suite;
 mod table;
 mod twin;
@@ -77,5 +78,6 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Eval(args) => eval::run(args, global).await,
         Command::Suite(args) => suite::run(args, global).await,
         Command::Bench(args) => bench::run(args, global).await,
+        Command::Store(args) => store::run(args, global).await,
     }
 }

@@ -46,6 +46,13 @@ pub(crate) struct Server {
     /// CUDA devices of these workers, assigned in turn, counted from 0 [default: 0]
     #[arg(long, env = "BENDTWIN_DEVICES", value_name = "N,...", value_delimiter = ',')]
     devices: Option<Vec<u32>>,
+    /// Memory that requests under way may take together [MiB; default: an eighth of the machine's,
+    /// at most 2048]
+    #[arg(long, env = "BENDTWIN_MEMORY_MIB", value_name = "MIB")]
+    memory_mib: Option<u64>,
+    /// Memory of the server's own workers together [MiB; default: half of the machine's]
+    #[arg(long, env = "BENDTWIN_WORKERS_MEMORY_MIB", value_name = "MIB")]
+    workers_memory_mib: Option<u64>,
     /// Token of workers that others start; at least 16 characters
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     worker_token: Option<String>,
@@ -57,6 +64,10 @@ pub(crate) struct Server {
     /// 604800]
     #[arg(long, env = "BENDTWIN_UPLOAD_EXPIRY", value_name = "SECONDS")]
     upload_expiry: Option<f64>,
+    /// Free space of the disk below which new captures, twins and fits are refused [MiB] [default:
+    /// 256]
+    #[arg(long, env = "BENDTWIN_DISK_FLOOR_MIB", value_name = "MIB")]
+    disk_floor_mib: Option<u64>,
     /// Write the port to this file once the server answers
     #[arg(long, value_name = "FILE")]
     port_file: Option<PathBuf>,

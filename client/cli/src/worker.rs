@@ -33,14 +33,16 @@ pub(crate) struct Worker {
     /// Answer rollouts only, lease no jobs
     #[arg(long)]
     no_fits: bool,
+    /// Memory for rollouts, loaded twins and fits [MiB; default: half of the machine's]
+    #[arg(long, env = "BENDTWIN_WORKER_MEMORY_MIB", value_name = "MIB")]
+    memory_mib: Option<u64>,
     /// Memory of the process that reads an uploaded capture [MiB]
     #[arg(long, env = "BENDTWIN_INGEST_MEMORY_MIB", value_name = "MIB", default_value_t = 1500)]
     ingest_memory_mib: u64,
     /// Memory of one observation in a fit [MiB]
     #[arg(long, env = "BENDTWIN_CAPTURE_MEMORY_MIB", value_name = "MIB", default_value_t = 2048)]
     capture_memory_mib: u64,
-    /// Memory of a fit, its capture included [MiB, estimated] [default: half of the memory of the
-    /// machine or container]
+    /// Memory of a fit, its capture included [MiB, estimated; default: half of the worker's memory]
     #[arg(long, env = "BENDTWIN_FIT_MEMORY_MIB", value_name = "MIB")]
     fit_memory_mib: Option<u64>,
     /// Least share of the device's time for fits while rollouts want all of it, 0 to 0.9
@@ -56,9 +58,13 @@ pub(crate) struct Worker {
 
 impl Worker {
     fn options(self, server: &str) -> Options {
-        let limits = Limits::default();
-        let fit_bytes = self.fit_memory_mib.map(|mib| mib.saturating_mul(1 << 20));
+        let defaults = Options::new(server, self.token);
+        let bytes = |mib: u64| mib.saturating_mul(1 << 20);
+        let memory_bytes = self.memory_mib.map_or(defaults.memory_bytes, bytes);
+        let fit_bytes = self.fit_memory_mib.map_or(memory_bytes / 2, bytes);
+        let limits = defaults.limits;
         Options {
+            memory_bytes,
             backend: self.backend.options(self.cache_dir.as_ref().map(|dir| dir.join("kernels"))),
             listen: self.worker_listen,
             advertise: self.advertise,
@@ -68,11 +74,11 @@ impl Worker {
             limits: Limits {
                 ingest_bytes: self.ingest_memory_mib.saturating_mul(1 << 20),
                 capture_bytes: self.capture_memory_mib.saturating_mul(1 << 20),
-                fit_bytes: fit_bytes.unwrap_or(limits.fit_bytes),
+                fit_bytes,
                 warm_bytes: self.warm_memory_mib.saturating_mul(1 << 20),
                 ..limits
             },
-            ..Options::new(server, self.token)
+            ..defaults
         }
     }
 }

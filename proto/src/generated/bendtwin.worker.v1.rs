@@ -162,6 +162,9 @@ pub struct Lease {
     /// BLAKE3 of the capture's observation; empty while there is none.
     #[prost(string, tag = "10")]
     pub observation_digest: ::prost::alloc::string::String,
+    /// BLAKE3 of the checkpoint; empty while there is none.
+    #[prost(string, tag = "11")]
+    pub checkpoint_digest: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ReportJobRequest {
@@ -327,6 +330,9 @@ pub mod fail_job_request {
         Cancelled = 3,
         /// The worker stops in good order: the job goes back to the queue without counting an attempt.
         Released = 4,
+        /// Other work of the worker, which has to end, broke what the job needs: the job goes back to the queue.
+        /// That counts as an attempt only if it was so for the last twenty.
+        Interrupted = 5,
     }
     impl End {
         /// String value of the enum field names used in the ProtoBuf definition.
@@ -340,6 +346,7 @@ pub mod fail_job_request {
                 Self::FailedForGood => "FAILED_FOR_GOOD",
                 Self::Cancelled => "CANCELLED",
                 Self::Released => "RELEASED",
+                Self::Interrupted => "INTERRUPTED",
             }
         }
         /// Creates an enum from field names used in the ProtoBuf definition.
@@ -350,6 +357,7 @@ pub mod fail_job_request {
                 "FAILED_FOR_GOOD" => Some(Self::FailedForGood),
                 "CANCELLED" => Some(Self::Cancelled),
                 "RELEASED" => Some(Self::Released),
+                "INTERRUPTED" => Some(Self::Interrupted),
                 _ => None,
             }
         }

@@ -106,7 +106,7 @@ impl App {
         };
         let store = self.store.clone();
         let end = async move { store.jobs().end_ingest(attempt.lease, result).await };
-        let job = super::run_to_completion(end).await?;
+        let job = self.change(end).await?;
         self.record_end(attempt.worker, &job);
         Ok(())
     }

@@ -7,7 +7,7 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId, WorkerId},
 };
 use bendtwin_store::{
-    AttemptEnd, Capture, Content, Job, JobId, Kind, Lease, Observation, TwinFacts,
+    AttemptEnd, Capture, Content, Job, JobId, Kind, Lease, LeaseTerms, Loss, Observation, TwinFacts,
 };
 
 use super::{App, Body, Error, Result};
@@ -82,6 +82,7 @@ impl App {
         let queued = job.created.duration_until(self.store.now()).as_secs_f64();
         self.metrics.job_leased(kind, queued);
         self.dispatch.set_job(worker, kind, Some(&job));
+        self.dispatch.seen(worker);
         tracing::info!(job = %job.id, %worker, epoch = job.lease_epoch, "job leased");
         Ok(Some(Leased { job, capture, observation }))
     }
@@ -94,6 +95,7 @@ impl App {
     ) -> Result<bool> {
         let renew = self.options.lease();
         let reported = self.store.jobs().report(attempt.lease, progress, renew).await?;
+        self.dispatch.seen(attempt.worker);
         Ok(reported.cancel_requested)
     }
 
@@ -106,10 +108,12 @@ impl App {
         let limit = self.options.limits.checkpoint_bytes;
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
         let (store, renew) = (self.store.clone(), self.options.lease());
-        super::run_to_completion(async move {
-            store.jobs().save_checkpoint(attempt.lease, content, renew).await
-        })
-        .await
+        self.change(
+            async move { store.jobs().save_checkpoint(attempt.lease, content, renew).await },
+        )
+        .await?;
+        self.dispatch.seen(attempt.worker);
+        Ok(())
     }
 
     pub(crate) async fn complete_fit(
@@ -130,7 +134,7 @@ impl App {
         let store = self.store.clone();
         let complete =
             async move { store.jobs().complete_fit(attempt.lease, &facts, content).await };
-        let twin = super::run_to_completion(complete).await?;
+        let twin = self.change(complete).await?;
         self.dispatch.set_job(attempt.worker, Kind::Fit, None);
         self.metrics.job_ended(Kind::Fit, "succeeded");
         tracing::info!(fit = %attempt.lease.job, %twin, "fit succeeded");
@@ -140,7 +144,7 @@ impl App {
     pub(crate) async fn end_attempt(&self, attempt: Attempt, end: AttemptEnd) -> Result<()> {
         let store = self.store.clone();
         let change = async move { store.jobs().end_attempt(attempt.lease, end).await };
-        let job = super::run_to_completion(change).await?;
+        let job = self.change(change).await?;
         self.record_end(attempt.worker, &job);
         Ok(())
     }
@@ -158,24 +162,26 @@ impl App {
     /// Ends the attempts of a worker process that has ended: its jobs go back at once. If the
     /// server itself ended it, the attempts do not count.
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
+        let loss =
+            if self.stopping.is_cancelled() { Loss::Server } else { self.dispatch.loss(worker) };
         self.dispatch.remove(worker);
-        let counts = !self.stopping.is_cancelled();
-        for job in self.store.jobs().forfeit(worker, counts).await? {
+        for job in self.store.jobs().forfeit(worker, loss).await? {
             self.note_end(&job);
         }
         self.store.workers().forget(worker).await?;
         Ok(())
     }
 
-    /// Ends the attempts of workers that fell silent, and forgets them.
-    pub(crate) async fn sweep(&self) -> Result<()> {
-        for job in self.store.jobs().sweep().await? {
-            self.note_end(&job);
-        }
-        for worker in self.dispatch.silent(self.options.lease()) {
+    /// Lets the time of leases pass, ends the attempts of workers that fell silent, and forgets
+    /// them.
+    pub(crate) async fn sweep(&self, terms: LeaseTerms) -> Result<()> {
+        // Renewals of leases are signs of life, so the leases of these have run out as well.
+        for worker in self.dispatch.silent(terms.lease) {
             tracing::warn!(%worker, "worker fell silent");
-            self.dispatch.remove(worker);
-            self.store.workers().forget(worker).await?;
+            self.worker_gone(worker).await?;
+        }
+        for job in self.store.jobs().sweep(terms, |worker| self.dispatch.loss(worker)).await? {
+            self.note_end(&job);
         }
         Ok(())
     }

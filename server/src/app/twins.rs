@@ -20,22 +20,22 @@ impl App {
         let display_name = super::display_name(upload.display_name)?;
         let request_id = super::request_id(upload.request_id)?;
         let digest = super::digest(&upload.digest)?;
+        self.require_room(0)?;
         let limit = self.options.limits.twin_bytes;
-        let mut bytes = Vec::new();
-        let tap = |chunk: &bytes::Bytes| {
-            if (bytes.len() + chunk.len()) as u64 <= limit {
-                bytes.extend_from_slice(chunk);
-            }
-        };
-        let content = self.receive(upload.body, limit, digest, tap).await?;
+        let _buffers = self.memory.upload().await?;
+        let content = self.receive(upload.body, limit, digest, |_| ()).await?;
+        // Only now, so that a slow upload holds no memory.
+        let share = self.memory.twin_file(content.size_bytes()).await?;
+        let bytes = content.read().await?;
         let facts = tokio::task::spawn_blocking(move || {
+            let _share = share;
             TwinFile::decode(&bytes).map_err(Error::from).and_then(|twin| facts(&twin))
         })
         .await
         .map_err(|e| Error::Internal(format!("reading an imported twin: {e}")))??;
         let new = NewTwin { display_name, request_id, facts, content };
         let store = self.store.clone();
-        super::run_to_completion(async move { store.twins().create(new).await }).await
+        self.change(async move { store.twins().create(new).await }).await
     }
 
     pub(crate) async fn twin(&self, name: &str) -> Result<Twin> {
@@ -53,7 +53,7 @@ impl App {
     pub(crate) async fn delete_twin(&self, name: &str) -> Result<()> {
         let id: TwinId = super::name(name)?;
         let store = self.store.clone();
-        super::run_to_completion(async move { store.twins().delete(id).await }).await?;
+        self.change(async move { store.twins().delete(id).await }).await?;
         self.dispatch.forget_twin(id);
         Ok(())
     }

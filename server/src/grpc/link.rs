@@ -46,6 +46,7 @@ fn lease_of(leased: Leased) -> LeaseMessage {
         capture_digest: capture.digest.to_hex().to_string(),
         settings_json: job.settings,
         has_checkpoint: job.checkpoint.is_some(),
+        checkpoint_digest: job.checkpoint.map(|d| d.to_hex().to_string()).unwrap_or_default(),
         request_id: job.request_id.unwrap_or_default(),
         trace_parent: job.trace_parent.unwrap_or_default(),
         observation_digest: observation.map(|o| o.digest.to_hex().to_string()).unwrap_or_default(),
@@ -216,6 +217,7 @@ impl WorkerLink for Api {
             End::Cancelled => AttemptEnd::Cancelled,
             End::FailedForGood => AttemptEnd::FailedForGood(fault),
             End::Failed => AttemptEnd::Failed(fault),
+            End::Interrupted => AttemptEnd::Interrupted(fault),
             End::Unspecified => {
                 return Err(Error::invalid("end", "is none that this server knows").into());
             }

@@ -1,3 +1,4 @@
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use bendtwin_proto::v1::{
     CaptureMetadata, CreateCaptureRequest, DeleteCaptureRequest, GetCaptureRequest,
     ListCapturesRequest, create_capture_request::Part,
@@ -38,12 +39,42 @@ async fn http_round_trip() {
     assert_eq!(list, json!({"captures": [created], "next_page_token": ""}));
     let got = server.http.get(server.url(&format!("{location}/content"))).send().await.unwrap();
     assert_eq!(got.headers()["content-length"], "3000000");
+    let tag = format!("\"{}\"", digest.to_hex());
+    assert_eq!(got.headers()["etag"], tag.as_str());
+    let declared = format!("blake3=:{}:", BASE64_STANDARD.encode(digest.as_bytes()));
+    assert_eq!(got.headers()["content-digest"], declared.as_str());
+    assert_eq!(got.headers()["repr-digest"], declared.as_str());
     assert!(got.bytes().await.unwrap() == content);
 
     assert_eq!(server.delete(&location).await.0, 204);
     let (status, gone) = server.get(&location).await;
     assert_eq!((status, &gone["reason"]), (404, &json!("NOT_FOUND")));
     assert_eq!(server.blob_files(), 0);
+}
+
+#[tokio::test]
+async fn damaged_content_is_never_served_whole() {
+    let server = Server::start().await;
+    let content = vec![7u8; 3_000_000];
+    let upload = server.http.post(server.url("/v1/captures"));
+    let upload = upload.header("content-type", "application/zip").body(content.clone());
+    let (_, created) = read(upload.send().await.unwrap()).await;
+    let digest = created["digest"].as_str().unwrap();
+    let file = server.dir.path().join("data/blobs/blake3").join(&digest[..2]).join(digest);
+    let path = format!("/v1/{}/content", created["name"].as_str().unwrap());
+    for size in [0, content.len() - 1, content.len() + 1] {
+        let mut other = content.clone();
+        other.resize(size, 7);
+        std::fs::write(&file, other).unwrap();
+        let (status, problem) = server.get(&path).await;
+        assert_eq!((status, &problem["reason"]), (500, &json!("CONTENT_DAMAGED")), "{size}");
+    }
+    let mut other = content.clone();
+    other[1_500_000] = 8;
+    std::fs::write(&file, other).unwrap();
+    let got = server.http.get(server.url(&path)).send().await.unwrap();
+    assert_eq!(got.status(), 200);
+    assert!(got.bytes().await.is_err(), "the transfer breaks off");
 }
 
 #[tokio::test]

@@ -124,6 +124,51 @@ async fn a_silent_worker_loses_its_job_and_is_forgotten() {
     assert_eq!((unknown.code(), reason(&unknown).as_str()), (Code::NotFound, "WORKER_UNKNOWN"));
 }
 
+/// Server and worker stand still for longer than a lease, as on a machine that was suspended: this
+/// test has one thread, which stops both.
+#[tokio::test]
+async fn a_standstill_ends_no_lease_and_forgets_no_worker() {
+    let server = Server::start_with(|o| {
+        o.lease_s = 1.0;
+        o.heartbeat_interval_s = 0.3;
+    })
+    .await;
+    server.fit().await;
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    worker.report(&lease, 0.1).await.unwrap();
+    std::thread::sleep(Duration::from_millis(2500));
+    // The server goes first.
+    tokio::time::sleep(Duration::from_millis(60)).await;
+    let (_, ready) = server.get("/readyz").await;
+    assert_eq!(ready["ready"], true, "{ready}");
+    worker.heartbeat().await.unwrap();
+    worker.report(&lease, 0.5).await.unwrap();
+    worker.complete(&lease, b"a twin").await.unwrap();
+}
+
+/// The worker asks for a checkpoint that is gone: the job has none any more.
+#[tokio::test]
+async fn a_lost_checkpoint_is_told_and_forgotten() {
+    let server = Server::start().await;
+    let fit = server.fit().await;
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    worker.checkpoint(&lease, b"half way").await.unwrap();
+    let release = FailJobRequest { end: End::Released.into(), ..worker.failure(&lease) };
+    worker.link.fail_job(release.clone()).await.unwrap();
+    let digest = blake3::hash(b"half way").to_hex().to_string();
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    assert_eq!((lease.has_checkpoint, &lease.checkpoint_digest), (true, &digest));
+    assert!(server.lose_blob(&digest));
+    assert_eq!(worker.download(&fit).await.unwrap_err().code(), Code::DataLoss);
+    let release = FailJobRequest { epoch: lease.epoch, ..release };
+    worker.link.fail_job(release).await.unwrap();
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    assert_eq!((lease.has_checkpoint, lease.checkpoint_digest.as_str()), (false, ""));
+    worker.complete(&lease, b"a twin").await.unwrap();
+}
+
 #[tokio::test]
 async fn the_link_is_for_token_holders() {
     let server = Server::start().await;

@@ -10,6 +10,7 @@ mod ingests;
 mod leases;
 mod malformed;
 mod operations;
+mod readiness;
 mod rollouts;
 mod tus;
 mod twins;

@@ -80,6 +80,11 @@ impl Worker {
         Self::register_with(server, Device::default()).await
     }
 
+    /// A worker at this endpoint, where nobody answers rollouts.
+    pub(crate) async fn register_at(server: &Server, endpoint: &str) -> Self {
+        Self::register_as(server, endpoint.to_owned(), Arc::default()).await
+    }
+
     pub(crate) async fn register_with(server: &Server, device: Device) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let endpoint = format!("http://{}", listener.local_addr().unwrap());
@@ -89,6 +94,10 @@ impl Worker {
             .add_service(WorkerRolloutsServer::new(device))
             .serve_with_incoming(incoming);
         tokio::spawn(async move { service.await.unwrap() });
+        Self::register_as(server, endpoint, breaks).await
+    }
+
+    async fn register_as(server: &Server, endpoint: String, breaks: Arc<AtomicBool>) -> Self {
         let (id, mut link) = (WorkerId::generate(), link(server));
         let registered = link
             .register(RegisterRequest {

@@ -34,6 +34,8 @@ mod rust_code;
 #[cfg(test)]
 mod sentences;
 #[cfg(test)]
+mod stores;
+#[cfg(test)]
 mod suites;
 #[cfg(test)]
 mod survival;

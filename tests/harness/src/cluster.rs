@@ -243,8 +243,8 @@ async fn launch(
         Some(format!("127.0.0.1:{port}"))
     })
     .await;
-    until("the server to be ready", START, async || {
-        Http::new(&format!("http://{address}")).is_ready().await.then_some(())
+    until("the server to answer", START, async || {
+        Http::new(&format!("http://{address}")).is_up().await.then_some(())
     })
     .await;
     (child, address)

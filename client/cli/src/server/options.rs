@@ -47,11 +47,20 @@ impl Server {
         if let Some(devices) = &self.devices {
             options.workers.devices.clone_from(devices);
         }
+        if let Some(memory) = self.memory_mib {
+            options.memory_mib = Some(memory);
+        }
+        if let Some(memory) = self.workers_memory_mib {
+            options.workers.memory_mib = Some(memory);
+        }
         if let Some(token) = &self.worker_token {
             options.worker_token = Some(token.clone());
         }
         if let Some(expiry) = self.upload_expiry {
             options.upload_expiry_s = expiry;
+        }
+        if let Some(floor) = self.disk_floor_mib {
+            options.disk_floor_mib = floor;
         }
         let args = &mut options.workers.args;
         if args.first().is_some_and(|a| a == "worker") && !args.iter().any(|a| a == END_WITH_SERVER)
@@ -82,8 +91,11 @@ mod tests {
             workers: None,
             backend: None,
             devices: None,
+            memory_mib: None,
+            workers_memory_mib: None,
             worker_token: None,
             upload_expiry: None,
+            disk_floor_mib: None,
             port_file: None,
             exit_with_parent: false,
         }

@@ -2,15 +2,15 @@
 //! it removes what it wrote.
 
 use bytes::{Bytes, BytesMut};
-use object_store::{MultipartUpload, path::Path};
+use object_store::{MultipartUpload, ObjectStoreExt as _, path::Path};
 
 use bendtwin_core::ids::UploadId;
 
 use super::{Blobs, partial};
 use crate::{Digest, Error, Result};
 
-/// Part size of multipart uploads; S3 asks for 5 MiB at least.
-const PART: usize = 8 << 20;
+/// Part size of multipart uploads: memory of each upload under way.
+const PART: usize = 512 << 10;
 
 /// An upload under way.
 #[derive(Debug)]
@@ -109,6 +109,16 @@ impl Staged {
     /// Size [bytes].
     pub fn size_bytes(&self) -> u64 {
         self.size_bytes
+    }
+
+    /// The content, read back into memory.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub async fn read(&self) -> Result<Bytes> {
+        let published = super::published(&self.digest.to_hex());
+        let path = self.path.as_ref().unwrap_or(&published);
+        Ok(self.blobs.objects.get(path).await?.bytes().await?)
     }
 
     /// The resumable upload of this content.

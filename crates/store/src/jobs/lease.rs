@@ -9,7 +9,7 @@ use super::{
     Job, JobId, Jobs, Kind,
     row::{self, Row},
 };
-use crate::{Content, Error, Result, Staged, clock::micros_after, failpoint::Failpoint};
+use crate::{Content, Digest, Error, Result, Staged, clock::micros_after, failpoint::Failpoint};
 
 /// The right of one worker to write to one job, until another claims it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,9 +60,10 @@ impl Jobs<'_> {
         .fetch_optional(&mut *tx)
         .await?;
         let Some(row) = row else { return Ok(None) };
+        let job = Job::try_from(row)?;
+        self.renew(Lease { job: job.id, epoch: job.lease_epoch }, lease);
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
-        let job = Job::try_from(row)?;
         self.changed(&job);
         self.store.pass(Failpoint::AfterCommit)?;
         Ok(Some(job))
@@ -106,6 +107,7 @@ impl Jobs<'_> {
         let until = micros_after(self.store.now(), renew);
         let mut tx = self.store.inner.database.write().await?;
         let row = row::fetch_leased(&mut tx, lease).await?;
+        self.renew(lease, renew);
         let key = lease.job.uuid().to_string();
         let Some(progress) = progress else {
             sqlx::query("update jobs set lease_until = $2 where id = $1")
@@ -121,7 +123,7 @@ impl Jobs<'_> {
             .map_err(|e| Error::Io(std::io::Error::other(e.to_string())))?;
         let row: Row = sqlx::query_as(
             "update jobs set lease_until = $2, progress = $3, furthest = $4, stalled = $5,
-                 revision = revision + 1
+                 interrupted = $6, revision = revision + 1
              where id = $1 returning *",
         )
         .bind(key)
@@ -129,6 +131,7 @@ impl Jobs<'_> {
         .bind(json)
         .bind(if further { progress.fraction } else { row.furthest })
         .bind(if further { 0 } else { row.stalled })
+        .bind(if further { 0 } else { row.interrupted })
         .fetch_one(&mut *tx)
         .await?;
         tx.commit().await?;
@@ -152,14 +155,17 @@ impl Jobs<'_> {
         let stored: Result<Option<String>> = async {
             let mut tx = self.store.inner.database.write().await?;
             let row = row::fetch_leased(&mut tx, lease).await?;
+            self.renew(lease, renew);
             let newer = row.checkpoint.as_deref() != Some(digest.as_str());
             sqlx::query(
-                "update jobs set checkpoint = $2, lease_until = $3, stalled = $4 where id = $1",
+                "update jobs set checkpoint = $2, lease_until = $3, stalled = $4, interrupted = $5
+                 where id = $1",
             )
             .bind(lease.job.uuid().to_string())
             .bind(digest.as_str())
             .bind(micros_after(self.store.now(), renew))
             .bind(if newer { 0 } else { row.stalled })
+            .bind(if newer { 0 } else { row.interrupted })
             .execute(&mut *tx)
             .await?;
             self.store.pass(Failpoint::BeforeCommit)?;
@@ -181,7 +187,7 @@ impl Jobs<'_> {
         stored.map(drop)
     }
 
-    /// The newest checkpoint of a job.
+    /// The newest checkpoint of a job. One whose content is lost is forgotten: the job begins anew.
     ///
     /// # Errors
     /// [`Error::NotFound`] if there is none, [`Error::ContentLost`], [`Error::ContentDamaged`].
@@ -189,6 +195,31 @@ impl Jobs<'_> {
         let digest = self.get(id).await?.checkpoint;
         let digest =
             digest.ok_or_else(|| Error::NotFound { name: format!("checkpoint of {id}") })?;
-        self.store.blobs().read(&digest, None, &id.to_string()).await
+        let content = self.store.blobs().read(&digest, None, &id.to_string()).await;
+        if let Err(Error::ContentLost { .. } | Error::ContentDamaged { .. }) = &content {
+            self.forget_checkpoint(id, digest).await?;
+        }
+        content
+    }
+
+    /// Takes a checkpoint off a job that still has this one.
+    async fn forget_checkpoint(&self, id: JobId, digest: Digest) -> Result<()> {
+        let digest = digest.to_hex();
+        tracing::warn!(job = %id, %digest, "checkpoint lost: the job begins anew");
+        let mut tx = self.store.inner.database.write().await?;
+        sqlx::query("update jobs set checkpoint = null where id = $1 and checkpoint = $2")
+            .bind(id.uuid().to_string())
+            .bind(digest.as_str())
+            .execute(&mut *tx)
+            .await?;
+        tx.commit().await?;
+        // The remains of it, if it was damaged.
+        self.store.release(&digest).await
+    }
+
+    /// Within the transaction that says the same to the database, so that no sweep comes between.
+    fn renew(&self, lease: Lease, time: Duration) {
+        let monotonic = self.store.inner.clock.monotonic();
+        self.store.inner.leases.renew(lease.job, lease.epoch, monotonic, time);
     }
 }

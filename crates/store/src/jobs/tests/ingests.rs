@@ -1,6 +1,6 @@
 use super::{fault, progress};
 use crate::{
-    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, NewIngest, NewReport, State,
+    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, Loss, NewIngest, NewReport, State,
     failpoint::Failpoint,
     store::tests::{Bench, LEASE, lease_of, new_fit},
 };
@@ -118,7 +118,7 @@ async fn stalled_ingests_fail_and_checkpoints_go_with_them() {
             jobs.save_checkpoint(lease_of(&ingest), checkpoint, LEASE).await.unwrap();
         }
         assert_eq!(ingest.checkpoint.is_some(), attempt > 0);
-        bench.store.jobs().forfeit(ingest.worker.unwrap(), true).await.unwrap();
+        bench.store.jobs().forfeit(ingest.worker.unwrap(), Loss::Worker).await.unwrap();
     }
     assert!(bench.claim(Kind::Ingest).await.is_none());
     let fit = bench.store.jobs().get(fit.id).await.unwrap();
