@@ -166,7 +166,8 @@ fn fault(class: Class, number: u32, random: &mut ChaCha8Rng) -> Fault {
         },
         Class::Hostile => Fault::Hostile(u64::from(number)),
         Class::Silent => {
-            let held = seconds(8.0, 20.0);
+            // Longer than an honest client waits: whom the silent shut out is found.
+            let held = seconds(70.0, 100.0);
             let kinds = [Silence::UnreadStreams, Silence::HalfPrefaces, Silence::NoBodies];
             Fault::Silent(kinds[number as usize % kinds.len()], held)
         }

@@ -28,6 +28,10 @@ pub(crate) const WORKERS: usize = 2;
 /// Time after which a worker that does not report loses its job [s]: shorter than the longest
 /// pauses, so that these pauses matter.
 const LEASE_S: f64 = 4.0;
+/// Memory that requests at the server may take together [MiB].
+pub(crate) const SERVER_MIB: u64 = 512;
+/// Memory of the workers together [MiB].
+pub(crate) const WORKERS_MIB: u64 = 2048;
 /// Longest time from a start until the server is ready.
 const START: Duration = Duration::from_secs(60);
 /// Longest time from SIGTERM to the end.
@@ -63,9 +67,18 @@ impl Server {
     ) -> anyhow::Result<Self> {
         let free = std::net::TcpListener::bind("127.0.0.1:0")?;
         let address = free.local_addr()?.to_string();
+        // The disk is small. Small uploads that were begun shall still be there after hours.
         let text = format!(
-            "listen = \"{address}\"\ndata_dir = \"{data}\"\nlease_s = {LEASE_S:?}\n\
-             heartbeat_interval_s = {heartbeat:?}\n[workers]\ncount = {WORKERS}\n\
+            "listen = \"{address}\"\n\
+             data_dir = \"{data}\"\n\
+             lease_s = {LEASE_S:?}\n\
+             heartbeat_interval_s = {heartbeat:?}\n\
+             upload_start_s = 604800.0\n\
+             disk_floor_mib = 32\n\
+             memory_mib = {SERVER_MIB}\n\
+             [workers]\n\
+             count = {WORKERS}\n\
+             memory_mib = {WORKERS_MIB}\n\
              backend = \"cpu\"\n",
             data = folder.join("data").display(),
             heartbeat = LEASE_S / 4.0,
