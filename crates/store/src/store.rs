@@ -189,8 +189,10 @@ impl Store {
     /// They were left by callers that went away in the middle of a call. Safe at any time.
     ///
     /// # Errors
-    /// Database and file errors.
+    /// [`Error::StoreMismatch`] if somebody exchanged the database or the blobs; database and file
+    /// errors.
     pub async fn collect_garbage(&self) -> Result<()> {
+        identity::verify(&self.inner.database, &self.inner.data_dir).await?;
         for digest in self.inner.blobs.list().await? {
             if let Some(_gate) = self.unless_referred(&digest).await? {
                 self.inner.blobs.discard(&digest, self.now()).await?;
