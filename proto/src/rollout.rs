@@ -16,15 +16,18 @@ mod parts;
 mod size;
 mod twin;
 
+/// Metadata of a call from the server to a worker: the length of its message, for which the worker
+/// takes memory before it reads it.
+pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
 /// Most dimensions of a tensor.
 pub const MOST_DIMENSIONS: usize = 8;
 
 pub use self::{
-    check::{Batch, check, check_for, fidelity, work},
+    check::{Batch, check, check_for, fidelity, too_much_memory, work},
     encoded::check_encoded,
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},
-    memory::{Memory, memory},
+    memory::{Memory, memory, request_bytes},
     parts::{STREAMED_PART, part_instances},
     size::reply_bytes,
     twin::TwinShape,

@@ -2,9 +2,11 @@
 //! that both refuse the same requests with the same words.
 
 mod captures;
+mod disk;
 mod fits;
 mod ingests;
 mod jobs;
+mod results;
 mod twins;
 mod upload;
 mod uploads;
@@ -19,7 +21,10 @@ use serde::de::DeserializeOwned;
 use tokio_util::sync::CancellationToken;
 
 pub(crate) use crate::failure::{Error, Result};
-use crate::{dispatch::Dispatch, metrics::Metrics, options::Options, tokens::Tokens};
+use crate::{
+    dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options, readiness::Readiness,
+    tokens::Tokens,
+};
 
 pub(crate) use captures::CaptureUpload;
 pub(crate) use ingests::{IngestPart, IngestUpload};
@@ -41,6 +46,8 @@ pub(crate) struct Inner {
     pub(crate) dispatch: Dispatch,
     pub(crate) tokens: Tokens,
     pub(crate) metrics: Metrics,
+    pub(crate) readiness: Readiness,
+    pub(crate) memory: Memory,
     /// Cancelled when the server begins to stop: streams end then.
     pub(crate) stopping: CancellationToken,
 }
@@ -55,27 +62,18 @@ impl std::ops::Deref for App {
 impl App {
     pub(crate) fn new(options: Options, store: Store) -> Self {
         let metrics = Metrics::new();
+        let memory = Memory::new(options.memory_bytes());
         let inner = Inner {
-            dispatch: Dispatch::new(&options, store.clone(), metrics.clone()),
+            dispatch: Dispatch::new(&options, store.clone(), metrics.clone(), memory.clone()),
             tokens: Tokens::new(options.worker_token.as_deref()),
             metrics,
+            readiness: Readiness::default(),
+            memory,
             stopping: CancellationToken::new(),
             options,
             store,
         };
         Self { inner: Arc::new(inner) }
-    }
-}
-
-/// Runs a change of the store to its end even if the caller goes away. Dropped half-way (between a
-/// blob and the row that refers to it, or between the last search for such rows and the unlinking),
-/// it would release the lock that keeps the two apart while files and database still change.
-async fn run_to_completion<T: Send + 'static>(
-    change: impl Future<Output = bendtwin_store::Result<T>> + Send + 'static,
-) -> Result<T> {
-    match tokio::spawn(change).await {
-        Ok(changed) => Ok(changed?),
-        Err(panic) => Err(Error::Internal(format!("a change of the store: {panic}"))),
     }
 }
 

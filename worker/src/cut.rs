@@ -4,7 +4,7 @@
 //! | cut | bound | order |
 //! |---|---|---|
 //! | parts, the messages of a reply | the number of instances that the server asks for | the request's |
-//! | batches, which are prepared at once | memory of their dense controls | the request's |
+//! | batches, which are prepared at once | memory of their dense controls and gradients | the request's |
 //! | slices, the tasks of the device | estimated work; a round has an instance for each of the device's lanes | by work, largest first |
 //!
 //! A backend may cut a slice once more, by what fits its memory.
@@ -12,14 +12,14 @@
 //! Instances are independent, so a cut changes no result on the CPU, by not a single bit. On a GPU
 //! the number of instances that are simulated together decides how they are laid out, and with that
 //! the order of sums: the last bits of a result may differ between two cuts. There the cuts of a
-//! rollout depend on the request, the twin and the device alone, never on time or on other work, so
-//! the same request gives the same bits; a streamed reply and one in a single part may differ in
-//! the last bits, and so may the arrays of the best few, which are simulated once more, from the
-//! costs that they were chosen by.
+//! rollout depend on the request, the twin, the device and the size of the worker's memory alone,
+//! never on time or on other work, so the same request gives the same bits; a streamed reply and
+//! one in a single part may differ in the last bits, and so may the arrays of the best few, which
+//! are simulated once more, from the costs that they were chosen by.
 
 use std::ops::Range;
 
-/// Dense controls of the instances that are prepared at once, at most [bytes].
+/// Dense controls and gradients of the instances that are prepared at once, at most [bytes].
 const PREPARED_BYTES: u64 = 512 << 20;
 
 /// Number of items that the next run takes of those that are left: whole rounds while `fits` says
@@ -54,9 +54,9 @@ pub(crate) fn runs(of: Range<usize>, most: usize) -> impl Iterator<Item = Range<
     })
 }
 
-/// Number of instances that may be prepared at once, with `control_bytes` of dense controls each.
-pub(crate) fn prepared(control_bytes: u64) -> usize {
-    usize::try_from(PREPARED_BYTES / control_bytes.max(1)).unwrap_or(usize::MAX).max(1)
+/// Number of instances that may be prepared at once, with so many bytes each.
+pub(crate) fn prepared(bytes: u64) -> usize {
+    usize::try_from(PREPARED_BYTES / bytes.max(1)).unwrap_or(usize::MAX).max(1)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! the interactive lane of the device, and results into parts of a reply.
 
 mod actions;
+mod checked;
 mod costs;
 mod error;
 mod execute;
@@ -18,6 +19,7 @@ mod service;
 mod warm;
 
 pub(crate) use self::{
+    error::Error,
     replay::Replays,
     service::{Rollouts, serve},
     warm::WarmTwins,

@@ -8,13 +8,14 @@ use std::{
 };
 
 use bendtwin_core::ids::WorkerId;
-use bendtwin_proto::worker::v1::RegisterRequest;
+use bendtwin_proto::{worker::v1::RegisterRequest, worker_key};
 use tokio::{net::TcpListener, sync::mpsc, task::JoinHandle};
 use tokio_util::sync::CancellationToken;
 use tonic::transport::server::TcpIncoming;
 
 use crate::{
     Error, Options,
+    budget::Memory,
     device::Device,
     fit::Fits,
     ingest::Ingests,
@@ -54,17 +55,22 @@ async fn run_on(
     fatal: mpsc::UnboundedSender<Error>,
     died: &mut mpsc::UnboundedReceiver<Error>,
 ) -> Result<(), Error> {
-    let id = WorkerId::generate();
+    let (key, id) = worker_key::generate();
     let limits = options.limits;
-    let server = ServerClient::new(&options.server, &options.token)?;
-    let base = options.cache_dir.clone().unwrap_or_else(std::env::temp_dir);
+    let server = ServerClient::new(&options.server, &options.token, &key)?;
+    let base = options.scratch_dir.clone().or_else(|| options.cache_dir.clone());
+    let base = base.unwrap_or_else(std::env::temp_dir);
     let scratch = Scratch::new(&base)
         .map_err(|source| Error::System { what: "make a folder for captures", source })?;
     let dir = scratch.path().to_owned();
 
-    let twins = WarmTwins::new(server.clone(), device.clone(), limits);
-    let replays = Replays::new(server.clone(), dir.clone(), limits);
-    let rollouts = Rollouts::new(id.to_string(), device.clone(), twins, replays, limits.rollouts);
+    let memory = Memory::new(options.memory_bytes);
+    let memory_mib = options.memory_bytes >> 20;
+    tracing::info!(memory_mib, "memory for rollouts, twins and fits");
+    let twins = WarmTwins::new(server.clone(), device.clone(), limits, memory.clone(), dir.clone());
+    let replays = Replays::new(server.clone(), dir.clone(), limits, memory.clone());
+    let rollouts =
+        Rollouts::new(id.to_string(), device.clone(), twins, replays, memory, limits.rollouts);
     let (endpoint, serving) = serve(options, rollouts.clone()).await?;
 
     let request = register_request(id, &endpoint, device);
@@ -97,6 +103,8 @@ async fn run_on(
         dir,
         program: options.ingest_program.clone().unwrap_or_else(this_program),
         memory_bytes: limits.ingest_bytes,
+        time: limits.ingest_time,
+        sandbox: options.ingest_sandbox,
         delivery_timeout: options.delivery_timeout,
     };
     let (leases, ends) = (options.fits, stop.clone());

@@ -4,6 +4,7 @@
 //! Callers take a [`Share`] and hold it for as long as the memory. Small and large shares have
 //! pools of their own, so that a large request that waits never bars small ones.
 
+mod held;
 mod machine;
 mod share;
 
@@ -11,6 +12,7 @@ use std::sync::Arc;
 
 use tokio::sync::Semaphore;
 
+pub use held::held;
 pub use machine::machine_bytes;
 pub use share::Share;
 

@@ -84,13 +84,21 @@ pub fn check_for(
         limits.reply_bytes,
         "ask for fewer nodes (returns.nodes), every k-th frame (returns.every_frames) or the best few (returns.best), or stream it",
     )?;
-    within(
-        "the memory at a worker in bytes",
-        u128::from(memory::memory(request, &batch, twin, part_instances).least()),
-        limits.memory_bytes,
-        "ask for a shorter horizon, fewer control points, targets or arrays of the reply, or stream it",
-    )?;
+    let least = memory::memory(request, &batch, twin, part_instances).least();
+    if least > limits.memory_bytes {
+        return Err(too_much_memory(least, limits.memory_bytes));
+    }
     Ok(batch)
+}
+
+/// The refusal of a rollout that takes too much memory.
+pub fn too_much_memory(asked: u64, limit: u64) -> Error {
+    Error::TooLarge {
+        what: "the memory at a worker in bytes",
+        asked,
+        limit,
+        advice: "ask for a shorter horizon, fewer targets or smaller arrays of the reply, stream it, or use a twin with fewer control points",
+    }
 }
 
 /// Work of a checked request, in element substeps.

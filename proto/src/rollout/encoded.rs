@@ -16,6 +16,9 @@ const SHAPE: u32 = 2;
 /// Bytes of the longest encoding of a shape.
 const SHAPE_BYTES: usize = 10 * MOST_DIMENSIONS;
 
+/// Most fields of a message and those below it: a request that has more has no use of them.
+const MOST_FIELDS: u64 = 1_000_000;
+
 /// Fields of a message by number.
 struct Message(&'static [(u32, &'static Message)]);
 
@@ -36,10 +39,16 @@ static REQUEST: Message =
 /// memory decoded. Bytes that are no message pass: decoding refuses them.
 ///
 /// # Errors
-/// If it has more costs than the limits allow, or a tensor with too many dimensions.
+/// If it has more costs than the limits allow, a tensor with too many dimensions, or a million
+/// fields.
 pub fn check_encoded(request: &[u8], limits: &Limits) -> Result<(), Error> {
-    let mut costs = 0;
+    let (mut costs, mut fields) = (0, 0);
     walk(&REQUEST, request, &mut |message, field| {
+        fields += 1;
+        if fields > MOST_FIELDS {
+            let fault = format!("has more than {MOST_FIELDS} fields");
+            return Err(Error::field("request", fault));
+        }
         if std::ptr::eq(message, &REQUEST) && field == COSTS {
             costs += 1;
         }
@@ -64,6 +73,7 @@ fn walk(
     let mut shape_bytes = 0;
     while rest.has_remaining() {
         let Ok((field, wire)) = decode_key(&mut rest) else { return Ok(()) };
+        see(message, field)?;
         if wire != WireType::LengthDelimited {
             let before = rest.len();
             if skip_field(wire, field, &mut rest, DecodeContext::default()).is_err() {
@@ -72,7 +82,6 @@ fn walk(
             shape_bytes += if field == SHAPE { before - rest.len() } else { 0 };
         } else {
             let Some(content) = content(&mut rest) else { return Ok(()) };
-            see(message, field)?;
             shape_bytes += if field == SHAPE { content.len() } else { 0 };
             if let Some((_, below)) = message.0.iter().find(|(number, _)| *number == field) {
                 walk(below, content, see)?;

@@ -9,10 +9,11 @@ use crate::v1::{RollOutRequest, initial_state::State, returns::Encoding};
 /// Messages of a reply that are there at once when it is streamed: one is made, two wait, one is
 /// sent.
 const STREAMED_MESSAGES: u64 = 4;
-/// A part of a reply while it is made: results, their concatenation and the message.
-const MAKING: u64 = 3;
+/// A part of a reply while it is made: results, whose buffers may be twice as large, their
+/// concatenation and the message.
+const MAKING: u64 = 4;
 /// The same with 16-bit integers: results are twice as large as what is sent of them.
-const MAKING_INT16: u64 = 5;
+const MAKING_INT16: u64 = 8;
 /// The request: as it came, and its tensors unpacked once or twice.
 const REQUEST: u64 = 3;
 /// A target point with its node, its term's share and the copy that sorting makes.
@@ -43,7 +44,9 @@ const WHOLE_TAPE: u64 = 64 << 20;
 /// Memory of a rollout at a worker [bytes].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
-    /// Request and reply.
+    /// The request.
+    pub request: u64,
+    /// What is unpacked of it for all instances, and the reply.
     pub fixed: u64,
     /// An instance that is prepared.
     pub prepared: u64,
@@ -52,7 +55,8 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Bytes with so many instances prepared at once, on a device that runs so many at once.
+    /// Bytes beside the request, with so many instances prepared at once, on a device that runs so
+    /// many at once.
     pub fn bytes(&self, prepared: usize, lanes: usize) -> u64 {
         let prepared = prepared as u64;
         let running = prepared.min(lanes as u64);
@@ -61,9 +65,9 @@ impl Memory {
             .saturating_add(self.running.saturating_mul(running))
     }
 
-    /// The least that the rollout can do with: one instance after another.
+    /// The least that the rollout can do with, request included: one instance after another.
     pub fn least(&self) -> u64 {
-        self.bytes(1, 1)
+        self.request.saturating_add(self.bytes(1, 1))
     }
 }
 
@@ -93,7 +97,6 @@ pub fn memory(
         _ => state,
     };
     let fixed = sum(&[
-        mul(&[REQUEST, request.encoded_len() as u64]),
         mul(&[messages, part]),
         mul(&[TARGET, targets]),
         // Costs by instance, of all parts where the best are chosen.
@@ -127,7 +130,12 @@ pub fn memory(
             tape(endpoints, rods, twin.substeps),
         ]);
     }
-    Memory { fixed, prepared, running }
+    Memory { request: request_bytes(request.encoded_len() as u64), fixed, prepared, running }
+}
+
+/// Memory of an encoded request of so many bytes.
+pub fn request_bytes(encoded: u64) -> u64 {
+    encoded.saturating_mul(REQUEST)
 }
 
 /// Most bytes of a tape. A frame whose tape is too large is cut into segments, no shorter than the

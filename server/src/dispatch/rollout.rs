@@ -1,9 +1,11 @@
 //! The steps of a rollout: check it, choose a worker, wait for a slot, pass the parts
-//! on. A worker that breaks down before its first part is replaced once; a
-//! caller that goes away drops the stream, and with it the worker's work.
+//! on. A worker that cannot be reached is replaced once. One that took the rollout and
+//! broke down is not: the rollout may be the cause, and would end the next worker as well.
+//! A caller that goes away drops the stream, and with it the worker's work.
 
 use std::{pin::Pin, sync::Arc, time::Duration};
 
+use bendtwin_budget::Share;
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
     fault,
@@ -19,12 +21,15 @@ use tonic_types::StatusExt as _;
 
 use super::{
     Dispatch,
+    executing::Sent,
     line::{Ask, Place},
     registry::Entry,
+    untaken::was_not_taken,
 };
 use crate::{
     context::Context,
     failure::{Error, Result},
+    memory::Shares,
     metrics::Metrics,
 };
 
@@ -43,6 +48,38 @@ pub(crate) struct RollOut {
     pub(crate) timeout: Option<Duration>,
     /// True if the reply may come in parts.
     pub(crate) in_parts: bool,
+    /// True if the reply is to be written as nested lists of JSON.
+    pub(crate) as_lists: bool,
+    /// Memory of the request, held until a worker answers.
+    pub(crate) memory: Arc<Shares>,
+}
+
+/// Held until a reply has been sent: its memory, and the place in the worker's line.
+#[derive(Clone, Debug)]
+pub(crate) struct Held {
+    share: Arc<Share>,
+    place: Arc<Place>,
+}
+
+impl Held {
+    /// The memory, to be held by the bytes for as long as they are anywhere, and the place, to be
+    /// held by the body: what a connection has buffered and nobody reads must not keep a worker
+    /// from others.
+    pub(crate) fn apart(self) -> (Arc<Share>, impl Send + Sync + 'static) {
+        (self.share, self.place)
+    }
+}
+
+/// A reply in one part.
+pub(crate) struct Whole {
+    pub(crate) response: RollOutResponse,
+    pub(crate) held: Held,
+}
+
+/// A reply in parts.
+pub(crate) struct InParts {
+    pub(crate) parts: Parts,
+    pub(crate) held: Held,
 }
 
 /// Parts of a reply as they come.
@@ -53,7 +90,8 @@ struct Running {
     replies: Streaming<ExecuteRollOutResponse>,
     entry: Arc<Entry>,
     /// Held until the last part has come.
-    place: Place,
+    place: Arc<Place>,
+    sent: Sent,
     started: Instant,
     queued: Duration,
     /// Time that the worker has computed, as it says [s].
@@ -73,23 +111,28 @@ impl Drop for Running {
 impl Dispatch {
     /// The reply in one part. Workers are asked not to split it: `best` ranks
     /// the whole batch, and 16-bit positions have one scale.
-    pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<RollOutResponse> {
-        let mut parts = self.parts(RollOut { in_parts: false, ..rollout }).await?;
-        let whole = parts.next().await.ok_or(Error::WorkerLost)??;
+    pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<Whole> {
+        let InParts { mut parts, held } =
+            self.parts(RollOut { in_parts: false, ..rollout }).await?;
+        let response = parts.next().await.ok_or(Error::WorkerEnded)??;
         match parts.next().await {
-            None => Ok(whole),
+            None => Ok(Whole { response, held }),
             Some(Ok(_)) => Err(Error::Internal("the worker split a reply".to_owned())),
             Some(Err(error)) => Err(error),
         }
     }
 
     /// The reply in the parts that the worker sends. The first has come when this returns.
-    pub(crate) async fn parts(&self, rollout: RollOut) -> Result<Parts> {
-        let RollOut { request, timeout, in_parts } = rollout;
+    pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
+        let RollOut { request, timeout, in_parts, as_lists, memory } = rollout;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);
         let (request, batch) = self.checked(request, twin.shape, part_instances).await?;
+        let reply_bytes = rollout::reply_bytes(&request, &batch, &twin.shape, part_instances);
+        if as_lists {
+            self.fits_lists(reply_bytes)?;
+        }
         let work = rollout::work(&request, &batch, &twin.shape) as f64 * passes(&request, &batch);
         let ask = Ask { client: Context::current().client, work };
         let execute = ExecuteRollOutRequest {
@@ -99,9 +142,14 @@ impl Dispatch {
             request: Some(request),
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
+        let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
+        let share = share.await.map_err(|_| Error::Deadline)??;
         let started = self.start(id, &ask, execute, deadline);
         let (first, running) =
             tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
+        // The worker has all of the request.
+        drop(memory);
+        let held = Held { share: Arc::new(share), place: Arc::clone(&running.place) };
         let rest = stream::unfold(Some(running), |running| async {
             let mut running = running?;
             match running.next().await {
@@ -110,7 +158,21 @@ impl Dispatch {
                 Err(error) => Some((Err(error), None)),
             }
         });
-        Ok(stream::iter([Ok(first)]).chain(rest).boxed())
+        Ok(InParts { parts: stream::iter([Ok(first)]).chain(rest).boxed(), held })
+    }
+
+    /// Refuses a reply that is too large for nested lists of JSON.
+    fn fits_lists(&self, reply_bytes: u64) -> Result<()> {
+        let limit = self.limits.rollout.json_reply_bytes;
+        if reply_bytes <= limit {
+            return Ok(());
+        }
+        Err(Error::Rollout(rollout::Error::TooLarge {
+            what: "the size of the reply in bytes, as lists in JSON,",
+            asked: reply_bytes,
+            limit,
+            advice: "ask for ?tensors=base64 or for application/x-protobuf, or for fewer nodes (returns.nodes) or every k-th frame (returns.every_frames)",
+        }))
     }
 
     /// The request, if it is sound.
@@ -133,7 +195,7 @@ impl Dispatch {
         checked.map_err(|e| Error::Internal(format!("the check of a rollout: {e}")))?
     }
 
-    /// Gets a worker to send a first part: a second one if the first breaks down.
+    /// Gets a worker to send a first part: a second one if the first cannot be reached.
     async fn start(
         &self,
         twin: TwinId,
@@ -166,7 +228,7 @@ impl Dispatch {
         }
     }
 
-    /// None if the worker cannot be reached or broke down.
+    /// None if the worker cannot be reached, so that it has not taken the rollout.
     async fn start_at(
         &self,
         entry: &Arc<Entry>,
@@ -179,16 +241,22 @@ impl Dispatch {
         let joined = entry.line.join(ask);
         let mut place = joined.map_err(|full| Error::Busy { retry_after: full.retry_after })?;
         place.turn().await;
+        let place = Arc::new(place);
         let queued = started.elapsed();
         let (mut client, token) = entry.client();
+        let length = execute.encoded_len();
         let mut call = Request::new(execute);
+        call.metadata_mut().insert(rollout::REQUEST_BYTES, length.into());
         call.metadata_mut().insert("authorization", token);
         call.set_timeout(deadline.saturating_duration_since(Instant::now()));
+        let mut sent = entry.executing.send();
         let replies = match client.roll_out(call).await {
             Ok(replies) => replies.into_inner(),
-            Err(status) if is_late(deadline) => return Err(late(&status)),
-            Err(status) if is_breakdown(&status) => return Ok(None),
-            Err(status) => return Err(failure(&status)),
+            Err(status) if was_not_taken(&status) => {
+                sent.answered();
+                return if is_late(deadline) { Err(late(&status)) } else { Ok(None) };
+            }
+            Err(status) => return Err(ended(entry, &mut sent, deadline, &status)),
         };
         let (entry, metrics) = (entry.clone(), self.metrics.clone());
         let outcome = "abandoned";
@@ -197,6 +265,7 @@ impl Dispatch {
             replies,
             entry,
             place,
+            sent,
             started,
             queued,
             computed_s,
@@ -213,10 +282,8 @@ impl Dispatch {
                 };
                 Ok(Some((first, running)))
             }
-            Ok(None) => Ok(None),
-            Err(status) if is_late(deadline) => Err(late(&status)),
-            Err(status) if is_breakdown(&status) => Ok(None),
-            Err(status) => Err(failure(&status)),
+            Ok(None) => Err(Error::WorkerEnded),
+            Err(status) => Err(running.ended(&status)),
         }
     }
 }
@@ -227,13 +294,12 @@ impl Running {
         let received = tokio::time::timeout_at(self.deadline, self.receive()).await;
         match received.map_err(|_| Error::Deadline)? {
             Ok(part) => Ok(part),
-            Err(status) if is_late(self.deadline) => Err(late(&status)),
-            Err(status) if is_breakdown(&status) => {
-                self.entry.broke();
-                Err(Error::WorkerLost)
-            }
-            Err(status) => Err(failure(&status)),
+            Err(status) => Err(self.ended(&status)),
         }
+    }
+
+    fn ended(&mut self, status: &Status) -> Error {
+        ended(&self.entry, &mut self.sent, self.deadline, status)
     }
 
     async fn receive(&mut self) -> Result<Option<RollOutResponse>, Status> {
@@ -242,6 +308,7 @@ impl Running {
         match &part {
             Ok(None) => {
                 self.outcome = "done";
+                self.sent.answered();
                 // No worker computes for longer than it was asked to.
                 let most = self.started.elapsed().as_secs_f64();
                 self.place.computed(self.computed_s.min(most));
@@ -273,6 +340,20 @@ fn passes(request: &RollOutRequest, batch: &Batch) -> f64 {
 fn is_late(deadline: Instant) -> bool {
     const SLACK: Duration = Duration::from_millis(2);
     Instant::now() + SLACK >= deadline
+}
+
+/// The error of a rollout that a worker took, from the status in which that ended.
+fn ended(entry: &Entry, sent: &mut Sent, deadline: Instant, status: &Status) -> Error {
+    if is_late(deadline) {
+        return late(status);
+    }
+    if is_breakdown(status) {
+        tracing::warn!(worker = %entry.id(), %status, "worker broke down during a rollout");
+        entry.broke();
+        return Error::WorkerEnded;
+    }
+    sent.answered();
+    failure(status)
 }
 
 fn late(status: &Status) -> Error {

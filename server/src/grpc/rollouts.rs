@@ -1,11 +1,13 @@
 //! `bendtwin.v1.RolloutService`.
 
+use std::time::Duration;
+
 use bendtwin_proto::deadline::timeout;
 use bendtwin_proto::v1::{RollOutRequest, RollOutResponse, rollout_service_server::RolloutService};
 use tonic::{Request, Response, Status};
 
-use super::{Api, Reply, reply};
-use crate::dispatch::RollOut;
+use super::{Api, Reply, counted::memory_of, reply};
+use crate::dispatch::{InParts, RollOut, Whole};
 
 #[tonic::async_trait]
 impl RolloutService for Api {
@@ -14,8 +16,11 @@ impl RolloutService for Api {
         request: Request<RollOutRequest>,
     ) -> Result<Response<RollOutResponse>, Status> {
         let timeout = timeout(request.metadata());
-        let rollout = RollOut { request: request.into_inner(), timeout, in_parts: false };
-        Ok(Response::new(self.app.dispatch.roll_out(rollout).await?))
+        let Whole { response, held } =
+            self.app.dispatch.roll_out(rollout(request, timeout, false)).await?;
+        let mut response = Response::new(response);
+        response.extensions_mut().insert(held);
+        Ok(response)
     }
 
     type StreamRollOutStream = Reply<RollOutResponse>;
@@ -25,8 +30,15 @@ impl RolloutService for Api {
         request: Request<RollOutRequest>,
     ) -> Result<Response<Self::StreamRollOutStream>, Status> {
         let timeout = timeout(request.metadata());
-        let rollout = RollOut { request: request.into_inner(), timeout, in_parts: true };
-        let parts = self.app.dispatch.parts(rollout).await?;
-        Ok(Response::new(reply(parts, |part| part)))
+        let InParts { parts, held } =
+            self.app.dispatch.parts(rollout(request, timeout, true)).await?;
+        let mut response = Response::new(reply(parts, |part| part));
+        response.extensions_mut().insert(held);
+        Ok(response)
     }
+}
+
+fn rollout(request: Request<RollOutRequest>, timeout: Option<Duration>, in_parts: bool) -> RollOut {
+    let memory = memory_of(&request);
+    RollOut { request: request.into_inner(), timeout, in_parts, as_lists: false, memory }
 }

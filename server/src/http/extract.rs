@@ -4,14 +4,14 @@ use axum::{
     extract::{FromRequest, FromRequestParts, Path, Query, Request},
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
-use bytes::Bytes;
 use futures::{StreamExt, TryStreamExt};
-use http_body_util::{BodyExt, LengthLimitError, Limited};
 use serde::de::DeserializeOwned;
 
 use crate::{
     app::{self, App, Error},
     error::Refusal,
+    listen::is_too_slow,
+    memory::{Kind, ReceiveError, Received},
 };
 
 /// The id of a path.
@@ -43,8 +43,9 @@ impl<T: DeserializeOwned> FromRequest<App> for Json<T> {
     type Rejection = Refusal;
     async fn from_request(request: Request, app: &App) -> Result<Self, Refusal> {
         expect_type(request.headers(), &["application/json"])?;
-        let bytes = whole(request, app.options.limits.json_bytes).await?;
-        json(&bytes).map(Self)
+        let limit = app.options.limits.json_bytes as u64;
+        let received = whole(app, request, Kind::Document, limit).await?;
+        json(&received.bytes).map(Self)
     }
 }
 
@@ -67,26 +68,37 @@ pub(super) fn json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Refusal> {
     })
 }
 
-/// A body read to its end.
-pub(super) async fn whole(request: Request, limit: usize) -> Result<Bytes, Refusal> {
-    let body = Limited::new(request.into_body(), limit);
-    body.collect().await.map(|c| c.to_bytes()).map_err(|error| {
-        if error.downcast_ref::<LengthLimitError>().is_some() {
-            let message = format!("the body is larger than the limit of {limit} bytes");
-            return Refusal::http_only(
-                StatusCode::PAYLOAD_TOO_LARGE,
-                "CONTENT_TOO_LARGE",
-                &message,
-            );
+/// A body read to its end, in memory that it has taken before.
+pub(super) async fn whole(
+    app: &App,
+    request: Request,
+    kind: Kind,
+    limit: u64,
+) -> Result<Received, Refusal> {
+    app.memory.receive(request.into_body(), kind, limit).await.map_err(|error| match error {
+        ReceiveError::TooLong => {
+            let advice = match kind {
+                Kind::Json => ": send application/x-protobuf, which may be larger",
+                Kind::Protobuf | Kind::Document => "",
+            };
+            let message = format!("the body is larger than the limit of {limit} bytes{advice}");
+            Refusal::http_only(StatusCode::PAYLOAD_TOO_LARGE, "CONTENT_TOO_LARGE", &message)
         }
-        Error::UploadBroken("the body ended early".to_owned()).into()
+        ReceiveError::Memory(error) => error.into(),
+        ReceiveError::Broken(error) => broken(&error).into(),
     })
 }
 
 /// A body to be streamed.
 pub(super) fn upload_body(request: Request) -> app::Body {
-    let broken = |_| Error::UploadBroken("the body ended early".to_owned());
-    TryStreamExt::map_err(request.into_body().into_data_stream(), broken).boxed()
+    TryStreamExt::map_err(request.into_body().into_data_stream(), |e| broken(&e)).boxed()
+}
+
+fn broken(error: &(dyn std::error::Error + 'static)) -> Error {
+    if is_too_slow(error) {
+        return Error::BodyTooSlow;
+    }
+    Error::UploadBroken("the body ended early".to_owned())
 }
 
 /// The digest that an upload declares: `?digest={hex}`, `X-Content-Blake3: {hex}`

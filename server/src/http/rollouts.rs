@@ -1,9 +1,10 @@
 //! `/v1/twins/{id}/rollouts`: the HTTP form of a rollout, as JSON or as the
 //! protobuf messages of `bendtwin.v1`.
 
+mod document;
 mod schema;
 
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 
 use axum::{
     extract::{Request, State},
@@ -11,9 +12,11 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use bendtwin_proto::{
-    json::{Read, TensorFormat, Write},
-    v1::{RollOutRequest, RollOutResponse},
+    json::{Read, TensorFormat},
+    rollout,
+    v1::RollOutRequest,
 };
+use bytes::Bytes;
 use prost::Message;
 use serde::Deserialize;
 use utoipa::IntoParams;
@@ -24,10 +27,14 @@ use super::{
 };
 use crate::{
     app::{self, App, Error},
-    dispatch::RollOut,
+    dispatch::{RollOut, Whole},
     error::ProblemDocument,
+    memory::{Kind, Shares},
 };
 use bendtwin_core::ids::TwinId;
+
+/// Texts beyond this size are read beside the tasks of the runtime [bytes].
+const SMALL_TEXT: usize = 16 << 10;
 
 const PROTOBUF: &str = "application/x-protobuf";
 
@@ -48,7 +55,8 @@ pub(super) struct ReplyParams {
 ///
 /// Robot actions in; motion, costs or gradients out. Body and reply are JSON,
 /// or with `application/x-protobuf` the messages RollOutRequest and
-/// RollOutResponse of bendtwin.v1.
+/// RollOutResponse of bendtwin.v1. A large body must be protobuf, and a large
+/// reply base64 or protobuf.
 #[utoipa::path(post, path = "/v1/twins/{id}/rollouts", tag = "rollouts",
     params(("id" = String, Path), ReplyParams),
     request_body(content((schema::RollOutRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
@@ -64,13 +72,19 @@ pub(super) async fn create(
     extract::expect_type(request.headers(), &["application/json", PROTOBUF])?;
     let wants_protobuf = names_protobuf(&request, header::ACCEPT);
     let sends_protobuf = names_protobuf(&request, header::CONTENT_TYPE);
-    let most = usize::try_from(app.options.limits.rollout.request_bytes).unwrap_or(usize::MAX);
-    let bytes = extract::whole(request, most).await?;
+    let limits = app.options.limits.rollout;
+    let (kind, most) = if sends_protobuf {
+        (Kind::Protobuf, limits.request_bytes)
+    } else {
+        (Kind::Json, limits.json_bytes)
+    };
+    let received = extract::whole(&app, request, kind, most).await?;
     let message = if sends_protobuf {
-        RollOutRequest::decode(bytes)
+        rollout::check_encoded(&received.bytes, &limits).map_err(Error::Rollout)?;
+        RollOutRequest::decode(received.bytes)
             .map_err(|e| Error::invalid("body", format!("is no RollOutRequest: {e}")))?
     } else {
-        extract::json::<Read<RollOutRequest>>(&bytes)?.0
+        read_json(received.bytes, &received.memory).await?
     };
     let timeout = params
         .timeout_s
@@ -82,18 +96,31 @@ pub(super) async fn create(
         return Err(Error::invalid("twin", fault).into());
     }
     let request = RollOutRequest { twin: twin.to_string(), ..message };
-    let response = app.dispatch.roll_out(RollOut { request, timeout, in_parts: false }).await?;
-    if wants_protobuf || sends_protobuf {
-        let headers = [(header::CONTENT_TYPE, PROTOBUF)];
-        return Ok((headers, response.encode_to_vec()).into_response());
+    let as_protobuf = wants_protobuf || sends_protobuf;
+    let as_lists = !as_protobuf && params.tensors == TensorFormat::Lists;
+    let memory = received.memory;
+    let rollout = RollOut { request, timeout, in_parts: false, as_lists, memory };
+    let reply = app.dispatch.roll_out(rollout).await?;
+    if as_protobuf {
+        let Whole { response, held } = reply;
+        let body = bendtwin_budget::held(response.encode_to_vec().into(), held);
+        return Ok(([(header::CONTENT_TYPE, PROTOBUF)], body).into_response());
     }
-    let json = document(&response, params.tensors)?;
-    Ok(([(header::CONTENT_TYPE, "application/json")], json).into_response())
+    Ok(document::answer(reply, params.tensors)?)
 }
 
-fn document(response: &RollOutResponse, tensors: TensorFormat) -> app::Result<Vec<u8>> {
-    serde_json::to_vec(&Write { message: response, tensors })
-        .map_err(|e| Error::Internal(format!("a reply that cannot be written as JSON: {e}")))
+/// Reads a request. `memory` is held until that has ended, also when nobody waits any more.
+async fn read_json(text: Bytes, memory: &Arc<Shares>) -> Result<RollOutRequest> {
+    if text.len() <= SMALL_TEXT {
+        return Ok(extract::json::<Read<RollOutRequest>>(&text)?.0);
+    }
+    let memory = Arc::clone(memory);
+    let read = tokio::task::spawn_blocking(move || {
+        let _memory = memory;
+        extract::json::<Read<RollOutRequest>>(&text)
+    });
+    let read = read.await.map_err(|e| Error::Internal(format!("reading a rollout: {e}")))?;
+    Ok(read?.0)
 }
 
 fn names_protobuf(request: &Request, name: header::HeaderName) -> bool {

@@ -7,6 +7,7 @@ use bendtwin_proto::v1::{
     ControlTrajectories, Returns, RollOutRequest, RollOutResponse, Tensor,
     roll_out_request::Actions,
 };
+use bendtwin_proto::worker::v1::HeartbeatRequest;
 use prost::Message;
 use serde_json::json;
 use tokio::sync::Notify;
@@ -147,19 +148,76 @@ async fn limits_are_those_of_the_servers_options_and_workers_receive_them() {
 }
 
 #[tokio::test]
-async fn a_dead_worker_is_replaced_once() {
+async fn a_worker_that_cannot_be_reached_is_replaced_once() {
+    let server = Server::start().await;
+    let mut away = Worker::register_at(&server, "http://127.0.0.1:1").await;
+    let twin = twin(&server, &mut away).await;
+    let mut rollouts = server.rollouts();
+    let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
+    assert_eq!(bendtwin_proto::fault::fault(&status).reason, "WORKER_LOST");
+    let there = Worker::register(&server).await;
+    let mut away = Worker::register_at(&server, "http://127.0.0.1:1").await;
+    // The one that has the twin loaded is asked first.
+    let (worker, warm_twins) = (away.id.to_string(), vec![twin.clone()]);
+    let heartbeat = HeartbeatRequest { worker, warm_twins, ..HeartbeatRequest::default() };
+    away.link.heartbeat(heartbeat).await.unwrap();
+    let reply = rollouts.roll_out(request(&twin, 1)).await.unwrap().into_inner();
+    assert_eq!(reply.worker, there.id.to_string());
+}
+
+/// The rollout may be the reason why the worker ended: it must not end the next one as well.
+#[tokio::test]
+async fn a_rollout_that_a_worker_took_is_not_sent_to_another() {
     let server = Server::start().await;
     let mut first = Worker::register(&server).await;
     let twin = twin(&server, &mut first).await;
     let mut rollouts = server.rollouts();
     rollouts.roll_out(request(&twin, 1)).await.unwrap();
-    let second = Worker::register(&server).await;
+    let device = Device::default();
+    let second = Worker::register_with(&server, device.clone()).await;
     first.kill_endpoint();
+    // The first has the twin loaded, so it is asked.
+    let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
+    let fault = bendtwin_proto::fault::fault(&status);
+    assert_eq!((status.code(), fault.reason.as_str()), (Code::Unavailable, "WORKER_LOST"));
+    assert!(fault.message.contains("not sent to another worker"), "{fault}");
+    let untouched = tokio::time::timeout(Duration::ZERO, device.begun.notified()).await;
+    assert!(untouched.is_err(), "the second worker got it, too");
+    // The next goes to the second, while the first is left alone.
     let reply = rollouts.roll_out(request(&twin, 1)).await.unwrap().into_inner();
     assert_eq!(reply.worker, second.id.to_string());
-    second.kill_endpoint();
-    let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
-    assert_eq!(status.code(), Code::Unavailable);
+}
+
+/// A rollout is as likely the cause of a worker's end as the fit that happens to run there.
+#[tokio::test]
+async fn a_worker_that_ends_during_a_rollout_costs_its_fit_no_attempt() {
+    let server = Server::start_with(|o| {
+        o.lease_s = 0.4;
+        o.heartbeat_interval_s = 0.1;
+    })
+    .await;
+    let device = Device { hold: Some(Arc::new(Notify::new())), ..Device::default() };
+    let mut worker = Worker::register_with(&server, device.clone()).await;
+    let twin = twin(&server, &mut worker).await;
+    let fit = server.fit().await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    assert_eq!(lease.job, fit);
+    let mut rollouts = server.rollouts();
+    let rollout = tokio::spawn(async move { rollouts.roll_out(request(&twin, 1)).await });
+    device.begun.notified().await;
+    // Nothing is heard of the worker from here on.
+    let queued = async {
+        loop {
+            let (_, got) = server.get(&format!("/v1/{fit}")).await;
+            if got["job"]["state"] == "QUEUED" {
+                return got;
+            }
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    };
+    let got = tokio::time::timeout(Duration::from_secs(20), queued).await.unwrap();
+    assert_eq!((&got["job"]["attempts"], &got["job"]["attempt_faults"]), (&json!(0), &json!([])));
+    rollout.abort();
 }
 
 #[tokio::test]
@@ -236,6 +294,122 @@ async fn full_queues_deadlines_and_clients_that_leave() {
     let (status, problem) = read(response).await;
     assert_eq!((status, &problem["reason"]), (504, &json!("DEADLINE_EXCEEDED")));
     device.given_up.notified().await;
+}
+
+#[tokio::test]
+async fn large_json_is_refused_in_favour_of_bytes() {
+    let server = Server::start_with(|o| {
+        o.limits.rollout.json_bytes = 2_000;
+        o.limits.rollout.json_reply_bytes = 2_000;
+    })
+    .await;
+    let mut worker = Worker::register(&server).await;
+    let twin = twin(&server, &mut worker).await;
+    let path = format!("/v1/{twin}/rollouts");
+    // A body of any declared length, and one in chunks.
+    let long = format!("{{\"trajectories\": {}}}", " ".repeat(3_000));
+    for chunked in [false, true] {
+        let request =
+            server.http.post(server.url(&path)).header("content-type", "application/json");
+        let request = if chunked {
+            let chunks = long.as_bytes().chunks(500).map(|c| Ok::<_, std::io::Error>(c.to_vec()));
+            let chunks: Vec<_> = chunks.collect();
+            request.body(reqwest::Body::wrap_stream(futures::stream::iter(chunks)))
+        } else {
+            request.body(long.clone())
+        };
+        let (status, problem) = read(request.send().await.unwrap()).await;
+        assert_eq!((status, &problem["reason"]), (413, &json!("CONTENT_TOO_LARGE")), "{problem}");
+        assert!(
+            problem["detail"].as_str().unwrap().contains("application/x-protobuf"),
+            "{problem}"
+        );
+    }
+    // Decided before anything is computed: 10 frames of 5 nodes and 10 instances.
+    let knots = vec![vec![[[0.0; 3]]; 2]; 10];
+    let body = json!({
+        "trajectories": {"positions": knots},
+        "frames": 10,
+        "returns": {"every_frames": 1},
+    });
+    let (status, problem) = server.post(&path, body.clone()).await;
+    assert_eq!((status, &problem["reason"]), (400, &json!("ROLLOUT_TOO_LARGE")), "{problem}");
+    assert!(problem["detail"].as_str().unwrap().contains("?tensors=base64"), "{problem}");
+    let (status, reply) = server.post(&format!("{path}?tensors=base64"), body.clone()).await;
+    assert_eq!(status, 200, "{reply}");
+    let call = server.http.post(server.url(&path)).json(&body);
+    let reply = call.header("accept", "application/x-protobuf").send().await.unwrap();
+    let reply = RollOutResponse::decode(reply.bytes().await.unwrap()).unwrap();
+    assert_eq!(costs(&reply).len(), 10);
+}
+
+#[tokio::test]
+async fn an_answer_in_many_chunks_is_the_whole_answer() {
+    let server = Server::start().await;
+    let mut worker = Worker::register(&server).await;
+    let twin = twin(&server, &mut worker).await;
+    let knots = vec![vec![[[0; 3]]; 2]; 20_000];
+    let body = json!({"trajectories": {"positions": knots}});
+    let (status, reply) = server.post(&format!("/v1/{twin}/rollouts"), body.clone()).await;
+    assert_eq!(status, 200, "{reply}");
+    let costs = reply["costs"].as_array().unwrap();
+    assert!(costs.len() == 20_000 && costs[19_999] == 19_999.0, "{}", costs.len());
+    let path = format!("/v1/{twin}/rollouts?tensors=base64");
+    let (_, reply) = server.post(&path, body).await;
+    let costs = BASE64_STANDARD.decode(reply["costs"]["data"].as_str().unwrap()).unwrap();
+    assert_eq!(costs[8 * 19_999..], 19_999.0f64.to_le_bytes());
+    // Nothing is held any more.
+    let held = "bendtwin_memory_budget_bytes{state=\"used\"} ";
+    let used = async || {
+        let text = server.http.get(server.url("/metrics")).send().await.unwrap().text().await;
+        let text = text.unwrap();
+        let line = text.lines().find_map(|l| l.strip_prefix(held)).map(str::to_owned);
+        line.unwrap_or_else(|| panic!("no gauge of the memory in {text}"))
+    };
+    for _ in 0..500 {
+        if used().await == "0" {
+            return;
+        }
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    panic!("{} bytes are still held", used().await);
+}
+
+#[tokio::test]
+async fn a_body_that_never_fits_is_refused_with_what_would() {
+    let server = Server::start_with(|o| o.memory_mib = Some(64)).await;
+    let mut worker = Worker::register(&server).await;
+    let twin = twin(&server, &mut worker).await;
+    // 400,000 instances of 24 bytes, for which three times the memory is taken.
+    let large = request(&twin, 400_000);
+    let refused = server.rollouts().roll_out(large.clone()).await.unwrap_err();
+    let fault = bendtwin_proto::fault::fault(&refused);
+    assert_eq!((refused.code(), &*fault.reason), (Code::InvalidArgument, "MEMORY_TOO_SMALL"));
+    assert!(fault.message.contains("at most 22020096 are given"), "{fault}");
+    let path = format!("/v1/{twin}/rollouts");
+    let call = server.http.post(server.url(&path)).header("content-type", "application/x-protobuf");
+    let (status, problem) = read(call.body(large.encode_to_vec()).send().await.unwrap()).await;
+    assert_eq!((status, &problem["reason"]), (400, &json!("MEMORY_TOO_SMALL")), "{problem}");
+    server.rollouts().roll_out(request(&twin, 60_000)).await.unwrap();
+}
+
+#[tokio::test]
+async fn requests_are_looked_at_before_they_are_decoded() {
+    let server = Server::start().await;
+    let mut worker = Worker::register(&server).await;
+    let twin = twin(&server, &mut worker).await;
+    let returns = Returns {
+        nodes: Some(Tensor { shape: vec![0; 200_000], ..Tensor::default() }),
+        ..Returns::default()
+    };
+    let shaped = RollOutRequest { returns: Some(returns), ..request(&twin, 1) };
+    let refused = server.rollouts().roll_out(shaped.clone()).await.unwrap_err();
+    assert!(refused.message().contains("more than 8 dimensions"), "{refused}");
+    let path = format!("/v1/{twin}/rollouts");
+    let call = server.http.post(server.url(&path)).header("content-type", "application/x-protobuf");
+    let (status, problem) = read(call.body(shaped.encode_to_vec()).send().await.unwrap()).await;
+    assert_eq!((status, &problem["reason"]), (400, &json!("INVALID_ROLLOUT")), "{problem}");
+    assert!(problem["detail"].as_str().unwrap().contains("more than 8 dimensions"), "{problem}");
 }
 
 /// Half a minute of work for what is assumed of a worker at first: 12 elements, 10 substeps.

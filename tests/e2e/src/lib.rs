@@ -18,7 +18,11 @@ mod fits;
 #[cfg(test)]
 mod ingests;
 #[cfg(test)]
+mod local_access;
+#[cfg(test)]
 mod malformed;
+#[cfg(test)]
+mod memory;
 #[cfg(test)]
 mod over_http;
 #[cfg(test)]
@@ -31,6 +35,8 @@ mod rollouts;
 mod rust_code;
 #[cfg(test)]
 mod sentences;
+#[cfg(test)]
+mod stores;
 #[cfg(test)]
 mod suites;
 #[cfg(test)]

@@ -22,6 +22,26 @@ pub fn binary() -> PathBuf {
 /// The command without settings from the environment.
 pub fn bendtwin() -> Command {
     let mut command = Command::new(binary());
+    for variable in [
+        "BENDTWIN_LOG",
+        "BENDTWIN_SERVER",
+        "BENDTWIN_TOKEN",
+        "BENDTWIN_TOKEN_FILE",
+        "BENDTWIN_CLIENT_TOKEN",
+        "BENDTWIN_ALLOWED_HOSTS",
+    ] {
+        command.env_remove(variable);
+    }
+    command.env("NO_COLOR", "1");
+    command
+}
+
+/// The command with so much memory that it may write [MiB]. An allocation beyond that fails, and the
+/// process aborts.
+pub fn bendtwin_within(data_mib: u64) -> Command {
+    let mut command = Command::new("sh");
+    let limit = format!("ulimit -d {}; exec \"$0\" \"$@\"", data_mib << 10);
+    command.args(["-c", &limit]).arg(binary());
     command.env_remove("BENDTWIN_LOG").env_remove("BENDTWIN_SERVER").env("NO_COLOR", "1");
     command
 }

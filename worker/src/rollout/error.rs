@@ -1,10 +1,11 @@
 //! Reasons why a rollout is refused or fails.
 
+use bendtwin_budget::Exhausted;
 use bendtwin_core::{Category, Problem, twin::format::FormatError};
 use bendtwin_engine::backend;
 use bendtwin_proto::{rollout, tensor::TensorError};
 
-use crate::artifact::FetchError;
+use crate::{artifact::FetchError, budget::is_passing};
 
 /// Reason why a rollout is refused or fails.
 #[derive(Debug, thiserror::Error)]
@@ -17,6 +18,14 @@ pub(crate) enum Error {
     Busy {
         /// Number of rollouts that it takes.
         limit: usize,
+    },
+    /// There is no memory for it.
+    #[error("{exhausted}, for {purpose}{}", if is_passing(.exhausted) { ", or retry" } else { "" })]
+    Memory {
+        /// Purpose of the memory, and advice.
+        purpose: &'static str,
+        /// The refusal.
+        exhausted: Exhausted,
     },
     /// Twin or capture cannot be fetched.
     #[error(transparent)]
@@ -65,7 +74,9 @@ impl Problem for Error {
     fn category(&self) -> Category {
         match self {
             Self::Request(e) => e.category(),
-            Self::Busy { .. } => Category::ResourceExhausted,
+            // Sent again, it would be refused again.
+            Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
+            Self::Busy { .. } | Self::Memory { .. } => Category::ResourceExhausted,
             Self::Fetch(e) => e.category(),
             Self::StoredTwin(_) => Category::DataLoss,
             Self::Capture(_) | Self::ReplayDiverged { .. } => Category::FailedPrecondition,
@@ -78,6 +89,8 @@ impl Problem for Error {
         match self {
             Self::Request(e) => e.reason(),
             Self::Busy { .. } => "WORKER_BUSY",
+            Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",
+            Self::Memory { .. } => "MEMORY_IN_USE",
             Self::Fetch(e) => e.reason(),
             Self::StoredTwin(_) => "TWIN_DAMAGED",
             Self::Capture(_) => "CAPTURE_NOT_REPLAYABLE",

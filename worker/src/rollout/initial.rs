@@ -7,7 +7,7 @@ use bendtwin_core::{Graph, Point, ids::CaptureId};
 use bendtwin_engine::model::State;
 use bendtwin_proto::v1::{
     InitialState,
-    initial_state::{GivenState, State as Wire},
+    initial_state::{self as wire, GivenState, State as Wire},
 };
 
 use super::error::Error;
@@ -31,7 +31,8 @@ pub(super) enum Starts {
 /// Initial state as the request asks for it, before captures are read.
 pub(super) enum Wanted {
     Ready(Starts),
-    Frame(CaptureFrame),
+    /// That of the frame, which is replayed apart: [`CaptureFrame::wanted`].
+    Frame,
 }
 
 /// A frame of a capture.
@@ -40,6 +41,27 @@ pub(super) struct CaptureFrame {
     pub(super) capture: CaptureId,
     pub(super) sequence: usize,
     pub(super) frame: usize,
+}
+
+impl CaptureFrame {
+    /// The frame that a request starts in, if it starts in one; `own_capture` is the twin's.
+    pub(super) fn wanted(
+        wire: Option<&InitialState>,
+        own_capture: &str,
+    ) -> Result<Option<Self>, Error> {
+        match wire.and_then(|w| w.state.as_ref()) {
+            Some(Wire::CaptureFrame(wire)) => Self::read(wire, own_capture).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    fn read(wire: &wire::CaptureFrame, own_capture: &str) -> Result<Self, Error> {
+        const FIELD: &str = "initial.capture_frame.capture";
+        let name = if wire.capture.is_empty() { own_capture } else { &wire.capture };
+        let capture = name.parse::<CaptureId>().map_err(|e| Error::field(FIELD, e.to_string()))?;
+        let (sequence, frame) = (wire.sequence as usize, wire.frame as usize);
+        Ok(Self { capture, sequence, frame })
+    }
 }
 
 impl Starts {
@@ -53,13 +75,11 @@ impl Starts {
 }
 
 impl Wanted {
-    /// Reads the initial state of a checked request of `instances` instances; `own_capture` is the
-    /// twin's.
+    /// Reads the initial state of a checked request of `instances` instances.
     pub(super) fn read(
         wire: Option<InitialState>,
         graph: &Graph,
         instances: usize,
-        own_capture: &str,
     ) -> Result<Self, Error> {
         match wire.and_then(|w| w.state) {
             None | Some(Wire::Rest(_)) => {
@@ -67,14 +87,7 @@ impl Wanted {
                 let controls = Arc::new(graph.control_rest.clone());
                 Ok(Self::Ready(Starts::Shared(Start { state, controls })))
             }
-            Some(Wire::CaptureFrame(wire)) => {
-                const FIELD: &str = "initial.capture_frame.capture";
-                let name = if wire.capture.is_empty() { own_capture } else { &wire.capture };
-                let capture =
-                    name.parse::<CaptureId>().map_err(|e| Error::field(FIELD, e.to_string()))?;
-                let (sequence, frame) = (wire.sequence as usize, wire.frame as usize);
-                Ok(Self::Frame(CaptureFrame { capture, sequence, frame }))
-            }
+            Some(Wire::CaptureFrame(_)) => Ok(Self::Frame),
             Some(Wire::Given(wire)) => given(wire, graph, instances).map(Self::Ready),
         }
     }

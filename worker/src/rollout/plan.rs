@@ -1,24 +1,21 @@
-//! Plan of a request that has passed the check: the instances to be simulated, and the arrays to
+//! Plan of a request: the instances to be simulated, and the arrays to
 //! return.
 
 use std::sync::Arc;
 
 use bendtwin_core::{Point, Twin};
 use bendtwin_engine::{Objective, backend::Instance};
-use bendtwin_proto::{
-    rollout::{self, Limits, TwinShape},
-    v1::RollOutRequest,
-};
+use bendtwin_proto::rollout::TwinShape;
 
 use super::{
     actions::Actions,
+    checked::Checked,
     costs,
     error::Error,
     initial::{Starts, Wanted},
     returns::Returns,
     serve::Served,
 };
-use crate::cut;
 
 /// A checked request.
 pub(super) struct Plan {
@@ -34,27 +31,23 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// Checks and reads a request to a twin; also returns the initial state that it asks for.
+    /// Reads a request, whose memory has been taken; also returns the initial state that it asks
+    /// for.
     pub(super) fn new(
-        request: RollOutRequest,
-        own_capture: &str,
+        checked: Checked,
         part_instances: u32,
         served: Served,
-        limits: &Limits,
     ) -> Result<(Self, Wanted), Error> {
-        let twin = shape(&served.warm.twin, !own_capture.is_empty());
-        let batch = rollout::check_for(&request, &twin, limits, part_instances)?;
+        let Checked { request, batch, prepared, .. } = checked;
         let graph = &served.warm.twin.graph;
         let (instances, frames) = (batch.instances as usize, batch.frames as usize);
         let actions = Actions::read(request.actions, graph.control_count())?;
         let objective = costs::read(request.costs, frames)?;
         let returns = Returns::read(request.returns, instances)?;
-        let wanted = Wanted::read(request.initial, graph, instances, own_capture)?;
+        let wanted = Wanted::read(request.initial, graph, instances)?;
 
         let part = if part_instances == 0 { instances } else { part_instances as usize };
         let part = part.min(instances);
-        let control_bytes = 12 * (frames as u64 + 1) * graph.control_count().max(1) as u64;
-        let prepared = cut::prepared(control_bytes);
         Ok((Self { actions, frames, objective, returns, part, prepared, served }, wanted))
     }
 

@@ -7,6 +7,7 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
+use bendtwin_budget::Share;
 use bendtwin_core::{
     CancelToken, Capture, Point, Twin,
     ids::{CaptureId, TwinId},
@@ -25,13 +26,21 @@ use super::{
     lru::Lru,
     warm::Warm,
 };
-use crate::{Limits, artifact, device::QueuedBackend, observation, server_client::ServerClient};
+use crate::{
+    Limits, artifact,
+    budget::{self, Memory},
+    device::QueuedBackend,
+    observation,
+    server_client::ServerClient,
+};
 
 /// Captures whose controls are kept, and replayed states that are kept.
 const KEPT_MOTIONS: usize = 8;
 const KEPT_STARTS: usize = 64;
-/// Memory of either [bytes].
+/// Memory of either, at most [bytes].
 const KEPT_BYTES: u64 = 128 << 20;
+/// Memory of a control point in a frame of a replay: as it is kept, and as the engine reads it.
+const REPLAYED: u64 = 40;
 
 /// The part of a capture's sequence that a twin needs.
 struct Motion {
@@ -50,6 +59,7 @@ pub(crate) struct Replays {
     server: ServerClient,
     dir: PathBuf,
     limits: Limits,
+    memory: Memory,
     motions: Mutex<Lru<(TwinId, CaptureId), Motions>>,
     starts: Mutex<Lru<(TwinId, CaptureFrame), Start>>,
     /// Held while a capture is read: one at a time keeps memory within its limit.
@@ -57,13 +67,15 @@ pub(crate) struct Replays {
 }
 
 impl Replays {
-    pub(crate) fn new(server: ServerClient, dir: PathBuf, limits: Limits) -> Self {
+    pub(crate) fn new(server: ServerClient, dir: PathBuf, limits: Limits, memory: Memory) -> Self {
+        let kept = KEPT_BYTES.min(memory.kept_bytes);
         Self {
             server,
             dir,
             limits,
-            motions: Mutex::new(Lru::new(KEPT_MOTIONS, KEPT_BYTES)),
-            starts: Mutex::new(Lru::new(KEPT_STARTS, KEPT_BYTES)),
+            memory,
+            motions: Mutex::new(Lru::new(KEPT_MOTIONS, kept)),
+            starts: Mutex::new(Lru::new(KEPT_STARTS, kept)),
             reading: tokio::sync::Mutex::default(),
         }
     }
@@ -83,7 +95,10 @@ impl Replays {
         let motions = self.motions(warm, at.capture).await?;
         let (warm, backend, cancel) = (Arc::clone(warm), Arc::clone(backend), cancel.clone());
         let id = warm.id;
+        let controls = motions.iter().map(|m| m.controls.len() as u64).max().unwrap_or(0);
+        let share = self.take(controls.saturating_mul(REPLAYED)).await?;
         let start = tokio::task::spawn_blocking(move || {
+            let _share = share;
             replay(&warm, &motions, at, work_limit, &backend, &cancel)
         })
         .await
@@ -91,6 +106,10 @@ impl Replays {
         let size = 24 * start.state.positions.len() + 12 * start.controls.len();
         lock(&self.starts).insert((id, at), start.clone(), size as u64);
         Ok(start)
+    }
+
+    async fn take(&self, bytes: u64) -> Result<Share, Error> {
+        budget::take(&self.memory.rollouts, bytes, "the replay of a capture").await
     }
 
     async fn motions(&self, warm: &Arc<Warm>, id: CaptureId) -> Result<Motions, Error> {
@@ -109,8 +128,13 @@ impl Replays {
             &self.dir,
         )
         .await?;
-        let (warm, limits) = (Arc::clone(warm), self.limits);
+        // Beside the observation there are the controls that are kept of it.
+        let most = self.memory.rollouts.most() / 2;
+        let limits = Limits { capture_bytes: self.limits.capture_bytes.min(most), ..self.limits };
+        let share = self.take(2 * limits.capture_bytes).await?;
+        let warm = Arc::clone(warm);
         let motions = tokio::task::spawn_blocking(move || {
+            let _share = share;
             let capture = observation::read(file.path(), &limits)
                 .map_err(|e| Error::Capture(e.to_string()))?;
             motions_of(&warm.twin, &capture)

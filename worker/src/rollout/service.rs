@@ -4,11 +4,12 @@
 use std::{
     convert::Infallible,
     pin::Pin,
-    sync::{Arc, PoisonError, RwLock},
+    sync::{Arc, OnceLock, PoisonError, RwLock},
     task::{Context, Poll},
     time::{Duration, Instant},
 };
 
+use bendtwin_budget::Share;
 use bendtwin_core::{CancelToken, Problem as _, ids::TwinId};
 use bendtwin_engine::backend;
 use bendtwin_proto::{
@@ -20,7 +21,9 @@ use bendtwin_proto::{
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
 };
+use bytes::Bytes;
 use futures::Stream;
+use http_body_util::BodyExt as _;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_util::sync::CancellationToken;
@@ -35,13 +38,17 @@ use tonic::{
 
 use super::{
     Replays, WarmTwins,
+    checked::{Checked, Room},
     error::Error,
     execute::Execution,
-    initial::{Starts, Wanted},
+    initial::{CaptureFrame, Starts, Wanted},
     plan::Plan,
     serve::Served,
 };
-use crate::device::{Device, Priority};
+use crate::{
+    budget::{self, Memory},
+    device::{Device, Priority},
+};
 
 /// Parts that may wait for a slow reader: backpressure, so memory stays bounded.
 const WAITING_PARTS: usize = 2;
@@ -55,6 +62,7 @@ struct Inner {
     device: Device,
     twins: WarmTwins,
     replays: Replays,
+    memory: Memory,
     /// Bounds on requests, as the server set them last.
     limits: RwLock<Limits>,
     /// Rollouts that are answered at once.
@@ -68,12 +76,13 @@ impl Rollouts {
         device: Device,
         twins: WarmTwins,
         replays: Replays,
+        memory: Memory,
         most: usize,
     ) -> Self {
         let most = most.min(Semaphore::MAX_PERMITS);
         let slots = Arc::new(Semaphore::new(most));
         let limits = RwLock::default();
-        Self(Arc::new(Inner { worker, device, twins, replays, limits, most, slots }))
+        Self(Arc::new(Inner { worker, device, twins, replays, memory, limits, most, slots }))
     }
 
     /// Sets the bounds on requests to those of the server.
@@ -139,10 +148,40 @@ impl Service<http::Request<Body>> for Bounded {
         Poll::Ready(Ok(()))
     }
 
-    fn call(&mut self, request: http::Request<Body>) -> Self::Future {
-        let most = self.0.0.limits().sent_request_bytes();
-        WorkerRolloutsServer::new(self.0.clone()).max_decoding_message_size(most).call(request)
+    fn call(&mut self, mut request: http::Request<Body>) -> Self::Future {
+        let rollouts = self.0.clone();
+        Box::pin(async move {
+            let most = rollouts.0.limits().sent_request_bytes();
+            let length = declared_length(&request).unwrap_or(most).min(most);
+            let bytes = rollout::request_bytes(length as u64);
+            let share = match budget::take(&rollouts.0.memory.requests, bytes, "the request").await
+            {
+                Ok(share) => share,
+                Err(error) => return Ok(fault::status(&error.fault()).into_http()),
+            };
+            let held = Held { _request: Some(Arc::new(share)), rollout: Arc::default() };
+            request.extensions_mut().insert(held.clone());
+            let mut service = WorkerRolloutsServer::new(rollouts).max_decoding_message_size(length);
+            let response = service.call(request).await?;
+            Ok(response.map(|body| {
+                let hold = move |bytes: Bytes| bendtwin_budget::held(bytes, held.clone());
+                Body::new(body.map_frame(move |frame| frame.map_data(&hold)))
+            }))
+        })
     }
+}
+
+/// Length of the message, as the server says.
+fn declared_length(request: &http::Request<Body>) -> Option<usize> {
+    request.headers().get(rollout::REQUEST_BYTES)?.to_str().ok()?.parse().ok()
+}
+
+/// Memory of a call, held until its work has ended and its reply has been sent.
+#[derive(Clone, Default)]
+struct Held {
+    _request: Option<Arc<Share>>,
+    /// Set once it is known how much the rollout takes.
+    rollout: Arc<OnceLock<Share>>,
 }
 
 impl NamedService for Bounded {
@@ -155,9 +194,10 @@ impl WorkerRollouts for Rollouts {
 
     async fn roll_out(
         &self,
-        request: Request<ExecuteRollOutRequest>,
+        mut request: Request<ExecuteRollOutRequest>,
     ) -> Result<Response<Parts>, Status> {
         let arrived = Instant::now();
+        let held = request.extensions_mut().remove::<Held>().unwrap_or_default();
         let limit = self.0.most;
         let slot = Arc::clone(&self.0.slots)
             .try_acquire_owned()
@@ -166,7 +206,8 @@ impl WorkerRollouts for Rollouts {
         let cancel = CancelToken::default();
         let (parts, receiver) = mpsc::channel(WAITING_PARTS);
         let inner = Arc::clone(&self.0);
-        let call = Call { slot: Arc::new(slot), arrived, cancel: cancel.clone(), parts };
+        let slot = Arc::new(slot);
+        let call = Call { slot, arrived, cancel: cancel.clone(), parts, held };
         tokio::spawn(call.serve(inner, request.into_inner(), deadline));
         Ok(Response::new(Parts { parts: ReceiverStream::new(receiver), cancel }))
     }
@@ -179,6 +220,7 @@ struct Call {
     arrived: Instant,
     cancel: CancelToken,
     parts: mpsc::Sender<Result<ExecuteRollOutResponse, Status>>,
+    held: Held,
 }
 
 impl Call {
@@ -217,25 +259,40 @@ impl Call {
         let served = Served::choose(Arc::clone(&warm), fidelity, &inner.device).await?;
         let backend = Arc::new(inner.device.backend(Priority::Interactive));
         let limits = inner.limits();
+        let budget = &inner.memory.rollouts;
+        let room = Room { bytes: budget.most(), lanes: inner.device.description().lanes };
+        let (capture, part_instances) = (request.capture, request.part_instances);
         // Reading and checking a hundred megabytes of actions takes a while.
-        let (plan, wanted) = tokio::task::spawn_blocking(move || {
-            Plan::new(wire, &request.capture, request.part_instances, served, &limits)
+        let (own, to) = (capture.clone(), served.clone());
+        let checked = blocking(&self.held, move || {
+            Checked::new(wire, &own, part_instances, &to, &limits, room)
         })
-        .await
-        .map_err(|_| Error::Panicked)??;
-        let starts = match wanted {
-            Wanted::Ready(starts) => starts,
-            Wanted::Frame(at) => {
-                let start =
-                    inner.replays.start(&warm, at, &backend, &self.cancel, limits.work).await?;
-                Starts::Shared(start)
+        .await?;
+        // A replay takes memory of its own, so it comes before this takes any.
+        let frame = CaptureFrame::wanted(checked.request.initial.as_ref(), &capture)?;
+        let replayed = match frame {
+            None => None,
+            Some(at) => {
+                let replay = inner.replays.start(&warm, at, &backend, &self.cancel, limits.work);
+                Some(replay.await?)
             }
+        };
+        let share =
+            budget::take(budget, checked.bytes, "the rollout: ask for less at once").await?;
+        // It is set here alone.
+        let _ = self.held.rollout.set(share);
+        let (plan, wanted) =
+            blocking(&self.held, move || Plan::new(checked, part_instances, served)).await?;
+        let starts = match (wanted, replayed) {
+            (Wanted::Ready(starts), _) => starts,
+            (Wanted::Frame, Some(start)) => Starts::Shared(start),
+            (Wanted::Frame, None) => return Err(Error::field("initial", "has no state")),
         };
         let (cancel, parts, arrived) = (self.cancel.clone(), self.parts.clone(), self.arrived);
         let worker = inner.worker.clone();
         // A deadline ends the waiting, not this work: until it has heard, its place stays taken.
         let slot = Arc::clone(&self.slot);
-        tokio::task::spawn_blocking(move || {
+        blocking(&self.held, move || {
             let _slot = slot;
             let execution = Execution {
                 plan: &plan,
@@ -253,8 +310,21 @@ impl Call {
             })
         })
         .await
-        .map_err(|_| Error::Panicked)?
     }
+}
+
+/// Runs work beside the tasks of the runtime, which holds the memory of its call even when nobody
+/// waits for it any more.
+async fn blocking<T: Send + 'static>(
+    held: &Held,
+    work: impl FnOnce() -> Result<T, Error> + Send + 'static,
+) -> Result<T, Error> {
+    let held = held.clone();
+    let work = tokio::task::spawn_blocking(move || {
+        let _held = held;
+        work()
+    });
+    work.await.map_err(|_| Error::Panicked)?
 }
 
 /// The reply stream. Dropping it, as happens when the caller goes away, stops the simulation.

@@ -23,6 +23,7 @@ use prost::Message as _;
 use tokio::sync::{OnceCell, mpsc};
 
 use super::{
+    checked::{Checked, Room},
     error::Error,
     execute::Execution,
     initial::{Starts, Wanted},
@@ -86,12 +87,16 @@ impl Bench {
         let twin = twin();
         let model = Arc::new(Model::from(&twin));
         let loaded = device.backend(Priority::Interactive).load(model).unwrap();
-        let warm = Warm { id: TwinId::generate(), twin, loaded, fast: OnceCell::new() };
+        let fast = OnceCell::new();
+        let warm = Warm { id: TwinId::generate(), twin, loaded, fast, _share: None };
         (Self { device, warm: Arc::new(warm) }, died)
     }
 
     fn plan(&self, request: RollOutRequest, part: u32) -> Result<(Plan, Wanted), Error> {
-        Plan::new(request, "", part, Served::exact(Arc::clone(&self.warm)), &limits())
+        let served = Served::exact(Arc::clone(&self.warm));
+        let room = Room { bytes: 256 << 20, lanes: 2 };
+        let checked = Checked::new(request, "", part, &served, &limits(), room)?;
+        Plan::new(checked, part, served)
     }
 
     fn run(&self, request: RollOutRequest, part: u32) -> Result<Vec<RollOutResponse>, Error> {

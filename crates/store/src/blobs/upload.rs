@@ -2,15 +2,15 @@
 //! it removes what it wrote.
 
 use bytes::{Bytes, BytesMut};
-use object_store::{MultipartUpload, path::Path};
+use object_store::{MultipartUpload, ObjectStoreExt as _, path::Path};
 
 use bendtwin_core::ids::UploadId;
 
 use super::{Blobs, partial};
 use crate::{Digest, Error, Result};
 
-/// Part size of multipart uploads; S3 asks for 5 MiB at least.
-const PART: usize = 8 << 20;
+/// Part size of multipart uploads: memory of each upload under way.
+const PART: usize = 512 << 10;
 
 /// An upload under way.
 #[derive(Debug)]
@@ -109,6 +109,31 @@ impl Staged {
     /// Size [bytes].
     pub fn size_bytes(&self) -> u64 {
         self.size_bytes
+    }
+
+    /// The content, to be checked before a row refers to it.
+    ///
+    /// # Errors
+    /// File errors.
+    pub async fn bytes(&self) -> Result<Bytes> {
+        Ok(self.blobs.objects.get(&self.place()).await?.bytes().await?)
+    }
+
+    /// The first bytes of the content, `length` or as many as there are.
+    ///
+    /// # Errors
+    /// File errors.
+    pub async fn head(&self, length: u64) -> Result<Bytes> {
+        let range = 0..length.min(self.size_bytes);
+        if range.is_empty() {
+            return Ok(Bytes::new());
+        }
+        Ok(self.blobs.objects.get_range(&self.place(), range).await?)
+    }
+
+    /// Where the content is now.
+    fn place(&self) -> Path {
+        self.path.clone().unwrap_or_else(|| super::published(&self.digest.to_hex()))
     }
 
     /// The resumable upload of this content.

@@ -51,6 +51,8 @@ fn requests_that_are_accepted_otherwise_pass() {
         let found = check_encoded(&case.request.encode_to_vec(), &Limits::default());
         assert!(found.is_ok() || case.what == "257 costs", "{}: {found:?}", case.what);
     }
+    let unknown = [0x78, 0].repeat(1_000_001);
+    assert!(check_encoded(&unknown, &Limits::default()).is_err());
     assert_eq!(check_encoded(b"no message at all", &Limits::default()), Ok(()));
     assert_eq!(check_encoded(&[0x32, 0xff, 0xff], &Limits::default()), Ok(()));
 }

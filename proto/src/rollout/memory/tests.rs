@@ -90,8 +90,8 @@ fn gradients_count_states_of_all_frames() {
 
 #[test]
 fn lanes_and_prepared_instances_are_counted() {
-    let memory = Memory { fixed: 100, prepared: 10, running: 1 };
-    assert_eq!((memory.least(), memory.bytes(8, 4), memory.bytes(2, 4)), (111, 184, 122));
-    let absurd = Memory { fixed: 1, prepared: u64::MAX, running: u64::MAX };
+    let memory = Memory { request: 1000, fixed: 100, prepared: 10, running: 1 };
+    assert_eq!((memory.least(), memory.bytes(8, 4), memory.bytes(2, 4)), (1111, 184, 122));
+    let absurd = Memory { request: 0, fixed: 1, prepared: u64::MAX, running: u64::MAX };
     assert_eq!(absurd.bytes(usize::MAX, 3), u64::MAX);
 }

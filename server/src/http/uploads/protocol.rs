@@ -62,10 +62,12 @@ pub(crate) fn with_overridden_method<B>(
 }
 
 /// Refuses other versions of the protocol, and names the supported one in every response. OPTIONS
-/// needs no version, because clients learn it there, and GET is not part of the protocol.
+/// needs no version, because clients learn it there; GET is not part of the protocol; and DELETE
+/// means the same with and without it.
 pub(super) async fn require_version(request: Request, next: Next) -> Response {
     let free = [Method::OPTIONS, Method::GET].contains(request.method());
     let version = request.headers().get(TUS_RESUMABLE);
+    let free = free || version.is_none() && request.method() == Method::DELETE;
     let mut response = if free || version.is_some_and(|v| v == VERSION) {
         next.run(request).await
     } else {

@@ -18,7 +18,7 @@ async fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
         frames: 30,
     });
     let (id, loaded) = (bench.warm.id, bench.warm.loaded.clone());
-    bench.warm = Arc::new(Warm { id, twin, loaded, fast: OnceCell::new() });
+    bench.warm = Arc::new(Warm { id, twin, loaded, fast: OnceCell::new(), _share: None });
     let choose = |fidelity| Served::choose(Arc::clone(&bench.warm), fidelity, &bench.device);
     let (exact, fast) =
         (choose(Fidelity::Exact).await.unwrap(), choose(Fidelity::Fast).await.unwrap());
@@ -26,7 +26,9 @@ async fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
     let run = |served: Served| {
         let mut request = request(2);
         request.returns = Some(Returns { final_state: true, ..Returns::default() });
-        let (plan, wanted) = Plan::new(request, "", 0, served, &limits()).unwrap();
+        let room = Room { bytes: 256 << 20, lanes: 2 };
+        let checked = Checked::new(request, "", 0, &served, &limits(), room).unwrap();
+        let (plan, wanted) = Plan::new(checked, 0, served).unwrap();
         let Wanted::Ready(starts) = wanted else { panic!("no captures here") };
         bench.execute(&plan, &starts, &backend).unwrap().remove(0)
     };

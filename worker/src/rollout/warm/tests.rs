@@ -13,12 +13,15 @@ fn warm(room: usize) -> (WarmTwins, Arc<Script>) {
     let (fatal, _) = mpsc::unbounded_channel();
     let device = Device::spawn(move || Ok(Arc::new(backend) as _), fatal, 0.25).unwrap();
     // Nothing listens there: these twins come from memory.
-    let server = ServerClient::new("http://127.0.0.1:1", "a-token").unwrap();
-    (WarmTwins::new(server, device, Limits::default()), script)
+    let server = ServerClient::new("http://127.0.0.1:1", "a-token", "a-key").unwrap();
+    let (memory, dir) = (Memory::new(1 << 30), std::env::temp_dir());
+    (WarmTwins::new(server, device, Limits::default(), memory, dir), script)
 }
 
 async fn load(twins: &WarmTwins, id: TwinId) -> Result<Arc<Warm>, Error> {
-    twins.load(id, twin().encode().unwrap().into()).await
+    let file: Bytes = twin().encode().unwrap().into();
+    let share = twins.room(200 << 10).await?;
+    twins.load(id, file, Some(share)).await
 }
 
 #[tokio::test]
@@ -58,4 +61,21 @@ async fn what_never_fits_unloads_nothing() {
     twins.device.sample_memory_now();
     assert!(load(&twins, TwinId::generate()).await.is_err());
     assert_eq!(twins.ids(), [a]);
+}
+
+#[tokio::test]
+async fn twins_make_room_in_memory_for_others_and_no_twin_takes_more_than_there_is() {
+    let (mut twins, _) = warm(9);
+    twins.memory.twins = bendtwin_budget::Budget::new(16 << 20);
+    let load = async |id| {
+        let share = twins.room(6 << 20).await?;
+        twins.load(id, twin().encode().unwrap().into(), Some(share)).await
+    };
+    let [a, b, c] = [(); 3].map(|()| TwinId::generate());
+    load(a).await.unwrap();
+    load(b).await.unwrap();
+    load(c).await.unwrap();
+    assert_eq!(twins.ids(), [c, b]);
+    let error = twins.room(15 << 20).await.unwrap_err();
+    assert_eq!((error.category(), error.reason()), (Category::InvalidArgument, "MEMORY_TOO_SMALL"));
 }

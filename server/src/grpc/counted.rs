@@ -1,0 +1,98 @@
+//! The rollout service behind the memory of the server: a message is received in memory that was
+//! taken before, looked at before it is decoded, and its reply holds memory until it has been sent.
+
+use std::{
+    convert::Infallible,
+    sync::Arc,
+    task::{Context, Poll},
+};
+
+use bendtwin_core::Problem as _;
+use bendtwin_proto::{fault, rollout};
+use bytes::Bytes;
+use http_body_util::{BodyExt as _, Full};
+use tonic::{Status, body::Body, codegen::BoxFuture, codegen::http, server::NamedService};
+use tower::Service;
+
+use crate::{
+    app::App,
+    dispatch::Held,
+    error::Refusal,
+    memory::{ReceiveError, Received, Shares},
+};
+
+/// Bytes before a message.
+const PREFIX: usize = 5;
+
+/// A service whose calls have one message, a rollout.
+#[derive(Clone)]
+pub(super) struct Counted<S> {
+    pub(super) app: App,
+    pub(super) inner: S,
+}
+
+impl<S: NamedService> NamedService for Counted<S> {
+    const NAME: &'static str = S::NAME;
+}
+
+impl<S> Service<http::Request<Body>> for Counted<S>
+where
+    S: Service<http::Request<Body>, Response = http::Response<Body>, Error = Infallible>
+        + Clone
+        + Send
+        + 'static,
+    S::Future: Send,
+{
+    type Response = http::Response<Body>;
+    type Error = Infallible;
+    type Future = BoxFuture<Self::Response, Infallible>;
+
+    fn poll_ready(&mut self, _: &mut Context<'_>) -> Poll<Result<(), Infallible>> {
+        Poll::Ready(Ok(()))
+    }
+
+    fn call(&mut self, request: http::Request<Body>) -> Self::Future {
+        let Self { app, mut inner } = self.clone();
+        Box::pin(async move {
+            let (parts, body) = request.into_parts();
+            let Received { bytes, memory } = match receive(&app, body).await {
+                Ok(received) => received,
+                Err(status) => return Ok(status.into_http()),
+            };
+            let mut request = http::Request::from_parts(parts, Body::new(Full::new(bytes)));
+            request.extensions_mut().insert(memory);
+            let mut response = inner.call(request).await?;
+            Ok(match response.extensions_mut().remove::<Held>() {
+                Some(held) => response.map(|body| {
+                    let (share, place) = held.apart();
+                    let hold = move |bytes: Bytes| bendtwin_budget::held(bytes, share.clone());
+                    Body::new(body.map_frame(move |frame| {
+                        let _place = &place;
+                        frame.map_data(&hold)
+                    }))
+                }),
+                None => response,
+            })
+        })
+    }
+}
+
+async fn receive(app: &App, body: Body) -> Result<Received, Status> {
+    let limits = app.options.limits.rollout;
+    let received = app.memory.receive_message(body, limits.request_bytes).await;
+    let received = received.map_err(|error| match error {
+        ReceiveError::Memory(error) => Status::from(Refusal::from(error)),
+        // The service never gets to read these.
+        ReceiveError::TooLong => Status::out_of_range("the message is too long"),
+        ReceiveError::Broken(error) => Status::cancelled(format!("the body broke off: {error}")),
+    })?;
+    if let Some((&[0, ..], message)) = received.bytes.split_at_checked(PREFIX) {
+        rollout::check_encoded(message, &limits).map_err(|e| fault::status(&e.fault()))?;
+    }
+    Ok(received)
+}
+
+/// The memory of a call's request.
+pub(super) fn memory_of<T>(request: &tonic::Request<T>) -> Arc<Shares> {
+    request.extensions().get::<Arc<Shares>>().cloned().unwrap_or_default()
+}

@@ -1,0 +1,100 @@
+//! The memory of this process, which requests take shares of before anything is allocated for them.
+//!
+//! Bodies, replies and uploads have budgets of their own: a rollout that holds its body waits for nothing
+//! but a reply to end, and a reply waits for no other memory. So they cannot wait for each other.
+
+mod receive;
+
+use std::{sync::Arc, time::Duration};
+
+use bendtwin_budget::{Budget, Exhausted, Share};
+use bytes::Bytes;
+
+use crate::failure::{Error, Result};
+
+pub(crate) use receive::{Kind, ReceiveError};
+
+/// Longest wait for memory that others hold.
+const LONGEST_WAIT: Duration = Duration::from_secs(10);
+/// Memory of a reply: as it came from the worker, and as it is written to the client. The buffer
+/// that it is written to may grow to twice its size.
+const REPLY: u64 = 3;
+/// Memory of a reply beside its message [bytes].
+const REPLY_REST: u64 = 256 << 10;
+/// Buffers of an upload [bytes].
+const UPLOAD: u64 = 1 << 20;
+/// Memory of a twin file: its bytes, and the arrays that are read from them.
+const TWIN_FILE: u64 = 4;
+
+/// The memory of a server. Clones share it.
+#[derive(Clone, Debug)]
+pub(crate) struct Memory {
+    bodies: Budget,
+    replies: Budget,
+    uploads: Budget,
+    longest_wait: Duration,
+}
+
+/// Shares of one request; dropping them gives them back.
+#[derive(Debug, Default)]
+pub(crate) struct Shares(Vec<Share>);
+
+impl Memory {
+    /// So many bytes in all: three eighths for bodies, half for replies, an eighth for uploads.
+    pub(crate) fn new(bytes: u64) -> Self {
+        let part = |eighths: u64| Budget::new(bytes / 8 * eighths);
+        let [bodies, replies, uploads] = [3, 4, 1].map(part);
+        Self { bodies, replies, uploads, longest_wait: LONGEST_WAIT }
+    }
+
+    /// Bytes in use, and in all.
+    pub(crate) fn state(&self) -> (u64, u64) {
+        let all = [&self.bodies, &self.replies, &self.uploads];
+        (all.map(Budget::used).iter().sum(), all.map(Budget::total).iter().sum())
+    }
+
+    /// Memory for a reply whose messages have at most so many bytes.
+    pub(crate) async fn reply(&self, bytes: u64) -> Result<Share> {
+        let bytes = bytes.saturating_mul(REPLY).saturating_add(REPLY_REST);
+        self.take(&self.replies, bytes, "the reply: ask for fewer frames, nodes or instances").await
+    }
+
+    /// Memory of an upload that streams to disk.
+    pub(crate) async fn upload(&self) -> Result<Share> {
+        self.take(&self.uploads, UPLOAD, "the upload: send fewer at once").await
+    }
+
+    /// Memory to read a twin file of so many bytes.
+    pub(crate) async fn twin_file(&self, bytes: u64) -> Result<Share> {
+        let advice = "reading the twin: raise memory_mib of the server";
+        self.take(&self.bodies, bytes.saturating_mul(TWIN_FILE), advice).await
+    }
+
+    /// Memory to read the head of a report of so many bytes.
+    pub(crate) async fn report(&self, bytes: u64) -> Result<Share> {
+        self.take(&self.bodies, bytes, "reading the report: raise memory_mib of the server").await
+    }
+
+    /// A share, after a wait of bounded time in the order of arrival.
+    async fn take(&self, budget: &Budget, bytes: u64, purpose: &'static str) -> Result<Share> {
+        let taken = tokio::time::timeout(self.longest_wait, budget.take(bytes)).await;
+        // The wait may have ended just when there was room.
+        let taken = taken.unwrap_or_else(|_| budget.try_take(bytes));
+        taken.map_err(|exhausted| Error::Memory { purpose, exhausted })
+    }
+}
+
+/// True if waiting may help.
+pub(crate) fn is_passing(exhausted: &Exhausted) -> bool {
+    matches!(exhausted, Exhausted::InUse { .. })
+}
+
+/// A body and its memory.
+#[derive(Clone, Debug)]
+pub(crate) struct Received {
+    pub(crate) bytes: Bytes,
+    pub(crate) memory: Arc<Shares>,
+}
+
+#[cfg(test)]
+mod tests;

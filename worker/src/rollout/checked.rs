@@ -1,0 +1,61 @@
+//! A request that has passed the check, and the memory that it takes.
+
+use bendtwin_proto::{
+    rollout::{self, Batch, Limits},
+    v1::RollOutRequest,
+};
+
+use super::{error::Error, plan::shape, serve::Served};
+use crate::cut;
+
+/// Part of the memory that one rollout takes if it can do with that: one in so many.
+const PART: u64 = 4;
+
+/// Room of a rollout at this worker.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Room {
+    /// Most bytes that one rollout is given.
+    pub(super) bytes: u64,
+    /// Instances that the device runs at once.
+    pub(super) lanes: usize,
+}
+
+/// A request that has passed the check.
+pub(super) struct Checked {
+    pub(super) request: RollOutRequest,
+    pub(super) batch: Batch,
+    /// Instances that are prepared at once.
+    pub(super) prepared: usize,
+    /// Memory beside the request [bytes].
+    pub(super) bytes: u64,
+}
+
+impl Checked {
+    /// Checks a request to a twin; nothing is unpacked.
+    pub(super) fn new(
+        request: RollOutRequest,
+        own_capture: &str,
+        part_instances: u32,
+        served: &Served,
+        limits: &Limits,
+        room: Room,
+    ) -> Result<Self, Error> {
+        let twin = shape(&served.warm.twin, !own_capture.is_empty());
+        let batch = rollout::check_for(&request, &twin, limits, part_instances)?;
+        let memory = rollout::memory(&request, &batch, &twin, part_instances);
+        let instances = usize::try_from(batch.instances).unwrap_or(usize::MAX);
+        let mut prepared = cut::prepared(memory.prepared).min(instances).max(1);
+        let bytes = |prepared| memory.bytes(prepared, room.lanes);
+        while prepared > 1 && bytes(prepared) > room.bytes / PART && prepared / 2 >= room.lanes {
+            prepared /= 2;
+        }
+        while prepared > 1 && bytes(prepared) > room.bytes {
+            prepared /= 2;
+        }
+        let bytes = bytes(prepared);
+        if bytes > room.bytes {
+            return Err(Error::Request(rollout::too_much_memory(bytes, room.bytes)));
+        }
+        Ok(Self { request, batch, prepared, bytes })
+    }
+}
