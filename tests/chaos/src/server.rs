@@ -71,6 +71,7 @@ impl Server {
         let text = format!(
             "listen = \"{address}\"\n\
              data_dir = \"{data}\"\n\
+             client_token = \"none\"\n\
              lease_s = {LEASE_S:?}\n\
              heartbeat_interval_s = {heartbeat:?}\n\
              upload_start_s = 604800.0\n\
