@@ -1,5 +1,5 @@
-//! The context of a request: its id, its trace and its client. The middleware sets it once; errors and jobs
-//! take it over.
+//! The context of a request: its id, its trace and its client. The middleware sets it once; errors
+//! and jobs take it over.
 
 use std::{net::SocketAddr, sync::Arc};
 

@@ -84,7 +84,7 @@ const HOST_THREADS: u64 = 16;
 pub struct Estimate {
     /// The capture.
     pub capture: u64,
-    /// What the simulation is compared with.
+    /// Targets of the loss.
     pub targets: u64,
     /// The search.
     pub search: u64,
@@ -101,7 +101,7 @@ impl Estimate {
 }
 
 impl GraphSize {
-    /// The largest graph that a fit may build. How many neighbours lie within the radius is not
+    /// The largest graph that a fit may build. The number of neighbours within the radius is not
     /// known here.
     pub fn largest(settings: &FitSettings, capture: &CaptureSize) -> Self {
         let (graph, topology) = (&settings.graph, settings.search.topology);
