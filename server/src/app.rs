@@ -6,6 +6,7 @@ mod disk;
 mod fits;
 mod ingests;
 mod jobs;
+mod results;
 mod twins;
 mod upload;
 mod uploads;
@@ -45,8 +46,8 @@ pub(crate) struct Inner {
     pub(crate) dispatch: Dispatch,
     pub(crate) tokens: Tokens,
     pub(crate) metrics: Metrics,
-    pub(crate) memory: Memory,
     pub(crate) readiness: Readiness,
+    pub(crate) memory: Memory,
     /// Cancelled when the server begins to stop: streams end then.
     pub(crate) stopping: CancellationToken,
 }
@@ -66,8 +67,8 @@ impl App {
             dispatch: Dispatch::new(&options, store.clone(), metrics.clone(), memory.clone()),
             tokens: Tokens::new(options.worker_token.as_deref()),
             metrics,
-            memory,
             readiness: Readiness::default(),
+            memory,
             stopping: CancellationToken::new(),
             options,
             store,

@@ -78,6 +78,11 @@ impl Dispatch {
         self.lock().contains_key(&worker)
     }
 
+    /// The worker of whom this holds.
+    pub(crate) fn find(&self, holds: impl Fn(WorkerId) -> bool) -> Option<WorkerId> {
+        self.lock().keys().copied().find(|id| holds(*id))
+    }
+
     /// A sign of life. False if the worker has to register first.
     pub(crate) fn heartbeat(&self, worker: WorkerId, heartbeat: Heartbeat) -> bool {
         let entry = self.lock().get(&worker).cloned();

@@ -49,6 +49,12 @@ pub(crate) enum Error {
     BadToken,
     #[error("{0} is not registered: register it first")]
     WorkerUnknown(String),
+    #[error("the call does not show the key of {0}: a worker acts for itself alone")]
+    WorkerKeyMismatch(String),
+    #[error("{0} is no content of a job that this worker has")]
+    NotLeased(String),
+    #[error("the worker sent {what} that is not what it should be: {fault}")]
+    Unsound { what: &'static str, fault: String },
     #[error("no worker is ready for rollouts: retry, or start one")]
     NoWorker,
     #[error("the workers that were chosen for the rollout cannot be reached: retry")]
@@ -119,9 +125,11 @@ impl Problem for Error {
             | Self::UploadIdle(_)
             | Self::BodyTooSlow
             | Self::UploadTooLong { .. }
-            | Self::ChecksumMismatch => Category::InvalidArgument,
+            | Self::ChecksumMismatch
+            | Self::Unsound { .. } => Category::InvalidArgument,
             Self::UploadOffset { .. } | Self::UploadTakenOver => Category::Aborted,
             Self::BadToken => Category::Unauthenticated,
+            Self::WorkerKeyMismatch(_) | Self::NotLeased(_) => Category::PermissionDenied,
             Self::WorkerUnknown(_) => Category::NotFound,
             Self::NoWorker | Self::WorkerLost | Self::WorkerEnded | Self::Stopping => {
                 Category::Unavailable
@@ -152,6 +160,9 @@ impl Problem for Error {
             Self::UploadTakenOver => "UPLOAD_TAKEN_OVER",
             Self::ChecksumMismatch => "CHECKSUM_MISMATCH",
             Self::BadToken => "BAD_WORKER_TOKEN",
+            Self::WorkerKeyMismatch(_) => "WORKER_KEY_MISMATCH",
+            Self::NotLeased(_) => "CONTENT_NOT_LEASED",
+            Self::Unsound { .. } => "RESULT_UNSOUND",
             Self::WorkerUnknown(_) => "WORKER_UNKNOWN",
             Self::NoWorker => "NO_WORKER",
             Self::WorkerLost | Self::WorkerEnded => "WORKER_LOST",

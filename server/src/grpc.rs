@@ -96,10 +96,10 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
 }
 
 /// The services of the workers' listener.
-pub(crate) async fn worker_router(app: &App) -> axum::Router {
-    let (_, health_service) = tonic_health::server::health_reporter();
+pub(crate) fn worker_router(app: &App) -> axum::Router {
+    let health = HealthServer::new(ServerHealth::new(app));
     let mut routes = Routes::builder();
-    routes.add_service(health_service).add_service(worker_link(app));
+    routes.add_service(health).add_service(worker_link(app));
     routes.routes().into_axum_router()
 }
 

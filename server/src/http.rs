@@ -4,6 +4,7 @@
 mod captures;
 mod describe;
 mod docs;
+mod download;
 mod events;
 mod extract;
 mod fits;
@@ -16,14 +17,7 @@ mod twins;
 pub(crate) mod uploads;
 mod workers;
 
-use axum::{
-    body::Body,
-    http::{HeaderName, StatusCode, header},
-    response::{IntoResponse, Response},
-};
-use base64::{Engine as _, prelude::BASE64_STANDARD};
-use bendtwin_store::Content;
-use futures::TryStreamExt;
+use axum::http::StatusCode;
 use utoipa::OpenApi;
 use utoipa_axum::{router::OpenApiRouter, routes};
 
@@ -108,28 +102,4 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(operations::healthz))
         .routes(routes!(operations::readyz))
         .routes(routes!(operations::metrics))
-}
-
-/// Content as a download.
-fn download(content: Content, media_type: &'static str, file_name: &str) -> Response {
-    let disposition =
-        [(header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file_name}\""))];
-    (disposition, inline(content, media_type)).into_response()
-}
-
-/// Content to be shown. Browsers must not guess another type than the given one.
-fn inline(content: Content, media_type: &'static str) -> Response {
-    // RFC 9530, with an algorithm that its registry lacks; uploads declare theirs in the same form.
-    let digest = format!("blake3=:{}:", BASE64_STANDARD.encode(content.digest.as_bytes()));
-    let headers = [
-        (header::CONTENT_TYPE, media_type.to_owned()),
-        (header::CONTENT_LENGTH, content.size_bytes.to_string()),
-        (header::X_CONTENT_TYPE_OPTIONS, "nosniff".to_owned()),
-        (header::ETAG, format!("\"{}\"", content.digest.to_hex())),
-        (HeaderName::from_static("content-digest"), digest.clone()),
-        (HeaderName::from_static("repr-digest"), digest),
-    ];
-    // A read that fails in mid-stream cuts the body short of its length.
-    let chunks = content.chunks.inspect_err(|error| tracing::error!(%error, "download broke off"));
-    (headers, Body::from_stream(chunks)).into_response()
 }

@@ -303,6 +303,10 @@ impl Options {
         Duration::from_secs_f64(self.upload_expiry_s)
     }
 
+    pub(crate) fn upload_start(&self) -> Duration {
+        Duration::from_secs_f64(self.upload_start_s.min(self.upload_expiry_s))
+    }
+
     pub(crate) fn timeouts(&self) -> Timeouts {
         Timeouts {
             head: Duration::from_secs_f64(self.limits.head_timeout_s),
@@ -310,10 +314,6 @@ impl Options {
             body: self.limits.upload_idle() + Duration::from_secs(1),
             unread: Duration::from_secs_f64(self.limits.stream_idle_s),
         }
-    }
-
-    pub(crate) fn upload_start(&self) -> Duration {
-        Duration::from_secs_f64(self.upload_start_s.min(self.upload_expiry_s))
     }
 
     pub(crate) fn shutdown_grace(&self) -> Duration {

@@ -101,11 +101,13 @@ pub struct Handle {
     client_token: Option<String>,
     grace: Duration,
     app: App,
-    /// Cancelled to close the sockets.
+    /// Cancelled to close the socket of clients.
     close: CancellationToken,
+    /// Cancelled to close the socket of workers.
+    close_workers: CancellationToken,
     /// Cancelled to cut off connections.
     cut: CancellationToken,
-    listeners: JoinHandle<()>,
+    listeners: [JoinHandle<()>; 2],
     sweeps: Sweeps,
     workers: supervise::Supervisor,
 }
@@ -144,18 +146,24 @@ impl Service {
         };
         let for_workers = RootService {
             http: http::operations_router(&app),
-            grpc: grpc::worker_router(&app).await,
+            grpc: grpc::worker_router(&app),
             ..root_service.clone()
         };
-        let (close, cut) = (CancellationToken::new(), CancellationToken::new());
-        let serve = |socket, service, bounds| {
-            listen::serve(socket, service, bounds, app.metrics.clone(), close.clone(), cut.clone())
+        let (close, close_workers) = (CancellationToken::new(), CancellationToken::new());
+        let cut = CancellationToken::new();
+        let serve = |socket, service, bounds, close: &CancellationToken| {
+            let (close, cut) = (close.clone(), cut.clone());
+            tokio::spawn(listen::serve(socket, service, bounds, app.metrics.clone(), close, cut))
         };
-        let public = serve(socket, root_service, listen::Bounds::public(&app.options));
-        let workers = serve(worker_socket, for_workers, listen::Bounds::workers(&app.options));
-        let listeners = tokio::spawn(async {
-            tokio::join!(public, workers);
-        });
+        let listeners = [
+            serve(socket, root_service, listen::Bounds::public(&app.options), &close),
+            serve(
+                worker_socket,
+                for_workers,
+                listen::Bounds::workers(&app.options),
+                &close_workers,
+            ),
+        ];
         let sweeps = Sweeps::start(&app);
         let workers = supervise::start(&app, program, worker_address);
         tracing::info!(%address, %worker_address, "listening");
@@ -166,6 +174,7 @@ impl Service {
             grace,
             app,
             close,
+            close_workers,
             cut,
             listeners,
             sweeps,
@@ -209,13 +218,13 @@ impl Handle {
     pub async fn shutdown(self) {
         tracing::info!("stopping");
         self.app.stopping.cancel();
-        // One period for all: workers that take theirs leave little to a request that hangs.
         let ends = Instant::now() + self.grace;
-        // Workers need their socket to give their jobs back.
-        self.workers.stop(self.grace).await;
+        // Nobody waits for silent connections, but workers need their socket to give jobs back.
         self.close.cancel();
-        let mut listeners = self.listeners;
+        self.workers.stop(self.grace).await;
+        self.close_workers.cancel();
         let last = ends.max(Instant::now() + self.grace.min(LAST_WORDS));
+        let mut listeners = futures::future::join_all(self.listeners);
         if tokio::time::timeout_at(last, &mut listeners).await.is_err() {
             tracing::warn!("requests under way are cut off");
             self.cut.cancel();

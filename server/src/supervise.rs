@@ -27,6 +27,11 @@ pub const TOKEN_VARIABLE: &str = "BENDTWIN_WORKER_TOKEN";
 pub const BACKEND_VARIABLE: &str = "BENDTWIN_BACKEND";
 /// The environment variable with the number of the CUDA device.
 pub const DEVICE_VARIABLE: &str = "BENDTWIN_DEVICE";
+/// The environment variable with the folder for captures while they are read. Where it is set for
+/// the server, its workers inherit it.
+pub(crate) const SCRATCH_VARIABLE: &str = "BENDTWIN_SCRATCH_DIR";
+/// That folder in the data folder.
+const SCRATCH_FOLDER: &str = "scratch";
 
 /// The environment variable with the memory of the worker [MiB].
 pub const MEMORY_VARIABLE: &str = "BENDTWIN_WORKER_MEMORY_MIB";
@@ -165,6 +170,10 @@ impl SlotSupervisor {
         let mut command = Command::new(&self.spawn_options.program);
         if let Some(device) = self.spawn_options.device(self.slot) {
             command.env(DEVICE_VARIABLE, device.to_string());
+        }
+        if std::env::var_os(SCRATCH_VARIABLE).is_none() {
+            let folder = std::path::absolute(&self.app.options.data_dir)?.join(SCRATCH_FOLDER);
+            command.env(SCRATCH_VARIABLE, folder);
         }
         command
             .args(&self.spawn_options.args)

@@ -57,10 +57,17 @@ pub(crate) struct RollOut {
 /// Held until a reply has been sent: its memory, and the place in the worker's line.
 #[derive(Clone, Debug)]
 pub(crate) struct Held {
-    #[expect(dead_code, reason = "held, not read")]
     share: Arc<Share>,
-    #[expect(dead_code, reason = "held, not read")]
     place: Arc<Place>,
+}
+
+impl Held {
+    /// The memory, to be held by the bytes for as long as they are anywhere, and the place, to be
+    /// held by the body: what a connection has buffered and nobody reads must not keep a worker
+    /// from others.
+    pub(crate) fn apart(self) -> (Arc<Share>, impl Send + Sync + 'static) {
+        (self.share, self.place)
+    }
 }
 
 /// A reply in one part.

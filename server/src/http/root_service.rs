@@ -26,8 +26,10 @@ use crate::{
 
 /// Paths that need no token: they tell nothing of what is stored.
 const OPEN_PATHS: [&str; 4] = ["/healthz", "/readyz", "/docs", "/openapi.json"];
-/// Services that need no client token. The worker link checks a token of its own.
-const OPEN_SERVICES: [&str; 2] = ["/grpc.health.v1.Health/", "/bendtwin.worker.v1.WorkerLink/"];
+/// The service that needs no token, for the same reason.
+const OPEN_SERVICE: &str = "/grpc.health.v1.Health/";
+/// The service with a token of its own, which no page and no client has.
+const WORKER_LINK: &str = "/bendtwin.worker.v1.WorkerLink/";
 
 /// Both transports behind one service.
 #[derive(Clone)]
@@ -97,13 +99,13 @@ impl RootService {
 
     /// Checks what every request has to fulfil, before it is looked at.
     fn admit(&self, request: &Request<Body>, is_grpc: bool) -> Result<(), Refusal> {
-        self.hosts.check(request)?;
         let path = request.uri().path();
-        let is_open = if is_grpc {
-            OPEN_SERVICES.iter().any(|service| path.starts_with(service))
-        } else {
-            OPEN_PATHS.contains(&path)
-        };
+        if is_grpc && path.starts_with(WORKER_LINK) {
+            return Ok(());
+        }
+        self.hosts.check(request)?;
+        let is_open =
+            if is_grpc { path.starts_with(OPEN_SERVICE) } else { OPEN_PATHS.contains(&path) };
         match &self.token {
             Some(token) if !is_open => token.check(request.headers()),
             _ => Ok(()),

@@ -76,13 +76,14 @@ impl Activity {
         (counts.server == 0).then_some(counts.changed)
     }
 
-    /// Waits until no request has been under way for `first`, or for `later` after the first
-    /// request. Bodies of requests have their own time limits.
+    /// Waits until no request has been under way for `first`, or for `later` after a request that
+    /// ended well. Bodies of requests have their own time limits.
     pub(super) async fn idle_for(&self, first: Duration, later: Duration) {
         loop {
             let (is_idle, end) = {
                 let counts = self.counts();
-                let limit = if counts.has_asked { later } else { first };
+                let went_well = counts.has_asked && counts.cut == 0;
+                let limit = if went_well { later } else { first };
                 (counts.server + counts.body == 0, counts.changed + limit)
             };
             match is_idle {

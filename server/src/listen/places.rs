@@ -1,4 +1,4 @@
-//! Bounds on the connections of a listener, in total and for each peer. Where there is no place
+//! Bounds on the connections of a listener, in total and for each peer. If there is no place
 //! left, the connection that has waited longest for its client makes room; if all are at work, the
 //! new one is refused.
 

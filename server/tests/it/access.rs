@@ -1,5 +1,6 @@
 //! Callers that are let in: the token, the host, and what metrics tell of strangers.
 
+use bendtwin_proto::worker::v1::{HeartbeatRequest, worker_link_client::WorkerLinkClient};
 use bendtwin_server::ClientTokenPolicy;
 use serde_json::json;
 use tonic::Code;
@@ -16,6 +17,7 @@ async fn without_the_token_only_health_and_the_description_are_told() {
     let token = server.handle.client_token().unwrap().to_owned();
     let file = server.dir.path().join("data/client-token");
     assert_eq!(std::fs::read_to_string(file).unwrap().trim(), token);
+    let _worker = crate::worker::Worker::register(&server).await;
     for path in ["/healthz", "/readyz", "/docs", "/openapi.json"] {
         assert_eq!(server.get(path).await.0, 200, "{path}");
     }
@@ -56,6 +58,15 @@ async fn grpc_needs_the_token_and_workers_have_their_own() {
     HealthClient::new(server.channel.clone()).check(health).await.unwrap();
     let mut worker = Worker::register(&server).await;
     worker.heartbeat().await.unwrap();
+    // By whatever name a worker on another machine calls the server.
+    let url = format!("http://{}", server.handle.local_addr());
+    let named = tonic::transport::Endpoint::from_shared(url).unwrap();
+    let named = named.origin("http://twin-server:7070".parse().unwrap()).connect_lazy();
+    let mut link = WorkerLinkClient::new(named.clone());
+    let status = link.heartbeat(HeartbeatRequest::default()).await.unwrap_err();
+    assert_eq!(bendtwin_proto::fault::fault(&status).reason, "BAD_WORKER_TOKEN");
+    let status = HealthClient::new(named).check(HealthCheckRequest::default()).await.unwrap_err();
+    assert_eq!(bendtwin_proto::fault::fault(&status).reason, "HOST_NOT_ALLOWED");
     let worker_token = crate::harness::TOKEN;
     assert!(list(Some(&format!("Bearer {worker_token}"))).await.is_err());
 }

@@ -155,3 +155,39 @@ async fn other_names_for_loopback_are_refused() {
         assert_eq!(ask(host).await, 200, "{host}");
     }
 }
+
+#[tokio::test]
+async fn an_interrupted_download_continues() {
+    let server = Server::start().await;
+    let content: Vec<u8> =
+        (0..1 << 20).map(|i: u32| i.to_le_bytes()[0] ^ i.to_le_bytes()[1]).collect();
+    let upload = server.http.post(server.url("/v1/captures")).body(content.clone());
+    let upload = upload.header("content-type", "application/zip");
+    let (_, capture) = read(upload.send().await.unwrap()).await;
+    let url = server.url(&format!("/v1/{}/content", capture["name"].as_str().unwrap()));
+    let get = async |headers: &[(&str, &str)]| {
+        let request = server.http.get(&url);
+        let request = headers.iter().fold(request, |r, (name, value)| r.header(*name, *value));
+        let response = request.send().await.unwrap();
+        let (status, headers) = (response.status().as_u16(), response.headers().clone());
+        (status, headers, response.bytes().await.unwrap())
+    };
+    let (status, headers, whole) = get(&[]).await;
+    assert_eq!((status, &whole[..]), (200, &content[..]));
+    let tag = headers["etag"].to_str().unwrap();
+    assert_eq!(tag, format!("\"{}\"", capture["digest"].as_str().unwrap()));
+    assert_eq!(headers["accept-ranges"], "bytes");
+    assert!(headers["content-digest"].to_str().unwrap().starts_with("blake3=:"));
+
+    let (status, headers, rest) = get(&[("range", "bytes=700000-"), ("if-range", tag)]).await;
+    assert_eq!((status, &rest[..]), (206, &content[700_000..]));
+    assert_eq!(headers["content-range"], "bytes 700000-1048575/1048576");
+    assert_eq!(headers["content-length"], "348576");
+    let (status, _, part) = get(&[("range", "bytes=5-9")]).await;
+    assert_eq!((status, &part[..]), (206, &content[5..10]));
+    let (status, _, other) = get(&[("range", "bytes=5-9"), ("if-range", "\"other\"")]).await;
+    assert_eq!((status, other.len()), (200, content.len()));
+    let (status, headers, _) = get(&[("range", "bytes=1048576-")]).await;
+    assert_eq!(status, 416);
+    assert_eq!(headers["content-range"], "bytes */1048576");
+}

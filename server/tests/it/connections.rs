@@ -89,6 +89,33 @@ async fn a_stream_that_nobody_reads_ends_with_its_deadline() {
 }
 
 #[tokio::test]
+async fn a_download_that_nobody_reads_is_closed() {
+    let server = Server::start_with(|o| {
+        o.limits.stream_idle_s = 0.2;
+        o.limits.head_timeout_s = 0.2;
+    })
+    .await;
+    let size = 32 << 20;
+    let upload = server.http.post(server.url("/v1/captures")).body(vec![7u8; size]);
+    let upload = upload.header("content-type", "application/zip");
+    let (_, capture) = read(upload.send().await.unwrap()).await;
+    let mut stream = connect(&server).await;
+    let name = capture["name"].as_str().unwrap();
+    let head = format!("GET /v1/{name}/content HTTP/1.1\r\nhost: localhost\r\n\r\n");
+    stream.write_all(head.as_bytes()).await.unwrap();
+    let closed = async {
+        let ended = r#"bendtwin_connections_ended_total{listener="public",why="idle"}"#;
+        let metrics = async || reqwest::get(server.url("/metrics")).await.unwrap().text().await;
+        while !metrics().await.unwrap().contains(ended) {
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    };
+    timeout(SOON, closed).await.expect("the connection stays open");
+    let answer = to_the_end(&mut stream).await;
+    assert!(answer.starts_with(b"HTTP/1.1 200") && answer.len() < size, "{}", answer.len());
+}
+
+#[tokio::test]
 async fn a_download_that_is_read_comes_whole() {
     let server = Server::start_with(|o| o.limits.stream_idle_s = 5.0).await;
     let content: Vec<u8> = (0..3 << 20).map(|i: u32| i.to_le_bytes()[1]).collect();
@@ -178,8 +205,9 @@ async fn workers_have_a_door_of_their_own() {
     let refused = reqwest::Client::new().get(server.url("/healthz")).send().await;
     assert!(refused.is_err(), "{refused:?}");
     let door = format!("http://{}", server.handle.worker_addr());
+    // No worker has come so far, so it is not ready.
     for (path, status) in
-        [("/healthz", 200), ("/readyz", 200), ("/metrics", 200), ("/v1/captures", 404)]
+        [("/healthz", 200), ("/readyz", 503), ("/metrics", 200), ("/v1/captures", 404)]
     {
         let response = reqwest::get(format!("{door}{path}")).await.unwrap();
         assert_eq!(response.status(), status, "{path}");

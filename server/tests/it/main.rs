@@ -11,6 +11,7 @@ mod leases;
 mod malformed;
 mod operations;
 mod readiness;
+mod results;
 mod rollouts;
 mod tus;
 mod twins;

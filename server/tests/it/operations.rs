@@ -1,5 +1,4 @@
 use bendtwin_server::Service;
-use serde_json::json;
 use tonic_health::pb::{
     HealthCheckRequest, health_check_response::ServingStatus, health_client::HealthClient,
 };

@@ -341,17 +341,21 @@ async fn a_client_that_is_back_takes_over_from_its_dead_connection() {
     let mut dead = tokio::net::TcpStream::connect(server.handle.local_addr()).await.unwrap();
     dead.write_all(half_a_patch(&path, "0123456789").as_bytes()).await.unwrap();
     // The bytes are on their way: ask until they are there. Whoever looks on disturbs nobody.
+    let refused = async |stream: &tokio::net::TcpStream| {
+        tokio::time::timeout(Duration::from_millis(100), stream.peek(&mut [0])).await.is_ok()
+    };
     let arrived = async {
         loop {
             match server.offset(&path).await.unwrap().as_str() {
                 "10" => break,
-                // The holder gave way before it had anything, so the bytes are to be sent again.
-                _ => {
+                // The holder has been refused, because it gave way before it had anything, and the
+                // bytes are to be sent again; or it has not come so far.
+                _ if refused(&dead).await => {
                     dead =
                         tokio::net::TcpStream::connect(server.handle.local_addr()).await.unwrap();
                     dead.write_all(half_a_patch(&path, "0123456789").as_bytes()).await.unwrap();
-                    tokio::time::sleep(Duration::from_millis(20)).await;
                 }
+                _ => {}
             }
         }
     };

@@ -22,6 +22,8 @@ mod local_access;
 #[cfg(test)]
 mod malformed;
 #[cfg(test)]
+mod memory;
+#[cfg(test)]
 mod over_http;
 #[cfg(test)]
 mod reasons;

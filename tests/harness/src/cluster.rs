@@ -12,7 +12,7 @@ use tokio::sync::SemaphorePermit;
 
 use crate::{
     Api,
-    command::bendtwin,
+    command::{bendtwin, bendtwin_within},
     http::Http,
     process::{Processes, kill},
     waiting::{self, until},
@@ -35,11 +35,31 @@ pub struct Setup {
     pub isolation: Isolation,
     /// Additional arguments of the server's own workers.
     pub worker_args: &'static [&'static str],
+    /// Bounds on the memory of the processes.
+    pub memory: Option<Memory>,
+}
+
+/// Budgets of memory, and limits of the system above them (`RLIMIT_DATA`: all memory that a process
+/// may write, stacks of threads included).
+#[derive(Clone, Copy, Debug)]
+pub struct Memory {
+    /// Budget of the server [MiB].
+    pub server_mib: u64,
+    /// Budget of each worker that the test starts [MiB].
+    pub worker_mib: u64,
+    /// Memory of either beyond its budget [MiB].
+    pub base_mib: u64,
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { own_workers: 1, lease_s: 2.0, isolation: Isolation::Shared, worker_args: &[] }
+        Self {
+            own_workers: 1,
+            lease_s: 2.0,
+            isolation: Isolation::Shared,
+            worker_args: &[],
+            memory: None,
+        }
     }
 }
 
@@ -159,7 +179,13 @@ impl TestCluster {
     /// Starts a worker that the server did not start.
     pub async fn start_worker(&mut self) -> Worker {
         let before: Vec<_> = self.known_workers().await.into_iter().map(|w| w.name).collect();
-        let mut command = bendtwin();
+        let mut command = match self.setup.memory {
+            None => bendtwin(),
+            Some(memory) => bendtwin_within(memory.worker_mib + memory.base_mib),
+        };
+        if let Some(memory) = self.setup.memory {
+            command.env("BENDTWIN_WORKER_MEMORY_MIB", memory.worker_mib.to_string());
+        }
         command.args(["worker", "--server", &self.url()]).env("BENDTWIN_WORKER_TOKEN", TOKEN);
         self.started.push(self.processes.start(&mut command, &self.folder.path().join("log")));
         until("a new worker", START, async || {
@@ -230,7 +256,13 @@ async fn launch(
         heartbeat = lease_s / 4.0,
     );
     std::fs::write(&config, text).unwrap();
-    let mut command = bendtwin();
+    let mut command = match setup.memory {
+        None => bendtwin(),
+        Some(memory) => bendtwin_within(memory.server_mib + memory.base_mib),
+    };
+    if let Some(memory) = setup.memory {
+        command.env("BENDTWIN_MEMORY_MIB", memory.server_mib.to_string());
+    }
     command.arg("server").arg("--config").arg(&config).arg("--port-file").arg(&port_file);
     let log = folder.join("log");
     let mut child = processes.start(&mut command, &log);

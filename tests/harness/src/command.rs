@@ -36,6 +36,16 @@ pub fn bendtwin() -> Command {
     command
 }
 
+/// The command with so much memory that it may write [MiB]. An allocation beyond that fails, and the
+/// process aborts.
+pub fn bendtwin_within(data_mib: u64) -> Command {
+    let mut command = Command::new("sh");
+    let limit = format!("ulimit -d {}; exec \"$0\" \"$@\"", data_mib << 10);
+    command.args(["-c", &limit]).arg(binary());
+    command.env_remove("BENDTWIN_LOG").env_remove("BENDTWIN_SERVER").env("NO_COLOR", "1");
+    command
+}
+
 /// Runs `bendtwin` to its end.
 pub fn run(arguments: &[&str]) -> Output {
     bendtwin().args(arguments).output().unwrap()

@@ -16,7 +16,7 @@ use super::{
 use crate::server_client::{Backoff, CallError};
 
 /// Largest checkpoint that is accepted [bytes].
-pub(super) const MAX_BYTES: u64 = 1 << 30;
+pub(crate) const MAX_BYTES: u64 = 1 << 30;
 /// Least time between two checkpoints inside a stage.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(2);
 /// Longest time for the last checkpoint when a worker ends.

@@ -11,6 +11,40 @@ use super::{
 };
 use crate::{Content, Digest, Error, Result, Staged, clock::micros_after, failpoint::Failpoint};
 
+/// Claims a job that a subquery chooses.
+macro_rules! claim {
+    ($chosen:literal) => {
+        concat!(
+            "update jobs set state = 'running', worker = $1, lease_epoch = lease_epoch + 1,
+                 lease_until = $3, attempts = attempts + 1, stalled = stalled + 1,
+                 started_at = coalesce(started_at, $2), revision = revision + 1
+             where id = (",
+            $chosen,
+            ") returning *"
+        )
+    };
+}
+
+/// The oldest fit of the highest priority whose capture has been read.
+const CLAIM_FIT: &str = claim!(
+    "select id from jobs as j where state = 'queued' and kind = 'fit' and not exists (
+         select 1 from jobs as i where i.capture = j.capture and i.kind = 'ingest'
+             and i.state in ('queued', 'running'))
+     order by priority desc, created_at, id limit 1"
+);
+
+/// The ingest of the highest priority that would be done first if each began when it was queued
+/// and took a second for a megabyte, ten minutes at most: small captures pass large ones, which
+/// wait no longer for that than they take themselves.
+const CLAIM_INGEST: &str = claim!(
+    "select j.id from jobs as j left join captures as c on c.id = j.capture
+     where j.state = 'queued' and j.kind = 'ingest'
+     order by j.priority desc,
+         j.created_at + case when coalesce(c.size_bytes, 0) > 600000000 then 600000000
+                             else coalesce(c.size_bytes, 0) end,
+         j.id limit 1"
+);
+
 /// The right of one worker to write to one job, until another claims it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lease {
@@ -41,24 +75,16 @@ impl Jobs<'_> {
     ) -> Result<Option<Job>> {
         let now = self.store.now();
         let mut tx = self.store.inner.database.write().await?;
-        let row: Option<Row> = sqlx::query_as(
-            "update jobs set state = 'running', worker = $1, lease_epoch = lease_epoch + 1,
-                 lease_until = $3, attempts = attempts + 1, stalled = stalled + 1,
-                 started_at = coalesce(started_at, $2), revision = revision + 1
-             where id = (select id from jobs as j where state = 'queued' and kind = $4
-                             and (kind = 'ingest' or not exists (
-                                 select 1 from jobs as i
-                                 where i.capture = j.capture and i.kind = 'ingest'
-                                     and i.state in ('queued', 'running')))
-                         order by priority desc, created_at, id limit 1)
-             returning *",
-        )
-        .bind(worker.uuid().to_string())
-        .bind(self.store.now_micros())
-        .bind(micros_after(now, lease))
-        .bind(kind.as_str())
-        .fetch_optional(&mut *tx)
-        .await?;
+        let statement = match kind {
+            Kind::Ingest => CLAIM_INGEST,
+            Kind::Fit => CLAIM_FIT,
+        };
+        let row: Option<Row> = sqlx::query_as(statement)
+            .bind(worker.uuid().to_string())
+            .bind(self.store.now_micros())
+            .bind(micros_after(now, lease))
+            .fetch_optional(&mut *tx)
+            .await?;
         let Some(row) = row else { return Ok(None) };
         let job = Job::try_from(row)?;
         self.renew(Lease { job: job.id, epoch: job.lease_epoch }, lease);
@@ -92,6 +118,19 @@ impl Jobs<'_> {
                 return Ok(None);
             }
         }
+    }
+
+    /// The jobs that a worker holds leases of.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn held_by(&self, worker: WorkerId) -> Result<Vec<Job>> {
+        let rows: Vec<Row> =
+            sqlx::query_as("select * from jobs where state = 'running' and worker = $1")
+                .bind(worker.uuid().to_string())
+                .fetch_all(self.store.inner.database.read())
+                .await?;
+        rows.into_iter().map(Job::try_from).collect()
     }
 
     /// Renews the lease and stores progress, if there is any to store.

@@ -73,7 +73,7 @@ impl Bench {
         self.store.jobs().sweep(TERMS, |_| Loss::Worker).await.unwrap()
     }
 
-    /// Lets time pass in the steps of a server that runs, and returns the jobs whose leases ran out.
+    /// Lets time pass in the steps of a server that runs; returns the jobs whose leases ran out.
     pub(crate) async fn pass(&self, time: Duration) -> Vec<Job> {
         let mut swept = self.sweep().await;
         for _ in 0..time.as_secs() {

@@ -59,8 +59,8 @@ impl UploadBounds {
 impl Uploads<'_> {
     /// Creates an upload. The same request id with the same length and metadata returns the upload
     /// created before, however far it is. If a capture of the declared digest exists under that
-    /// request id, the upload is complete at once. Beyond the number of uploads, the oldest of those
-    /// of which nothing has come gives way.
+    /// request id, the upload is complete at once. Beyond the number of uploads, the oldest of
+    /// those of which nothing has come gives way.
     ///
     /// # Errors
     /// [`Error::RequestIdTaken`]; [`Error::UploadsFull`] beyond `bounds`; [`Error::DiskFull`].
