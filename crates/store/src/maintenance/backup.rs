@@ -162,6 +162,8 @@ async fn finish(mut done: Backup, from: &Path, to: &Path) -> Result<Backup> {
     }
     let there = files::all(&into)?;
     done.blobs = there.len();
+    // Those of rows that went between two copies of the database were linked for nothing.
+    done.linked = done.linked.min(done.blobs);
     done.blobs_bytes = there.iter().map(|(_, size_bytes)| size_bytes).sum();
     fs::File::open(to.join(database::FILE))?.sync_all()?;
     folder::sync(&into)?;
