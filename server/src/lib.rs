@@ -43,5 +43,6 @@ pub use http::uploads::read_upload_headers;
 pub use options::{ClientTokenPolicy, Limits, Options, WorkerPolicy};
 pub use service::{Handle, Service, StartError};
 pub use supervise::{
-    BACKEND_VARIABLE, DEVICE_VARIABLE, MEMORY_VARIABLE, SERVER_VARIABLE, TOKEN_VARIABLE,
+    BACKEND_VARIABLE, DEVICE_VARIABLE, MEMORY_VARIABLE, SCRATCH_VARIABLE, SERVER_VARIABLE,
+    TOKEN_VARIABLE,
 };

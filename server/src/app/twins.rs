@@ -3,7 +3,7 @@
 use bendtwin_core::ids::TwinId;
 use bendtwin_store::{Content, NewTwin, Page, PageRequest, Twin};
 
-use super::{App, Body, Result, results};
+use super::{App, Body, Result};
 
 /// A requested import of a twin file.
 pub(crate) struct TwinUpload {

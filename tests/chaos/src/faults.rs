@@ -58,9 +58,10 @@ pub(crate) async fn happen(run: &Arc<Run>, events: Vec<Event>) {
 async fn one(run: &Run, event: Event, files: &hostile::Files) {
     let result = match event.fault {
         Fault::Kill(victim) => processes::kill_one(run, victim, event.chance).await,
+        Fault::Restart => processes::restart(run).await,
         Fault::Pause(victim, held) => processes::pause(run, victim, event.chance, held).await,
         Fault::Clock(step_s) => step(run, step_s),
-        Fault::FullDisk { held, pressed } => disk::fill(run, held, pressed).await,
+        Fault::FullDisk { held, fresh, pressed } => disk::fill(run, held, fresh, pressed).await,
         Fault::Hostile(number) => hostile::send_file(run, number, files).await,
         Fault::Silent(silence, held) => silent::be(run, silence, held).await,
         Fault::Greedy(greed) => greedy::ask(run, greed).await,

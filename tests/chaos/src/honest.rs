@@ -15,7 +15,7 @@ use crate::run::Run;
 /// Time for one attempt: longer than the longest pause of a process.
 const ATTEMPT: Duration = Duration::from_secs(15);
 /// Time after which somebody has to restart the server by hand.
-const PATIENCE: Duration = Duration::from_secs(75);
+const PATIENCE: Duration = Duration::from_secs(60);
 /// Time after which a call is given up.
 const GIVE_UP: Duration = Duration::from_secs(180);
 

@@ -59,11 +59,11 @@ struct Args {
     /// Classes of faults [default: all]
     #[arg(long, value_delimiter = ',')]
     only: Vec<Class>,
-    /// Most memory of the server [MiB]
-    #[arg(long, default_value_t = 2048)]
+    /// Memory of the server beyond what requests may take together [MiB]
+    #[arg(long, default_value_t = 512)]
     server_memory_mib: u64,
-    /// Most memory of a worker [MiB]
-    #[arg(long, default_value_t = 3072)]
+    /// Memory of a worker beyond what all workers may take together [MiB]
+    #[arg(long, default_value_t = 512)]
     worker_memory_mib: u64,
     /// Print the schedule and end
     #[arg(long)]
@@ -133,7 +133,10 @@ async fn rounds(args: &Args, length: Duration, folder: &Path) -> anyhow::Result<
         }
     }
     run.tally.say("all faults are over: checking");
-    let memory = MemoryLimits { server: args.server_memory_mib, worker: args.worker_memory_mib };
+    let memory = MemoryLimits {
+        server: server::SERVER_MIB + args.server_memory_mib,
+        worker: server::WORKERS_MIB + args.worker_memory_mib,
+    };
     if let Err(error) = check::check(&run, memory).await {
         run.tally.broken("the server comes back by itself", format_args!("{error:#}"));
     }

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 /// A class of faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub(crate) enum Class {
-    /// kill -9 of servers, workers and the processes that read captures.
+    /// kill -9 of servers, workers and the processes that read captures, and orderly restarts.
     Kills,
     /// Servers and workers that stand still for seconds.
     Pauses,
@@ -33,7 +33,7 @@ impl Class {
             Self::Kills => 8.0,
             Self::Pauses | Self::Silent | Self::Greedy => 2.0,
             Self::Clock => 3.0,
-            Self::Disk => 1.0,
+            Self::Disk => 1.5,
             Self::Hostile => 20.0,
         }
     }
@@ -89,12 +89,16 @@ pub(crate) enum Greed {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Fault {
     Kill(Victim),
+    /// SIGTERM for the server, and a new start.
+    Restart,
     Pause(Victim, Duration),
     /// Step of the clock to so many seconds from the true time.
     Clock(i64),
-    /// A full disk for this time; if pressed, what becomes free is taken at once.
+    /// A full disk for this time. If fresh, right after an orderly restart, when the database has
+    /// to make the file of its log. If pressed, what becomes free is taken at once.
     FullDisk {
         held: Duration,
+        fresh: bool,
         pressed: bool,
     },
     /// The hostile file of this number.
@@ -141,11 +145,12 @@ pub(crate) fn schedule(seed: u64, length: Duration, classes: &[Class]) -> Vec<Ev
 fn fault(class: Class, number: u32, random: &mut ChaCha8Rng) -> Fault {
     let mut seconds = |from: f64, to: f64| Duration::from_secs_f64(random.random_range(from..to));
     match class {
-        Class::Kills => Fault::Kill(match random.random_range(0..4) {
-            0 => Victim::Server,
-            1 => Victim::Reader,
-            _ => Victim::Worker,
-        }),
+        Class::Kills => match random.random_range(0..16) {
+            0 => Fault::Restart,
+            1..=4 => Fault::Kill(Victim::Server),
+            5..=8 => Fault::Kill(Victim::Reader),
+            _ => Fault::Kill(Victim::Worker),
+        },
         Class::Pauses => {
             let held = seconds(1.0, 8.0);
             Fault::Pause(if random.random() { Victim::Server } else { Victim::Worker }, held)
@@ -154,10 +159,15 @@ fn fault(class: Class, number: u32, random: &mut ChaCha8Rng) -> Fault {
             let steps = [-86_400, -3_600, -7, 0, 7, 3_600, 6 * 3_600];
             Fault::Clock(steps[random.random_range(0..steps.len())])
         }
-        Class::Disk => Fault::FullDisk { held: seconds(3.0, 8.0), pressed: number % 2 == 1 },
+        Class::Disk => Fault::FullDisk {
+            held: seconds(3.0, 8.0),
+            fresh: number % 2 == 0,
+            pressed: number % 3 == 1,
+        },
         Class::Hostile => Fault::Hostile(u64::from(number)),
         Class::Silent => {
-            let held = seconds(8.0, 20.0);
+            // Longer than an honest client waits: whom the silent shut out is found.
+            let held = seconds(70.0, 100.0);
             let kinds = [Silence::UnreadStreams, Silence::HalfPrefaces, Silence::NoBodies];
             Fault::Silent(kinds[number as usize % kinds.len()], held)
         }

@@ -17,7 +17,7 @@ use bendtwin_harness::{
     Api,
     command::bendtwin,
     http::Http,
-    process::{Processes, kill, signal},
+    process::{Processes, signal},
 };
 use tokio::time::sleep;
 
@@ -28,6 +28,10 @@ pub(crate) const WORKERS: usize = 2;
 /// Time after which a worker that does not report loses its job [s]: shorter than the longest
 /// pauses, so that these pauses matter.
 const LEASE_S: f64 = 4.0;
+/// Memory that requests at the server may take together [MiB].
+pub(crate) const SERVER_MIB: u64 = 512;
+/// Memory of the workers together [MiB].
+pub(crate) const WORKERS_MIB: u64 = 2048;
 /// Longest time from a start until the server is ready.
 const START: Duration = Duration::from_secs(60);
 /// Longest time from SIGTERM to the end.
@@ -46,6 +50,8 @@ pub(crate) struct Server {
     child: Mutex<Option<Child>>,
     /// True if somebody killed it: its end is no surprise.
     doomed: AtomicBool,
+    /// True if it was asked to end, and not killed since.
+    orderly: AtomicBool,
     /// True while the disk is full: the server may be unready, and fail to start.
     pub(crate) disk_is_full: AtomicBool,
     stopping: AtomicBool,
@@ -61,9 +67,18 @@ impl Server {
     ) -> anyhow::Result<Self> {
         let free = std::net::TcpListener::bind("127.0.0.1:0")?;
         let address = free.local_addr()?.to_string();
+        // The disk is small. Small uploads that were begun shall still be there after hours.
         let text = format!(
-            "listen = \"{address}\"\ndata_dir = \"{data}\"\nlease_s = {LEASE_S:?}\n\
-             heartbeat_interval_s = {heartbeat:?}\n[workers]\ncount = {WORKERS}\n\
+            "listen = \"{address}\"\n\
+             data_dir = \"{data}\"\n\
+             lease_s = {LEASE_S:?}\n\
+             heartbeat_interval_s = {heartbeat:?}\n\
+             upload_start_s = 604800.0\n\
+             disk_floor_mib = 32\n\
+             memory_mib = {SERVER_MIB}\n\
+             [workers]\n\
+             count = {WORKERS}\n\
+             memory_mib = {WORKERS_MIB}\n\
              backend = \"cpu\"\n",
             data = folder.join("data").display(),
             heartbeat = LEASE_S / 4.0,
@@ -77,6 +92,7 @@ impl Server {
             tally,
             child: Mutex::new(None),
             doomed: AtomicBool::new(false),
+            orderly: AtomicBool::new(false),
             disk_is_full: AtomicBool::new(false),
             stopping: AtomicBool::new(false),
             by_hand: Mutex::new(None),
@@ -127,6 +143,7 @@ impl Server {
     pub(crate) fn kill(&self) {
         if let Some(child) = self.child().as_mut() {
             self.doomed.store(true, Ordering::SeqCst);
+            self.orderly.store(false, Ordering::SeqCst);
             child.kill().ok();
         }
     }
@@ -149,13 +166,17 @@ impl Server {
         while !self.stopping.load(Ordering::SeqCst) {
             self.doomed.store(false, Ordering::SeqCst);
             self.spawn()?;
-            if self.becomes_ready().await {
+            let was_ready = self.becomes_ready().await;
+            if was_ready {
                 self.tally
                     .took("recovery: longest from an end of the server to ready", ended.elapsed());
             }
             let status = self.ends().await?;
             ended = Instant::now();
             self.tally.log(format_args!("the server ended: {status}"));
+            if self.orderly.swap(false, Ordering::SeqCst) && was_ready && !status.success() {
+                self.tally.broken("SIGTERM ends the server in order", status);
+            }
             let expected = self.doomed.load(Ordering::SeqCst)
                 || self.stopping.load(Ordering::SeqCst)
                 || self.disk_is_full.load(Ordering::SeqCst);
@@ -232,25 +253,41 @@ impl Server {
         bail!("the server was not ready with {WORKERS} workers within {START:?}")
     }
 
-    /// SIGTERM: the server has to end in order.
-    pub(crate) async fn stop(&self) -> anyhow::Result<()> {
-        self.stopping.store(true, Ordering::SeqCst);
+    /// SIGTERM, and a start by the supervisor.
+    pub(crate) async fn restart(&self) -> anyhow::Result<()> {
         let pid = self.pid().context("the server does not run")?;
-        signal(pid, "TERM");
-        let began = Instant::now();
-        while !self.has_ended() {
-            if began.elapsed() > STOP {
-                self.tally.broken("SIGTERM ends the server", format_args!("not within {STOP:?}"));
-                kill(pid);
+        self.end_in_order(pid).await;
+        let (http, began) = (self.http(), Instant::now());
+        while self.pid() == Some(pid) || !http.is_ready().await {
+            if began.elapsed() > START {
+                bail!("it was not ready within {START:?}");
             }
             sleep(POLL).await;
         }
-        self.tally.took("recovery: time of an orderly end", began.elapsed());
-        let status = self.ends().await?;
-        if !status.success() {
-            self.tally.broken("SIGTERM ends the server", status);
-        }
         Ok(())
+    }
+
+    /// SIGTERM, for good.
+    pub(crate) async fn stop(&self) -> anyhow::Result<()> {
+        self.stopping.store(true, Ordering::SeqCst);
+        let pid = self.pid().context("the server does not run")?;
+        self.end_in_order(pid).await;
+        Ok(())
+    }
+
+    async fn end_in_order(&self, pid: u32) {
+        self.doomed.store(true, Ordering::SeqCst);
+        self.orderly.store(true, Ordering::SeqCst);
+        signal(pid, "TERM");
+        let began = Instant::now();
+        while self.pid() == Some(pid) && !self.has_ended() {
+            if began.elapsed() > STOP {
+                self.tally.broken("SIGTERM ends the server", format_args!("not within {STOP:?}"));
+                self.kill();
+            }
+            sleep(POLL).await;
+        }
+        self.tally.took("recovery: longest orderly end", began.elapsed());
     }
 
     /// `bendtwin store check` of the data of a server that has ended.

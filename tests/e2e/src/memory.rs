@@ -84,14 +84,15 @@ async fn the_largest_requests_at_once_end_no_process() {
     assert!(monstrous.encoded_len() < 300_000);
     let refused = grpc(address.clone(), monstrous, false).await;
     assert_eq!(refused.as_deref(), Some("ROLLOUT_TOO_LARGE"));
-    let lists = |twin: &str| cluster.url() + "/v1/" + twin + "/rollouts";
+    let base = cluster.url();
+    let lists = |twin: &str| format!("{base}/v1/{twin}/rollouts");
     let long = many_frames(&twins.chain, 150);
     let json = requests::as_json(&long);
     let refused = http(lists(&twins.chain), "application/json", json.clone()).await;
     assert_eq!(refused.as_deref(), Some("ROLLOUT_TOO_LARGE"));
 
     let mut calls: FuturesUnordered<BoxFuture<'_, (&str, Outcome)>> = FuturesUnordered::new();
-    let mut add = |name: &'static str, call: BoxFuture<'static, Outcome>| {
+    let add = |name: &'static str, call: BoxFuture<'static, Outcome>| {
         calls.push(Box::pin(async move { (name, call.await) }));
     };
     let at = |query: &str| lists(&twins.chain) + query;

@@ -21,13 +21,21 @@ const INTERVAL: Duration = Duration::from_millis(100);
 /// One disk is full at a time.
 static FULL: Mutex<()> = Mutex::const_new(());
 
-pub(super) async fn fill(run: &Run, held: Duration, pressed: bool) -> anyhow::Result<()> {
+pub(super) async fn fill(
+    run: &Run,
+    held: Duration,
+    fresh: bool,
+    pressed: bool,
+) -> anyhow::Result<()> {
     let _alone = FULL.lock().await;
     let disk = run.disk.clone().context("there is no disk")?;
     let fill = async || {
         let disk = disk.clone();
         tokio::task::spawn_blocking(move || disk.fill()).await
     };
+    if fresh {
+        run.server.restart().await?;
+    }
     let victim = store(run).await.context("nothing to delete")?;
     run.server.disk_is_full.store(true, Ordering::SeqCst);
     let began = Instant::now();

@@ -1,6 +1,6 @@
 //! Clients that ask for as much as they may, and for more.
 
-use std::{fmt::Write as _, time::Duration};
+use std::time::Duration;
 
 use bendtwin_proto::{
     json::{TensorFormat, Write},
@@ -14,8 +14,8 @@ use crate::{run::Run, schedule::Greed};
 
 /// Time that a greedy client waits.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Size of a large body [bytes].
-const LARGE: usize = 48 << 20;
+/// Sizes of large bodies that are sent together [bytes].
+const SIZES: [usize; 4] = [48 << 20, 12 << 20, 12 << 20, 6 << 20];
 /// Requests at a time.
 const BATCHES: usize = 6;
 /// Uploads that are begun and left.
@@ -63,13 +63,16 @@ async fn post(run: &Run, body: String) -> anyhow::Result<()> {
 }
 
 async fn large_json(run: &Run) -> anyhow::Result<()> {
-    let mut body = String::with_capacity(LARGE + 100);
-    write!(body, "{{\"trajectories\": {{\"positions\": [[[[0,0,0]")?;
-    while body.len() < LARGE {
-        body.push_str(",[0,0,0]");
-    }
-    body.push_str("]]]}}");
-    post(run, body).await
+    let body = |size: usize| {
+        let mut body = String::with_capacity(size + 100);
+        body.push_str("{\"trajectories\": {\"positions\": [[[[0,0,0]]");
+        while body.len() < size {
+            body.push_str(",[[0,0,0]]");
+        }
+        body.push_str("]]}}");
+        body
+    };
+    join_all(SIZES.map(|size| post(run, body(size)))).await.into_iter().collect()
 }
 
 async fn large_reply(run: &Run) -> anyhow::Result<()> {

@@ -27,6 +27,14 @@ pub(super) async fn kill_one(run: &Run, victim: Victim, chance: u64) -> anyhow::
     Ok(())
 }
 
+/// SIGTERM for the server.
+pub(super) async fn restart(run: &Run) -> anyhow::Result<()> {
+    run.server.restart().await?;
+    run.disturb();
+    run.tally.count("faults: orderly restarts of a server");
+    Ok(())
+}
+
 /// SIGSTOP, and SIGCONT after a while.
 pub(super) async fn pause(
     run: &Run,

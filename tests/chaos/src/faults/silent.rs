@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use bendtwin_proto::v1::{Returns, RollOutRequest};
+use futures::future::join_all;
 use tokio::{
     io::AsyncWriteExt as _,
     net::{TcpSocket, TcpStream},
@@ -13,11 +14,12 @@ use super::{STRANGER, rollouts};
 use crate::{run::Run, schedule::Silence};
 
 /// Connections of one client.
-const CONNECTIONS: usize = 64;
+const CONNECTIONS: usize = 256;
 /// Streams of one client.
-const STREAMS: usize = 12;
+const STREAMS: usize = 32;
 
 pub(super) async fn be(run: &Run, silence: Silence, held: Duration) -> anyhow::Result<()> {
+    let held = held.min(run.length.saturating_sub(run.started.elapsed()));
     match silence {
         Silence::HalfPrefaces => {
             let half: &[u8] = b"PRI * HTTP/2.0\r\n";
@@ -52,15 +54,16 @@ async fn connections(run: &Run, openings: &[&[u8]], held: Duration) -> anyhow::R
 }
 
 async fn streams(run: &Run, held: Duration) -> anyhow::Result<()> {
-    let mut client = rollouts(run, STRANGER).await?;
+    let client = rollouts(run, STRANGER).await?;
     let returns = Returns { every_frames: 1, ..Returns::default() };
     let request =
         RollOutRequest { returns: Some(returns), ..run.references.batch(run.twin(), 256, 100) };
     let open = async {
-        let mut unread = Vec::new();
-        for _ in 0..STREAMS {
-            unread.push(client.stream_roll_out(request.clone()).await);
-        }
+        let unread = join_all((0..STREAMS).map(|_| {
+            let (mut client, request) = (client.clone(), request.clone());
+            async move { client.stream_roll_out(request).await }
+        }));
+        let _unread = unread.await;
         std::future::pending::<()>().await;
     };
     timeout(held, open).await.ok();
