@@ -29,7 +29,7 @@ pub const BACKEND_VARIABLE: &str = "BENDTWIN_BACKEND";
 pub const DEVICE_VARIABLE: &str = "BENDTWIN_DEVICE";
 /// The environment variable with the folder for captures while they are read. Where it is set for
 /// the server, its workers inherit it.
-pub(crate) const SCRATCH_VARIABLE: &str = "BENDTWIN_SCRATCH_DIR";
+pub const SCRATCH_VARIABLE: &str = "BENDTWIN_SCRATCH_DIR";
 /// That folder in the data folder.
 const SCRATCH_FOLDER: &str = "scratch";
 
