@@ -54,10 +54,15 @@ pub(crate) struct RollOut {
 /// Held until a reply has been sent: its memory, and the place in the worker's line.
 #[derive(Clone, Debug)]
 pub(crate) struct Held {
-    #[expect(dead_code, reason = "held, not read")]
-    share: Arc<Share>,
-    #[expect(dead_code, reason = "held, not read")]
-    place: Arc<Place>,
+    _share: Arc<Share>,
+    _place: Option<Arc<Place>>,
+}
+
+impl Held {
+    /// The memory alone: the next rollout may start while this reply, written already, is sent.
+    pub(crate) fn memory(self) -> Self {
+        Self { _place: None, ..self }
+    }
 }
 
 /// A reply in one part.
@@ -138,7 +143,8 @@ impl Dispatch {
             tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
         // The worker has all of the request.
         drop(memory);
-        let held = Held { share: Arc::new(share), place: Arc::clone(&running.place) };
+        let place = Some(Arc::clone(&running.place));
+        let held = Held { _share: Arc::new(share), _place: place };
         let rest = stream::unfold(Some(running), |running| async {
             let mut running = running?;
             match running.next().await {

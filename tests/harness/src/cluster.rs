@@ -53,7 +53,13 @@ pub struct Memory {
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { own_workers: 1, lease_s: 2.0, isolation: Isolation::Shared, worker_args: &[], memory: None }
+        Self {
+            own_workers: 1,
+            lease_s: 2.0,
+            isolation: Isolation::Shared,
+            worker_args: &[],
+            memory: None,
+        }
     }
 }
 
