@@ -8,6 +8,7 @@ mod job;
 pub mod json;
 pub mod rollout;
 pub mod tensor;
+pub mod worker_key;
 
 /// The public API.
 #[allow(missing_docs, unreachable_pub, clippy::all, clippy::pedantic)]

@@ -2,9 +2,11 @@
 //! that both refuse the same requests with the same words.
 
 mod captures;
+mod disk;
 mod fits;
 mod ingests;
 mod jobs;
+mod results;
 mod twins;
 mod upload;
 mod uploads;
@@ -20,7 +22,8 @@ use tokio_util::sync::CancellationToken;
 
 pub(crate) use crate::failure::{Error, Result};
 use crate::{
-    dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options, tokens::Tokens,
+    dispatch::Dispatch, memory::Memory, metrics::Metrics, options::Options, readiness::Readiness,
+    tokens::Tokens,
 };
 
 pub(crate) use captures::CaptureUpload;
@@ -28,7 +31,7 @@ pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{Attempt, Leased};
 pub(crate) use twins::TwinUpload;
 pub(crate) use upload::Body;
-pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload};
+pub(crate) use uploads::{ALGORITHMS, Append, Checksum, NewUpload, capture_name};
 
 /// The application. Clones share it.
 #[derive(Clone, Debug)]
@@ -43,6 +46,7 @@ pub(crate) struct Inner {
     pub(crate) dispatch: Dispatch,
     pub(crate) tokens: Tokens,
     pub(crate) metrics: Metrics,
+    pub(crate) readiness: Readiness,
     pub(crate) memory: Memory,
     /// Cancelled when the server begins to stop: streams end then.
     pub(crate) stopping: CancellationToken,
@@ -63,24 +67,13 @@ impl App {
             dispatch: Dispatch::new(&options, store.clone(), metrics.clone(), memory.clone()),
             tokens: Tokens::new(options.worker_token.as_deref()),
             metrics,
+            readiness: Readiness::default(),
             memory,
             stopping: CancellationToken::new(),
             options,
             store,
         };
         Self { inner: Arc::new(inner) }
-    }
-}
-
-/// Runs a change of the store to its end even if the caller goes away. Dropped half-way (between a
-/// blob and the row that refers to it, or between the last search for such rows and the unlinking),
-/// it would release the lock that keeps the two apart while files and database still change.
-async fn run_to_completion<T: Send + 'static>(
-    change: impl Future<Output = bendtwin_store::Result<T>> + Send + 'static,
-) -> Result<T> {
-    match tokio::spawn(change).await {
-        Ok(changed) => Ok(changed?),
-        Err(panic) => Err(Error::Internal(format!("a change of the store: {panic}"))),
     }
 }
 

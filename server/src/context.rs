@@ -3,7 +3,7 @@
 
 use std::{net::SocketAddr, sync::Arc};
 
-use axum::http::{Extensions, HeaderMap};
+use axum::http::HeaderMap;
 use bendtwin_core::{Category, Fault};
 
 tokio::task_local! {
@@ -23,10 +23,6 @@ pub(crate) struct Context {
     pub(crate) client: Arc<str>,
 }
 
-/// The other end of the connection that a request came by; an extension of the request.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Peer(pub(crate) SocketAddr);
-
 impl Context {
     /// The context of the request that this task answers; empty outside of requests.
     pub(crate) fn current() -> Self {
@@ -38,14 +34,13 @@ impl Context {
         CURRENT.scope(self, future)
     }
 
-    /// Reads the headers and extensions of a request.
-    pub(crate) fn of(headers: &HeaderMap, extensions: &Extensions) -> Self {
+    /// Reads the headers of a request; `peer` is the other end of its connection.
+    pub(crate) fn of(headers: &HeaderMap, peer: Option<SocketAddr>) -> Self {
         let text = |name: &str| headers.get(name).and_then(|v| v.to_str().ok());
         let request_id = text("x-request-id")
             .filter(|id| is_sane_id(id))
             .map_or_else(|| uuid::Uuid::now_v7().to_string(), str::to_owned);
         let trace_parent = text("traceparent").filter(|t| is_trace_parent(t)).map(str::to_owned);
-        let peer = extensions.get::<Peer>().map(|peer| peer.0);
         let client = client(peer, text("x-client-id").filter(|id| is_sane_id(id)));
         Self { request_id, trace_parent, client }
     }

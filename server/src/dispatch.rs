@@ -1,11 +1,13 @@
 //! The workers that are there, and the routing of rollouts to them. All of it
 //! is in memory: a worker that the server forgot registers again.
 
+mod executing;
 mod line;
 mod registry;
 mod rollout;
 mod route;
 mod twins;
+mod untaken;
 
 use std::{
     collections::HashMap,
@@ -14,8 +16,7 @@ use std::{
 };
 
 use bendtwin_core::ids::{TwinId, WorkerId};
-use bendtwin_store::{Job, Kind, Store, Worker};
-use tokio::time::Instant;
+use bendtwin_store::{Job, Kind, Loss, Store, Worker};
 
 use crate::{
     failure::{Error, Result},
@@ -26,7 +27,7 @@ use crate::{
 
 use line::Ask;
 pub(crate) use line::Size;
-use registry::Entry;
+use registry::{Entry, Now};
 pub(crate) use registry::{FitRoom, Heartbeat, Memory, WorkerView};
 pub(crate) use rollout::{Held, InParts, RollOut, Whole};
 use twins::Twins;
@@ -64,7 +65,7 @@ impl Dispatch {
     /// Adds a worker; `token` is what it expects to be shown.
     pub(crate) fn add(&self, worker: Worker, child: Option<Child>, token: &str) -> Result<()> {
         let id = worker.registration.id;
-        let entry = Entry::new(worker, child, token, &self.limits, self.store.now())?;
+        let entry = Entry::new(worker, child, token, &self.limits, self.now())?;
         self.lock().insert(id, Arc::new(entry));
         Ok(())
     }
@@ -77,12 +78,24 @@ impl Dispatch {
         self.lock().contains_key(&worker)
     }
 
+    /// The worker of whom this holds.
+    pub(crate) fn find(&self, holds: impl Fn(WorkerId) -> bool) -> Option<WorkerId> {
+        self.lock().keys().copied().find(|id| holds(*id))
+    }
+
     /// A sign of life. False if the worker has to register first.
     pub(crate) fn heartbeat(&self, worker: WorkerId, heartbeat: Heartbeat) -> bool {
         let entry = self.lock().get(&worker).cloned();
         let Some(entry) = entry else { return false };
-        entry.heartbeat(self.store.now(), heartbeat);
+        entry.heartbeat(self.now(), heartbeat);
         true
+    }
+
+    /// A sign of life other than a heartbeat.
+    pub(crate) fn seen(&self, worker: WorkerId) {
+        if let Some(entry) = self.lock().get(&worker) {
+            entry.seen(self.now());
+        }
     }
 
     /// Notes the job of a kind that a worker is at.
@@ -98,11 +111,25 @@ impl Dispatch {
         }
     }
 
-    /// Workers without a sign of life for so long.
+    /// Workers without a sign of life for so long, by the time of leases: not after a standstill.
     pub(crate) fn silent(&self, span: Duration) -> Vec<WorkerId> {
-        let now = Instant::now();
-        let silent = |e: &Entry| now.duration_since(e.live().last_heartbeat) > span;
-        self.lock().iter().filter(|(_, e)| silent(e)).map(|(id, _)| *id).collect()
+        let now = self.store.lease_time();
+        self.lock().iter().filter(|(_, e)| e.silence(now) > span).map(|(id, _)| *id).collect()
+    }
+
+    /// Number of workers that lately gave a sign of life.
+    pub(crate) fn answering(&self) -> usize {
+        let now = self.store.lease_time();
+        self.lock().values().filter(|e| e.silence(now) <= self.fresh()).count()
+    }
+
+    /// Reason for the loss of a worker's attempts, if it is gone.
+    pub(crate) fn loss(&self, worker: WorkerId) -> Loss {
+        let was_at_rollouts = |e: &Arc<Entry>| e.executing.was_under_way();
+        match self.lock().get(&worker).is_some_and(was_at_rollouts) {
+            true => Loss::Rollout,
+            false => Loss::Worker,
+        }
     }
 
     /// The workers that a child process registered as; more than one if it was quick.
@@ -150,10 +177,10 @@ impl Dispatch {
     /// The worker to send a rollout of this twin to; `tried` have failed it.
     fn choose(&self, twin: TwinId, ask: &Ask, tried: &[WorkerId]) -> Result<Arc<Entry>> {
         let entries: Vec<Arc<Entry>> = self.lock().values().cloned().collect();
-        let fresh = self.heartbeat_interval * 3;
+        let (fresh, now) = (self.fresh(), self.store.lease_time());
         let candidates: Vec<route::Candidate> = entries
             .iter()
-            .map(|e| e.candidate(twin, ask, fresh))
+            .map(|e| e.candidate(twin, ask, e.silence(now) <= fresh))
             .map(|c| route::Candidate { usable: c.usable && !tried.contains(&c.worker), ..c })
             .collect();
         match route::choose(twin, &candidates) {
@@ -165,6 +192,15 @@ impl Dispatch {
                 Err(Error::Busy { retry_after: waits.min().unwrap_or_default() })
             }
         }
+    }
+
+    /// Silence after which a worker is not asked for rollouts.
+    fn fresh(&self) -> Duration {
+        self.heartbeat_interval * 3
+    }
+
+    fn now(&self) -> Now {
+        Now { day: self.store.now(), lease: self.store.lease_time() }
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<WorkerId, Arc<Entry>>> {

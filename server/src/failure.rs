@@ -33,6 +33,8 @@ pub(crate) enum Error {
     UploadBroken(String),
     #[error("the upload was silent for {} s: send it again", .0.as_secs())]
     UploadIdle(Duration),
+    #[error("the body of the request came too slowly: send it again, over a better connection")]
+    BodyTooSlow,
     #[error(
         "the upload continues at byte {offset}, not at {given}: query its offset and send from there"
     )]
@@ -47,16 +49,28 @@ pub(crate) enum Error {
     BadToken,
     #[error("{0} is not registered: register it first")]
     WorkerUnknown(String),
+    #[error("the call does not show the key of {0}: a worker acts for itself alone")]
+    WorkerKeyMismatch(String),
+    #[error("{0} is no content of a job that this worker has")]
+    NotLeased(String),
+    #[error("the worker sent {what} that is not what it should be: {fault}")]
+    Unsound { what: &'static str, fault: String },
     #[error("no worker is ready for rollouts: retry, or start one")]
     NoWorker,
-    #[error("the worker failed during the rollout and no other could take over: retry")]
+    #[error("the workers that were chosen for the rollout cannot be reached: retry")]
     WorkerLost,
+    #[error(
+        "the worker ended, or the connection to it broke, while it computed this rollout: it was \
+         not sent to another worker, which it might end as well. Send it again with fewer \
+         instances or frames, or once more as it is if the worker was stopped"
+    )]
+    WorkerEnded,
     #[error(
         "too many rollouts wait for the workers already: retry in {} s, or start more workers",
         .retry_after.as_secs_f64().ceil()
     )]
     Busy { retry_after: Duration },
-    #[error("the deadline passed before the rollout was done: ask for less or allow more time")]
+    #[error("the deadline passed before the answer was there: ask for less or allow more time")]
     Deadline,
     #[error("{exhausted}, for {purpose}{}", if is_passing(.exhausted) { ", or retry" } else { "" })]
     Memory { purpose: &'static str, exhausted: Exhausted },
@@ -79,7 +93,9 @@ impl Error {
         match self {
             Self::Busy { retry_after } => Some(*retry_after),
             Self::WorkerLost => Some(Duration::from_millis(250)),
-            Self::Store(bendtwin_store::Error::UploadLocked { .. })
+            Self::Store(
+                bendtwin_store::Error::UploadLocked { .. } | bendtwin_store::Error::DatabaseBusy,
+            )
             | Self::UploadTakenOver
             | Self::NoWorker
             | Self::Stopping => Some(Duration::from_secs(1)),
@@ -107,12 +123,17 @@ impl Problem for Error {
             | Self::FitTooLarge(_)
             | Self::UploadBroken(_)
             | Self::UploadIdle(_)
+            | Self::BodyTooSlow
             | Self::UploadTooLong { .. }
-            | Self::ChecksumMismatch => Category::InvalidArgument,
+            | Self::ChecksumMismatch
+            | Self::Unsound { .. } => Category::InvalidArgument,
             Self::UploadOffset { .. } | Self::UploadTakenOver => Category::Aborted,
             Self::BadToken => Category::Unauthenticated,
+            Self::WorkerKeyMismatch(_) | Self::NotLeased(_) => Category::PermissionDenied,
             Self::WorkerUnknown(_) => Category::NotFound,
-            Self::NoWorker | Self::WorkerLost | Self::Stopping => Category::Unavailable,
+            Self::NoWorker | Self::WorkerLost | Self::WorkerEnded | Self::Stopping => {
+                Category::Unavailable
+            }
             Self::Busy { .. } => Category::ResourceExhausted,
             // Sent again, it would be refused again.
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
@@ -133,14 +154,18 @@ impl Problem for Error {
             Self::FitTooLarge(_) => "FIT_OUT_OF_MEMORY",
             Self::UploadBroken(_) => "UPLOAD_BROKEN",
             Self::UploadIdle(_) => "UPLOAD_IDLE",
+            Self::BodyTooSlow => "BODY_TOO_SLOW",
             Self::UploadOffset { .. } => "UPLOAD_OFFSET",
             Self::UploadTooLong { .. } => "CONTENT_TOO_LARGE",
             Self::UploadTakenOver => "UPLOAD_TAKEN_OVER",
             Self::ChecksumMismatch => "CHECKSUM_MISMATCH",
             Self::BadToken => "BAD_WORKER_TOKEN",
+            Self::WorkerKeyMismatch(_) => "WORKER_KEY_MISMATCH",
+            Self::NotLeased(_) => "CONTENT_NOT_LEASED",
+            Self::Unsound { .. } => "RESULT_UNSOUND",
             Self::WorkerUnknown(_) => "WORKER_UNKNOWN",
             Self::NoWorker => "NO_WORKER",
-            Self::WorkerLost => "WORKER_LOST",
+            Self::WorkerLost | Self::WorkerEnded => "WORKER_LOST",
             Self::Busy { .. } => "WORKERS_BUSY",
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",
             Self::Memory { .. } => "MEMORY_IN_USE",

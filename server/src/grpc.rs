@@ -5,12 +5,15 @@ mod captures;
 mod convert;
 mod counted;
 mod fits;
+mod health;
 mod link;
 mod rollouts;
 mod token;
 mod twins;
 mod upload;
 mod workers;
+
+use std::collections::HashSet;
 
 use bendtwin_proto::{
     DESCRIPTORS,
@@ -22,10 +25,13 @@ use bendtwin_proto::{
     worker::v1::worker_link_server::WorkerLinkServer,
 };
 use futures::{Stream, StreamExt, stream::BoxStream};
+use prost::Message as _;
+use prost_types::FileDescriptorSet;
 use tonic::{
     Status,
     service::{Routes, interceptor::InterceptedService},
 };
+use tonic_health::pb::health_server::HealthServer;
 
 use crate::{
     app::{self, App},
@@ -35,6 +41,7 @@ use crate::{
 };
 
 use counted::Counted;
+use health::ServerHealth;
 use token::TokenCheck;
 
 /// Bytes of one message of an ordinary call; chunks of uploads are to be smaller. Each call under way
@@ -64,15 +71,15 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
         .build_v1()
         .map_err(|e| StartError::Descriptors(e.to_string()))?;
-    let (health, health_service) = tonic_health::server::health_reporter();
-    health.set_serving::<CaptureServiceServer<Api>>().await;
-    health.set_serving::<FitServiceServer<Api>>().await;
-    health.set_serving::<TwinServiceServer<Api>>().await;
-    health.set_serving::<WorkerServiceServer<Api>>().await;
-    health.set_serving::<RolloutServiceServer<Api>>().await;
+    let health = ServerHealth::new(app)
+        .with::<CaptureServiceServer<Api>>()
+        .with::<FitServiceServer<Api>>()
+        .with::<TwinServiceServer<Api>>()
+        .with::<WorkerServiceServer<Api>>()
+        .with::<RolloutServiceServer<Api>>();
     let mut routes = Routes::builder();
     routes
-        .add_service(health_service)
+        .add_service(HealthServer::new(health))
         .add_service(reflection)
         .add_service(CaptureServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(FitServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
@@ -84,11 +91,45 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
                 .max_decoding_message_size(bytes(limits.request_bytes))
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
         })
-        .add_service(InterceptedService::new(
-            WorkerLinkServer::new(api).max_decoding_message_size(WORKER_MESSAGE),
-            TokenCheck(app.clone()),
-        ));
+        .add_service(worker_link(app));
     Ok(routes.routes().into_axum_router())
+}
+
+/// The services of the workers' listener.
+pub(crate) fn worker_router(app: &App) -> axum::Router {
+    let health = HealthServer::new(ServerHealth::new(app));
+    let mut routes = Routes::builder();
+    routes.add_service(health).add_service(worker_link(app));
+    routes.routes().into_axum_router()
+}
+
+fn worker_link(app: &App) -> InterceptedService<WorkerLinkServer<Api>, TokenCheck> {
+    let link =
+        WorkerLinkServer::new(Api { app: app.clone() }).max_decoding_message_size(WORKER_MESSAGE);
+    InterceptedService::new(link, TokenCheck(app.clone()))
+}
+
+/// The paths of all methods, as `/package.Service/Method`.
+pub(crate) fn methods() -> Result<HashSet<String>, StartError> {
+    let sets = [
+        DESCRIPTORS,
+        tonic_health::pb::FILE_DESCRIPTOR_SET,
+        tonic_reflection::pb::v1::FILE_DESCRIPTOR_SET,
+    ];
+    let mut paths = HashSet::new();
+    for set in sets {
+        let set =
+            FileDescriptorSet::decode(set).map_err(|e| StartError::Descriptors(e.to_string()))?;
+        for file in &set.file {
+            for service in &file.service {
+                let (package, name) = (file.package(), service.name());
+                let methods =
+                    service.method.iter().map(|m| format!("/{package}.{name}/{}", m.name()));
+                paths.extend(methods);
+            }
+        }
+    }
+    Ok(paths)
 }
 
 /// Turns items into messages and errors into statuses of this request.

@@ -4,11 +4,12 @@
 mod captures;
 mod describe;
 mod docs;
+mod download;
 mod events;
 mod extract;
 mod fits;
 mod operations;
-mod origin;
+pub(crate) mod origin;
 mod resource;
 mod rollouts;
 pub(crate) mod root_service;
@@ -16,13 +17,7 @@ mod twins;
 pub(crate) mod uploads;
 mod workers;
 
-use axum::{
-    body::Body,
-    http::{StatusCode, header},
-    response::{IntoResponse, Response},
-};
-use bendtwin_store::Content;
-use futures::TryStreamExt;
+use axum::http::StatusCode;
 use utoipa::OpenApi;
 use utoipa_axum::{router::OpenApiRouter, routes};
 
@@ -53,9 +48,25 @@ struct Description;
 /// All routes, and the fallbacks for what is none.
 pub(crate) fn router(app: &App) -> axum::Router {
     let (router, description) = described().split_for_parts();
-    router
+    let router = router
         .merge(docs::router(&description))
-        .route_layer(axum::middleware::from_fn(root_service::note_route))
+        .route_layer(axum::middleware::from_fn(root_service::note_route));
+    with_fallbacks(router).with_state(app.clone())
+}
+
+/// The routes of the workers' listener, for operators.
+pub(crate) fn operations_router(app: &App) -> axum::Router {
+    let (router, _) = OpenApiRouter::new()
+        .routes(routes!(operations::healthz))
+        .routes(routes!(operations::readyz))
+        .routes(routes!(operations::metrics))
+        .split_for_parts();
+    let router = router.route_layer(axum::middleware::from_fn(root_service::note_route));
+    with_fallbacks(router).with_state(app.clone())
+}
+
+fn with_fallbacks(router: axum::Router<App>) -> axum::Router<App> {
+    router
         .fallback(|| async {
             let message = "there is nothing at this path: see /docs for what there is";
             Refusal::http_only(StatusCode::NOT_FOUND, "NO_SUCH_ROUTE", message)
@@ -64,7 +75,6 @@ pub(crate) fn router(app: &App) -> axum::Router {
             let message = "this path does not have that method: see /docs for what it has";
             Refusal::http_only(StatusCode::METHOD_NOT_ALLOWED, "METHOD_NOT_ALLOWED", message)
         })
-        .with_state(app.clone())
 }
 
 fn described() -> OpenApiRouter<App> {
@@ -92,23 +102,4 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(operations::healthz))
         .routes(routes!(operations::readyz))
         .routes(routes!(operations::metrics))
-}
-
-/// Content as a download.
-fn download(content: Content, media_type: &'static str, file_name: &str) -> Response {
-    let disposition =
-        [(header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file_name}\""))];
-    (disposition, inline(content, media_type)).into_response()
-}
-
-/// Content to be shown. Browsers must not guess another type than the given one.
-fn inline(content: Content, media_type: &'static str) -> Response {
-    let headers = [
-        (header::CONTENT_TYPE, media_type.to_owned()),
-        (header::CONTENT_LENGTH, content.size_bytes.to_string()),
-        (header::X_CONTENT_TYPE_OPTIONS, "nosniff".to_owned()),
-    ];
-    // A read that fails in mid-stream cuts the body short of its length.
-    let chunks = content.chunks.inspect_err(|error| tracing::error!(%error, "download broke off"));
-    (headers, Body::from_stream(chunks)).into_response()
 }

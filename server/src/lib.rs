@@ -13,10 +13,13 @@
 //!
 //! `app/` has the use cases and knows no transport; `http/` and `grpc/` turn
 //! them into two APIs over one error table (`error.rs`); `dispatch/` knows the
-//! workers and routes rollouts; `supervise.rs` keeps worker processes alive.
+//! workers and routes rollouts; `supervise.rs` keeps worker processes alive; `sweeps.rs` does what
+//! is to be done at intervals, and `readiness.rs` says whether requests can be served.
 
 mod app;
+mod client_token;
 mod context;
+mod deadline;
 mod dispatch;
 mod error;
 mod failure;
@@ -26,13 +29,20 @@ mod listen;
 mod memory;
 mod metrics;
 mod options;
+mod readiness;
 mod service;
 mod supervise;
+mod sweeps;
 mod tokens;
 
+/// Check, repair and backup of a data folder.
+pub use bendtwin_store::maintenance;
 pub use error::http_status;
-pub use options::{Limits, Options, WorkerPolicy};
+#[doc(hidden)]
+pub use http::uploads::read_upload_headers;
+pub use options::{ClientTokenPolicy, Limits, Options, WorkerPolicy};
 pub use service::{Handle, Service, StartError};
 pub use supervise::{
-    BACKEND_VARIABLE, DEVICE_VARIABLE, MEMORY_VARIABLE, SERVER_VARIABLE, TOKEN_VARIABLE,
+    BACKEND_VARIABLE, DEVICE_VARIABLE, MEMORY_VARIABLE, SCRATCH_VARIABLE, SERVER_VARIABLE,
+    TOKEN_VARIABLE,
 };

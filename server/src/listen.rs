@@ -1,63 +1,99 @@
-//! The socket: HTTP/1 and HTTP/2 on one port, without TLS. `axum::serve` is not
+//! The sockets: HTTP/1 and HTTP/2 on one port, without TLS. `axum::serve` is not
 //! used because it leaves TCP_NODELAY off (44 ms on small replies), cannot set
-//! windows, and waits for slow headers without end.
+//! windows, and waits for slow clients without end.
 
-use std::{net::SocketAddr, sync::Arc, time::Duration};
+mod activity;
+mod connection;
+mod places;
+mod request_body;
+mod response_body;
 
-use hyper_util::{
-    rt::{TokioExecutor, TokioIo, TokioTimer},
-    server::conn::auto::Builder,
-    service::TowerToHyperService,
-};
-use tokio::{
-    net::{TcpListener, TcpStream},
-    sync::Semaphore,
-};
+use std::time::Duration;
+
+use tokio::net::TcpListener;
 use tokio_util::{sync::CancellationToken, task::TaskTracker};
 
-use crate::{context::Peer, http::root_service::RootService};
+use crate::{http::root_service::RootService, metrics::Metrics, options::Options};
 
-/// Stream and connection windows: a rollout of megabytes should not wait for updates.
-const WINDOW: u32 = 4 << 20;
-const MAX_STREAMS: u32 = 1024;
-/// Longest time for the headers of a request.
-const HEADERS_TIMEOUT: Duration = Duration::from_secs(30);
-/// Time after which an idle HTTP/2 connection is pinged.
-const PING_INTERVAL: Duration = Duration::from_secs(20);
-/// Most open connections; further ones wait in the system's backlog.
-const MAX_CONNECTIONS: usize = 4096;
+pub(crate) use connection::Timeouts;
+pub(crate) use request_body::is_too_slow;
+
+/// File descriptors that are not for connections: the store, workers, the listeners themselves.
+const OTHER_DESCRIPTORS: u64 = 256;
+/// File descriptors of one connection: itself, and a file that it reads or writes.
+const DESCRIPTORS_EACH: u64 = 2;
+
+/// Bounds of a listener.
+#[derive(Clone, Debug)]
+pub(crate) struct Bounds {
+    /// Its name in metrics.
+    name: &'static str,
+    connections: usize,
+    per_peer: usize,
+    timeouts: Timeouts,
+}
+
+impl Bounds {
+    /// The bounds of the public listener. They keep within the descriptors that the process may
+    /// open, and leave an eighth of these to the workers' listener.
+    pub(crate) fn public(options: &Options) -> Self {
+        let wanted = options.limits.connections;
+        let connections = wanted.min(descriptors().saturating_mul(7) / 8).max(1);
+        if connections < wanted {
+            tracing::warn!(
+                connections,
+                wanted,
+                "fewer connections: the limit of open files is low"
+            );
+        }
+        let per_peer = options.limits.connections_per_peer.min(connections);
+        Self { name: "public", connections, per_peer, timeouts: options.timeouts() }
+    }
+
+    /// The bounds of the workers' listener.
+    pub(crate) fn workers(options: &Options) -> Self {
+        let connections = options.limits.connections.min(descriptors() / 8).max(16);
+        Self { name: "workers", connections, per_peer: connections, timeouts: options.timeouts() }
+    }
+}
+
+/// Connections for which there are file descriptors.
+fn descriptors() -> usize {
+    let limit = rlimit::Resource::NOFILE.get_soft().unwrap_or(1024);
+    usize::try_from(limit.saturating_sub(OTHER_DESCRIPTORS) / DESCRIPTORS_EACH)
+        .unwrap_or(usize::MAX)
+}
 
 /// Accepts connections until `stop`; then lets the requests under way finish, until `cut`, and
 /// returns when none is left.
 pub(crate) async fn serve(
     listener: TcpListener,
     root_service: RootService,
+    bounds: Bounds,
+    metrics: Metrics,
     stop: CancellationToken,
     cut: CancellationToken,
 ) {
-    // A router takes bodies of any type, so it turns hyper's into axum's.
-    let service = axum::Router::new()
-        .fallback_service(tower::service_fn(move |request| root_service.clone().answer(request)));
     let connections = TaskTracker::new();
-    let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let Bounds { name, connections: total, per_peer, timeouts } = bounds;
+    let places = places::Places::new(name, total, per_peer, metrics);
     loop {
-        let permit = tokio::select! {
-            () = stop.cancelled() => break,
-            permit = permits.clone().acquire_owned() => permit,
-        };
         let accepted = tokio::select! {
             () = stop.cancelled() => break,
             accepted = listener.accept() => accepted,
         };
         match accepted {
             Ok((stream, peer)) => {
-                let (service, stop, cut) = (service.clone(), stop.clone(), cut.clone());
+                // Closed at once where there is no place: in the system's backlog it would wait
+                // without end.
+                let Some(place) = places.take(peer.ip()) else { continue };
+                let (service, stop, cut) = (root_service.clone(), stop.clone(), cut.clone());
                 connections.spawn(async move {
                     tokio::select! {
-                        () = connection(stream, peer, service, stop) => {}
+                        () = connection::serve(stream, peer, service, timeouts, &place, stop) => {}
                         () = cut.cancelled() => {}
                     }
-                    drop(permit);
+                    drop(place);
                 });
             }
             Err(error) => {
@@ -70,45 +106,4 @@ pub(crate) async fn serve(
     drop(listener);
     connections.close();
     connections.wait().await;
-}
-
-async fn connection(
-    stream: TcpStream,
-    peer: SocketAddr,
-    service: axum::Router,
-    stop: CancellationToken,
-) {
-    if let Err(error) = stream.set_nodelay(true) {
-        tracing::debug!(%error, %peer, "no TCP_NODELAY");
-    }
-    // Until the protocol is known nothing else watches the time: a silent connection would keep
-    // its permit forever.
-    match tokio::time::timeout(HEADERS_TIMEOUT, stream.peek(&mut [0])).await {
-        Ok(Ok(1..)) => {}
-        _ => return,
-    }
-    let mut builder = Builder::new(TokioExecutor::new());
-    builder.http1().timer(TokioTimer::new()).header_read_timeout(HEADERS_TIMEOUT);
-    builder
-        .http2()
-        .timer(TokioTimer::new())
-        .initial_stream_window_size(WINDOW)
-        .initial_connection_window_size(4 * WINDOW)
-        .max_concurrent_streams(MAX_STREAMS)
-        .keep_alive_interval(PING_INTERVAL)
-        .keep_alive_timeout(PING_INTERVAL);
-    // Clients have shares of the workers.
-    let service = service.layer(axum::Extension(Peer(peer)));
-    let serving = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(service));
-    let mut serving = std::pin::pin!(serving);
-    let ended = tokio::select! {
-        ended = serving.as_mut() => ended,
-        () = stop.cancelled() => {
-            serving.as_mut().graceful_shutdown();
-            serving.await
-        }
-    };
-    if let Err(error) = ended {
-        tracing::debug!(error, %peer, "connection broke off");
-    }
 }

@@ -92,6 +92,11 @@ impl Memory {
         self.take(&self.bodies, bytes.saturating_mul(TWIN_FILE), advice).await
     }
 
+    /// Memory to read the head of a report of so many bytes.
+    pub(crate) async fn report(&self, bytes: u64) -> Result<Share> {
+        self.take(&self.bodies, bytes, "reading the report: raise memory_mib of the server").await
+    }
+
     /// A share, after a wait of bounded time in the order of arrival.
     async fn take(&self, budget: &Budget, bytes: u64, purpose: &'static str) -> Result<Share> {
         let taken = tokio::time::timeout(self.longest_wait, budget.take(bytes)).await;

@@ -6,6 +6,8 @@ use std::{net::SocketAddr, path::PathBuf, time::Duration};
 use bendtwin_proto::rollout;
 use serde::{Deserialize, Serialize};
 
+use crate::listen::Timeouts;
+
 const MIB: u64 = 1 << 20;
 
 /// Backends that workers can use.
@@ -15,9 +17,17 @@ const BACKENDS: [&str; 3] = ["auto", "cpu", "cuda"];
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Address for HTTP and gRPC; port 0 takes a free one. There is no authentication of users yet,
-    /// so any address but loopback trusts its network.
+    /// Address for HTTP and gRPC; port 0 takes a free one. There is no TLS, so any address but
+    /// loopback trusts its network.
     pub listen: SocketAddr,
+    /// Address for workers alone, with `/healthz`, `/readyz` and `/metrics`; port 0 takes a free
+    /// one. The server's own workers use it, so that clients cannot take their connections.
+    pub worker_listen: SocketAddr,
+    /// Names by which clients may call the server, beside `localhost` and addresses; `*` allows
+    /// all.
+    pub allowed_hosts: Vec<String>,
+    /// Token that clients have to show.
+    pub client_token: ClientTokenPolicy,
     /// The folder of the database and the blobs; made if missing.
     pub data_dir: PathBuf,
     /// The token of workers that others start; without one, only the server's own workers may
@@ -38,8 +48,22 @@ pub struct Options {
     /// Time for which a resumable upload is kept without further bytes, and remembered after its
     /// end [s].
     pub upload_expiry_s: f64,
+    /// The same while hardly anything of it has come: less than a megabyte [s].
+    pub upload_start_s: f64,
+    /// Free space of the disk below which new captures, twins and fits are refused [MiB].
+    pub disk_floor_mib: u64,
     /// Longest wait of a shutdown for requests and workers to end [s].
     pub shutdown_grace_s: f64,
+}
+
+/// Token that clients have to show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ClientTokenPolicy {
+    /// The one in the file `client-token` of the data folder, made at the first start.
+    Required,
+    /// None: everyone who reaches the server may use it.
+    None,
 }
 
 /// Worker processes that the server starts and restarts.
@@ -88,11 +112,21 @@ pub struct Limits {
     /// Rollouts waiting for one worker; more are refused with the time that the work ahead takes
     /// as retry delay.
     pub rollout_queue: usize,
-    /// Silence after which the request of an upload is given up [s].
+    /// Open connections of clients; further ones take the place of the longest idle, or are
+    /// closed. Fewer where the process may open few files.
+    pub connections: usize,
+    /// Of these, connections of one peer.
+    pub connections_per_peer: usize,
+    /// Longest time for the head of a request on a connection without another one [s].
+    pub head_timeout_s: f64,
+    /// Time after which a response of which nothing is read is cut off [s].
+    pub stream_idle_s: f64,
+    /// Silence after which the request of an upload is given up [s]. Other bodies have a second
+    /// more, and all of them have to come at 1 KiB/s on average beyond that.
     pub upload_idle_s: f64,
     /// Uploads under way that can be resumed.
     pub uploads: u64,
-    /// Their sizes together [bytes].
+    /// The room that is kept for them together, which grows with what has come of each [bytes].
     pub uploads_bytes: u64,
 }
 
@@ -100,6 +134,9 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             listen: SocketAddr::from(([127, 0, 0, 1], 7070)),
+            worker_listen: SocketAddr::from(([127, 0, 0, 1], 0)),
+            allowed_hosts: Vec::new(),
+            client_token: ClientTokenPolicy::Required,
             data_dir: PathBuf::from("bendtwin-data"),
             worker_token: None,
             workers: WorkerPolicy::default(),
@@ -108,6 +145,8 @@ impl Default for Options {
             lease_s: 30.0,
             heartbeat_interval_s: 5.0,
             upload_expiry_s: 7.0 * 86_400.0,
+            upload_start_s: 600.0,
+            disk_floor_mib: 256,
             shutdown_grace_s: 10.0,
         }
     }
@@ -139,6 +178,10 @@ impl Default for Limits {
             rollout: rollout::Limits::default(),
             rollouts_per_worker: 8,
             rollout_queue: 64,
+            connections: 4096,
+            connections_per_peer: 3072,
+            head_timeout_s: 30.0,
+            stream_idle_s: 30.0,
             upload_idle_s: 60.0,
             uploads: 1024,
             uploads_bytes: 256 << 30,
@@ -173,6 +216,8 @@ impl Options {
         within("lease_s", self.lease_s, 0.1, 86_400.0);
         within("heartbeat_interval_s", self.heartbeat_interval_s, 0.01, 3_600.0);
         within("upload_expiry_s", self.upload_expiry_s, 1.0, 365.0 * 86_400.0);
+        within("upload_start_s", self.upload_start_s, 1.0, 365.0 * 86_400.0);
+        within("disk_floor_mib", self.disk_floor_mib as f64, 0.0, f64::from(1 << 30));
         within("shutdown_grace_s", self.shutdown_grace_s, 0.0, 3_600.0);
         let workers = &self.workers;
         within("workers.count", f64::from(workers.count), 0.0, 256.0);
@@ -205,6 +250,10 @@ impl Options {
         within("limits.rollout.work", rollout.work as f64, 1.0, large);
         within("limits.rollouts_per_worker", limits.rollouts_per_worker as f64, 1.0, 65_536.0);
         within("limits.rollout_queue", limits.rollout_queue as f64, 0.0, 1e6);
+        within("limits.connections", limits.connections as f64, 1.0, 1e6);
+        within("limits.connections_per_peer", limits.connections_per_peer as f64, 1.0, 1e6);
+        within("limits.head_timeout_s", limits.head_timeout_s, 0.01, 3_600.0);
+        within("limits.stream_idle_s", limits.stream_idle_s, 0.01, 86_400.0);
         within("limits.upload_idle_s", limits.upload_idle_s, 0.1, 86_400.0);
         within("limits.uploads", limits.uploads as f64, 1.0, 1e6);
         within("limits.uploads_bytes", limits.uploads_bytes as f64, 1.0, large);
@@ -224,6 +273,11 @@ impl Options {
         if !BACKENDS.contains(&self.workers.backend.as_str()) {
             let backend = &self.workers.backend;
             faults.push(format!("workers.backend is `{backend}`: it must be auto, cpu or cuda"));
+        }
+        for host in self.allowed_hosts.iter().filter(|host| !is_host(host)) {
+            faults.push(format!(
+                "allowed_hosts has `{host}`: give names without scheme and port, or *"
+            ));
         }
         if self.data_dir.as_os_str().is_empty() {
             faults.push("data_dir is empty: name a folder".to_owned());
@@ -249,9 +303,28 @@ impl Options {
         Duration::from_secs_f64(self.upload_expiry_s)
     }
 
+    pub(crate) fn upload_start(&self) -> Duration {
+        Duration::from_secs_f64(self.upload_start_s.min(self.upload_expiry_s))
+    }
+
+    pub(crate) fn timeouts(&self) -> Timeouts {
+        Timeouts {
+            head: Duration::from_secs_f64(self.limits.head_timeout_s),
+            // Uploads end first, with an error of their own.
+            body: self.limits.upload_idle() + Duration::from_secs(1),
+            unread: Duration::from_secs_f64(self.limits.stream_idle_s),
+        }
+    }
+
     pub(crate) fn shutdown_grace(&self) -> Duration {
         Duration::from_secs_f64(self.shutdown_grace_s)
     }
+}
+
+/// True for `*` and for anything that can stand in a URL as a name.
+fn is_host(host: &str) -> bool {
+    let is_part = |b: u8| b.is_ascii_alphanumeric() || b"-._".contains(&b);
+    host == "*" || !host.is_empty() && host.bytes().all(is_part)
 }
 
 impl WorkerPolicy {

@@ -4,10 +4,19 @@ use std::{net::SocketAddr, time::Duration};
 
 use bendtwin_core::{Category, Problem};
 use bendtwin_store::Store;
-use tokio::{net::TcpListener, task::JoinHandle};
+use tokio::{net::TcpListener, task::JoinHandle, time::Instant};
 use tokio_util::sync::CancellationToken;
 
-use crate::{app::App, grpc, http, listen, options::Options, supervise};
+use crate::{
+    app::App,
+    client_token::{self, ClientToken},
+    grpc,
+    http::{self, origin::Hosts, root_service::RootService},
+    listen,
+    options::{ClientTokenPolicy, Options},
+    supervise,
+    sweeps::Sweeps,
+};
 
 /// Reason for which a server did not start.
 #[derive(Debug, thiserror::Error)]
@@ -26,9 +35,22 @@ pub enum StartError {
     /// The data folder cannot be opened.
     #[error("cannot open the data folder: {0}")]
     Store(#[from] bendtwin_store::Error),
-    /// The server's own program cannot be found to start workers with.
-    #[error("cannot find this program to start workers with: {0}: name it in workers.program")]
-    Program(std::io::Error),
+    /// The file of the client token cannot be read or written.
+    #[error("cannot keep the client token in {path}: {source}: give the file to this user")]
+    ClientToken {
+        /// The file.
+        path: std::path::PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// The program of the workers cannot be started.
+    #[error("cannot start workers with {program}: {fault}: name their program in workers.program")]
+    Program {
+        /// The program.
+        program: String,
+        /// The reason.
+        fault: String,
+    },
     /// The descriptors that are compiled in are damaged.
     #[error("descriptors of the API: {0}")]
     Descriptors(String),
@@ -41,7 +63,9 @@ impl Problem for StartError {
     fn category(&self) -> Category {
         match self {
             Self::Options(_) => Category::InvalidArgument,
-            Self::Listen { .. } | Self::Program(_) => Category::FailedPrecondition,
+            Self::Listen { .. } | Self::ClientToken { .. } | Self::Program { .. } => {
+                Category::FailedPrecondition
+            }
             Self::Store(error) => error.category(),
             Self::Descriptors(_) | Self::Recovery(_) => Category::Internal,
         }
@@ -52,17 +76,17 @@ impl Problem for StartError {
             Self::Options(_) => "INVALID_OPTIONS",
             Self::Listen { .. } => "CANNOT_LISTEN",
             Self::Store(error) => error.reason(),
-            Self::Program(_) => "NO_WORKER_PROGRAM",
+            Self::ClientToken { .. } => "CLIENT_TOKEN_FILE",
+            Self::Program { .. } => "NO_WORKER_PROGRAM",
             Self::Descriptors(_) => "DESCRIPTORS",
             Self::Recovery(_) => "RECOVERY",
         }
     }
 }
 
-/// Interval at which expired uploads, and those that a crash left complete, are searched for.
-const UPLOAD_SWEEP_INTERVAL: Duration = Duration::from_secs(60);
-/// Interval at which unused content is searched for; the store also does so when it opens.
-const GARBAGE_COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
+/// Time for answers under way after the workers have ended, even if those took the whole grace
+/// period.
+const LAST_WORDS: Duration = Duration::from_millis(500);
 
 /// A server to be started.
 #[derive(Debug)]
@@ -73,15 +97,18 @@ pub struct Service;
 #[derive(Debug)]
 pub struct Handle {
     address: SocketAddr,
+    worker_address: SocketAddr,
+    client_token: Option<String>,
     grace: Duration,
     app: App,
-    /// Cancelled to close the socket.
+    /// Cancelled to close the socket of clients.
     close: CancellationToken,
+    /// Cancelled to close the socket of workers.
+    close_workers: CancellationToken,
     /// Cancelled to cut off connections.
     cut: CancellationToken,
-    listener: JoinHandle<()>,
-    sweeper: JoinHandle<()>,
-    uploads: JoinHandle<()>,
+    listeners: [JoinHandle<()>; 2],
+    sweeps: Sweeps,
     workers: supervise::Supervisor,
 }
 
@@ -92,34 +119,82 @@ impl Service {
     /// See [`StartError`].
     pub async fn start(options: Options) -> Result<Handle, StartError> {
         options.validate().map_err(StartError::Options)?;
-        let cannot_listen = |source| StartError::Listen { address: options.listen, source };
+        let program = supervise::program(&options.workers)?;
         let store = Store::open(bendtwin_store::Options::new(&options.data_dir)).await?;
-        let socket = TcpListener::bind(options.listen).await.map_err(cannot_listen)?;
-        let address = socket.local_addr().map_err(cannot_listen)?;
-        if !address.ip().is_loopback() {
-            tracing::warn!(%address, "listening beyond loopback without authentication of users");
+        let (socket, address) = bind(options.listen).await?;
+        let (worker_socket, worker_address) = bind(options.worker_listen).await?;
+        let client_token = match options.client_token {
+            ClientTokenPolicy::Required => Some(load_token(&options)?),
+            ClientTokenPolicy::None => None,
+        };
+        if !address.ip().is_loopback() && client_token.is_none() {
+            tracing::warn!(%address, "everyone who reaches this address may use the API");
         }
-        let grace = options.shutdown_grace();
+        let (grace, hosts) = (options.shutdown_grace(), Hosts::new(&options.allowed_hosts));
         let memory_mib = options.memory_bytes() >> 20;
         let worker_memory_mib = options.workers.each_memory_mib();
         tracing::info!(memory_mib, worker_memory_mib, "memory for requests, and of each worker");
         let app = App::new(options, store);
         app.recover().await.map_err(|e| StartError::Recovery(e.to_string()))?;
-        let root_service = http::root_service::RootService {
+        let root_service = RootService {
             http: http::router(&app),
             grpc: grpc::router(&app).await?,
             metrics: app.metrics.clone(),
-            loopback: address.ip().is_loopback(),
+            methods: grpc::methods()?.into(),
+            hosts,
+            token: client_token.as_deref().map(ClientToken::new),
         };
-        let (close, cut) = (CancellationToken::new(), CancellationToken::new());
-        let serving = listen::serve(socket, root_service, close.clone(), cut.clone());
-        let listener = tokio::spawn(serving);
-        let sweeper = tokio::spawn(sweep(app.clone()));
-        let uploads = tokio::spawn(sweep_uploads(app.clone()));
-        let workers = supervise::start(&app, address)?;
-        tracing::info!(%address, "listening");
-        Ok(Handle { address, grace, app, close, cut, listener, sweeper, uploads, workers })
+        let for_workers = RootService {
+            http: http::operations_router(&app),
+            grpc: grpc::worker_router(&app),
+            ..root_service.clone()
+        };
+        let (close, close_workers) = (CancellationToken::new(), CancellationToken::new());
+        let cut = CancellationToken::new();
+        let serve = |socket, service, bounds, close: &CancellationToken| {
+            let (close, cut) = (close.clone(), cut.clone());
+            tokio::spawn(listen::serve(socket, service, bounds, app.metrics.clone(), close, cut))
+        };
+        let listeners = [
+            serve(socket, root_service, listen::Bounds::public(&app.options), &close),
+            serve(
+                worker_socket,
+                for_workers,
+                listen::Bounds::workers(&app.options),
+                &close_workers,
+            ),
+        ];
+        let sweeps = Sweeps::start(&app);
+        let workers = supervise::start(&app, program, worker_address);
+        tracing::info!(%address, %worker_address, "listening");
+        Ok(Handle {
+            address,
+            worker_address,
+            client_token,
+            grace,
+            app,
+            close,
+            close_workers,
+            cut,
+            listeners,
+            sweeps,
+            workers,
+        })
     }
+}
+
+async fn bind(address: SocketAddr) -> Result<(TcpListener, SocketAddr), StartError> {
+    let cannot_listen = |source| StartError::Listen { address, source };
+    let socket = TcpListener::bind(address).await.map_err(cannot_listen)?;
+    let address = socket.local_addr().map_err(cannot_listen)?;
+    Ok((socket, address))
+}
+
+fn load_token(options: &Options) -> Result<String, StartError> {
+    client_token::load(&options.data_dir).map_err(|source| StartError::ClientToken {
+        path: client_token::path(&options.data_dir),
+        source,
+    })
 }
 
 impl Handle {
@@ -128,60 +203,36 @@ impl Handle {
         self.address
     }
 
+    /// Address on which workers reach it.
+    pub fn worker_addr(&self) -> SocketAddr {
+        self.worker_address
+    }
+
+    /// The token that clients have to show, if any.
+    pub fn client_token(&self) -> Option<&str> {
+        self.client_token.as_deref()
+    }
+
     /// Shuts down in order: workers give their jobs back and end, streams end, requests under way
     /// finish within the grace period, the store closes.
     pub async fn shutdown(self) {
         tracing::info!("stopping");
         self.app.stopping.cancel();
-        // Workers need the socket to give their jobs back.
-        self.workers.stop(self.grace).await;
+        let ends = Instant::now() + self.grace;
+        // Nobody waits for silent connections, but workers need their socket to give jobs back.
         self.close.cancel();
-        let mut listener = self.listener;
-        if tokio::time::timeout(self.grace, &mut listener).await.is_err() {
+        self.workers.stop(self.grace).await;
+        self.close_workers.cancel();
+        let last = ends.max(Instant::now() + self.grace.min(LAST_WORDS));
+        let mut listeners = futures::future::join_all(self.listeners);
+        if tokio::time::timeout_at(last, &mut listeners).await.is_err() {
             tracing::warn!("requests under way are cut off");
             self.cut.cancel();
-            // It ends as soon as its connections have.
-            let _ = listener.await;
+            // They end as soon as their connections have.
+            let _ = listeners.await;
         }
-        self.sweeper.abort();
-        self.uploads.abort();
+        self.sweeps.stop();
         self.app.store.close().await;
         tracing::info!("stopped");
-    }
-}
-
-/// Ends leases that have run out, and forgets workers that fell silent.
-async fn sweep(app: App) {
-    let every = (app.options.lease() / 10).clamp(Duration::from_millis(20), Duration::from_secs(1));
-    // Leases that ran out while the server was down: their workers first get a chance to report.
-    let first = tokio::time::Instant::now() + 2 * app.options.heartbeat_interval();
-    let mut tick = tokio::time::interval_at(first, every);
-    let mut collected = tokio::time::Instant::now();
-    tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
-    loop {
-        tick.tick().await;
-        if let Err(error) = app.sweep().await {
-            tracing::error!(%error, "sweeping failed; trying again");
-        }
-        if collected.elapsed() >= GARBAGE_COLLECTION_INTERVAL {
-            collected = tokio::time::Instant::now();
-            if let Err(error) = app.store.collect_garbage().await {
-                tracing::error!(%error, "cannot remove unused content; trying again");
-            }
-        }
-    }
-}
-
-/// Finishes uploads that a crash left complete, and ends expired ones, at once and then at
-/// intervals.
-async fn sweep_uploads(app: App) {
-    let every = UPLOAD_SWEEP_INTERVAL.min(app.options.upload_expiry());
-    let mut tick = tokio::time::interval(every);
-    tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
-    loop {
-        tick.tick().await;
-        if let Err(error) = app.sweep_uploads().await {
-            tracing::error!(%error, "sweeping uploads failed; trying again");
-        }
     }
 }

@@ -5,6 +5,8 @@
 //! is a pipe that the server holds open; the child exits when that ends, by a shutdown or because
 //! the server died. When a child ends, its jobs go back to the queue at once.
 
+mod program;
+
 use std::{ffi::OsString, net::SocketAddr, path::PathBuf, process::Stdio, time::Duration};
 
 use tokio::{
@@ -13,7 +15,9 @@ use tokio::{
 };
 use tokio_util::{sync::CancellationToken, task::TaskTracker};
 
-use crate::{app::App, service::StartError, tokens::Child};
+use crate::{app::App, tokens::Child};
+
+pub(crate) use program::program;
 
 /// The environment variable with the server's address, for example `http://127.0.0.1:7070`.
 pub const SERVER_VARIABLE: &str = "BENDTWIN_SERVER";
@@ -23,6 +27,11 @@ pub const TOKEN_VARIABLE: &str = "BENDTWIN_WORKER_TOKEN";
 pub const BACKEND_VARIABLE: &str = "BENDTWIN_BACKEND";
 /// The environment variable with the number of the CUDA device.
 pub const DEVICE_VARIABLE: &str = "BENDTWIN_DEVICE";
+/// The environment variable with the folder for captures while they are read. Where it is set for
+/// the server, its workers inherit it.
+pub(crate) const SCRATCH_VARIABLE: &str = "BENDTWIN_SCRATCH_DIR";
+/// That folder in the data folder.
+const SCRATCH_FOLDER: &str = "scratch";
 
 /// The environment variable with the memory of the worker [MiB].
 pub const MEMORY_VARIABLE: &str = "BENDTWIN_WORKER_MEMORY_MIB";
@@ -62,20 +71,14 @@ impl SpawnOptions {
 }
 
 /// Starts the children that the options ask for.
-pub(crate) fn start(app: &App, address: SocketAddr) -> Result<Supervisor, StartError> {
+pub(crate) fn start(app: &App, program: Option<PathBuf>, address: SocketAddr) -> Supervisor {
     let policy = &app.options.workers;
     let supervisor = Supervisor {
         stop: CancellationToken::new(),
         kill: CancellationToken::new(),
         tasks: TaskTracker::new(),
     };
-    if policy.count == 0 {
-        return Ok(supervisor);
-    }
-    let program = match &policy.program {
-        Some(program) => program.clone(),
-        None => std::env::current_exe().map_err(StartError::Program)?,
-    };
+    let Some(program) = program else { return supervisor };
     let spawn_options = SpawnOptions {
         program,
         args: policy.args.iter().map(OsString::from).collect(),
@@ -97,7 +100,7 @@ pub(crate) fn start(app: &App, address: SocketAddr) -> Result<Supervisor, StartE
         };
         supervisor.tasks.spawn(slot_supervisor.run());
     }
-    Ok(supervisor)
+    supervisor
 }
 
 /// The address at which processes on this machine reach the server.
@@ -167,6 +170,10 @@ impl SlotSupervisor {
         let mut command = Command::new(&self.spawn_options.program);
         if let Some(device) = self.spawn_options.device(self.slot) {
             command.env(DEVICE_VARIABLE, device.to_string());
+        }
+        if std::env::var_os(SCRATCH_VARIABLE).is_none() {
+            let folder = std::path::absolute(&self.app.options.data_dir)?.join(SCRATCH_FOLDER);
+            command.env(SCRATCH_VARIABLE, folder);
         }
         command
             .args(&self.spawn_options.args)

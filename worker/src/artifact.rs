@@ -43,7 +43,9 @@ pub(crate) enum FetchError {
         expected: String,
     },
     /// The temporary file cannot be written.
-    #[error("cannot keep {name} in a temporary file: {source}; free disk space or set --cache-dir")]
+    #[error(
+        "cannot keep {name} in a temporary file: {source}; free disk space or set --scratch-dir"
+    )]
     Disk {
         /// Name of the content.
         name: String,

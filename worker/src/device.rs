@@ -5,6 +5,7 @@
 //! [`turns`]. If [`Backend::urgent`] gives a second queue, rollouts have a thread of their own and
 //! run while fits do; the device lets them go first, so that thread rests between their slices.
 
+mod blame;
 mod queue;
 mod queued;
 mod thread;
@@ -24,6 +25,7 @@ use tokio::sync::mpsc;
 pub(crate) use self::queue::Priority;
 pub(crate) use self::queued::QueuedBackend;
 use self::{
+    blame::Blame,
     queue::{Broken, Queue},
     thread::{Opened, Threads},
     turns::Flow,
@@ -46,6 +48,7 @@ pub(crate) struct Device {
     description: Description,
     /// True if rollouts have a thread of their own.
     has_urgent: bool,
+    blame: Blame,
 }
 
 impl Device {
@@ -70,12 +73,17 @@ impl Device {
         if let Some(urgent) = urgent {
             threads.start_urgent(urgent)?;
         }
-        Ok(Self { threads, description, has_urgent })
+        Ok(Self { threads, description, has_urgent, blame: Blame::default() })
     }
 
     /// Description of the backend's hardware.
     pub(crate) fn description(&self) -> &Description {
         &self.description
+    }
+
+    /// Priority of the task that broke the device, if one has.
+    pub(crate) fn broken_by(&self) -> Option<Priority> {
+        self.blame.get()
     }
 
     /// The device's memory as of its last task, at most about a second old; never waits.
@@ -134,12 +142,17 @@ impl Device {
         task: impl FnOnce(&dyn Backend) -> Result<R, backend::Error> + Send + 'static,
     ) -> Result<(R, Duration), backend::Error> {
         let (reply, result) = std::sync::mpsc::sync_channel(1);
+        let running = self.blame.running(flow.priority);
         let task = move |backend: &dyn Backend| {
+            let running = running;
             let started = Instant::now();
             let value = task(backend);
             let took = started.elapsed();
             let broken = match &value {
-                Err(backend::Error::Device(why)) => Err(Broken(why.clone())),
+                Err(backend::Error::Device(why)) => {
+                    running.broke();
+                    Err(Broken(why.clone()))
+                }
                 _ => Ok(()),
             };
             // The caller waits below, so sending cannot fail while it lives.

@@ -14,9 +14,9 @@ use tracing::Instrument as _;
 use self::compute::{Compute, Finished, Inputs};
 use crate::{
     Error, Limits, artifact,
-    device::Device,
+    device::{Device, Priority},
     job::{
-        Job, checkpoints, deliver, report,
+        Job, checkpoints, deliver, report, resume,
         stop::{Reason, Stop},
     },
     leasing::Execute,
@@ -142,13 +142,13 @@ impl Fits {
         let observation = artifact::fetch_file(&self.server, &name, Some(digest), &self.dir)
             .await
             .map_err(|e| e.fault())?;
-        let checkpoint = if lease.has_checkpoint {
-            let fetched = artifact::fetch(&self.server, &lease.job, checkpoints::MAX_BYTES).await;
-            Some(fetched.map_err(|e| e.fault())?)
-        } else {
-            None
-        };
+        let checkpoint = resume::checkpoint(&self.server, lease).await.map_err(|e| e.fault())?;
         Ok(Inputs { lease: lease.clone(), settings, observation, checkpoint })
+    }
+
+    /// True if the fit failed because a rollout had broken the device.
+    fn met_a_broken_device(&self, fault: &Fault) -> bool {
+        fault.reason == "DEVICE_FAILED" && self.device.broken_by() == Some(Priority::Interactive)
     }
 
     /// Reports the outcome to the server.
@@ -169,6 +169,11 @@ impl Fits {
             (Outcome::Finished(finished), _) => {
                 saver.abort();
                 twin::deliver(&delivery, *finished).await;
+            }
+            (Outcome::Failed(fault), None) if self.met_a_broken_device(&fault) => {
+                tracing::warn!("a rollout broke the device: the fit is handed back");
+                saver.flush().await;
+                delivery.fail(fault, deliver::Failure::Interrupted).await;
             }
             (Outcome::Failed(fault), stopped) => {
                 delivery.fail_unfinished("fit", fault, stopped, saver).await;

@@ -1,19 +1,20 @@
 //! One ingest job from lease to observation and report. Captures are untrusted files, so each is
-//! read in a process of its own under a memory limit: whatever happens to that process, worker and
-//! server are unharmed.
+//! read in a process of its own, confined and under limits of memory and time: whatever happens to
+//! that process, worker and server are unharmed.
 //!
 //! ```text
 //!   server ◄── lease, progress, checkpoints, result ──► worker ◄── lines, files ──► child
 //! ```
 //!
 //! [`protocol`] defines the messages between the two, `child` is the worker's side, `process` the
-//! child's, and [`bendtwin_ingest::ingest()`] the work itself; `deliver` takes the result to the
+//! child's with its [`sandbox`], and [`bendtwin_ingest::ingest()`] the work itself; `deliver` takes the result to the
 //! server.
 
 mod child;
 mod deliver;
 mod process;
 mod protocol;
+mod sandbox;
 
 use std::{path::PathBuf, time::Duration};
 
@@ -23,22 +24,28 @@ use tempfile::TempDir;
 use tokio_util::sync::CancellationToken;
 use tracing::Instrument as _;
 
-pub use self::process::ingest_capture;
 use self::{
     child::Child,
     protocol::{ARCHIVE, CHECKPOINT, Request},
+};
+pub use self::{
+    process::ingest_capture,
+    sandbox::{Enforced, Layer, Resources, Sandbox, available, confine},
 };
 use crate::{
     artifact,
     job::{
         Job, checkpoints,
         deliver::Delivery,
-        report as reporting,
+        report as reporting, resume,
         stop::{Reason, Stop},
     },
     leasing::Execute,
     server_client::ServerClient,
 };
+
+/// Bytes of an archive for which the child gets another second.
+const BYTES_PER_SECOND: u64 = 1 << 20;
 
 /// Executor of ingest jobs.
 #[derive(Clone)]
@@ -52,6 +59,10 @@ pub(crate) struct Ingests {
     pub(crate) program: PathBuf,
     /// Memory that the child may take [bytes].
     pub(crate) memory_bytes: u64,
+    /// Time that it may take, beside that for the size of the archive.
+    pub(crate) time: Duration,
+    /// Demand on its confinement.
+    pub(crate) sandbox: Sandbox,
     /// Time for which a result is kept while the server cannot be reached.
     pub(crate) delivery_timeout: Duration,
 }
@@ -88,8 +99,8 @@ impl Ingests {
         let (checkpoints, saver) = checkpoints::start(job.clone(), stop.clone());
         let draining = stop.on_drain(drain);
         let attempt = async {
-            let folder = self.prepare(&lease).await?;
-            let child = Child { program: &self.program, folder: folder.path() };
+            let (folder, time) = self.prepare(&lease).await?;
+            let child = Child { program: &self.program, folder: folder.path(), time };
             let ended = child.run(&progress, &checkpoints).await?;
             Ok::<_, Fault>((folder, ended))
         };
@@ -117,8 +128,9 @@ impl Ingests {
         reporter.abort();
     }
 
-    /// Prepares a folder for the child: archive, checkpoint and request.
-    async fn prepare(&self, lease: &Lease) -> Result<TempDir, Fault> {
+    /// Prepares a folder for the child: archive, checkpoint and request. Also returns the time that
+    /// the child may take.
+    async fn prepare(&self, lease: &Lease) -> Result<(TempDir, Duration), Fault> {
         let disk = |source: std::io::Error| Fault {
             category: Category::ResourceExhausted,
             reason: "NO_DISK_SPACE".to_owned(),
@@ -130,20 +142,26 @@ impl Ingests {
         let archive = artifact::fetch_file(&self.server, &lease.capture, digest, folder.path())
             .await
             .map_err(|e| e.fault())?;
-        archive.persist(folder.path().join(ARCHIVE)).map_err(|e| disk(e.error))?;
-        if lease.has_checkpoint {
-            let checkpoint = artifact::fetch(&self.server, &lease.job, checkpoints::MAX_BYTES)
-                .await
-                .map_err(|e| e.fault())?;
+        let archive = archive.persist(folder.path().join(ARCHIVE)).map_err(|e| disk(e.error))?;
+        let bytes = archive.metadata().map_err(disk)?.len();
+        let time = self.time + Duration::from_secs(bytes / BYTES_PER_SECOND);
+        let checkpoint = resume::checkpoint(&self.server, lease).await.map_err(|e| e.fault())?;
+        if let Some(checkpoint) = checkpoint {
             std::fs::write(folder.path().join(CHECKPOINT), checkpoint).map_err(disk)?;
         }
         let request = Request {
             name: lease.capture_display_name.clone(),
             settings: lease.settings_json.clone(),
-            memory_bytes: self.memory_bytes,
+            resources: Resources {
+                memory_bytes: self.memory_bytes,
+                // More than that passes only if the worker did not end it in time.
+                processor_s: time.as_secs().saturating_mul(child::threads() as u64),
+                file_bytes: self.memory_bytes.saturating_mul(2),
+            },
+            sandbox: self.sandbox,
         };
         request.write(folder.path()).map_err(disk)?;
-        Ok(folder)
+        Ok((folder, time))
     }
 }
 

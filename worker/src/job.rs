@@ -4,6 +4,7 @@
 pub(crate) mod checkpoints;
 pub(crate) mod deliver;
 pub(crate) mod report;
+pub(crate) mod resume;
 pub(crate) mod stop;
 
 use bendtwin_core::{Fault, Progress};
@@ -84,6 +85,7 @@ impl From<Failure> for End {
             Failure::Passing => Self::Failed,
             Failure::Cancelled => Self::Cancelled,
             Failure::Released => Self::Released,
+            Failure::Interrupted => Self::Interrupted,
         }
     }
 }

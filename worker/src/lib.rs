@@ -34,6 +34,6 @@ mod scratch;
 mod server_client;
 
 pub use error::Error;
-pub use ingest::ingest_capture;
+pub use ingest::{Enforced, Layer, Resources, Sandbox, available, confine, ingest_capture};
 pub use options::{Limits, Options};
 pub use run::run;

@@ -4,7 +4,10 @@ use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
 use bendtwin_backends as backends;
 
-use crate::Error;
+use crate::{
+    Error,
+    ingest::{Sandbox, available},
+};
 
 /// Approximate memory of the process that reads a capture before it has read anything [bytes].
 const LEAST_INGEST_BYTES: u64 = 64 << 20;
@@ -29,7 +32,10 @@ pub struct Options {
     /// URL `http://host:port` at which the server reaches `listen`, where that differs (in a
     /// container, for example).
     pub advertise: Option<String>,
-    /// Folder for captures while they are read; the system's temporary directory if none.
+    /// Folder for captures while they are read; a private folder is made in it. The cache folder if
+    /// none, and without one the system's temporary folder.
+    pub scratch_dir: Option<PathBuf>,
+    /// Folder for content that a later start can use.
     pub cache_dir: Option<PathBuf>,
     /// Least share of the device's time that fits get while rollouts want all of it.
     pub fit_share: f64,
@@ -37,6 +43,8 @@ pub struct Options {
     pub fits: bool,
     /// The program whose hidden command `ingest-capture` reads captures; this very program if none.
     pub ingest_program: Option<PathBuf>,
+    /// Demand on the confinement of the process that reads captures.
+    pub ingest_sandbox: Sandbox,
     /// Memory for rollouts, loaded twins and fits [bytes].
     pub memory_bytes: u64,
     /// Bounds on the work of one worker.
@@ -63,6 +71,8 @@ impl std::fmt::Debug for Options {
 pub struct Limits {
     /// Memory of the process that reads a capture [bytes].
     pub ingest_bytes: u64,
+    /// Time of that process; it gets another second for each MiB of the archive.
+    pub ingest_time: Duration,
     /// Memory that one observation may take when read [bytes].
     pub capture_bytes: u64,
     /// Memory that a fit may take, its capture included [bytes, estimated].
@@ -81,6 +91,7 @@ impl Default for Limits {
     fn default() -> Self {
         Self {
             ingest_bytes: 1500 << 20,
+            ingest_time: Duration::from_secs(600),
             capture_bytes: 2 << 30,
             fit_bytes: crate::budget::default_bytes() / 2,
             twin_bytes: 512 << 20,
@@ -100,10 +111,12 @@ impl Options {
             backend: backends::Options::default(),
             listen: SocketAddr::from(([127, 0, 0, 1], 0)),
             advertise: None,
+            scratch_dir: None,
             cache_dir: None,
             fit_share: FIT_SHARE,
             fits: true,
             ingest_program: None,
+            ingest_sandbox: Sandbox::default(),
             memory_bytes: crate::budget::default_bytes(),
             limits: Limits::default(),
             delivery_timeout: Duration::from_secs(600),
@@ -130,6 +143,14 @@ impl Options {
         } else if self.limits.ingest_bytes < LEAST_INGEST_BYTES {
             let least = LEAST_INGEST_BYTES >> 20;
             Some(format!("--ingest-memory-mib is too little for anything: give at least {least}"))
+        } else if self.limits.ingest_time.is_zero() {
+            Some("--ingest-timeout-s is 0: give at least 1".to_owned())
+        } else if self.ingest_sandbox == Sandbox::Required && !available().suffices() {
+            let lacking = available().lacking().unwrap_or_default();
+            Some(format!(
+                "this system does not confine the process that reads captures ({lacking}): use a kernel with Landlock \
+                 and seccomp, or --ingest-sandbox best-effort"
+            ))
         } else if !(0.0..=0.9).contains(&self.fit_share) {
             Some(format!("--fit-share is {}: it must lie in 0..=0.9", self.fit_share))
         } else {

@@ -8,7 +8,7 @@ use std::{
 };
 
 use bendtwin_core::ids::WorkerId;
-use bendtwin_proto::worker::v1::RegisterRequest;
+use bendtwin_proto::{worker::v1::RegisterRequest, worker_key};
 use tokio::{net::TcpListener, sync::mpsc, task::JoinHandle};
 use tokio_util::sync::CancellationToken;
 use tonic::transport::server::TcpIncoming;
@@ -55,10 +55,11 @@ async fn run_on(
     fatal: mpsc::UnboundedSender<Error>,
     died: &mut mpsc::UnboundedReceiver<Error>,
 ) -> Result<(), Error> {
-    let id = WorkerId::generate();
+    let (key, id) = worker_key::generate();
     let limits = options.limits;
-    let server = ServerClient::new(&options.server, &options.token)?;
-    let base = options.cache_dir.clone().unwrap_or_else(std::env::temp_dir);
+    let server = ServerClient::new(&options.server, &options.token, &key)?;
+    let base = options.scratch_dir.clone().or_else(|| options.cache_dir.clone());
+    let base = base.unwrap_or_else(std::env::temp_dir);
     let scratch = Scratch::new(&base)
         .map_err(|source| Error::System { what: "make a folder for captures", source })?;
     let dir = scratch.path().to_owned();
@@ -102,6 +103,8 @@ async fn run_on(
         dir,
         program: options.ingest_program.clone().unwrap_or_else(this_program),
         memory_bytes: limits.ingest_bytes,
+        time: limits.ingest_time,
+        sandbox: options.ingest_sandbox,
         delivery_timeout: options.delivery_timeout,
     };
     let (leases, ends) = (options.fits, stop.clone());

@@ -14,6 +14,7 @@ use bendtwin_proto::{
         ReportJobRequest, ReportJobResponse, SaveCheckpointRequest, TwinWrite,
         lease_job_request::Kind, worker_link_client::WorkerLinkClient,
     },
+    worker_key,
 };
 use bytes::Bytes;
 use futures::Stream;
@@ -83,20 +84,25 @@ pub(crate) struct ServerClient {
     client: WorkerLinkClient<InterceptedService<Channel, Credentials>>,
 }
 
-/// Interceptor that adds the worker token to every call.
+/// Interceptor that adds the worker token and the worker's key to every call.
 #[derive(Clone)]
-pub(crate) struct Credentials(AsciiMetadataValue);
+pub(crate) struct Credentials {
+    token: AsciiMetadataValue,
+    key: AsciiMetadataValue,
+}
 
 impl Interceptor for Credentials {
     fn call(&mut self, mut request: Request<()>) -> Result<Request<()>, Status> {
-        request.metadata_mut().insert("authorization", self.0.clone());
+        request.metadata_mut().insert("authorization", self.token.clone());
+        request.metadata_mut().insert(worker_key::METADATA, self.key.clone());
         Ok(request)
     }
 }
 
 impl ServerClient {
-    /// Prepares the connection; it is made with the first call and again whenever it breaks.
-    pub(crate) fn new(server: &str, token: &str) -> Result<Self, Error> {
+    /// Prepares the connection; it is made with the first call and again whenever it breaks. `key`
+    /// is the one that the worker's id follows from.
+    pub(crate) fn new(server: &str, token: &str, key: &str) -> Result<Self, Error> {
         let address = || Error::Address { url: server.to_owned() };
         let channel = Endpoint::from_shared(server.to_owned())
             .map_err(|_| address())?
@@ -106,11 +112,17 @@ impl ServerClient {
             .keep_alive_timeout(Duration::from_secs(10))
             .keep_alive_while_idle(true)
             .connect_lazy();
-        let mut header = AsciiMetadataValue::try_from(format!("Bearer {token}")).map_err(|_| {
-            Error::Options("the worker token has characters that a header cannot carry".to_owned())
-        })?;
-        header.set_sensitive(true);
-        let client = WorkerLinkClient::with_interceptor(channel, Credentials(header))
+        let secret = |text: String| {
+            let mut value = AsciiMetadataValue::try_from(text).map_err(|_| {
+                let fault = "the worker token has characters that a header cannot carry";
+                Error::Options(fault.to_owned())
+            })?;
+            value.set_sensitive(true);
+            Ok::<_, Error>(value)
+        };
+        let credentials =
+            Credentials { token: secret(format!("Bearer {token}"))?, key: secret(key.to_owned())? };
+        let client = WorkerLinkClient::with_interceptor(channel, credentials)
             .max_decoding_message_size(MAX_MESSAGE);
         Ok(Self { client })
     }

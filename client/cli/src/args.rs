@@ -3,7 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::{
-    bench, capture, demo, eval, fit, global::Global, logging, rollout, server, suite, twin, worker,
+    bench, capture, demo, eval, fit, global::Global, logging, rollout, server, store, suite, twin,
+    worker,
 };
 
 /// Turns recordings of soft objects into physical twins, and predicts what robot actions do to
@@ -46,6 +47,8 @@ pub(crate) enum Command {
     Suite(suite::SuiteArgs),
     /// Time the physics on this machine, on named scenes
     Bench(bench::Bench),
+    /// Check, repair and back up the data folder of a server
+    Store(store::Store),
 }
 
 #[cfg(test)]

@@ -1,5 +1,8 @@
 //! Options that every command shares: the server and the form of the output.
 
+use std::path::PathBuf;
+
+use anyhow::Context as _;
 use bendtwin_client::Client;
 use clap::Args;
 
@@ -12,6 +15,10 @@ pub(crate) struct Global {
     /// Address of the server
     #[arg(long, global = true, env = "BENDTWIN_SERVER", value_name = "URL", default_value = DEFAULT_SERVER)]
     pub(crate) server: String,
+    /// File with the token of the server: `client-token` in its data folder [default: BENDTWIN_TOKEN,
+    /// or what a server of this user on this machine left]
+    #[arg(long, global = true, env = "BENDTWIN_TOKEN_FILE", value_name = "FILE")]
+    pub(crate) token_file: Option<PathBuf>,
     /// Print results as JSON, for scripts
     #[arg(long, global = true)]
     pub(crate) json: bool,
@@ -20,6 +27,11 @@ pub(crate) struct Global {
 impl Global {
     /// Connects to the server.
     pub(crate) async fn connect(&self) -> anyhow::Result<Client> {
-        Ok(Client::connect(&self.server).await?)
+        let Some(path) = &self.token_file else {
+            return Ok(Client::connect(&self.server).await?);
+        };
+        let token = std::fs::read_to_string(path)
+            .with_context(|| format!("cannot read the token in {}", path.display()))?;
+        Ok(Client::connect_with_token(&self.server, Some(token.trim())).await?)
     }
 }

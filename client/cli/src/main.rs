@@ -14,12 +14,14 @@ mod npy;
 mod observation;
 mod output;
 mod picture;
+mod process;
 mod progress;
 mod quality;
 mod rollout;
 mod server;
 mod settings;
 mod signals;
+mod store;
 mod suite;
 mod table;
 mod twin;
@@ -37,6 +39,9 @@ fn main() -> ExitCode {
         arguments.command,
         Command::Server(_) | Command::Worker(_) | Command::IngestCapture(_)
     );
+    if service {
+        process::keep_files_private();
+    }
     logging::start(&arguments.logging, service);
     // Its memory is counted: it does without the threads of a runtime.
     if let Command::IngestCapture(args) = &arguments.command {
@@ -73,5 +78,6 @@ async fn run(arguments: Arguments) -> anyhow::Result<()> {
         Command::Eval(args) => eval::run(args, global).await,
         Command::Suite(args) => suite::run(args, global).await,
         Command::Bench(args) => bench::run(args, global).await,
+        Command::Store(args) => store::run(args, global).await,
     }
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use bendtwin_backends as backends;
+use bendtwin_client::token;
 use bendtwin_server::Service;
 use clap::Args;
 
@@ -21,6 +22,18 @@ pub(crate) struct Server {
     /// Address for HTTP and gRPC; port 0 takes a free one [default: 127.0.0.1:7070]
     #[arg(long, env = "BENDTWIN_LISTEN", value_name = "ADDRESS")]
     listen: Option<std::net::SocketAddr>,
+    /// Name by which clients may call the server, beside localhost and addresses; * allows all
+    #[arg(
+        long = "allowed-host",
+        env = "BENDTWIN_ALLOWED_HOSTS",
+        value_name = "NAME,...",
+        value_delimiter = ','
+    )]
+    allowed_hosts: Option<Vec<String>>,
+    /// Token that clients have to show, the one in DIR/client-token: required or none [default:
+    /// required]
+    #[arg(long, env = "BENDTWIN_CLIENT_TOKEN", value_name = "POLICY", value_parser = ["required", "none"])]
+    client_token: Option<String>,
     /// Folder of the database and of all content [default: bendtwin-data]
     #[arg(long, env = "BENDTWIN_DATA_DIR", value_name = "DIR")]
     data_dir: Option<PathBuf>,
@@ -43,10 +56,18 @@ pub(crate) struct Server {
     /// Token of workers that others start; at least 16 characters
     #[arg(long, env = "BENDTWIN_WORKER_TOKEN", value_name = "TOKEN", hide_env_values = true)]
     worker_token: Option<String>,
+    /// Address for workers alone, and for health checks; port 0 takes a free one [default:
+    /// 127.0.0.1:0]
+    #[arg(long = "listen-workers", env = "BENDTWIN_LISTEN_WORKERS", value_name = "ADDRESS")]
+    worker_listen: Option<std::net::SocketAddr>,
     /// Time for which an interrupted upload can be resumed after its last byte [s] [default:
     /// 604800]
     #[arg(long, env = "BENDTWIN_UPLOAD_EXPIRY", value_name = "SECONDS")]
     upload_expiry: Option<f64>,
+    /// Free space of the disk below which new captures, twins and fits are refused [MiB] [default:
+    /// 256]
+    #[arg(long, env = "BENDTWIN_DISK_FLOOR_MIB", value_name = "MIB")]
+    disk_floor_mib: Option<u64>,
     /// Write the port to this file once the server answers
     #[arg(long, value_name = "FILE")]
     port_file: Option<PathBuf>,
@@ -63,8 +84,18 @@ pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
     let options = args.options()?;
     let workers = options.workers.count;
     let data_dir = options.data_dir.display().to_string();
+    crate::process::raise_descriptor_limit();
     let handle = Service::start(options).await.map_err(failure::failed)?;
     let address = handle.local_addr();
+    let client_token = handle.client_token().map(str::to_owned);
+    match &client_token {
+        Some(shown) => {
+            if let Err(error) = token::publish(address.port(), shown) {
+                tracing::warn!(%error, "clients have to be given the token: cannot leave it for them");
+            }
+        }
+        None => token::withdraw_any(address.port()),
+    }
     if let Some(path) = &args.port_file {
         write_port(path, address.port())?;
     }
@@ -73,6 +104,9 @@ pub(crate) async fn run(args: Server) -> anyhow::Result<()> {
     ))?;
     shutdown.cancelled().await;
     handle.shutdown().await;
+    if let Some(shown) = client_token {
+        token::withdraw(address.port(), &shown);
+    }
     Ok(())
 }
 

@@ -1,9 +1,9 @@
 //! `bendtwin worker`: the data plane, started by the server or by an operator.
 
-use std::{net::SocketAddr, path::PathBuf};
+use std::{net::SocketAddr, path::PathBuf, time::Duration};
 
-use bendtwin_worker::{Limits, Options};
-use clap::Args;
+use bendtwin_worker::{Limits, Options, Sandbox};
+use clap::{Args, ValueEnum};
 
 use crate::{backend::BackendArgs, failure, global::Global, signals};
 
@@ -26,8 +26,12 @@ pub(crate) struct Worker {
     /// URL at which the server reaches this worker, where it differs: http://host:port
     #[arg(long, env = "BENDTWIN_WORKER_ADVERTISE", value_name = "URL")]
     advertise: Option<String>,
-    /// Folder for captures while they are read, and for compiled kernels [default: the system's
-    /// temporary folder, and the user's cache folder]
+    /// Folder for captures while they are read, in a private folder inside it [default: the cache
+    /// folder if one is given, else the system's temporary folder; in the data folder for workers
+    /// that the server starts]
+    #[arg(long, env = "BENDTWIN_SCRATCH_DIR", value_name = "DIR")]
+    scratch_dir: Option<PathBuf>,
+    /// Folder for compiled kernels [default: the user's cache folder]
     #[arg(long, env = "BENDTWIN_CACHE_DIR", value_name = "DIR")]
     cache_dir: Option<PathBuf>,
     /// Answer rollouts only, lease no jobs
@@ -39,6 +43,19 @@ pub(crate) struct Worker {
     /// Memory of the process that reads an uploaded capture [MiB]
     #[arg(long, env = "BENDTWIN_INGEST_MEMORY_MIB", value_name = "MIB", default_value_t = 1500)]
     ingest_memory_mib: u64,
+    /// Time of that process, which gets another second for each MiB of the capture [s]
+    #[arg(long, env = "BENDTWIN_INGEST_TIMEOUT_S", value_name = "S", default_value_t = 600)]
+    ingest_timeout_s: u64,
+    /// Confinement of that process: `required` reads nothing on systems without Landlock and
+    /// seccomp, `best-effort` takes what there is
+    #[arg(
+        long,
+        env = "BENDTWIN_INGEST_SANDBOX",
+        value_enum,
+        value_name = "DEMAND",
+        default_value = "best-effort"
+    )]
+    ingest_sandbox: SandboxArg,
     /// Memory of one observation in a fit [MiB]
     #[arg(long, env = "BENDTWIN_CAPTURE_MEMORY_MIB", value_name = "MIB", default_value_t = 2048)]
     capture_memory_mib: u64,
@@ -56,6 +73,24 @@ pub(crate) struct Worker {
     exit_with_parent: bool,
 }
 
+/// Demands on the confinement, as users write them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SandboxArg {
+    /// All of it, or nothing is read
+    Required,
+    /// As much as the system has
+    BestEffort,
+}
+
+impl From<SandboxArg> for Sandbox {
+    fn from(demand: SandboxArg) -> Self {
+        match demand {
+            SandboxArg::Required => Self::Required,
+            SandboxArg::BestEffort => Self::BestEffort,
+        }
+    }
+}
+
 impl Worker {
     fn options(self, server: &str) -> Options {
         let defaults = Options::new(server, self.token);
@@ -68,10 +103,13 @@ impl Worker {
             backend: self.backend.options(self.cache_dir.as_ref().map(|dir| dir.join("kernels"))),
             listen: self.worker_listen,
             advertise: self.advertise,
+            scratch_dir: self.scratch_dir,
             cache_dir: self.cache_dir,
             fits: !self.no_fits,
+            ingest_sandbox: self.ingest_sandbox.into(),
             fit_share: self.fit_share,
             limits: Limits {
+                ingest_time: Duration::from_secs(self.ingest_timeout_s),
                 ingest_bytes: self.ingest_memory_mib.saturating_mul(1 << 20),
                 capture_bytes: self.capture_memory_mib.saturating_mul(1 << 20),
                 fit_bytes,

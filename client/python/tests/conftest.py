@@ -6,6 +6,15 @@ from fake import Fake, serve
 from bendtwin import Client
 
 
+@pytest.fixture(scope="session", autouse=True)
+def state(tmp_path_factory):
+    """Servers of the tests leave their tokens here, not in the user's own folder."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        patch.delenv("BENDTWIN_TOKEN", raising=False)
+        yield
+
+
 @pytest.fixture
 def fake():
     return Fake()

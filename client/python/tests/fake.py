@@ -55,6 +55,7 @@ class Fake(
     """Server that keeps the requests that it got, and ends jobs as it is told."""
 
     uploaded: bytes = b""
+    shown: list[tuple[str, str | None]] = field(default_factory=list)
     metadata: capture_pb2.CaptureMetadata | None = None
     fit_request: fit_pb2.CreateFitRequest | None = None
     rollout_request: rollout_pb2.RollOutRequest | None = None
@@ -207,8 +208,21 @@ class Fake(
         return reply
 
 
+class Recorder(grpc.ServerInterceptor):
+    """Notes the token that each call shows."""
+
+    def __init__(self, fake: Fake) -> None:
+        self._fake = fake
+
+    def intercept_service(self, continuation, details):
+        shown = dict(details.invocation_metadata).get("authorization")
+        self._fake.shown.append((details.method.rpartition("/")[2], shown))
+        return continuation(details)
+
+
 def serve(fake: Fake) -> tuple[grpc.Server, str]:
-    server = grpc.server(futures.ThreadPoolExecutor(max_workers=4))
+    pool = futures.ThreadPoolExecutor(max_workers=4)
+    server = grpc.server(pool, interceptors=[Recorder(fake)])
     capture_pb2_grpc.add_CaptureServiceServicer_to_server(fake, server)
     fit_pb2_grpc.add_FitServiceServicer_to_server(fake, server)
     twin_pb2_grpc.add_TwinServiceServicer_to_server(fake, server)

@@ -33,6 +33,8 @@ class Server:
         port_file = self.folder / "port"
         port_file.unlink(missing_ok=True)
         command = [BINARY, "server", "--listen", f"127.0.0.1:{self.port}", "--workers", "0"]
+        # tuspy and plain requests show none.
+        command += ["--client-token", "none"]
         command += ["--port-file", port_file, "--data-dir", self.folder / "data"]
         with (self.folder / "log").open("a") as log:
             self.process = subprocess.Popen(command, stdout=log, stderr=log)

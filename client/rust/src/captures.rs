@@ -12,11 +12,11 @@ use futures::TryStreamExt as _;
 use serde::Deserialize;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio_util::io::ReaderStream;
-use tonic::transport::Channel;
 use uuid::Uuid;
 
 use crate::{
     Capture, Error, Watch,
+    channel::Channel,
     page::{self, Page, PageRequest},
     problem,
     uploads::Sender,

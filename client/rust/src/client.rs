@@ -7,9 +7,14 @@ use bendtwin_proto::v1::{
     rollout_service_client::RolloutServiceClient, twin_service_client::TwinServiceClient,
     worker_service_client::WorkerServiceClient,
 };
-use tonic::transport::{Channel, Endpoint};
+use reqwest::header::{AUTHORIZATION, HeaderMap, HeaderValue};
+use tonic::transport::Endpoint;
 
-use crate::{Captures, Error, Fits, Rollouts, Twins, Workers};
+use crate::{
+    Captures, Error, Fits, Rollouts, Twins, Workers,
+    channel::{Channel, Credentials},
+    token,
+};
 
 /// Longest message that is accepted: the largest reply of a rollout [bytes].
 const MAX_MESSAGE: usize = 1 << 30;
@@ -26,11 +31,20 @@ pub struct Client {
 }
 
 impl Client {
-    /// Connects to a server, for example `http://127.0.0.1:7070`.
+    /// Connects to a server, for example `http://127.0.0.1:7070`, with the token that
+    /// [`token::find`] has for it.
     ///
     /// # Errors
     /// If the address is not a URL, or nothing answers there.
     pub async fn connect(url: &str) -> Result<Self, Error> {
+        Self::connect_with_token(url, token::find(url).as_deref()).await
+    }
+
+    /// Connects to a server with a token, or without one.
+    ///
+    /// # Errors
+    /// As [`Client::connect`]; or if the token is none that can be sent.
+    pub async fn connect_with_token(url: &str, token: Option<&str>) -> Result<Self, Error> {
         let url = url.trim_end_matches('/');
         let invalid = || {
             Error::invalid(format!(
@@ -41,6 +55,14 @@ impl Client {
         if parsed.scheme() != "http" || !parsed.has_host() {
             return Err(invalid());
         }
+        let credentials = Credentials::new(token)?;
+        let mut headers = HeaderMap::new();
+        if let Some(token) = token {
+            let mut value = HeaderValue::try_from(format!("Bearer {token}"))
+                .map_err(|_| Error::invalid("the token has characters that no token has"))?;
+            value.set_sensitive(true);
+            headers.insert(AUTHORIZATION, value);
+        }
         let endpoint = Endpoint::from_shared(url.to_owned())
             .map_err(|_| invalid())?
             .connect_timeout(CONNECT_TIMEOUT)
@@ -50,7 +72,9 @@ impl Client {
             .initial_connection_window_size(16 << 20);
         let channel =
             endpoint.connect().await.map_err(|e| Error::unreachable(url, innermost_cause(&e)))?;
+        let channel = Channel::new(channel, credentials);
         let http = reqwest::Client::builder()
+            .default_headers(headers)
             .connect_timeout(CONNECT_TIMEOUT)
             .build()
             .map_err(|e| Error::invalid(format!("no HTTP client can be made: {e}")))?;

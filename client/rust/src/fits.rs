@@ -8,11 +8,11 @@ use bendtwin_proto::v1::{
     CancelFitRequest, CreateFitRequest, DeleteFitRequest, GetFitRequest, ListFitsRequest,
     WatchFitRequest, fit_service_client::FitServiceClient,
 };
-use tonic::transport::Channel;
 use uuid::Uuid;
 
 use crate::{
     Error, Fit, Watch,
+    channel::Channel,
     page::{self, Page, PageRequest},
     watch,
 };

@@ -30,10 +30,12 @@
 //!
 //! Captures travel over HTTP, streamed from disk, large ones resumably
 //! ([`Captures::upload_resumable`]); everything else is gRPC over
-//! one connection. Every [`Error`] carries the server's category, reason,
+//! one connection. The token of a server of the same user on the same machine is found by itself
+//! ([`token`]). Every [`Error`] carries the server's category, reason,
 //! message and request id.
 
 mod captures;
+mod channel;
 mod client;
 mod error;
 mod fits;
@@ -41,6 +43,7 @@ mod page;
 mod problem;
 mod resources;
 mod rollouts;
+pub mod token;
 mod twins;
 mod uploads;
 mod watch;

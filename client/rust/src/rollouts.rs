@@ -6,14 +6,13 @@ mod request;
 
 use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
 use futures::{Stream, StreamExt as _};
-use tonic::transport::Channel;
 
 pub use self::{
     cost::Cost,
     reply::{Deviation, Diagnostics, Divergence, Reply, RolloutTiming},
     request::{GripperPoses, Rollout},
 };
-use crate::Error;
+use crate::{Error, channel::Channel};
 
 /// Calls for predictions.
 #[derive(Clone, Debug)]

@@ -9,11 +9,11 @@ use bendtwin_proto::v1::{
     TwinMetadata, create_twin_request::Part, twin_service_client::TwinServiceClient,
 };
 use bytes::Bytes;
-use tonic::transport::Channel;
 use uuid::Uuid;
 
 use crate::{
     Category, Error, Twin,
+    channel::Channel,
     page::{self, Page, PageRequest},
 };
 

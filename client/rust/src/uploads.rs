@@ -243,7 +243,9 @@ fn is_retryable(error: &Error) -> bool {
         error.category(),
         Category::Unavailable | Category::Aborted | Category::ResourceExhausted
     );
-    transient || ["CHECKSUM_MISMATCH", "UPLOAD_IDLE", "UPLOAD_BROKEN"].contains(&error.reason())
+    transient
+        || ["CHECKSUM_MISMATCH", "UPLOAD_IDLE", "BODY_TOO_SLOW", "UPLOAD_BROKEN"]
+            .contains(&error.reason())
 }
 
 /// Time of a request's last progress.

@@ -4,10 +4,10 @@ use bendtwin_core::ids::WorkerId;
 use bendtwin_proto::v1::{
     GetWorkerRequest, ListWorkersRequest, worker_service_client::WorkerServiceClient,
 };
-use tonic::transport::Channel;
 
 use crate::{
     Error, Worker,
+    channel::Channel,
     page::{self, Page, PageRequest},
 };
 

@@ -8,6 +8,7 @@ use crate::{
     Error, Limits,
     array::{Array, Dtype},
     limits::Budget,
+    pickle,
 };
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -34,6 +35,19 @@ impl Floats {
         let array = read(at, bytes)?;
         let values = array.floats(&mut Budget::new(limits))?;
         Ok(Self { shape: array.shape, values })
+    }
+
+    /// Decodes a pickle of one array, or of a list of arrays, of 32- or 64-bit floats; `at` is its
+    /// name in messages.
+    ///
+    /// # Errors
+    /// If the pickle is damaged, asks for anything but arrays, or is beyond the limits.
+    pub fn unpickle(at: &str, bytes: &[u8], limits: &Limits) -> Result<Vec<Self>, Error> {
+        let mut budget = Budget::new(limits);
+        let arrays = pickle::read(at, bytes, limits, &mut budget)?.arrays()?;
+        let of =
+            |array: Array<'_>| Ok(Self { values: array.floats(&mut budget)?, shape: array.shape });
+        arrays.into_iter().map(of).collect()
     }
 
     /// Encodes as an .npy file of 32-bit floats.

@@ -7,6 +7,7 @@
 
 pub mod cancel;
 pub mod capture;
+pub mod capture_files;
 pub mod checkpoint;
 pub mod environment;
 pub mod error;

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::{Error, Finding, Inspection, observed, page};
 
 /// Name of the format.
-pub const FORMAT: &str = "bendtwin-capture-report";
+pub const FORMAT: &str = bendtwin_core::capture_files::REPORT_FORMAT;
 /// Its version.
 pub const VERSION: u32 = 1;
 

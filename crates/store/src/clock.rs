@@ -2,19 +2,25 @@
 
 use std::{
     fmt,
-    sync::atomic::{AtomicI64, Ordering},
-    time::Duration,
+    sync::{
+        LazyLock,
+        atomic::{AtomicI64, AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
 };
 
 use jiff::Timestamp;
 
-/// The clock by which leases end.
+/// The clocks of a store.
 pub trait Clock: fmt::Debug + Send + Sync + 'static {
-    /// The time.
+    /// The time of day, as rows have it. It may be set back or forward.
     fn now(&self) -> Timestamp;
+
+    /// The time since some moment in the life of this process. It never goes back.
+    fn monotonic(&self) -> Duration;
 }
 
-/// The operating system's clock.
+/// The operating system's clocks.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SystemClock;
 
@@ -22,25 +28,41 @@ impl Clock for SystemClock {
     fn now(&self) -> Timestamp {
         Timestamp::now()
     }
+
+    fn monotonic(&self) -> Duration {
+        static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+        START.elapsed()
+    }
 }
 
 /// A clock that moves only on request.
 #[derive(Debug, Default)]
 pub struct ManualClock {
     micros: AtomicI64,
+    monotonic_micros: AtomicU64,
 }
 
 impl ManualClock {
-    /// Moves the clock forward.
+    /// Lets time pass.
     pub fn advance(&self, by: Duration) {
         let micros = i64::try_from(by.as_micros()).unwrap_or(i64::MAX);
-        self.micros.fetch_add(micros, Ordering::SeqCst);
+        self.set(micros);
+        self.monotonic_micros.fetch_add(micros.unsigned_abs(), Ordering::SeqCst);
+    }
+
+    /// Sets the time of day forward, or back if negative; no time passes [us].
+    pub fn set(&self, by_micros: i64) {
+        self.micros.fetch_add(by_micros, Ordering::SeqCst);
     }
 }
 
 impl Clock for ManualClock {
     fn now(&self) -> Timestamp {
         from_micros(self.micros.load(Ordering::SeqCst))
+    }
+
+    fn monotonic(&self) -> Duration {
+        Duration::from_micros(self.monotonic_micros.load(Ordering::SeqCst))
     }
 }
 

@@ -62,6 +62,9 @@ impl Database {
             })
             .connect_with(options.clone())
             .await?;
+        // A later connection must not make a new database where this one was moved away.
+        let options = options.create_if_missing(false);
+        writer.set_connect_options(options.clone());
         folder::close_to_others(&file, folder::FILE);
         if size_bytes > CHECKED_AT_START {
             tracing::info!(size_bytes, "too large to be checked at start: see `store check`");

@@ -7,6 +7,7 @@ use std::{
     fs::{self, File},
     io::{self, ErrorKind, Write as _},
     path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
 };
 
 use rustix::fs::{FallocateFlags, fallocate, statvfs};
@@ -43,13 +44,16 @@ impl Disk {
 pub(crate) struct Reserve {
     folder: PathBuf,
     file: PathBuf,
+    /// Held while it is made: one caller makes it for all.
+    making: Mutex<()>,
 }
 
 impl Reserve {
     /// The reserve of a folder, made if there is room for it.
     pub(crate) fn open(data_dir: &Path) -> Self {
-        let reserve = Self { folder: data_dir.to_owned(), file: data_dir.join("reserve") };
-        if !reserve.is_held() && !reserve.refill() {
+        let (folder, file) = (data_dir.to_owned(), data_dir.join("reserve"));
+        let reserve = Self { folder, file, making: Mutex::default() };
+        if !reserve.refill() {
             tracing::warn!(
                 "the disk is full: new content is refused until {} MiB are free",
                 (RESERVE + 2 * LOW) >> 20
@@ -58,7 +62,7 @@ impl Reserve {
         reserve
     }
 
-    pub(crate) fn is_held(&self) -> bool {
+    fn is_held(&self) -> bool {
         fs::metadata(&self.file).is_ok_and(|file| file.len() == RESERVE)
     }
 
@@ -80,38 +84,43 @@ impl Reserve {
 
     /// Refuses new content on a full disk.
     pub(crate) fn admit(&self) -> Result<()> {
-        if self.is_held() || self.refill() { Ok(()) } else { Err(Error::DiskFull) }
+        if self.refill() { Ok(()) } else { Err(Error::DiskFull) }
     }
 
-    /// Makes the reserve anew if there is room for it and more. Returns true if it is there.
-    pub(crate) fn refill(&self) -> bool {
+    /// Makes the reserve if there is room for it and more. Returns true if it is there.
+    fn refill(&self) -> bool {
+        let _making = self.making.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.is_held() {
+            return true;
+        }
         let has_room = |disk: Disk| disk.free_bytes >= RESERVE + 2 * LOW;
         if !Disk::of(&self.folder).is_ok_and(has_room) {
             return false;
         }
-        let made = self.allocate();
+        // Under another name until all of it is there.
+        let partial = self.file.with_extension("partial");
+        let made = allocate(&partial).and_then(|()| fs::rename(&partial, &self.file));
         if let Err(error) = &made {
             tracing::warn!(%error, "the reserve of the disk cannot be made");
-            fs::remove_file(&self.file).ok();
+            fs::remove_file(&partial).ok();
         }
         made.is_ok()
     }
+}
 
-    fn allocate(&self) -> io::Result<()> {
-        // Under another name until all of it is there.
-        let partial = self.file.with_extension("partial");
-        let mut file = File::create(&partial)?;
-        if fallocate(&file, FallocateFlags::empty(), 0, RESERVE).is_err() {
-            // A file system without it may compress zeros away.
-            let mut noise = blake3::Hasher::new().finalize_xof();
-            let mut block = vec![0; 1 << 20];
-            for _ in 0..RESERVE >> 20 {
-                noise.fill(&mut block);
-                file.write_all(&block)?;
-            }
+/// Makes a file of the size of the reserve, with room on the disk for all of it.
+fn allocate(path: &Path) -> io::Result<()> {
+    let mut file = File::create(path)?;
+    if fallocate(&file, FallocateFlags::empty(), 0, RESERVE).is_err() {
+        // A file system without it may compress zeros away.
+        let mut noise = blake3::Hasher::new().finalize_xof();
+        let mut block = vec![0; 1 << 20];
+        for _ in 0..RESERVE >> 20 {
+            noise.fill(&mut block);
+            file.write_all(&block)?;
         }
-        fs::rename(partial, &self.file)
     }
+    Ok(())
 }
 
 /// True if the disk, or the quota on it, is used up.

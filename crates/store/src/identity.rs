@@ -41,6 +41,16 @@ pub(crate) async fn settle(database: &Database, data_dir: &Path, now: i64) -> Re
     join(database, mine, &blobs, now).await
 }
 
+/// Checks that database and blobs still belong together.
+pub(crate) async fn verify(database: &Database, data_dir: &Path) -> Result<()> {
+    let blobs = data_dir.join("blobs");
+    let mine = of_database(database.read()).await?;
+    if mine.is_some() && mine == of_blobs(&blobs)? {
+        return Ok(());
+    }
+    Err(Error::StoreMismatch { file: data_dir.join(database::FILE), blobs })
+}
+
 /// Makes database and blobs belong together.
 pub(crate) async fn join(
     database: &Database,

@@ -1,13 +1,14 @@
 //! Jobs: the queue. Its design is in the crate's documentation. Here are the types and the
 //! operations of users on either kind; `fits.rs` and `ingests.rs` have those of one kind,
-//! `lease.rs` those of workers, `end.rs` the ends of attempts, `id.rs` the names and `row.rs` the
-//! row.
+//! `lease.rs` those of workers, `lease_time.rs` the time by which leases end, `end.rs` the ends of
+//! attempts, `id.rs` the names and `row.rs` the row.
 
 mod end;
 mod fits;
 mod id;
 mod ingests;
 mod lease;
+mod lease_time;
 mod row;
 
 use std::time::Duration;
@@ -21,7 +22,7 @@ use tokio::sync::broadcast;
 
 use crate::{Digest, Error, Result, Store};
 
-pub use end::AttemptEnd;
+pub use end::{AttemptEnd, Loss};
 pub use fits::NewFit;
 #[cfg(test)]
 pub(crate) use fits::{LIST, LIST_OF_CAPTURE};
@@ -29,6 +30,8 @@ pub use id::{JobId, Kind};
 pub use ingests::{IngestResult, NewIngest, NewReport};
 pub(crate) use ingests::{dequeue, enqueue};
 pub use lease::{Lease, Reported};
+pub use lease_time::LeaseTerms;
+pub(crate) use lease_time::LeaseTimes;
 pub use row::State;
 pub(crate) use row::fits_under_way;
 
@@ -36,6 +39,9 @@ use row::Row;
 
 /// Attempts without progress after which a job fails.
 pub const MAX_STALLED_ATTEMPTS: u32 = 3;
+/// Attempts without progress that other work of their workers may end before such an end counts
+/// like any other: the job may be the cause after all.
+pub const MAX_INTERRUPTED_ATTEMPTS: u32 = 20;
 
 /// A job.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +60,7 @@ pub struct Job {
     pub attempts: u32,
     /// The fencing number, which every claim increments.
     pub lease_epoch: u64,
-    /// End of the lease, while it runs.
+    /// End of the lease by the time of day, while it runs; it ends by [`Store::lease_time`].
     pub lease_until: Option<Timestamp>,
     /// The worker, while it runs.
     pub worker: Option<WorkerId>,

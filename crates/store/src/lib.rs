@@ -26,12 +26,14 @@
 //!   `where lease_epoch = $mine and state = 'running'`; else [`Error::StaleLease`]
 //!   and nothing changes. A lease that has run out but that nobody took still
 //!   writes: expiry by itself changes nothing, the sweeper does.
-//! * **Leases** end by the database's clock. SQLite lives in this process, so
-//!   that is the process's [`Clock`]; with PostgreSQL it would be the database's.
+//! * **Leases** end by the time for which this process has run ([`Store::lease_time`]), so that
+//!   neither a clock that is set nor a process that stood still ends one. After a
+//!   restart those that run begin anew. `lease_until` is for people.
 //! * **Attempts**: a claim adds 1 to `stalled`; a checkpoint with new content or a
 //!   report further along than any before resets it. An attempt that ends badly
 //!   with `stalled` at [`MAX_STALLED_ATTEMPTS`] fails the job; the faults of all
-//!   attempts stay with it.
+//!   attempts stay with it. An attempt that other work of its worker ended (a rollout that
+//!   killed it) does not count, up to [`MAX_INTERRUPTED_ATTEMPTS`] without progress.
 //! * **Completion** inserts the twin, or observation and report, and ends the job
 //!   in one transaction, and is idempotent for one lease, so a lost reply can be
 //!   asked for again.
@@ -46,9 +48,9 @@
 //! So a crash can leave blobs without rows, never rows without blobs. Equal
 //! content is one blob. It is deleted when a row went and no other refers to it:
 //! the check and the deletion hold a gate that publishing shares, so a
-//! reference cannot appear in between. What crashes left, and callers that went away
-//! in mid-call, [`Store::collect_garbage`] moves to a trash folder, and a day later
-//! removes. Database and blobs have a common identity: [`Store::open`] refuses to
+//! reference cannot appear in between. The remains of crashes, and of callers that
+//! went away in mid-call, are moved to a trash folder by [`Store::collect_garbage`],
+//! and removed a day later. Database and blobs have a common identity: [`Store::open`] refuses to
 //! make garbage of the blobs of another database.
 //!
 //! # Content that is not what it was
@@ -101,16 +103,17 @@ pub use clock::{Clock, ManualClock, SystemClock};
 pub use disk::Disk;
 pub use error::{Error, Result};
 pub use jobs::{
-    AttemptEnd, IngestResult, Job, JobId, Jobs, Kind, Lease, MAX_STALLED_ATTEMPTS, NewFit,
-    NewIngest, NewReport, QueueDepth, Reported, State,
+    AttemptEnd, IngestResult, Job, JobId, Jobs, Kind, Lease, LeaseTerms, Loss,
+    MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS, NewFit, NewIngest, NewReport, QueueDepth,
+    Reported, State,
 };
 pub use observations::{Observation, Report};
 pub use page::{Page, PageRequest};
 pub use store::{Options, Store};
 pub use twins::{NewTwin, Twin, TwinFacts, Twins};
 pub use uploads::{
-    NewResumableUpload, ResumableUpload, UploadBounds, UploadState, UploadUse, UploadWriter,
-    Uploads,
+    FIRST_ROOM, NewResumableUpload, ResumableUpload, UploadBounds, UploadState, UploadUse,
+    UploadWriter, Uploads,
 };
 pub use workers::{NewWorker, Worker, Workers};
 

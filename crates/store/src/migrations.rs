@@ -8,11 +8,12 @@ use sqlx::{
 };
 
 /// Version, description and SQL of every migration.
-const MIGRATIONS: [(i64, &str, &str); 4] = [
+const MIGRATIONS: [(i64, &str, &str); 5] = [
     (1, "initial", include_str!("../migrations/0001_initial.sql")),
     (2, "ingest", include_str!("../migrations/0002_ingest.sql")),
     (3, "uploads", include_str!("../migrations/0003_uploads.sql")),
     (4, "store", include_str!("../migrations/0004_store.sql")),
+    (5, "interrupted", include_str!("../migrations/0005_interrupted.sql")),
 ];
 
 pub(crate) fn migrator() -> Migrator {

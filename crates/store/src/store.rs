@@ -1,6 +1,6 @@
 //! The store as a whole: opening, closing, and access to the aggregates.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use jiff::Timestamp;
 use tokio::sync::{Notify, RwLockWriteGuard, broadcast};
@@ -11,7 +11,9 @@ use crate::{
     database::{self, Database},
     disk::{Disk, Reserve},
     failpoint::{Armed, Failpoint},
-    folder, identity, references,
+    folder, identity,
+    jobs::LeaseTimes,
+    references,
     uploads::Seats,
 };
 
@@ -20,7 +22,7 @@ use crate::{
 pub struct Options {
     /// The folder of all data; made if missing.
     pub data_dir: PathBuf,
-    /// The clock by which leases end.
+    /// The clocks: of rows, and of leases.
     pub clock: Arc<dyn Clock>,
 }
 
@@ -51,6 +53,8 @@ pub(crate) struct Inner {
     pub(crate) armed: Arc<Armed>,
     /// Current writer of each resumable upload.
     pub(crate) seats: Seats,
+    /// Ends of the leases of running jobs.
+    pub(crate) leases: LeaseTimes,
 }
 
 impl Store {
@@ -73,9 +77,19 @@ impl Store {
         let armed = Arc::new(Armed::default());
         let blobs = Blobs::open(&data_dir.join("blobs"), armed.clone(), reserve.clone()).await?;
         let (changes, _) = broadcast::channel(1024);
-        let (queued, seats) = (Notify::new(), Seats::default());
-        let inner =
-            Inner { data_dir, reserve, database, blobs, clock, changes, queued, armed, seats };
+        let (queued, seats, leases) = (Notify::new(), Seats::default(), LeaseTimes::default());
+        let inner = Inner {
+            data_dir,
+            reserve,
+            database,
+            blobs,
+            clock,
+            changes,
+            queued,
+            armed,
+            seats,
+            leases,
+        };
         let store = Self { inner: Arc::new(inner) };
         match store.collect_garbage().await {
             Err(Error::DiskFull) => tracing::warn!("unused content stays while the disk is full"),
@@ -116,9 +130,16 @@ impl Store {
         &self.inner.blobs
     }
 
-    /// The time by the clock of leases.
+    /// The time of day.
     pub fn now(&self) -> Timestamp {
         self.inner.clock.now()
+    }
+
+    /// The time by which leases end: that for which this process was seen to run by
+    /// [`Jobs::sweep`], whatever is done to the clock of the day, and hardly any of the time in
+    /// which the process stood still.
+    pub fn lease_time(&self) -> Duration {
+        self.inner.leases.now(self.inner.clock.monotonic())
     }
 
     /// Checks that the database answers.
@@ -168,8 +189,10 @@ impl Store {
     /// They were left by callers that went away in the middle of a call. Safe at any time.
     ///
     /// # Errors
-    /// Database and file errors.
+    /// [`Error::StoreMismatch`] if somebody exchanged the database or the blobs; database and file
+    /// errors.
     pub async fn collect_garbage(&self) -> Result<()> {
+        identity::verify(&self.inner.database, &self.inner.data_dir).await?;
         for digest in self.inner.blobs.list().await? {
             if let Some(_gate) = self.unless_referred(&digest).await? {
                 self.inner.blobs.discard(&digest, self.now()).await?;

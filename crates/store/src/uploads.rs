@@ -23,7 +23,7 @@ use bendtwin_core::ids::{CaptureId, UploadId};
 use sqlx::{Sqlite, Transaction};
 use uuid::Uuid;
 
-use crate::{Error, Result, Store, clock::micros_after};
+use crate::{Error, Page, PageRequest, Result, Store, clock::micros_after};
 use row::Row;
 
 pub use create::{NewResumableUpload, UploadBounds};
@@ -42,7 +42,8 @@ pub struct Uploads<'a> {
 pub struct UploadUse {
     /// Uploads that are neither stored nor gone.
     pub count: u64,
-    /// Their declared sizes, or the bytes sent where no size is declared [bytes].
+    /// Room that is kept for them. None for those of which nothing has come; then for four times
+    /// what has come, at least [`FIRST_ROOM`] and at most the declared size [bytes].
     pub bytes: u64,
 }
 
@@ -57,6 +58,22 @@ impl Uploads<'_> {
             .fetch_optional(self.store.inner.database.read())
             .await?;
         row.ok_or_else(|| Error::NotFound { name: id.to_string() })?.try_into()
+    }
+
+    /// Uploads, newest first: those under way, and those that ended and are remembered still.
+    ///
+    /// # Errors
+    /// [`Error::InvalidPageToken`].
+    pub async fn list(&self, page: &PageRequest) -> Result<Page<ResumableUpload>> {
+        const LISTING: &str = "uploads";
+        let rows: Vec<Row> =
+            sqlx::query_as("select * from uploads where id < $1 order by id desc limit $2")
+                .bind(page.before(LISTING)?)
+                .bind(page.fetch())
+                .fetch_all(self.store.inner.database.read())
+                .await?;
+        let items = rows.into_iter().map(ResumableUpload::try_from).collect::<Result<_>>()?;
+        Ok(Page::cut(items, page, LISTING, |u: &ResumableUpload| u.id.uuid()))
     }
 
     /// Claims an upload, to write to it or to end it. Its current writer is asked to save the bytes
@@ -148,10 +165,26 @@ impl Uploads<'_> {
     }
 }
 
-/// Count and bytes of uploads under way other than $1.
-const IN_USE: &str = "select count(*), cast(coalesce(sum(case when length_bytes is null
-        then offset_bytes else length_bytes end), 0) as bigint)
+/// Room that is kept for an upload with its first byte, if its declared size is not less [bytes].
+pub const FIRST_ROOM: u64 = 64 << 20;
+
+/// Count of uploads under way other than $1, and the room that is kept for them: [`kept_room`] in
+/// SQL. A declared size alone keeps none, or a few requests could take it all.
+const IN_USE: &str = "select count(*), cast(coalesce(sum(case
+        when offset_bytes = 0 then 0
+        when length_bytes is null then offset_bytes
+        when length_bytes <= 67108864 or length_bytes <= 4 * offset_bytes then length_bytes
+        when 4 * offset_bytes <= 67108864 then 67108864
+        else 4 * offset_bytes end), 0) as bigint)
      from uploads where state = 'receiving' and id <> $1";
+
+/// Room that is kept for an upload of which so many bytes have come [bytes].
+fn kept_room(offset_bytes: u64, length_bytes: Option<u64>) -> u64 {
+    match length_bytes {
+        Some(length) => length.min(FIRST_ROOM.max(offset_bytes.saturating_mul(4))),
+        None => offset_bytes,
+    }
+}
 
 /// Ends an upload within the transaction that makes its capture.
 pub(crate) async fn stored(

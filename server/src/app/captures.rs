@@ -22,6 +22,7 @@ impl App {
         let request_id = super::request_id(upload.request_id)?;
         let digest = super::digest(&upload.digest)?;
         let ingest = self.ingest_settings(&upload.ingest_json)?;
+        self.require_room(0)?;
         let limit = self.options.limits.capture_bytes;
         let _buffers = self.memory.upload().await?;
         let content = self.receive(upload.body, limit, digest, |_| ()).await?;
@@ -42,8 +43,7 @@ impl App {
     ) -> Result<Overview> {
         let new = NewCapture { display_name, request_id, content, ingest };
         let store = self.store.clone();
-        let capture =
-            super::run_to_completion(async move { store.captures().create(new).await }).await?;
+        let capture = self.change(async move { store.captures().create(new).await }).await?;
         tracing::info!(capture = %capture.id, bytes = capture.size_bytes, "capture stored");
         Ok(self.store.captures().overview(capture.id).await?)
     }
@@ -63,7 +63,7 @@ impl App {
     pub(crate) async fn delete_capture(&self, name: &str) -> Result<()> {
         let id: CaptureId = super::name(name)?;
         let store = self.store.clone();
-        super::run_to_completion(async move { store.captures().delete(id).await }).await?;
+        self.change(async move { store.captures().delete(id).await }).await?;
         tracing::info!(capture = %id, "capture deleted");
         Ok(())
     }

@@ -29,6 +29,7 @@ impl App {
         if !PRIORITIES.contains(&priority) {
             return Err(Error::invalid("priority", format!("is {priority}: use -100..=100")));
         }
+        self.require_room(0)?;
         let capture = super::name(capture)?;
         let settings = settings(settings_json, self.options.limits.json_bytes)?;
         self.check_memory(capture, &settings).await?;
@@ -100,7 +101,7 @@ impl App {
     pub(crate) async fn delete_fit(&self, name: &str) -> Result<()> {
         let id: FitId = super::name(name)?;
         let store = self.store.clone();
-        super::run_to_completion(async move { store.jobs().delete(id).await }).await
+        self.change(async move { store.jobs().delete(id).await }).await
     }
 }
 

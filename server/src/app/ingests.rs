@@ -1,5 +1,5 @@
 //! Ingests: repeated or stopped by users, ended by workers; and their results. Settings are checked
-//! here, content is not read.
+//! here, of the content only the head.
 
 use bendtwin_core::{Category, Fault, ids::CaptureId, settings::ingest::IngestSettings};
 use bendtwin_store::{
@@ -9,7 +9,7 @@ use bendtwin_store::{
 use bytes::Bytes;
 use futures::{StreamExt, stream::BoxStream};
 
-use super::{App, Attempt, Error, Result};
+use super::{App, Attempt, Error, Result, results};
 use crate::context::Context;
 
 /// Longest verdict.
@@ -85,7 +85,12 @@ impl App {
             return Err(Error::invalid("verdict", "must be one lower-case word"));
         }
         let fault = upload.fault.clone();
+        self.require_lease(attempt).await?;
         let (observation, json, html) = self.receive_parts(upload).await?;
+        self.check_report(&json, &verdict).await?;
+        if let Some(observation) = &observation {
+            results::check_observation(observation).await?;
+        }
         let report = NewReport { verdict, json, html };
         let result = match (observation, fault) {
             (Some(observation), None) => IngestResult::Observed { observation, report },
@@ -106,7 +111,7 @@ impl App {
         };
         let store = self.store.clone();
         let end = async move { store.jobs().end_ingest(attempt.lease, result).await };
-        let job = super::run_to_completion(end).await?;
+        let job = self.change(end).await?;
         self.record_end(attempt.worker, &job);
         Ok(())
     }

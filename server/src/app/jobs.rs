@@ -7,10 +7,11 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId, WorkerId},
 };
 use bendtwin_store::{
-    AttemptEnd, Capture, Content, Job, JobId, Kind, Lease, Observation, TwinFacts,
+    AttemptEnd, Capture, Content, Job, JobId, Kind, Lease, LeaseTerms, Loss, Observation,
+    PageRequest, State, TwinFacts,
 };
 
-use super::{App, Body, Error, Result};
+use super::{App, Body, Error, Result, results};
 
 /// One attempt at a job, as a worker names it in every call.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +41,17 @@ impl std::str::FromStr for Downloadable {
             Some("twins") => Ok(Self::Twin(super::name(name)?)),
             Some("fits" | "ingests") => Ok(Self::Checkpoint(super::name(name)?)),
             _ => Err(Error::invalid("name", "names no capture, twin or job")),
+        }
+    }
+}
+
+impl std::fmt::Display for Downloadable {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Capture(id) => id.fmt(f),
+            Self::Observation(id) => write!(f, "{id}/observation"),
+            Self::Twin(id) => id.fmt(f),
+            Self::Checkpoint(id) => write!(f, "the checkpoint of {id}"),
         }
     }
 }
@@ -82,6 +94,7 @@ impl App {
         let queued = job.created.duration_until(self.store.now()).as_secs_f64();
         self.metrics.job_leased(kind, queued);
         self.dispatch.set_job(worker, kind, Some(&job));
+        self.dispatch.seen(worker);
         tracing::info!(job = %job.id, %worker, epoch = job.lease_epoch, "job leased");
         Ok(Some(Leased { job, capture, observation }))
     }
@@ -92,8 +105,10 @@ impl App {
         attempt: Attempt,
         progress: Option<&Progress>,
     ) -> Result<bool> {
+        self.require_lease(attempt).await?;
         let renew = self.options.lease();
         let reported = self.store.jobs().report(attempt.lease, progress, renew).await?;
+        self.dispatch.seen(attempt.worker);
         Ok(reported.cancel_requested)
     }
 
@@ -103,13 +118,16 @@ impl App {
         digest: &str,
         body: Body,
     ) -> Result<()> {
+        self.require_lease(attempt).await?;
         let limit = self.options.limits.checkpoint_bytes;
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
         let (store, renew) = (self.store.clone(), self.options.lease());
-        super::run_to_completion(async move {
-            store.jobs().save_checkpoint(attempt.lease, content, renew).await
-        })
-        .await
+        self.change(
+            async move { store.jobs().save_checkpoint(attempt.lease, content, renew).await },
+        )
+        .await?;
+        self.dispatch.seen(attempt.worker);
+        Ok(())
     }
 
     pub(crate) async fn complete_fit(
@@ -119,18 +137,16 @@ impl App {
         digest: &str,
         body: Body,
     ) -> Result<TwinId> {
-        if !(facts.fps.is_finite() && facts.fps > 0.0) {
-            return Err(Error::invalid("fps", "must be positive and finite"));
-        }
-        if serde_json::from_str::<serde::de::IgnoredAny>(&facts.quality).is_err() {
-            return Err(Error::invalid("quality_json", "is not JSON"));
-        }
+        self.require_lease(attempt).await?;
         let limit = self.options.limits.twin_bytes;
         let content = self.receive(body, limit, super::digest(digest)?, |_| ()).await?;
+        let found = self.check_twin(&content).await?;
+        results::compare_facts(&facts, &found)?;
+        let facts = found;
         let store = self.store.clone();
         let complete =
             async move { store.jobs().complete_fit(attempt.lease, &facts, content).await };
-        let twin = super::run_to_completion(complete).await?;
+        let twin = self.change(complete).await?;
         self.dispatch.set_job(attempt.worker, Kind::Fit, None);
         self.metrics.job_ended(Kind::Fit, "succeeded");
         tracing::info!(fit = %attempt.lease.job, %twin, "fit succeeded");
@@ -138,15 +154,24 @@ impl App {
     }
 
     pub(crate) async fn end_attempt(&self, attempt: Attempt, end: AttemptEnd) -> Result<()> {
+        self.require_lease(attempt).await?;
         let store = self.store.clone();
         let change = async move { store.jobs().end_attempt(attempt.lease, end).await };
-        let job = super::run_to_completion(change).await?;
+        let job = self.change(change).await?;
         self.record_end(attempt.worker, &job);
         Ok(())
     }
 
-    /// Opens the content that a worker asks for.
-    pub(crate) async fn download(&self, what: Downloadable) -> Result<Content> {
+    /// Opens the content that a worker asks for, if one of its jobs needs it.
+    pub(crate) async fn download(
+        &self,
+        worker: Option<WorkerId>,
+        what: Downloadable,
+    ) -> Result<Content> {
+        let unknown = || Error::WorkerUnknown("the worker that calls".to_owned());
+        if !self.needs(worker.ok_or_else(unknown)?, what).await? {
+            return Err(Error::NotLeased(what.to_string()));
+        }
         Ok(match what {
             Downloadable::Capture(id) => self.store.captures().content(id).await?.1,
             Downloadable::Observation(id) => self.store.captures().observation_content(id).await?.1,
@@ -155,27 +180,57 @@ impl App {
         })
     }
 
+    /// True if the content belongs to a job that the worker has, or to the rollouts that any may
+    /// get: of twins, some of which begin at a frame of their capture.
+    async fn needs(&self, worker: WorkerId, what: Downloadable) -> Result<bool> {
+        let held = self.store.jobs().held_by(worker).await?;
+        let has_capture = |id: CaptureId| held.iter().any(|job| job.capture == id);
+        Ok(match what {
+            Downloadable::Twin(_) => true,
+            Downloadable::Checkpoint(id) => held.iter().any(|job| job.id == id),
+            Downloadable::Capture(id) => has_capture(id),
+            Downloadable::Observation(id) if has_capture(id) => true,
+            Downloadable::Observation(id) => {
+                let first = PageRequest { size: 1, ..PageRequest::default() };
+                !self.store.twins().list(&first, Some(id)).await?.items.is_empty()
+            }
+        })
+    }
+
+    /// Refuses an attempt whose lease another worker has: the epoch of a lease is no secret.
+    pub(super) async fn require_lease(&self, attempt: Attempt) -> Result<()> {
+        let Lease { job, epoch } = attempt.lease;
+        let row = self.store.jobs().get(job).await?;
+        // What has ended is repeated or refused by the store.
+        if row.state == State::Running && row.worker != Some(attempt.worker) {
+            return Err(bendtwin_store::Error::StaleLease { job, epoch }.into());
+        }
+        Ok(())
+    }
+
     /// Ends the attempts of a worker process that has ended: its jobs go back at once. If the
     /// server itself ended it, the attempts do not count.
     pub(crate) async fn worker_gone(&self, worker: WorkerId) -> Result<()> {
+        let loss =
+            if self.stopping.is_cancelled() { Loss::Server } else { self.dispatch.loss(worker) };
         self.dispatch.remove(worker);
-        let counts = !self.stopping.is_cancelled();
-        for job in self.store.jobs().forfeit(worker, counts).await? {
+        for job in self.store.jobs().forfeit(worker, loss).await? {
             self.note_end(&job);
         }
         self.store.workers().forget(worker).await?;
         Ok(())
     }
 
-    /// Ends the attempts of workers that fell silent, and forgets them.
-    pub(crate) async fn sweep(&self) -> Result<()> {
-        for job in self.store.jobs().sweep().await? {
-            self.note_end(&job);
-        }
-        for worker in self.dispatch.silent(self.options.lease()) {
+    /// Lets the time of leases pass, ends the attempts of workers that fell silent, and forgets
+    /// them.
+    pub(crate) async fn sweep(&self, terms: LeaseTerms) -> Result<()> {
+        // Renewals of leases are signs of life, so the leases of these have run out as well.
+        for worker in self.dispatch.silent(terms.lease) {
             tracing::warn!(%worker, "worker fell silent");
-            self.dispatch.remove(worker);
-            self.store.workers().forget(worker).await?;
+            self.worker_gone(worker).await?;
+        }
+        for job in self.store.jobs().sweep(terms, |worker| self.dispatch.loss(worker)).await? {
+            self.note_end(&job);
         }
         Ok(())
     }

@@ -1,9 +1,9 @@
 //! Twins: read, exported, imported.
 
-use bendtwin_core::{Twin as TwinFile, ids::TwinId};
-use bendtwin_store::{Content, NewTwin, Page, PageRequest, Twin, TwinFacts};
+use bendtwin_core::ids::TwinId;
+use bendtwin_store::{Content, NewTwin, Page, PageRequest, Twin};
 
-use super::{App, Body, Error, Result};
+use super::{App, Body, Result};
 
 /// A requested import of a twin file.
 pub(crate) struct TwinUpload {
@@ -20,21 +20,14 @@ impl App {
         let display_name = super::display_name(upload.display_name)?;
         let request_id = super::request_id(upload.request_id)?;
         let digest = super::digest(&upload.digest)?;
+        self.require_room(0)?;
         let limit = self.options.limits.twin_bytes;
         let _buffers = self.memory.upload().await?;
         let content = self.receive(upload.body, limit, digest, |_| ()).await?;
-        // Only now, so that a slow upload holds no memory.
-        let share = self.memory.twin_file(content.size_bytes()).await?;
-        let bytes = content.read().await?;
-        let facts = tokio::task::spawn_blocking(move || {
-            let _share = share;
-            TwinFile::decode(&bytes).map_err(Error::from).and_then(|twin| facts(&twin))
-        })
-        .await
-        .map_err(|e| Error::Internal(format!("reading an imported twin: {e}")))??;
+        let facts = self.check_twin(&content).await?;
         let new = NewTwin { display_name, request_id, facts, content };
         let store = self.store.clone();
-        super::run_to_completion(async move { store.twins().create(new).await }).await
+        self.change(async move { store.twins().create(new).await }).await
     }
 
     pub(crate) async fn twin(&self, name: &str) -> Result<Twin> {
@@ -52,23 +45,8 @@ impl App {
     pub(crate) async fn delete_twin(&self, name: &str) -> Result<()> {
         let id: TwinId = super::name(name)?;
         let store = self.store.clone();
-        super::run_to_completion(async move { store.twins().delete(id).await }).await?;
+        self.change(async move { store.twins().delete(id).await }).await?;
         self.dispatch.forget_twin(id);
         Ok(())
     }
-}
-
-/// The facts of a twin that listings show.
-fn facts(twin: &TwinFile) -> Result<TwinFacts> {
-    let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-    Ok(TwinFacts {
-        node_count: count(twin.graph.node_count()),
-        spring_count: count(twin.graph.springs.len()),
-        triplet_count: count(twin.graph.triplets.len()),
-        control_count: count(twin.graph.control_count()),
-        fps: twin.timing.fps,
-        substeps: twin.timing.substeps,
-        quality: serde_json::to_string(&twin.quality)
-            .map_err(|e| Error::Internal(e.to_string()))?,
-    })
 }

@@ -28,10 +28,10 @@ impl App {
                 Ok(Some(chunk)) => {
                     let chunk = chunk?;
                     tap(&chunk);
-                    upload.write(chunk).await?;
+                    upload.write(chunk).await.inspect_err(|error| self.write_failed(error))?;
                 }
             }
         }
-        Ok(upload.finish(expected).await?)
+        Ok(upload.finish(expected).await.inspect_err(|error| self.write_failed(error))?)
     }
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use bendtwin_core::{Category, Problem as _};
 use bendtwin_store::{
-    NewResumableUpload, ResumableUpload, UploadBounds, UploadState, UploadWriter,
+    NewResumableUpload, Page, PageRequest, ResumableUpload, UploadBounds, UploadState, UploadWriter,
 };
 use futures::StreamExt as _;
 use tracing::Instrument as _;
@@ -19,10 +19,17 @@ use super::{App, Body, Error, Result};
 pub(crate) use checksum::{ALGORITHMS, Checksum};
 use metadata::Metadata;
 
+/// Display name of the capture that an upload with this metadata would become.
+pub(crate) fn capture_name(metadata: &str) -> Result<String> {
+    super::display_name(Metadata::parse(metadata)?.capture_name())
+}
+
 /// Time for which a request waits for the request before it to release the upload.
 const CLAIM_TIMEOUT: Duration = Duration::from_secs(10);
 /// Number of bytes after which received content is made durable.
 const COMMIT_BYTES: u64 = 32 << 20;
+/// Received bytes below which an upload is soon given up.
+const FEW_BYTES: u64 = 1 << 20;
 
 /// A requested upload.
 pub(crate) struct NewUpload {
@@ -59,9 +66,15 @@ impl App {
             expected_digest: super::digest(&metadata.digest)?,
             metadata: new.metadata,
             length_bytes: new.length_bytes,
-            keep: self.options.upload_expiry(),
+            keep: self.options.upload_start(),
+            remember: self.options.upload_expiry(),
         };
+        self.require_room(new.length_bytes.unwrap_or(0))?;
         Ok(self.store.uploads().create(new, self.upload_bounds()).await?)
+    }
+
+    pub(crate) async fn uploads(&self, page: &PageRequest) -> Result<Page<ResumableUpload>> {
+        Ok(self.store.uploads().list(page).await?)
     }
 
     /// An upload in its current state; a request that sends to it is not interrupted.
@@ -101,7 +114,8 @@ impl App {
         let (app, id) = (self.clone(), super::name(name)?);
         run_detached(async move {
             let writer = app.store.uploads().claim(id, CLAIM_TIMEOUT).await?;
-            writer.end("it was terminated: begin a new one", app.options.upload_expiry()).await?;
+            let keep = app.keep(writer.upload().offset_bytes, None);
+            writer.end("it was terminated: begin a new one", keep).await?;
             tracing::info!(upload = %id, "upload terminated");
             Ok(())
         })
@@ -137,13 +151,13 @@ impl App {
         if append.size_bytes.is_some_and(|n| n > room) {
             return Err(Error::UploadTooLong { limit: offset + room });
         }
-        let keep = self.options.upload_expiry();
+        self.require_room(append.size_bytes.unwrap_or(0))?;
         let received = self.receive_into(writer, append, room).await;
         let arrived = writer.pending();
         // A checksum vouches for all or nothing, and after an error of the disk nothing is sure.
         let kept = match &received {
             Ok(()) | Err(Interrupted { keep_it: true, .. }) => {
-                writer.commit(keep).await.map(|()| true)
+                self.commit(writer).await.map(|()| true)
             }
             Err(_) => Ok(false),
         };
@@ -168,7 +182,6 @@ impl App {
         let _buffers = buffers.map_err(|error| Interrupted { error, keep_it: true })?;
         let (mut body, mut checksum) = (append.body, append.checksum);
         let idle = self.options.limits.upload_idle();
-        let keep = self.options.upload_expiry();
         let broken = |error: Error, checksum: &Option<Checksum>| Interrupted {
             error,
             keep_it: checksum.is_none(),
@@ -204,13 +217,39 @@ impl App {
             writer.write(&chunk).await.map_err(lost)?;
             if checksum.is_none() && writer.pending() >= COMMIT_BYTES {
                 let pending = writer.pending();
-                writer.commit(keep).await.map_err(lost)?;
+                self.commit(writer).await.map_err(lost)?;
                 self.metrics.upload_bytes(pending);
+                let has_room = self.has_room(writer).await;
+                left = left.min(has_room.map_err(|error| broken(error, &checksum))?);
             }
         }
         match checksum.map(Checksum::verify).transpose() {
             Ok(_) => Ok(()),
             Err(error) => Err(Interrupted { error, keep_it: false }),
+        }
+    }
+
+    /// Room on the disk and among all uploads for those bytes of an upload that are missing.
+    async fn has_room(&self, writer: &UploadWriter) -> Result<u64> {
+        self.require_room(0)?;
+        let limit = self.options.limits.capture_bytes;
+        Ok(writer.room(limit, self.upload_bounds()).await?)
+    }
+
+    async fn commit(&self, writer: &mut UploadWriter) -> bendtwin_store::Result<()> {
+        let upload = writer.upload();
+        let bytes = upload.offset_bytes + writer.pending();
+        let keep = self.keep(bytes, upload.length_bytes);
+        writer.commit(keep).await.inspect_err(|error| self.write_failed(error))
+    }
+
+    /// Time for which an upload of so many bytes is kept without further ones. To send a few again
+    /// costs little, and uploads of which only a few come cost their sender little.
+    fn keep(&self, bytes: u64, length_bytes: Option<u64>) -> Duration {
+        if bytes < FEW_BYTES && length_bytes != Some(bytes) {
+            self.options.upload_start()
+        } else {
+            self.options.upload_expiry()
         }
     }
 

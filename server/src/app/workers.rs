@@ -1,7 +1,7 @@
 //! Workers: their registration, and what users see of them.
 
 use bendtwin_core::ids::WorkerId;
-use bendtwin_store::NewWorker;
+use bendtwin_store::{Loss, NewWorker};
 
 use super::{App, Error, Result};
 use crate::{dispatch::WorkerView, tokens::Bearer};
@@ -61,12 +61,12 @@ impl App {
                     if let Err(error) = self.dispatch.add(worker, None, token) {
                         // It registers again if it is alive.
                         tracing::warn!(worker = %id, %error, "cannot take a worker up again");
-                        self.store.jobs().forfeit(id, false).await?;
+                        self.store.jobs().forfeit(id, Loss::Server).await?;
                         self.store.workers().forget(id).await?;
                     }
                 }
                 _ => {
-                    self.store.jobs().forfeit(id, false).await?;
+                    self.store.jobs().forfeit(id, Loss::Server).await?;
                     self.store.workers().forget(id).await?;
                 }
             }

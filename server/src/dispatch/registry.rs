@@ -20,6 +20,7 @@ use tonic::{
 };
 
 use super::{
+    executing::Executing,
     line::{Ask, Line},
     route::Candidate,
 };
@@ -45,12 +46,22 @@ pub(super) struct Entry {
     pub(super) line: Line,
     client: WorkerRolloutsClient<Channel>,
     token: AsciiMetadataValue,
+    /// Rollouts that it has taken.
+    pub(super) executing: Executing,
+}
+
+/// The time of day, and the time of leases: [`bendtwin_store::Store::lease_time`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Now {
+    pub(super) day: Timestamp,
+    pub(super) lease: Duration,
 }
 
 /// Facts that change while a worker lives.
 #[derive(Debug)]
 pub(super) struct Live {
-    pub(super) last_heartbeat: Instant,
+    /// Last sign of life, by the time of leases.
+    last_sign: Duration,
     last_seen: Timestamp,
     warm: Vec<TwinId>,
     in_flight: u32,
@@ -107,7 +118,7 @@ impl Entry {
         child: Option<Child>,
         token: &str,
         limits: &Limits,
-        now: Timestamp,
+        now: Now,
     ) -> Result<Self> {
         let url = &worker.registration.endpoint;
         let channel = Endpoint::from_shared(url.clone())
@@ -128,8 +139,8 @@ impl Entry {
             AsciiMetadataValue::try_from(format!("Bearer {token}")).map_err(|_| Error::BadToken)?;
         token.set_sensitive(true);
         let live = Live {
-            last_heartbeat: Instant::now(),
-            last_seen: now,
+            last_sign: now.lease,
+            last_seen: now.day,
             warm: Vec::new(),
             in_flight: 0,
             memory: None,
@@ -145,6 +156,7 @@ impl Entry {
             line: Line::new(limits.rollouts_per_worker, limits.rollout_queue),
             client,
             token,
+            executing: Executing::default(),
         })
     }
 
@@ -161,14 +173,19 @@ impl Entry {
         self.live.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn heartbeat(&self, now: Timestamp, heartbeat: Heartbeat) {
+    pub(super) fn heartbeat(&self, now: Now, heartbeat: Heartbeat) {
+        self.executing.is_alive(heartbeat.in_flight);
+        self.seen(now);
         let mut live = self.live();
-        live.last_heartbeat = Instant::now();
-        live.last_seen = now;
         live.warm = heartbeat.warm;
         live.in_flight = heartbeat.in_flight;
         live.memory = heartbeat.memory;
         live.fit_bytes = heartbeat.fit_bytes;
+    }
+
+    pub(super) fn seen(&self, now: Now) {
+        let mut live = self.live();
+        (live.last_sign, live.last_seen) = (now.lease, now.day);
     }
 
     /// The worker answered a rollout of this twin: it has it loaded.
@@ -193,13 +210,17 @@ impl Entry {
         (bytes > 0).then_some(FitRoom { bytes, lanes })
     }
 
-    pub(super) fn candidate(&self, twin: TwinId, ask: &Ask, fresh: Duration) -> Candidate {
+    /// Time without a sign of life, given the time of leases.
+    pub(super) fn silence(&self, now: Duration) -> Duration {
+        now.saturating_sub(self.live().last_sign)
+    }
+
+    pub(super) fn candidate(&self, twin: TwinId, ask: &Ask, is_fresh: bool) -> Candidate {
         let live = self.live();
-        let now = Instant::now();
-        let broken = live.broken_until.is_some_and(|until| until > now);
+        let broken = live.broken_until.is_some_and(|until| until > Instant::now());
         Candidate {
             worker: self.id(),
-            usable: !broken && now.duration_since(live.last_heartbeat) <= fresh,
+            usable: !broken && is_fresh,
             warm: live.warm.contains(&twin),
             has_room: self.line.has_room(ask),
             ahead_s: self.line.ahead_s(),

@@ -1,6 +1,7 @@
 //! The steps of a rollout: check it, choose a worker, wait for a slot, pass the parts
-//! on. A worker that breaks down before its first part is replaced once; a
-//! caller that goes away drops the stream, and with it the worker's work.
+//! on. A worker that cannot be reached is replaced once. One that took the rollout and
+//! broke down is not: the rollout may be the cause, and would end the next worker as well.
+//! A caller that goes away drops the stream, and with it the worker's work.
 
 use std::{pin::Pin, sync::Arc, time::Duration};
 
@@ -20,8 +21,10 @@ use tonic_types::StatusExt as _;
 
 use super::{
     Dispatch,
+    executing::Sent,
     line::{Ask, Place},
     registry::Entry,
+    untaken::was_not_taken,
 };
 use crate::{
     context::Context,
@@ -54,14 +57,21 @@ pub(crate) struct RollOut {
 /// Held until a reply has been sent: its memory, and the place in the worker's line.
 #[derive(Clone, Debug)]
 pub(crate) struct Held {
-    _share: Arc<Share>,
-    _place: Option<Arc<Place>>,
+    share: Arc<Share>,
+    place: Option<Arc<Place>>,
 }
 
 impl Held {
     /// The memory alone: the next rollout may start while this reply, written already, is sent.
     pub(crate) fn memory(self) -> Self {
-        Self { _place: None, ..self }
+        Self { place: None, ..self }
+    }
+
+    /// The memory, to be held by the bytes for as long as they are anywhere, and the place, to be
+    /// held by the body: what a connection has buffered and nobody reads must not keep a worker
+    /// from others.
+    pub(crate) fn apart(self) -> (Arc<Share>, impl Send + Sync + 'static) {
+        (self.share, self.place)
     }
 }
 
@@ -86,6 +96,7 @@ struct Running {
     entry: Arc<Entry>,
     /// Held until the last part has come.
     place: Arc<Place>,
+    sent: Sent,
     started: Instant,
     queued: Duration,
     /// Time that the worker has computed, as it says [s].
@@ -108,7 +119,7 @@ impl Dispatch {
     pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<Whole> {
         let InParts { mut parts, held } =
             self.parts(RollOut { in_parts: false, ..rollout }).await?;
-        let response = parts.next().await.ok_or(Error::WorkerLost)??;
+        let response = parts.next().await.ok_or(Error::WorkerEnded)??;
         match parts.next().await {
             None => Ok(Whole { response, held }),
             Some(Ok(_)) => Err(Error::Internal("the worker split a reply".to_owned())),
@@ -144,7 +155,7 @@ impl Dispatch {
         // The worker has all of the request.
         drop(memory);
         let place = Some(Arc::clone(&running.place));
-        let held = Held { _share: Arc::new(share), _place: place };
+        let held = Held { share: Arc::new(share), place };
         let rest = stream::unfold(Some(running), |running| async {
             let mut running = running?;
             match running.next().await {
@@ -190,7 +201,7 @@ impl Dispatch {
         checked.map_err(|e| Error::Internal(format!("the check of a rollout: {e}")))?
     }
 
-    /// Gets a worker to send a first part: a second one if the first breaks down.
+    /// Gets a worker to send a first part: a second one if the first cannot be reached.
     async fn start(
         &self,
         twin: TwinId,
@@ -223,7 +234,7 @@ impl Dispatch {
         }
     }
 
-    /// None if the worker cannot be reached or broke down.
+    /// None if the worker cannot be reached, so that it has not taken the rollout.
     async fn start_at(
         &self,
         entry: &Arc<Entry>,
@@ -244,11 +255,14 @@ impl Dispatch {
         call.metadata_mut().insert(rollout::REQUEST_BYTES, length.into());
         call.metadata_mut().insert("authorization", token);
         call.set_timeout(deadline.saturating_duration_since(Instant::now()));
+        let mut sent = entry.executing.send();
         let replies = match client.roll_out(call).await {
             Ok(replies) => replies.into_inner(),
-            Err(status) if is_late(deadline) => return Err(late(&status)),
-            Err(status) if is_breakdown(&status) => return Ok(None),
-            Err(status) => return Err(failure(&status)),
+            Err(status) if was_not_taken(&status) => {
+                sent.answered();
+                return if is_late(deadline) { Err(late(&status)) } else { Ok(None) };
+            }
+            Err(status) => return Err(ended(entry, &mut sent, deadline, &status)),
         };
         let (entry, metrics) = (entry.clone(), self.metrics.clone());
         let outcome = "abandoned";
@@ -257,6 +271,7 @@ impl Dispatch {
             replies,
             entry,
             place,
+            sent,
             started,
             queued,
             computed_s,
@@ -273,10 +288,8 @@ impl Dispatch {
                 };
                 Ok(Some((first, running)))
             }
-            Ok(None) => Ok(None),
-            Err(status) if is_late(deadline) => Err(late(&status)),
-            Err(status) if is_breakdown(&status) => Ok(None),
-            Err(status) => Err(failure(&status)),
+            Ok(None) => Err(Error::WorkerEnded),
+            Err(status) => Err(running.ended(&status)),
         }
     }
 }
@@ -287,13 +300,12 @@ impl Running {
         let received = tokio::time::timeout_at(self.deadline, self.receive()).await;
         match received.map_err(|_| Error::Deadline)? {
             Ok(part) => Ok(part),
-            Err(status) if is_late(self.deadline) => Err(late(&status)),
-            Err(status) if is_breakdown(&status) => {
-                self.entry.broke();
-                Err(Error::WorkerLost)
-            }
-            Err(status) => Err(failure(&status)),
+            Err(status) => Err(self.ended(&status)),
         }
+    }
+
+    fn ended(&mut self, status: &Status) -> Error {
+        ended(&self.entry, &mut self.sent, self.deadline, status)
     }
 
     async fn receive(&mut self) -> Result<Option<RollOutResponse>, Status> {
@@ -302,6 +314,7 @@ impl Running {
         match &part {
             Ok(None) => {
                 self.outcome = "done";
+                self.sent.answered();
                 // No worker computes for longer than it was asked to.
                 let most = self.started.elapsed().as_secs_f64();
                 self.place.computed(self.computed_s.min(most));
@@ -333,6 +346,20 @@ fn passes(request: &RollOutRequest, batch: &Batch) -> f64 {
 fn is_late(deadline: Instant) -> bool {
     const SLACK: Duration = Duration::from_millis(2);
     Instant::now() + SLACK >= deadline
+}
+
+/// The error of a rollout that a worker took, from the status in which that ended.
+fn ended(entry: &Entry, sent: &mut Sent, deadline: Instant, status: &Status) -> Error {
+    if is_late(deadline) {
+        return late(status);
+    }
+    if is_breakdown(status) {
+        tracing::warn!(worker = %entry.id(), %status, "worker broke down during a rollout");
+        entry.broke();
+        return Error::WorkerEnded;
+    }
+    sent.answered();
+    failure(status)
 }
 
 fn late(status: &Status) -> Error {

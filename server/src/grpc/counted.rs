@@ -61,11 +61,15 @@ where
             };
             let mut request = http::Request::from_parts(parts, Body::new(Full::new(bytes)));
             request.extensions_mut().insert(memory);
-            let response = inner.call(request).await?;
-            Ok(match response.extensions().get::<Held>().cloned() {
+            let mut response = inner.call(request).await?;
+            Ok(match response.extensions_mut().remove::<Held>() {
                 Some(held) => response.map(|body| {
-                    let hold = move |bytes: Bytes| bendtwin_budget::held(bytes, held.clone());
-                    Body::new(body.map_frame(move |frame| frame.map_data(&hold)))
+                    let (share, place) = held.apart();
+                    let hold = move |bytes: Bytes| bendtwin_budget::held(bytes, share.clone());
+                    Body::new(body.map_frame(move |frame| {
+                        let _place = &place;
+                        frame.map_data(&hold)
+                    }))
                 }),
                 None => response,
             })

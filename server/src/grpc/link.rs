@@ -1,9 +1,10 @@
 //! `bendtwin.worker.v1.WorkerLink`: calls of workers to the server. Their token has been checked
-//! before ([`TokenCheck`](super::token::TokenCheck)).
+//! before ([`TokenCheck`](super::token::TokenCheck)); here every worker that a call names is
+//! compared with the key that the call shows.
 
 use std::time::Duration;
 
-use bendtwin_core::{Category, Fault, ids::WorkerId};
+use bendtwin_core::{Category, Fault};
 use bendtwin_proto::worker::v1::{
     CompleteFitRequest, CompleteFitResponse, DownloadRequest, DownloadResponse, EndIngestRequest,
     EndIngestResponse, FailJobRequest, FailJobResponse, HeartbeatRequest, HeartbeatResponse,
@@ -27,13 +28,13 @@ use crate::{
     tokens::Bearer,
 };
 
-fn attempt(worker: &str, job: &str, epoch: u64) -> app::Result<Attempt> {
+fn attempt(shown: &Shown, worker: &str, job: &str, epoch: u64) -> app::Result<Attempt> {
     let lease = Lease { job: app::name(job)?, epoch };
-    Ok(Attempt { worker: app::name(worker)?, lease })
+    Ok(Attempt { worker: shown.worker(worker)?, lease })
 }
 
-fn attempt_of(job: &JobWrite) -> app::Result<Attempt> {
-    attempt(&job.worker, &job.job, job.epoch)
+fn attempt_of(shown: &Shown, job: &JobWrite) -> app::Result<Attempt> {
+    attempt(shown, &job.worker, &job.job, job.epoch)
 }
 
 fn lease_of(leased: Leased) -> LeaseMessage {
@@ -46,6 +47,7 @@ fn lease_of(leased: Leased) -> LeaseMessage {
         capture_digest: capture.digest.to_hex().to_string(),
         settings_json: job.settings,
         has_checkpoint: job.checkpoint.is_some(),
+        checkpoint_digest: job.checkpoint.map(|d| d.to_hex().to_string()).unwrap_or_default(),
         request_id: job.request_id.unwrap_or_default(),
         trace_parent: job.trace_parent.unwrap_or_default(),
         observation_digest: observation.map(|o| o.digest.to_hex().to_string()).unwrap_or_default(),
@@ -58,19 +60,19 @@ impl WorkerLink for Api {
         &self,
         request: Request<RegisterRequest>,
     ) -> Result<Response<RegisterResponse>, Status> {
-        let Shown { bearer, token } = token::shown(&request)?;
+        let shown = token::shown(&request)?;
         let r = request.into_inner();
         let short = |text: String| text.chars().filter(|c| !c.is_control()).take(200).collect();
         let new = NewWorker {
-            id: app::name(&r.worker)?,
+            id: shown.worker(&r.worker)?,
             endpoint: r.endpoint,
             backend: short(r.backend),
             device: short(r.device),
             build: short(r.build),
             lanes: r.lanes,
-            supervised: matches!(bearer, Bearer::Child(_)),
+            supervised: matches!(shown.bearer, Bearer::Child(_)),
         };
-        self.app.register_worker(new, bearer, &token).await?;
+        self.app.register_worker(new, shown.bearer, &shown.token).await?;
         Ok(Response::new(RegisterResponse {
             heartbeat_interval_s: self.app.options.heartbeat_interval_s,
             lease_s: self.app.options.lease_s,
@@ -82,11 +84,11 @@ impl WorkerLink for Api {
         &self,
         request: Request<HeartbeatRequest>,
     ) -> Result<Response<HeartbeatResponse>, Status> {
-        let Shown { bearer, .. } = token::shown(&request)?;
+        let shown = token::shown(&request)?;
         // Workers that others started outlive a restart of the server.
-        let drain = self.app.stopping.is_cancelled() && matches!(bearer, Bearer::Child(_));
+        let drain = self.app.stopping.is_cancelled() && matches!(shown.bearer, Bearer::Child(_));
         let r = request.into_inner();
-        let worker: WorkerId = app::name(&r.worker)?;
+        let worker = shown.worker(&r.worker)?;
         let warm = r.warm_twins.iter().map(|t| app::name(t)).collect::<app::Result<_>>()?;
         let memory = (r.memory_total_bytes > 0)
             .then_some(Memory { used: r.memory_used_bytes, total: r.memory_total_bytes });
@@ -102,7 +104,9 @@ impl WorkerLink for Api {
         &self,
         request: Request<LeaseJobRequest>,
     ) -> Result<Response<LeaseJobResponse>, Status> {
+        let shown = token::shown(&request)?;
         let r = request.into_inner();
+        let worker = shown.worker(&r.worker)?;
         let wait = Duration::try_from_secs_f64(r.wait_s)
             .map_err(|_| Error::invalid("wait_s", "is negative, too large or not a number"))?;
         let kind = match r.kind() {
@@ -112,7 +116,7 @@ impl WorkerLink for Api {
                 return Err(Error::invalid("kind", "is none that this server knows").into());
             }
         };
-        let leased = self.app.lease_job(kind, app::name(&r.worker)?, wait).await?;
+        let leased = self.app.lease_job(kind, worker, wait).await?;
         Ok(Response::new(LeaseJobResponse { lease: leased.map(lease_of) }))
     }
 
@@ -120,8 +124,9 @@ impl WorkerLink for Api {
         &self,
         request: Request<ReportJobRequest>,
     ) -> Result<Response<ReportJobResponse>, Status> {
+        let shown = token::shown(&request)?;
         let r = request.into_inner();
-        let attempt = attempt(&r.worker, &r.job, r.epoch)?;
+        let attempt = attempt(&shown, &r.worker, &r.job, r.epoch)?;
         let progress = r.progress.map(convert::read_progress).transpose()?;
         let cancel_requested = self.app.report_job(attempt, progress.as_ref()).await?;
         Ok(Response::new(ReportJobResponse { cancel_requested }))
@@ -131,13 +136,14 @@ impl WorkerLink for Api {
         &self,
         request: Request<Streaming<SaveCheckpointRequest>>,
     ) -> Result<Response<SaveCheckpointResponse>, Status> {
+        let shown = token::shown(&request)?;
         let (job, body) = upload::open(request.into_inner(), |m| match m.part {
             Some(save_checkpoint_request::Part::Metadata(m)) => upload::Part::Metadata(m),
             Some(save_checkpoint_request::Part::Chunk(c)) => upload::Part::Chunk(c),
             None => upload::Part::Neither,
         })
         .await?;
-        self.app.save_checkpoint(attempt_of(&job)?, &job.digest, body).await?;
+        self.app.save_checkpoint(attempt_of(&shown, &job)?, &job.digest, body).await?;
         Ok(Response::new(SaveCheckpointResponse {}))
     }
 
@@ -145,6 +151,7 @@ impl WorkerLink for Api {
         &self,
         request: Request<Streaming<CompleteFitRequest>>,
     ) -> Result<Response<CompleteFitResponse>, Status> {
+        let shown = token::shown(&request)?;
         let (twin, body) = upload::open(request.into_inner(), |m| match m.part {
             Some(complete_fit_request::Part::Metadata(m)) => upload::Part::Metadata(m),
             Some(complete_fit_request::Part::Chunk(c)) => upload::Part::Chunk(c),
@@ -161,7 +168,8 @@ impl WorkerLink for Api {
             substeps: twin.substeps,
             quality: twin.quality_json,
         };
-        let twin = self.app.complete_fit(attempt_of(&job)?, facts, &job.digest, body).await?;
+        let attempt = attempt_of(&shown, &job)?;
+        let twin = self.app.complete_fit(attempt, facts, &job.digest, body).await?;
         Ok(Response::new(CompleteFitResponse { twin: twin.to_string() }))
     }
 
@@ -170,6 +178,7 @@ impl WorkerLink for Api {
         request: Request<Streaming<EndIngestRequest>>,
     ) -> Result<Response<EndIngestResponse>, Status> {
         use end_ingest_request::Part;
+        let shown = token::shown(&request)?;
         let mut messages = request.into_inner();
         let broken = |status: Status| Error::UploadBroken(status.message().to_owned());
         let first = messages.message().await.map_err(broken)?;
@@ -184,7 +193,7 @@ impl WorkerLink for Api {
             Ok(_) => Err(Error::invalid("part", "must be in every message after the first")),
             Err(status) => Err(broken(status)),
         });
-        let attempt = attempt_of(&made.job.unwrap_or_default())?;
+        let attempt = attempt_of(&shown, &made.job.unwrap_or_default())?;
         let upload = IngestUpload {
             verdict: made.verdict,
             observation_digest: made.observation_digest,
@@ -201,8 +210,9 @@ impl WorkerLink for Api {
         &self,
         request: Request<FailJobRequest>,
     ) -> Result<Response<FailJobResponse>, Status> {
+        let shown = token::shown(&request)?;
         let r = request.into_inner();
-        let attempt = attempt(&r.worker, &r.job, r.epoch)?;
+        let attempt = attempt(&shown, &r.worker, &r.job, r.epoch)?;
         let fault = r.fault.as_ref().map_or_else(
             || Fault {
                 category: Category::Internal,
@@ -216,6 +226,7 @@ impl WorkerLink for Api {
             End::Cancelled => AttemptEnd::Cancelled,
             End::FailedForGood => AttemptEnd::FailedForGood(fault),
             End::Failed => AttemptEnd::Failed(fault),
+            End::Interrupted => AttemptEnd::Interrupted(fault),
             End::Unspecified => {
                 return Err(Error::invalid("end", "is none that this server knows").into());
             }
@@ -230,7 +241,10 @@ impl WorkerLink for Api {
         &self,
         request: Request<DownloadRequest>,
     ) -> Result<Response<Self::DownloadStream>, Status> {
-        let content = self.app.download(request.get_ref().name.parse()?).await?;
+        let shown = token::shown(&request)?;
+        let what = request.get_ref().name.parse()?;
+        let worker = self.app.dispatch.find(|worker| shown.is(worker));
+        let content = self.app.download(worker, what).await?;
         Ok(Response::new(chunks(content, |chunk| DownloadResponse { chunk })))
     }
 }

@@ -1,5 +1,7 @@
-//! The worker token, checked before a call of `WorkerLink` is decoded.
+//! The worker token and the worker's key, checked before a call of `WorkerLink` is decoded.
 
+use bendtwin_core::ids::WorkerId;
+use bendtwin_proto::worker_key;
 use tonic::{Request, Status, service::Interceptor};
 
 use crate::{
@@ -12,23 +14,42 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(super) struct TokenCheck(pub(super) App);
 
-/// A valid token, as a call showed it.
+/// A valid token, as a call showed it, and the key of the worker that calls.
 #[derive(Clone)]
 pub(super) struct Shown {
     pub(super) bearer: Bearer,
     pub(super) token: String,
+    key: String,
+}
+
+impl Shown {
+    /// The worker of this name, if it is the one that calls.
+    ///
+    /// # Errors
+    /// If the name is none, or the key is not that worker's.
+    pub(super) fn worker(&self, name: &str) -> app::Result<WorkerId> {
+        let worker = app::name(name)?;
+        if worker_key::proves(&self.key, worker) {
+            return Ok(worker);
+        }
+        Err(Error::WorkerKeyMismatch(worker.to_string()))
+    }
+
+    /// True if the key is the one of this worker.
+    pub(super) fn is(&self, worker: WorkerId) -> bool {
+        worker_key::proves(&self.key, worker)
+    }
 }
 
 impl Interceptor for TokenCheck {
     fn call(&mut self, mut request: Request<()>) -> Result<Request<()>, Status> {
-        let token = request
-            .metadata()
-            .get("authorization")
-            .and_then(|v| v.to_str().ok())
+        let entry = |name| request.metadata().get(name).and_then(|v| v.to_str().ok());
+        let token = entry("authorization")
             .and_then(|v| v.strip_prefix("Bearer "))
             .ok_or(Error::BadToken)?;
         let bearer = self.0.tokens.bearer(token).ok_or(Error::BadToken)?;
-        let shown = Shown { bearer, token: token.to_owned() };
+        let key = entry(worker_key::METADATA).unwrap_or_default().to_owned();
+        let shown = Shown { bearer, token: token.to_owned(), key };
         request.extensions_mut().insert(shown);
         Ok(request)
     }

@@ -9,6 +9,7 @@ use axum::{
 
 use super::{
     Result,
+    download::{download, inline},
     extract::{self, Id, Params},
     resource::{Capture, CaptureParams, Captures, NewIngest, Paging},
 };
@@ -86,13 +87,20 @@ pub(super) async fn delete(State(app): State<App>, Id(id): Id) -> Result<StatusC
 
 /// Download the archive of a capture
 #[utoipa::path(get, path = "/v1/captures/{id}/content", tag = "captures",
-    params(("id" = String, Path)),
+    params(("id" = String, Path),
+        ("Range" = Option<String>, Header, description = "One range of bytes"),
+        ("If-Range" = Option<String>, Header, description = "The ETag that the range is of")),
     responses((status = 200, body = Vec<u8>, content_type = "application/zip"),
+        (status = 206, body = Vec<u8>, content_type = "application/zip"),
         (status = "default", body = ProblemDocument)))]
-pub(super) async fn content(State(app): State<App>, Id(id): Id) -> Result<Response> {
+pub(super) async fn content(
+    State(app): State<App>,
+    Id(id): Id,
+    headers: HeaderMap,
+) -> Result<Response> {
     let (capture, content) = app.capture_content(&id).await?;
     let file_name = format!("{}.zip", capture.id.uuid());
-    Ok(super::download(content, "application/zip", &file_name))
+    download(&headers, content, "application/zip", &file_name).await
 }
 
 /// Read a capture again
@@ -133,7 +141,7 @@ pub(super) async fn cancel_ingest(State(app): State<App>, Id(id): Id) -> Result<
         (status = "default", body = ProblemDocument)))]
 pub(super) async fn report(State(app): State<App>, Id(id): Id) -> Result<Response> {
     let content = app.capture_report(&id, false).await?;
-    Ok(super::inline(content, "application/json"))
+    Ok(inline(content, "application/json"))
 }
 
 /// The report of a capture as a page
@@ -145,7 +153,7 @@ pub(super) async fn report(State(app): State<App>, Id(id): Id) -> Result<Respons
         (status = "default", body = ProblemDocument)))]
 pub(super) async fn report_page(State(app): State<App>, Id(id): Id) -> Result<Response> {
     let content = app.capture_report(&id, true).await?;
-    let mut page = super::inline(content, "text/html; charset=utf-8");
+    let mut page = inline(content, "text/html; charset=utf-8");
     page.headers_mut()
         .insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(REPORT_POLICY));
     Ok(page)
@@ -155,11 +163,18 @@ pub(super) async fn report_page(State(app): State<App>, Id(id): Id) -> Result<Re
 ///
 /// The bundle that fits read: tracked points in space, whatever the format of the capture.
 #[utoipa::path(get, path = "/v1/captures/{id}/observation", tag = "captures",
-    params(("id" = String, Path)),
+    params(("id" = String, Path),
+        ("Range" = Option<String>, Header, description = "One range of bytes"),
+        ("If-Range" = Option<String>, Header, description = "The ETag that the range is of")),
     responses((status = 200, body = Vec<u8>, content_type = "application/zip"),
+        (status = 206, body = Vec<u8>, content_type = "application/zip"),
         (status = "default", body = ProblemDocument)))]
-pub(super) async fn observation(State(app): State<App>, Id(id): Id) -> Result<Response> {
+pub(super) async fn observation(
+    State(app): State<App>,
+    Id(id): Id,
+    headers: HeaderMap,
+) -> Result<Response> {
     let (capture, _, content) = app.observation(&id).await?;
     let file_name = format!("{}-observation.zip", capture.uuid());
-    Ok(super::download(content, "application/zip", &file_name))
+    download(&headers, content, "application/zip", &file_name).await
 }

@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 use crate::{
     app::{self, App, Error},
     error::Refusal,
+    listen::is_too_slow,
     memory::{Kind, ReceiveError, Received},
 };
 
@@ -84,14 +85,20 @@ pub(super) async fn whole(
             Refusal::http_only(StatusCode::PAYLOAD_TOO_LARGE, "CONTENT_TOO_LARGE", &message)
         }
         ReceiveError::Memory(error) => error.into(),
-        ReceiveError::Broken(_) => Error::UploadBroken("the body ended early".to_owned()).into(),
+        ReceiveError::Broken(error) => broken(&error).into(),
     })
 }
 
 /// A body to be streamed.
 pub(super) fn upload_body(request: Request) -> app::Body {
-    let broken = |_| Error::UploadBroken("the body ended early".to_owned());
-    TryStreamExt::map_err(request.into_body().into_data_stream(), broken).boxed()
+    TryStreamExt::map_err(request.into_body().into_data_stream(), |e| broken(&e)).boxed()
+}
+
+fn broken(error: &(dyn std::error::Error + 'static)) -> Error {
+    if is_too_slow(error) {
+        return Error::BodyTooSlow;
+    }
+    Error::UploadBroken("the body ended early".to_owned())
 }
 
 /// The digest that an upload declares: `?digest={hex}`, `X-Content-Blake3: {hex}`

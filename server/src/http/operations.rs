@@ -10,14 +10,17 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Result;
-use crate::{app::App, dispatch::Size, error::ProblemDocument, metrics::Gauges};
+use crate::{app::App, dispatch::Size, error::ProblemDocument, metrics::Gauges, readiness::Check};
 
 /// State of the server as `/readyz` reports it.
 #[derive(Serialize, ToSchema)]
 pub(super) struct Readiness {
-    /// True if the store answers and the server is not stopping.
+    /// True if all checks are ok.
     ready: bool,
-    /// Connected workers; fits and rollouts wait while there is none.
+    /// `running`: the server is not stopping; `writes`: a change can be made to last; `disk`: there
+    /// is more free space than the floor; `workers`: at least one answers.
+    checks: Vec<Check>,
+    /// Registered workers.
     workers: usize,
     /// Rollouts under way or waiting.
     rollouts: usize,
@@ -34,10 +37,11 @@ pub(super) async fn healthz() -> &'static str {
 #[utoipa::path(get, path = "/readyz", tag = "operations",
     responses((status = 200, body = Readiness), (status = 503, body = Readiness)))]
 pub(super) async fn readyz(State(app): State<App>) -> Response {
-    let ready = !app.stopping.is_cancelled() && app.store.ping().await.is_ok();
+    let checks = app.readiness().await;
+    let ready = checks.iter().all(|check| check.ok);
     let (workers, rollouts) = app.dispatch.counts();
     let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
-    (status, Json(Readiness { ready, workers, rollouts })).into_response()
+    (status, Json(Readiness { ready, checks, workers, rollouts })).into_response()
 }
 
 /// Metrics for Prometheus
@@ -45,6 +49,8 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
     responses((status = 200, body = String, content_type = "text/plain"),
         (status = "default", body = ProblemDocument)))]
 pub(super) async fn metrics(State(app): State<App>) -> Result<Response> {
+    // Sets the gauges of readiness and of the disk.
+    app.readiness().await;
     let depth = app.store.jobs().depth().await?;
     let uploads = app.store.uploads().in_use().await?;
     let (workers, rollouts) = app.dispatch.counts();

@@ -1,12 +1,14 @@
 //! The service around every request of either transport: request id, tracing span, metrics, and an
 //! answer for handlers that panic.
 
-use std::{convert::Infallible, panic::AssertUnwindSafe, time::Instant};
+use std::{
+    collections::HashSet, convert::Infallible, panic::AssertUnwindSafe, sync::Arc, time::Instant,
+};
 
 use axum::{
     body::Body,
     extract::MatchedPath,
-    http::{HeaderValue, Request, Response, header},
+    http::{HeaderValue, Request, Response, StatusCode, header},
     response::IntoResponse,
 };
 use bendtwin_core::{Category, Fault};
@@ -14,8 +16,20 @@ use futures::FutureExt;
 use tower::ServiceExt;
 use tracing::Instrument;
 
-use super::{origin, uploads};
-use crate::{context::Context, error::Refusal, metrics::Metrics};
+use super::{origin::Hosts, uploads};
+use crate::{
+    client_token::{CHALLENGES, ClientToken},
+    deadline::{Call, Cut},
+    error::Refusal,
+    metrics::Metrics,
+};
+
+/// Paths that need no token: they tell nothing of what is stored.
+const OPEN_PATHS: [&str; 4] = ["/healthz", "/readyz", "/docs", "/openapi.json"];
+/// The service that needs no token, for the same reason.
+const OPEN_SERVICE: &str = "/grpc.health.v1.Health/";
+/// The service with a token of its own, which no page and no client has.
+const WORKER_LINK: &str = "/bendtwin.worker.v1.WorkerLink/";
 
 /// Both transports behind one service.
 #[derive(Clone)]
@@ -23,16 +37,23 @@ pub(crate) struct RootService {
     pub(crate) http: axum::Router,
     pub(crate) grpc: axum::Router,
     pub(crate) metrics: Metrics,
-    /// True if only this machine can reach the server.
-    pub(crate) loopback: bool,
+    /// Paths of all gRPC methods that there are.
+    pub(crate) methods: Arc<HashSet<String>>,
+    pub(crate) hosts: Hosts,
+    /// None if everyone may call.
+    pub(crate) token: Option<ClientToken>,
 }
 
 impl RootService {
     /// Answers one request.
-    pub(crate) async fn answer(self, request: Request<Body>) -> Result<Response<Body>, Infallible> {
+    pub(crate) async fn answer(
+        self,
+        request: Request<Body>,
+        call: &Call,
+    ) -> Result<Response<Body>, Infallible> {
         let started = Instant::now();
-        let context = Context::of(request.headers(), request.extensions());
-        let is_grpc = is_grpc(&request);
+        let Call { context, is_grpc, .. } = call;
+        let is_grpc = *is_grpc;
         let span = tracing::info_span!(
             "request",
             method = %request.method(),
@@ -40,22 +61,11 @@ impl RootService {
             request_id = context.request_id,
             trace_parent = context.trace_parent.as_deref().unwrap_or_default(),
         );
-        let router = if is_grpc { self.grpc } else { self.http };
-        // The pattern that matches, never the path itself: labels of metrics are to be few.
-        let grpc_route = is_grpc.then(|| request.uri().path().to_owned());
-        let loopback = self.loopback;
-        let answered = context.clone().scope(async move {
-            if origin::is_foreign(request.headers()) || loopback && origin::is_rebound(&request) {
-                return Ok(origin::refusal().into_response());
-            }
-            let request = uploads::with_overridden_method(request);
-            let caught = AssertUnwindSafe(router.oneshot(request)).catch_unwind().await;
-            caught.unwrap_or_else(|_| Ok(panicked(is_grpc)))
-        });
-        let mut response = match answered.instrument(span.clone()).await {
-            Ok(response) => response,
-            Err(never) => match never {},
-        };
+        // The pattern or the method that matches, never any path: labels of metrics are to be few.
+        let method = is_grpc.then(|| self.methods.get(request.uri().path()).cloned()).flatten();
+        let metrics = self.metrics.clone();
+        let answered = context.clone().scope(self.admit_and_answer(request, call));
+        let mut response = answered.instrument(span.clone()).await;
         if let Ok(id) = HeaderValue::from_str(&context.request_id) {
             response.headers_mut().insert("x-request-id", id);
         }
@@ -64,12 +74,42 @@ impl RootService {
         let code =
             if is_grpc { grpc_code(&response) } else { response.status().as_str().to_owned() };
         let matched = response.extensions().get::<Route>().map(|r| r.0.clone());
-        // Methods that do not exist share one label.
-        let grpc_route = grpc_route.filter(|_| code != UNIMPLEMENTED);
-        let route = grpc_route.or(matched).unwrap_or_else(|| "none".to_owned());
+        let route = method.or(matched).unwrap_or_else(|| "none".to_owned());
         span.in_scope(|| tracing::debug!(code, took_s = took.as_secs_f64(), "answered"));
-        self.metrics.request(transport, &route, &code, took);
+        metrics.request(transport, &route, &code, took);
         Ok(response)
+    }
+
+    async fn admit_and_answer(self, request: Request<Body>, call: &Call) -> Response<Body> {
+        if let Err(refusal) = self.admit(&request, call.is_grpc) {
+            return refused(refusal, call.is_grpc);
+        }
+        let router = if call.is_grpc { self.grpc } else { self.http };
+        let request = uploads::with_overridden_method(request);
+        let answering = AssertUnwindSafe(router.oneshot(request)).catch_unwind();
+        tokio::select! {
+            answered = answering => match answered {
+                Ok(Ok(response)) => response,
+                Ok(Err(never)) => match never {},
+                Err(_) => refused(panicked(), call.is_grpc),
+            },
+            () = call.passed() => refused(Cut::Deadline.refusal(), call.is_grpc),
+        }
+    }
+
+    /// Checks what every request has to fulfil, before it is looked at.
+    fn admit(&self, request: &Request<Body>, is_grpc: bool) -> Result<(), Refusal> {
+        let path = request.uri().path();
+        if is_grpc && path.starts_with(WORKER_LINK) {
+            return Ok(());
+        }
+        self.hosts.check(request)?;
+        let is_open =
+            if is_grpc { path.starts_with(OPEN_SERVICE) } else { OPEN_PATHS.contains(&path) };
+        match &self.token {
+            Some(token) if !is_open => token.check(request.headers()),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -90,25 +130,29 @@ pub(crate) async fn note_route(
     response
 }
 
-fn is_grpc(request: &Request<Body>) -> bool {
-    let content_type = request.headers().get(header::CONTENT_TYPE);
-    content_type.is_some_and(|v| v.as_bytes().starts_with(b"application/grpc"))
-}
-
-/// The number of the gRPC code.
-const UNIMPLEMENTED: &str = "12";
-
 /// The code of a call that failed at once; others end in trailers, after this.
 fn grpc_code(response: &Response<Body>) -> String {
     let code = response.headers().get("grpc-status").and_then(|v| v.to_str().ok());
     code.unwrap_or("0").to_owned()
 }
 
-fn panicked(is_grpc: bool) -> Response<Body> {
-    let refusal = Refusal::new(Fault {
+fn refused(refusal: Refusal, is_grpc: bool) -> Response<Body> {
+    if is_grpc {
+        return tonic::Status::from(refusal).into_http();
+    }
+    let mut response = refusal.into_response();
+    if response.status() == StatusCode::UNAUTHORIZED {
+        for challenge in CHALLENGES {
+            response.headers_mut().append(header::WWW_AUTHENTICATE, challenge);
+        }
+    }
+    response
+}
+
+fn panicked() -> Refusal {
+    Refusal::new(Fault {
         category: Category::Internal,
         reason: "PANICKED".to_owned(),
         message: "a handler panicked".to_owned(),
-    });
-    if is_grpc { tonic::Status::from(refusal).into_http() } else { refusal.into_response() }
+    })
 }

@@ -3,12 +3,13 @@
 use axum::{
     Json,
     extract::{Request, State},
-    http::{StatusCode, header},
+    http::{HeaderMap, StatusCode, header},
     response::{IntoResponse, Response},
 };
 
 use super::{
     Result,
+    download::download,
     extract::{self, Id, Params},
     resource::{PagingByCapture, Twin, Twins, UploadParams},
 };
@@ -71,11 +72,19 @@ pub(super) async fn delete(State(app): State<App>, Id(id): Id) -> Result<StatusC
 }
 
 /// Download a twin file
-#[utoipa::path(get, path = "/v1/twins/{id}/content", tag = "twins", params(("id" = String, Path)),
+#[utoipa::path(get, path = "/v1/twins/{id}/content", tag = "twins",
+    params(("id" = String, Path),
+        ("Range" = Option<String>, Header, description = "One range of bytes"),
+        ("If-Range" = Option<String>, Header, description = "The ETag that the range is of")),
     responses((status = 200, body = Vec<u8>, content_type = "application/octet-stream"),
+        (status = 206, body = Vec<u8>, content_type = "application/octet-stream"),
         (status = "default", body = ProblemDocument)))]
-pub(super) async fn content(State(app): State<App>, Id(id): Id) -> Result<Response> {
+pub(super) async fn content(
+    State(app): State<App>,
+    Id(id): Id,
+    headers: HeaderMap,
+) -> Result<Response> {
     let (twin, content) = app.twin_content(&id).await?;
     let file_name = format!("{}.safetensors", twin.id.uuid());
-    Ok(super::download(content, "application/octet-stream", &file_name))
+    download(&headers, content, "application/octet-stream", &file_name).await
 }

@@ -1,19 +1,17 @@
 //! `/v1/uploads`: resumable uploads of captures by the tus protocol, 1.0.0
 //! (<https://tus.io/protocols/resumable-upload>), with its extensions creation,
 //! creation-with-upload, creation-defer-length, checksum, expiration and
-//! termination. `protocol.rs` has the headers.
+//! termination. `protocol.rs` has the headers, `listing.rs` what is no part of the protocol.
 
+mod listing;
 mod protocol;
 
 use axum::{
-    Json,
     extract::{Request, State},
     http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
 use bendtwin_store::{ResumableUpload, UploadState};
-use serde::Serialize;
-use utoipa::ToSchema;
 use utoipa_axum::{router::OpenApiRouter, routes};
 
 use super::{
@@ -25,60 +23,18 @@ use crate::{
     error::{ProblemDocument, Refusal},
 };
 
+pub use protocol::read_upload_headers;
 pub(crate) use protocol::with_overridden_method;
 use protocol::{
     BENDTWIN_CAPTURE, EXTENSIONS, TUS_CHECKSUM_ALGORITHM, TUS_EXTENSION, TUS_MAX_SIZE, TUS_VERSION,
     UPLOAD_DEFER_LENGTH, UPLOAD_EXPIRES, UPLOAD_LENGTH, UPLOAD_METADATA, UPLOAD_OFFSET, VERSION,
 };
 
-/// An upload that can be resumed.
-#[derive(Serialize, ToSchema)]
-struct Upload {
-    /// `uploads/{uuid}`
-    name: String,
-    /// RECEIVING, STORED or GONE.
-    state: &'static str,
-    display_name: String,
-    /// Bytes that are stored durably.
-    offset_bytes: u64,
-    /// Size of the whole; null while the client does not know it.
-    length_bytes: Option<u64>,
-    /// `captures/{uuid}` once it is stored.
-    capture: Option<String>,
-    /// Reason for which it is gone.
-    why: Option<String>,
-    /// RFC 3339.
-    create_time: String,
-    /// Time at which it is abandoned unless more bytes arrive, or forgotten if it has ended.
-    expire_time: String,
-}
-
-impl From<ResumableUpload> for Upload {
-    fn from(upload: ResumableUpload) -> Self {
-        let (state, capture, why) = match upload.state {
-            UploadState::Receiving => ("RECEIVING", None, None),
-            UploadState::Stored(capture) => ("STORED", Some(capture.to_string()), None),
-            UploadState::Gone(why) => ("GONE", None, Some(why)),
-        };
-        Self {
-            name: upload.id.to_string(),
-            state,
-            display_name: upload.display_name,
-            offset_bytes: upload.offset_bytes,
-            length_bytes: upload.length_bytes,
-            capture,
-            why,
-            create_time: upload.created.to_string(),
-            expire_time: upload.expires.to_string(),
-        }
-    }
-}
-
 /// The routes, with the headers that the protocol requires in every request and response.
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
-        .routes(routes!(options, create))
-        .routes(routes!(head, append, terminate, get))
+        .routes(routes!(options, create, listing::list))
+        .routes(routes!(head, append, terminate, listing::get))
         .route_layer(axum::middleware::from_fn(protocol::require_version))
 }
 
@@ -205,22 +161,11 @@ async fn append(State(app): State<App>, Id(id): Id, request: Request) -> Result<
 ///
 /// Frees what it held. A capture that was made of it stays.
 #[utoipa::path(delete, path = "/v1/uploads/{id}", tag = "uploads",
-    params(("id" = String, Path), ("Tus-Resumable" = String, Header, description = "1.0.0")),
+    params(("id" = String, Path), ("Tus-Resumable" = Option<String>, Header, description = "1.0.0")),
     responses((status = 204), (status = "default", body = ProblemDocument)))]
 async fn terminate(State(app): State<App>, Id(id): Id) -> Result<StatusCode> {
     app.terminate_upload(&id).await.map_err(refused)?;
     Ok(StatusCode::NO_CONTENT)
-}
-
-/// One upload
-///
-/// For people and programs that look on: no part of tus, and whoever sends is not disturbed.
-#[utoipa::path(get, path = "/v1/uploads/{id}", tag = "uploads",
-    params(("id" = String, Path)),
-    responses((status = 200, body = Upload), (status = "default", body = ProblemDocument)))]
-async fn get(State(app): State<App>, Id(id): Id) -> Result<Response> {
-    let upload = app.upload(&id).await.map_err(refused)?;
-    Ok(([(header::CACHE_CONTROL, "no-store")], Json(Upload::from(upload))).into_response())
 }
 
 /// The headers that tell of an upload in every answer about it.

@@ -1,3 +1,4 @@
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use bendtwin_proto::v1::{
     CaptureMetadata, CreateCaptureRequest, DeleteCaptureRequest, GetCaptureRequest,
     ListCapturesRequest, create_capture_request::Part,
@@ -38,12 +39,42 @@ async fn http_round_trip() {
     assert_eq!(list, json!({"captures": [created], "next_page_token": ""}));
     let got = server.http.get(server.url(&format!("{location}/content"))).send().await.unwrap();
     assert_eq!(got.headers()["content-length"], "3000000");
+    let tag = format!("\"{}\"", digest.to_hex());
+    assert_eq!(got.headers()["etag"], tag.as_str());
+    let declared = format!("blake3=:{}:", BASE64_STANDARD.encode(digest.as_bytes()));
+    assert_eq!(got.headers()["content-digest"], declared.as_str());
+    assert_eq!(got.headers()["repr-digest"], declared.as_str());
     assert!(got.bytes().await.unwrap() == content);
 
     assert_eq!(server.delete(&location).await.0, 204);
     let (status, gone) = server.get(&location).await;
     assert_eq!((status, &gone["reason"]), (404, &json!("NOT_FOUND")));
     assert_eq!(server.blob_files(), 0);
+}
+
+#[tokio::test]
+async fn damaged_content_is_never_served_whole() {
+    let server = Server::start().await;
+    let content = vec![7u8; 3_000_000];
+    let upload = server.http.post(server.url("/v1/captures"));
+    let upload = upload.header("content-type", "application/zip").body(content.clone());
+    let (_, created) = read(upload.send().await.unwrap()).await;
+    let digest = created["digest"].as_str().unwrap();
+    let file = server.dir.path().join("data/blobs/blake3").join(&digest[..2]).join(digest);
+    let path = format!("/v1/{}/content", created["name"].as_str().unwrap());
+    for size in [0, content.len() - 1, content.len() + 1] {
+        let mut other = content.clone();
+        other.resize(size, 7);
+        std::fs::write(&file, other).unwrap();
+        let (status, problem) = server.get(&path).await;
+        assert_eq!((status, &problem["reason"]), (500, &json!("CONTENT_DAMAGED")), "{size}");
+    }
+    let mut other = content.clone();
+    other[1_500_000] = 8;
+    std::fs::write(&file, other).unwrap();
+    let got = server.http.get(server.url(&path)).send().await.unwrap();
+    assert_eq!(got.status(), 200);
+    assert!(got.bytes().await.is_err(), "the transfer breaks off");
 }
 
 #[tokio::test]
@@ -123,4 +154,40 @@ async fn other_names_for_loopback_are_refused() {
     for host in ["localhost:7070", "127.0.0.1", "[::1]:7070"] {
         assert_eq!(ask(host).await, 200, "{host}");
     }
+}
+
+#[tokio::test]
+async fn an_interrupted_download_continues() {
+    let server = Server::start().await;
+    let content: Vec<u8> =
+        (0..1 << 20).map(|i: u32| i.to_le_bytes()[0] ^ i.to_le_bytes()[1]).collect();
+    let upload = server.http.post(server.url("/v1/captures")).body(content.clone());
+    let upload = upload.header("content-type", "application/zip");
+    let (_, capture) = read(upload.send().await.unwrap()).await;
+    let url = server.url(&format!("/v1/{}/content", capture["name"].as_str().unwrap()));
+    let get = async |headers: &[(&str, &str)]| {
+        let request = server.http.get(&url);
+        let request = headers.iter().fold(request, |r, (name, value)| r.header(*name, *value));
+        let response = request.send().await.unwrap();
+        let (status, headers) = (response.status().as_u16(), response.headers().clone());
+        (status, headers, response.bytes().await.unwrap())
+    };
+    let (status, headers, whole) = get(&[]).await;
+    assert_eq!((status, &whole[..]), (200, &content[..]));
+    let tag = headers["etag"].to_str().unwrap();
+    assert_eq!(tag, format!("\"{}\"", capture["digest"].as_str().unwrap()));
+    assert_eq!(headers["accept-ranges"], "bytes");
+    assert!(headers["content-digest"].to_str().unwrap().starts_with("blake3=:"));
+
+    let (status, headers, rest) = get(&[("range", "bytes=700000-"), ("if-range", tag)]).await;
+    assert_eq!((status, &rest[..]), (206, &content[700_000..]));
+    assert_eq!(headers["content-range"], "bytes 700000-1048575/1048576");
+    assert_eq!(headers["content-length"], "348576");
+    let (status, _, part) = get(&[("range", "bytes=5-9")]).await;
+    assert_eq!((status, &part[..]), (206, &content[5..10]));
+    let (status, _, other) = get(&[("range", "bytes=5-9"), ("if-range", "\"other\"")]).await;
+    assert_eq!((status, other.len()), (200, content.len()));
+    let (status, headers, _) = get(&[("range", "bytes=1048576-")]).await;
+    assert_eq!(status, 416);
+    assert_eq!(headers["content-range"], "bytes */1048576");
 }

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use crate::{
     harness::{Server, read},
+    results::observation,
     worker::Worker,
 };
 
@@ -134,10 +135,12 @@ async fn a_fit_that_no_worker_has_the_memory_for_is_refused_with_what_would_fit(
     let (status, early) = server.post("/v1/fits", fit.clone()).await;
     assert_eq!(status, 202, "{early}");
 
-    let report = br#"{"frame_count": 100, "observed": {"point_count": 3000, "control_count": 30,
+    let report = r#"{"format": "bendtwin-capture-report", "version": 1, "verdict": "good",
+        "frame_count": 100, "observed": {"point_count": 3000, "control_count": 30,
         "completed_count": 0, "interior_count": 0, "visible": [3000]}}"#;
     let lease = worker.lease_a(Kind::Ingest, Duration::ZERO).await.unwrap();
-    worker.end_ingest_reporting(&lease, Some(b"seen"), "good", None, report).await.unwrap();
+    let seen = Some(observation(b"seen"));
+    worker.send_ingest(&lease, seen, report.to_owned(), "good", None).await.unwrap();
     let (status, refused) = server.post("/v1/fits", fit).await;
     assert_eq!((status, &refused["reason"]), (400, &json!("FIT_OUT_OF_MEMORY")), "{refused}");
     let detail = refused["detail"].as_str().unwrap();

@@ -4,7 +4,7 @@ use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,
     rollout_service_client::RolloutServiceClient, twin_service_client::TwinServiceClient,
 };
-use bendtwin_server::{Handle, Options, Service};
+use bendtwin_server::{ClientTokenPolicy, Handle, Options, Service};
 use serde_json::Value;
 use tonic::transport::{Channel, Endpoint};
 
@@ -23,6 +23,7 @@ pub(crate) fn options(dir: &tempfile::TempDir) -> Options {
         listen: ([127, 0, 0, 1], 0).into(),
         data_dir: dir.path().join("data"),
         worker_token: Some(TOKEN.to_owned()),
+        client_token: ClientTokenPolicy::None,
         ..Options::default()
     };
     options.workers.count = 0;
@@ -101,13 +102,27 @@ impl Server {
         RolloutServiceClient::new(self.channel.clone())
     }
 
-    /// Files below the folder of blobs.
+    /// Removes the file of a blob behind the server's back. False if there is none.
+    pub(crate) fn lose_blob(&self, digest: &str) -> bool {
+        fn find(folder: &std::path::Path, digest: &str) -> Option<std::path::PathBuf> {
+            let paths = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+            let has_name = |path: &std::path::Path| path.file_name().unwrap() == digest;
+            paths.into_iter().find_map(|path| match path.is_dir() {
+                true => find(&path, digest),
+                false => has_name(&path).then_some(path),
+            })
+        }
+        let found = find(&self.dir.path().join("data/blobs"), digest);
+        found.is_some_and(|path| std::fs::remove_file(path).is_ok())
+    }
+
+    /// Files below the folder of blobs, its identity apart.
     pub(crate) fn blob_files(&self) -> usize {
         fn count(path: &std::path::Path) -> usize {
             let Ok(entries) = std::fs::read_dir(path) else { return 0 };
             entries.flatten().map(|e| if e.path().is_dir() { count(&e.path()) } else { 1 }).sum()
         }
-        count(&self.dir.path().join("data/blobs"))
+        count(&self.dir.path().join("data/blobs")) - 1
     }
 }
 

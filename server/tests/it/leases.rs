@@ -6,12 +6,14 @@ use bendtwin_proto::{
         FailJobRequest, HeartbeatRequest, LeaseJobRequest, fail_job_request::End,
         lease_job_request::Kind,
     },
+    worker_key,
 };
 use serde_json::json;
 use tonic::Code;
 
 use crate::{
     harness::Server,
+    results::{observation, report, twin_file},
     worker::{Worker, link},
 };
 
@@ -60,7 +62,7 @@ async fn a_job_goes_from_worker_to_worker_until_it_is_a_twin() {
     let (_, got) = server.get(&format!("/v1/{twin}")).await;
     assert_eq!((&got["fit"], &got["display_name"]), (&json!(fit), &json!("rope")));
     assert_eq!((&got["node_count"], &got["quality"]), (&json!(5), &json!({"scores": []})));
-    assert_eq!(second.download(&twin).await.unwrap(), b"a twin");
+    assert_eq!(second.download(&twin).await.unwrap(), twin_file(b"a twin"));
     // Capture, observation, the two forms of its report and twin: no checkpoint is left.
     assert_eq!(server.blob_files(), 5);
 }
@@ -124,10 +126,56 @@ async fn a_silent_worker_loses_its_job_and_is_forgotten() {
     assert_eq!((unknown.code(), reason(&unknown).as_str()), (Code::NotFound, "WORKER_UNKNOWN"));
 }
 
+/// Server and worker stand still for longer than a lease, as on a machine that was suspended: this
+/// test has one thread, which stops both.
+#[tokio::test]
+async fn a_standstill_ends_no_lease_and_forgets_no_worker() {
+    let server = Server::start_with(|o| {
+        o.lease_s = 1.0;
+        o.heartbeat_interval_s = 0.3;
+    })
+    .await;
+    server.fit().await;
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    worker.report(&lease, 0.1).await.unwrap();
+    std::thread::sleep(Duration::from_millis(2500));
+    // The server goes first.
+    tokio::time::sleep(Duration::from_millis(60)).await;
+    let (_, ready) = server.get("/readyz").await;
+    assert_eq!(ready["ready"], true, "{ready}");
+    worker.heartbeat().await.unwrap();
+    worker.report(&lease, 0.5).await.unwrap();
+    worker.complete(&lease, b"a twin").await.unwrap();
+}
+
+/// The worker asks for a checkpoint that is gone: the job has none any more.
+#[tokio::test]
+async fn a_lost_checkpoint_is_told_and_forgotten() {
+    let server = Server::start().await;
+    let fit = server.fit().await;
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    worker.checkpoint(&lease, b"half way").await.unwrap();
+    let release = FailJobRequest { end: End::Released.into(), ..worker.failure(&lease) };
+    worker.link.fail_job(release.clone()).await.unwrap();
+    let digest = blake3::hash(b"half way").to_hex().to_string();
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    assert_eq!((lease.has_checkpoint, &lease.checkpoint_digest), (true, &digest));
+    assert!(server.lose_blob(&digest));
+    assert_eq!(worker.download(&fit).await.unwrap_err().code(), Code::DataLoss);
+    let release = FailJobRequest { epoch: lease.epoch, ..release };
+    worker.link.fail_job(release).await.unwrap();
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    assert_eq!((lease.has_checkpoint, lease.checkpoint_digest.as_str()), (false, ""));
+    worker.complete(&lease, b"a twin").await.unwrap();
+}
+
 #[tokio::test]
 async fn the_link_is_for_token_holders() {
     let server = Server::start().await;
-    let id = bendtwin_core::ids::WorkerId::generate().to_string();
+    let (key, id) = worker_key::generate();
+    let id = id.to_string();
     let mut plain = bendtwin_proto::worker::v1::worker_link_client::WorkerLinkClient::new(
         server.channel.clone(),
     );
@@ -142,7 +190,7 @@ async fn the_link_is_for_token_holders() {
         let status = plain.heartbeat(request).await.unwrap_err();
         assert_eq!(status.code(), Code::Unauthenticated, "{token:?}");
     }
-    let mut link = link(&server);
+    let mut link = link(&server, &key);
     for wait_s in [-1.0, f64::NAN, f64::INFINITY] {
         let request = LeaseJobRequest { worker: id.clone(), wait_s, kind: Kind::Fit.into() };
         assert_eq!(link.lease_job(request).await.unwrap_err().code(), Code::InvalidArgument);
@@ -169,9 +217,114 @@ async fn workers_of_others_outlive_the_server() {
     let url = format!("http://{}", handle.local_addr());
     let channel = tonic::transport::Endpoint::from_shared(url).unwrap().connect_lazy();
     let server = Server { dir, handle, http: reqwest::Client::new(), channel };
-    worker.link = link(&server);
+    worker.turn_to(&server);
     worker.heartbeat().await.unwrap();
     worker.report(&lease, 0.5).await.unwrap();
     worker.complete(&lease, b"a twin").await.unwrap();
     assert_eq!(server.get(&format!("/v1/{fit}")).await.1["job"]["state"], "SUCCEEDED");
+}
+
+/// A worker with a token knows the names and epochs of others' jobs, which are no secrets.
+#[tokio::test]
+async fn a_worker_acts_for_itself_alone() {
+    let server = Server::start().await;
+    let fit = server.fit().await;
+    let mut worker = Worker::register(&server).await;
+    let mut rogue = Worker::register(&server).await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    worker.checkpoint(&lease, b"half way").await.unwrap();
+
+    // Under its own name it has no such lease.
+    for status in [
+        rogue.report(&lease, 0.9).await.unwrap_err(),
+        rogue.checkpoint(&lease, b"junk").await.unwrap_err(),
+        rogue.complete(&lease, b"junk").await.unwrap_err(),
+        rogue.link.fail_job(rogue.failure(&lease)).await.unwrap_err(),
+    ] {
+        assert_eq!((status.code(), reason(&status).as_str()), (Code::Aborted, "STALE_LEASE"));
+    }
+    for content in [lease.capture.clone(), format!("{}/observation", lease.capture), fit.clone()] {
+        let status = rogue.download(&content).await.unwrap_err();
+        let seen = (status.code(), reason(&status));
+        assert_eq!(seen, (Code::PermissionDenied, "CONTENT_NOT_LEASED".to_owned()), "{content}");
+    }
+    // Under the name of the other it lacks the key.
+    let itself = std::mem::replace(&mut rogue.id, worker.id);
+    for status in [
+        rogue.heartbeat().await.unwrap_err(),
+        rogue.report(&lease, 0.9).await.unwrap_err(),
+        rogue.checkpoint(&lease, b"junk").await.unwrap_err(),
+        rogue.complete(&lease, b"junk").await.unwrap_err(),
+        rogue.observe(&lease).await.unwrap_err(),
+        rogue.link.fail_job(rogue.failure(&lease)).await.unwrap_err(),
+        rogue.register_again().await.unwrap_err(),
+    ] {
+        let seen = (status.code(), reason(&status));
+        assert_eq!(seen, (Code::PermissionDenied, "WORKER_KEY_MISMATCH".to_owned()));
+    }
+    rogue.id = itself;
+    rogue.heartbeat().await.unwrap();
+
+    assert_eq!(worker.download(&fit).await.unwrap(), b"half way");
+    let twin = worker.complete(&lease, b"a twin").await.unwrap();
+    // Any worker may get a rollout of it, from a frame of its capture.
+    assert_eq!(rogue.download(&twin).await.unwrap(), twin_file(b"a twin"));
+    let seen = format!("{}/observation", lease.capture);
+    assert_eq!(rogue.download(&seen).await.unwrap(), observation(b"seen"));
+    assert_eq!(server.get(&format!("/v1/{fit}")).await.1["job"]["state"], "SUCCEEDED");
+}
+
+/// A result that cannot be what it should be is refused, and nothing of it stays.
+#[tokio::test]
+async fn junk_does_not_become_a_twin() {
+    let server = Server::start().await;
+    let fit = server.fit().await;
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    let files = server.blob_files();
+    let mut damaged = twin_file(b"a twin");
+    damaged.truncate(damaged.len() - 1);
+    for junk in [b"junk".to_vec(), Vec::new(), damaged] {
+        let status = worker.send_twin(&lease, junk).await.unwrap_err();
+        let seen = (status.code(), reason(&status));
+        assert_eq!(seen, (Code::InvalidArgument, "INVALID_TWIN_FILE".to_owned()));
+    }
+    // Sound, but not what the worker says of it.
+    let other = crate::twins::twin_file();
+    let status = worker.send_twin(&lease, other).await.unwrap_err();
+    assert_eq!(reason(&status), "RESULT_UNSOUND");
+    assert_eq!(server.get(&format!("/v1/{fit}")).await.1["job"]["state"], "RUNNING");
+    for _ in 0..500 {
+        if server.blob_files() == files {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    assert_eq!(server.blob_files(), files);
+    worker.complete(&lease, b"a twin").await.unwrap();
+}
+
+#[tokio::test]
+async fn junk_does_not_become_an_observation_or_a_report() {
+    let server = Server::start().await;
+    let capture = server.capture().await;
+    let mut worker = Worker::register(&server).await;
+    let lease = worker.lease_a(Kind::Ingest, Duration::ZERO).await.unwrap();
+    let good = || (Some(observation(b"seen")), report("good"));
+    let other_format = report("good").replace("bendtwin-capture-report", "other");
+    for (seen, said) in [
+        (Some(b"junk".to_vec()), good().1),
+        (Some(Vec::new()), good().1),
+        (good().0, "junk".to_owned()),
+        (good().0, "{}".to_owned()),
+        (good().0, other_format),
+        (good().0, report("usable")),
+    ] {
+        let status = worker.send_ingest(&lease, seen, said, "good", None).await.unwrap_err();
+        let seen = (status.code(), reason(&status));
+        assert_eq!(seen, (Code::InvalidArgument, "RESULT_UNSOUND".to_owned()));
+    }
+    assert_eq!(server.get(&format!("/v1/{capture}")).await.1["ingest"]["state"], "RUNNING");
+    let (seen, said) = good();
+    worker.send_ingest(&lease, seen, said, "good", None).await.unwrap();
 }

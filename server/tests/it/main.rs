@@ -1,13 +1,17 @@
 //! The server as its clients and workers see it: over real sockets, with a fake worker. `worker.rs`
 //! is also an example of the protocol between server and workers.
 
+mod access;
 mod captures;
+mod connections;
 mod fits;
 mod harness;
 mod ingests;
 mod leases;
 mod malformed;
 mod operations;
+mod readiness;
+mod results;
 mod rollouts;
 mod tus;
 mod twins;

@@ -1,11 +1,15 @@
 use bendtwin_server::Service;
-use serde_json::json;
-use tonic_health::pb::{HealthCheckRequest, health_client::HealthClient};
+use tonic_health::pb::{
+    HealthCheckRequest, health_check_response::ServingStatus, health_client::HealthClient,
+};
 
-use crate::harness::{Server, options};
+use crate::{
+    harness::{Server, options},
+    worker::Worker,
+};
 
 /// The routes as they are mounted, by method.
-const ROUTES: [(&str, &str); 20] = [
+const ROUTES: [(&str, &str); 22] = [
     ("get", "/v1/captures"),
     ("post", "/v1/captures"),
     ("get", "/v1/captures/{id}"),
@@ -23,6 +27,8 @@ const ROUTES: [(&str, &str); 20] = [
     ("get", "/v1/twins/{id}/content"),
     ("post", "/v1/twins/{id}/rollouts"),
     ("get", "/v1/workers"),
+    ("get", "/v1/uploads"),
+    ("delete", "/v1/uploads/{id}"),
     ("get", "/healthz"),
     ("get", "/readyz"),
     ("get", "/metrics"),
@@ -60,10 +66,6 @@ async fn the_document_describes_every_route_and_every_route_is_there() {
 async fn health_readiness_metrics_and_reflection() {
     let server = Server::start().await;
     assert_eq!(server.get("/healthz").await.0, 200);
-    assert_eq!(
-        server.get("/readyz").await,
-        (200, json!({"ready": true, "workers": 0, "rollouts": 0}))
-    );
     server.fit().await;
     let text = server.http.get(server.url("/metrics")).send().await.unwrap().text().await.unwrap();
     for line in [
@@ -76,10 +78,19 @@ async fn health_readiness_metrics_and_reflection() {
         assert!(text.contains(line), "{line} is not in\n{text}");
     }
     let mut health = HealthClient::new(server.channel.clone());
-    for service in ["", "bendtwin.v1.FitService", "bendtwin.v1.RolloutService"] {
+    let mut check = async |service: &str| {
         let request = HealthCheckRequest { service: service.to_owned() };
-        assert_eq!(health.check(request).await.unwrap().into_inner().status, 1);
+        health.check(request).await.map(|reply| reply.into_inner().status())
+    };
+    let services = ["", "bendtwin.v1.FitService", "bendtwin.v1.RolloutService"];
+    for service in services {
+        assert_eq!(check(service).await.unwrap(), ServingStatus::NotServing, "without a worker");
     }
+    let _worker = Worker::register(&server).await;
+    for service in services {
+        assert_eq!(check(service).await.unwrap(), ServingStatus::Serving);
+    }
+    assert_eq!(check("bendtwin.v1.NoService").await.unwrap_err().code(), tonic::Code::NotFound);
     use tonic_reflection::pb::v1::{
         ServerReflectionRequest, server_reflection_client::ServerReflectionClient,
         server_reflection_request::MessageRequest, server_reflection_response::MessageResponse,

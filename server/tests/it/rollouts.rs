@@ -7,6 +7,7 @@ use bendtwin_proto::v1::{
     ControlTrajectories, Returns, RollOutRequest, RollOutResponse, Tensor,
     roll_out_request::Actions,
 };
+use bendtwin_proto::worker::v1::HeartbeatRequest;
 use prost::Message;
 use serde_json::json;
 use tokio::sync::Notify;
@@ -147,19 +148,76 @@ async fn limits_are_those_of_the_servers_options_and_workers_receive_them() {
 }
 
 #[tokio::test]
-async fn a_dead_worker_is_replaced_once() {
+async fn a_worker_that_cannot_be_reached_is_replaced_once() {
+    let server = Server::start().await;
+    let mut away = Worker::register_at(&server, "http://127.0.0.1:1").await;
+    let twin = twin(&server, &mut away).await;
+    let mut rollouts = server.rollouts();
+    let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
+    assert_eq!(bendtwin_proto::fault::fault(&status).reason, "WORKER_LOST");
+    let there = Worker::register(&server).await;
+    let mut away = Worker::register_at(&server, "http://127.0.0.1:1").await;
+    // The one that has the twin loaded is asked first.
+    let (worker, warm_twins) = (away.id.to_string(), vec![twin.clone()]);
+    let heartbeat = HeartbeatRequest { worker, warm_twins, ..HeartbeatRequest::default() };
+    away.link.heartbeat(heartbeat).await.unwrap();
+    let reply = rollouts.roll_out(request(&twin, 1)).await.unwrap().into_inner();
+    assert_eq!(reply.worker, there.id.to_string());
+}
+
+/// The rollout may be the reason why the worker ended: it must not end the next one as well.
+#[tokio::test]
+async fn a_rollout_that_a_worker_took_is_not_sent_to_another() {
     let server = Server::start().await;
     let mut first = Worker::register(&server).await;
     let twin = twin(&server, &mut first).await;
     let mut rollouts = server.rollouts();
     rollouts.roll_out(request(&twin, 1)).await.unwrap();
-    let second = Worker::register(&server).await;
+    let device = Device::default();
+    let second = Worker::register_with(&server, device.clone()).await;
     first.kill_endpoint();
+    // The first has the twin loaded, so it is asked.
+    let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
+    let fault = bendtwin_proto::fault::fault(&status);
+    assert_eq!((status.code(), fault.reason.as_str()), (Code::Unavailable, "WORKER_LOST"));
+    assert!(fault.message.contains("not sent to another worker"), "{fault}");
+    let untouched = tokio::time::timeout(Duration::ZERO, device.begun.notified()).await;
+    assert!(untouched.is_err(), "the second worker got it, too");
+    // The next goes to the second, while the first is left alone.
     let reply = rollouts.roll_out(request(&twin, 1)).await.unwrap().into_inner();
     assert_eq!(reply.worker, second.id.to_string());
-    second.kill_endpoint();
-    let status = rollouts.roll_out(request(&twin, 1)).await.unwrap_err();
-    assert_eq!(status.code(), Code::Unavailable);
+}
+
+/// A rollout is as likely the cause of a worker's end as the fit that happens to run there.
+#[tokio::test]
+async fn a_worker_that_ends_during_a_rollout_costs_its_fit_no_attempt() {
+    let server = Server::start_with(|o| {
+        o.lease_s = 0.4;
+        o.heartbeat_interval_s = 0.1;
+    })
+    .await;
+    let device = Device { hold: Some(Arc::new(Notify::new())), ..Device::default() };
+    let mut worker = Worker::register_with(&server, device.clone()).await;
+    let twin = twin(&server, &mut worker).await;
+    let fit = server.fit().await;
+    let lease = worker.lease(Duration::ZERO).await.unwrap();
+    assert_eq!(lease.job, fit);
+    let mut rollouts = server.rollouts();
+    let rollout = tokio::spawn(async move { rollouts.roll_out(request(&twin, 1)).await });
+    device.begun.notified().await;
+    // Nothing is heard of the worker from here on.
+    let queued = async {
+        loop {
+            let (_, got) = server.get(&format!("/v1/{fit}")).await;
+            if got["job"]["state"] == "QUEUED" {
+                return got;
+            }
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    };
+    let got = tokio::time::timeout(Duration::from_secs(20), queued).await.unwrap();
+    assert_eq!((&got["job"]["attempts"], &got["job"]["attempt_faults"]), (&json!(0), &json!([])));
+    rollout.abort();
 }
 
 #[tokio::test]

@@ -341,17 +341,21 @@ async fn a_client_that_is_back_takes_over_from_its_dead_connection() {
     let mut dead = tokio::net::TcpStream::connect(server.handle.local_addr()).await.unwrap();
     dead.write_all(half_a_patch(&path, "0123456789").as_bytes()).await.unwrap();
     // The bytes are on their way: ask until they are there. Whoever looks on disturbs nobody.
+    let refused = async |stream: &tokio::net::TcpStream| {
+        tokio::time::timeout(Duration::from_millis(100), stream.peek(&mut [0])).await.is_ok()
+    };
     let arrived = async {
         loop {
             match server.offset(&path).await.unwrap().as_str() {
                 "10" => break,
-                // The holder gave way before it had anything, so the bytes are to be sent again.
-                _ => {
+                // The holder has been refused, because it gave way before it had anything, and the
+                // bytes are to be sent again; or it has not come so far.
+                _ if refused(&dead).await => {
                     dead =
                         tokio::net::TcpStream::connect(server.handle.local_addr()).await.unwrap();
                     dead.write_all(half_a_patch(&path, "0123456789").as_bytes()).await.unwrap();
-                    tokio::time::sleep(Duration::from_millis(20)).await;
                 }
+                _ => {}
             }
         }
     };
@@ -420,18 +424,77 @@ async fn uploads_under_way_are_bounded() {
     .await;
     let path = server.begin(60, "").await;
     let create = |n: u32| server.tus("POST", "/v1/uploads").header("upload-length", n);
-    expect(refusal(create(41)).await, 429, "UPLOADS_FULL");
-    server.begin(1, "").await;
-    expect(refusal(create(1)).await, 429, "UPLOADS_FULL");
     server.patch(&path, 0, b"abc").send().await.unwrap();
+    expect(refusal(create(41)).await, 429, "UPLOADS_FULL");
+    let other = server.begin(10, "").await;
+    server.patch(&other, 0, b"d").send().await.unwrap();
+    expect(refusal(create(1)).await, 429, "UPLOADS_FULL");
     let metrics =
         server.http.get(server.url("/metrics")).send().await.unwrap().text().await.unwrap();
-    for line in ["bendtwin_uploads 2", "bendtwin_uploads_bytes 61", "bendtwin_upload_bytes_total 3"]
+    for line in ["bendtwin_uploads 2", "bendtwin_uploads_bytes 70", "bendtwin_upload_bytes_total 4"]
     {
         assert!(metrics.contains(line), "{line} is not in\n{metrics}");
     }
-    server.tus("DELETE", &path).send().await.unwrap();
+    // Whoever looks after a server needs no tus for it.
+    assert_eq!(server.delete(&path).await.0, 204);
     server.begin(41, "").await;
+}
+
+/// Creations alone hold neither places nor room, so they keep nobody out.
+#[tokio::test]
+async fn empty_uploads_keep_nobody_out_and_are_soon_given_up() {
+    let server = Server::start_with(|o| {
+        o.limits.uploads = 3;
+        o.limits.uploads_bytes = 100;
+        o.upload_start_s = 1.0;
+    })
+    .await;
+    for _ in 0..10 {
+        server.begin(90, "").await;
+    }
+    let path = server.begin(9, "").await;
+    let sent = server.patch(&path, 0, b"abcdefghi").send().await.unwrap();
+    assert!(header(&sent, "bendtwin-capture").is_some());
+    let given_up = async {
+        loop {
+            let (_, list) = server.get("/v1/uploads?page_size=1000").await;
+            let uploads = list["uploads"].as_array().unwrap();
+            if uploads.iter().all(|u| u["state"] != "RECEIVING") {
+                return uploads.iter().filter(|u| u["state"] == "STORED").count();
+            }
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+    };
+    let stored = tokio::time::timeout(Duration::from_secs(20), given_up).await.unwrap();
+    assert_eq!(stored, 1);
+}
+
+#[tokio::test]
+async fn uploads_are_listed_with_what_has_come() {
+    let server = Server::start().await;
+    let mut paths = Vec::new();
+    for length in [10, 20, 30] {
+        paths.push(server.begin(length, "").await);
+    }
+    server.patch(&paths[1], 0, b"abcde").send().await.unwrap();
+    let (mut listed, mut token) = (Vec::new(), String::new());
+    loop {
+        let page = format!("/v1/uploads?page_size=2&page_token={token}");
+        let (status, page) = server.get(&page).await;
+        assert_eq!(status, 200, "{page}");
+        listed.extend(page["uploads"].as_array().unwrap().clone());
+        token = page["next_page_token"].as_str().unwrap().to_owned();
+        if token.is_empty() {
+            break;
+        }
+    }
+    listed.sort_by_key(|upload| upload["length_bytes"].as_u64());
+    let name = |upload: &Value| format!("/v1/{}", upload["name"].as_str().unwrap());
+    assert_eq!(listed.iter().map(name).collect::<Vec<_>>(), paths);
+    let offsets: Vec<_> = listed.iter().map(|upload| upload["offset_bytes"].as_u64()).collect();
+    assert_eq!(offsets, [Some(0), Some(5), Some(0)]);
+    assert!(listed.iter().all(|upload| upload["expire_time"].is_string()));
+    assert_eq!(server.get("/v1/uploads?page_token=x").await.0, 400);
 }
 
 /// A file to which nothing can be appended stands in for a full disk.

@@ -11,7 +11,7 @@ use serde_json::json;
 use crate::harness::{Server, read};
 
 /// Two nodes and a spring.
-fn twin_file() -> Vec<u8> {
+pub(crate) fn twin_file() -> Vec<u8> {
     let graph = Graph {
         rest_positions: vec![[0.0; 3], [0.1, 0.0, 0.0]],
         kinds: vec![NodeKind::Observed; 2],

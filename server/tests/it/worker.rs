@@ -27,22 +27,43 @@ use bendtwin_proto::{
         worker_link_client::WorkerLinkClient,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
+    worker_key,
 };
 use bytes::Bytes;
 use futures::{Stream, StreamExt};
 use tokio::{net::TcpListener, sync::Notify};
 use tonic::{
-    Request, Response, Status, service::interceptor::InterceptedService, transport::Channel,
+    Request, Response, Status,
+    service::{Interceptor, interceptor::InterceptedService},
+    transport::Channel,
 };
 
-use crate::harness::{Server, TOKEN};
+use crate::{
+    harness::{Server, TOKEN},
+    results,
+};
 
-type Client = WorkerLinkClient<InterceptedService<Channel, fn(Request<()>) -> Credentialed>>;
-type Credentialed = Result<Request<()>, Status>;
+type Client = WorkerLinkClient<InterceptedService<Channel, Credentials>>;
+
+/// The token of the tests, and a worker's key.
+#[derive(Clone)]
+pub(crate) struct Credentials {
+    key: String,
+}
+
+impl Interceptor for Credentials {
+    fn call(&mut self, mut request: Request<()>) -> Result<Request<()>, Status> {
+        let value = format!("Bearer {TOKEN}").parse().unwrap();
+        request.metadata_mut().insert("authorization", value);
+        request.metadata_mut().insert(worker_key::METADATA, self.key.parse().unwrap());
+        Ok(request)
+    }
+}
 
 /// A worker that has registered.
 pub(crate) struct Worker {
     pub(crate) id: WorkerId,
+    pub(crate) key: String,
     pub(crate) link: Client,
     /// Bounds on rollouts that the server sent.
     pub(crate) rollout_limits: Limits,
@@ -61,21 +82,24 @@ pub(crate) struct Device {
     pub(crate) given_up: Arc<Notify>,
     /// Break the connection off instead of answering.
     pub(crate) breaks: Arc<AtomicBool>,
+    /// Costs of every part, where it is to be large.
+    pub(crate) part_costs: usize,
 }
 
-fn with_token(mut request: Request<()>) -> Credentialed {
-    let value = format!("Bearer {TOKEN}").parse().unwrap();
-    request.metadata_mut().insert("authorization", value);
-    Ok(request)
-}
-
-pub(crate) fn link(server: &Server) -> Client {
-    WorkerLinkClient::with_interceptor(server.channel.clone(), with_token as fn(_) -> _)
+/// Calls of the worker with a key.
+pub(crate) fn link(server: &Server, key: &str) -> Client {
+    let credentials = Credentials { key: key.to_owned() };
+    WorkerLinkClient::with_interceptor(server.channel.clone(), credentials)
 }
 
 impl Worker {
     pub(crate) async fn register(server: &Server) -> Self {
         Self::register_with(server, Device::default()).await
+    }
+
+    /// A worker at this endpoint, where nobody answers rollouts.
+    pub(crate) async fn register_at(server: &Server, endpoint: &str) -> Self {
+        Self::register_as(server, endpoint.to_owned(), Arc::default()).await
     }
 
     pub(crate) async fn register_with(server: &Server, device: Device) -> Self {
@@ -87,7 +111,12 @@ impl Worker {
             .add_service(WorkerRolloutsServer::new(device))
             .serve_with_incoming(incoming);
         tokio::spawn(async move { service.await.unwrap() });
-        let (id, mut link) = (WorkerId::generate(), link(server));
+        Self::register_as(server, endpoint, breaks).await
+    }
+
+    async fn register_as(server: &Server, endpoint: String, breaks: Arc<AtomicBool>) -> Self {
+        let (key, id) = worker_key::generate();
+        let mut link = link(server, &key);
         let registered = link
             .register(RegisterRequest {
                 worker: id.to_string(),
@@ -105,7 +134,20 @@ impl Worker {
                 && registered.lease_s > registered.heartbeat_interval_s
         );
         let rollout_limits = Limits::from(&registered.rollout_limits.unwrap());
-        Self { id, link, rollout_limits, breaks }
+        Self { id, key, link, rollout_limits, breaks }
+    }
+
+    /// Registers under its id, wherever it is.
+    pub(crate) async fn register_again(&mut self) -> Result<(), Status> {
+        let endpoint = "http://127.0.0.1:1".to_owned();
+        let worker = self.id.to_string();
+        let request = RegisterRequest { worker, endpoint, ..RegisterRequest::default() };
+        self.link.register(request).await.map(drop)
+    }
+
+    /// From now on it calls this server.
+    pub(crate) fn turn_to(&mut self, server: &Server) {
+        self.link = link(server, &self.key);
     }
 
     /// From now on the endpoint breaks off, as that of a killed process does.
@@ -150,16 +192,18 @@ impl Worker {
         verdict: &str,
         fault: Option<Fault>,
     ) -> Result<(), Status> {
-        self.end_ingest_reporting(lease, observation, verdict, fault, b"{\"findings\":[]}").await
+        let report = results::report(verdict);
+        self.send_ingest(lease, observation.map(results::observation), report, verdict, fault).await
     }
 
-    pub(crate) async fn end_ingest_reporting(
+    /// Ends an ingest with these very contents.
+    pub(crate) async fn send_ingest(
         &mut self,
         lease: &Lease,
-        observation: Option<&'static [u8]>,
+        observation: Option<Vec<u8>>,
+        report: String,
         verdict: &str,
         fault: Option<Fault>,
-        report: &'static [u8],
     ) -> Result<(), Status> {
         use end_ingest_request::Part;
         let page: &[u8] = b"<p>";
@@ -167,17 +211,14 @@ impl Worker {
         let made = IngestWrite {
             job: Some(JobWrite { digest: String::new(), ..self.write(lease, b"") }),
             verdict: verdict.to_owned(),
-            observation_digest: observation.map(digest).unwrap_or_default(),
-            report_digest: digest(report),
+            observation_digest: observation.as_deref().map(digest).unwrap_or_default(),
+            report_digest: digest(report.as_bytes()),
             page_digest: digest(page),
             fault,
         };
         let parts = std::iter::once(Part::Metadata(made))
-            .chain(observation.map(|o| Part::Observation(Bytes::from_static(o))))
-            .chain([
-                Part::Report(Bytes::from_static(report)),
-                Part::Page(Bytes::from_static(page)),
-            ]);
+            .chain(observation.map(|o| Part::Observation(o.into())))
+            .chain([Part::Report(report.into()), Part::Page(Bytes::from_static(page))]);
         let parts: Vec<_> = parts.map(|part| EndIngestRequest { part: Some(part) }).collect();
         self.link.end_ingest(futures::stream::iter(parts)).await.map(drop)
     }
@@ -213,14 +254,24 @@ impl Worker {
         self.link.save_checkpoint(futures::stream::iter(parts)).await.map(drop)
     }
 
+    /// Ends a fit with the twin of a label.
     pub(crate) async fn complete(
         &mut self,
         lease: &Lease,
-        content: &'static [u8],
+        label: &'static [u8],
+    ) -> Result<String, Status> {
+        self.send_twin(lease, results::twin_file(label)).await
+    }
+
+    /// Ends a fit with this very content.
+    pub(crate) async fn send_twin(
+        &mut self,
+        lease: &Lease,
+        content: Vec<u8>,
     ) -> Result<String, Status> {
         use complete_fit_request::Part;
         let twin = TwinWrite {
-            job: Some(self.write(lease, content)),
+            job: Some(self.write(lease, &content)),
             node_count: 5,
             spring_count: 4,
             triplet_count: 3,
@@ -229,7 +280,7 @@ impl Worker {
             substeps: 10,
             quality_json: r#"{"scores":[]}"#.into(),
         };
-        let parts = [Part::Metadata(twin), Part::Chunk(Bytes::from_static(content))];
+        let parts = [Part::Metadata(twin), Part::Chunk(content.into())];
         let parts = parts.map(|part| CompleteFitRequest { part: Some(part) });
         self.link.complete_fit(futures::stream::iter(parts)).await.map(|r| r.into_inner().twin)
     }
@@ -302,8 +353,10 @@ impl WorkerRollouts for Device {
             return Err(Status::unavailable("gone"));
         }
         let size = if execute.part_instances == 0 { batch } else { execute.part_instances };
+        let part_costs = self.part_costs;
         let parts = (0..batch).step_by(size as usize).map(move |first| {
-            let costs: Vec<f64> = (first..(first + size).min(batch)).map(f64::from).collect();
+            let mut costs: Vec<f64> = (first..(first + size).min(batch)).map(f64::from).collect();
+            costs.resize(costs.len().max(part_costs), 0.0);
             let response = RollOutResponse {
                 first_instance: first,
                 costs: Some(Tensor::pack(&[costs.len()], &costs)),

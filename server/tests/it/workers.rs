@@ -38,7 +38,7 @@ async fn children_are_restarted_with_fresh_tokens() {
     let script = format!("echo $BENDTWIN_SERVER $BENDTWIN_WORKER_TOKEN >> {}", log.display());
     let server = Server::start_with(|o| shell(o, script)).await;
     let seen = until("three starts", || Some(lines(&log)).filter(|l| l.len() >= 3)).await;
-    let address = server.url("");
+    let address = format!("http://{}", server.handle.worker_addr());
     let tokens: std::collections::HashSet<&str> =
         seen.iter().map(|l| l.strip_prefix(&format!("{address} ")).unwrap()).collect();
     assert_eq!(tokens.len(), seen.len());
@@ -87,6 +87,21 @@ async fn children_end_with_the_server_or_are_killed() {
     assert!(!PathBuf::from(format!("/proc/{pid}")).exists());
 }
 
+/// Without the program no worker would ever come: the server says so at once.
+#[tokio::test]
+async fn a_server_does_not_start_without_the_program_of_its_workers() {
+    use bendtwin_core::Problem as _;
+    let dir = tempfile::tempdir().unwrap();
+    for program in ["/no/such/program", "no-such-program", "/etc/passwd"] {
+        let mut options = crate::harness::options(&dir);
+        options.workers.count = 1;
+        options.workers.program = Some(program.into());
+        let refused = bendtwin_server::Service::start(options).await.unwrap_err();
+        assert_eq!(refused.reason(), "NO_WORKER_PROGRAM");
+        assert!(refused.to_string().contains(program), "{refused}");
+    }
+}
+
 #[tokio::test]
 async fn workers_are_listed() {
     let server = Server::start().await;
@@ -111,5 +126,5 @@ async fn workers_are_listed() {
     let gauge = format!("bendtwin_device_memory_bytes{{state=\"total\"}} {}", 80u64 << 30);
     assert!(text.contains(&gauge), "{gauge} is not in\n{text}");
     let (_, ready) = server.get("/readyz").await;
-    assert_eq!(ready, json!({"ready": true, "workers": 1, "rollouts": 0}));
+    assert_eq!((&ready["workers"], &ready["rollouts"]), (&json!(1), &json!(0)));
 }

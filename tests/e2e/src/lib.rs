@@ -18,6 +18,8 @@ mod fits;
 #[cfg(test)]
 mod ingests;
 #[cfg(test)]
+mod local_access;
+#[cfg(test)]
 mod malformed;
 #[cfg(test)]
 mod memory;
@@ -33,6 +35,8 @@ mod rollouts;
 mod rust_code;
 #[cfg(test)]
 mod sentences;
+#[cfg(test)]
+mod stores;
 #[cfg(test)]
 mod suites;
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Folders and files at the root that have the project's own text.
-const PARTS: [&str; 14] = [
+const PARTS: [&str; 15] = [
     "proto",
     "crates",
     "server",
@@ -18,6 +18,7 @@ const PARTS: [&str; 14] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
+    "SECURITY.md",
 ];
 
 /// The root of the workspace.

@@ -64,9 +64,19 @@ impl Api {
 
     /// Uploads a capture archive.
     pub async fn upload(&self, archive: &Bytes, request_id: &str) -> Result<Capture, Status> {
+        self.upload_as(archive, "e2e", request_id).await
+    }
+
+    /// Uploads a capture archive under a name.
+    pub async fn upload_as(
+        &self,
+        archive: &Bytes,
+        display_name: &str,
+        request_id: &str,
+    ) -> Result<Capture, Status> {
         use create_capture_request::Part;
         let metadata = CaptureMetadata {
-            display_name: "e2e".to_owned(),
+            display_name: display_name.to_owned(),
             request_id: request_id.to_owned(),
             digest: String::new(),
             ingest_settings_json: String::new(),

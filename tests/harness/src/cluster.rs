@@ -244,6 +244,7 @@ async fn launch(
         "listen = \"{listen}\"\n\
          data_dir = \"{data}\"\n\
          worker_token = \"{TOKEN}\"\n\
+         client_token = \"none\"\n\
          lease_s = {lease_s:?}\n\
          heartbeat_interval_s = {heartbeat:?}\n\
          [workers]\n\
@@ -274,8 +275,8 @@ async fn launch(
         Some(format!("127.0.0.1:{port}"))
     })
     .await;
-    until("the server to be ready", START, async || {
-        Http::new(&format!("http://{address}")).is_ready().await.then_some(())
+    until("the server to answer", START, async || {
+        Http::new(&format!("http://{address}")).is_up().await.then_some(())
     })
     .await;
     (child, address)

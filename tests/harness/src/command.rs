@@ -22,7 +22,17 @@ pub fn binary() -> PathBuf {
 /// The command without settings from the environment.
 pub fn bendtwin() -> Command {
     let mut command = Command::new(binary());
-    command.env_remove("BENDTWIN_LOG").env_remove("BENDTWIN_SERVER").env("NO_COLOR", "1");
+    for variable in [
+        "BENDTWIN_LOG",
+        "BENDTWIN_SERVER",
+        "BENDTWIN_TOKEN",
+        "BENDTWIN_TOKEN_FILE",
+        "BENDTWIN_CLIENT_TOKEN",
+        "BENDTWIN_ALLOWED_HOSTS",
+    ] {
+        command.env_remove(variable);
+    }
+    command.env("NO_COLOR", "1");
     command
 }
 

@@ -29,10 +29,19 @@ impl Http {
         Self { url: url.to_owned(), client }
     }
 
-    /// True if the server says that it is ready.
+    /// True if the server answers at all.
+    pub async fn is_up(&self) -> bool {
+        self.is_ok("/healthz").await
+    }
+
+    /// True if the server says that it is ready, which takes a worker.
     pub async fn is_ready(&self) -> bool {
-        self.request(Method::GET, "/readyz")
-            .timeout(Duration::from_secs(2))
+        self.is_ok("/readyz").await
+    }
+
+    async fn is_ok(&self, path: &str) -> bool {
+        self.request(Method::GET, path)
+            .timeout(Duration::from_secs(5))
             .send()
             .await
             .is_ok_and(|reply| reply.status() == StatusCode::OK)

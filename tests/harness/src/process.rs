@@ -1,7 +1,8 @@
-//! Processes of a cluster, found and killed by an environment variable that children inherit, so
-//! that nothing outlives a test.
+//! Processes of a cluster, found and killed by an environment variable, so that nothing outlives a
+//! test.
 
 use std::{
+    collections::{HashMap, HashSet},
     path::Path,
     process::{Child, Command, Stdio},
 };
@@ -52,15 +53,40 @@ impl Processes {
         self.all().into_iter().filter(runs).collect()
     }
 
+    /// Ids of all live processes: those with the mark and what they started, for a process may be
+    /// started without the environment of its parent.
     fn all(&self) -> Vec<u32> {
         let pids = std::fs::read_dir("/proc").into_iter().flatten().flatten();
-        pids.filter_map(|entry| entry.file_name().to_string_lossy().parse().ok())
-            .filter(|pid: &u32| {
-                let environment = std::fs::read(format!("/proc/{pid}/environ")).unwrap_or_default();
-                environment.split(|b| *b == 0).any(|entry| entry == self.mark.as_bytes())
-            })
-            .collect()
+        let parents: HashMap<u32, u32> = pids
+            .filter_map(|entry| entry.file_name().to_string_lossy().parse().ok())
+            .filter_map(|pid| Some((pid, parent(pid)?)))
+            .collect();
+        let mut ours: HashSet<u32> =
+            parents.keys().copied().filter(|pid| self.has_mark(*pid)).collect();
+        loop {
+            let children =
+                parents.iter().filter(|(pid, parent)| ours.contains(parent) && !ours.contains(pid));
+            let children: Vec<u32> = children.map(|(pid, _)| *pid).collect();
+            if children.is_empty() {
+                return ours.into_iter().collect();
+            }
+            ours.extend(children);
+        }
     }
+
+    fn has_mark(&self, pid: u32) -> bool {
+        let environment = std::fs::read(format!("/proc/{pid}/environ")).unwrap_or_default();
+        environment.split(|b| *b == 0).any(|entry| entry == self.mark.as_bytes())
+    }
+}
+
+/// Id of the parent of a live process.
+fn parent(pid: u32) -> Option<u32> {
+    let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    // The name of the program, in parentheses, may have spaces.
+    let mut fields = stat.rsplit_once(") ")?.1.split(' ');
+    let state = fields.next()?;
+    fields.next()?.parse().ok().filter(|_| state != "Z")
 }
 
 impl Drop for Processes {
@@ -79,7 +105,12 @@ impl Drop for Processes {
 
 /// kill -9.
 pub fn kill(pid: u32) {
+    signal(pid, "KILL");
+}
+
+/// Sends a signal, by its name without `SIG`; nothing happens if the process is gone.
+pub fn signal(pid: u32, name: &str) {
     let mut shell = Command::new("sh");
-    shell.args(["-c", &format!("kill -9 {pid}")]).stderr(Stdio::null());
+    shell.args(["-c", &format!("kill -s {name} {pid}")]).stderr(Stdio::null());
     shell.status().unwrap();
 }

@@ -12,8 +12,8 @@ use crate::{
 
 /// Faults of archives.
 pub const FAULTS: &[Fault] = &[
-    Fault { what: "an archive with damage", make: |rng| damage::any(rng, &valid(rng)) },
-    Fault { what: "an archive that is cut off", make: |rng| damage::cut(rng, &valid(rng)) },
+    Fault { what: "an archive with damage", make: |rng| damaged(rng, damage::any) },
+    Fault { what: "an archive that is cut off", make: |rng| damaged(rng, damage::cut) },
     Fault { what: "damage in the directory", make: damaged_directory },
     Fault { what: "an entry that unpacks a thousandfold", make: bomb },
     Fault { what: "many entries that unpack a thousandfold", make: many_bombs },
@@ -172,6 +172,11 @@ pub fn any_files(rng: &mut Rng) -> FileMap {
         2 => samples::raw_bundle(),
         _ => samples::raw_case(),
     }
+}
+
+fn damaged(rng: &mut Rng, damage: fn(&mut Rng, &[u8]) -> Vec<u8>) -> Vec<u8> {
+    let bytes = valid(rng);
+    damage(rng, &bytes)
 }
 
 fn valid(rng: &mut Rng) -> Vec<u8> {

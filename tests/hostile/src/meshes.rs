@@ -27,7 +27,13 @@ pub const OBJ: &[Fault] = &[
 
 /// Faults of PLY files.
 pub const PLY: &[Fault] = &[
-    Fault { what: "a PLY with damage", make: |rng| damage::any(rng, &ply(rng)) },
+    Fault {
+        what: "a PLY with damage",
+        make: |rng| {
+            let p = ply(rng);
+            damage::any(rng, &p)
+        },
+    },
     Fault {
         what: "a PLY with other numbers",
         make: |rng| {

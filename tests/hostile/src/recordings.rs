@@ -6,8 +6,8 @@ use crate::{Fault, Rng, damage, samples};
 
 /// Faults of MCAP files.
 pub const FAULTS: &[Fault] = &[
-    Fault { what: "a recording with damage", make: |rng| damage::any(rng, &whole(rng)) },
-    Fault { what: "a recording that is cut off", make: |rng| damage::cut(rng, &whole(rng)) },
+    Fault { what: "a recording with damage", make: |rng| damaged(rng, damage::any) },
+    Fault { what: "a recording that is cut off", make: |rng| damaged(rng, damage::cut) },
     Fault { what: "a recording with damage in a chunk", make: inside },
     Fault { what: "a record of a wrong length", make: wrong_length },
     Fault { what: "a chunk of a wrong size", make: wrong_size },
@@ -123,6 +123,11 @@ pub fn pack(compression: &str, bytes: &[u8]) -> Vec<u8> {
         }
         _ => bytes.to_vec(),
     }
+}
+
+fn damaged(rng: &mut Rng, damage: fn(&mut Rng, &[u8]) -> Vec<u8>) -> Vec<u8> {
+    let bytes = whole(rng);
+    damage(rng, &bytes)
 }
 
 /// The valid recording, its chunks as they are or dissolved.

@@ -9,8 +9,8 @@ use crate::{Fault, Rng, damage, samples};
 
 /// Faults of twin files.
 pub const FAULTS: &[Fault] = &[
-    Fault { what: "a twin with damage", make: |rng| damage::any(rng, &valid(rng)) },
-    Fault { what: "a twin that is cut off", make: |rng| damage::cut(rng, &valid(rng)) },
+    Fault { what: "a twin with damage", make: |rng| damaged(rng, damage::any) },
+    Fault { what: "a twin that is cut off", make: |rng| damaged(rng, damage::cut) },
     Fault { what: "a twin with damage in its header", make: damaged_header },
     Fault { what: "a twin with a header of a wrong length", make: wrong_length },
     Fault { what: "a twin with other places of tensors", make: places },
@@ -22,6 +22,11 @@ pub const FAULTS: &[Fault] = &[
     Fault { what: "a twin with other metadata", make: metadata },
     Fault { what: "a twin of nested brackets", make: brackets },
 ];
+
+fn damaged(rng: &mut Rng, damage: fn(&mut Rng, &[u8]) -> Vec<u8>) -> Vec<u8> {
+    let bytes = valid(rng);
+    damage(rng, &bytes)
+}
 
 fn valid(rng: &mut Rng) -> Vec<u8> {
     encoded(&if rng.random() { samples::twin() } else { samples::cable() })

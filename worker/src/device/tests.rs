@@ -189,6 +189,7 @@ fn a_panic_is_caught_and_told() {
     let batch = instances(&backend, [1]);
     let result = backend.losses(&batch, &CancelToken::default());
     assert!(matches!(result, Err(EngineError::Device(_))), "{result:?}");
+    assert_eq!(device.broken_by(), Some(Priority::Interactive));
     let told = died.blocking_recv();
     assert!(matches!(told, Some(Error::Panicked(text)) if text.contains("broken")));
     // Later callers do not wait for a thread that is gone.
@@ -291,6 +292,7 @@ fn what_breaks_in_one_queue_ends_both() {
             Err(EngineError::Device(_))
         ));
         assert!(matches!(died.blocking_recv(), Some(Error::Panicked(_) | Error::DeviceFailed(_))));
+        assert_eq!(device.broken_by(), Some(Priority::Interactive));
         let fit = device.backend(Priority::Background);
         let model = Arc::new(Model {
             graph: Arc::new(Graph::default()),
@@ -300,6 +302,7 @@ fn what_breaks_in_one_queue_ends_both() {
             control_velocity: Default::default(),
         });
         assert!(matches!(fit.load(model), Err(EngineError::Device(_))));
+        assert_eq!(device.broken_by(), Some(Priority::Interactive), "the fit found it broken");
     }
 }
 

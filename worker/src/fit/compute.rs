@@ -55,7 +55,11 @@ impl Compute {
     ) -> Result<Finished, Fault> {
         let Inputs { lease, settings, observation, checkpoint } = inputs;
         self.progress.set(reading_progress());
-        let mut capture = observation::read(observation.path(), limits).map_err(|e| e.fault())?;
+        // The fit's memory includes its capture.
+        let capture_bytes = limits.capture_bytes.min(limits.fit_bytes);
+        let reading = Limits { capture_bytes, ..*limits };
+        let read = observation::read(observation.path(), &reading);
+        let mut capture = read.map_err(|e| e.fault())?;
         // It may be gigabytes, and everything is in memory now.
         drop(observation);
         // People may have given the capture a name since it was recorded.

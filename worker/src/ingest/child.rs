@@ -4,6 +4,8 @@
 use std::{
     path::Path,
     process::{ExitStatus, Stdio},
+    sync::atomic::{AtomicBool, Ordering},
+    time::Duration,
 };
 
 use bendtwin_core::{Category, Fault};
@@ -13,8 +15,14 @@ use tokio::{
     process::Command,
 };
 
-use super::protocol::{CHECKPOINT, Message};
-use crate::job::{checkpoints::Checkpoints, report::LatestProgress};
+use super::{
+    protocol::{CHECKPOINT, Message, read_result},
+    sandbox::Enforced,
+};
+use crate::job::{
+    checkpoints::{Checkpoints, MAX_BYTES as MAX_CHECKPOINT},
+    report::LatestProgress,
+};
 
 /// Longest message line that is accepted [bytes]; the child writes far shorter ones.
 const MAX_LINE: u64 = 1 << 20;
@@ -32,7 +40,13 @@ const OUT_OF_MEMORY_TEXTS: [&str; 3] =
 pub(super) struct Child<'a> {
     pub(super) program: &'a Path,
     pub(super) folder: &'a Path,
+    /// Longest time that it may take.
+    pub(super) time: Duration,
 }
+
+/// Variables of the worker's environment that the child gets. The worker's token is among the
+/// others.
+const PASSED_VARIABLES: [&str; 3] = ["BENDTWIN_LOG", "BENDTWIN_LOG_FORMAT", "RUST_BACKTRACE"];
 
 /// Outcome of the child's work.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,8 +55,9 @@ pub(super) enum Ended {
     Observed { verdict: Verdict },
     /// The report lies in the folder.
     Refused { verdict: Verdict, fault: Fault },
-    /// The work needs more memory than it may take. The fault says so; the folder has no results.
-    OutOfMemory { fault: Fault },
+    /// The work needs more memory or time than it may take. The fault says which; the folder has no
+    /// results.
+    Exceeded { fault: Fault },
 }
 
 impl Child<'_> {
@@ -55,11 +70,26 @@ impl Child<'_> {
         progress: &LatestProgress,
         checkpoints: &Checkpoints,
     ) -> Result<Ended, Fault> {
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        match tokio::time::timeout(self.time, self.run_without_end(progress, checkpoints)).await {
+            Ok(ended) => ended,
+            Err(_) => Ok(Ended::Exceeded { fault: timed_out(self.time) }),
+        }
+    }
+
+    async fn run_without_end(
+        &self,
+        progress: &LatestProgress,
+        checkpoints: &Checkpoints,
+    ) -> Result<Ended, Fault> {
+        let passed =
+            PASSED_VARIABLES.iter().filter_map(|name| Some((name, std::env::var_os(name)?)));
         let mut child = Command::new(self.program)
             .arg("ingest-capture")
             .arg(self.folder)
-            .env("RAYON_NUM_THREADS", threads.min(MOST_THREADS).to_string())
+            .env_clear()
+            .envs(passed)
+            .env("TMPDIR", self.folder)
+            .env("RAYON_NUM_THREADS", threads().to_string())
             // Held open: the child exits when it ends, because the worker is gone then.
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -78,11 +108,12 @@ impl Child<'_> {
             Some(Message::Observed { verdict }) => Ok(Ended::Observed { verdict }),
             // A file that cannot be read for lack of memory is not the file's fault.
             Some(Message::Refused { fault, .. }) if is_out_of_memory(&fault.message) => {
-                Ok(Ended::OutOfMemory { fault: out_of_memory() })
+                Ok(Ended::Exceeded { fault: out_of_memory() })
             }
             Some(Message::Refused { verdict, fault }) => Ok(Ended::Refused { verdict, fault }),
             Some(Message::Failed(fault)) => Err(fault),
-            _ if is_out_of_memory(&tail) => Ok(Ended::OutOfMemory { fault: out_of_memory() }),
+            _ if is_out_of_memory(&tail) => Ok(Ended::Exceeded { fault: out_of_memory() }),
+            _ if is_out_of_time(status) => Ok(Ended::Exceeded { fault: timed_out(self.time) }),
             _ => Err(crashed(&describe_exit(status))),
         }
     }
@@ -103,8 +134,12 @@ impl Child<'_> {
             }
             match serde_json::from_slice(&line) {
                 Ok(Message::Progress(reported)) => progress.set(reported),
+                Ok(Message::Confined(enforced)) => note(&enforced),
                 Ok(Message::Checkpoint) => {
-                    match tokio::fs::read(self.folder.join(CHECKPOINT)).await {
+                    let path = self.folder.join(CHECKPOINT);
+                    let reading = move || read_result(&path, MAX_CHECKPOINT);
+                    let read = tokio::task::spawn_blocking(reading).await;
+                    match read.unwrap_or_else(|e| Err(std::io::Error::other(e))) {
                         Ok(checkpoint) => checkpoints.submit(checkpoint, false),
                         Err(error) => tracing::warn!(%error, "a checkpoint cannot be read"),
                     }
@@ -113,6 +148,23 @@ impl Child<'_> {
                 Err(error) => tracing::warn!(%error, "the ingest process sent an invalid message"),
             }
         }
+    }
+}
+
+/// Threads of the child.
+pub(super) fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from).min(MOST_THREADS)
+}
+
+/// Logs what confines the child: loudly what lacks, but not for every capture.
+fn note(enforced: &Enforced) {
+    static WARNED: AtomicBool = AtomicBool::new(false);
+    match enforced.lacking() {
+        Some(lacking) if !WARNED.swap(true, Ordering::Relaxed) => tracing::warn!(
+            "this system confines the process that reads captures only in part: {lacking}; its memory and time are \
+             limited. --ingest-sandbox required reads nothing under such conditions"
+        ),
+        lacking => tracing::debug!(?lacking, "the process that reads the capture is confined"),
     }
 }
 
@@ -144,6 +196,18 @@ fn out_of_memory() -> Fault {
     }
 }
 
+fn timed_out(time: Duration) -> Fault {
+    Fault {
+        category: Category::ResourceExhausted,
+        reason: "INGEST_TIMEOUT".to_owned(),
+        message: format!(
+            "reading the capture takes longer than the {} s that this worker gives it: split the capture, or start \
+             workers with a higher --ingest-timeout-s and run the ingest again",
+            time.as_secs()
+        ),
+    }
+}
+
 /// The fault for a user when the child ended unexpectedly; the details go to the worker's log.
 fn crashed(how: &str) -> Fault {
     tracing::error!("the process that reads the capture failed: {how}");
@@ -154,6 +218,18 @@ fn crashed(how: &str) -> Fault {
                   happens again the capture is damaged in a way that nobody thought of: please report it"
             .to_owned(),
     }
+}
+
+/// True if the system ended the process because its processor time was up.
+#[cfg(unix)]
+fn is_out_of_time(status: ExitStatus) -> bool {
+    use std::os::unix::process::ExitStatusExt as _;
+    status.signal() == Some(libc::SIGXCPU)
+}
+
+#[cfg(not(unix))]
+fn is_out_of_time(_: ExitStatus) -> bool {
+    false
 }
 
 #[cfg(unix)]

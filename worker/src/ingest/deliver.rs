@@ -14,7 +14,7 @@ use tokio_util::io::ReaderStream;
 use super::{
     child::Ended,
     process::write_report,
-    protocol::{OBSERVATION, PAGE, REPORT},
+    protocol::{OBSERVATION, PAGE, REPORT, open_result},
 };
 use crate::{
     job::{
@@ -32,7 +32,7 @@ pub(super) async fn deliver(delivery: &Delivery<'_>, folder: &Path, ended: Ended
     let (verdict, fault) = match ended {
         Ended::Observed { verdict } => (verdict, None),
         Ended::Refused { verdict, fault } => (verdict, Some(fault)),
-        Ended::OutOfMemory { fault } => {
+        Ended::Exceeded { fault } => {
             // The child could not write a report.
             let report = unread(&lease.capture_display_name, &fault).report;
             if let Err(error) = write_report(folder, &report) {
@@ -85,7 +85,7 @@ async fn measure(
     let measured = tokio::task::spawn_blocking(move || {
         let digest = |file: &str| -> std::io::Result<String> {
             let mut hasher = blake3::Hasher::new();
-            hasher.update_reader(std::fs::File::open(folder.join(file))?)?;
+            hasher.update_reader(open_result(&folder.join(file))?)?;
             Ok(hasher.finalize().to_hex().to_string())
         };
         Ok(IngestWrite {
@@ -106,8 +106,8 @@ async fn measure(
 async fn send(job: &Job, made: &IngestWrite, parts: &[(PathBuf, Wrap)]) -> Result<(), CallError> {
     let mut files = Vec::with_capacity(parts.len());
     for (path, wrap) in parts {
-        let file = tokio::fs::File::open(path).await;
-        files.push((file.map_err(|e| CallError::Unavailable(unreadable(&e)))?, *wrap));
+        let file = open_result(path).map_err(|e| CallError::Unavailable(unreadable(&e)))?;
+        files.push((tokio::fs::File::from_std(file), *wrap));
     }
     job.server().end_ingest(messages(made.clone(), files)).await
 }

@@ -1,5 +1,5 @@
-//! The child's side: limits its own memory first, then reads one capture and writes the results
-//! beside it.
+//! The child's side: confines itself first, then reads one capture and writes the results beside
+//! it.
 
 use std::{
     io::{self, Read as _, Write as _},
@@ -9,13 +9,16 @@ use std::{
 
 use bendtwin_capture as capture;
 use bendtwin_core::{
-    CancelToken, Fault, Observer, ObserverError, Problem as _, Progress, Stage,
+    CancelToken, Category, Fault, Observer, ObserverError, Problem as _, Progress, Stage,
     settings::ingest::IngestSettings,
 };
 use bendtwin_ingest::{Error, Observed, ingest};
 use bendtwin_inspect::Report;
 
-use super::protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, REPORT, Request};
+use super::{
+    protocol::{ARCHIVE, CHECKPOINT, Message, OBSERVATION, PAGE, REPORT, Request},
+    sandbox::{self, Enforced, Sandbox},
+};
 
 /// Least time between two progress messages.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(200);
@@ -24,19 +27,23 @@ const PROGRESS_INTERVAL: Duration = Duration::from_millis(200);
 /// leaves the results in the folder. A fault of the capture is a result, too.
 ///
 /// # Errors
-/// If the folder is not as a worker prepares it, or this process cannot limit its memory.
+/// If the folder is not as a worker prepares it, or this process cannot confine itself.
 pub fn ingest_capture(folder: &Path) -> io::Result<()> {
     let request = Request::read(folder)?;
-    limit_memory(request.memory_bytes)?;
+    let enforced = sandbox::confine(folder, &request.resources)?;
+    write_message(&Message::Confined(enforced))?;
     end_with_parent();
-    let last = match work(folder, &request) {
+    let last = match work(folder, &request, enforced) {
         Ok(last) => last,
         Err(fault) => Message::Failed(fault),
     };
     write_message(&last)
 }
 
-fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
+fn work(folder: &Path, request: &Request, enforced: Enforced) -> Result<Message, Fault> {
+    if request.sandbox == Sandbox::Required && !enforced.suffices() {
+        return Err(unconfined(&enforced));
+    }
     let settings: IngestSettings = match request.settings.trim() {
         "" => IngestSettings::default(),
         json => {
@@ -46,8 +53,8 @@ fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
     // What is known to need more is refused with a reason before it is tried.
     let standard = capture::Limits::default();
     let limits = capture::Limits {
-        total_bytes: request.memory_bytes,
-        file_bytes: standard.file_bytes.min(request.memory_bytes),
+        total_bytes: request.resources.memory_bytes,
+        file_bytes: standard.file_bytes.min(request.resources.memory_bytes),
         ..standard
     };
     let mut reporter = StdoutReporter { checkpoint: folder.join(CHECKPOINT), reported_at: None };
@@ -74,14 +81,17 @@ fn work(folder: &Path, request: &Request) -> Result<Message, Fault> {
     }
 }
 
-/// Limits the memory of this process. Beyond the limit, allocations fail and the process aborts.
-fn limit_memory(memory_bytes: u64) -> io::Result<()> {
-    // Data, not address space: memory that is reserved and never touched costs nothing.
-    #[cfg(any(target_os = "linux", target_os = "android"))]
-    let resource = rlimit::Resource::DATA;
-    #[cfg(not(any(target_os = "linux", target_os = "android")))]
-    let resource = rlimit::Resource::AS;
-    resource.set(memory_bytes, memory_bytes)
+/// The fault of a system that cannot confine this process as its worker demands.
+fn unconfined(enforced: &Enforced) -> Fault {
+    Fault {
+        category: Category::FailedPrecondition,
+        reason: "INGEST_SANDBOX_MISSING".to_owned(),
+        message: format!(
+            "this system does not confine the process that reads captures ({}), and the worker demands it: use a \
+             kernel with Landlock and seccomp, or start the worker with --ingest-sandbox best-effort",
+            enforced.lacking().unwrap_or_default()
+        ),
+    }
 }
 
 /// Ends this process when its standard input ends: the worker, which holds the pipe, is gone.
@@ -94,8 +104,17 @@ fn end_with_parent() {
 }
 
 pub(super) fn write_report(folder: &Path, report: &Report) -> io::Result<()> {
-    std::fs::write(folder.join(REPORT), report.to_json())?;
-    std::fs::write(folder.join(PAGE), report.to_html())
+    write_new(&folder.join(REPORT), &report.to_json())?;
+    write_new(&folder.join(PAGE), &report.to_html())
+}
+
+/// Writes a file in place of whatever stands there: the worker writes, too, where a child ended.
+fn write_new(path: &Path, text: &str) -> io::Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    std::fs::File::create_new(path)?.write_all(text.as_bytes())
 }
 
 fn unwritable(at: &str, source: io::Error) -> Fault {

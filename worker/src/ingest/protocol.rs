@@ -1,11 +1,17 @@
 //! Protocol between worker and child: files in one folder, and lines of JSON on the child's
 //! standard output. Both are the same program, so there are no versions.
 
-use std::{io, path::Path};
+use std::{
+    fs::{File, OpenOptions},
+    io::{self, Read as _},
+    path::Path,
+};
 
 use bendtwin_core::{Fault, Progress};
 use bendtwin_inspect::Verdict;
 use serde::{Deserialize, Serialize};
+
+use super::sandbox::{Enforced, Resources, Sandbox};
 
 /// File with the request.
 const REQUEST: &str = "request.json";
@@ -20,6 +26,33 @@ pub(super) const REPORT: &str = "report.json";
 /// File with the report as HTML.
 pub(super) const PAGE: &str = "report.html";
 
+/// Opens a file that the child wrote. Whatever stands there instead of one is refused: a link would
+/// lead the worker to files of its own, a pipe would hold it up.
+pub(super) fn open_result(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(
+        &mut options,
+        libc::O_NOFOLLOW | libc::O_NONBLOCK,
+    );
+    let file = options.open(path)?;
+    if file.metadata()?.is_file() {
+        return Ok(file);
+    }
+    Err(io::Error::new(io::ErrorKind::InvalidData, "it is not a regular file"))
+}
+
+/// Reads a file that the child wrote, if it is not larger than `limit` bytes.
+pub(super) fn read_result(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open_result(path)?.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, "it is too large"));
+    }
+    Ok(bytes)
+}
+
 /// The child's task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Request {
@@ -27,14 +60,18 @@ pub(super) struct Request {
     pub(super) name: String,
     /// The settings of the ingest, as JSON.
     pub(super) settings: String,
-    /// Memory that the child may take [bytes].
-    pub(super) memory_bytes: u64,
+    /// Resources that the child may take.
+    pub(super) resources: Resources,
+    /// Demand on its confinement.
+    pub(super) sandbox: Sandbox,
 }
 
 /// A message of the child, one line each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Message {
+    /// The child has confined itself: these layers are in force.
+    Confined(Enforced),
     /// Progress.
     Progress(Progress),
     /// A checkpoint has been written.

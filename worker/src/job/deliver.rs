@@ -23,6 +23,8 @@ pub(crate) enum Failure {
     Cancelled,
     /// This worker ends and hands it back.
     Released,
+    /// Other work of this worker, which has to end, broke what the job needs.
+    Interrupted,
 }
 
 /// Reason for which a result was not delivered.

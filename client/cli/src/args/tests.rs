@@ -31,6 +31,9 @@ fn what_the_readme_shows_parses() {
         "bendtwin bench --list --json".to_owned(),
         "bendtwin bench rope n2000 --batches 1,100 --out b.json".to_owned(),
         "bendtwin bench n500 --batches 1,16 --quick".to_owned(),
+        "bendtwin store check --data-dir d --sizes --json".to_owned(),
+        "bendtwin store repair".to_owned(),
+        "bendtwin store backup copy --data-dir d".to_owned(),
     ] {
         if let Err(error) = parse(&line) {
             panic!("{line}: {error}");
@@ -49,6 +52,7 @@ fn wrong_usage_is_refused() {
         "bendtwin eval a --twin t --axial",
         "bendtwin rollout twins/none",
         "bendtwin bench n1",
+        "bendtwin store backup",
         "bendtwin bench --batches 0",
         "bendtwin bench --seconds nan",
         "bendtwin bench --passes 3",

@@ -14,8 +14,8 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{global::Global, output, signals, table::Table};
 
-/// Longest pause of a greedy client that was refused.
-const GREEDY_PAUSE: Duration = Duration::from_millis(200);
+/// Pause of a client that was refused. Greedy ones do not wait as long as they are told to.
+const PAUSE: Duration = Duration::from_secs(1);
 /// Longest wait for the first generation of the fit.
 const FIT_START: Duration = Duration::from_secs(300);
 
@@ -214,7 +214,7 @@ async fn greedy(
         };
         if result.is_err() {
             refused += 1;
-            tokio::time::sleep(GREEDY_PAUSE).await;
+            tokio::time::sleep(PAUSE).await;
         }
     }
 }
@@ -237,7 +237,7 @@ async fn phase(
             Ok(_) => took.push(begun.elapsed().as_secs_f64()),
             Err(_) => {
                 refused += 1;
-                tokio::time::sleep(GREEDY_PAUSE).await;
+                tokio::time::sleep(PAUSE).await;
             }
         }
     }

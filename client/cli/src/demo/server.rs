@@ -46,16 +46,22 @@ impl DemoServer {
             .with_context(|| format!("cannot write {}", log.display()))?;
         let mut child = Command::new(std::env::current_exe()?)
             .args(["server", "--listen", "127.0.0.1:0", "--workers", "1", "--exit-with-parent"])
+            .args(["--client-token", "required"])
             .arg("--data-dir")
             .arg(folder.join("data"))
             .arg("--port-file")
             .arg(&port_file)
             // The demo is the same whatever the user's own server is set to.
             .env_remove("BENDTWIN_CONFIG")
+            .env_remove("BENDTWIN_CLIENT_TOKEN")
+            .env_remove("BENDTWIN_ALLOWED_HOSTS")
             .env_remove("BENDTWIN_WORKER_TOKEN")
             .env_remove("BENDTWIN_WORKER_LISTEN")
             .env_remove("BENDTWIN_WORKER_ADVERTISE")
             .env_remove("BENDTWIN_CACHE_DIR")
+            .env_remove("BENDTWIN_SCRATCH_DIR")
+            .env_remove("BENDTWIN_INGEST_SANDBOX")
+            .env_remove("BENDTWIN_INGEST_TIMEOUT_S")
             .env_remove("BENDTWIN_DEVICES")
             .env_remove("BENDTWIN_DEVICE_MEMORY_MIB")
             .envs(backend.variables())
@@ -82,7 +88,10 @@ impl DemoServer {
             tokio::time::sleep(POLL_INTERVAL).await;
         };
         let url = format!("http://127.0.0.1:{port}");
-        let client = Client::connect(&url).await?;
+        // Whatever token the user's own server has.
+        let token = std::fs::read_to_string(folder.join("data/client-token"))
+            .context("cannot read the token of the server")?;
+        let client = Client::connect_with_token(&url, Some(token.trim())).await?;
         while client.workers().all().await?.is_empty() {
             anyhow::ensure!(started.elapsed() < START_TIMEOUT, "no worker starts{}", tail(&log));
             tokio::time::sleep(POLL_INTERVAL).await;

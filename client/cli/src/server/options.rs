@@ -1,7 +1,7 @@
 //! Server options from all their sources: defaults < file < environment < flags.
 
 use anyhow::Context as _;
-use bendtwin_server::Options;
+use bendtwin_server::{ClientTokenPolicy, Options};
 
 use super::Server;
 use crate::failure::Usage;
@@ -23,6 +23,17 @@ impl Server {
         };
         if let Some(listen) = self.listen {
             options.listen = listen;
+        }
+        if let Some(listen) = self.worker_listen {
+            options.worker_listen = listen;
+        }
+        if let Some(hosts) = &self.allowed_hosts {
+            options.allowed_hosts.clone_from(hosts);
+        }
+        match self.client_token.as_deref() {
+            Some("none") => options.client_token = ClientTokenPolicy::None,
+            Some(_) => options.client_token = ClientTokenPolicy::Required,
+            None => {}
         }
         if let Some(data_dir) = &self.data_dir {
             options.data_dir.clone_from(data_dir);
@@ -48,6 +59,9 @@ impl Server {
         if let Some(expiry) = self.upload_expiry {
             options.upload_expiry_s = expiry;
         }
+        if let Some(floor) = self.disk_floor_mib {
+            options.disk_floor_mib = floor;
+        }
         let args = &mut options.workers.args;
         if args.first().is_some_and(|a| a == "worker") && !args.iter().any(|a| a == END_WITH_SERVER)
         {
@@ -70,6 +84,9 @@ mod tests {
         Server {
             config: None,
             listen: None,
+            worker_listen: None,
+            allowed_hosts: None,
+            client_token: None,
             data_dir: None,
             workers: None,
             backend: None,
@@ -78,6 +95,7 @@ mod tests {
             workers_memory_mib: None,
             worker_token: None,
             upload_expiry: None,
+            disk_floor_mib: None,
             port_file: None,
             exit_with_parent: false,
         }
@@ -104,6 +122,20 @@ mod tests {
         assert!((options.lease_s - 12.0).abs() < 1e-9);
         assert_eq!(options.listen, Options::default().listen);
         assert_eq!(options.workers.args, ["worker", END_WITH_SERVER]);
+    }
+
+    #[test]
+    fn access_is_set_by_flags_and_checked() {
+        let args = Server {
+            allowed_hosts: Some(vec!["twin.example".to_owned()]),
+            client_token: Some("none".to_owned()),
+            ..server()
+        };
+        let options = args.options().unwrap();
+        assert_eq!(options.allowed_hosts, ["twin.example"]);
+        assert_eq!(options.client_token, ClientTokenPolicy::None);
+        let wrong = Server { allowed_hosts: Some(vec!["http://twin".to_owned()]), ..server() };
+        assert!(wrong.options().unwrap_err().to_string().contains("allowed_hosts"));
     }
 
     #[test]

@@ -15,6 +15,7 @@ import grpc
 from bendtwin.archive import archive_of, chunks_of
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed, translated
 from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
+from bendtwin.token import find_token, with_token
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
 from bendtwin.v1 import (
@@ -41,17 +42,23 @@ _Watched = TypeVar("_Watched")
 
 
 class Client:
-    """A BendTwin server, `host:port`. Thread-safe; close it or use it in a `with` statement."""
+    """A BendTwin server, `host:port`. Thread-safe; close it or use it in a `with` statement.
 
-    def __init__(self, address: str = "127.0.0.1:7070") -> None:
+    Without `token` it is that of `BENDTWIN_TOKEN`, or the one that a server of the same user on the
+    same machine left.
+    """
+
+    def __init__(self, address: str = "127.0.0.1:7070", *, token: str | None = None) -> None:
         target = address.removeprefix("http://").rstrip("/")
         self._address = target
+        self._token = find_token(target) if token is None else token
         self._channel = grpc.insecure_channel(target, options=_CHANNEL_OPTIONS)
-        self._captures = capture_pb2_grpc.CaptureServiceStub(self._channel)
-        self._fits = fit_pb2_grpc.FitServiceStub(self._channel)
-        self._twins = twin_pb2_grpc.TwinServiceStub(self._channel)
-        self._workers = worker_pb2_grpc.WorkerServiceStub(self._channel)
-        self._rollouts = rollout_pb2_grpc.RolloutServiceStub(self._channel)
+        channel = with_token(self._channel, self._token)
+        self._captures = capture_pb2_grpc.CaptureServiceStub(channel)
+        self._fits = fit_pb2_grpc.FitServiceStub(channel)
+        self._twins = twin_pb2_grpc.TwinServiceStub(channel)
+        self._workers = worker_pb2_grpc.WorkerServiceStub(channel)
+        self._rollouts = rollout_pb2_grpc.RolloutServiceStub(channel)
 
     def __enter__(self) -> Client:
         return self
@@ -112,7 +119,7 @@ class Client:
         if display_name is None:
             display_name = path.resolve().name if path.is_dir() else path.stem
         with archive_of(path) as archive:
-            sender = Sender(self._address, archive, display_name, request_id)
+            sender = Sender(self._address, archive, display_name, request_id, token=self._token)
             name = sender.send(on_progress)
         return self.capture(name)
 

@@ -37,7 +37,7 @@ _CATEGORIES = {
     503: Category.UNAVAILABLE,
     504: Category.UNAVAILABLE,
 }
-_PASSING_REASONS = ("CHECKSUM_MISMATCH", "UPLOAD_IDLE", "UPLOAD_BROKEN")
+_PASSING_REASONS = ("CHECKSUM_MISMATCH", "UPLOAD_IDLE", "BODY_TOO_SLOW", "UPLOAD_BROKEN")
 
 
 class Sender:
@@ -50,11 +50,15 @@ class Sender:
         display_name: str,
         request_id: str | None = None,
         patience_s: float = PATIENCE_S,
+        token: str | None = None,
     ) -> None:
         self._server = f"http://{server}"
         self._path = path
         self._length = path.stat().st_size
         self._patience_s = patience_s
+        self._headers = {"tus-resumable": "1.0.0"}
+        if token is not None:
+            self._headers["authorization"] = f"Bearer {token}"
         if request_id is None:
             key = hashlib.sha256()
             with path.open("rb") as file:
@@ -141,7 +145,7 @@ class Sender:
         parts = urlsplit(url)
         connection = http.client.HTTPConnection(parts.netloc, timeout=_SILENCE_S)
         try:
-            connection.request(method, parts.path, body, {"tus-resumable": "1.0.0", **headers})
+            connection.request(method, parts.path, body, {**self._headers, **headers})
             response = connection.getresponse()
             text = response.read()
         except (OSError, http.client.HTTPException) as error:

@@ -11,7 +11,7 @@ use crate::{
     raw::Section,
 };
 
-pub(crate) const MARKER: &str = "capture.json";
+pub(crate) const MARKER: &str = bendtwin_core::capture_files::OBSERVATION_MARKER;
 
 /// The word in `format`.
 pub(super) const FORMAT: &str = "bendtwin-capture";

@@ -1,5 +1,8 @@
 //! Images in memory: row by row from the upper left.
 
+use super::{decode, encode};
+use crate::{Error, Limits, limits::Budget};
+
 /// Pixels on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image<P> {
@@ -32,5 +35,58 @@ impl<P: Copy> Image<P> {
     /// The pixels of a row.
     pub fn row(&self, row: usize) -> &[P] {
         &self.pixels[row * self.width..(row + 1) * self.width]
+    }
+}
+
+impl ColorImage {
+    /// Decodes a PNG or JPEG file of this size as columns and rows; `at` is its name in messages.
+    ///
+    /// # Errors
+    /// If it is damaged or of another size.
+    pub fn decode(at: &str, bytes: &[u8], size: [usize; 2]) -> Result<Self, Error> {
+        decode::color(at, bytes, size)
+    }
+
+    /// Encodes as PNG.
+    ///
+    /// # Errors
+    /// If it has no pixels, or more than a PNG file can have.
+    pub fn encode(&self) -> Result<Vec<u8>, Error> {
+        encode::color(self)
+    }
+}
+
+impl DepthImage {
+    /// Decodes a PNG or .npy file whose numbers are `unit_m` metres each, onto a grid of this size
+    /// as columns and rows; `at` is its name in messages.
+    ///
+    /// # Errors
+    /// If it is damaged, no depth, of another section, or beyond the limits.
+    pub fn decode(
+        at: &str,
+        bytes: &[u8],
+        unit_m: f64,
+        size: [usize; 2],
+        limits: &Limits,
+    ) -> Result<Self, Error> {
+        decode::depth(at, bytes, unit_m, size, &mut Budget::new(limits))
+    }
+}
+
+impl Mask {
+    /// Decodes a PNG or JPEG file of this size as columns and rows; `at` is its name in messages.
+    ///
+    /// # Errors
+    /// If it is damaged or of another size.
+    pub fn decode(at: &str, bytes: &[u8], size: [usize; 2]) -> Result<Self, Error> {
+        decode::mask(at, bytes, size)
+    }
+
+    /// Encodes as PNG.
+    ///
+    /// # Errors
+    /// If it has no pixels, or more than a PNG file can have.
+    pub fn encode(&self) -> Result<Vec<u8>, Error> {
+        encode::mask(self)
     }
 }

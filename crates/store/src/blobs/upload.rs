@@ -111,14 +111,29 @@ impl Staged {
         self.size_bytes
     }
 
-    /// The content, read back into memory.
+    /// The content, to be checked before a row refers to it.
     ///
     /// # Errors
-    /// If it cannot be read.
-    pub async fn read(&self) -> Result<Bytes> {
-        let published = super::published(&self.digest.to_hex());
-        let path = self.path.as_ref().unwrap_or(&published);
-        Ok(self.blobs.objects.get(path).await?.bytes().await?)
+    /// File errors.
+    pub async fn bytes(&self) -> Result<Bytes> {
+        Ok(self.blobs.objects.get(&self.place()).await?.bytes().await?)
+    }
+
+    /// The first bytes of the content, `length` or as many as there are.
+    ///
+    /// # Errors
+    /// File errors.
+    pub async fn head(&self, length: u64) -> Result<Bytes> {
+        let range = 0..length.min(self.size_bytes);
+        if range.is_empty() {
+            return Ok(Bytes::new());
+        }
+        Ok(self.blobs.objects.get_range(&self.place(), range).await?)
+    }
+
+    /// Where the content is now.
+    fn place(&self) -> Path {
+        self.path.clone().unwrap_or_else(|| super::published(&self.digest.to_hex()))
     }
 
     /// The resumable upload of this content.

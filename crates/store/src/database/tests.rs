@@ -43,8 +43,7 @@ async fn writes_work_again_once_a_full_disk_has_room() {
     assert_eq!((full.category(), full.reason()), (Category::ResourceExhausted, "DISK_FULL"));
     tell(&bench, "pragma max_page_count = 1000000").await;
     // The fit of a worker that fell silent meanwhile goes back to the queue.
-    bench.clock.advance(2 * LEASE);
-    assert_eq!(jobs.sweep().await.unwrap().len(), 1);
+    assert_eq!(bench.pass(2 * LEASE).await.len(), 1);
     assert_eq!(jobs.get(fit.id).await.unwrap().state, State::Queued);
     bench.store.probe_write().await.unwrap();
     bench.store.captures().delete(bench.capture("b").await.id).await.unwrap();

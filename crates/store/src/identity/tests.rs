@@ -52,6 +52,19 @@ async fn a_database_beside_the_blobs_of_another_is_refused() {
 }
 
 #[tokio::test]
+async fn blobs_that_are_exchanged_beside_a_server_are_no_garbage() {
+    let bench = Bench::new().await;
+    fs::write(bench.dir.path().join("blobs/identity"), "another").unwrap();
+    let digest = "f".repeat(64);
+    let foreign = files::published(&bench.dir.path().join("blobs"), &digest);
+    fs::create_dir_all(foreign.parent().unwrap()).unwrap();
+    fs::write(&foreign, "precious").unwrap();
+    let refused = bench.store.collect_garbage().await;
+    assert!(matches!(refused, Err(Error::StoreMismatch { .. })), "{refused:?}");
+    assert!(foreign.exists());
+}
+
+#[tokio::test]
 async fn stores_from_before_identities_get_one() {
     let bench = Bench::new().await;
     let capture = bench.capture("old").await;

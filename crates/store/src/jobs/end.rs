@@ -2,9 +2,10 @@
 
 use bendtwin_core::{Category, Fault, ids::WorkerId};
 use sqlx::{Sqlite, Transaction};
+use uuid::Uuid;
 
 use super::{
-    Job, JobId, Jobs, Lease, MAX_STALLED_ATTEMPTS,
+    Job, JobId, Jobs, Lease, LeaseTerms, MAX_INTERRUPTED_ATTEMPTS, MAX_STALLED_ATTEMPTS,
     row::{self, Row, State, to_json},
 };
 use crate::{Error, Result, failpoint::Failpoint};
@@ -20,6 +21,20 @@ pub enum AttemptEnd {
     Cancelled,
     /// The worker gave the job back in good order; the attempt does not count.
     Released,
+    /// Other work of the worker ended it. It does not count either, unless that was so for the last
+    /// [`MAX_INTERRUPTED_ATTEMPTS`] attempts.
+    Interrupted(Fault),
+}
+
+/// Reason for which a worker lost its attempts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Loss {
+    /// The worker ended or fell silent: the job may be the cause.
+    Worker,
+    /// It did while it answered rollouts, which may be the cause just as well.
+    Rollout,
+    /// The server ended it, or ended itself: nothing to do with the job.
+    Server,
 }
 
 impl Jobs<'_> {
@@ -39,65 +54,58 @@ impl Jobs<'_> {
         Ok(job)
     }
 
-    /// Ends all attempts whose leases have run out.
+    /// Lets lease time pass up to now ([`Store::lease_time`](crate::Store::lease_time)) and ends
+    /// all attempts whose leases have run out; `loss` tells what became of a worker.
     ///
     /// # Errors
     /// Database errors.
-    pub async fn sweep(&self) -> Result<Vec<Job>> {
-        let expired: Vec<(String, String)> = sqlx::query_as(
-            "select kind, id from jobs where state = 'running' and lease_until < $1 order by lease_until",
-        )
-        .bind(self.store.now_micros())
-        .fetch_all(self.store.inner.database.read())
-        .await?;
+    pub async fn sweep(
+        &self,
+        terms: LeaseTerms,
+        loss: impl Fn(WorkerId) -> Loss,
+    ) -> Result<Vec<Job>> {
+        let running: Vec<(String, String, i64)> =
+            sqlx::query_as("select kind, id, lease_epoch from jobs where state = 'running'")
+                .fetch_all(self.store.inner.database.read())
+                .await?;
+        let lease = |(kind, id, epoch): &(String, String, i64)| {
+            Some((JobId::stored(kind, id)?, (*epoch).max(0) as u64))
+        };
+        let running: Vec<(JobId, u64)> = running.iter().filter_map(lease).collect();
+        let leases = &self.store.inner.leases;
+        let expired = leases.sweep(&running, self.store.inner.clock.monotonic(), terms);
         let mut swept = Vec::new();
-        for id in expired.iter().filter_map(|(kind, id)| JobId::stored(kind, id)) {
-            swept.extend(self.lose(id, |row, now| row.lease_expired(now)).await?);
+        for id in expired {
+            let still = |row: &Row| leases.has_run_out(id, row.epoch());
+            swept.extend(self.end_if(id, still, |row| lost(row, &loss)).await?);
         }
         Ok(swept)
     }
 
     /// Ends all attempts of a worker that is known to be gone, without waiting for its leases.
-    /// `counts` is false if its end has nothing to do with the job (the server itself went down).
     ///
     /// # Errors
     /// Database errors.
-    pub async fn forfeit(&self, worker: WorkerId, counts: bool) -> Result<Vec<Job>> {
+    pub async fn forfeit(&self, worker: WorkerId, loss: Loss) -> Result<Vec<Job>> {
         let worker = worker.uuid().to_string();
         let held: Vec<(String, String)> =
             sqlx::query_as("select kind, id from jobs where state = 'running' and worker = $1")
                 .bind(&worker)
                 .fetch_all(self.store.inner.database.read())
                 .await?;
-        let mut lost = Vec::new();
+        let mut ended = Vec::new();
         for id in held.iter().filter_map(|(kind, id)| JobId::stored(kind, id)) {
-            let is_its = |row: &Row, _| row.worker.as_ref() == Some(&worker);
-            lost.extend(if counts {
-                self.lose(id, is_its).await?
-            } else {
-                self.end_if(id, is_its, |_| AttemptEnd::Released).await?
-            });
+            let is_its = |row: &Row| row.worker.as_ref() == Some(&worker);
+            ended.extend(self.end_if(id, is_its, |row| lost(row, |_| loss)).await?);
         }
-        Ok(lost)
-    }
-
-    async fn lose(&self, id: JobId, still: impl Fn(&Row, i64) -> bool) -> Result<Option<Job>> {
-        let end = |row: &Row| {
-            let worker = row.worker.as_deref().unwrap_or("unknown");
-            AttemptEnd::Failed(Fault {
-                category: Category::Unavailable,
-                reason: "WORKER_LOST".to_owned(),
-                message: format!("workers/{worker} stopped answering in attempt {}", row.attempts),
-            })
-        };
-        self.end_if(id, still, end).await
+        Ok(ended)
     }
 
     /// Ends a running attempt if `still` holds once the write lock is taken.
     async fn end_if(
         &self,
         id: JobId,
-        still: impl Fn(&Row, i64) -> bool,
+        still: impl Fn(&Row) -> bool,
         end: impl Fn(&Row) -> AttemptEnd,
     ) -> Result<Option<Job>> {
         let mut tx = self.store.inner.database.write().await?;
@@ -105,7 +113,7 @@ impl Jobs<'_> {
             Err(Error::NotFound { .. }) => return Ok(None),
             row => row?,
         };
-        if row.state()? != State::Running || !still(&row, self.store.now_micros()) {
+        if row.state()? != State::Running || !still(&row) {
             return Ok(None);
         }
         let (checkpoint, end) = (row.checkpoint.clone(), end(&row));
@@ -126,7 +134,15 @@ impl Jobs<'_> {
         let mut faults: Vec<Fault> = serde_json::from_str(&row.attempt_faults).unwrap_or_default();
         let stalled_out = row.stalled >= i64::from(MAX_STALLED_ATTEMPTS);
         let cancelling = row.cancel_requested;
-        let mut counted = 1;
+        let (mut counted, mut interrupted) = (1, row.interrupted);
+        let end = match end {
+            AttemptEnd::Interrupted(_) if interrupted < i64::from(MAX_INTERRUPTED_ATTEMPTS) => {
+                interrupted += 1;
+                AttemptEnd::Released
+            }
+            AttemptEnd::Interrupted(fault) => AttemptEnd::Failed(fault),
+            end => end,
+        };
         let (state, fault) = match end {
             AttemptEnd::Cancelled => (State::Cancelled, None),
             AttemptEnd::Released | AttemptEnd::Failed(_) if cancelling => (State::Cancelled, None),
@@ -136,7 +152,7 @@ impl Jobs<'_> {
             }
             AttemptEnd::FailedForGood(fault) => (State::Failed, Some(fault)),
             AttemptEnd::Failed(fault) if stalled_out => (State::Failed, Some(fault)),
-            AttemptEnd::Failed(fault) => {
+            AttemptEnd::Failed(fault) | AttemptEnd::Interrupted(fault) => {
                 faults.push(fault);
                 (State::Queued, None)
             }
@@ -144,7 +160,8 @@ impl Jobs<'_> {
         let ended = state.has_ended();
         let updated: Row = sqlx::query_as(
             "update jobs set state = $2, fault = $3, attempt_faults = $4, attempts = $5,
-                 stalled = $6, ended_at = $7, checkpoint = $8, lease_until = null, worker = null,
+                 stalled = $6, ended_at = $7, checkpoint = $8, interrupted = $9,
+                 lease_until = null, worker = null,
                  revision = revision + 1
              where id = $1 returning *",
         )
@@ -156,6 +173,7 @@ impl Jobs<'_> {
         .bind((row.stalled - 1 + counted).max(0))
         .bind(ended.then(|| self.store.now_micros()))
         .bind(row.checkpoint.filter(|_| !ended))
+        .bind(interrupted)
         .fetch_one(&mut **tx)
         .await?;
         updated.try_into()
@@ -179,5 +197,21 @@ impl Jobs<'_> {
             self.store.release(&digest).await?;
         }
         Ok(())
+    }
+}
+
+/// The end of an attempt whose worker is gone.
+fn lost(row: &Row, loss: impl Fn(WorkerId) -> Loss) -> AttemptEnd {
+    let worker = row.worker.as_deref().unwrap_or("unknown");
+    let fault = |what: &str| Fault {
+        category: Category::Unavailable,
+        reason: "WORKER_LOST".to_owned(),
+        message: format!("workers/{worker} {what} in attempt {}", row.attempts),
+    };
+    let id = Uuid::try_parse(worker).ok().map(WorkerId::from);
+    match id.map_or(Loss::Worker, loss) {
+        Loss::Worker => AttemptEnd::Failed(fault("stopped answering")),
+        Loss::Rollout => AttemptEnd::Interrupted(fault("ended while it answered rollouts")),
+        Loss::Server => AttemptEnd::Released,
     }
 }

@@ -9,7 +9,41 @@ use super::{
     Job, JobId, Jobs, Kind,
     row::{self, Row},
 };
-use crate::{Content, Error, Result, Staged, clock::micros_after, failpoint::Failpoint};
+use crate::{Content, Digest, Error, Result, Staged, clock::micros_after, failpoint::Failpoint};
+
+/// Claims a job that a subquery chooses.
+macro_rules! claim {
+    ($chosen:literal) => {
+        concat!(
+            "update jobs set state = 'running', worker = $1, lease_epoch = lease_epoch + 1,
+                 lease_until = $3, attempts = attempts + 1, stalled = stalled + 1,
+                 started_at = coalesce(started_at, $2), revision = revision + 1
+             where id = (",
+            $chosen,
+            ") returning *"
+        )
+    };
+}
+
+/// The oldest fit of the highest priority whose capture has been read.
+const CLAIM_FIT: &str = claim!(
+    "select id from jobs as j where state = 'queued' and kind = 'fit' and not exists (
+         select 1 from jobs as i where i.capture = j.capture and i.kind = 'ingest'
+             and i.state in ('queued', 'running'))
+     order by priority desc, created_at, id limit 1"
+);
+
+/// The ingest of the highest priority that would be done first if each began when it was queued
+/// and took a second for a megabyte, ten minutes at most: small captures pass large ones, which
+/// wait no longer for that than they take themselves.
+const CLAIM_INGEST: &str = claim!(
+    "select j.id from jobs as j left join captures as c on c.id = j.capture
+     where j.state = 'queued' and j.kind = 'ingest'
+     order by j.priority desc,
+         j.created_at + case when coalesce(c.size_bytes, 0) > 600000000 then 600000000
+                             else coalesce(c.size_bytes, 0) end,
+         j.id limit 1"
+);
 
 /// The right of one worker to write to one job, until another claims it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,28 +75,21 @@ impl Jobs<'_> {
     ) -> Result<Option<Job>> {
         let now = self.store.now();
         let mut tx = self.store.inner.database.write().await?;
-        let row: Option<Row> = sqlx::query_as(
-            "update jobs set state = 'running', worker = $1, lease_epoch = lease_epoch + 1,
-                 lease_until = $3, attempts = attempts + 1, stalled = stalled + 1,
-                 started_at = coalesce(started_at, $2), revision = revision + 1
-             where id = (select id from jobs as j where state = 'queued' and kind = $4
-                             and (kind = 'ingest' or not exists (
-                                 select 1 from jobs as i
-                                 where i.capture = j.capture and i.kind = 'ingest'
-                                     and i.state in ('queued', 'running')))
-                         order by priority desc, created_at, id limit 1)
-             returning *",
-        )
-        .bind(worker.uuid().to_string())
-        .bind(self.store.now_micros())
-        .bind(micros_after(now, lease))
-        .bind(kind.as_str())
-        .fetch_optional(&mut *tx)
-        .await?;
+        let statement = match kind {
+            Kind::Ingest => CLAIM_INGEST,
+            Kind::Fit => CLAIM_FIT,
+        };
+        let row: Option<Row> = sqlx::query_as(statement)
+            .bind(worker.uuid().to_string())
+            .bind(self.store.now_micros())
+            .bind(micros_after(now, lease))
+            .fetch_optional(&mut *tx)
+            .await?;
         let Some(row) = row else { return Ok(None) };
+        let job = Job::try_from(row)?;
+        self.renew(Lease { job: job.id, epoch: job.lease_epoch }, lease);
         self.store.pass(Failpoint::BeforeCommit)?;
         tx.commit().await?;
-        let job = Job::try_from(row)?;
         self.changed(&job);
         self.store.pass(Failpoint::AfterCommit)?;
         Ok(Some(job))
@@ -93,6 +120,19 @@ impl Jobs<'_> {
         }
     }
 
+    /// The jobs that a worker holds leases of.
+    ///
+    /// # Errors
+    /// Database errors.
+    pub async fn held_by(&self, worker: WorkerId) -> Result<Vec<Job>> {
+        let rows: Vec<Row> =
+            sqlx::query_as("select * from jobs where state = 'running' and worker = $1")
+                .bind(worker.uuid().to_string())
+                .fetch_all(self.store.inner.database.read())
+                .await?;
+        rows.into_iter().map(Job::try_from).collect()
+    }
+
     /// Renews the lease and stores progress, if there is any to store.
     ///
     /// # Errors
@@ -106,6 +146,7 @@ impl Jobs<'_> {
         let until = micros_after(self.store.now(), renew);
         let mut tx = self.store.inner.database.write().await?;
         let row = row::fetch_leased(&mut tx, lease).await?;
+        self.renew(lease, renew);
         let key = lease.job.uuid().to_string();
         let Some(progress) = progress else {
             sqlx::query("update jobs set lease_until = $2 where id = $1")
@@ -121,7 +162,7 @@ impl Jobs<'_> {
             .map_err(|e| Error::Io(std::io::Error::other(e.to_string())))?;
         let row: Row = sqlx::query_as(
             "update jobs set lease_until = $2, progress = $3, furthest = $4, stalled = $5,
-                 revision = revision + 1
+                 interrupted = $6, revision = revision + 1
              where id = $1 returning *",
         )
         .bind(key)
@@ -129,6 +170,7 @@ impl Jobs<'_> {
         .bind(json)
         .bind(if further { progress.fraction } else { row.furthest })
         .bind(if further { 0 } else { row.stalled })
+        .bind(if further { 0 } else { row.interrupted })
         .fetch_one(&mut *tx)
         .await?;
         tx.commit().await?;
@@ -152,14 +194,17 @@ impl Jobs<'_> {
         let stored: Result<Option<String>> = async {
             let mut tx = self.store.inner.database.write().await?;
             let row = row::fetch_leased(&mut tx, lease).await?;
+            self.renew(lease, renew);
             let newer = row.checkpoint.as_deref() != Some(digest.as_str());
             sqlx::query(
-                "update jobs set checkpoint = $2, lease_until = $3, stalled = $4 where id = $1",
+                "update jobs set checkpoint = $2, lease_until = $3, stalled = $4, interrupted = $5
+                 where id = $1",
             )
             .bind(lease.job.uuid().to_string())
             .bind(digest.as_str())
             .bind(micros_after(self.store.now(), renew))
             .bind(if newer { 0 } else { row.stalled })
+            .bind(if newer { 0 } else { row.interrupted })
             .execute(&mut *tx)
             .await?;
             self.store.pass(Failpoint::BeforeCommit)?;
@@ -181,7 +226,7 @@ impl Jobs<'_> {
         stored.map(drop)
     }
 
-    /// The newest checkpoint of a job.
+    /// The newest checkpoint of a job. One whose content is lost is forgotten: the job begins anew.
     ///
     /// # Errors
     /// [`Error::NotFound`] if there is none, [`Error::ContentLost`], [`Error::ContentDamaged`].
@@ -189,6 +234,31 @@ impl Jobs<'_> {
         let digest = self.get(id).await?.checkpoint;
         let digest =
             digest.ok_or_else(|| Error::NotFound { name: format!("checkpoint of {id}") })?;
-        self.store.blobs().read(&digest, None, &id.to_string()).await
+        let content = self.store.blobs().read(&digest, None, &id.to_string()).await;
+        if let Err(Error::ContentLost { .. } | Error::ContentDamaged { .. }) = &content {
+            self.forget_checkpoint(id, digest).await?;
+        }
+        content
+    }
+
+    /// Takes a checkpoint off a job that still has this one.
+    async fn forget_checkpoint(&self, id: JobId, digest: Digest) -> Result<()> {
+        let digest = digest.to_hex();
+        tracing::warn!(job = %id, %digest, "checkpoint lost: the job begins anew");
+        let mut tx = self.store.inner.database.write().await?;
+        sqlx::query("update jobs set checkpoint = null where id = $1 and checkpoint = $2")
+            .bind(id.uuid().to_string())
+            .bind(digest.as_str())
+            .execute(&mut *tx)
+            .await?;
+        tx.commit().await?;
+        // The remains of it, if it was damaged.
+        self.store.release(&digest).await
+    }
+
+    /// Within the transaction that says the same to the database, so that no sweep comes between.
+    fn renew(&self, lease: Lease, time: Duration) {
+        let monotonic = self.store.inner.clock.monotonic();
+        self.store.inner.leases.renew(lease.job, lease.epoch, monotonic, time);
     }
 }

@@ -56,6 +56,7 @@ row! {
         settings: String,
         pub(super) attempts: i64,
         pub(super) stalled: i64,
+        pub(super) interrupted: i64,
         pub(super) furthest: f64,
         pub(super) lease_epoch: i64,
         lease_until: Option<i64>,
@@ -80,8 +81,9 @@ impl Row {
         State::parse(&self.state).ok_or_else(|| self.corrupt("state"))
     }
 
-    pub(super) fn lease_expired(&self, now: i64) -> bool {
-        self.lease_until.is_some_and(|until| until < now)
+    /// The fencing number.
+    pub(super) fn epoch(&self) -> u64 {
+        self.lease_epoch.max(0) as u64
     }
 
     /// True if the job's last lease is this one.
@@ -116,7 +118,7 @@ impl TryFrom<Row> for Job {
             state,
             priority: i32::try_from(row.priority).unwrap_or_default(),
             attempts: u32::try_from(row.attempts).unwrap_or_default(),
-            lease_epoch: row.lease_epoch.max(0) as u64,
+            lease_epoch: row.epoch(),
             lease_until: row.lease_until.map(from_micros),
             worker: row.worker.as_ref().map(uuid).transpose()?.map(Into::into),
             progress,

@@ -1,11 +1,12 @@
 mod ingests;
+mod lease_time;
 mod model;
 
 use std::time::Duration;
 
 use bendtwin_core::{Category, Fault, Progress, Stage, ids::WorkerId};
 
-use super::{AttemptEnd, Job, Kind, State};
+use super::{AttemptEnd, Job, Kind, Loss, MAX_INTERRUPTED_ATTEMPTS, State};
 use crate::{
     Error, NewFit, TwinFacts,
     store::tests::{Bench, LEASE, lease_of, new_fit},
@@ -111,12 +112,12 @@ async fn a_stale_lease_changes_nothing() {
     let capture = bench.capture("a").await;
     bench.store.jobs().create_fit(new_fit(&capture)).await.unwrap();
     let old = lease_of(&claim(&bench).await.unwrap());
-    bench.clock.advance(LEASE + Duration::from_secs(1));
+    assert!(bench.pass(LEASE).await.is_empty());
+    bench.clock.advance(Duration::from_secs(1));
     // Expired but not swept: it still is the newest lease, so it writes.
     bench.store.jobs().report(old, Some(&progress(0.1)), LEASE).await.unwrap();
-    assert!(bench.store.jobs().sweep().await.unwrap().is_empty());
-    bench.clock.advance(LEASE + Duration::from_secs(1));
-    assert_eq!(bench.store.jobs().sweep().await.unwrap().len(), 1);
+    assert!(bench.sweep().await.is_empty());
+    assert_eq!(bench.pass(LEASE + Duration::from_secs(1)).await.len(), 1);
     let new = claim(&bench).await.unwrap();
     let before = bench.store.jobs().get(new.id).await.unwrap();
 
@@ -165,7 +166,7 @@ async fn a_checkpoint_is_progress_if_its_content_is_new() {
         let fit = claim(&bench).await.unwrap();
         let checkpoint = bench.stage(content).await;
         bench.store.jobs().save_checkpoint(lease_of(&fit), checkpoint, LEASE).await.unwrap();
-        let lost = bench.store.jobs().forfeit(fit.worker.unwrap(), true).await.unwrap();
+        let lost = bench.store.jobs().forfeit(fit.worker.unwrap(), Loss::Worker).await.unwrap();
         states.push(lost[0].state);
     }
     use State::{Failed, Queued};
@@ -182,6 +183,55 @@ async fn released_jobs_go_back_uncounted() {
         let fit = bench.store.jobs().end_attempt(lease, AttemptEnd::Released).await.unwrap();
         assert_eq!((fit.state, fit.attempts), (State::Queued, 0));
     }
+}
+
+/// Rollouts that kill workers do not end a fit, but a fit that kills workers ends all the same.
+#[tokio::test]
+async fn interrupted_attempts_do_not_count_up_to_a_bound() {
+    let bench = Bench::new().await;
+    let capture = bench.capture("a").await;
+    let jobs = bench.store.jobs();
+    jobs.create_fit(new_fit(&capture)).await.unwrap();
+    let interrupt = async || {
+        let worker = claim(&bench).await.unwrap().worker.unwrap();
+        jobs.forfeit(worker, Loss::Rollout).await.unwrap().remove(0)
+    };
+    for _ in 0..MAX_INTERRUPTED_ATTEMPTS {
+        let fit = interrupt().await;
+        assert_eq!((fit.state, fit.attempts), (State::Queued, 0));
+    }
+    let states = [interrupt().await, interrupt().await].map(|fit| fit.state);
+    assert_eq!(states, [State::Queued, State::Queued]);
+    // Progress begins the count anew.
+    let lease = lease_of(&claim(&bench).await.unwrap());
+    jobs.report(lease, Some(&progress(0.5)), LEASE).await.unwrap();
+    jobs.end_attempt(lease, AttemptEnd::Released).await.unwrap();
+    for _ in 0..MAX_INTERRUPTED_ATTEMPTS + 2 {
+        assert_eq!(interrupt().await.state, State::Queued);
+    }
+    let failed = interrupt().await;
+    assert_eq!(
+        (failed.state, failed.fault.unwrap().reason.as_str()),
+        (State::Failed, "WORKER_LOST")
+    );
+}
+
+/// A lost checkpoint costs the work that it held, not the job.
+#[tokio::test]
+async fn a_checkpoint_whose_content_is_lost_is_forgotten() {
+    let bench = Bench::new().await;
+    let capture = bench.capture("a").await;
+    let jobs = bench.store.jobs();
+    jobs.create_fit(new_fit(&capture)).await.unwrap();
+    let fit = claim(&bench).await.unwrap();
+    jobs.save_checkpoint(lease_of(&fit), bench.stage("half way").await, LEASE).await.unwrap();
+    let digest = jobs.get(fit.id).await.unwrap().checkpoint.unwrap();
+    bench.store.blobs().delete(&digest.to_hex()).await.unwrap();
+    assert!(matches!(jobs.checkpoint(fit.id).await, Err(Error::ContentLost { .. })));
+    assert_eq!(jobs.get(fit.id).await.unwrap().checkpoint, None);
+    assert!(matches!(jobs.checkpoint(fit.id).await, Err(Error::NotFound { .. })));
+    jobs.save_checkpoint(lease_of(&fit), bench.stage("half way").await, LEASE).await.unwrap();
+    jobs.checkpoint(fit.id).await.unwrap();
 }
 
 #[tokio::test]
@@ -207,8 +257,7 @@ async fn cancellation_reaches_every_state() {
     fits.create_fit(new_fit(&capture)).await.unwrap();
     let dying = claim(&bench).await.unwrap();
     fits.cancel(dying.id).await.unwrap();
-    bench.clock.advance(LEASE * 2);
-    assert_eq!(fits.sweep().await.unwrap()[0].state, State::Cancelled);
+    assert_eq!(bench.pass(LEASE * 2).await[0].state, State::Cancelled);
     fits.delete(dying.id.fit().unwrap()).await.unwrap();
 }
 

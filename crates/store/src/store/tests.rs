@@ -6,11 +6,12 @@ use bendtwin_core::ids::WorkerId;
 use bytes::Bytes;
 
 use crate::{
-    Capture, Clock, Error, Job, Kind, Lease, ManualClock, NewCapture, NewFit, Options, Staged,
-    State, Store, TwinFacts, failpoint::Failpoint,
+    Capture, Clock, Error, Job, Kind, Lease, LeaseTerms, Loss, ManualClock, NewCapture, NewFit,
+    Options, Staged, State, Store, TwinFacts, failpoint::Failpoint,
 };
 
 pub(crate) const LEASE: Duration = Duration::from_secs(30);
+pub(crate) const TERMS: LeaseTerms = LeaseTerms { lease: LEASE, step: Duration::from_secs(2) };
 
 /// A store in a folder of its own, with a stopped clock.
 pub(crate) struct Bench {
@@ -65,6 +66,21 @@ impl Bench {
 
     pub(crate) async fn claim(&self, kind: Kind) -> Option<Job> {
         self.store.jobs().claim(kind, WorkerId::generate(), LEASE).await.unwrap()
+    }
+
+    /// Ends the leases that have run out by now.
+    pub(crate) async fn sweep(&self) -> Vec<Job> {
+        self.store.jobs().sweep(TERMS, |_| Loss::Worker).await.unwrap()
+    }
+
+    /// Lets time pass in the steps of a server that runs; returns the jobs whose leases ran out.
+    pub(crate) async fn pass(&self, time: Duration) -> Vec<Job> {
+        let mut swept = self.sweep().await;
+        for _ in 0..time.as_secs() {
+            self.clock.advance(Duration::from_secs(1));
+            swept.extend(self.sweep().await);
+        }
+        swept
     }
 
     pub(crate) async fn blob_count(&self) -> usize {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use bendtwin_core::ids::UploadId;
 use sqlx::{Sqlite, Transaction};
 
-use super::{IN_USE, ResumableUpload, UploadState, Uploads, row::Row};
+use super::{IN_USE, ResumableUpload, UploadState, UploadWriter, Uploads, row::Row};
 use crate::{Digest, Error, Result};
 
 /// An upload to be created.
@@ -21,8 +21,10 @@ pub struct NewResumableUpload {
     pub metadata: String,
     /// Size of the whole, if known.
     pub length_bytes: Option<u64>,
-    /// Time for which it is kept without further bytes.
+    /// Time for which it is kept without a first byte.
     pub keep: Duration,
+    /// Time for which it is remembered if its capture exists.
+    pub remember: Duration,
 }
 
 /// Bounds on all unfinished uploads together.
@@ -30,7 +32,7 @@ pub struct NewResumableUpload {
 pub struct UploadBounds {
     /// Number of uploads.
     pub count: u64,
-    /// Their sizes together [bytes].
+    /// The room that is kept for them together ([`UploadUse::bytes`](super::UploadUse)) [bytes].
     pub bytes: u64,
 }
 
@@ -57,7 +59,8 @@ impl UploadBounds {
 impl Uploads<'_> {
     /// Creates an upload. The same request id with the same length and metadata returns the upload
     /// created before, however far it is. If a capture of the declared digest exists under that
-    /// request id, the upload is complete at once.
+    /// request id, the upload is complete at once. Beyond the number of uploads, the oldest of
+    /// those of which nothing has come gives way.
     ///
     /// # Errors
     /// [`Error::RequestIdTaken`]; [`Error::UploadsFull`] beyond `bounds`; [`Error::DiskFull`].
@@ -67,14 +70,49 @@ impl Uploads<'_> {
         bounds: UploadBounds,
     ) -> Result<ResumableUpload> {
         self.store.admit()?;
+        loop {
+            match self.try_create(&new, bounds).await {
+                Err(Error::UploadsFull { count, bytes }) if count >= bounds.count => {
+                    if !self.end_an_empty_one(new.keep).await? {
+                        return Err(Error::UploadsFull { count, bytes });
+                    }
+                }
+                created => return created,
+            }
+        }
+    }
+
+    /// Ends the oldest upload of which nothing has come and that nobody writes to. Returns true if
+    /// there was one.
+    async fn end_an_empty_one(&self, remember: Duration) -> Result<bool> {
+        let empty = "select id from uploads where state = 'receiving' and offset_bytes = 0
+                     order by created_at, id";
+        for id in self.ids(empty).await? {
+            let Some(held) = self.store.inner.seats.take_idle(id) else { continue };
+            let upload = self.get(id).await?;
+            if upload.state == UploadState::Receiving && upload.offset_bytes == 0 {
+                let writer = UploadWriter::new(self.store.clone(), held, upload);
+                let why = "nothing of it had come when others needed its place: begin a new one";
+                writer.end(why, remember).await?;
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    async fn try_create(
+        &self,
+        new: &NewResumableUpload,
+        bounds: UploadBounds,
+    ) -> Result<ResumableUpload> {
         let mut tx = self.store.inner.database.write().await?;
         let mut capture = None;
         if let Some(request_id) = &new.request_id {
-            if let Some(before) = begun_before(&mut tx, &new, request_id).await? {
+            if let Some(before) = begun_before(&mut tx, new, request_id).await? {
                 tx.commit().await?;
                 return Ok(before);
             }
-            capture = made_before(&mut tx, &new, request_id).await?;
+            capture = made_before(&mut tx, new, request_id).await?;
         }
         let length = match &capture {
             Some((_, size)) => Some(*size),
@@ -83,6 +121,7 @@ impl Uploads<'_> {
                 new.length_bytes.map(|n| i64::try_from(n).unwrap_or(i64::MAX))
             }
         };
+        let keep = if capture.is_some() { new.remember } else { new.keep };
         let row: Row = sqlx::query_as(
             "insert into uploads (id, state, display_name, request_id, expected_digest, metadata,
                 length_bytes, offset_bytes, capture, created_at, expires_at)
@@ -90,15 +129,15 @@ impl Uploads<'_> {
         )
         .bind(UploadId::generate().uuid().to_string())
         .bind(if capture.is_some() { "stored" } else { "receiving" })
-        .bind(new.display_name)
-        .bind(new.request_id)
+        .bind(&new.display_name)
+        .bind(&new.request_id)
         .bind(new.expected_digest.map(|d| d.to_hex().to_string()))
-        .bind(new.metadata)
+        .bind(&new.metadata)
         .bind(length)
         .bind(capture.as_ref().map_or(0, |(_, size)| *size))
         .bind(capture.map(|(id, _)| id))
         .bind(self.store.now_micros())
-        .bind(self.store.expiry_micros(new.keep))
+        .bind(self.store.expiry_micros(keep))
         .fetch_one(&mut *tx)
         .await?;
         tx.commit().await?;

@@ -23,6 +23,7 @@ fn new(content: &str) -> NewResumableUpload {
         metadata: "filename cm9wZQ==".into(),
         length_bytes: Some(content.len() as u64),
         keep: KEEP,
+        remember: KEEP,
     }
 }
 
@@ -183,25 +184,109 @@ async fn silent_uploads_expire_and_are_forgotten_later() {
     assert!(matches!(forgotten, Err(Error::NotFound { .. })));
 }
 
+fn sized(length_bytes: Option<u64>) -> NewResumableUpload {
+    NewResumableUpload { request_id: None, length_bytes, ..new("") }
+}
+
 #[tokio::test]
 async fn uploads_under_way_are_bounded_together() {
     let bench = Bench::new().await;
     let uploads = bench.store.uploads();
     let bounds = UploadBounds { count: 2, bytes: 10 };
-    let sized = |length_bytes| NewResumableUpload { request_id: None, length_bytes, ..new("") };
-    uploads.create(sized(Some(6)), bounds).await.unwrap();
+    let first = uploads.create(sized(Some(6)), bounds).await.unwrap();
+    append(&bench, first.id, "a").await;
     let refused = uploads.create(sized(Some(5)), bounds).await;
     assert!(matches!(refused, Err(Error::UploadsFull { count: 1, bytes: 6 })));
     let open = uploads.create(sized(None), bounds).await.unwrap();
+    let mut writer = claim(&bench, open.id).await;
+    // Its writer keeps the place of one of which nothing has come.
     let refused = uploads.create(sized(Some(1)), bounds).await;
     assert!(matches!(refused, Err(Error::UploadsFull { count: 2, .. })));
-    let mut writer = claim(&bench, open.id).await;
     assert_eq!(writer.room(100, bounds).await.unwrap(), 4);
     assert!(matches!(writer.set_length(5, bounds).await, Err(Error::UploadsFull { .. })));
     writer.set_length(4, bounds).await.unwrap();
     writer.set_length(4, bounds).await.unwrap();
     assert!(matches!(writer.set_length(3, bounds).await, Err(Error::UploadLength { .. })));
+    drop(writer);
+    append(&bench, open.id, "b").await;
     assert_eq!(uploads.in_use().await.unwrap(), UploadUse { count: 2, bytes: 10 });
+    let refused = uploads.create(sized(Some(1)), bounds).await;
+    assert!(matches!(refused, Err(Error::UploadsFull { count: 2, .. })));
+}
+
+/// Creations cost their sender next to nothing, so they keep nobody out.
+#[tokio::test]
+async fn uploads_of_which_nothing_has_come_give_way() {
+    let bench = Bench::new().await;
+    let uploads = bench.store.uploads();
+    let bounds = UploadBounds { count: 3, bytes: 10 };
+    let begun = uploads.create(sized(Some(4)), bounds).await.unwrap();
+    append(&bench, begun.id, "a").await;
+    let mut empty = Vec::new();
+    for _ in 0..10 {
+        bench.clock.advance(Duration::from_micros(1));
+        empty.push(uploads.create(sized(Some(6)), bounds).await.unwrap().id);
+    }
+    assert_eq!(uploads.in_use().await.unwrap(), UploadUse { count: 3, bytes: 4 });
+    let state = async |id| uploads.get(id).await.unwrap().state;
+    assert_eq!(state(begun.id).await, UploadState::Receiving);
+    assert!(matches!(state(empty[7]).await, UploadState::Gone(_)));
+    assert_eq!(state(empty[8]).await, UploadState::Receiving);
+    // Room for the bytes is kept when they come.
+    let second = claim(&bench, empty[9]).await;
+    assert_eq!(second.room(100, bounds).await.unwrap(), 6);
+    drop(second);
+    append(&bench, empty[8], "b").await;
+    let second = claim(&bench, empty[9]).await;
+    let full = second.room(100, bounds).await;
+    assert!(matches!(full, Err(Error::UploadsFull { bytes: 10, .. })));
+}
+
+/// The room that is kept is one and the same in SQL and here.
+#[tokio::test]
+async fn the_room_that_is_kept_grows_with_what_has_come() {
+    let bench = Bench::new().await;
+    let uploads = bench.store.uploads();
+    let (mib, gib) = (1u64 << 20, 1u64 << 30);
+    for (offset, length, kept) in [
+        (0, Some(8 * gib), 0),
+        (1, Some(8 * gib), FIRST_ROOM),
+        (16 * mib, Some(8 * gib), FIRST_ROOM),
+        (17 * mib, Some(8 * gib), 68 * mib),
+        (3 * gib, Some(8 * gib), 8 * gib),
+        (1, Some(5), 5),
+        (20 * mib, Some(70 * mib), 70 * mib),
+        (20 * mib, None, 20 * mib),
+    ] {
+        let bounds = UploadBounds { count: 9, bytes: 1 << 40 };
+        let id = uploads.create(sized(length), bounds).await.unwrap().id;
+        let mut tx = bench.store.inner.database.write().await.unwrap();
+        let moved = "update uploads set offset_bytes = $2 where id = $1";
+        let moved = sqlx::query(moved).bind(id.uuid().to_string()).bind(offset as i64);
+        moved.execute(&mut *tx).await.unwrap();
+        tx.commit().await.unwrap();
+        assert_eq!(uploads.in_use().await.unwrap().bytes, kept, "{offset} of {length:?}");
+        if offset > 0 {
+            assert_eq!(kept_room(offset, length), kept);
+        }
+        claim(&bench, id).await.end("counted", KEEP).await.unwrap();
+    }
+}
+
+#[tokio::test]
+async fn uploads_are_listed_page_by_page() {
+    let bench = Bench::new().await;
+    let uploads = bench.store.uploads();
+    let mut ids = Vec::new();
+    for _ in 0..3 {
+        ids.push(uploads.create(sized(None), BOUNDS).await.unwrap().id);
+    }
+    ids.sort_by_key(|id| std::cmp::Reverse(*id));
+    let first = uploads.list(&PageRequest { size: 2, ..PageRequest::default() }).await.unwrap();
+    let rest = PageRequest { size: 2, token: first.next_token };
+    let second = uploads.list(&rest).await.unwrap();
+    let listed: Vec<_> = first.items.iter().chain(&second.items).map(|u| u.id).collect();
+    assert_eq!((listed, second.next_token.as_str()), (ids, ""));
 }
 
 #[tokio::test]

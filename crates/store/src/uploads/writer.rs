@@ -8,7 +8,7 @@ use tokio::{
     io::{AsyncSeekExt as _, AsyncWriteExt as _, SeekFrom},
 };
 
-use super::{ResumableUpload, UploadBounds, UploadState, row::Row, seat::Held};
+use super::{ResumableUpload, UploadBounds, UploadState, kept_room, row::Row, seat::Held};
 use crate::{Digest, Error, Result, Staged, Store};
 
 /// Bytes buffered before they are written to the file.
@@ -74,19 +74,18 @@ impl UploadWriter {
     }
 
     /// Number of bytes that may still be appended: the missing ones, or, while the size is unknown,
-    /// the room up to `limit`.
+    /// the room up to `limit`. To be asked again as bytes come, since the room that is kept for an
+    /// upload grows with them.
     ///
     /// # Errors
     /// If the database fails; [`Error::UploadsFull`].
     pub async fn room(&self, limit: u64, bounds: UploadBounds) -> Result<u64> {
-        let end = match self.upload.length_bytes {
-            Some(length) => length,
-            None => {
-                let mut tx = self.store.inner.database.write().await?;
-                bounds.room(&mut tx, Some(self.upload.id), 0).await?.min(limit)
-            }
-        };
-        Ok(end.saturating_sub(self.upload.offset_bytes))
+        let ResumableUpload { id, offset_bytes, length_bytes, .. } = self.upload;
+        let mut tx = self.store.inner.database.write().await?;
+        let needed = kept_room(offset_bytes, length_bytes);
+        let room = bounds.room(&mut tx, Some(id), needed).await?;
+        let end = length_bytes.unwrap_or(room.min(limit));
+        Ok(end.saturating_sub(offset_bytes))
     }
 
     /// Appends bytes; the caller has checked that there is room. After an error, call
@@ -195,7 +194,7 @@ impl UploadWriter {
         let mut tx = self.store.inner.database.write().await?;
         sqlx::query(
             "update uploads set state = 'gone', why = $2, digest = null, request_id = null,
-                expires_at = $3 where id = $1",
+                metadata = '', expires_at = $3 where id = $1",
         )
         .bind(self.key())
         .bind(why)

@@ -10,7 +10,7 @@ use jiff::Timestamp;
 
 use super::super::{Result, extract};
 use crate::{
-    app::{Checksum, Error},
+    app::{Checksum, Error, capture_name},
     error::Refusal,
 };
 
@@ -62,10 +62,12 @@ pub(crate) fn with_overridden_method<B>(
 }
 
 /// Refuses other versions of the protocol, and names the supported one in every response. OPTIONS
-/// needs no version, because clients learn it there, and GET is not part of the protocol.
+/// needs no version, because clients learn it there; GET is not part of the protocol; and DELETE
+/// means the same with and without it.
 pub(super) async fn require_version(request: Request, next: Next) -> Response {
     let free = [Method::OPTIONS, Method::GET].contains(request.method());
     let version = request.headers().get(TUS_RESUMABLE);
+    let free = free || version.is_none() && request.method() == Method::DELETE;
     let mut response = if free || version.is_some_and(|v| v == VERSION) {
         next.run(request).await
     } else {
@@ -142,6 +144,28 @@ pub(super) fn expect_offset_type(headers: &HeaderMap) -> Result<()> {
     let message = format!("send the body as {OFFSET_TYPE}");
     let status = StatusCode::UNSUPPORTED_MEDIA_TYPE;
     Err(Refusal::http_only(status, "UNSUPPORTED_MEDIA_TYPE", &message))
+}
+
+/// Reads headers as the requests of an upload do, without a request; for the fuzzer, which looks for
+/// panics. Names and values that HTTP does not allow are left out.
+#[doc(hidden)]
+pub fn read_upload_headers<'h>(headers: impl Iterator<Item = (&'h [u8], &'h [u8])>) {
+    let mut map = HeaderMap::new();
+    for (name, value) in headers {
+        if let Ok(name) = HeaderName::from_bytes(name)
+            && let Ok(value) = HeaderValue::from_bytes(value)
+        {
+            map.append(name, value);
+        }
+    }
+    let _ = (offset(&map), declared_length(&map), body_size(&map), expect_offset_type(&map));
+    if let Ok(Some(metadata)) = text(&map, &UPLOAD_METADATA) {
+        let _ = capture_name(metadata);
+    }
+    if let Ok(Some(mut checksum)) = checksum(&map) {
+        checksum.update(b"content");
+        let _ = checksum.verify();
+    }
 }
 
 /// A time as HTTP has it (RFC 9110): `Wed, 25 Jun 2014 16:00:00 GMT`.

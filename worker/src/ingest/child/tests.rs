@@ -11,19 +11,23 @@ use bendtwin_proto::worker::v1::Lease;
 
 /// Runs a script as if it were the child; its argument, the folder, is in `$2`.
 async fn run(script: &str) -> Result<Ended, Fault> {
+    run_within(script, Duration::from_secs(60)).await
+}
+
+async fn run_within(script: &str, time: Duration) -> Result<Ended, Fault> {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = tempfile::tempdir().unwrap();
     let program: PathBuf = folder.path().join("child");
     std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
     std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o700)).unwrap();
     // Nothing listens there: a report that cannot be sent is not waited for.
-    let server = ServerClient::new("http://127.0.0.1:1", "token").unwrap();
+    let server = ServerClient::new("http://127.0.0.1:1", "token", "key").unwrap();
     let job = Job::new(server, String::new(), &Lease::default());
     let stop = crate::job::stop::Stop::default();
     let (progress, reporter) = report::start(job.clone(), stop.clone());
     let (checkpoints, saver) = checkpoints::start(job, stop);
-    let ended =
-        Child { program: &program, folder: folder.path() }.run(&progress, &checkpoints).await;
+    let child = Child { program: &program, folder: folder.path(), time };
+    let ended = child.run(&progress, &checkpoints).await;
     reporter.abort();
     saver.abort();
     ended
@@ -46,9 +50,46 @@ async fn an_end_without_a_last_word_is_explained() {
         assert_eq!((fault.category, fault.reason.as_str()), (Category::Internal, "INGEST_CRASHED"));
     }
     let ended = run("echo memory allocation of 9 bytes failed >&2; kill -ABRT $$").await.unwrap();
-    let Ended::OutOfMemory { fault } = ended else { panic!("{ended:?}") };
+    let Ended::Exceeded { fault } = ended else { panic!("{ended:?}") };
     let refused = r#"echo '{"refused":{"verdict":"unusable","fault":{"category":"INVALID_ARGUMENT","reason":"X","message":"a: out of memory"}}}'"#;
-    assert_eq!(run(refused).await, Ok(Ended::OutOfMemory { fault: fault.clone() }));
+    assert_eq!(run(refused).await, Ok(Ended::Exceeded { fault: fault.clone() }));
     assert_eq!(fault.reason, "INGEST_OUT_OF_MEMORY");
     assert!(fault.message.contains("--ingest-memory-mib"));
+}
+
+#[tokio::test]
+async fn an_end_that_does_not_come_in_time_is_made() {
+    let marker = tempfile::tempdir().unwrap();
+    let after = marker.path().join("after");
+    // One that waits, and one whose processor time is up.
+    let scripts = [
+        (format!("while :; do :; done; echo > {}", after.display()), Duration::from_millis(200)),
+        ("kill -XCPU $$".to_owned(), Duration::from_secs(60)),
+    ];
+    for (script, time) in scripts {
+        let Ended::Exceeded { fault } = run_within(&script, time).await.unwrap() else {
+            panic!("{script} was not ended")
+        };
+        assert_eq!(
+            (fault.category, fault.reason.as_str()),
+            (Category::ResourceExhausted, "INGEST_TIMEOUT")
+        );
+        assert!(fault.message.contains("--ingest-timeout-s"));
+    }
+    assert!(!after.exists());
+}
+
+/// The worker's token stands in its environment.
+#[tokio::test]
+async fn the_child_gets_next_to_nothing_of_the_environment() {
+    // Cargo sets it for tests.
+    assert!(std::env::var_os("CARGO_MANIFEST_DIR").is_some());
+    let said = |value: &str| {
+        format!(
+            r#"echo '{{"failed":{{"category":"ABORTED","reason":"X","message":"'{value}'"}}}}'"#
+        )
+    };
+    let script = said(r#""$CARGO_MANIFEST_DIR$HOME$RAYON_NUM_THREADS""#);
+    let fault = run(&script).await.unwrap_err();
+    assert_eq!(fault.message, threads().to_string());
 }

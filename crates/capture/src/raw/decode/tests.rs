@@ -66,3 +66,14 @@ fn png_files_that_are_cut_off_anywhere_are_refused() {
         assert!(super::color("c", &bytes[..length], [4, 4]).is_err(), "{length}");
     }
 }
+
+/// Zero rows are half a pixel from the one row of a flat image, so the ratio alone lets them pass.
+#[test]
+fn depth_without_rows_or_columns_is_refused() {
+    let budget = &mut Budget::new(&Limits::default());
+    for (shape, size) in [([0, 1], [8, 1]), ([0, 4], [8, 1]), ([1, 0], [1, 8])] {
+        let array = npy::write("<f4", &shape, &[]);
+        let depth = super::depth("d", &array, 1.0, size, budget);
+        assert!(matches!(depth, Err(Error::ImageSize { .. })), "{shape:?} {size:?}");
+    }
+}

@@ -2,11 +2,17 @@
 
 use std::io::Read;
 
+use ruzstd::decoding::StreamingDecoder;
+
 use super::record::Fields;
 
 /// Bytes that a chunk may have in memory. Writers make chunks of about a megabyte, or of one
 /// message where that is larger.
 pub(super) const MAX_CHUNK: u64 = 128 << 20;
+
+/// Window of Zstandard that a chunk may have whatever its size is: what every decoder has to
+/// support (RFC 8878).
+const MOST_WINDOW: u64 = 8 << 20;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Compression {
@@ -76,7 +82,9 @@ impl Chunk {
                 let mut rest = packed;
                 // A chunk may be several frames, one after the other.
                 while !rest.is_empty() && (bytes.len() as u64) < limit {
-                    let decoder = ruzstd::decoding::StreamingDecoder::new(&mut rest)
+                    // A decoder fills its window before it gives the first byte.
+                    let window = self.unpacked.max(MOST_WINDOW);
+                    let decoder = StreamingDecoder::new_with_max_window_size(&mut rest, window)
                         .map_err(|e| failed(&e))?;
                     let left = limit - bytes.len() as u64;
                     decoder.take(left).read_to_end(&mut bytes).map_err(|e| failed(&e))?;

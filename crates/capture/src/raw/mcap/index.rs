@@ -18,8 +18,6 @@ use crate::{Error, Limits, files::at_most, raw::stored::MAX_MESH};
 const MAX_MESSAGE: u64 = 4 << 20;
 /// Bytes of a message before its content: channel, number, two times.
 const MESSAGE_HEAD: u64 = 22;
-/// Bytes of memory that each compressed one may become, over the whole file.
-const MAX_RATIO: u64 = 200;
 /// Channels that are looked at.
 const MAX_CHANNELS: usize = 4096;
 
@@ -152,14 +150,12 @@ impl Pass<'_> {
             }
         }
         self.unpacked = self.unpacked.saturating_add(chunk.unpacked);
-        let limit = store.len().saturating_mul(MAX_RATIO).saturating_add(MAX_CHUNK);
-        if self.unpacked > limit {
+        // Over the whole file, because many small chunks cost as much as a large one.
+        let limit = self.limits.compression_ratio;
+        let most = store.len().saturating_mul(limit).max(self.limits.ratio_from_bytes);
+        if self.unpacked > most {
             let ratio = self.unpacked / store.len().max(1);
-            return Err(Error::ArchiveRatio {
-                at: store.name().to_owned(),
-                ratio,
-                limit: MAX_RATIO,
-            });
+            return Err(Error::ArchiveRatio { at: store.name().to_owned(), ratio, limit });
         }
         let number = u32::try_from(self.index.chunks.len()).unwrap_or(u32::MAX);
         self.index.chunks.push(chunk);

@@ -1,6 +1,8 @@
+use std::time::Duration;
+
 use super::{fault, progress};
 use crate::{
-    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, NewIngest, NewReport, State,
+    AttemptEnd, Capture, Error, IngestResult, Job, Kind, Lease, Loss, NewIngest, NewReport, State,
     failpoint::Failpoint,
     store::tests::{Bench, LEASE, lease_of, new_fit},
 };
@@ -118,7 +120,7 @@ async fn stalled_ingests_fail_and_checkpoints_go_with_them() {
             jobs.save_checkpoint(lease_of(&ingest), checkpoint, LEASE).await.unwrap();
         }
         assert_eq!(ingest.checkpoint.is_some(), attempt > 0);
-        bench.store.jobs().forfeit(ingest.worker.unwrap(), true).await.unwrap();
+        bench.store.jobs().forfeit(ingest.worker.unwrap(), Loss::Worker).await.unwrap();
     }
     assert!(bench.claim(Kind::Ingest).await.is_none());
     let fit = bench.store.jobs().get(fit.id).await.unwrap();
@@ -179,4 +181,41 @@ async fn an_ingests_end_survives_crashes() {
         }
         assert_eq!(bench.reopen().await.blob_count().await, 4, "{point:?}");
     }
+}
+
+/// A capture of gigabytes does not hold up the report of a small one, nor is it held up for ever.
+#[tokio::test]
+async fn small_captures_are_read_before_large_ones_that_wait_no_longer_than_they_take() {
+    let bench = Bench::new().await;
+    let sized = async |content: &'static str, bytes: i64| {
+        let capture = bench.fresh_capture(content).await;
+        let mut tx = bench.store.inner.database.write().await.unwrap();
+        sqlx::query("update captures set size_bytes = $2 where id = $1")
+            .bind(capture.id.uuid().to_string())
+            .bind(bytes)
+            .execute(&mut *tx)
+            .await
+            .unwrap();
+        tx.commit().await.unwrap();
+        capture.id
+    };
+    let next = async || bench.claim(Kind::Ingest).await.map(|job| job.capture);
+    let huge = sized("huge", 1 << 40).await;
+    let large = sized("large", 200_000_000).await;
+    let small = sized("small", 1_000).await;
+    bench.clock.advance(Duration::from_secs(100));
+    let later = sized("later", 1_000).await;
+    assert_eq!(next().await, Some(small));
+    assert_eq!(next().await, Some(later));
+    // 200 s after the large one, those that come now are behind it.
+    bench.clock.advance(Duration::from_secs(101));
+    let last = sized("last", 1_000).await;
+    assert_eq!(next().await, Some(large));
+    // Ten minutes after the huge one, whatever its size.
+    bench.clock.advance(Duration::from_secs(400));
+    let never = sized("never", 1_000).await;
+    assert_eq!(next().await, Some(last));
+    assert_eq!(next().await, Some(huge));
+    assert_eq!(next().await, Some(never));
+    assert_eq!(next().await, None);
 }

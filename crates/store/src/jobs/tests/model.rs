@@ -1,15 +1,16 @@
-//! The queue against a model of it in twenty lines: random claims, reports,
-//! failures, releases, expiries and cancellations.
+//! The queue against a model of it: random claims, reports, failures, releases, cancellations and
+//! losses of workers, while time passes, the process stands still and the clock of the day is set.
 
 use std::{collections::BTreeMap, time::Duration};
 
+use jiff::Timestamp;
 use proptest::prelude::*;
 
 use super::{fault, progress};
 use crate::{
     Kind, Lease, NewFit,
-    jobs::{AttemptEnd, State},
-    store::tests::{Bench, LEASE, new_fit},
+    jobs::{AttemptEnd, Loss, State},
+    store::tests::{Bench, LEASE, TERMS, new_fit},
 };
 use bendtwin_core::ids::WorkerId;
 
@@ -31,7 +32,23 @@ enum Step {
     Cancel {
         job: usize,
     },
-    Expire,
+    /// The worker of the n-th lease ever given is gone.
+    Lose {
+        lease: usize,
+        loss: Loss,
+    },
+    /// Time passes in a process that runs.
+    Pass {
+        seconds: u64,
+    },
+    /// The process stands still.
+    Freeze {
+        seconds: u64,
+    },
+    /// The clock of the day is set forward or back.
+    SetClock {
+        hours: i64,
+    },
 }
 
 fn steps() -> impl Strategy<Value = Vec<Step>> {
@@ -42,7 +59,11 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
             .prop_map(|(lease, fraction)| Step::Report { lease, fraction }),
         3 => (0..8usize, 0..4u8).prop_map(|(lease, how)| Step::End { lease, how }),
         1 => (0..6usize).prop_map(|job| Step::Cancel { job }),
-        1 => Just(Step::Expire),
+        1 => (0..8usize, prop_oneof![Just(Loss::Worker), Just(Loss::Rollout), Just(Loss::Server)])
+            .prop_map(|(lease, loss)| Step::Lose { lease, loss }),
+        3 => (1..40u64).prop_map(|seconds| Step::Pass { seconds }),
+        1 => (1..100_000u64).prop_map(|seconds| Step::Freeze { seconds }),
+        1 => (-48..48i64).prop_map(|hours| Step::SetClock { hours }),
     ];
     proptest::collection::vec(step, 1..40)
 }
@@ -51,10 +72,33 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
 struct Job {
     state: State,
     priority: i32,
+    /// By the clock of the day, which may be set.
+    created: Timestamp,
     epoch: u64,
     stalled: u32,
     furthest: f64,
     cancelling: bool,
+    /// End of the lease by the time that counts.
+    until: Duration,
+}
+
+/// The time that counts for leases: whole while the process runs, at most a step of a standstill.
+#[derive(Default)]
+struct Time {
+    passed: Duration,
+    since_sweep: Duration,
+}
+
+impl Time {
+    fn now(&self) -> Duration {
+        self.passed + self.since_sweep.min(TERMS.step)
+    }
+
+    fn sweep(&mut self, model: &mut [Job]) {
+        *self = Self { passed: self.now(), since_sweep: Duration::ZERO };
+        let running = model.iter_mut().filter(|j| j.state == State::Running);
+        running.filter(|j| j.until < self.passed).for_each(Job::lost);
+    }
 }
 
 impl Job {
@@ -65,6 +109,11 @@ impl Job {
             () => State::Queued,
         };
     }
+
+    fn released(&mut self) {
+        self.stalled = self.stalled.saturating_sub(1);
+        self.state = if self.cancelling { State::Cancelled } else { State::Queued };
+    }
 }
 
 async fn run(steps: Vec<Step>) {
@@ -73,43 +122,61 @@ async fn run(steps: Vec<Step>) {
     let fits = bench.store.jobs();
     let mut model: Vec<Job> = Vec::new();
     let mut ids = Vec::new();
-    let mut leases: Vec<(usize, Lease)> = Vec::new();
+    let mut leases: Vec<(usize, Lease, WorkerId)> = Vec::new();
+    let mut time = Time::default();
+    bench.sweep().await;
     for step in steps {
         match step {
             Step::Create { priority } => {
                 bench.clock.advance(Duration::from_micros(1));
+                time.since_sweep += Duration::from_micros(1);
                 ids.push(
                     fits.create_fit(NewFit { priority, ..new_fit(&capture) }).await.unwrap().id,
                 );
                 let state = State::Queued;
-                let new =
-                    Job { state, priority, epoch: 0, stalled: 0, furthest: 0.0, cancelling: false };
-                model.push(new);
+                let (furthest, until) = (0.0, Duration::ZERO);
+                let (epoch, stalled, cancelling) = (0, 0, false);
+                let created = bench.store.now();
+                model.push(Job {
+                    state,
+                    priority,
+                    created,
+                    epoch,
+                    stalled,
+                    furthest,
+                    cancelling,
+                    until,
+                });
             }
             Step::Claim => {
                 let queued = model.iter().enumerate().filter(|(_, j)| j.state == State::Queued);
-                let next = queued.min_by_key(|(i, j)| (-j.priority, *i)).map(|(i, _)| i);
-                let got = fits.claim(Kind::Fit, WorkerId::generate(), LEASE).await.unwrap();
+                let next = queued.min_by_key(|(_, j)| (-j.priority, j.created)).map(|(i, _)| i);
+                let worker = WorkerId::generate();
+                let got = fits.claim(Kind::Fit, worker, LEASE).await.unwrap();
                 assert_eq!(got.as_ref().map(|f| f.id), next.map(|i| ids[i]));
                 if let (Some(fit), Some(i)) = (got, next) {
                     model[i].state = State::Running;
                     model[i].epoch += 1;
                     model[i].stalled += 1;
-                    leases.push((i, Lease { job: fit.id, epoch: fit.lease_epoch }));
+                    model[i].until = time.now() + LEASE;
+                    leases.push((i, Lease { job: fit.id, epoch: fit.lease_epoch }, worker));
                 }
             }
             Step::Report { lease, fraction } => {
-                let Some(&(i, lease)) = leases.get(lease) else { continue };
+                let Some(&(i, lease, _)) = leases.get(lease) else { continue };
                 let job = &mut model[i];
                 let live = job.state == State::Running && job.epoch == lease.epoch;
                 let done = fits.report(lease, Some(&progress(fraction)), LEASE).await;
                 assert_eq!(done.is_ok(), live);
+                if live {
+                    job.until = time.now() + LEASE;
+                }
                 if live && fraction > job.furthest {
                     (job.furthest, job.stalled) = (fraction, 0);
                 }
             }
             Step::End { lease, how } => {
-                let Some(&(i, lease)) = leases.get(lease) else { continue };
+                let Some(&(i, lease, _)) = leases.get(lease) else { continue };
                 let job = &mut model[i];
                 let live = job.state == State::Running && job.epoch == lease.epoch;
                 let end = match how {
@@ -124,10 +191,7 @@ async fn run(steps: Vec<Step>) {
                     0 => job.lost(),
                     1 => job.state = State::Failed,
                     2 => job.state = State::Cancelled,
-                    _ => {
-                        job.stalled = job.stalled.saturating_sub(1);
-                        job.state = if job.cancelling { State::Cancelled } else { State::Queued };
-                    }
+                    _ => job.released(),
                 }
             }
             Step::Cancel { job } => {
@@ -139,10 +203,36 @@ async fn run(steps: Vec<Step>) {
                     _ => {}
                 }
             }
-            Step::Expire => {
-                bench.clock.advance(LEASE + Duration::from_secs(1));
-                fits.sweep().await.unwrap();
-                model.iter_mut().filter(|j| j.state == State::Running).for_each(Job::lost);
+            Step::Lose { lease, loss } => {
+                let Some(&(i, lease, worker)) = leases.get(lease) else { continue };
+                let job = &mut model[i];
+                let live = job.state == State::Running && job.epoch == lease.epoch;
+                let ended = fits.forfeit(worker, loss).await.unwrap();
+                assert_eq!(ended.len(), usize::from(live));
+                match loss {
+                    _ if !live => {}
+                    Loss::Worker => job.lost(),
+                    Loss::Rollout | Loss::Server => job.released(),
+                }
+            }
+            Step::Pass { seconds } => {
+                for _ in 0..seconds {
+                    bench.clock.advance(Duration::from_secs(1));
+                    time.since_sweep += Duration::from_secs(1);
+                    bench.sweep().await;
+                    time.sweep(&mut model);
+                }
+            }
+            Step::Freeze { seconds } => {
+                bench.clock.advance(Duration::from_secs(seconds));
+                time.since_sweep += Duration::from_secs(seconds);
+                bench.sweep().await;
+                time.sweep(&mut model);
+            }
+            Step::SetClock { hours } => {
+                bench.clock.set(hours * 3_600_000_000);
+                bench.sweep().await;
+                time.sweep(&mut model);
             }
         }
         let mut counts = BTreeMap::new();

@@ -105,13 +105,33 @@ fn many_small_bombs_are_one_bomb() {
     let level = ruzstd::encoding::CompressionLevel::Fastest;
     let packed = ruzstd::encoding::compress_to_vec(&records[..], level);
     let body = chunk(records.len() as u64, "zstd", &packed);
-    let mut bytes = b"\x89MCAP0\r\n".to_vec();
-    for _ in 0..4 {
-        bytes.push(6);
-        bytes.extend((body.len() as u64).to_le_bytes());
-        bytes.extend(&body);
+    for count in [1, 4] {
+        let mut bytes = b"\x89MCAP0\r\n".to_vec();
+        for _ in 0..count {
+            bytes.push(6);
+            bytes.extend((body.len() as u64).to_le_bytes());
+            bytes.extend(&body);
+        }
+        assert_eq!(reason(opened(&bytes).1), "ARCHIVE_BOMB", "{count} chunks");
     }
-    assert_eq!(reason(opened(&bytes).1), "ARCHIVE_BOMB");
+}
+
+/// A decoder fills its window before it gives the first byte, however few are wanted.
+#[test]
+fn windows_are_bounded() {
+    // A frame of 128 MiB of zeros: a window of 64 MiB, and blocks of four bytes for 128 KiB each.
+    let mut frame = b"\x28\xb5\x2f\xfd\x00\x80".to_vec();
+    for block in 0..1024_u32 {
+        let head = (128 << 10 << 3) | (1 << 1) | u32::from(block == 1023);
+        frame.extend(&head.to_le_bytes()[..3]);
+        frame.push(0);
+    }
+    let body = chunk(1000, "zstd", &frame);
+    let mut bytes = b"\x89MCAP0\r\n\x06".to_vec();
+    bytes.extend((body.len() as u64).to_le_bytes());
+    bytes.extend(&body);
+    let error = opened(&bytes).1.unwrap_err().to_string();
+    assert!(error.contains("window"), "{error}");
 }
 
 #[test]

@@ -1,0 +1,102 @@
+//! `bendtwin store`: check, repair and backup of a data folder, for its administrator.
+
+mod report;
+
+use std::path::PathBuf;
+
+use bendtwin_core::{Category, Fault};
+use bendtwin_server::{
+    Options,
+    maintenance::{self, Depth},
+};
+use clap::{Args, Subcommand};
+
+use crate::{
+    failure::{self, Failed},
+    global::Global,
+    output,
+};
+
+#[derive(Debug, Args)]
+pub(crate) struct Store {
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// The folder that a command works on.
+#[derive(Debug, Args)]
+struct Folder {
+    /// Data folder of the server [default: bendtwin-data]
+    #[arg(long, env = "BENDTWIN_DATA_DIR", value_name = "DIR")]
+    data_dir: Option<PathBuf>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Compare the database with its own rules and all content with its rows; a server may run
+    Check {
+        #[command(flatten)]
+        folder: Folder,
+        /// Compare sizes alone, without reading the content
+        #[arg(long)]
+        sizes: bool,
+    },
+    /// Mend what can be mended and set aside what nothing refers to; no server may run
+    Repair {
+        #[command(flatten)]
+        folder: Folder,
+    },
+    /// Copy the database and its content to a new folder; a server may run
+    Backup {
+        #[command(flatten)]
+        folder: Folder,
+        /// The folder of the copy
+        to: PathBuf,
+    },
+}
+
+impl Folder {
+    fn path(self) -> PathBuf {
+        self.data_dir.unwrap_or_else(|| Options::default().data_dir)
+    }
+}
+
+pub(crate) async fn run(args: Store, global: &Global) -> anyhow::Result<()> {
+    match args.command {
+        Command::Check { folder, sizes } => {
+            let depth = if sizes { Depth::Sizes } else { Depth::Digests };
+            let path = folder.path();
+            let report = maintenance::check(&path, depth).await.map_err(failure::failed)?;
+            output::print(global, &report, || report::check(&report))?;
+            require(report.is_sound(), "the store is damaged: run `bendtwin store repair`")
+        }
+        Command::Repair { folder } => {
+            let done = maintenance::repair(&folder.path()).await.map_err(failure::failed)?;
+            output::print(global, &done, || report::repair(&done))?;
+            let advice = "content stays lost: upload the same archives and import the same twin \
+                          files again, or restore a backup";
+            require(done.lost.is_empty(), advice)
+        }
+        Command::Backup { folder, to } => {
+            let path = folder.path();
+            let done = maintenance::backup(&path, &to).await.map_err(failure::failed)?;
+            output::print(global, &done, || report::backup(&done))?;
+            let advice =
+                "the store lacks content, and so does its backup: run `bendtwin store check`";
+            require(done.lost.is_empty(), advice)
+        }
+    }
+}
+
+/// Fails with this advice unless all is well.
+fn require(is_sound: bool, advice: &str) -> anyhow::Result<()> {
+    if is_sound {
+        return Ok(());
+    }
+    let fault = Fault {
+        category: Category::DataLoss,
+        reason: "STORE_DAMAGED".to_owned(),
+        message: advice.to_owned(),
+    };
+    Err(Failed(fault).into())
+}

@@ -1,0 +1,82 @@
+//! Outcomes of `bendtwin store` for people.
+
+use bendtwin_server::maintenance::{Backup, CheckReport, Damage, Repair};
+
+use crate::{output, table::Table};
+
+/// The faults, a line each, and the conclusion.
+pub(super) fn check(report: &CheckReport) -> String {
+    let mut lines: Vec<String> =
+        report.database.iter().map(|fault| format!("database: {fault}")).collect();
+    if report.mismatch {
+        lines.push("The database and the content belong to different stores.".to_owned());
+    }
+    lines.extend(damages(&report.damaged));
+    let (blobs, size) = (report.blobs, output::bytes(report.blobs_bytes));
+    let references = report.references;
+    lines.push(format!("{references} references of rows to {blobs} blobs ({size})."));
+    if !report.unreferenced.is_empty() {
+        let size = output::bytes(report.unreferenced.iter().map(|blob| blob.size_bytes).sum());
+        let count = report.unreferenced.len();
+        lines.push(format!("{count} blobs have no row ({size}): the server removes them."));
+    }
+    lines.push(match (report.is_sound(), report.damaged.len()) {
+        (true, _) => "The store is sound.".to_owned(),
+        (false, count) => format!("The store is damaged: {count} references lack their content."),
+    });
+    lines.join("\n")
+}
+
+/// All that was done, and what stays lost.
+pub(super) fn repair(done: &Repair) -> String {
+    let mut lines = done.actions.clone();
+    if lines.is_empty() {
+        lines.push("There was nothing to repair.".to_owned());
+    }
+    lines.extend(damages(&done.lost));
+    lines.join("\n")
+}
+
+/// The size of a copy, and what it lacks.
+pub(super) fn backup(done: &Backup) -> String {
+    let mut lines: Vec<String> = damages(&done.lost).into_iter().collect();
+    let (blobs, size) = (done.blobs, output::bytes(done.blobs_bytes));
+    let shared = match done.linked {
+        0 => String::new(),
+        n => format!("; {n} of them share the files of the store (same disk)"),
+    };
+    lines.push(format!("Copied the database and {blobs} blobs ({size}){shared}."));
+    lines.join("\n")
+}
+
+/// A table of damage; none if there is no damage.
+fn damages(damages: &[Damage]) -> Option<String> {
+    let mut table = Table::new(["NAME", "PART", "FAULT", "DIGEST"]);
+    for damage in damages {
+        let Damage { name, part, digest, fault } = damage.clone();
+        table.row([name, part, fault, digest]);
+    }
+    (!damages.is_empty()).then(|| table.text())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn damage_is_named_and_counted() {
+        let damage = Damage {
+            name: "twins/1".into(),
+            part: "twin".into(),
+            digest: "ab".into(),
+            fault: "missing".into(),
+        };
+        let sound = CheckReport { references: 2, blobs: 1, ..CheckReport::default() };
+        assert!(check(&sound).ends_with("The store is sound."), "{}", check(&sound));
+        let damaged = CheckReport { damaged: vec![damage], ..sound };
+        let text = check(&damaged);
+        assert!(text.contains("twins/1  twin  missing  ab"), "{text}");
+        assert!(text.ends_with("damaged: 1 references lack their content."), "{text}");
+        assert_eq!(repair(&Repair::default()), "There was nothing to repair.");
+    }
+}

@@ -1,0 +1,55 @@
+import pytest
+from fake import FIT, serve
+
+from bendtwin import Client
+from bendtwin.token import find_token
+
+
+@pytest.fixture
+def tokens(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.delenv("BENDTWIN_TOKEN", raising=False)
+    folder = tmp_path / "bendtwin" / "tokens"
+    folder.mkdir(parents=True)
+    return folder
+
+
+def test_the_token_of_a_server_on_this_machine_is_found_by_its_port(tokens):
+    (tokens / "7070").write_text("secret\n")
+    for target in ("127.0.0.1:7070", "localhost:7070", "LOCALHOST:7070", "[::1]:7070"):
+        assert find_token(target) == "secret", target
+    for target in ("127.0.0.1:7071", "10.0.0.1:7070", "twin.example:7070", "7070", ":x", ""):
+        assert find_token(target) is None, target
+
+
+def test_the_environment_wins(tokens, monkeypatch):
+    (tokens / "7070").write_text("secret\n")
+    monkeypatch.setenv("BENDTWIN_TOKEN", "given")
+    assert find_token("127.0.0.1:7070") == "given"
+    assert find_token("twin.example:7070") == "given"
+
+
+def test_every_kind_of_call_shows_the_token(fake, tokens, tmp_path):
+    server, address = serve(fake)
+    (tokens / address.rpartition(":")[2]).write_text("secret\n")
+    archive = tmp_path / "rope.zip"
+    archive.write_bytes(b"content")
+    with Client(address) as client:
+        client.upload_capture(archive)
+        client.get_fit(FIT)
+        client.wait(FIT, timeout_s=30)
+    with Client(address, token="other") as client:
+        next(client.captures())
+    server.stop(None)
+    methods = {method for method, _ in fake.shown}
+    assert {"CreateCapture", "GetFit", "WatchFit", "ListCaptures"} <= methods
+    for method, shown in fake.shown:
+        assert shown == ("Bearer other" if method == "ListCaptures" else "Bearer secret"), method
+
+
+def test_without_a_token_none_is_sent(fake, tokens):
+    server, address = serve(fake)
+    with Client(address) as client:
+        client.get_fit(FIT)
+    server.stop(None)
+    assert [shown for _, shown in fake.shown] == [None]

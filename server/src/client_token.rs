@@ -1,0 +1,120 @@
+//! The token that clients show. It keeps other users of the machine, and everyone else who reaches
+//! the port, away from the API. It is a file in the data folder, and the same after a restart.
+
+use std::{
+    fs::{File, OpenOptions},
+    io::{self, Write as _},
+    path::{Path, PathBuf},
+};
+
+use axum::http::{HeaderMap, HeaderValue, header};
+use base64::{Engine as _, prelude::BASE64_STANDARD};
+use bendtwin_core::{Category, Fault};
+use blake3::Hash;
+
+use crate::error::Refusal;
+
+const FILE: &str = "client-token";
+/// Fewest characters that count as a token.
+const SHORTEST: usize = 32;
+/// Challenges of a refusal. The second makes a browser ask for a password, which is the token.
+pub(crate) const CHALLENGES: [HeaderValue; 2] = [
+    HeaderValue::from_static("Bearer realm=\"BendTwin\""),
+    HeaderValue::from_static("Basic realm=\"BendTwin\", charset=\"UTF-8\""),
+];
+
+/// The file of the token.
+pub(crate) fn path(data_dir: &Path) -> PathBuf {
+    data_dir.join(FILE)
+}
+
+/// Reads the token, or makes one.
+pub(crate) fn load(data_dir: &Path) -> io::Result<String> {
+    let path = path(data_dir);
+    match std::fs::read_to_string(&path) {
+        Ok(text) if is_token(text.trim()) => {
+            restrict(&File::open(&path)?)?;
+            return Ok(text.trim().to_owned());
+        }
+        Ok(_) => tracing::warn!(path = %path.display(), "no token in it: writing a new one"),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error),
+    }
+    // 244 random bits from the system.
+    let token = format!("{}{}", uuid::Uuid::new_v4().simple(), uuid::Uuid::new_v4().simple());
+    let partial = path.with_extension("partial");
+    let mut options = OpenOptions::new();
+    options.write(true).create(true).truncate(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    let mut file = options.open(&partial)?;
+    restrict(&file)?;
+    writeln!(file, "{token}")?;
+    file.sync_all()?;
+    std::fs::rename(&partial, &path)?;
+    Ok(token)
+}
+
+fn is_token(text: &str) -> bool {
+    text.len() >= SHORTEST && text.bytes().all(|b| b.is_ascii_graphic())
+}
+
+/// Leaves the file to its owner.
+fn restrict(file: &File) -> io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        file.set_permissions(std::fs::Permissions::from_mode(0o600))?;
+    }
+    let _ = file;
+    Ok(())
+}
+
+/// The token that requests are compared with. Only hashes are compared: equality of [`Hash`]es
+/// takes the same time wherever they differ.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ClientToken(Hash);
+
+impl ClientToken {
+    pub(crate) fn new(token: &str) -> Self {
+        Self(blake3::hash(token.as_bytes()))
+    }
+
+    /// Checks that a request shows it, as `Bearer`, or as the password of `Basic` with any name.
+    pub(crate) fn check(&self, headers: &HeaderMap) -> Result<(), Refusal> {
+        let shown = headers.get(header::AUTHORIZATION).and_then(|v| v.to_str().ok());
+        let token = shown.and_then(|v| v.split_once(' ')).and_then(|(scheme, value)| match scheme
+            .to_ascii_lowercase()
+            .as_str()
+        {
+            "bearer" => Some(value.trim().to_owned()),
+            "basic" => password(value.trim()),
+            _ => None,
+        });
+        match token {
+            Some(token) if blake3::hash(token.as_bytes()) == self.0 => Ok(()),
+            token => Err(refusal(token.is_some())),
+        }
+    }
+}
+
+fn password(credentials: &str) -> Option<String> {
+    let text = String::from_utf8(BASE64_STANDARD.decode(credentials).ok()?).ok()?;
+    text.split_once(':').map(|(_, password)| password.to_owned())
+}
+
+fn refusal(is_wrong: bool) -> Refusal {
+    let fault = if is_wrong { "is wrong" } else { "is missing" };
+    Refusal::new(Fault {
+        category: Category::Unauthenticated,
+        reason: "BAD_CLIENT_TOKEN".to_owned(),
+        message: format!(
+            "the client token {fault}: send `Authorization: Bearer` with the content of \
+             `{FILE}` in the server's data folder; clients of BendTwin take it from BENDTWIN_TOKEN \
+             or --token-file"
+        ),
+    })
+}
+
+#[cfg(test)]
+mod tests;

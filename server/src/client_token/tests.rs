@@ -1,0 +1,51 @@
+use super::*;
+
+fn shows(authorization: &str) -> HeaderMap {
+    let value = HeaderValue::from_str(authorization).unwrap();
+    HeaderMap::from_iter([(header::AUTHORIZATION, value)])
+}
+
+#[test]
+fn the_token_is_made_once_and_is_for_the_owner_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let token = load(folder.path()).unwrap();
+    assert!(is_token(&token), "{token}");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        let open = std::fs::Permissions::from_mode(0o644);
+        std::fs::set_permissions(path(folder.path()), open).unwrap();
+        assert_eq!(load(folder.path()).unwrap(), token);
+        let mode = std::fs::metadata(path(folder.path())).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+    }
+    assert_eq!(load(folder.path()).unwrap(), token);
+    // Half a file is none.
+    std::fs::write(path(folder.path()), "abc\n").unwrap();
+    let new = load(folder.path()).unwrap();
+    assert!(is_token(&new) && new != token);
+}
+
+#[test]
+fn it_is_shown_as_bearer_or_as_a_password() {
+    let token = "0123456789abcdef0123456789abcdef";
+    let expected = ClientToken::new(token);
+    let basic = |text: &str| format!("Basic {}", BASE64_STANDARD.encode(text));
+    for good in
+        [format!("Bearer {token}"), format!("bearer  {token}"), basic(&format!("x:{token}"))]
+    {
+        assert!(expected.check(&shows(&good)).is_ok(), "{good}");
+    }
+    for bad in [
+        token.to_owned(),
+        "Bearer".to_owned(),
+        "Bearer x".to_owned(),
+        format!("Digest {token}"),
+        basic(token),
+        basic(&format!("{token}:")),
+        "Basic %".to_owned(),
+    ] {
+        assert!(expected.check(&shows(&bad)).is_err(), "{bad}");
+    }
+    assert!(expected.check(&HeaderMap::new()).is_err());
+}

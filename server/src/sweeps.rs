@@ -1,0 +1,80 @@
+//! The work that a server repeats by itself: leases end, uploads expire, unused content goes, and
+//! the health that gRPC reports follows readiness.
+
+use std::time::Duration;
+
+use bendtwin_store::LeaseTerms;
+use tokio::{
+    task::JoinHandle,
+    time::{Instant, Interval, MissedTickBehavior},
+};
+
+use crate::{app::App, options::Options};
+
+/// Longest interval at which leases are looked at.
+const LEASE_INTERVAL: Duration = Duration::from_secs(1);
+/// Longest interval at which expired uploads, and those that a crash left complete, are searched
+/// for.
+const UPLOAD_INTERVAL: Duration = Duration::from_secs(60);
+/// Interval at which unused content is searched for; the store also does so when it opens.
+const GARBAGE_COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
+
+/// The tasks.
+#[derive(Debug)]
+pub(crate) struct Sweeps([JoinHandle<()>; 2]);
+
+impl Sweeps {
+    pub(crate) fn start(app: &App) -> Self {
+        Self([tokio::spawn(leases(app.clone())), tokio::spawn(uploads(app.clone()))])
+    }
+
+    pub(crate) fn stop(self) {
+        self.0.iter().for_each(JoinHandle::abort);
+    }
+}
+
+/// Ends leases that have run out, and forgets workers that fell silent. A tick that comes late
+/// (the process stood still, or the store did) counts for little: workers could not report
+/// meanwhile.
+async fn leases(app: App) {
+    let lease = app.options.lease();
+    let every = (lease / 10).clamp(Duration::from_millis(20), LEASE_INTERVAL);
+    let terms = LeaseTerms { lease, step: 2 * every };
+    let mut tick = ticks(every);
+    let mut collected = Instant::now();
+    loop {
+        tick.tick().await;
+        if let Err(error) = app.sweep(terms).await {
+            tracing::error!(%error, "sweeping failed; trying again");
+        }
+        if collected.elapsed() >= GARBAGE_COLLECTION_INTERVAL {
+            collected = Instant::now();
+            if let Err(error) = app.store.collect_garbage().await {
+                tracing::error!(%error, "cannot remove unused content; trying again");
+            }
+        }
+    }
+}
+
+/// Finishes uploads that a crash left complete, and ends expired ones, at once and then at
+/// intervals.
+async fn uploads(app: App) {
+    let mut tick = ticks(upload_interval(&app.options));
+    loop {
+        tick.tick().await;
+        if let Err(error) = app.sweep_uploads().await {
+            tracing::error!(%error, "sweeping uploads failed; trying again");
+        }
+    }
+}
+
+fn upload_interval(options: &Options) -> Duration {
+    UPLOAD_INTERVAL.min(options.upload_expiry()).min(options.upload_start())
+}
+
+/// Ticks at once and then at this interval.
+fn ticks(every: Duration) -> Interval {
+    let mut ticks = tokio::time::interval(every);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    ticks
+}

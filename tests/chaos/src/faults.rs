@@ -1,0 +1,92 @@
+//! The faults, each at its time, beside each other where they meet.
+
+mod disk;
+mod greedy;
+mod hostile;
+mod processes;
+mod silent;
+
+use std::{net::IpAddr, sync::Arc, time::Duration};
+
+use anyhow::Context as _;
+use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
+use tokio::{task::JoinSet, time::Instant};
+use tonic::transport::{Channel, Endpoint};
+
+use crate::{
+    run::Run,
+    schedule::{Event, Fault},
+};
+
+/// Time for the faults that are under way at the end.
+const END: Duration = Duration::from_secs(90);
+/// Address of hostile and silent clients, another one than that of honest clients.
+const STRANGER: IpAddr = IpAddr::V4(std::net::Ipv4Addr::new(127, 0, 0, 2));
+/// Address of greedy clients.
+const GREEDY: IpAddr = IpAddr::V4(std::net::Ipv4Addr::new(127, 0, 0, 3));
+
+/// Lets everything happen that is in the schedule, and ends it.
+pub(crate) async fn happen(run: &Arc<Run>, events: Vec<Event>) {
+    let mut faults = JoinSet::new();
+    let files = Arc::new(hostile::Files::new(run.seed));
+    for event in events {
+        tokio::time::sleep_until(Instant::from_std(run.started) + event.at).await;
+        run.tally.log(format_args!("FAULT {event}"));
+        let (run, files) = (run.clone(), files.clone());
+        faults.spawn_local(async move { one(&run, event, &files).await });
+    }
+    let ended = tokio::time::timeout(END, async {
+        while let Some(fault) = faults.join_next().await {
+            if let Err(error) = fault {
+                run.tally.broken("the suite itself works", error);
+            }
+        }
+    });
+    if ended.await.is_err() {
+        run.tally.log(format_args!("{} faults were cut short", faults.len()));
+        faults.shutdown().await;
+    }
+    if let Some(clock) = &run.clock {
+        clock.set(0).unwrap_or_else(|e| run.tally.log(format_args!("the clock stays wrong: {e}")));
+    }
+    if let Some(disk) = &run.disk {
+        disk.free().unwrap_or_else(|e| run.tally.log(format_args!("the disk stays full: {e}")));
+    }
+    run.server.disk_is_full.store(false, std::sync::atomic::Ordering::SeqCst);
+}
+
+async fn one(run: &Run, event: Event, files: &hostile::Files) {
+    let result = match event.fault {
+        Fault::Kill(victim) => processes::kill_one(run, victim, event.chance).await,
+        Fault::Restart => processes::restart(run).await,
+        Fault::Pause(victim, held) => processes::pause(run, victim, event.chance, held).await,
+        Fault::Clock(step_s) => step(run, step_s),
+        Fault::FullDisk { held, fresh, pressed } => disk::fill(run, held, fresh, pressed).await,
+        Fault::Hostile(number) => hostile::send_file(run, number, files).await,
+        Fault::Silent(silence, held) => silent::be(run, silence, held).await,
+        Fault::Greedy(greed) => greedy::ask(run, greed).await,
+    };
+    // A fault that does not come about, because another one is in its way, is none of the server's.
+    if let Err(error) = result {
+        run.tally.log(format_args!("{event} did not come about: {error:#}"));
+    }
+}
+
+fn step(run: &Run, step_s: i64) -> anyhow::Result<()> {
+    run.clock.as_ref().context("there is no clock")?.set(step_s)?;
+    run.tally.count("faults: steps of the clock");
+    Ok(())
+}
+
+/// A client of rollouts with an address of its own.
+async fn rollouts(run: &Run, from: IpAddr) -> anyhow::Result<RolloutServiceClient<Channel>> {
+    let endpoint = Endpoint::from_shared(run.server.url())?.local_address(Some(from));
+    let channel = endpoint.connect_timeout(Duration::from_secs(10)).connect().await?;
+    Ok(RolloutServiceClient::new(channel).max_decoding_message_size(1 << 30))
+}
+
+/// An HTTP client with an address of its own.
+fn http(from: IpAddr) -> anyhow::Result<reqwest::Client> {
+    let builder = reqwest::Client::builder().local_address(from).pool_max_idle_per_host(0);
+    Ok(builder.timeout(Duration::from_secs(60)).build()?)
+}

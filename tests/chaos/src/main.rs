@@ -1,0 +1,204 @@
+//! A real server with its workers under a seeded schedule of faults, over a steady honest load; at
+//! the end everything that was acknowledged is compared.
+//!
+//! 1. [`reference`] asks an undisturbed server for twins and rollouts to compare with.
+//! 2. [`server`] starts the server and starts it again when it has ended, as a process manager does.
+//! 3. [`load`] uses it honestly and writes into the [`ledger`] what is acknowledged, while
+//!    [`faults`] happen as the [`schedule`] says.
+//! 4. When all is over, [`check`] compares, and the [`tally`] is printed.
+//!
+//! The program ends with 1 if a promise was broken. A line `BROKEN: promise: case` says which; the
+//! folder of the run then has the rest: `chaos.log` (faults and refused calls by time), `ledger.log`
+//! (what was acknowledged when), `server.log` (server, workers and readers) and `data`. The same
+//! seed makes the same schedule; `--only` leaves classes of faults out without changing the others.
+
+mod check;
+mod clock;
+mod disk;
+mod faults;
+mod honest;
+mod ledger;
+mod load;
+mod reference;
+mod run;
+mod schedule;
+mod server;
+mod tally;
+mod watch;
+
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+    sync::Arc,
+    time::Duration,
+};
+
+use anyhow::Context as _;
+use clap::{Parser, ValueEnum as _};
+
+use crate::{
+    check::MemoryLimits, clock::Clock, disk::Disk, ledger::Ledger, reference::References, run::Run,
+    schedule::Class, server::Server, tally::Tally,
+};
+
+/// Memory that any process of a run may take [bytes]: a bound that protects this machine.
+const MOST_MEMORY: u64 = 8 << 30;
+
+/// Runs a server under a seeded schedule of faults and checks what it acknowledged.
+#[derive(Debug, Parser)]
+struct Args {
+    /// Minutes with faults
+    #[arg(long, default_value_t = 2.0)]
+    minutes: f64,
+    /// Seed of the schedule and of the load
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Folder for what the run leaves [default: a temporary one, removed if nothing was broken]
+    #[arg(long)]
+    log: Option<PathBuf>,
+    /// Classes of faults [default: all]
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<Class>,
+    /// Memory of the server beyond what requests may take together [MiB]
+    #[arg(long, default_value_t = 512)]
+    server_memory_mib: u64,
+    /// Memory of a worker beyond what all workers may take together [MiB]
+    #[arg(long, default_value_t = 512)]
+    worker_memory_mib: u64,
+    /// Print the schedule and end
+    #[arg(long)]
+    schedule: bool,
+}
+
+fn main() -> anyhow::Result<ExitCode> {
+    let args = Args::parse();
+    let length = Duration::try_from_secs_f64(args.minutes * 60.0).context("--minutes")?;
+    if args.schedule {
+        for event in schedule::schedule(args.seed, length, &classes(&args.only)) {
+            println!("{event}");
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    let temporary = tempfile::Builder::new().prefix("bendtwin-chaos-").tempdir()?;
+    let folder = args.log.clone().unwrap_or_else(|| temporary.path().to_owned());
+    std::fs::create_dir_all(&folder)?;
+    let folder = folder.canonicalize()?;
+    rlimit::setrlimit(rlimit::Resource::DATA, MOST_MEMORY, MOST_MEMORY).ok();
+    // One thread: the cores are the server's.
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let tasks = tokio::task::LocalSet::new();
+    let result = tasks.block_on(&runtime, rounds(&args, length, &folder));
+    if matches!(result, Ok(false)) {
+        return Ok(ExitCode::SUCCESS);
+    }
+    // Kept, for somebody has to look at it.
+    let _ = temporary.keep();
+    println!("seed {}: look into {}", args.seed, folder.display());
+    result.map(|_| ExitCode::FAILURE)
+}
+
+fn classes(only: &[Class]) -> Vec<Class> {
+    if only.is_empty() { Class::value_variants().to_vec() } else { only.to_vec() }
+}
+
+/// The whole run; true if a promise was broken.
+async fn rounds(args: &Args, length: Duration, folder: &Path) -> anyhow::Result<bool> {
+    let tally = Arc::new(Tally::new(folder)?);
+    tally.say(format_args!("chaos for {} minutes, seed {}", args.minutes, args.seed));
+    for name in ["data", "tmp", "captures"] {
+        std::fs::create_dir_all(folder.join(name))?;
+    }
+    let mut classes = classes(&args.only);
+    let clock = or_skip(&tally, &mut classes, Class::Clock, || clock(folder));
+    let disk = or_skip(&tally, &mut classes, Class::Disk, || disk(folder));
+    let events = schedule::schedule(args.seed, length, &classes);
+    for event in &events {
+        tally.say(event);
+    }
+    let references = References::make(&folder.join("captures")).await?;
+    let server = Arc::new(Server::new(folder, clock.clone(), tally.clone())?);
+    let supervisor = tokio::task::spawn_local(server.clone().supervise());
+    server.is_whole().await?;
+    let ledger = Ledger::new(folder)?;
+    let devices = (clock, disk);
+    let run = Arc::new(Run::new(args.seed, length, server, references, ledger, tally, devices));
+    run.import_twin().await?;
+
+    let watching = tokio::task::spawn_local(watch::watch(run.clone()));
+    let mut clients = load::start(&run);
+    faults::happen(&run, events).await;
+    while let Some(client) = clients.join_next().await {
+        if let Err(error) = client {
+            run.tally.broken("the suite itself works", error);
+        }
+    }
+    run.tally.say("all faults are over: checking");
+    let memory = MemoryLimits {
+        server: server::SERVER_MIB + args.server_memory_mib,
+        worker: server::WORKERS_MIB + args.worker_memory_mib,
+    };
+    if let Err(error) = check::check(&run, memory).await {
+        run.tally.broken("the server comes back by itself", format_args!("{error:#}"));
+    }
+    watching.abort();
+    run.server.stop().await?;
+    supervisor.await??;
+    check::check_remains(&run)?;
+    if args.log.is_none() && !run.tally.all_broken().is_empty() {
+        keep_data(folder);
+    }
+    Ok(report(&run.tally))
+}
+
+/// What a class of faults needs, if it is to happen and can.
+fn or_skip<T>(
+    tally: &Tally,
+    classes: &mut Vec<Class>,
+    class: Class,
+    make: impl FnOnce() -> anyhow::Result<T>,
+) -> Option<T> {
+    if !classes.contains(&class) {
+        return None;
+    }
+    let made = make();
+    if let Err(error) = &made {
+        classes.retain(|other| *other != class);
+        tally.say(format_args!("SKIPPED {class}: {error:#}"));
+    }
+    made.ok()
+}
+
+fn clock(folder: &Path) -> anyhow::Result<Clock> {
+    let library = std::env::var_os("CHAOS_CLOCK_LIBRARY");
+    let library = library.context("clock.c was not compiled: start this with tests/chaos/run")?;
+    let clock = Clock::new(library.into(), folder)?;
+    anyhow::ensure!(clock.works()?, "programs here do not use the clock of the preloaded library");
+    Ok(clock)
+}
+
+fn disk(folder: &Path) -> anyhow::Result<Disk> {
+    std::env::var_os("CHAOS_MAY_MOUNT").context("file systems cannot be mounted here")?;
+    Disk::mount(&folder.join("data"))
+}
+
+/// Copies the data out of the small disk, which ends with this program.
+fn keep_data(folder: &Path) {
+    let mut copy = std::process::Command::new("cp");
+    copy.arg("-r").arg(folder.join("data")).arg(folder.join("data-at-the-end")).status().ok();
+}
+
+/// Prints the summary; true if a promise was broken.
+fn report(tally: &Tally) -> bool {
+    tally.say("");
+    for (what, value) in tally.rows() {
+        tally.say(format_args!("{value:>10}  {what}"));
+    }
+    let broken = tally.all_broken();
+    for (promise, times, first) in &broken {
+        tally.say(format_args!("BROKEN {times} times: {promise} (first: {first})"));
+    }
+    if broken.is_empty() {
+        tally.say("every promise was kept");
+    }
+    !broken.is_empty()
+}

@@ -1,0 +1,5 @@
+//! Fuzzes the pickle of a PhysTwin case.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| bendtwin_fuzz::archives::case(data));

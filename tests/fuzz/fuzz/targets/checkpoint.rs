@@ -1,0 +1,5 @@
+//! Fuzzes the envelope of checkpoints.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| bendtwin_fuzz::twins::checkpoint(data));

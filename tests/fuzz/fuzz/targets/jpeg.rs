@@ -1,0 +1,5 @@
+//! Fuzzes JPEG.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| bendtwin_fuzz::images::jpeg(data));

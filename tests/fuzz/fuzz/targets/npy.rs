@@ -1,0 +1,5 @@
+//! Fuzzes arrays of numpy.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| bendtwin_fuzz::archives::npy(data));

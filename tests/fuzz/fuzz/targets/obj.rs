@@ -1,0 +1,5 @@
+//! Fuzzes OBJ.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| bendtwin_fuzz::meshes::obj(data));

@@ -1,0 +1,5 @@
+//! Fuzzes pickles.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| bendtwin_fuzz::archives::pickle(data));

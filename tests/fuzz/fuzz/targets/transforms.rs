@@ -1,0 +1,5 @@
+//! Fuzzes `transforms.json`.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| bendtwin_fuzz::archives::transforms(data));

@@ -1,0 +1,5 @@
+//! Fuzzes twin files.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| bendtwin_fuzz::twins::twin(data));
