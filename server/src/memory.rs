@@ -5,7 +5,10 @@
 
 mod receive;
 
-use std::{sync::Arc, time::Duration};
+use std::{
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    time::Duration,
+};
 
 use bendtwin_budget::{Budget, Exhausted, Share};
 use bytes::Bytes;
@@ -15,7 +18,7 @@ use crate::failure::{Error, Result};
 pub(crate) use receive::{Kind, ReceiveError};
 
 /// Longest wait for memory that others hold.
-const LONGEST_WAIT: Duration = Duration::from_secs(10);
+const LONGEST_WAIT: Duration = Duration::from_secs(30);
 /// Memory of a reply: as it came from the worker, and as it is written to the client. The buffer
 /// that it is written to may grow to twice its size.
 const REPLY: u64 = 3;
@@ -37,7 +40,26 @@ pub(crate) struct Memory {
 
 /// Shares of one request; dropping them gives them back.
 #[derive(Debug, Default)]
-pub(crate) struct Shares(Vec<Share>);
+pub(crate) struct Shares(Mutex<Vec<Share>>);
+
+impl Shares {
+    fn add(&self, share: Share) {
+        self.lock().push(share);
+    }
+
+    /// Keeps what a decoded message of so many bytes takes, and gives back the rest.
+    pub(crate) fn decoded(&self, message_bytes: usize) {
+        let mut left = (message_bytes as u64).saturating_mul(receive::PROTOBUF);
+        for share in self.lock().iter_mut() {
+            share.shrink(left);
+            left = left.saturating_sub(share.bytes());
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Share>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 impl Memory {
     /// So many bytes in all: three eighths for bodies, half for replies, an eighth for uploads.

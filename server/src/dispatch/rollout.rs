@@ -58,10 +58,15 @@ pub(crate) struct RollOut {
 #[derive(Clone, Debug)]
 pub(crate) struct Held {
     share: Arc<Share>,
-    place: Arc<Place>,
+    place: Option<Arc<Place>>,
 }
 
 impl Held {
+    /// The memory alone: the next rollout may start while this reply, written already, is sent.
+    pub(crate) fn memory(self) -> Self {
+        Self { place: None, ..self }
+    }
+
     /// The memory, to be held by the bytes for as long as they are anywhere, and the place, to be
     /// held by the body: what a connection has buffered and nobody reads must not keep a worker
     /// from others.
@@ -149,7 +154,8 @@ impl Dispatch {
             tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
         // The worker has all of the request.
         drop(memory);
-        let held = Held { share: Arc::new(share), place: Arc::clone(&running.place) };
+        let place = Some(Arc::clone(&running.place));
+        let held = Held { share: Arc::new(share), place };
         let rest = stream::unfold(Some(running), |running| async {
             let mut running = running?;
             match running.next().await {

@@ -19,7 +19,7 @@ impl RolloutService for Api {
         let Whole { response, held } =
             self.app.dispatch.roll_out(rollout(request, timeout, false)).await?;
         let mut response = Response::new(response);
-        response.extensions_mut().insert(held);
+        response.extensions_mut().insert(held.memory());
         Ok(response)
     }
 
@@ -33,7 +33,7 @@ impl RolloutService for Api {
         let InParts { parts, held } =
             self.app.dispatch.parts(rollout(request, timeout, true)).await?;
         let mut response = Response::new(reply(parts, |part| part));
-        response.extensions_mut().insert(held);
+        response.extensions_mut().insert(held.memory());
         Ok(response)
     }
 }

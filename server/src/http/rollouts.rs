@@ -28,7 +28,7 @@ use super::{
 use crate::{
     app::{self, App, Error},
     dispatch::{RollOut, Whole},
-    error::ProblemDocument,
+    error::{ProblemDocument, Refusal},
     memory::{Kind, Shares},
 };
 use bendtwin_core::ids::TwinId;
@@ -103,7 +103,7 @@ pub(super) async fn create(
     let reply = app.dispatch.roll_out(rollout).await?;
     if as_protobuf {
         let Whole { response, held } = reply;
-        let body = bendtwin_budget::held(response.encode_to_vec().into(), held);
+        let body = bendtwin_budget::held(response.encode_to_vec().into(), held.memory());
         return Ok(([(header::CONTENT_TYPE, PROTOBUF)], body).into_response());
     }
     Ok(document::answer(reply, params.tensors)?)
@@ -116,8 +116,10 @@ async fn read_json(text: Bytes, memory: &Arc<Shares>) -> Result<RollOutRequest> 
     }
     let memory = Arc::clone(memory);
     let read = tokio::task::spawn_blocking(move || {
-        let _memory = memory;
-        extract::json::<Read<RollOutRequest>>(&text)
+        let read = extract::json::<Read<RollOutRequest>>(&text)?;
+        drop(text);
+        memory.decoded(read.0.encoded_len());
+        Ok::<_, Refusal>(read)
     });
     let read = read.await.map_err(|e| Error::Internal(format!("reading a rollout: {e}")))?;
     Ok(read?.0)

@@ -19,7 +19,7 @@ const GRPC_PREFIX: usize = 5;
 const JSON: u64 = 8;
 /// Protobuf: the bytes, which tensors share, and the message to the worker, whose buffer may be
 /// twice as long.
-const PROTOBUF: u64 = 3;
+pub(super) const PROTOBUF: u64 = 3;
 /// Ordinary documents.
 const DOCUMENT: u64 = 1;
 
@@ -130,7 +130,7 @@ impl<'m> Buffer<'m> {
         let memory = self.memory;
         let share =
             memory.take(&memory.bodies, bytes, advice).await.map_err(ReceiveError::Memory)?;
-        self.shares.0.push(share);
+        self.shares.add(share);
         self.bytes.reserve(usize::try_from(room).unwrap_or(usize::MAX) - self.bytes.len());
         self.room = room;
         Ok(())

@@ -22,6 +22,9 @@ async fn a_declared_body_takes_its_memory_before_it_is_read() {
     let memory = Memory::new(64 * MIB);
     let received = memory.receive(Body::from(vec![1; 1000]), Kind::Json, MIB).await.unwrap();
     assert_eq!((received.bytes.len(), memory.state().0), (1000, 8192));
+    // Once it is decoded the text is gone.
+    received.memory.decoded(1000);
+    assert_eq!(memory.state().0, 4096);
     drop(received);
     assert_eq!(memory.state().0, 0);
     // 21 MiB are given to one body: 2.6 MiB of JSON.
