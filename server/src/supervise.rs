@@ -27,8 +27,8 @@ pub const TOKEN_VARIABLE: &str = "BENDTWIN_WORKER_TOKEN";
 pub const BACKEND_VARIABLE: &str = "BENDTWIN_BACKEND";
 /// The environment variable with the number of the CUDA device.
 pub const DEVICE_VARIABLE: &str = "BENDTWIN_DEVICE";
-/// The environment variable with the folder for captures while they are read. Where it is set for
-/// the server, its workers inherit it.
+/// The environment variable with the folder for captures while they are read. Workers inherit it
+/// from a server that has it.
 pub const SCRATCH_VARIABLE: &str = "BENDTWIN_SCRATCH_DIR";
 /// That folder in the data folder.
 const SCRATCH_FOLDER: &str = "scratch";

@@ -1,9 +1,9 @@
 //! The folder in which a worker keeps captures while it reads them. It is removed when the process
 //! ends; what a killed process left is removed when the next one starts.
 //!
-//! The base may be a folder that others write to, such as the system's temporary one. What lies
-//! there under this worker's names is believed only if it is this user's, and nothing of others is
-//! opened in a way that could wait for them.
+//! The base may be a folder that others write to, such as the system's temporary one. An entry there
+//! under this worker's name is believed only if it is this user's, and nothing of others is opened
+//! in a way that could wait for them.
 
 use std::{
     fs::{DirBuilder, File, OpenOptions, Permissions, TryLockError},

@@ -46,7 +46,7 @@ const WHOLE_TAPE: u64 = 64 << 20;
 pub struct Memory {
     /// The request.
     pub request: u64,
-    /// What is unpacked of it for all instances, and the reply.
+    /// The parts of it that are unpacked for all instances, and the reply.
     pub fixed: u64,
     /// An instance that is prepared.
     pub prepared: u64,

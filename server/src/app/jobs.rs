@@ -7,8 +7,8 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId, WorkerId},
 };
 use bendtwin_store::{
-    AttemptEnd, Capture, Content, Job, JobId, Kind, Lease, LeaseTerms, Loss, Observation,
-    PageRequest, State, TwinFacts,
+    AttemptEnd, Capture, Content, Job, JobId, Kind, Lease, LeaseTerms, Loss, Observation, State,
+    TwinFacts,
 };
 
 use super::{App, Body, Error, Result, results};
@@ -181,19 +181,14 @@ impl App {
     }
 
     /// True if the content belongs to a job that the worker has, or to the rollouts that any may
-    /// get: of twins, some of which begin at a frame of their capture.
+    /// get: of any twin, from a frame of any capture.
     async fn needs(&self, worker: WorkerId, what: Downloadable) -> Result<bool> {
         let held = self.store.jobs().held_by(worker).await?;
         let has_capture = |id: CaptureId| held.iter().any(|job| job.capture == id);
         Ok(match what {
-            Downloadable::Twin(_) => true,
+            Downloadable::Twin(_) | Downloadable::Observation(_) => true,
             Downloadable::Checkpoint(id) => held.iter().any(|job| job.id == id),
             Downloadable::Capture(id) => has_capture(id),
-            Downloadable::Observation(id) if has_capture(id) => true,
-            Downloadable::Observation(id) => {
-                let first = PageRequest { size: 1, ..PageRequest::default() };
-                !self.store.twins().list(&first, Some(id)).await?.items.is_empty()
-            }
         })
     }
 

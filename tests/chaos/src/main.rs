@@ -53,6 +53,9 @@ struct Args {
     /// Seed of the schedule and of the load
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Faults of every class, as a multiple of the usual number
+    #[arg(long, default_value_t = 1.0)]
+    pace: f64,
     /// Folder for what the run leaves [default: a temporary one, removed if nothing was broken]
     #[arg(long)]
     log: Option<PathBuf>,
@@ -73,8 +76,9 @@ struct Args {
 fn main() -> anyhow::Result<ExitCode> {
     let args = Args::parse();
     let length = Duration::try_from_secs_f64(args.minutes * 60.0).context("--minutes")?;
+    anyhow::ensure!((0.01..=100.0).contains(&args.pace), "--pace must lie in 0.01..=100");
     if args.schedule {
-        for event in schedule::schedule(args.seed, length, &classes(&args.only)) {
+        for event in schedule::schedule(args.seed, length, args.pace, &classes(&args.only)) {
             println!("{event}");
         }
         return Ok(ExitCode::SUCCESS);
@@ -111,7 +115,7 @@ async fn rounds(args: &Args, length: Duration, folder: &Path) -> anyhow::Result<
     let mut classes = classes(&args.only);
     let clock = or_skip(&tally, &mut classes, Class::Clock, || clock(folder));
     let disk = or_skip(&tally, &mut classes, Class::Disk, || disk(folder));
-    let events = schedule::schedule(args.seed, length, &classes);
+    let events = schedule::schedule(args.seed, length, args.pace, &classes);
     for event in &events {
         tally.say(event);
     }

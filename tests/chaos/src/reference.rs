@@ -1,5 +1,5 @@
-//! What an undisturbed server of the same binary answers: twins of some captures, and rollouts of
-//! one of these twins. Everything that the disturbed server answers is compared with it.
+//! Answers of an undisturbed server of the same binary: twins of some captures, and rollouts of one
+//! of these twins. Everything that the disturbed server answers is compared with it.
 
 use std::{path::Path, time::Duration};
 

@@ -124,13 +124,13 @@ impl fmt::Display for Event {
 }
 
 /// The faults of a run, by time. Every class has at least one, since the run is cut into as many
-/// equal parts as there are faults of a class, with one in each.
-pub(crate) fn schedule(seed: u64, length: Duration, classes: &[Class]) -> Vec<Event> {
+/// equal parts as there are faults of a class, with one in each. `pace` multiplies their number.
+pub(crate) fn schedule(seed: u64, length: Duration, pace: f64, classes: &[Class]) -> Vec<Event> {
     let mut events = Vec::new();
     for class in classes {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(*class as u64 + 1);
-        let count = (class.rate() * length.as_secs_f64() / 60.0).round().max(1.0) as u32;
+        let count = (pace * class.rate() * length.as_secs_f64() / 60.0).round().max(1.0) as u32;
         for number in 0..count {
             let within = random.random_range(0.0..0.9);
             let at = length.mul_f64((f64::from(number) + within) / f64::from(count));
@@ -187,9 +187,9 @@ mod tests {
     #[test]
     fn a_seed_is_a_schedule_and_every_class_is_in_it() {
         let all = Class::value_variants();
-        let first = schedule(7, 2 * MINUTE, all);
-        assert_eq!(first, schedule(7, 2 * MINUTE, all));
-        assert_ne!(first, schedule(8, 2 * MINUTE, all));
+        let first = schedule(7, 2 * MINUTE, 1.0, all);
+        assert_eq!(first, schedule(7, 2 * MINUTE, 1.0, all));
+        assert_ne!(first, schedule(8, 2 * MINUTE, 1.0, all));
         assert!(first.is_sorted_by_key(|event| event.at));
         for class in all {
             assert!(first.iter().any(|event| event.class == *class), "{class}");
@@ -198,8 +198,8 @@ mod tests {
 
     #[test]
     fn leaving_classes_out_does_not_change_the_others() {
-        let all = schedule(7, 5 * MINUTE, Class::value_variants());
+        let all = schedule(7, 5 * MINUTE, 1.0, Class::value_variants());
         let kills: Vec<_> = all.into_iter().filter(|e| e.class == Class::Kills).collect();
-        assert_eq!(schedule(7, 5 * MINUTE, &[Class::Kills]), kills);
+        assert_eq!(schedule(7, 5 * MINUTE, 1.0, &[Class::Kills]), kills);
     }
 }

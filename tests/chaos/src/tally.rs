@@ -1,4 +1,4 @@
-//! What happened: counts, longest times, and promises that were broken, with a log of every line.
+//! The record of a run: counts, longest times, and promises that were broken, with a log of every line.
 
 use std::{
     collections::BTreeMap,

@@ -52,8 +52,20 @@ async fn commands_of_the_user_need_no_setting_and_others_are_refused() {
     assert!(!other.status.success() && told.contains("BENDTWIN_TOKEN"), "{told}");
     let file = path("data/client-token");
     let token = std::fs::read_to_string(&file).unwrap().trim().to_owned();
-    assert!(push("nothing", &|c| drop(c.env("BENDTWIN_TOKEN", &token))).status.success());
-    assert!(push("nothing", &|c| drop(c.arg("--token-file").arg(&file))).status.success());
+    assert!(
+        push("nothing", &|c| {
+            c.env("BENDTWIN_TOKEN", &token);
+        })
+        .status
+        .success()
+    );
+    assert!(
+        push("nothing", &|c| {
+            c.arg("--token-file").arg(&file);
+        })
+        .status
+        .success()
+    );
 
     let written = [all(&path("data")), all(&path("state"))].concat();
     assert!(written.len() > 6, "{written:?}");

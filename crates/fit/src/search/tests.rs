@@ -53,7 +53,7 @@ impl Backend for Counting {
         Ok(Loaded::new(model, Arc::new(Held { inner, counts })))
     }
     fn with_params(&self, _: &Loaded, _: Params) -> Result<Loaded, EngineError> {
-        unimplemented!("a search loads")
+        panic!("a search loads")
     }
     fn roll_out(
         &self,
@@ -61,7 +61,7 @@ impl Backend for Counting {
         _: &Outputs,
         _: &CancelToken,
     ) -> Result<Vec<Rollout>, EngineError> {
-        unimplemented!("a search needs losses")
+        panic!("a search needs losses")
     }
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, EngineError> {
         self.counts.batches.lock().unwrap().push(batch.len());
@@ -78,14 +78,14 @@ impl Backend for Counting {
         _: &GradientRequest,
         _: &CancelToken,
     ) -> Result<Vec<Gradient>, EngineError> {
-        unimplemented!("a search needs losses")
+        panic!("a search needs losses")
     }
     fn optimizer(
         &self,
         _: Vec<OptimizerInit>,
         _: Decay,
     ) -> Result<Box<dyn Optimizer>, EngineError> {
-        unimplemented!("a search has none")
+        panic!("a search has none")
     }
 }
 

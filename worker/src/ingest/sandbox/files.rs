@@ -1,4 +1,4 @@
-//! Files: Landlock leaves one folder. What is open already stays usable.
+//! Files: Landlock leaves one folder. Files that are open already stay usable.
 
 use std::{io, path::Path};
 
