@@ -87,7 +87,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(WorkerServiceServer::new(api.clone()))
         .add_service(Counted {
             app: app.clone(),
-            inner: RolloutServiceServer::new(api.clone())
+            inner: RolloutServiceServer::new(api)
                 .max_decoding_message_size(bytes(limits.request_bytes))
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
         })

@@ -83,7 +83,13 @@ impl References {
     pub(crate) async fn make(folder: &Path) -> anyhow::Result<Self> {
         let archives = CAPTURES.into_iter().map(|arguments| archive(folder, arguments));
         let archives: Vec<Archive> = archives.collect::<anyhow::Result<_>>()?;
-        let setup = Setup { own_workers: 2, isolation: Isolation::Nested, ..Setup::default() };
+        let setup = Setup {
+            own_workers: 2,
+            isolation: Isolation::Nested,
+            // As the disturbed ones: a GPU has other last bits.
+            worker_args: &["--backend", "cpu"],
+            ..Setup::default()
+        };
         let cluster = TestCluster::start(setup).await;
         let api = cluster.api();
         let mut fits = Vec::new();

@@ -52,6 +52,8 @@ pub(crate) struct Server {
     doomed: AtomicBool,
     /// True if it was asked to end, and not killed since.
     orderly: AtomicBool,
+    /// Held while it is asked to end: orderly ends come one at a time.
+    ending: tokio::sync::Mutex<()>,
     /// True while the disk is full: the server may be unready, and fail to start.
     pub(crate) disk_is_full: AtomicBool,
     stopping: AtomicBool,
@@ -94,6 +96,7 @@ impl Server {
             child: Mutex::new(None),
             doomed: AtomicBool::new(false),
             orderly: AtomicBool::new(false),
+            ending: tokio::sync::Mutex::new(()),
             disk_is_full: AtomicBool::new(false),
             stopping: AtomicBool::new(false),
             by_hand: Mutex::new(None),
@@ -256,6 +259,8 @@ impl Server {
 
     /// SIGTERM, and a start by the supervisor.
     pub(crate) async fn restart(&self) -> anyhow::Result<()> {
+        // A second signal would end it at once.
+        let _one = self.ending.lock().await;
         let pid = self.pid().context("the server does not run")?;
         self.end_in_order(pid).await;
         let (http, began) = (self.http(), Instant::now());
@@ -271,6 +276,7 @@ impl Server {
     /// SIGTERM, for good.
     pub(crate) async fn stop(&self) -> anyhow::Result<()> {
         self.stopping.store(true, Ordering::SeqCst);
+        let _one = self.ending.lock().await;
         let pid = self.pid().context("the server does not run")?;
         self.end_in_order(pid).await;
         Ok(())

@@ -73,8 +73,12 @@ fn work(folder: &Path, request: &Request, enforced: Enforced) -> Result<Message,
     let verdict = report.inspection().verdict;
     match capture {
         Ok(observed) => {
-            capture::write_bundle_file(&observed, &folder.join(OBSERVATION))
-                .map_err(|e| e.fault())?;
+            capture::write_bundle_file(&observed, &folder.join(OBSERVATION)).map_err(|error| {
+                match error {
+                    capture::Error::Io { at, source } => unwritable(&at, source),
+                    error => error.fault(),
+                }
+            })?;
             Ok(Message::Observed { verdict })
         }
         Err(fault) => Ok(Message::Refused { verdict, fault }),
@@ -118,7 +122,11 @@ fn write_new(path: &Path, text: &str) -> io::Result<()> {
 }
 
 fn unwritable(at: &str, source: io::Error) -> Fault {
-    capture::Error::Io { at: at.to_owned(), source }.fault()
+    Fault {
+        category: Category::ResourceExhausted,
+        reason: "NO_DISK_SPACE".to_owned(),
+        message: format!("{at} cannot be written: {source}; free disk space or set --scratch-dir"),
+    }
 }
 
 fn write_message(message: &Message) -> io::Result<()> {

@@ -11,6 +11,9 @@ use crate::server_client::{Backoff, CallError};
 
 /// Time for which a worker that has to end still tries.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
+/// Time for which an attempt that lacked disk or memory keeps its job: three attempts at once would
+/// find the same shortage three times.
+const SHORTAGE_PAUSE: Duration = Duration::from_secs(20);
 
 /// Kind of a job's end without a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +78,12 @@ impl Delivery<'_> {
             }
         };
         saver.flush().await;
+        if kind == Failure::Passing && fault.category == Category::ResourceExhausted {
+            tokio::select! {
+                () = tokio::time::sleep(SHORTAGE_PAUSE) => {}
+                () = self.drain.cancelled() => {}
+            }
+        }
         self.fail(fault, kind).await;
     }
 

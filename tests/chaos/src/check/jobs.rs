@@ -11,7 +11,8 @@ use crate::{ledger::Fate, run::Run};
 /// Time for everything that is queued to be done.
 const SETTLE: Duration = Duration::from_secs(300);
 /// Reasons for which a job may fail that was killed again and again, or met a full disk.
-const LEGITIMATE: [&str; 4] = ["WORKER_LOST", "INGEST_CRASHED", "DISK_FULL", "INGEST_RESULT_LOST"];
+const LEGITIMATE: [&str; 5] =
+    ["WORKER_LOST", "INGEST_CRASHED", "DISK_FULL", "NO_DISK_SPACE", "INGEST_RESULT_LOST"];
 
 /// Waits until no job is under way; then lists everything.
 pub(super) async fn settle(run: &Run) -> Option<Listed> {
