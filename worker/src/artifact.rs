@@ -57,6 +57,8 @@ pub(crate) enum FetchError {
 impl Problem for FetchError {
     fn category(&self) -> Category {
         match self {
+            // The server has restarted; this worker is about to register again.
+            Self::Server { fault, .. } if fault.reason == "WORKER_UNKNOWN" => Category::Unavailable,
             Self::Server { fault, .. } => fault.category,
             Self::Stale => Category::Aborted,
             Self::TooLarge { .. } | Self::Disk { .. } => Category::ResourceExhausted,

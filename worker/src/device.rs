@@ -39,7 +39,7 @@ const SHARED_SLICE: Duration = Duration::from_millis(30);
 /// Work of a rollout's slice on a device with a second queue, in element substeps: a fraction of a
 /// second on a large GPU. By work and not by time, because the last bits of a GPU's results depend
 /// on the number of instances in a batch: the same request must be cut alike.
-const URGENT_WORK: f64 = 5e9;
+const URGENT_WORK: f64 = 1e10;
 
 /// A handle on the device; clones share it. Its threads end on [`Device::close`].
 #[derive(Clone)]

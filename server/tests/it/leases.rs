@@ -243,7 +243,7 @@ async fn a_worker_acts_for_itself_alone() {
     ] {
         assert_eq!((status.code(), reason(&status).as_str()), (Code::Aborted, "STALE_LEASE"));
     }
-    for content in [lease.capture.clone(), format!("{}/observation", lease.capture), fit.clone()] {
+    for content in [lease.capture.clone(), fit.clone()] {
         let status = rogue.download(&content).await.unwrap_err();
         let seen = (status.code(), reason(&status));
         assert_eq!(seen, (Code::PermissionDenied, "CONTENT_NOT_LEASED".to_owned()), "{content}");

@@ -161,7 +161,7 @@ fn fault(class: Class, number: u32, random: &mut ChaCha8Rng) -> Fault {
         }
         Class::Disk => Fault::FullDisk {
             held: seconds(3.0, 8.0),
-            fresh: number % 2 == 0,
+            fresh: number.is_multiple_of(2),
             pressed: number % 3 == 1,
         },
         Class::Hostile => Fault::Hostile(u64::from(number)),

@@ -168,8 +168,17 @@ impl Observer<bendtwin_ingest::Progress> for StdoutReporter {
     fn checkpoint(&mut self, checkpoint: Vec<u8>) -> Result<(), ObserverError> {
         // The worker never finds half of one.
         let new = self.checkpoint.with_extension("new");
-        std::fs::write(&new, checkpoint)?;
-        std::fs::rename(&new, &self.checkpoint)?;
-        Ok(write_message(&Message::Checkpoint)?)
+        match std::fs::write(&new, checkpoint)
+            .and_then(|()| std::fs::rename(&new, &self.checkpoint))
+        {
+            Ok(()) => Ok(write_message(&Message::Checkpoint)?),
+            // A checkpoint saves work; the lack of one costs none. Its room may save the result.
+            Err(error) if error.kind() == io::ErrorKind::StorageFull => {
+                eprintln!("no room for a checkpoint: {error}");
+                let _ = std::fs::remove_file(&new);
+                Ok(())
+            }
+            Err(error) => Err(error.into()),
+        }
     }
 }
