@@ -57,8 +57,6 @@ pub(crate) enum FetchError {
 impl Problem for FetchError {
     fn category(&self) -> Category {
         match self {
-            // The server has restarted; this worker is about to register again.
-            Self::Server { fault, .. } if fault.reason == "WORKER_UNKNOWN" => Category::Unavailable,
             Self::Server { fault, .. } => fault.category,
             Self::Stale => Category::Aborted,
             Self::TooLarge { .. } | Self::Disk { .. } => Category::ResourceExhausted,
@@ -79,7 +77,14 @@ impl Problem for FetchError {
 fn server_error(name: &str, error: CallError) -> FetchError {
     match error {
         CallError::Stale => FetchError::Stale,
-        other => FetchError::Server { name: name.to_owned(), fault: other.fault() },
+        other => {
+            let mut fault = other.fault();
+            if fault.reason == "WORKER_UNKNOWN" {
+                // The server has restarted; this worker is about to register again.
+                fault.category = Category::Unavailable;
+            }
+            FetchError::Server { name: name.to_owned(), fault }
+        }
     }
 }
 

@@ -36,7 +36,7 @@ pub(crate) struct Database {
     readers: SqlitePool,
     reserve: Arc<Reserve>,
     /// Lock, held for as long as the database is open; the system releases it with the process.
-    _lock: File,
+    lock: File,
 }
 
 impl Database {
@@ -77,7 +77,7 @@ impl Database {
             .acquire_timeout(ACQUIRE_TIMEOUT)
             .connect_with(options.read_only(true))
             .await?;
-        Ok(Self { writer, readers, reserve, _lock: lock })
+        Ok(Self { writer, readers, reserve, lock })
     }
 
     /// For single statements that only read.
@@ -94,6 +94,10 @@ impl Database {
     pub(crate) async fn close(&self) {
         self.readers.close().await;
         self.writer.close().await;
+        // Not by closing the file: a process that is just being started holds it, too, for a moment.
+        if let Err(error) = self.lock.unlock() {
+            tracing::warn!(%error, "the lock of the data folder ends with this process");
+        }
     }
 
     #[cfg(test)]

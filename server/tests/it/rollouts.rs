@@ -482,5 +482,6 @@ async fn a_refusal_says_how_long_the_work_ahead_takes() {
     let response = call.send().await.unwrap();
     assert_eq!(response.status(), 429);
     assert_eq!(response.headers()["retry-after"], "60");
-    (running.abort(), waiting.abort());
+    running.abort();
+    waiting.abort();
 }

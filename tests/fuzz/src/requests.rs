@@ -73,8 +73,7 @@ pub fn settings(data: &[u8]) {
     }
     if let Ok(document) = serde_json::from_slice::<serde_json::Value>(data) {
         let _ = layers::unknown_fields(&document);
-        let defaults = serde_json::to_value(FitSettings::default()).expect("they can be written");
-        let mut merged = defaults.clone();
+        let mut merged = serde_json::to_value(FitSettings::default()).expect("they can be written");
         layers::merge(&mut merged, document.clone());
         let once = merged.clone();
         layers::merge(&mut merged, document);

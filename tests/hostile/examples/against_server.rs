@@ -93,7 +93,7 @@ async fn send(files: usize, seed: u64) -> Summary {
         let name = format!("{} ({})", file.name, file.what);
         match outcome.as_str() {
             "INGEST_CRASHED" | "INGEST_OUT_OF_MEMORY" => {
-                summary.crashed.push(format!("{name}: {outcome}"))
+                summary.crashed.push(format!("{name}: {outcome}"));
             }
             "no end" | "no answer" => summary.lost.push(format!("{name}: {outcome}")),
             _ => {}
