@@ -30,7 +30,7 @@ pub(crate) enum Refusal {
     Defect(String),
 }
 
-/// What a call is answered with.
+/// Answer to a call.
 pub(crate) type Answer<T> = Result<T, Refusal>;
 
 impl Refusal {

@@ -10,7 +10,7 @@ use std::{
     time::Instant,
 };
 
-/// What becomes of a thing.
+/// Fate of a thing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fate {
     /// It has to be there.

@@ -154,7 +154,7 @@ async fn rounds(args: &Args, length: Duration, folder: &Path) -> anyhow::Result<
     Ok(report(&run.tally))
 }
 
-/// What a class of faults needs, if it is to happen and can.
+/// Means of a class of faults, if it is to happen and can.
 fn or_skip<T>(
     tally: &Tally,
     classes: &mut Vec<Class>,

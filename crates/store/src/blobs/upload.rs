@@ -131,7 +131,7 @@ impl Staged {
         Ok(self.blobs.objects.get_range(&self.place(), range).await?)
     }
 
-    /// Where the content is now.
+    /// Path of the content at present.
     fn place(&self) -> Path {
         self.path.clone().unwrap_or_else(|| super::published(&self.digest.to_hex()))
     }
