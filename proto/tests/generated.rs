@@ -14,9 +14,10 @@ use std::{collections::BTreeMap, path::Path};
 
 use prost::Message as _;
 
-const FILES: [&str; 9] = [
+const FILES: [&str; 10] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
+    "bendtwin/v1/world.proto",
     "bendtwin/v1/capture.proto",
     "bendtwin/v1/job.proto",
     "bendtwin/v1/fit.proto",
@@ -55,8 +56,9 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
     let descriptors = protox::compile(FILES, [root]).unwrap();
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("descriptors.bin"), descriptors.encode_to_vec()).unwrap();
-    let rollout = descriptors.file.iter().find(|f| f.name() == "bendtwin/v1/rollout.proto");
-    let code = json::implementations(rollout.unwrap());
+    let in_json = ["bendtwin/v1/world.proto", "bendtwin/v1/rollout.proto"];
+    let code =
+        json::implementations(descriptors.file.iter().filter(|f| in_json.contains(&f.name())));
     std::fs::write(folder.path().join("json.rs"), code).unwrap();
     tonic_prost_build::configure()
         .bytes(".")

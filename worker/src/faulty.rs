@@ -5,7 +5,7 @@ use std::sync::{
     atomic::{AtomicUsize, Ordering},
 };
 
-use bendtwin_core::{CancelToken, Params};
+use bendtwin_core::{CancelToken, Environment, Params};
 use bendtwin_engine::{
     Backend, Device, Loaded, Model,
     backend::{
@@ -95,6 +95,9 @@ impl Backend for Faulty {
     }
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
         self.hold(|| self.cpu.with_params(&Self::inner(loaded), params))
+    }
+    fn with_environment(&self, loaded: &Loaded, environment: Environment) -> Result<Loaded, Error> {
+        self.hold(|| self.cpu.with_environment(&Self::inner(loaded), environment))
     }
     fn roll_out(
         &self,

@@ -152,6 +152,8 @@ impl Bench<'_> {
             controls: Arc::new(self.scene.motion.path(i, frames)),
             frames,
             objective: objective.clone(),
+            world: Arc::default(),
+            motion: Arc::default(),
         };
         (0..size).map(instance).collect()
     }

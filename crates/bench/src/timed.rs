@@ -8,7 +8,7 @@ use std::sync::{
     atomic::{AtomicU64, Ordering},
 };
 
-use bendtwin_core::{CancelToken, Params};
+use bendtwin_core::{CancelToken, Environment, Params};
 use bendtwin_engine::{
     Backend, Device, Error, Loaded, Model,
     backend::{Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
@@ -126,6 +126,10 @@ impl Backend for TimedBackend {
 
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
         self.times.time(Kind::Params, || self.inner.with_params(loaded, params))
+    }
+
+    fn with_environment(&self, loaded: &Loaded, environment: Environment) -> Result<Loaded, Error> {
+        self.inner.with_environment(loaded, environment)
     }
 
     fn roll_out(

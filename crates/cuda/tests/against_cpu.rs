@@ -72,6 +72,8 @@ fn instance(backend: &dyn Backend, model: &Model, seed: u64, frames: usize) -> I
         controls: Arc::new(controls),
         frames,
         objective: objective(model, frames),
+        world: Arc::default(),
+        motion: Arc::default(),
     }
 }
 
@@ -161,8 +163,13 @@ fn arrays(p: &Params) -> [(&'static str, Vec<f32>); 10] {
 fn gradients_agree() {
     for (name, model) in models() {
         for cut_every in [0, 1] {
-            let request =
-                GradientRequest { cut_every, controls: true, initial: true, final_state: true };
+            let request = GradientRequest {
+                cut_every,
+                controls: true,
+                initial: true,
+                final_state: true,
+                ..GradientRequest::PARAMS
+            };
             let [expected, found] = both(&model, seed(), 3).map(|(b, i)| {
                 b.gradients(&[i], &request, &CancelToken::default()).expect("valid").remove(0)
             });

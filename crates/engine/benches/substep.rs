@@ -156,6 +156,8 @@ fn cost(backend: &dyn Backend, model: Model) -> Cost {
         controls: Arc::new(controls),
         frames,
         objective: Objective { groups: vec!["chamfer".into()], terms: Arc::new(terms) },
+        world: Arc::default(),
+        motion: Arc::default(),
     };
     let batch = [instance];
     let (cancel, request) = (CancelToken::default(), GradientRequest::default());

@@ -5,12 +5,13 @@
 
 use std::{any::Any, sync::Arc};
 
-use bendtwin_core::{CancelToken, Category, Params, Point, Problem};
+use bendtwin_core::{CancelToken, Category, Environment, Params, Point, Problem};
 
 use crate::{
     model::{Model, State},
     objective::Objective,
     optimizer::{Decay, Optimizer, OptimizerInit},
+    world::{Motion, Pose, World},
 };
 
 /// An error of a backend: a refusal or a failure.
@@ -102,6 +103,10 @@ impl Loaded {
     pub fn model(&self) -> &Arc<Model> {
         &self.model
     }
+    /// The backend's own part, to be shared with another model of the same graph and parameters.
+    pub fn shared(&self) -> Arc<dyn Any + Send + Sync> {
+        self.resident.clone()
+    }
     /// The backend's own part, if it is of type `T`.
     pub fn resident<T: Any + Send + Sync>(&self) -> Option<&T> {
         self.resident.downcast_ref()
@@ -132,6 +137,10 @@ pub struct Instance {
     pub frames: usize,
     /// Terms to measure.
     pub objective: Objective,
+    /// What surrounds the object; empty for the ground alone.
+    pub world: Arc<World>,
+    /// How that moves.
+    pub motion: Arc<Motion>,
 }
 
 /// The outputs that a rollout returns beside its costs.
@@ -147,13 +156,52 @@ pub struct Outputs {
     pub final_state: bool,
     /// Compute [`Diagnostics`].
     pub diagnostics: bool,
+    /// Record velocities where positions are recorded.
+    pub velocities: bool,
+    /// Record [`Forces`].
+    pub forces: bool,
+    /// Return the objective's values frame by frame.
+    pub frame_costs: bool,
+}
+
+impl Outputs {
+    /// Nothing beside the costs.
+    pub const NONE: Self = Self {
+        every: 0,
+        initial: false,
+        nodes: None,
+        final_state: false,
+        diagnostics: false,
+        velocities: false,
+        forces: false,
+        frame_costs: false,
+    };
+}
+
+/// Forces on the object at unit node mass, each the mean over a frame [N], which is its impulse by
+/// the frame's length. Of pinned nodes it is the force that makes them follow; what starts a
+/// rollout away from its control points is not in it. F is the number of frames that were recorded
+/// with `forces`: all of them, whatever [`Outputs::every`] says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Forces {
+    /// By control points, shape [F, C, 3].
+    pub controls: Vec<Point>,
+    /// By the grasps of the world, shape [F, G, 6]: force, then torque about the origin of the
+    /// grasp's body in that body's pose at the end of the frame [N m], both along the world's axes.
+    pub grasps: Vec<[f32; 6]>,
+    /// By the ground, shape [F, 3].
+    pub ground: Vec<Point>,
+    /// By colliders, shape [F, K, 6], as by grasps; about the world's origin without a body.
+    pub colliders: Vec<[f32; 6]>,
 }
 
 /// Physical plausibility of a rollout.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Diagnostics {
-    /// Largest |l/l0 - 1| of any spring at any frame end.
+    /// Largest |l/l0 - 1| of any spring between two nodes at any frame end.
     pub max_strain: f32,
+    /// The same of springs to control points; their rest lengths are short, so it may be large.
+    pub max_control_strain: f32,
     /// Largest node speed at any frame end [m/s].
     pub max_speed_m_s: f32,
     /// Kinetic energy at the end [J per unit mass scale].
@@ -171,6 +219,13 @@ pub struct Rollout {
     pub frames: Vec<usize>,
     /// Recorded positions [m], shape [frames.len(), recorded nodes, 3].
     pub positions: Vec<Point>,
+    /// Recorded velocities if asked for [m/s], as `positions`.
+    pub velocities: Vec<Point>,
+    /// Forces if asked for.
+    pub forces: Option<Forces>,
+    /// Weighted sums per frame and group if asked for, shape [F + 1, groups]; frame 0 is the initial
+    /// state. Infinite from the frame of a divergence on.
+    pub frame_costs: Vec<f64>,
     /// Weighted sum of the objective; infinite if it diverged.
     pub cost: f64,
     /// Weighted sums per group, shape [groups]; infinite if it diverged.
@@ -209,9 +264,26 @@ pub struct GradientRequest {
     pub initial: bool,
     /// Also return the state after the last frame (a step per frame goes on from there).
     pub final_state: bool,
+    /// Also return gradients with respect to the poses and rolls of [`Motion`].
+    pub motion: bool,
+    /// Also return the norm of the gradient at every frame boundary.
+    pub norms: bool,
 }
 
-/// Loss and gradient of one instance. Gradients are zero where it diverged.
+impl GradientRequest {
+    /// Gradients by parameters alone, over the whole rollout.
+    pub const PARAMS: Self = Self {
+        cut_every: 0,
+        controls: false,
+        initial: false,
+        final_state: false,
+        motion: false,
+        norms: false,
+    };
+}
+
+/// Loss and gradient of one instance. Gradients by controls, motion and initial state are NaN where
+/// it diverged; those by parameters are zero there, so that a fit can add them up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gradient {
     /// The loss.
@@ -227,8 +299,16 @@ pub struct Gradient {
     /// d loss / d controls, shape [F + 1, C, 3]; empty if not asked for. Includes what reaches
     /// the loss through pinned nodes and through the controls' velocities.
     pub controls: Vec<Point>,
+    /// d loss / d poses of bodies if asked for, shape [F + 1, B].
+    pub poses: Vec<Pose>,
+    /// d loss / d rolls if asked for, shape [F + 1, R]; empty if the motion has none.
+    pub rolls: Vec<f32>,
+    /// Norm of d loss / d positions of all nodes at each frame boundary if asked for [loss per m],
+    /// shape [F + 1].
+    pub norms: Vec<f64>,
     /// d loss / d initial state if asked for; zero for pinned nodes, which start on their control
-    /// points.
+    /// points. Of what grasps hold only the places have a gradient, in the holds of the initial
+    /// state.
     pub initial: Option<State>,
     /// State after the last frame if asked for.
     pub final_state: Option<State>,
@@ -271,6 +351,12 @@ pub trait Backend: Send + Sync {
     /// # Errors
     /// As [`Backend::load`], except that stability is not checked again.
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error>;
+
+    /// The same graph and parameters in another environment.
+    ///
+    /// # Errors
+    /// If the environment is not finite, or the model is of another backend.
+    fn with_environment(&self, loaded: &Loaded, environment: Environment) -> Result<Loaded, Error>;
 
     /// Simulates a batch. A diverging instance reports so in its own result.
     ///

@@ -31,7 +31,7 @@ pub(crate) mod system;
 
 use std::sync::Arc;
 
-use bendtwin_core::{CancelToken, Params};
+use bendtwin_core::{CancelToken, Environment, Params};
 use rayon::prelude::*;
 
 use self::{
@@ -143,6 +143,13 @@ impl Backend for CpuBackend {
         Ok(Self::make(Arc::new(model), layout))
     }
 
+    fn with_environment(&self, loaded: &Loaded, environment: Environment) -> Result<Loaded, Error> {
+        let layout = resident(loaded)?.layout.clone();
+        let model = Model { environment, ..Model::clone(loaded.model()) };
+        check::environment(&environment)?;
+        Ok(Self::make(Arc::new(model), layout))
+    }
+
     fn roll_out(
         &self,
         batch: &[Instance],
@@ -182,6 +189,9 @@ impl Backend for CpuBackend {
                 loss: g.loss,
                 params: g.parameters.into_gradient(),
                 controls: if request.controls { controls.collect() } else { Vec::new() },
+                poses: Vec::new(),
+                rolls: Vec::new(),
+                norms: Vec::new(),
                 initial: request.initial.then(|| state_of(&g.initial, &g.initial_twists)),
                 final_state: (request.final_state && !diverged)
                     .then(|| state_of(&g.last, &g.last_twists)),

@@ -13,6 +13,7 @@ pub mod objective;
 pub mod optimizer;
 pub mod reference;
 mod stability;
+pub mod world;
 
 pub use backend::{Backend, Device, Error, Loaded};
 pub use cpu::{CpuBackend, check, cpu, cpu_with_threads};
@@ -20,3 +21,4 @@ pub use energy::{Energy, energy};
 pub use model::Model;
 pub use objective::{Objective, PointLoss, Term};
 pub use stability::{StableSubsteps, enough_substeps, stable_substeps};
+pub use world::{Motion, World};

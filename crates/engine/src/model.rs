@@ -6,6 +6,8 @@ use bendtwin_core::{
     Environment, Graph, Params, Point, Timing, Twin, environment::ControlVelocity,
 };
 
+use crate::world::Grasping;
+
 /// The part of a simulation that stays constant during a rollout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
@@ -33,17 +35,19 @@ impl From<&Twin> for Model {
     }
 }
 
-/// Positions and velocities of all nodes, and twists of all rods.
+/// Positions and velocities of all nodes, twists of all rods, and what grasps hold.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Positions [m], shape [N, 3].
     pub positions: Vec<Point>,
     /// Velocities [m/s], shape [N, 3].
     pub velocities: Vec<Point>,
-    /// Twist of each rod relative to an earlier state without twist [rad], shape [R]. It may be
-    /// empty at the start of a rollout: no rod is twisted. States that a backend returns have all
-    /// of them.
+    /// Twist of each rod relative to an earlier state without twist [rad], shape [R], turns of its
+    /// clamps included. It may be empty at the start of a rollout: no rod is twisted. States that a
+    /// backend returns have all of them.
     pub twists: Vec<f32>,
+    /// What grasps hold. It belongs to the [`World`](crate::World) of the rollout that it came from.
+    pub grasping: Grasping,
 }
 
 impl State {
@@ -53,6 +57,7 @@ impl State {
             positions: graph.rest_positions.clone(),
             velocities: vec![[0.0; 3]; graph.node_count()],
             twists: vec![0.0; graph.rods.len()],
+            grasping: Grasping::default(),
         }
     }
 }

@@ -40,6 +40,60 @@ pub enum Term {
     /// Mean over all nodes of the squared second difference of positions over
     /// three consecutive frames [m²]; zero before the second frame.
     Acceleration,
+    /// Mean over springs between two nodes of max(0, |l/l0 - 1| - limit)².
+    Strain {
+        /// Strain up to which it is zero.
+        limit: f32,
+    },
+    /// Mean over nodes of the squared distance [m²] to a half space, zero within:
+    /// max(0, offset - normal · x)².
+    Above {
+        /// Nodes; `None` means all.
+        nodes: Option<Arc<Vec<u32>>>,
+        /// Unit normal, into the half space.
+        normal: Point,
+        /// Distance of its plane from the origin along the normal [m].
+        offset_m: f32,
+    },
+    /// Mean over nodes of the squared distance [m²] to a box along the axes, zero within.
+    Within {
+        /// Nodes; `None` means all.
+        nodes: Option<Arc<Vec<u32>>>,
+        /// Least corner [m].
+        low: Point,
+        /// Greatest corner [m].
+        high: Point,
+    },
+    /// Mean over nodes of max(0, margin - distance)² to a collider of the world [m²].
+    Clearance {
+        /// Collider.
+        collider: u32,
+        /// Distance from which on it is zero [m].
+        margin_m: f32,
+    },
+    /// max(0, |f| - limit)² of the mean force f over the frame that ends here [N² at unit node
+    /// mass]; zero in frame 0.
+    Force {
+        /// What exerts it.
+        by: ForceBy,
+        /// Force up to which it is zero [N at unit node mass].
+        limit: f32,
+    },
+}
+
+/// What exerts a force on the object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForceBy {
+    /// All control points together.
+    Controls,
+    /// A control point.
+    Control(u32),
+    /// A grasp of the world.
+    Grasp(u32),
+    /// The ground.
+    Ground,
+    /// A collider of the world.
+    Collider(u32),
 }
 
 /// A term with its weight and frame.

@@ -92,6 +92,8 @@ pub fn instance(model: &Loaded, fps: f64, sequence: &Sequence, objective: Object
         controls: Arc::new(controls.to_vec()),
         frames: sequence.frame_count.saturating_sub(start + 1),
         objective,
+        world: Arc::default(),
+        motion: Arc::default(),
     }
 }
 

@@ -202,6 +202,8 @@ impl<'a> Training<'a> {
             controls: self.controls.clone(),
             frames: self.frames,
             objective: self.objective.clone(),
+            world: Arc::default(),
+            motion: Arc::default(),
         }
     }
 

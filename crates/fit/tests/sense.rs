@@ -49,6 +49,8 @@ fn sag(twin: &Twin) -> f32 {
         frames: FRAMES,
         controls: Arc::new(controls),
         objective: Objective::default(),
+        world: Arc::default(),
+        motion: Arc::default(),
     };
     let outputs = Outputs { every: 1, ..Outputs::default() };
     let rollout = backend

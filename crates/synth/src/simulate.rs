@@ -67,6 +67,8 @@ pub(super) fn simulate(
             frames: (path.len() / held).saturating_sub(1),
             controls: Arc::new(path),
             objective: Objective::default(),
+            world: Arc::default(),
+            motion: Arc::default(),
         })
         .collect();
     let outputs = Outputs { every: 1, initial: true, ..Outputs::default() };

@@ -83,6 +83,259 @@ pub struct Fault {
     #[prost(string, tag = "3")]
     pub message: ::prost::alloc::string::String,
 }
+/// The surroundings of an object in a rollout. Grippers are rigid bodies whose poses are the actions
+/// (GripperPoses); they are numbered from 0.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct World {
+    /// Three numbers, m/s^2; absent: the twin's own.
+    #[prost(float, repeated, tag = "1")]
+    pub gravity: ::prost::alloc::vec::Vec<f32>,
+    /// Coulomb friction of the ground, 0..2, and its restitution, 0..1; absent: the twin's own.
+    #[prost(float, optional, tag = "4")]
+    pub ground_friction: ::core::option::Option<f32>,
+    #[prost(float, optional, tag = "5")]
+    pub ground_restitution: ::core::option::Option<f32>,
+    /// At most 32.
+    #[prost(message, repeated, tag = "6")]
+    pub colliders: ::prost::alloc::vec::Vec<Collider>,
+    #[prost(oneof = "world::GroundChoice", tags = "2, 3")]
+    pub ground_choice: ::core::option::Option<world::GroundChoice>,
+}
+/// Nested message and enum types in `World`.
+pub mod world {
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum GroundChoice {
+        /// Instead of the twin's own ground.
+        #[prost(message, tag = "2")]
+        Ground(super::Plane),
+        /// No ground at all.
+        #[prost(bool, tag = "3")]
+        NoGround(bool),
+    }
+}
+/// Points with normal . x >= offset are above it.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Plane {
+    /// Three numbers, of length 1, away from the ground; absent: upwards, 0 0 1.
+    #[prost(float, repeated, tag = "1")]
+    pub normal: ::prost::alloc::vec::Vec<f32>,
+    /// Metres along the normal.
+    #[prost(float, tag = "2")]
+    pub offset_m: f32,
+}
+/// A rigid obstacle. It acts on nodes; control points and grippers pass through it, which a reply's
+/// diagnostics report.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Collider {
+    /// Reported under this name; default `collider{index}`. At most 128 bytes.
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// Coulomb friction, 0..2; default 0.5.
+    #[prost(float, optional, tag = "6")]
+    pub friction: ::core::option::Option<f32>,
+    /// Restitution, 0..1; default 0.
+    #[prost(float, optional, tag = "7")]
+    pub restitution: ::core::option::Option<f32>,
+    /// Distance that nodes keep from the shape, metres: about the radius of a cable, or half of the
+    /// distance between nodes.
+    #[prost(float, tag = "8")]
+    pub margin_m: f32,
+    /// Pose of the shape on its carrier: x, y, z in metres, quaternion x, y, z, w; absent: none.
+    #[prost(float, repeated, tag = "12")]
+    pub pose: ::prost::alloc::vec::Vec<f32>,
+    #[prost(oneof = "collider::Shape", tags = "2, 3, 4, 5")]
+    pub shape: ::core::option::Option<collider::Shape>,
+    /// The shape's coordinates are those of the carrier at `pose`.
+    #[prost(oneof = "collider::Carrier", tags = "9, 10, 11")]
+    pub carrier: ::core::option::Option<collider::Carrier>,
+}
+/// Nested message and enum types in `Collider`.
+pub mod collider {
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+    pub struct Fixed {}
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Shape {
+        #[prost(message, tag = "2")]
+        Sphere(super::Sphere),
+        #[prost(message, tag = "3")]
+        Capsule(super::Capsule),
+        #[prost(message, tag = "4")]
+        Cuboid(super::Cuboid),
+        #[prost(message, tag = "5")]
+        ConvexMesh(super::ConvexMesh),
+    }
+    /// The shape's coordinates are those of the carrier at `pose`.
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Carrier {
+        /// Stands still in the world; the default.
+        #[prost(message, tag = "9")]
+        Fixed(Fixed),
+        /// Carried by the gripper with this number.
+        #[prost(uint32, tag = "10")]
+        Gripper(u32),
+        /// FLOAT32 \[K, 7\] for all instances: x, y, z in metres, quaternion x, y, z, w, at knots as those of
+        /// the actions.
+        #[prost(message, tag = "11")]
+        Path(super::Tensor),
+    }
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Sphere {
+    #[prost(float, repeated, tag = "1")]
+    pub center: ::prost::alloc::vec::Vec<f32>,
+    #[prost(float, tag = "2")]
+    pub radius_m: f32,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Capsule {
+    /// Ends of the axis, three numbers each.
+    #[prost(float, repeated, tag = "1")]
+    pub from: ::prost::alloc::vec::Vec<f32>,
+    #[prost(float, repeated, tag = "2")]
+    pub to: ::prost::alloc::vec::Vec<f32>,
+    #[prost(float, tag = "3")]
+    pub radius_m: f32,
+}
+/// A box along the axes.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Cuboid {
+    /// Least and greatest corner, three numbers each.
+    #[prost(float, repeated, tag = "1")]
+    pub low: ::prost::alloc::vec::Vec<f32>,
+    #[prost(float, repeated, tag = "2")]
+    pub high: ::prost::alloc::vec::Vec<f32>,
+}
+/// The convex hull of points.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct ConvexMesh {
+    /// FLOAT32 \[M, 3\], metres; its hull has at most 128 faces.
+    #[prost(message, optional, tag = "1")]
+    pub points: ::core::option::Option<Tensor>,
+}
+/// A hold of a gripper on the object.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Grasp {
+    /// The gripper, by its number in the actions' poses.
+    #[prost(uint32, tag = "1")]
+    pub gripper: u32,
+    #[prost(enumeration = "grasp::Attachment", tag = "6")]
+    pub attachment: i32,
+    /// Of SPRINGS: newtons per metre and node (per unit mass without a mass_kg); 0 chooses what the twin's
+    /// substeps allow.
+    #[prost(float, tag = "7")]
+    pub stiffness: f32,
+    /// Newton seconds per metre; 0 chooses critical damping.
+    #[prost(float, tag = "8")]
+    pub damping: f32,
+    /// UINT32 \[K\] for all instances or \[B, K\]: whether it is closed from each knot of the actions on, 1 or
+    /// 0; absent: always closed.
+    #[prost(message, optional, tag = "9")]
+    pub closed: ::core::option::Option<Tensor>,
+    /// Mean force over a frame beyond which it lets go, newtons; absent: never.
+    #[prost(double, optional, tag = "10")]
+    pub max_force_n: ::core::option::Option<f64>,
+    /// What it takes hold of when it closes. Nodes that something else holds stay there.
+    #[prost(oneof = "grasp::Region", tags = "2, 3, 4, 5")]
+    pub region: ::core::option::Option<grasp::Region>,
+}
+/// Nested message and enum types in `Grasp`.
+pub mod grasp {
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+    pub struct CaptureHand {
+        #[prost(uint32, tag = "1")]
+        pub hand: u32,
+    }
+    #[derive(
+        Clone,
+        Copy,
+        Debug,
+        PartialEq,
+        Eq,
+        Hash,
+        PartialOrd,
+        Ord,
+        ::prost::Enumeration
+    )]
+    #[repr(i32)]
+    pub enum Attachment {
+        /// As PIN.
+        Unspecified = 0,
+        /// Nodes move with the gripper exactly.
+        Pin = 1,
+        Springs = 2,
+    }
+    impl Attachment {
+        /// String value of the enum field names used in the ProtoBuf definition.
+        ///
+        /// The values are not transformed in any way and thus are considered stable
+        /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+        pub fn as_str_name(&self) -> &'static str {
+            match self {
+                Self::Unspecified => "ATTACHMENT_UNSPECIFIED",
+                Self::Pin => "PIN",
+                Self::Springs => "SPRINGS",
+            }
+        }
+        /// Creates an enum from field names used in the ProtoBuf definition.
+        pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+            match value {
+                "ATTACHMENT_UNSPECIFIED" => Some(Self::Unspecified),
+                "PIN" => Some(Self::Pin),
+                "SPRINGS" => Some(Self::Springs),
+                _ => None,
+            }
+        }
+    }
+    /// What it takes hold of when it closes. Nodes that something else holds stay there.
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Region {
+        /// In the coordinates of the gripper.
+        #[prost(message, tag = "2")]
+        Sphere(super::Sphere),
+        #[prost(message, tag = "3")]
+        Cuboid(super::Cuboid),
+        /// UINT32 \[M\].
+        #[prost(message, tag = "4")]
+        Nodes(super::Tensor),
+        /// The twin's own control points of a hand of its capture (TwinGeometry.hands), held as they were
+        /// fitted. Once it has opened it stays open.
+        #[prost(message, tag = "5")]
+        Hand(CaptureHand),
+    }
+}
+/// What grasps hold in a state: of G grasps and N nodes. All for one state, or with \[B\] in front.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Grasping {
+    /// UINT32 \[G\]: 0 open, 1 closed, 2 slipped.
+    #[prost(message, optional, tag = "1")]
+    pub phases: ::core::option::Option<Tensor>,
+    /// UINT32 \[N\]: g + 1 for a node that grasp g holds; 0 for none.
+    #[prost(message, optional, tag = "2")]
+    pub holders: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[N, 3\]: where a held node is in the coordinates of its gripper, metres.
+    #[prost(message, optional, tag = "3")]
+    pub places: ::core::option::Option<Tensor>,
+}
+/// Parameters by instance, as factors of the twin's own: B numbers each, FLOAT32 \[B\], or \[E\] with an
+/// ensemble. Absent: 1.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Vary {
+    /// Of axial stiffness, 0.01..100.
+    #[prost(message, optional, tag = "1")]
+    pub stiffness: ::core::option::Option<Tensor>,
+    /// Of dashpots, drag and damping of bending and twist.
+    #[prost(message, optional, tag = "2")]
+    pub damping: ::core::option::Option<Tensor>,
+    /// Of stiffness of bending and twist.
+    #[prost(message, optional, tag = "3")]
+    pub bending: ::core::option::Option<Tensor>,
+    /// Of friction with ground, colliders and other nodes.
+    #[prost(message, optional, tag = "4")]
+    pub friction: ::core::option::Option<Tensor>,
+    /// Of the mass of all nodes.
+    #[prost(message, optional, tag = "5")]
+    pub mass: ::core::option::Option<Tensor>,
+}
 /// Work that a worker does for a fit, or for the ingest of a capture.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Job {
@@ -2093,6 +2346,72 @@ pub struct Twin {
     /// The quality table as JSON (docs/twin-format.md, `quality`).
     #[prost(string, tag = "14")]
     pub quality_json: ::prost::alloc::string::String,
+    /// Mass of the object, if it is known.
+    #[prost(double, optional, tag = "15")]
+    pub mass_kg: ::core::option::Option<f64>,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct GetTwinGeometryRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct TwinGeometry {
+    /// FLOAT32 \[N, 3\], metres: the rest shape.
+    #[prost(message, optional, tag = "1")]
+    pub rest_positions: ::core::option::Option<Tensor>,
+    /// UINT8 \[N\]: 0 observed surface, 1 completed surface, 2 interior. Surface nodes come first.
+    #[prost(message, optional, tag = "2")]
+    pub kinds: ::core::option::Option<Tensor>,
+    /// UINT32 \[E, 2\]: springs between endpoints; from N on these are control points.
+    #[prost(message, optional, tag = "3")]
+    pub edges: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[E\], metres.
+    #[prost(message, optional, tag = "4")]
+    pub rest_lengths: ::core::option::Option<Tensor>,
+    /// UINT32 \[T, 3\]: bending triplets, the centre in the middle.
+    #[prost(message, optional, tag = "5")]
+    pub triplets: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[N\]: masses; kilograms if `mass_kg` is known, else in units of a node.
+    #[prost(message, optional, tag = "6")]
+    pub masses: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[C, 3\], metres: control points at rest.
+    #[prost(message, optional, tag = "7")]
+    pub controls: ::core::option::Option<Tensor>,
+    /// UINT32 \[C\]: the hand of the capture that each control point belongs to.
+    #[prost(message, optional, tag = "8")]
+    pub hands: ::core::option::Option<Tensor>,
+    /// UINT32 \[P, 2\]: nodes that control points hold exactly, as pairs of node and control point.
+    #[prost(message, optional, tag = "9")]
+    pub pins: ::core::option::Option<Tensor>,
+    #[prost(uint32, tag = "10")]
+    pub surface_count: u32,
+    #[prost(uint32, tag = "11")]
+    pub rod_count: u32,
+    #[prost(double, tag = "12")]
+    pub fps: f64,
+    #[prost(uint32, tag = "13")]
+    pub substeps: u32,
+    /// Three numbers, m/s^2.
+    #[prost(float, repeated, tag = "14")]
+    pub gravity: ::prost::alloc::vec::Vec<f32>,
+    /// Absent: none.
+    #[prost(message, optional, tag = "15")]
+    pub ground: ::core::option::Option<Plane>,
+    #[prost(float, tag = "16")]
+    pub ground_friction: f32,
+    #[prost(float, tag = "17")]
+    pub ground_restitution: f32,
+    #[prost(double, optional, tag = "18")]
+    pub mass_kg: ::core::option::Option<f64>,
+    /// Mean length of springs between nodes, metres.
+    #[prost(double, tag = "19")]
+    pub spacing_m: f64,
+    /// UINT32 \[rods + 1\] and UINT32 \[..\]: nodes of each rod, one after another.
+    #[prost(message, optional, tag = "20")]
+    pub rod_starts: ::core::option::Option<Tensor>,
+    #[prost(message, optional, tag = "21")]
+    pub rod_nodes: ::core::option::Option<Tensor>,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CreateTwinRequest {
@@ -2365,6 +2684,28 @@ pub mod twin_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.TwinService", "ExportTwin"));
             self.inner.server_streaming(req, path, codec).await
         }
+        /// What planners need to know of a twin, without reading its file.
+        pub async fn get_twin_geometry(
+            &mut self,
+            request: impl tonic::IntoRequest<super::GetTwinGeometryRequest>,
+        ) -> std::result::Result<tonic::Response<super::TwinGeometry>, tonic::Status> {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.TwinService/GetTwinGeometry",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.TwinService", "GetTwinGeometry"));
+            self.inner.unary(req, path, codec).await
+        }
     }
 }
 /// Generated server implementations.
@@ -2414,6 +2755,11 @@ pub mod twin_service_server {
             &self,
             request: tonic::Request<super::ExportTwinRequest>,
         ) -> std::result::Result<tonic::Response<Self::ExportTwinStream>, tonic::Status>;
+        /// What planners need to know of a twin, without reading its file.
+        async fn get_twin_geometry(
+            &self,
+            request: tonic::Request<super::GetTwinGeometryRequest>,
+        ) -> std::result::Result<tonic::Response<super::TwinGeometry>, tonic::Status>;
     }
     /// Fitted twins.
     #[derive(Debug)]
@@ -2716,6 +3062,51 @@ pub mod twin_service_server {
                                 max_encoding_message_size,
                             );
                         let res = grpc.server_streaming(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.TwinService/GetTwinGeometry" => {
+                    #[allow(non_camel_case_types)]
+                    struct GetTwinGeometrySvc<T: TwinService>(pub Arc<T>);
+                    impl<
+                        T: TwinService,
+                    > tonic::server::UnaryService<super::GetTwinGeometryRequest>
+                    for GetTwinGeometrySvc<T> {
+                        type Response = super::TwinGeometry;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::GetTwinGeometryRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as TwinService>::get_twin_geometry(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = GetTwinGeometrySvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
                         Ok(res)
                     };
                     Box::pin(fut)
@@ -3200,6 +3591,21 @@ pub struct RollOutRequest {
     pub returns: ::core::option::Option<Returns>,
     #[prost(enumeration = "Fidelity", tag = "8")]
     pub fidelity: i32,
+    #[prost(message, optional, tag = "9")]
+    pub world: ::core::option::Option<World>,
+    /// At most 32.
+    #[prost(message, repeated, tag = "10")]
+    pub grasps: ::prost::alloc::vec::Vec<Grasp>,
+    #[prost(message, optional, tag = "11")]
+    pub vary: ::core::option::Option<Vary>,
+    #[prost(message, optional, tag = "12")]
+    pub ensemble: ::core::option::Option<Ensemble>,
+    #[prost(message, optional, tag = "13")]
+    pub gradient: ::core::option::Option<GradientOptions>,
+    #[prost(message, optional, tag = "14")]
+    pub plausibility: ::core::option::Option<Plausibility>,
+    #[prost(message, optional, tag = "15")]
+    pub knot_times: ::core::option::Option<KnotTimes>,
     #[prost(oneof = "roll_out_request::Actions", tags = "2, 3")]
     pub actions: ::core::option::Option<roll_out_request::Actions>,
 }
@@ -3212,6 +3618,110 @@ pub mod roll_out_request {
         #[prost(message, tag = "3")]
         Poses(super::GripperPoses),
     }
+}
+/// When the knots of the actions are, if they are not spread evenly over the horizon.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct KnotTimes {
+    #[prost(oneof = "knot_times::Times", tags = "1, 2")]
+    pub times: ::core::option::Option<knot_times::Times>,
+}
+/// Nested message and enum types in `KnotTimes`.
+pub mod knot_times {
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Times {
+        /// FLOAT32 \[K\], seconds from the start, rising; the first is 0, the last holds until the end.
+        #[prost(message, tag = "1")]
+        AtS(super::Tensor),
+        /// Seconds from knot to knot: the period of a controller, whatever the twin's frame rate.
+        #[prost(double, tag = "2")]
+        PeriodS(f64),
+    }
+}
+/// Every action is simulated under E sets of parameters, given by `vary`, and its cost is a statistic
+/// of their costs. Instances are then B x E, those of one action together.
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct Ensemble {
+    #[prost(uint32, tag = "1")]
+    pub members: u32,
+    #[prost(enumeration = "ensemble::Statistic", tag = "2")]
+    pub statistic: i32,
+    /// Of CVAR: the share of the worst that is averaged, above 0 and at most 1.
+    #[prost(double, tag = "3")]
+    pub share: f64,
+}
+/// Nested message and enum types in `Ensemble`.
+pub mod ensemble {
+    #[derive(
+        Clone,
+        Copy,
+        Debug,
+        PartialEq,
+        Eq,
+        Hash,
+        PartialOrd,
+        Ord,
+        ::prost::Enumeration
+    )]
+    #[repr(i32)]
+    pub enum Statistic {
+        /// As MEAN.
+        Unspecified = 0,
+        Mean = 1,
+        Worst = 2,
+        Cvar = 3,
+    }
+    impl Statistic {
+        /// String value of the enum field names used in the ProtoBuf definition.
+        ///
+        /// The values are not transformed in any way and thus are considered stable
+        /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+        pub fn as_str_name(&self) -> &'static str {
+            match self {
+                Self::Unspecified => "STATISTIC_UNSPECIFIED",
+                Self::Mean => "MEAN",
+                Self::Worst => "WORST",
+                Self::Cvar => "CVAR",
+            }
+        }
+        /// Creates an enum from field names used in the ProtoBuf definition.
+        pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+            match value {
+                "STATISTIC_UNSPECIFIED" => Some(Self::Unspecified),
+                "MEAN" => Some(Self::Mean),
+                "WORST" => Some(Self::Worst),
+                "CVAR" => Some(Self::Cvar),
+                _ => None,
+            }
+        }
+    }
+}
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct GradientOptions {
+    /// Frames through which a gradient reaches back; 0 for all of them. Gradients through many contacts
+    /// grow until they say nothing.
+    #[prost(uint32, tag = "1")]
+    pub reach_frames: u32,
+    /// Width of the layer in which ground and colliders act as smooth forces, metres, in the simulation
+    /// that gradients are of and in the costs that come with them; 0 for impacts. 0.001 is a good start
+    /// where the object lies on something.
+    #[prost(double, tag = "2")]
+    pub smoothing_m: f64,
+}
+/// What is held to be possible. A reply flags instances beyond; with `refuse` it is an error instead.
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct Plausibility {
+    /// Largest distance between the initial state's control points and row 0 of the actions; default
+    /// 0.005.
+    #[prost(double, optional, tag = "1")]
+    pub start_gap_m: ::core::option::Option<f64>,
+    /// Fastest control point; default 5.
+    #[prost(double, optional, tag = "2")]
+    pub control_speed_m_s: ::core::option::Option<f64>,
+    /// Largest strain of the material; default 1.
+    #[prost(double, optional, tag = "3")]
+    pub strain: ::core::option::Option<f64>,
+    #[prost(bool, tag = "4")]
+    pub refuse: bool,
 }
 /// Positions of every control point.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -3238,13 +3748,15 @@ pub struct GripperPoses {
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct InitialState {
-    #[prost(oneof = "initial_state::State", tags = "1, 2, 3")]
+    #[prost(oneof = "initial_state::State", tags = "1, 2, 3, 4")]
     pub state: ::core::option::Option<initial_state::State>,
 }
 /// Nested message and enum types in `InitialState`.
 pub mod initial_state {
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Rest {}
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+    pub struct Settled {}
     #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct CaptureFrame {
         /// captures/{uuid}; empty means the twin's own capture.
@@ -3267,6 +3779,12 @@ pub mod initial_state {
         /// untwisted. Empty means that none is twisted, and is what a twin without rods needs.
         #[prost(message, optional, tag = "3")]
         pub twists: ::core::option::Option<super::Tensor>,
+        /// FLOAT32 \[C, 3\] or \[B, C, 3\], metres: where the control points are. Absent: where pins say, others
+        /// at rest; then `poses` carry control points that pin no node from there, so give it.
+        #[prost(message, optional, tag = "4")]
+        pub controls: ::core::option::Option<super::Tensor>,
+        #[prost(message, optional, tag = "5")]
+        pub grasping: ::core::option::Option<super::Grasping>,
     }
     #[derive(Clone, PartialEq, ::prost::Oneof)]
     pub enum State {
@@ -3276,9 +3794,12 @@ pub mod initial_state {
         /// The twin's state after following the capture's own controls up to a frame.
         #[prost(message, tag = "2")]
         CaptureFrame(CaptureFrame),
-        /// Given positions, velocities and twists.
+        /// A state that a rollout returned, or another one that the caller made.
         #[prost(message, tag = "3")]
         Given(GivenState),
+        /// The twin's shape where it comes to rest under gravity, held by its control points at rest.
+        #[prost(message, tag = "4")]
+        Settled(Settled),
     }
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -3292,7 +3813,11 @@ pub struct Cost {
     /// When it is counted, default: after the last frame.
     #[prost(enumeration = "cost::When", tag = "3")]
     pub when: i32,
-    #[prost(oneof = "cost::Kind", tags = "4, 5, 6")]
+    /// Of SOFT_MIN: the cost difference at which frames count for clearly less, in the cost's own unit;
+    /// above 0.
+    #[prost(double, tag = "14")]
+    pub temperature: f64,
+    #[prost(oneof = "cost::Kind", tags = "4, 5, 6, 7, 8, 9, 10, 11, 12, 13")]
     pub kind: ::core::option::Option<cost::Kind>,
 }
 /// Nested message and enum types in `Cost`.
@@ -3300,7 +3825,8 @@ pub mod cost {
     /// Mean squared distance of the target's points to the nearest surface node, square metres.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct TargetCloud {
-        /// FLOAT32 \[M, 3\], metres.
+        /// FLOAT32 \[M, 3\], metres, or \[F, M, 3\] by frame (with EVERY_FRAME or SOFT_MIN), or \[B, 1, M, 3\] or
+        /// \[B, F, M, 3\] by instance too.
         #[prost(message, optional, tag = "1")]
         pub points: ::core::option::Option<super::Tensor>,
     }
@@ -3310,7 +3836,7 @@ pub mod cost {
         /// UINT32 \[M\].
         #[prost(message, optional, tag = "1")]
         pub nodes: ::core::option::Option<super::Tensor>,
-        /// FLOAT32 \[M, 3\], metres.
+        /// FLOAT32 \[M, 3\], \[F, M, 3\], \[B, 1, M, 3\] or \[B, F, M, 3\], metres, as those of a target cloud.
         #[prost(message, optional, tag = "2")]
         pub targets: ::core::option::Option<super::Tensor>,
         /// Squared distances instead.
@@ -3320,6 +3846,78 @@ pub mod cost {
     /// Mean squared second difference of node positions over three frames, square metres.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Smoothness {}
+    /// Mean over springs of the material of max(0, |strain| - limit)^2.
+    #[derive(Clone, Copy, PartialEq, ::prost::Message)]
+    pub struct Strain {
+        #[prost(float, tag = "1")]
+        pub limit: f32,
+    }
+    /// max(0, |f| - limit)^2 of the mean force over a frame, square newtons (per unit mass without a
+    /// mass_kg).
+    #[derive(Clone, Copy, PartialEq, ::prost::Message)]
+    pub struct Force {
+        #[prost(double, tag = "6")]
+        pub limit_n: f64,
+        #[prost(oneof = "force::By", tags = "1, 2, 3, 4, 5")]
+        pub by: ::core::option::Option<force::By>,
+    }
+    /// Nested message and enum types in `Force`.
+    pub mod force {
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+        pub struct All {}
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Oneof)]
+        pub enum By {
+            /// All control points together.
+            #[prost(message, tag = "1")]
+            Controls(All),
+            #[prost(uint32, tag = "2")]
+            Control(u32),
+            /// Number of a grasp of the request.
+            #[prost(uint32, tag = "3")]
+            Grasp(u32),
+            #[prost(message, tag = "4")]
+            Ground(All),
+            /// Number of a collider of the request.
+            #[prost(uint32, tag = "5")]
+            Collider(u32),
+        }
+    }
+    /// Mean over nodes of the squared depth below a plane, square metres.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Height {
+        #[prost(message, optional, tag = "1")]
+        pub plane: ::core::option::Option<super::Plane>,
+        /// UINT32 \[M\]; absent: all.
+        #[prost(message, optional, tag = "2")]
+        pub nodes: ::core::option::Option<super::Tensor>,
+    }
+    /// Mean over nodes of the squared distance to a box, square metres.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Within {
+        #[prost(message, optional, tag = "1")]
+        pub cuboid: ::core::option::Option<super::Cuboid>,
+        /// UINT32 \[M\]; absent: all.
+        #[prost(message, optional, tag = "2")]
+        pub nodes: ::core::option::Option<super::Tensor>,
+    }
+    /// Mean over nodes of max(0, margin - distance)^2 to a collider of the request, square metres.
+    #[derive(Clone, Copy, PartialEq, ::prost::Message)]
+    pub struct Clearance {
+        #[prost(uint32, tag = "1")]
+        pub collider: u32,
+        #[prost(float, tag = "2")]
+        pub margin_m: f32,
+    }
+    /// Length of the way of the control points, mean over them, metres: counted whatever `when` says.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+    pub struct ControlPath {}
+    /// Mean over control points and frames of max(0, speed - limit)^2, square metres per square second:
+    /// counted whatever `when` says.
+    #[derive(Clone, Copy, PartialEq, ::prost::Message)]
+    pub struct ControlSpeed {
+        #[prost(double, tag = "1")]
+        pub limit_m_s: f64,
+    }
     #[derive(
         Clone,
         Copy,
@@ -3337,6 +3935,8 @@ pub mod cost {
         LastFrame = 1,
         /// Summed over all frames.
         EveryFrame = 2,
+        /// -temperature log mean exp(-cost / temperature) over all frames: low if it is low at any time.
+        SoftMin = 3,
     }
     impl When {
         /// String value of the enum field names used in the ProtoBuf definition.
@@ -3348,6 +3948,7 @@ pub mod cost {
                 Self::Unspecified => "WHEN_UNSPECIFIED",
                 Self::LastFrame => "LAST_FRAME",
                 Self::EveryFrame => "EVERY_FRAME",
+                Self::SoftMin => "SOFT_MIN",
             }
         }
         /// Creates an enum from field names used in the ProtoBuf definition.
@@ -3356,6 +3957,7 @@ pub mod cost {
                 "WHEN_UNSPECIFIED" => Some(Self::Unspecified),
                 "LAST_FRAME" => Some(Self::LastFrame),
                 "EVERY_FRAME" => Some(Self::EveryFrame),
+                "SOFT_MIN" => Some(Self::SoftMin),
                 _ => None,
             }
         }
@@ -3368,6 +3970,20 @@ pub mod cost {
         Keypoints(Keypoints),
         #[prost(message, tag = "6")]
         Smoothness(Smoothness),
+        #[prost(message, tag = "7")]
+        Strain(Strain),
+        #[prost(message, tag = "8")]
+        Force(Force),
+        #[prost(message, tag = "9")]
+        Height(Height),
+        #[prost(message, tag = "10")]
+        Within(Within),
+        #[prost(message, tag = "11")]
+        Clearance(Clearance),
+        #[prost(message, tag = "12")]
+        ControlPath(ControlPath),
+        #[prost(message, tag = "13")]
+        ControlSpeed(ControlSpeed),
     }
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -3391,6 +4007,27 @@ pub struct Returns {
     /// d cost / d control positions, dense.
     #[prost(bool, tag = "7")]
     pub control_gradients: bool,
+    /// d cost / d what the request gave as actions: knots or poses, in their shape.
+    #[prost(bool, tag = "8")]
+    pub action_gradients: bool,
+    /// d cost / d initial positions and velocities.
+    #[prost(bool, tag = "9")]
+    pub initial_gradients: bool,
+    /// Norm of d cost / d positions by frame.
+    #[prost(bool, tag = "10")]
+    pub gradient_norms: bool,
+    /// Velocities where positions are recorded.
+    #[prost(bool, tag = "11")]
+    pub velocities: bool,
+    /// Forces by frame.
+    #[prost(bool, tag = "12")]
+    pub forces: bool,
+    /// Costs by frame and by term.
+    #[prost(bool, tag = "13")]
+    pub frame_costs: bool,
+    /// Control positions that were simulated, by frame.
+    #[prost(bool, tag = "14")]
+    pub controls: bool,
 }
 /// Nested message and enum types in `Returns`.
 pub mod returns {
@@ -3488,11 +4125,88 @@ pub struct RollOutResponse {
     /// state, to go on from by InitialState.given.
     #[prost(message, optional, tag = "18")]
     pub final_twists: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[R, C, 3\], metres: the control points of the final state.
+    #[prost(message, optional, tag = "19")]
+    pub final_controls: ::core::option::Option<Tensor>,
+    /// With \[R\] in front; absent without grasps.
+    #[prost(message, optional, tag = "20")]
+    pub final_grasping: ::core::option::Option<Grasping>,
+    /// In the actions' shape for R instances: \[R, K, C, 3\], or \[R, K, G, 7\] for poses; d cost / d quaternion
+    /// along the sphere of unit quaternions.
+    #[prost(message, optional, tag = "21")]
+    pub action_gradients: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[R, N, 3\].
+    #[prost(message, optional, tag = "22")]
+    pub initial_position_gradients: ::core::option::Option<Tensor>,
+    #[prost(message, optional, tag = "23")]
+    pub initial_velocity_gradients: ::core::option::Option<Tensor>,
+    /// FLOAT64 \[R, F + 1\].
+    #[prost(message, optional, tag = "24")]
+    pub gradient_norms: ::core::option::Option<Tensor>,
+    /// True for an instance whose gradient grew more than a thousandfold on its way back: it says little.
+    /// UINT32 \[R\].
+    #[prost(message, optional, tag = "25")]
+    pub gradient_exploded: ::core::option::Option<Tensor>,
+    /// \[R, T', K, 3\], metres per second.
+    #[prost(message, optional, tag = "26")]
+    pub velocities: ::core::option::Option<Tensor>,
+    #[prost(message, optional, tag = "27")]
+    pub forces: ::core::option::Option<roll_out_response::Forces>,
+    /// FLOAT64 \[R, F + 1, terms\], weighted.
+    #[prost(message, optional, tag = "28")]
+    pub frame_costs: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[R, F + 1, C, 3\], metres.
+    #[prost(message, optional, tag = "29")]
+    pub controls: ::core::option::Option<Tensor>,
+    /// With an ensemble: FLOAT64 \[B', E\], the costs that `costs` are statistics of.
+    #[prost(message, optional, tag = "30")]
+    pub member_costs: ::core::option::Option<Tensor>,
+    /// Instances that are not plausible, with the reason; limits in RollOutRequest.plausibility.
+    #[prost(message, repeated, tag = "31")]
+    pub implausible: ::prost::alloc::vec::Vec<roll_out_response::Implausible>,
+    /// Kilograms of the object: forces are in newtons. Without it they are per unit mass, as if a node of
+    /// the twin weighed 1 kg.
+    #[prost(double, optional, tag = "32")]
+    pub mass_kg: ::core::option::Option<f64>,
 }
 /// Nested message and enum types in `RollOutResponse`.
 pub mod roll_out_response {
+    /// Mean forces on the object over each frame.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Forces {
+        /// FLOAT32 \[R, F, C, 3\], newtons.
+        #[prost(message, optional, tag = "1")]
+        pub controls: ::core::option::Option<super::Tensor>,
+        /// FLOAT32 \[R, F, G, 6\]: force in newtons, then torque in newton metres about the gripper's origin at
+        /// the end of the frame, along the world's axes.
+        #[prost(message, optional, tag = "2")]
+        pub grasps: ::core::option::Option<super::Tensor>,
+        /// FLOAT32 \[R, F, 3\].
+        #[prost(message, optional, tag = "3")]
+        pub ground: ::core::option::Option<super::Tensor>,
+        /// FLOAT32 \[R, F, K, 6\], as `grasps`; about the carrier's origin.
+        #[prost(message, optional, tag = "4")]
+        pub colliders: ::core::option::Option<super::Tensor>,
+    }
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Implausible {
+        #[prost(uint32, tag = "1")]
+        pub instance: u32,
+        /// START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE.
+        #[prost(string, tag = "2")]
+        pub reason: ::prost::alloc::string::String,
+        /// What was found, and the limit, in the unit of the limit.
+        #[prost(double, tag = "3")]
+        pub found: f64,
+        #[prost(double, tag = "4")]
+        pub limit: f64,
+        /// First frame, where it is known.
+        #[prost(uint32, tag = "5")]
+        pub frame: u32,
+    }
     #[derive(Clone, Copy, PartialEq, ::prost::Message)]
     pub struct Diagnostics {
+        /// Of springs between nodes.
         #[prost(float, tag = "1")]
         pub max_strain: f32,
         #[prost(float, tag = "2")]
@@ -3504,6 +4218,12 @@ pub mod roll_out_response {
         pub elastic_energy: f32,
         #[prost(uint32, tag = "5")]
         pub ground_contacts: u32,
+        /// Of springs to control points.
+        #[prost(float, tag = "6")]
+        pub max_control_strain: f32,
+        /// Deepest that a control point was below the ground or in a fixed collider, metres.
+        #[prost(float, tag = "7")]
+        pub control_depth_m: f32,
     }
     #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
     pub struct Divergence {
@@ -3581,6 +4301,8 @@ pub enum Interpolation {
     Linear = 1,
     /// Catmull-Rom through the knots (rotations stay spherical linear).
     Cubic = 2,
+    /// Each knot holds until the next.
+    Zero = 3,
 }
 impl Interpolation {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -3592,6 +4314,7 @@ impl Interpolation {
             Self::Unspecified => "INTERPOLATION_UNSPECIFIED",
             Self::Linear => "LINEAR",
             Self::Cubic => "CUBIC",
+            Self::Zero => "ZERO",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -3600,6 +4323,7 @@ impl Interpolation {
             "INTERPOLATION_UNSPECIFIED" => Some(Self::Unspecified),
             "LINEAR" => Some(Self::Linear),
             "CUBIC" => Some(Self::Cubic),
+            "ZERO" => Some(Self::Zero),
             _ => None,
         }
     }

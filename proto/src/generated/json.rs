@@ -1,7 +1,327 @@
 
+impl Fields for crate::v1::World {
+    const NAME: &'static str = "World";
+    const FIELDS: &'static [&'static str] = &["gravity", "ground", "no_ground", "ground_friction", "ground_restitution", "colliders"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.gravity = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { only_one(&mut self.ground_choice, message(map)?.map(crate::v1::world::GroundChoice::Ground))?; }
+2 => { only_one(&mut self.ground_choice, map.next_value::<Option<_>>()?.map(crate::v1::world::GroundChoice::NoGround))?; }
+3 => { self.ground_friction = map.next_value()?; }
+4 => { self.ground_restitution = map.next_value()?; }
+5 => { self.colliders = messages(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("gravity", &self.gravity)?;
+if let Some(crate::v1::world::GroundChoice::Ground(value)) = &self.ground_choice { write_message(map, "ground", Some(value), tensors)?; }
+if let Some(crate::v1::world::GroundChoice::NoGround(value)) = &self.ground_choice { map.serialize_entry("no_ground", value)?; }
+if let Some(value) = &self.ground_friction { map.serialize_entry("ground_friction", value)?; }
+if let Some(value) = &self.ground_restitution { map.serialize_entry("ground_restitution", value)?; }
+write_messages(map, "colliders", &self.colliders, tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Plane {
+    const NAME: &'static str = "Plane";
+    const FIELDS: &'static [&'static str] = &["normal", "offset_m"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.normal = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.offset_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("normal", &self.normal)?;
+map.serialize_entry("offset_m", &self.offset_m)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Collider {
+    const NAME: &'static str = "Collider";
+    const FIELDS: &'static [&'static str] = &["name", "sphere", "capsule", "cuboid", "convex_mesh", "friction", "restitution", "margin_m", "fixed", "gripper", "path", "pose"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { only_one(&mut self.shape, message(map)?.map(crate::v1::collider::Shape::Sphere))?; }
+2 => { only_one(&mut self.shape, message(map)?.map(crate::v1::collider::Shape::Capsule))?; }
+3 => { only_one(&mut self.shape, message(map)?.map(crate::v1::collider::Shape::Cuboid))?; }
+4 => { only_one(&mut self.shape, message(map)?.map(crate::v1::collider::Shape::ConvexMesh))?; }
+5 => { self.friction = map.next_value()?; }
+6 => { self.restitution = map.next_value()?; }
+7 => { self.margin_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { only_one(&mut self.carrier, message(map)?.map(crate::v1::collider::Carrier::Fixed))?; }
+9 => { only_one(&mut self.carrier, map.next_value::<Option<_>>()?.map(crate::v1::collider::Carrier::Gripper))?; }
+10 => { only_one(&mut self.carrier, tensor(map, Dtype::Float32)?.map(crate::v1::collider::Carrier::Path))?; }
+11 => { self.pose = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+if let Some(crate::v1::collider::Shape::Sphere(value)) = &self.shape { write_message(map, "sphere", Some(value), tensors)?; }
+if let Some(crate::v1::collider::Shape::Capsule(value)) = &self.shape { write_message(map, "capsule", Some(value), tensors)?; }
+if let Some(crate::v1::collider::Shape::Cuboid(value)) = &self.shape { write_message(map, "cuboid", Some(value), tensors)?; }
+if let Some(crate::v1::collider::Shape::ConvexMesh(value)) = &self.shape { write_message(map, "convex_mesh", Some(value), tensors)?; }
+if let Some(value) = &self.friction { map.serialize_entry("friction", value)?; }
+if let Some(value) = &self.restitution { map.serialize_entry("restitution", value)?; }
+map.serialize_entry("margin_m", &self.margin_m)?;
+if let Some(crate::v1::collider::Carrier::Fixed(value)) = &self.carrier { write_message(map, "fixed", Some(value), tensors)?; }
+if let Some(crate::v1::collider::Carrier::Gripper(value)) = &self.carrier { map.serialize_entry("gripper", value)?; }
+if let Some(crate::v1::collider::Carrier::Path(value)) = &self.carrier { write_tensor(map, "path", Some(value), tensors)?; }
+map.serialize_entry("pose", &self.pose)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::collider::Fixed {
+    const NAME: &'static str = "Fixed";
+    const FIELDS: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Sphere {
+    const NAME: &'static str = "Sphere";
+    const FIELDS: &'static [&'static str] = &["center", "radius_m"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.center = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.radius_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("center", &self.center)?;
+map.serialize_entry("radius_m", &self.radius_m)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Capsule {
+    const NAME: &'static str = "Capsule";
+    const FIELDS: &'static [&'static str] = &["from", "to", "radius_m"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.from = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.to = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.radius_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("from", &self.from)?;
+map.serialize_entry("to", &self.to)?;
+map.serialize_entry("radius_m", &self.radius_m)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Cuboid {
+    const NAME: &'static str = "Cuboid";
+    const FIELDS: &'static [&'static str] = &["low", "high"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.low = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.high = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("low", &self.low)?;
+map.serialize_entry("high", &self.high)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ConvexMesh {
+    const NAME: &'static str = "ConvexMesh";
+    const FIELDS: &'static [&'static str] = &["points"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.points = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "points", self.points.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Grasp {
+    const NAME: &'static str = "Grasp";
+    const FIELDS: &'static [&'static str] = &["gripper", "sphere", "cuboid", "nodes", "hand", "attachment", "stiffness", "damping", "closed", "max_force_n"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.gripper = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { only_one(&mut self.region, message(map)?.map(crate::v1::grasp::Region::Sphere))?; }
+2 => { only_one(&mut self.region, message(map)?.map(crate::v1::grasp::Region::Cuboid))?; }
+3 => { only_one(&mut self.region, tensor(map, Dtype::Uint32)?.map(crate::v1::grasp::Region::Nodes))?; }
+4 => { only_one(&mut self.region, message(map)?.map(crate::v1::grasp::Region::Hand))?; }
+5 => { self.attachment = word::<crate::v1::grasp::Attachment, A>(map)?; }
+6 => { self.stiffness = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.damping = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.closed = tensor(map, Dtype::Uint32)?; }
+9 => { self.max_force_n = map.next_value()?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("gripper", &self.gripper)?;
+if let Some(crate::v1::grasp::Region::Sphere(value)) = &self.region { write_message(map, "sphere", Some(value), tensors)?; }
+if let Some(crate::v1::grasp::Region::Cuboid(value)) = &self.region { write_message(map, "cuboid", Some(value), tensors)?; }
+if let Some(crate::v1::grasp::Region::Nodes(value)) = &self.region { write_tensor(map, "nodes", Some(value), tensors)?; }
+if let Some(crate::v1::grasp::Region::Hand(value)) = &self.region { write_message(map, "hand", Some(value), tensors)?; }
+write_word::<crate::v1::grasp::Attachment, M>(map, "attachment", self.attachment)?;
+map.serialize_entry("stiffness", &self.stiffness)?;
+map.serialize_entry("damping", &self.damping)?;
+write_tensor(map, "closed", self.closed.as_ref(), tensors)?;
+if let Some(value) = &self.max_force_n { map.serialize_entry("max_force_n", value)?; }
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::grasp::CaptureHand {
+    const NAME: &'static str = "CaptureHand";
+    const FIELDS: &'static [&'static str] = &["hand"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.hand = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("hand", &self.hand)?;
+
+        Ok(())
+    }
+}
+
+impl Words for crate::v1::grasp::Attachment {
+    const KNOWN: &'static [&'static str] = &["PIN", "SPRINGS"];
+    fn number(word: &str) -> Option<i32> {
+        Self::from_str_name(word).map(Into::into)
+    }
+    fn word(number: i32) -> Option<&'static str> {
+        Self::try_from(number).ok().map(|value| value.as_str_name())
+    }
+}
+
+impl Fields for crate::v1::Grasping {
+    const NAME: &'static str = "Grasping";
+    const FIELDS: &'static [&'static str] = &["phases", "holders", "places"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.phases = tensor(map, Dtype::Uint32)?; }
+1 => { self.holders = tensor(map, Dtype::Uint32)?; }
+2 => { self.places = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "phases", self.phases.as_ref(), tensors)?;
+write_tensor(map, "holders", self.holders.as_ref(), tensors)?;
+write_tensor(map, "places", self.places.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Vary {
+    const NAME: &'static str = "Vary";
+    const FIELDS: &'static [&'static str] = &["stiffness", "damping", "bending", "friction", "mass"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.stiffness = tensor(map, Dtype::Float32)?; }
+1 => { self.damping = tensor(map, Dtype::Float32)?; }
+2 => { self.bending = tensor(map, Dtype::Float32)?; }
+3 => { self.friction = tensor(map, Dtype::Float32)?; }
+4 => { self.mass = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "stiffness", self.stiffness.as_ref(), tensors)?;
+write_tensor(map, "damping", self.damping.as_ref(), tensors)?;
+write_tensor(map, "bending", self.bending.as_ref(), tensors)?;
+write_tensor(map, "friction", self.friction.as_ref(), tensors)?;
+write_tensor(map, "mass", self.mass.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
 impl Fields for crate::v1::RollOutRequest {
     const NAME: &'static str = "RollOutRequest";
-    const FIELDS: &'static [&'static str] = &["twin", "trajectories", "poses", "initial", "frames", "costs", "returns", "fidelity"];
+    const FIELDS: &'static [&'static str] = &["twin", "trajectories", "poses", "initial", "frames", "costs", "returns", "fidelity", "world", "grasps", "vary", "ensemble", "gradient", "plausibility", "knot_times"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -13,6 +333,13 @@ impl Fields for crate::v1::RollOutRequest {
 5 => { self.costs = messages(map)?; }
 6 => { self.returns = message(map)?; }
 7 => { self.fidelity = word::<crate::v1::Fidelity, A>(map)?; }
+8 => { self.world = message(map)?; }
+9 => { self.grasps = messages(map)?; }
+10 => { self.vary = message(map)?; }
+11 => { self.ensemble = message(map)?; }
+12 => { self.gradient = message(map)?; }
+13 => { self.plausibility = message(map)?; }
+14 => { self.knot_times = message(map)?; }
 
             _ => {}
         }
@@ -28,6 +355,117 @@ map.serialize_entry("frames", &self.frames)?;
 write_messages(map, "costs", &self.costs, tensors)?;
 write_message(map, "returns", self.returns.as_ref(), tensors)?;
 write_word::<crate::v1::Fidelity, M>(map, "fidelity", self.fidelity)?;
+write_message(map, "world", self.world.as_ref(), tensors)?;
+write_messages(map, "grasps", &self.grasps, tensors)?;
+write_message(map, "vary", self.vary.as_ref(), tensors)?;
+write_message(map, "ensemble", self.ensemble.as_ref(), tensors)?;
+write_message(map, "gradient", self.gradient.as_ref(), tensors)?;
+write_message(map, "plausibility", self.plausibility.as_ref(), tensors)?;
+write_message(map, "knot_times", self.knot_times.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::KnotTimes {
+    const NAME: &'static str = "KnotTimes";
+    const FIELDS: &'static [&'static str] = &["at_s", "period_s"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { only_one(&mut self.times, tensor(map, Dtype::Float32)?.map(crate::v1::knot_times::Times::AtS))?; }
+1 => { only_one(&mut self.times, map.next_value::<Option<_>>()?.map(crate::v1::knot_times::Times::PeriodS))?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        if let Some(crate::v1::knot_times::Times::AtS(value)) = &self.times { write_tensor(map, "at_s", Some(value), tensors)?; }
+if let Some(crate::v1::knot_times::Times::PeriodS(value)) = &self.times { map.serialize_entry("period_s", value)?; }
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Ensemble {
+    const NAME: &'static str = "Ensemble";
+    const FIELDS: &'static [&'static str] = &["members", "statistic", "share"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.members = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.statistic = word::<crate::v1::ensemble::Statistic, A>(map)?; }
+2 => { self.share = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("members", &self.members)?;
+write_word::<crate::v1::ensemble::Statistic, M>(map, "statistic", self.statistic)?;
+map.serialize_entry("share", &self.share)?;
+
+        Ok(())
+    }
+}
+
+impl Words for crate::v1::ensemble::Statistic {
+    const KNOWN: &'static [&'static str] = &["MEAN", "WORST", "CVAR"];
+    fn number(word: &str) -> Option<i32> {
+        Self::from_str_name(word).map(Into::into)
+    }
+    fn word(number: i32) -> Option<&'static str> {
+        Self::try_from(number).ok().map(|value| value.as_str_name())
+    }
+}
+
+impl Fields for crate::v1::GradientOptions {
+    const NAME: &'static str = "GradientOptions";
+    const FIELDS: &'static [&'static str] = &["reach_frames", "smoothing_m"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.reach_frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.smoothing_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("reach_frames", &self.reach_frames)?;
+map.serialize_entry("smoothing_m", &self.smoothing_m)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Plausibility {
+    const NAME: &'static str = "Plausibility";
+    const FIELDS: &'static [&'static str] = &["start_gap_m", "control_speed_m_s", "strain", "refuse"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.start_gap_m = map.next_value()?; }
+1 => { self.control_speed_m_s = map.next_value()?; }
+2 => { self.strain = map.next_value()?; }
+3 => { self.refuse = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        if let Some(value) = &self.start_gap_m { map.serialize_entry("start_gap_m", value)?; }
+if let Some(value) = &self.control_speed_m_s { map.serialize_entry("control_speed_m_s", value)?; }
+if let Some(value) = &self.strain { map.serialize_entry("strain", value)?; }
+map.serialize_entry("refuse", &self.refuse)?;
 
         Ok(())
     }
@@ -81,13 +519,14 @@ write_word::<crate::v1::Interpolation, M>(map, "interpolation", self.interpolati
 
 impl Fields for crate::v1::InitialState {
     const NAME: &'static str = "InitialState";
-    const FIELDS: &'static [&'static str] = &["rest", "capture_frame", "given"];
+    const FIELDS: &'static [&'static str] = &["rest", "capture_frame", "given", "settled"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
             0 => { only_one(&mut self.state, message(map)?.map(crate::v1::initial_state::State::Rest))?; }
 1 => { only_one(&mut self.state, message(map)?.map(crate::v1::initial_state::State::CaptureFrame))?; }
 2 => { only_one(&mut self.state, message(map)?.map(crate::v1::initial_state::State::Given))?; }
+3 => { only_one(&mut self.state, message(map)?.map(crate::v1::initial_state::State::Settled))?; }
 
             _ => {}
         }
@@ -98,6 +537,7 @@ impl Fields for crate::v1::InitialState {
         if let Some(crate::v1::initial_state::State::Rest(value)) = &self.state { write_message(map, "rest", Some(value), tensors)?; }
 if let Some(crate::v1::initial_state::State::CaptureFrame(value)) = &self.state { write_message(map, "capture_frame", Some(value), tensors)?; }
 if let Some(crate::v1::initial_state::State::Given(value)) = &self.state { write_message(map, "given", Some(value), tensors)?; }
+if let Some(crate::v1::initial_state::State::Settled(value)) = &self.state { write_message(map, "settled", Some(value), tensors)?; }
 
         Ok(())
     }
@@ -105,6 +545,24 @@ if let Some(crate::v1::initial_state::State::Given(value)) = &self.state { write
 
 impl Fields for crate::v1::initial_state::Rest {
     const NAME: &'static str = "Rest";
+    const FIELDS: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::initial_state::Settled {
+    const NAME: &'static str = "Settled";
     const FIELDS: &'static [&'static str] = &[];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
@@ -147,13 +605,15 @@ map.serialize_entry("frame", &self.frame)?;
 
 impl Fields for crate::v1::initial_state::GivenState {
     const NAME: &'static str = "GivenState";
-    const FIELDS: &'static [&'static str] = &["positions", "velocities", "twists"];
+    const FIELDS: &'static [&'static str] = &["positions", "velocities", "twists", "controls", "grasping"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
             0 => { self.positions = tensor(map, Dtype::Float32)?; }
 1 => { self.velocities = tensor(map, Dtype::Float32)?; }
 2 => { self.twists = tensor(map, Dtype::Float32)?; }
+3 => { self.controls = tensor(map, Dtype::Float32)?; }
+4 => { self.grasping = message(map)?; }
 
             _ => {}
         }
@@ -164,6 +624,8 @@ impl Fields for crate::v1::initial_state::GivenState {
         write_tensor(map, "positions", self.positions.as_ref(), tensors)?;
 write_tensor(map, "velocities", self.velocities.as_ref(), tensors)?;
 write_tensor(map, "twists", self.twists.as_ref(), tensors)?;
+write_tensor(map, "controls", self.controls.as_ref(), tensors)?;
+write_message(map, "grasping", self.grasping.as_ref(), tensors)?;
 
         Ok(())
     }
@@ -171,7 +633,7 @@ write_tensor(map, "twists", self.twists.as_ref(), tensors)?;
 
 impl Fields for crate::v1::Cost {
     const NAME: &'static str = "Cost";
-    const FIELDS: &'static [&'static str] = &["name", "weight", "when", "target_cloud", "keypoints", "smoothness"];
+    const FIELDS: &'static [&'static str] = &["name", "weight", "when", "target_cloud", "keypoints", "smoothness", "strain", "force", "height", "within", "clearance", "control_path", "control_speed", "temperature"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -181,6 +643,14 @@ impl Fields for crate::v1::Cost {
 3 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::TargetCloud))?; }
 4 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Keypoints))?; }
 5 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Smoothness))?; }
+6 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Strain))?; }
+7 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Force))?; }
+8 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Height))?; }
+9 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Within))?; }
+10 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::Clearance))?; }
+11 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::ControlPath))?; }
+12 => { only_one(&mut self.kind, message(map)?.map(crate::v1::cost::Kind::ControlSpeed))?; }
+13 => { self.temperature = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -194,6 +664,14 @@ write_word::<crate::v1::cost::When, M>(map, "when", self.when)?;
 if let Some(crate::v1::cost::Kind::TargetCloud(value)) = &self.kind { write_message(map, "target_cloud", Some(value), tensors)?; }
 if let Some(crate::v1::cost::Kind::Keypoints(value)) = &self.kind { write_message(map, "keypoints", Some(value), tensors)?; }
 if let Some(crate::v1::cost::Kind::Smoothness(value)) = &self.kind { write_message(map, "smoothness", Some(value), tensors)?; }
+if let Some(crate::v1::cost::Kind::Strain(value)) = &self.kind { write_message(map, "strain", Some(value), tensors)?; }
+if let Some(crate::v1::cost::Kind::Force(value)) = &self.kind { write_message(map, "force", Some(value), tensors)?; }
+if let Some(crate::v1::cost::Kind::Height(value)) = &self.kind { write_message(map, "height", Some(value), tensors)?; }
+if let Some(crate::v1::cost::Kind::Within(value)) = &self.kind { write_message(map, "within", Some(value), tensors)?; }
+if let Some(crate::v1::cost::Kind::Clearance(value)) = &self.kind { write_message(map, "clearance", Some(value), tensors)?; }
+if let Some(crate::v1::cost::Kind::ControlPath(value)) = &self.kind { write_message(map, "control_path", Some(value), tensors)?; }
+if let Some(crate::v1::cost::Kind::ControlSpeed(value)) = &self.kind { write_message(map, "control_speed", Some(value), tensors)?; }
+map.serialize_entry("temperature", &self.temperature)?;
 
         Ok(())
     }
@@ -261,8 +739,180 @@ impl Fields for crate::v1::cost::Smoothness {
     }
 }
 
+impl Fields for crate::v1::cost::Strain {
+    const NAME: &'static str = "Strain";
+    const FIELDS: &'static [&'static str] = &["limit"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.limit = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("limit", &self.limit)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::cost::Force {
+    const NAME: &'static str = "Force";
+    const FIELDS: &'static [&'static str] = &["controls", "control", "grasp", "ground", "collider", "limit_n"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { only_one(&mut self.by, message(map)?.map(crate::v1::cost::force::By::Controls))?; }
+1 => { only_one(&mut self.by, map.next_value::<Option<_>>()?.map(crate::v1::cost::force::By::Control))?; }
+2 => { only_one(&mut self.by, map.next_value::<Option<_>>()?.map(crate::v1::cost::force::By::Grasp))?; }
+3 => { only_one(&mut self.by, message(map)?.map(crate::v1::cost::force::By::Ground))?; }
+4 => { only_one(&mut self.by, map.next_value::<Option<_>>()?.map(crate::v1::cost::force::By::Collider))?; }
+5 => { self.limit_n = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        if let Some(crate::v1::cost::force::By::Controls(value)) = &self.by { write_message(map, "controls", Some(value), tensors)?; }
+if let Some(crate::v1::cost::force::By::Control(value)) = &self.by { map.serialize_entry("control", value)?; }
+if let Some(crate::v1::cost::force::By::Grasp(value)) = &self.by { map.serialize_entry("grasp", value)?; }
+if let Some(crate::v1::cost::force::By::Ground(value)) = &self.by { write_message(map, "ground", Some(value), tensors)?; }
+if let Some(crate::v1::cost::force::By::Collider(value)) = &self.by { map.serialize_entry("collider", value)?; }
+map.serialize_entry("limit_n", &self.limit_n)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::cost::force::All {
+    const NAME: &'static str = "All";
+    const FIELDS: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::cost::Height {
+    const NAME: &'static str = "Height";
+    const FIELDS: &'static [&'static str] = &["plane", "nodes"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.plane = message(map)?; }
+1 => { self.nodes = tensor(map, Dtype::Uint32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "plane", self.plane.as_ref(), tensors)?;
+write_tensor(map, "nodes", self.nodes.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::cost::Within {
+    const NAME: &'static str = "Within";
+    const FIELDS: &'static [&'static str] = &["cuboid", "nodes"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.cuboid = message(map)?; }
+1 => { self.nodes = tensor(map, Dtype::Uint32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "cuboid", self.cuboid.as_ref(), tensors)?;
+write_tensor(map, "nodes", self.nodes.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::cost::Clearance {
+    const NAME: &'static str = "Clearance";
+    const FIELDS: &'static [&'static str] = &["collider", "margin_m"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.collider = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.margin_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("collider", &self.collider)?;
+map.serialize_entry("margin_m", &self.margin_m)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::cost::ControlPath {
+    const NAME: &'static str = "ControlPath";
+    const FIELDS: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::cost::ControlSpeed {
+    const NAME: &'static str = "ControlSpeed";
+    const FIELDS: &'static [&'static str] = &["limit_m_s"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.limit_m_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("limit_m_s", &self.limit_m_s)?;
+
+        Ok(())
+    }
+}
+
 impl Words for crate::v1::cost::When {
-    const KNOWN: &'static [&'static str] = &["LAST_FRAME", "EVERY_FRAME"];
+    const KNOWN: &'static [&'static str] = &["LAST_FRAME", "EVERY_FRAME", "SOFT_MIN"];
     fn number(word: &str) -> Option<i32> {
         Self::from_str_name(word).map(Into::into)
     }
@@ -273,7 +923,7 @@ impl Words for crate::v1::cost::When {
 
 impl Fields for crate::v1::Returns {
     const NAME: &'static str = "Returns";
-    const FIELDS: &'static [&'static str] = &["every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients"];
+    const FIELDS: &'static [&'static str] = &["every_frames", "nodes", "encoding", "best", "final_state", "diagnostics", "control_gradients", "action_gradients", "initial_gradients", "gradient_norms", "velocities", "forces", "frame_costs", "controls"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -284,6 +934,13 @@ impl Fields for crate::v1::Returns {
 4 => { self.final_state = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 5 => { self.diagnostics = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 6 => { self.control_gradients = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.action_gradients = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.initial_gradients = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+9 => { self.gradient_norms = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.velocities = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+11 => { self.forces = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+12 => { self.frame_costs = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+13 => { self.controls = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -298,6 +955,13 @@ map.serialize_entry("best", &self.best)?;
 map.serialize_entry("final_state", &self.final_state)?;
 map.serialize_entry("diagnostics", &self.diagnostics)?;
 map.serialize_entry("control_gradients", &self.control_gradients)?;
+map.serialize_entry("action_gradients", &self.action_gradients)?;
+map.serialize_entry("initial_gradients", &self.initial_gradients)?;
+map.serialize_entry("gradient_norms", &self.gradient_norms)?;
+map.serialize_entry("velocities", &self.velocities)?;
+map.serialize_entry("forces", &self.forces)?;
+map.serialize_entry("frame_costs", &self.frame_costs)?;
+map.serialize_entry("controls", &self.controls)?;
 
         Ok(())
     }
@@ -315,7 +979,7 @@ impl Words for crate::v1::returns::Encoding {
 
 impl Fields for crate::v1::RollOutResponse {
     const NAME: &'static str = "RollOutResponse";
-    const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists"];
+    const FIELDS: &'static [&'static str] = &["first_instance", "costs", "cost_names", "cost_terms", "instances", "frames", "positions", "final_positions", "final_velocities", "control_gradients", "diagnostics", "diverged", "timing", "worker", "fidelity", "substeps", "deviation", "final_twists", "final_controls", "final_grasping", "action_gradients", "initial_position_gradients", "initial_velocity_gradients", "gradient_norms", "gradient_exploded", "velocities", "forces", "frame_costs", "controls", "member_costs", "implausible", "mass_kg"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -337,6 +1001,20 @@ impl Fields for crate::v1::RollOutResponse {
 15 => { self.substeps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 16 => { self.deviation = message(map)?; }
 17 => { self.final_twists = tensor(map, Dtype::Float32)?; }
+18 => { self.final_controls = tensor(map, Dtype::Float32)?; }
+19 => { self.final_grasping = message(map)?; }
+20 => { self.action_gradients = tensor(map, Dtype::Float32)?; }
+21 => { self.initial_position_gradients = tensor(map, Dtype::Float32)?; }
+22 => { self.initial_velocity_gradients = tensor(map, Dtype::Float32)?; }
+23 => { self.gradient_norms = tensor(map, Dtype::Float32)?; }
+24 => { self.gradient_exploded = tensor(map, Dtype::Uint32)?; }
+25 => { self.velocities = tensor(map, Dtype::Float32)?; }
+26 => { self.forces = message(map)?; }
+27 => { self.frame_costs = tensor(map, Dtype::Float32)?; }
+28 => { self.controls = tensor(map, Dtype::Float32)?; }
+29 => { self.member_costs = tensor(map, Dtype::Float32)?; }
+30 => { self.implausible = messages(map)?; }
+31 => { self.mass_kg = map.next_value()?; }
 
             _ => {}
         }
@@ -362,6 +1040,74 @@ write_word::<crate::v1::Fidelity, M>(map, "fidelity", self.fidelity)?;
 map.serialize_entry("substeps", &self.substeps)?;
 write_message(map, "deviation", self.deviation.as_ref(), tensors)?;
 write_tensor(map, "final_twists", self.final_twists.as_ref(), tensors)?;
+write_tensor(map, "final_controls", self.final_controls.as_ref(), tensors)?;
+write_message(map, "final_grasping", self.final_grasping.as_ref(), tensors)?;
+write_tensor(map, "action_gradients", self.action_gradients.as_ref(), tensors)?;
+write_tensor(map, "initial_position_gradients", self.initial_position_gradients.as_ref(), tensors)?;
+write_tensor(map, "initial_velocity_gradients", self.initial_velocity_gradients.as_ref(), tensors)?;
+write_tensor(map, "gradient_norms", self.gradient_norms.as_ref(), tensors)?;
+write_tensor(map, "gradient_exploded", self.gradient_exploded.as_ref(), tensors)?;
+write_tensor(map, "velocities", self.velocities.as_ref(), tensors)?;
+write_message(map, "forces", self.forces.as_ref(), tensors)?;
+write_tensor(map, "frame_costs", self.frame_costs.as_ref(), tensors)?;
+write_tensor(map, "controls", self.controls.as_ref(), tensors)?;
+write_tensor(map, "member_costs", self.member_costs.as_ref(), tensors)?;
+write_messages(map, "implausible", &self.implausible, tensors)?;
+if let Some(value) = &self.mass_kg { map.serialize_entry("mass_kg", value)?; }
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::roll_out_response::Forces {
+    const NAME: &'static str = "Forces";
+    const FIELDS: &'static [&'static str] = &["controls", "grasps", "ground", "colliders"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.controls = tensor(map, Dtype::Float32)?; }
+1 => { self.grasps = tensor(map, Dtype::Float32)?; }
+2 => { self.ground = tensor(map, Dtype::Float32)?; }
+3 => { self.colliders = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "controls", self.controls.as_ref(), tensors)?;
+write_tensor(map, "grasps", self.grasps.as_ref(), tensors)?;
+write_tensor(map, "ground", self.ground.as_ref(), tensors)?;
+write_tensor(map, "colliders", self.colliders.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::roll_out_response::Implausible {
+    const NAME: &'static str = "Implausible";
+    const FIELDS: &'static [&'static str] = &["instance", "reason", "found", "limit", "frame"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.instance = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.reason = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.found = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.limit = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.frame = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("instance", &self.instance)?;
+map.serialize_entry("reason", &self.reason)?;
+map.serialize_entry("found", &self.found)?;
+map.serialize_entry("limit", &self.limit)?;
+map.serialize_entry("frame", &self.frame)?;
 
         Ok(())
     }
@@ -369,7 +1115,7 @@ write_tensor(map, "final_twists", self.final_twists.as_ref(), tensors)?;
 
 impl Fields for crate::v1::roll_out_response::Diagnostics {
     const NAME: &'static str = "Diagnostics";
-    const FIELDS: &'static [&'static str] = &["max_strain", "max_speed_m_s", "kinetic_energy", "elastic_energy", "ground_contacts"];
+    const FIELDS: &'static [&'static str] = &["max_strain", "max_speed_m_s", "kinetic_energy", "elastic_energy", "ground_contacts", "max_control_strain", "control_depth_m"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -378,6 +1124,8 @@ impl Fields for crate::v1::roll_out_response::Diagnostics {
 2 => { self.kinetic_energy = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 3 => { self.elastic_energy = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 4 => { self.ground_contacts = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.max_control_strain = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.control_depth_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
 
             _ => {}
         }
@@ -390,6 +1138,8 @@ map.serialize_entry("max_speed_m_s", &self.max_speed_m_s)?;
 map.serialize_entry("kinetic_energy", &self.kinetic_energy)?;
 map.serialize_entry("elastic_energy", &self.elastic_energy)?;
 map.serialize_entry("ground_contacts", &self.ground_contacts)?;
+map.serialize_entry("max_control_strain", &self.max_control_strain)?;
+map.serialize_entry("control_depth_m", &self.control_depth_m)?;
 
         Ok(())
     }
@@ -478,7 +1228,7 @@ impl Words for crate::v1::Fidelity {
 }
 
 impl Words for crate::v1::Interpolation {
-    const KNOWN: &'static [&'static str] = &["LINEAR", "CUBIC"];
+    const KNOWN: &'static [&'static str] = &["LINEAR", "CUBIC", "ZERO"];
     fn number(word: &str) -> Option<i32> {
         Self::from_str_name(word).map(Into::into)
     }

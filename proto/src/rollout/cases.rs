@@ -166,7 +166,12 @@ fn states(n: u64) -> Named<State> {
     const TWISTS: &str = "`initial.given.twists`";
     const CAPTURE: &str = "`initial.capture_frame.capture`";
     let given = |positions: Tensor, velocities: Option<Tensor>, twists: Option<Tensor>| {
-        State::Given(GivenState { positions: Some(positions), velocities, twists })
+        State::Given(GivenState {
+            positions: Some(positions),
+            velocities,
+            twists,
+            ..GivenState::default()
+        })
     };
     let frame = |capture: &str| {
         State::CaptureFrame(CaptureFrame { capture: capture.to_owned(), sequence: 0, frame: 0 })

@@ -1,4 +1,4 @@
-//! Writes the implementations of `json::Fields` and `json::Words` for the messages of one file,
+//! Writes the implementations of `json::Fields` and `json::Words` for the messages of some files,
 //! from their descriptors: which fields they have and of which kind.
 
 use std::fmt::Write as _;
@@ -9,16 +9,28 @@ use prost_types::{
 };
 
 /// Tensors whose lists in JSON are of UINT32; all others are of FLOAT32.
-const INDICES: [&str; 3] = ["gripper_of_control", "nodes", "instances"];
+const INDICES: [&str; 7] = [
+    "gripper_of_control",
+    "nodes",
+    "instances",
+    "closed",
+    "phases",
+    "holders",
+    "gradient_exploded",
+];
 
 /// The implementations as Rust code.
-pub(crate) fn implementations(file: &FileDescriptorProto) -> String {
+pub(crate) fn implementations<'f>(
+    files: impl IntoIterator<Item = &'f FileDescriptorProto>,
+) -> String {
     let mut code = String::new();
-    for message in &file.message_type {
-        self::message(message, "crate::v1", &mut code);
-    }
-    for words in &file.enum_type {
-        self::words(words, "crate::v1", &mut code);
+    for file in files {
+        for message in &file.message_type {
+            self::message(message, "crate::v1", &mut code);
+        }
+        for words in &file.enum_type {
+            self::words(words, "crate::v1", &mut code);
+        }
     }
     code
 }
@@ -98,12 +110,25 @@ impl Lines {
         let oneof = field.oneof_index.filter(|_| !field.proto3_optional());
         let text = |read: String, write: String| Self { read, write };
         match field.r#type() {
-            Type::Message if field.type_name().ends_with(".Tensor") && oneof.is_none() => {
+            Type::Message if field.type_name().ends_with(".Tensor") => {
                 let dtype = if INDICES.contains(&name) { "Uint32" } else { "Float32" };
-                text(
-                    format!("self.{name} = tensor(map, Dtype::{dtype})?;"),
-                    format!("write_tensor(map, \"{name}\", self.{name}.as_ref(), tensors)?;"),
-                )
+                match oneof {
+                    None => text(
+                        format!("self.{name} = tensor(map, Dtype::{dtype})?;"),
+                        format!("write_tensor(map, \"{name}\", self.{name}.as_ref(), tensors)?;"),
+                    ),
+                    Some(index) => {
+                        let (group, variant) = member(message, index, inner, name);
+                        text(
+                            format!(
+                                "only_one(&mut self.{group}, tensor(map, Dtype::{dtype})?.map({variant}))?;"
+                            ),
+                            format!(
+                                "if let Some({variant}(value)) = &self.{group} {{ write_tensor(map, \"{name}\", Some(value), tensors)?; }}"
+                            ),
+                        )
+                    }
+                }
             }
             Type::Message if is_repeated => text(
                 format!("self.{name} = messages(map)?;"),
@@ -115,8 +140,7 @@ impl Lines {
                     format!("write_message(map, \"{name}\", self.{name}.as_ref(), tensors)?;"),
                 ),
                 Some(index) => {
-                    let group = message.oneof_decl[index as usize].name();
-                    let variant = format!("{inner}::{}::{}", camel_case(group), camel_case(name));
+                    let (group, variant) = member(message, index, inner, name);
                     text(
                         format!("only_one(&mut self.{group}, message(map)?.map({variant}))?;"),
                         format!(
@@ -132,6 +156,17 @@ impl Lines {
                     format!("write_word::<{kind}, M>(map, \"{name}\", self.{name})?;"),
                 )
             }
+            _ if oneof.is_some() => {
+                let (group, variant) = member(message, oneof.unwrap_or_default(), inner, name);
+                text(
+                    format!(
+                        "only_one(&mut self.{group}, map.next_value::<Option<_>>()?.map({variant}))?;"
+                    ),
+                    format!(
+                        "if let Some({variant}(value)) = &self.{group} {{ map.serialize_entry(\"{name}\", value)?; }}"
+                    ),
+                )
+            }
             _ if field.proto3_optional() => text(
                 format!("self.{name} = map.next_value()?;"),
                 format!(
@@ -144,6 +179,17 @@ impl Lines {
             ),
         }
     }
+}
+
+/// The group that a field belongs to, and its variant there.
+fn member<'m>(
+    message: &'m DescriptorProto,
+    group: i32,
+    inner: &str,
+    field: &str,
+) -> (&'m str, String) {
+    let group = message.oneof_decl[group as usize].name();
+    (group, format!("{inner}::{}::{}", camel_case(group), camel_case(field)))
 }
 
 /// `.bendtwin.v1.Cost.When` as `crate::v1::cost::When`.

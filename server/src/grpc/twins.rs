@@ -2,8 +2,8 @@
 
 use bendtwin_proto::v1::{
     CreateTwinRequest, DeleteTwinRequest, DeleteTwinResponse, ExportTwinRequest,
-    ExportTwinResponse, GetTwinRequest, ListTwinsRequest, ListTwinsResponse, Twin,
-    create_twin_request, twin_service_server::TwinService,
+    ExportTwinResponse, GetTwinGeometryRequest, GetTwinRequest, ListTwinsRequest,
+    ListTwinsResponse, Twin, TwinGeometry, create_twin_request, twin_service_server::TwinService,
 };
 use tonic::{Request, Response, Status, Streaming};
 
@@ -54,6 +54,13 @@ impl TwinService for Api {
     ) -> Result<Response<DeleteTwinResponse>, Status> {
         self.app.delete_twin(&request.get_ref().name).await?;
         Ok(Response::new(DeleteTwinResponse {}))
+    }
+
+    async fn get_twin_geometry(
+        &self,
+        _: Request<GetTwinGeometryRequest>,
+    ) -> Result<Response<TwinGeometry>, Status> {
+        Err(Status::unimplemented("the geometry of twins"))
     }
 
     type ExportTwinStream = Reply<ExportTwinResponse>;

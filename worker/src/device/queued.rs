@@ -11,7 +11,7 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::{CancelToken, Params};
+use bendtwin_core::{CancelToken, Environment, Params};
 use bendtwin_engine::{
     Backend, Device as Description, Loaded, Model,
     backend::{Error, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
@@ -163,6 +163,11 @@ impl Backend for QueuedBackend {
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, Error> {
         let (loaded, params) = (loaded.clone(), Arc::new(params));
         Ok(self.0.call(move |backend| backend.with_params(&loaded, Params::clone(&params)))?.0)
+    }
+
+    fn with_environment(&self, loaded: &Loaded, environment: Environment) -> Result<Loaded, Error> {
+        let loaded = loaded.clone();
+        Ok(self.0.call(move |backend| backend.with_environment(&loaded, environment))?.0)
     }
 
     fn roll_out(

@@ -48,6 +48,9 @@ impl Backend for Slow {
     fn with_params(&self, loaded: &Loaded, _: Params) -> Result<Loaded, EngineError> {
         Ok(loaded.clone())
     }
+    fn with_environment(&self, _: &Loaded, _: Environment) -> Result<Loaded, EngineError> {
+        unreachable!("no test changes the environment")
+    }
     fn roll_out(
         &self,
         batch: &[Instance],
@@ -110,6 +113,8 @@ fn instances(backend: &QueuedBackend, frames: impl IntoIterator<Item = usize>) -
         controls: Arc::new(Vec::new()),
         frames,
         objective: Objective::default(),
+        world: Arc::default(),
+        motion: Arc::default(),
     };
     frames.into_iter().map(instance).collect()
 }

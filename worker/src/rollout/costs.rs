@@ -18,7 +18,7 @@ pub(super) fn read(costs: Vec<Cost>, frames: usize) -> Result<Objective, Error> 
     for (group, cost) in costs.into_iter().enumerate() {
         let first = match cost.when() {
             When::Unspecified | When::LastFrame => frames,
-            When::EveryFrame => 1,
+            When::EveryFrame | When::SoftMin => 1,
         };
         let weight = cost.weight.unwrap_or(1.0) as f32;
         groups.push(if cost.name.is_empty() { format!("cost{group}") } else { cost.name });
@@ -51,6 +51,7 @@ fn term(kind: Option<Kind>, group: usize) -> Result<Term, Error> {
             Ok(Term::Track { nodes, targets, loss })
         }
         Some(Kind::Smoothness(_)) => Ok(Term::Acceleration),
+        Some(_) => Err(Error::field(field("kind"), "is not served yet")),
     }
 }
 

@@ -82,7 +82,7 @@ impl Wanted {
         instances: usize,
     ) -> Result<Self, Error> {
         match wire.and_then(|w| w.state) {
-            None | Some(Wire::Rest(_)) => {
+            None | Some(Wire::Rest(_) | Wire::Settled(_)) => {
                 let state = Arc::new(State::rest(graph));
                 let controls = Arc::new(graph.control_rest.clone());
                 Ok(Self::Ready(Starts::Shared(Start { state, controls })))
@@ -112,6 +112,7 @@ fn given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Starts, Er
             positions: positions[nodes.clone()].to_vec(),
             velocities: velocities[nodes].to_vec(),
             twists: twists[i * r..(i + 1) * r].to_vec(),
+            ..State::default()
         };
         let controls = Arc::new(controls_of(graph, &state.positions));
         Start { state: Arc::new(state), controls }

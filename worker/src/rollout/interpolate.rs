@@ -16,7 +16,7 @@ impl From<Interpolation> for Curve {
     fn from(wire: Interpolation) -> Self {
         match wire {
             Interpolation::Unspecified | Interpolation::Linear => Self::Linear,
-            Interpolation::Cubic => Self::Cubic,
+            Interpolation::Cubic | Interpolation::Zero => Self::Cubic,
         }
     }
 }

@@ -71,6 +71,8 @@ impl Plan {
             controls: Arc::new(controls),
             frames: self.frames,
             objective: self.objective.clone(),
+            world: Arc::default(),
+            motion: Arc::default(),
         }
     }
 }

@@ -226,6 +226,8 @@ fn replay(
         ),
         frames,
         objective: Objective::default(),
+        world: Arc::default(),
+        motion: Arc::default(),
     };
     let outputs = Outputs { final_state: true, ..Outputs::default() };
     let rollout = backend.roll_out(&[instance], &outputs, cancel)?.into_iter().next();

@@ -33,6 +33,8 @@ pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) ->
             kinetic_energy: d.kinetic_energy,
             elastic_energy: d.elastic_energy,
             ground_contacts: d.ground_contacts,
+            max_control_strain: d.max_control_strain,
+            control_depth_m: 0.0,
         }
     });
     let diverged = rollouts.iter().zip(range.clone()).filter_map(|(r, instance)| {

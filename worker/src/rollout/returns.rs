@@ -73,6 +73,7 @@ impl Returns {
             nodes: self.nodes.clone(),
             final_state: self.final_state,
             diagnostics: self.diagnostics,
+            ..Outputs::NONE
         }
     }
 

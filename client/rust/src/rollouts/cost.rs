@@ -55,6 +55,7 @@ impl Cost {
             weight: Some(weight),
             when: When::LastFrame.into(),
             kind: Some(kind),
+            ..v1::Cost::default()
         })
     }
 }

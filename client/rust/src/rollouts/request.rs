@@ -98,6 +98,7 @@ impl Rollout {
             positions: Some(Tensor::pack_points(&[positions.len()], positions)),
             velocities: Some(Tensor::pack_points(&[velocities.len()], velocities)),
             twists: None,
+            ..GivenState::default()
         }))
     }
 

@@ -45,6 +45,8 @@ pub(super) fn capture(
         controls: Arc::new(controls.clone()),
         frames: steps,
         objective: bendtwin_engine::Objective::default(),
+        world: Arc::default(),
+        motion: Arc::default(),
     };
     let outputs = Outputs {
         every: 1,

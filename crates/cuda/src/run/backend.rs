@@ -2,13 +2,14 @@
 
 use std::{ops::Range, sync::Arc};
 
-use bendtwin_core::{CancelToken, Params};
+use bendtwin_core::{CancelToken, Environment, Params};
 use bendtwin_engine::{
     Backend, Device as Description, Error, Loaded, Model,
     backend::{Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
     check,
     model::State,
     optimizer::{Decay, Optimizer, OptimizerInit},
+    world::Grasping,
 };
 
 use crate::{
@@ -236,11 +237,13 @@ impl CudaBackend {
                     positions: bars[..n].iter().map(point).collect(),
                     velocities: bars[n..].iter().map(point).collect(),
                     twists: twist_bars,
+                    grasping: Grasping::default(),
                 },
                 _ => State {
                     positions: vec![[0.0; 3]; n],
                     velocities: vec![[0.0; 3]; n],
                     twists: twist_bars,
+                    grasping: Grasping::default(),
                 },
             };
             let span = gradients.control_starts[i]..gradients.control_starts[i + 1];
@@ -268,6 +271,9 @@ impl CudaBackend {
                 overflowed: own.iter().any(|x| !x.is_finite()),
                 params: gradient_params(model, &narrowed),
                 controls: paths,
+                poses: Vec::new(),
+                rolls: Vec::new(),
+                norms: Vec::new(),
                 initial: request.initial.then_some(at_start),
                 final_state,
             });
@@ -346,6 +352,14 @@ impl Backend for CudaBackend {
         let resident = Resident::new(&self.device, &before.graph, &model.params)?;
         crate::device::synchronize(&self.device.normal)?;
         Ok(Loaded::new(Arc::new(model), Arc::new(resident)))
+    }
+
+    fn with_environment(&self, loaded: &Loaded, environment: Environment) -> Result<Loaded, Error> {
+        let resident = resident(loaded)?;
+        self.own(resident)?;
+        check::environment(&environment)?;
+        let model = Model { environment, ..Model::clone(loaded.model()) };
+        Ok(Loaded::new(Arc::new(model), loaded.shared()))
     }
 
     fn roll_out(

@@ -96,6 +96,9 @@ impl DeviceObjective {
                     target_nodes.extend_from_slice(nodes);
                 }
                 Term::Acceleration => term.kind = 2,
+                other => {
+                    return Err(Error::InvalidInput(format!("no {other:?} on this device")));
+                }
             }
             term.count = targets.len() as u32 - first;
             on_device.push(term);

@@ -152,6 +152,7 @@ impl RecordedOutputs {
                 final_state: last.filter(|_| outputs.final_state),
                 diagnostics,
                 diverged: loss.diverged,
+                ..Rollout::default()
             });
         }
         Ok(rollouts)
@@ -176,6 +177,7 @@ fn diagnose(instance: &Instance, last: &State, extremes: &[[f32; 2]]) -> Diagnos
         kinetic_energy: energy.kinetic as f32,
         elastic_energy: energy.elastic as f32,
         ground_contacts: last.positions.iter().filter(|x| low(x)).count() as u32,
+        ..Diagnostics::default()
     };
     if instance.frames == 0 {
         (found.max_strain, found.max_speed_m_s) = at_rest(instance, last);

@@ -11,6 +11,7 @@ use bendtwin_engine::{
     backend::{Divergence, Instance},
     constants::MAX_PARTNERS,
     model::State,
+    world::Grasping,
 };
 use cudarc::driver::CudaStream;
 use rayon::prelude::*;
@@ -321,6 +322,7 @@ impl<'a> Simulation<'a> {
             positions: (0..n).map(|i| point(0, i)).collect(),
             velocities: (0..n).map(|i| point(3, i)).collect(),
             twists,
+            grasping: Grasping::default(),
         })
     }
 }
@@ -390,7 +392,7 @@ fn initial_planes<'a>(
     let mut place = |(state, rods): (&'a State, usize)| {
         *known.entry((std::ptr::from_ref(state), rods)).or_insert_with(|| {
             let at = planes.len();
-            let State { positions, velocities, twists } = state;
+            let State { positions, velocities, twists, .. } = state;
             for points in [positions, velocities] {
                 (0..3).for_each(|k| planes.extend(points.iter().map(|p| p[k])));
             }

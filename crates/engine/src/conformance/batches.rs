@@ -38,10 +38,21 @@ fn mixed() -> Vec<Scene> {
         .collect()
 }
 
-const OUTPUTS: Outputs =
-    Outputs { every: 1, initial: true, nodes: None, final_state: true, diagnostics: true };
-const REQUEST: GradientRequest =
-    GradientRequest { cut_every: 0, controls: true, initial: true, final_state: true };
+const OUTPUTS: Outputs = Outputs {
+    every: 1,
+    initial: true,
+    nodes: None,
+    final_state: true,
+    diagnostics: true,
+    ..Outputs::NONE
+};
+const REQUEST: GradientRequest = GradientRequest {
+    cut_every: 0,
+    controls: true,
+    initial: true,
+    final_state: true,
+    ..GradientRequest::PARAMS
+};
 
 fn instances(backend: &dyn Backend) -> Result<Vec<Instance>, String> {
     mixed().iter().map(|s| Ok(s.instance(s.load(backend)?))).collect()

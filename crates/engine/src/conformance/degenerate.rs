@@ -16,8 +16,13 @@ use crate::{
     objective::WeightedTerm,
 };
 
-const EVERYTHING: GradientRequest =
-    GradientRequest { cut_every: 0, controls: true, initial: true, final_state: true };
+const EVERYTHING: GradientRequest = GradientRequest {
+    cut_every: 0,
+    controls: true,
+    initial: true,
+    final_state: true,
+    ..GradientRequest::PARAMS
+};
 
 fn finite_gradient(what: &str, gradient: &Gradient) -> Outcome {
     let p = &gradient.params;
@@ -194,7 +199,7 @@ pub(super) fn divergence_says_where(backend: &dyn Backend) -> Outcome {
         scene.instance(scene.load(backend)?),
         calm.instance(calm.load(backend)?),
     ];
-    let outputs = Outputs { every: 1, final_state: true, ..Outputs::default() };
+    let outputs = Outputs { every: 1, final_state: true, ..Outputs::NONE };
     let cancel = CancelToken::default();
     let rollouts = backend.roll_out(&batch, &outputs, &cancel).map_err(|e| e.to_string())?;
     let losses = backend.losses(&batch, &cancel).map_err(|e| e.to_string())?;

@@ -55,6 +55,11 @@ fn value(term: &Term, frames: &[&[Point]], f: usize, surface: usize) -> f64 {
             };
             mean(nodes.iter().zip(targets).map(of).collect())
         }
+        Term::Strain { .. }
+        | Term::Above { .. }
+        | Term::Within { .. }
+        | Term::Clearance { .. }
+        | Term::Force { .. } => f64::NAN,
         Term::Acceleration if f < 2 => 0.0,
         Term::Acceleration => {
             let nodes = frames[f].iter().zip(frames[f - 1]).zip(frames[f - 2]);

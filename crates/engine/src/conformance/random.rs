@@ -226,6 +226,7 @@ pub fn random_motion(seed: u64, model: &Model, frames: usize) -> (State, Vec<Poi
         positions: graph.rest_positions.iter().map(|p| sum(*p, around(0.1 * SPACING_M))).collect(),
         velocities: graph.rest_positions.iter().map(|_| around(0.2)).collect(),
         twists: graph.rods.iter().map(|_| around(1.5)[0]).collect(),
+        ..State::default()
     };
     let paths: Vec<(Point, Point)> =
         graph.control_rest.iter().map(|_| (around(0.002), around(0.01))).collect();

@@ -204,13 +204,21 @@ impl Scene {
             controls: Arc::new(self.controls.clone()),
             frames: self.frames,
             objective: self.objective.clone(),
+            world: Arc::default(),
+            motion: Arc::default(),
         }
     }
 
     /// Rolls out alone: every frame, the initial one too, final state and diagnostics.
     pub(super) fn roll_out(&self, backend: &dyn Backend) -> Result<Rollout, String> {
-        let outputs =
-            Outputs { every: 1, initial: true, nodes: None, final_state: true, diagnostics: true };
+        let outputs = Outputs {
+            every: 1,
+            initial: true,
+            nodes: None,
+            final_state: true,
+            diagnostics: true,
+            ..Outputs::default()
+        };
         let rollout = self.roll_out_raw(backend, &outputs)?;
         match rollout.diverged {
             None => Ok(rollout),

@@ -1,7 +1,7 @@
 //! Everything that a client can get wrong about a model or an instance, found before the simulation
 //! starts.
 
-use bendtwin_core::{Point, environment::ControlVelocity};
+use bendtwin_core::{Environment, Point, environment::ControlVelocity};
 
 use crate::{
     Model,
@@ -63,10 +63,19 @@ pub fn unstepped_model(model: &Model) -> Result<(), Error> {
     if !(timing.fps.is_finite() && timing.fps > 0.0) {
         return Err(invalid(format!("{} frames a second: it must be positive", timing.fps)));
     }
-    if !finite(&[model.environment.gravity]) {
+    environment(&model.environment)
+}
+
+/// Checks gravity and ground.
+///
+/// # Errors
+/// The first fault, as a sentence.
+pub fn environment(environment: &Environment) -> Result<(), Error> {
+    let invalid = Error::InvalidModel;
+    if !finite(&[environment.gravity]) {
         return Err(invalid("gravity is not finite".into()));
     }
-    if let Some(g) = model.environment.ground {
+    if let Some(g) = environment.ground {
         let length = g.normal.iter().map(|x| x * x).sum::<f32>().sqrt();
         if !(g.offset_m.is_finite() && (length - 1.0).abs() < 1e-3) {
             return Err(invalid(format!(

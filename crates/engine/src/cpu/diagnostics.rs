@@ -13,6 +13,7 @@ use crate::{
     backend::{Diagnostics, Loss, Outputs, Rollout},
     energy,
     model::State,
+    world::Grasping,
 };
 
 /// Watches a rollout.
@@ -102,5 +103,6 @@ pub(crate) fn state_of<T: Real>(nodes: &[Node<T>], twists: &[T]) -> State {
         positions: nodes.iter().map(|n| point(n.x)).collect(),
         velocities: nodes.iter().map(|n| point(n.v)).collect(),
         twists: twists.iter().map(|&x| narrow(x)).collect(),
+        grasping: Grasping::default(),
     }
 }

@@ -110,6 +110,11 @@ fn value<T: Real>(term: &Term, at: Moment<'_, T>) -> f64 {
                 .sum();
             sum * mean_over(nodes.len())
         }
+        Term::Strain { .. }
+        | Term::Above { .. }
+        | Term::Within { .. }
+        | Term::Clearance { .. }
+        | Term::Force { .. } => f64::NAN,
         Term::Acceleration => {
             let Some([one, two]) = at.earlier else { return 0.0 };
             let sum: f64 =
@@ -157,6 +162,11 @@ fn add_term_gradient<T: Real>(term: &Term, weight: f64, at: Moment<'_, T>, bar: 
             }
         }
         Term::Acceleration => add_acceleration_gradient(weight, at, bar),
+        Term::Strain { .. }
+        | Term::Above { .. }
+        | Term::Within { .. }
+        | Term::Clearance { .. }
+        | Term::Force { .. } => {}
     }
 }
 

@@ -100,6 +100,8 @@ fn instance(backend: &dyn Backend, model: Model, frames: usize) -> Instance {
         controls: Arc::new(controls),
         frames,
         objective: Objective { groups: vec!["chamfer".into()], terms: Arc::new(terms) },
+        world: Arc::default(),
+        motion: Arc::default(),
     }
 }
 
@@ -112,7 +114,13 @@ fn everything() -> (Outputs, GradientRequest) {
             diagnostics: true,
             ..Outputs::default()
         },
-        GradientRequest { controls: true, initial: true, final_state: true, cut_every: 0 },
+        GradientRequest {
+            controls: true,
+            initial: true,
+            final_state: true,
+            cut_every: 0,
+            ..GradientRequest::default()
+        },
     )
 }
 
@@ -126,6 +134,8 @@ fn roll(model: Model, initial: State, frames: usize) -> Rollout {
         controls: Arc::new(controls),
         frames,
         objective: Objective::default(),
+        world: Arc::default(),
+        motion: Arc::default(),
     };
     let outputs = Outputs { every: 1, final_state: true, diagnostics: true, ..Outputs::default() };
     backend.roll_out(&[instance], &outputs, &CancelToken::default()).unwrap().remove(0)

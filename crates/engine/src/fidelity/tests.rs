@@ -101,6 +101,8 @@ fn the_backend_takes_every_variant_and_it_does_not_diverge() {
             frames: 30,
             model: loaded,
             objective: Objective::default(),
+            world: Arc::default(),
+            motion: Arc::default(),
         };
         let outputs = Outputs { final_state: true, ..Outputs::default() };
         let out = backend.roll_out(&[instance], &outputs, &CancelToken::default()).unwrap();

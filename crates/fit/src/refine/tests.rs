@@ -1,6 +1,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use bendtwin_core::{FitSettings, Observer, Params, Progress, Stage, settings::GradientWindow};
+use bendtwin_core::{
+    Environment, FitSettings, Observer, Params, Progress, Stage, settings::GradientWindow,
+};
 use bendtwin_engine::{
     Device, Loaded, Model,
     backend::{Error as EngineError, Gradient, Loss, Outputs, Rollout},
@@ -40,6 +42,13 @@ impl Backend for Watched {
     }
     fn with_params(&self, loaded: &Loaded, params: Params) -> Result<Loaded, EngineError> {
         self.cpu.with_params(loaded, params)
+    }
+    fn with_environment(
+        &self,
+        loaded: &Loaded,
+        environment: Environment,
+    ) -> Result<Loaded, EngineError> {
+        self.cpu.with_environment(loaded, environment)
     }
     fn roll_out(
         &self,

@@ -49,6 +49,8 @@ impl Windows {
             controls: controls.clone(),
             frames: window.count,
             objective: objective.clone(),
+            world: Arc::default(),
+            motion: Arc::default(),
         }
     }
 }

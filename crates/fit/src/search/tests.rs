@@ -3,7 +3,7 @@ use std::sync::{
     atomic::{AtomicUsize, Ordering},
 };
 
-use bendtwin_core::{Capture, FitSettings, Params};
+use bendtwin_core::{Capture, Environment, FitSettings, Params};
 use bendtwin_engine::{
     Model,
     backend::{
@@ -54,6 +54,9 @@ impl Backend for Counting {
     }
     fn with_params(&self, _: &Loaded, _: Params) -> Result<Loaded, EngineError> {
         panic!("a search loads")
+    }
+    fn with_environment(&self, _: &Loaded, _: Environment) -> Result<Loaded, EngineError> {
+        unreachable!("no test changes the environment")
     }
     fn roll_out(
         &self,

@@ -94,6 +94,7 @@ fn kind(kind: Option<&Kind>, field: impl Fn(&str) -> String) -> Result<(), Error
             Ok(())
         }
         Some(Kind::Smoothness(_)) => Ok(()),
+        Some(_) => Err(Error::field(field("kind"), "is not served yet")),
     }
 }
 
@@ -111,7 +112,7 @@ fn points(cost: &Cost) -> u128 {
     let tensor = match &cost.kind {
         Some(Kind::TargetCloud(cloud)) => cloud.points.as_ref(),
         Some(Kind::Keypoints(keypoints)) => keypoints.targets.as_ref(),
-        Some(Kind::Smoothness(_)) | None => None,
+        Some(_) | None => None,
     };
     tensor.and_then(|t| t.shape.first()).map_or(0, |n| u128::from(*n))
 }

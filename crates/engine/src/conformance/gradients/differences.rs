@@ -132,8 +132,13 @@ fn flat(points: &[Point]) -> Vec<f32> {
 }
 
 /// Everything that a gradient can have.
-pub(super) const REQUEST: GradientRequest =
-    GradientRequest { cut_every: 0, controls: true, initial: true, final_state: false };
+pub(super) const REQUEST: GradientRequest = GradientRequest {
+    cut_every: 0,
+    controls: true,
+    initial: true,
+    final_state: false,
+    ..GradientRequest::PARAMS
+};
 
 /// Parameters of a check.
 pub(super) struct Check {

@@ -17,8 +17,13 @@ use crate::{
     },
 };
 
-pub(super) const REQUEST: GradientRequest =
-    GradientRequest { cut_every: 0, controls: false, initial: false, final_state: true };
+pub(super) const REQUEST: GradientRequest = GradientRequest {
+    cut_every: 0,
+    controls: false,
+    initial: false,
+    final_state: true,
+    ..GradientRequest::PARAMS
+};
 
 /// Two runs, with their initial states and scenes.
 pub(super) struct Pair {
