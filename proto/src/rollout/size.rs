@@ -7,8 +7,8 @@ use crate::v1::{RollOutRequest, returns::Encoding};
 
 /// Tag and length of a nested message below 128 bytes.
 const HEAD: u64 = 2;
-/// Longest encoding of `Diagnostics`: four floats and a count.
-const DIAGNOSTICS: u64 = HEAD + 4 * 5 + 6;
+/// Longest encoding of `Diagnostics`: six floats and a count.
+const DIAGNOSTICS: u64 = HEAD + 6 * 5 + 6;
 /// Longest encoding of a `Divergence`: three counts.
 const DIVERGENCE: u64 = HEAD + 3 * 6;
 /// Longest encoding of everything else: first_instance, timing, worker, fidelity, substeps,

@@ -175,6 +175,7 @@ fn a_batch_comes_back_with_everything_that_was_asked_for() {
         weight: Some(0.5),
         when: When::EveryFrame.into(),
         kind: Some(Kind::Smoothness(Smoothness {})),
+        ..Cost::default()
     });
     request.returns = Some(Returns {
         every_frames: 2,
@@ -265,6 +266,7 @@ fn a_given_state_starts_each_instance() {
             positions: Some(Tensor::pack_points(&[2, 4], &positions)),
             velocities: None,
             twists: None,
+            ..GivenState::default()
         })),
     });
     request.returns = Some(Returns { final_state: true, ..Returns::default() });

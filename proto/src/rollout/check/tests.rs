@@ -80,8 +80,11 @@ fn sound_requests_pass() {
     };
     let given = |shape: &[usize]| {
         let positions = Some(Tensor::pack(shape, &vec![0.0f32; shape.iter().product()]));
-        let given =
-            GivenState { positions: positions.clone(), velocities: positions, twists: None };
+        let given = GivenState {
+            positions: positions.clone(),
+            velocities: positions,
+            ..GivenState::default()
+        };
         Some(InitialState { state: Some(State::Given(given)) })
     };
     assert_eq!(with(&|r| r.initial = given(&[5, 3])), Ok(()));
@@ -148,6 +151,7 @@ proptest! {
             positions: Some(tensor.clone()),
             velocities: Some(tensor.clone()),
             twists: Some(tensor.clone()),
+            ..GivenState::default()
         };
         let actions = if as_poses {
             Actions::Poses(GripperPoses {

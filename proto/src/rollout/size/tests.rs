@@ -49,6 +49,8 @@ fn reply(
             kinetic_energy: 1.0,
             elastic_energy: 1.0,
             ground_contacts: u32::MAX,
+            max_control_strain: 1.0,
+            control_depth_m: 1.0,
         };
         reply.diagnostics = vec![most; n];
     }
@@ -96,6 +98,7 @@ proptest! {
             final_state: flags[0],
             diagnostics: flags[1],
             control_gradients: flags[2],
+            ..Returns::default()
         };
         let request = RollOutRequest {
             costs: vec![Cost::default(); terms],

@@ -138,8 +138,9 @@ fn poses(controls: usize) -> Vec<(&'static str, GripperPoses)> {
 fn states(nodes: usize) -> Vec<(&'static str, State)> {
     let points =
         |count: usize, value: f32| Some(Tensor::pack(&[count, 3], &vec![value; count * 3]));
-    let given =
-        |positions, velocities| State::Given(GivenState { positions, velocities, twists: None });
+    let given = |positions, velocities| {
+        State::Given(GivenState { positions, velocities, twists: None, ..GivenState::default() })
+    };
     let frame = |capture: &str, sequence, frame| {
         State::CaptureFrame(CaptureFrame { capture: capture.to_owned(), sequence, frame })
     };
