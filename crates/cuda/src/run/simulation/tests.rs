@@ -2,7 +2,12 @@ use super::*;
 
 fn state(twists: &[f32]) -> State {
     let points = |z: f32| vec![[1.0, 2.0, z], [4.0, 5.0, z]];
-    State { positions: points(3.0), velocities: points(6.0), twists: twists.to_vec() }
+    State {
+        positions: points(3.0),
+        velocities: points(6.0),
+        twists: twists.to_vec(),
+        ..State::default()
+    }
 }
 
 /// A fit compares a model with rods and one without from the same state, and leaves its twists
