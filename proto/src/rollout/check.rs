@@ -7,6 +7,7 @@ mod costs;
 mod initial;
 mod returns;
 mod tensors;
+mod times;
 
 use prost::Message as _;
 
@@ -37,6 +38,7 @@ pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> 
         "split the batch, or send fewer knots",
     )?;
     let [instances, knots] = actions::check(request.actions.as_ref(), limits)?;
+    times::check(request, knots)?;
     let frames = match request.frames {
         0 => knots - 1,
         n => u64::from(n),
@@ -68,7 +70,7 @@ pub fn check_for(
     actions::check_for(request.actions.as_ref(), twin)?;
     costs::check_for(&request.costs, twin)?;
     returns::check_for(request.returns.as_ref(), twin)?;
-    initial::check_for(request.initial.as_ref(), &batch, twin)?;
+    initial::check_for(request.initial.as_ref(), &batch, twin, request.grasps.len())?;
     if request.fidelity() == Fidelity::Fast && twin.fast_substeps.is_none() {
         return Err(Error::NoFastVariant { twin: request.twin.clone() });
     }
