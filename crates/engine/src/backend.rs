@@ -411,8 +411,9 @@ pub trait Backend: Send + Sync {
         None
     }
 
-    /// A second queue onto the same device whose work goes before this one's; it takes the models
-    /// that this one loaded. `None` where the device has one queue: cut batches into slices there.
+    /// A second queue onto the same device, for work that should go before this one's; it takes the
+    /// models that this one loaded, and computes even while all work of this one is held at a check
+    /// of its [`CancelToken`] ([`CancelToken::with_pause`]). `None` where the device has one queue: cut batches into slices there.
     fn urgent(&self) -> Option<Arc<dyn Backend>> {
         None
     }

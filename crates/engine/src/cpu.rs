@@ -56,6 +56,7 @@ use crate::{
 pub struct CpuBackend {
     /// `None` on a machine that gives us no threads: then the caller's own does everything.
     pool: Option<Arc<rayon::ThreadPool>>,
+    threads: usize,
 }
 
 /// A backend on all cores that this process may use.
@@ -77,9 +78,10 @@ struct Resident {
 impl CpuBackend {
     /// On so many threads (at least one).
     pub fn new(threads: usize) -> Self {
-        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1));
+        let threads = threads.max(1);
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = builder.thread_name(|i| format!("bendtwin-cpu-{i}")).build();
-        Self { pool: pool.ok().map(Arc::new) }
+        Self { pool: pool.ok().map(Arc::new), threads }
     }
 
     fn make(model: Arc<Model>, layout: Arc<Layout>) -> Loaded {
@@ -220,6 +222,12 @@ impl Backend for CpuBackend {
         decay: Decay,
     ) -> Result<Box<dyn Optimizer>, Error> {
         Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
+    }
+
+    /// As many threads again: those of this one may all be held at the end of a frame.
+    fn urgent(&self) -> Option<Arc<dyn Backend>> {
+        self.pool.as_ref()?;
+        Some(Arc::new(Self::new(self.threads)))
     }
 }
 
