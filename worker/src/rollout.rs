@@ -6,6 +6,7 @@ mod checked;
 mod costs;
 mod error;
 mod execute;
+mod grasping;
 mod initial;
 mod interpolate;
 mod lru;

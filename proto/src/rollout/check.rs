@@ -10,6 +10,7 @@ mod numbers;
 mod plausibility;
 mod returns;
 mod tensors;
+mod times;
 mod vary;
 mod world;
 
@@ -47,6 +48,7 @@ pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> 
         "split the batch, or send fewer knots",
     )?;
     let [instances, knots] = actions::check(request.actions.as_ref(), limits)?;
+    times::check(request, knots)?;
     let frames = match request.frames {
         0 => knots - 1,
         n => u64::from(n),
@@ -82,7 +84,7 @@ pub fn check_for(
     actions::check_for(request.actions.as_ref(), twin)?;
     costs::check_for(&request.costs, twin)?;
     returns::check_for(request.returns.as_ref(), twin)?;
-    initial::check_for(request.initial.as_ref(), &batch, twin)?;
+    initial::check_for(request.initial.as_ref(), &batch, twin, request.grasps.len())?;
     grasps::check_for(request, twin)?;
     if request.fidelity() == Fidelity::Fast && twin.fast_substeps.is_none() {
         return Err(Error::NoFastVariant { twin: request.twin.clone() });

@@ -29,7 +29,10 @@ static TENSOR: Message = Message(&[]);
 static TRAJECTORIES: Message = Message(&[(1, &TENSOR)]);
 static POSES: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
 static INITIAL: Message = Message(&[(3, &GIVEN)]);
-static GIVEN: Message = Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR)]);
+static GIVEN: Message =
+    Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR), (4, &TENSOR), (5, &GRASPING)]);
+static GRASPING: Message = Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR)]);
+static KNOT_TIMES: Message = Message(&[(1, &TENSOR)]);
 static COST: Message = Message(&[(4, &CLOUD), (5, &KEYPOINTS)]);
 static CLOUD: Message = Message(&[(1, &TENSOR)]);
 static KEYPOINTS: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
@@ -49,6 +52,7 @@ static REQUEST: Message = Message(&[
     (9, &WORLD),
     (GRASPS, &GRASP),
     (11, &VARY),
+    (15, &KNOT_TIMES),
 ]);
 
 /// Checks an encoded [`RollOutRequest`](crate::v1::RollOutRequest) for parts that take far more

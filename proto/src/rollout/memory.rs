@@ -25,6 +25,10 @@ const NAME: u64 = 64;
 /// A control point in a frame: dense controls in single precision, and as the engine reads them.
 const CONTROL: u64 = 12;
 const CONTROL_READ: u64 = 16;
+/// A node that a grasp may hold.
+const HOLD: u64 = 20;
+/// A frame's place among the knots: four knots with their weights.
+const CURVE: u64 = 96;
 /// Its gradient, as the engine adds it up and as it is returned.
 const CONTROL_GRADIENT: u64 = 28;
 /// A node (or control point) of a simulation that runs: its state, forces, velocities before and
@@ -90,8 +94,14 @@ pub fn memory(
     let making = if returns.encoding() == Encoding::Int16 { MAKING_INT16 } else { MAKING };
     let messages = making + if part_instances == 0 { 0 } else { STREAMED_MESSAGES };
     let targets = u64::try_from(targets(&request.costs, batch)).unwrap_or(u64::MAX);
-    let state =
-        sum(&[mul(&[24, twin.nodes]), mul(&[4, rods]), mul(&[CONTROL, twin.controls]), INSTANCE]);
+    let holds = if request.grasps.is_empty() { 0 } else { mul(&[HOLD, twin.nodes]) };
+    let state = sum(&[
+        mul(&[24, twin.nodes]),
+        mul(&[4, rods]),
+        mul(&[CONTROL, twin.controls]),
+        holds,
+        INSTANCE,
+    ]);
     let starts = match request.initial.as_ref().and_then(|initial| initial.state.as_ref()) {
         Some(State::Given(_)) => mul(&[state, instances]),
         _ => state,
@@ -99,6 +109,8 @@ pub fn memory(
     let fixed = sum(&[
         mul(&[messages, part]),
         mul(&[TARGET, targets]),
+        // Place and curve of each frame among the knots, shared by all instances.
+        mul(&[CURVE, boundaries]),
         // Costs by instance, of all parts where the best are chosen.
         mul(&[instances, 16]),
         starts,
@@ -117,7 +129,7 @@ pub fn memory(
         targets,
         surroundings::running_bytes(request, batch, twin),
     ]);
-    if returns.control_gradients {
+    if returns.control_gradients || returns.action_gradients {
         prepared = sum(&[
             prepared,
             mul(&[CONTROL, boundaries, twin.controls]),

@@ -7,7 +7,9 @@ use super::{
     surroundings,
     twin::TwinShape,
 };
-use crate::v1::{RollOutRequest, returns::Encoding};
+use crate::v1::{
+    ControlTrajectories, GripperPoses, RollOutRequest, returns::Encoding, roll_out_request::Actions,
+};
 
 /// Tag and length of a nested message below 128 bytes.
 const HEAD: u64 = 2;
@@ -60,6 +62,7 @@ pub fn reply_bytes(
     let has_arrays = returns.every_frames > 0
         || returns.final_state
         || returns.control_gradients
+        || returns.action_gradients
         || returns.forces;
     if has_arrays || returns.best > 0 {
         sum.tensor(1, 4, &[holders]);
@@ -79,11 +82,38 @@ pub fn reply_bytes(
         if let Some(rods @ 1..) = twin.rods {
             sum.tensor(2, 4, &[holders, rods]);
         }
+        sum.tensor(2, 4, &[holders, twin.controls, 3]);
+        if !request.grasps.is_empty() {
+            let mut grasping = Sum(0);
+            grasping.tensor(1, 4, &[holders, request.grasps.len() as u64]);
+            grasping.tensor(1, 4, &[holders, twin.nodes]);
+            grasping.tensor(1, 4, &[holders, twin.nodes, 3]);
+            sum.message(2, &grasping);
+        }
     }
     if returns.control_gradients {
         sum.tensor(1, 4, &[ranked, batch.frames.saturating_add(1), twin.controls, 3]);
     }
+    if returns.action_gradients {
+        let each = request.actions.as_ref().map_or(0, |actions| action_numbers(actions, batch));
+        // The shape is as long as that of the actions, with R instead of B.
+        sum.tensor(2, 4, &[ranked, batch.knots, each, 1]);
+        sum.add(10);
+    }
     sum.0
+}
+
+/// Numbers of the actions of one instance in one knot.
+pub(super) fn action_numbers(actions: &Actions, batch: &Batch) -> u64 {
+    let (Actions::Trajectories(ControlTrajectories { positions: tensor, .. })
+    | Actions::Poses(GripperPoses { poses: tensor, .. })) = actions;
+    let all = tensor.as_ref().map_or(0, |t| t.data.len() as u64 / 4);
+    all.checked_div(batch.instances.saturating_mul(batch.knots)).unwrap_or(0)
+}
+
+/// Bytes of the encoding of a length.
+fn length(n: u64) -> u64 {
+    varint_len(usize::try_from(n).unwrap_or(usize::MAX)) as u64
 }
 
 /// Bytes so far; what overflows stays at the largest number, which exceeds every limit.
@@ -96,7 +126,6 @@ impl Sum {
 
     /// A tensor field whose tag takes `tag` bytes and whose elements take `width` each.
     pub(super) fn tensor(&mut self, tag: u64, width: u64, shape: &[u64]) {
-        let length = |n: u64| varint_len(usize::try_from(n).unwrap_or(usize::MAX)) as u64;
         let data = shape.iter().fold(width, |product, d| product.saturating_mul(*d));
         let dims: u64 = shape.iter().map(|d| length(*d)).sum();
         let inside = (2 + 2 + dims).saturating_add(data).saturating_add(1 + length(data));
@@ -105,8 +134,7 @@ impl Sum {
 
     /// A message inside this one, whose tag takes `tag` bytes.
     pub(super) fn message(&mut self, tag: u64, inside: &Self) {
-        let length = varint_len(usize::try_from(inside.0).unwrap_or(usize::MAX)) as u64;
-        self.add(inside.0.saturating_add(tag + length));
+        self.add(inside.0.saturating_add(tag + length(inside.0)));
     }
 }
 

@@ -2,14 +2,19 @@
 
 use std::{ops::Range, time::Instant};
 
-use bendtwin_core::CancelToken;
+use bendtwin_core::{CancelToken, Point};
 use bendtwin_engine::{
     Backend as _,
-    backend::{GradientRequest, Instance, Outputs, Rollout},
+    backend::{Gradient, GradientRequest, Instance, Outputs, Rollout},
 };
 use bendtwin_proto::v1::{RollOutResponse, roll_out_response::Timing};
 
-use super::{error::Error, initial::Starts, plan::Plan, reply};
+use super::{
+    error::Error,
+    initial::Starts,
+    plan::Plan,
+    reply::{self, Gradients},
+};
 use crate::cut;
 use crate::device::QueuedBackend;
 
@@ -46,9 +51,9 @@ impl Execution<'_> {
         let outputs = self.plan.returns.outputs();
         for range in self.parts() {
             let indices: Vec<usize> = range.clone().collect();
-            let rollouts = self.roll_out(&indices, &outputs)?;
+            let (rollouts, controls) = self.roll_out(&indices, &outputs)?;
             let mut part = reply::summary(self.plan, range, &rollouts);
-            reply::add_recordings(self.plan, &indices, &rollouts, &mut part);
+            reply::add_recordings(self.plan, &indices, &rollouts, &controls, &mut part);
             self.add_gradients(&indices, &mut part)?;
             emit(self.signed(part))?;
         }
@@ -67,7 +72,7 @@ impl Execution<'_> {
         let mut held: Option<RollOutResponse> = None;
         for range in self.parts() {
             let indices: Vec<usize> = range.clone().collect();
-            let rollouts = self.roll_out(&indices, &outputs)?;
+            let (rollouts, _) = self.roll_out(&indices, &outputs)?;
             costs.extend(rollouts.iter().map(reply::cost));
             let part = reply::summary(self.plan, range, &rollouts);
             if let Some(previous) = held.replace(part) {
@@ -76,12 +81,12 @@ impl Execution<'_> {
         }
         let Some(mut last) = held else { return Ok(()) };
         let chosen = lowest(&costs, best);
-        let rollouts = if self.plan.returns.has_recordings() {
+        let (rollouts, controls) = if self.plan.returns.has_recordings() {
             self.roll_out(&chosen, &self.plan.returns.outputs())?
         } else {
-            Vec::new()
+            (Vec::new(), Vec::new())
         };
-        reply::add_recordings(self.plan, &chosen, &rollouts, &mut last);
+        reply::add_recordings(self.plan, &chosen, &rollouts, &controls, &mut last);
         self.add_gradients(&chosen, &mut last)?;
         emit(self.signed(last))
     }
@@ -90,13 +95,24 @@ impl Execution<'_> {
         cut::runs(0..self.plan.instances(), self.plan.part)
     }
 
-    fn roll_out(&self, indices: &[usize], outputs: &Outputs) -> Result<Vec<Rollout>, Error> {
+    /// Rollouts of instances and, with their final states, the control points there [m], shape
+    /// [instances, C, 3].
+    fn roll_out(
+        &self,
+        indices: &[usize],
+        outputs: &Outputs,
+    ) -> Result<(Vec<Rollout>, Vec<Point>), Error> {
         let mut rollouts = Vec::with_capacity(indices.len());
+        let mut controls = Vec::new();
+        let width = self.plan.twin().graph.control_count();
         for run in cut::runs(0..indices.len(), self.plan.prepared) {
             let batch = self.batch(&indices[run]);
             rollouts.extend(self.backend.roll_out(&batch, outputs, self.cancel)?);
+            for instance in batch.iter().filter(|_| outputs.final_state) {
+                controls.extend_from_slice(&instance.controls[self.plan.frames * width..]);
+            }
         }
-        Ok(rollouts)
+        Ok((rollouts, controls))
     }
 
     fn batch(&self, indices: &[usize]) -> Vec<Instance> {
@@ -104,23 +120,33 @@ impl Execution<'_> {
     }
 
     fn add_gradients(&self, indices: &[usize], part: &mut RollOutResponse) -> Result<(), Error> {
-        if !self.plan.returns.control_gradients {
+        let (plan, returns) = (self.plan, &self.plan.returns);
+        if !returns.has_gradients() {
             return Ok(());
         }
-        if self.plan.objective.terms.is_empty() {
-            // All costs are switched off: nothing depends on the controls.
-            reply::add_gradients(self.plan, &vec![Vec::new(); indices.len()], part);
-            return Ok(());
+        let mut gradients = Gradients::default();
+        for run in cut::runs(0..indices.len(), plan.prepared) {
+            let indices = &indices[run];
+            // Without terms all costs are switched off: nothing depends on the controls.
+            let results = if plan.objective.terms.is_empty() {
+                vec![Gradient::default(); indices.len()]
+            } else {
+                let batch = self.batch(indices);
+                let motion = returns.action_gradients && batch.iter().any(|i| i.world.bodies > 0);
+                let request =
+                    GradientRequest { controls: true, motion, ..GradientRequest::default() };
+                self.backend.gradients(&batch, &request, self.cancel)?
+            };
+            for (index, result) in indices.iter().zip(results) {
+                if returns.action_gradients {
+                    let start = &self.starts.of(*index).controls;
+                    gradients.actions.extend(plan.actions.gradient(*index, start, &result));
+                }
+                // Per-spring gradients are not returned: let go of them at once.
+                gradients.controls.push(result.controls);
+            }
         }
-        let request = GradientRequest { controls: true, ..GradientRequest::default() };
-        let mut gradients = Vec::with_capacity(indices.len());
-        for run in cut::runs(0..indices.len(), self.plan.prepared) {
-            let batch = self.batch(&indices[run]);
-            let results = self.backend.gradients(&batch, &request, self.cancel)?;
-            // Per-spring gradients are not returned: let go of them at once.
-            gradients.extend(results.into_iter().map(|g| g.controls));
-        }
-        reply::add_gradients(self.plan, &gradients, part);
+        reply::add_gradients(plan, &gradients, part);
         Ok(())
     }
 

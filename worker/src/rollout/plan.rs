@@ -8,7 +8,7 @@ use bendtwin_engine::{Objective, backend::Instance};
 use bendtwin_proto::rollout::TwinShape;
 
 use super::{
-    actions::Actions,
+    actions::{Actions, Horizon},
     checked::Checked,
     costs,
     error::Error,
@@ -24,6 +24,8 @@ pub(super) struct Plan {
     pub(super) frames: usize,
     pub(super) objective: Objective,
     pub(super) returns: Returns,
+    /// Number of grasps.
+    pub(super) grasps: usize,
     /// Instances of one part of the reply.
     pub(super) part: usize,
     /// Instances that are prepared at once.
@@ -41,14 +43,17 @@ impl Plan {
         let Checked { request, batch, prepared, .. } = checked;
         let graph = &served.warm.twin.graph;
         let (instances, frames) = (batch.instances as usize, batch.frames as usize);
-        let actions = Actions::read(request.actions, graph.control_count())?;
+        let fps = served.warm.twin.timing.fps;
+        let horizon = Horizon { frames, fps, times: request.knot_times };
+        let actions = Actions::read(request.actions, graph.control_count(), horizon)?;
         let objective = costs::read(request.costs, frames)?;
         let returns = Returns::read(request.returns, instances)?;
         let wanted = Wanted::read(request.initial, graph, instances)?;
 
+        let grasps = request.grasps.len();
         let part = if part_instances == 0 { instances } else { part_instances as usize };
         let part = part.min(instances);
-        Ok((Self { actions, frames, objective, returns, part, prepared, served }, wanted))
+        Ok((Self { actions, frames, objective, returns, grasps, part, prepared, served }, wanted))
     }
 
     /// The twin.
@@ -64,7 +69,7 @@ impl Plan {
     /// An instance, ready for the engine.
     pub(super) fn instance(&self, index: usize, starts: &Starts) -> Instance {
         let start = starts.of(index);
-        let controls: Vec<Point> = self.actions.controls(index, self.frames, &start.controls);
+        let controls: Vec<Point> = self.actions.controls(index, &start.controls);
         Instance {
             model: self.served.loaded.clone(),
             initial: Arc::clone(&start.state),

@@ -9,7 +9,7 @@ use bendtwin_proto::v1::{
     roll_out_response::{Deviation, Diagnostics, Divergence},
 };
 
-use super::plan::Plan;
+use super::{grasping, plan::Plan};
 
 /// The cost of an instance as it is reported: never NaN.
 pub(super) fn cost(rollout: &Rollout) -> f64 {
@@ -66,12 +66,13 @@ pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) ->
     }
 }
 
-/// Recorded positions and final states. Frames that a diverged instance did not reach are NaN (with
+/// Recorded positions and final states, whose control points are `controls`. Frames that a diverged instance did not reach are NaN (with
 /// INT16, which has none, the middle of the extent).
 pub(super) fn add_recordings(
     plan: &Plan,
     instances: &[usize],
     rollouts: &[Rollout],
+    controls: &[Point],
     part: &mut RollOutResponse,
 ) {
     let returns = &plan.returns;
@@ -118,20 +119,41 @@ pub(super) fn add_recordings(
             }
             part.final_twists = Some(Tensor::pack(&[rollouts.len(), rods], &twists));
         }
+        let shape = [rollouts.len(), graph.control_count()];
+        part.final_controls = Some(Tensor::pack_points(&shape, controls));
+        if plan.grasps > 0 {
+            let states = rollouts.iter().map(|r| r.final_state.as_ref());
+            part.final_grasping = Some(grasping::pack(states, plan.grasps, n));
+        }
     }
 }
 
-/// Gradients of the instances in the same order as the recordings.
-pub(super) fn add_gradients(plan: &Plan, gradients: &[Vec<Point>], part: &mut RollOutResponse) {
-    let (rows, width) = (plan.frames + 1, plan.twin().graph.control_count());
-    let mut values = Vec::with_capacity(gradients.len() * rows * width);
-    for gradient in gradients {
-        // Gradients of a diverged instance are zero.
-        let end = values.len() + rows * width;
-        values.extend(gradient.iter().take(rows * width));
-        values.resize(end, [0.0; 3]);
+/// Gradients of instances in the same order as the recordings.
+#[derive(Default)]
+pub(super) struct Gradients {
+    /// By control positions, shape [F + 1, C, 3] each; empty: zero.
+    pub(super) controls: Vec<Vec<Point>>,
+    /// By the actions, one instance after another.
+    pub(super) actions: Vec<f32>,
+}
+
+/// Gradients of the instances that recordings are of.
+pub(super) fn add_gradients(plan: &Plan, gradients: &Gradients, part: &mut RollOutResponse) {
+    let count = gradients.controls.len();
+    if plan.returns.control_gradients {
+        let (rows, width) = (plan.frames + 1, plan.twin().graph.control_count());
+        let mut values = Vec::with_capacity(count * rows * width);
+        for gradient in &gradients.controls {
+            // Gradients of a diverged instance are zero.
+            let end = values.len() + rows * width;
+            values.extend(gradient.iter().take(rows * width));
+            values.resize(end, [0.0; 3]);
+        }
+        part.control_gradients = Some(Tensor::pack_points(&[count, rows, width], &values));
     }
-    part.control_gradients = Some(Tensor::pack_points(&[gradients.len(), rows, width], &values));
+    if plan.returns.action_gradients {
+        part.action_gradients = Some(plan.actions.pack_gradients(count, &gradients.actions));
+    }
 }
 
 fn extend_padded(out: &mut Vec<Point>, values: &[Point], len: usize) {

@@ -22,6 +22,7 @@ pub(super) struct Returns {
     pub(super) final_state: bool,
     pub(super) diagnostics: bool,
     pub(super) control_gradients: bool,
+    pub(super) action_gradients: bool,
 }
 
 impl Returns {
@@ -42,6 +43,7 @@ impl Returns {
             final_state: wire.final_state,
             diagnostics: wire.diagnostics,
             control_gradients: wire.control_gradients,
+            action_gradients: wire.action_gradients,
         })
     }
 
@@ -57,12 +59,17 @@ impl Returns {
 
     /// True if arrays beside the costs are wanted.
     pub(super) fn has_arrays(&self) -> bool {
-        self.every > 0 || self.final_state || self.control_gradients
+        self.has_recordings() || self.has_gradients()
     }
 
     /// True if the arrays need a simulation beside that of the costs.
     pub(super) fn has_recordings(&self) -> bool {
         self.every > 0 || self.final_state
+    }
+
+    /// True if the arrays need a run backward.
+    pub(super) fn has_gradients(&self) -> bool {
+        self.control_gradients || self.action_gradients
     }
 
     /// Outputs of the engine where arrays are wanted.

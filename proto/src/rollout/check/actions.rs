@@ -99,7 +99,7 @@ fn batch(instances: u64, knots: u64, field: &str, limits: &Limits) -> Result<(),
 
 fn interpolation(field: &str, wire: i32) -> Result<(), Error> {
     Interpolation::try_from(wire).map(drop).map_err(|_| {
-        Error::field(field, format!("has the unknown value {wire}: use LINEAR or CUBIC"))
+        Error::field(field, format!("has the unknown value {wire}: use LINEAR, CUBIC or ZERO"))
     })
 }
 

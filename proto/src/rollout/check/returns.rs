@@ -17,9 +17,15 @@ pub(super) fn check(request: &RollOutRequest) -> Result<(), Error> {
     if let Some(nodes) = given(returns.nodes.as_ref()) {
         node_list(Some(nodes), NODES)?;
     }
-    if returns.control_gradients && request.costs.is_empty() {
+    let gradients = [
+        ("returns.control_gradients", returns.control_gradients),
+        ("returns.action_gradients", returns.action_gradients),
+    ];
+    if let Some((field, _)) = gradients.into_iter().find(|(_, wanted)| *wanted)
+        && request.costs.is_empty()
+    {
         let fault = "needs at least one cost to differentiate: add one to `costs`";
-        return Err(Error::field("returns.control_gradients", fault));
+        return Err(Error::field(field, fault));
     }
     Ok(())
 }

@@ -47,12 +47,14 @@ fn each_fault_is_refused_and_named() {
 #[test]
 fn what_needs_no_twin_is_refused_without_one() {
     // Only the twin tells about these.
-    const NEEDS_TWIN: [&str; 12] = [
+    const NEEDS_TWIN: [&str; 14] = [
         "no controls",
         "a control too many",
         "a control too many of a gripper",
         "a node short",
         "a node too many",
+        "a control too many in the state",
+        "a grasp too many in the state",
         "a frame of an imported twin's capture",
         "a node that is not there",
         "node 2^32 - 1",

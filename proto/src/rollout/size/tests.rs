@@ -5,7 +5,7 @@ use prost::Message as _;
 
 use super::*;
 use crate::v1::{
-    Cost, Fidelity, Returns, RollOutResponse, Tensor,
+    Cost, Fidelity, Grasp, Grasping, Returns, RollOutResponse, Tensor,
     roll_out_response::{Deviation, Diagnostics, Divergence, Implausible, Timing},
 };
 
@@ -61,7 +61,10 @@ fn reply(
         reply.diagnostics = vec![most; n];
     }
     let holders = if returns.best == 0 { covered } else { u64::from(returns.best).min(covered) };
-    let has_arrays = returns.every_frames > 0 || returns.final_state || returns.control_gradients;
+    let has_arrays = returns.every_frames > 0
+        || returns.final_state
+        || returns.control_gradients
+        || returns.action_gradients;
     if has_arrays || returns.best > 0 {
         reply.instances = Some(tensor(&[holders], 4));
     }
@@ -78,6 +81,16 @@ fn reply(
         reply.final_positions = Some(tensor(&[holders, twin.nodes, 3], 4));
         reply.final_velocities = reply.final_positions.clone();
         reply.final_twists = twin.rods.map(|rods| tensor(&[holders, rods], 4));
+        reply.final_controls = Some(tensor(&[holders, twin.controls, 3], 4));
+        let grasps = request.grasps.len() as u64;
+        reply.final_grasping = (grasps > 0).then(|| Grasping {
+            phases: Some(tensor(&[holders, grasps], 4)),
+            holders: Some(tensor(&[holders, twin.nodes], 4)),
+            places: Some(tensor(&[holders, twin.nodes, 3], 4)),
+        });
+    }
+    if returns.action_gradients {
+        reply.action_gradients = Some(tensor(&[holders, batch.knots, twin.controls, 3], 4));
     }
     if returns.control_gradients {
         let shape = [holders, batch.frames + 1, twin.controls, 3];
@@ -92,8 +105,8 @@ proptest! {
         (instances, frames, part) in (1u64..400, 1u64..40, 0u32..30),
         (nodes, controls, rods) in (1u64..200, 1u64..5, prop::option::of(1u64..3)),
         (every_frames, best, chosen) in (0u32..9, 0u32..5, prop::option::of(1usize..9)),
-        (encoding, terms) in (0i32..3, 0usize..20),
-        flags in any::<[bool; 4]>(),
+        (encoding, terms, grasps) in (0i32..3, 0usize..20, 0usize..3),
+        flags in any::<[bool; 5]>(),
     ) {
         let part = if best > 0 { 0 } else { part };
         let returns = Returns {
@@ -104,9 +117,15 @@ proptest! {
             final_state: flags[0],
             diagnostics: flags[1],
             control_gradients: flags[2],
+            action_gradients: flags[4],
             ..Returns::default()
         };
+        let shape = [instances as usize, 2, controls as usize];
+        let positions = Tensor::pack_points(&shape, &vec![[0.0; 3]; shape.iter().product()]);
+        let trajectories = ControlTrajectories { positions: Some(positions), interpolation: 0 };
         let request = RollOutRequest {
+            actions: Some(Actions::Trajectories(trajectories)),
+            grasps: vec![Grasp::default(); grasps],
             costs: vec![Cost::default(); terms],
             returns: flags[3].then_some(returns),
             ..RollOutRequest::default()
