@@ -100,7 +100,7 @@ pub fn reply_bytes(
             grasping.tensor(1, 4, &[holders, request.grasps.len() as u64]);
             grasping.tensor(1, 4, &[holders, twin.nodes]);
             grasping.tensor(1, 4, &[holders, twin.nodes, 3]);
-            sum.add(grasping.0.saturating_add(2 + length(grasping.0)));
+            sum.message(2, &grasping);
         }
     }
     if returns.control_gradients {
@@ -157,8 +157,7 @@ impl Sum {
 
     /// A message inside this one, whose tag takes `tag` bytes.
     pub(super) fn message(&mut self, tag: u64, inside: &Self) {
-        let length = varint_len(usize::try_from(inside.0).unwrap_or(usize::MAX)) as u64;
-        self.add(inside.0.saturating_add(tag + length));
+        self.add(inside.0.saturating_add(tag + length(inside.0)));
     }
 }
 
