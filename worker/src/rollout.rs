@@ -17,6 +17,7 @@ mod reply;
 mod returns;
 mod serve;
 mod service;
+mod settle;
 mod warm;
 
 pub(crate) use self::{

@@ -62,6 +62,7 @@ pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) ->
         fidelity: fidelity.into(),
         substeps: plan.served.loaded.model().timing.substeps,
         deviation,
+        mass_kg: plan.twin().mass_kg,
         ..RollOutResponse::default()
     }
 }

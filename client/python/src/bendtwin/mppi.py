@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.actions import InitialState, Interpolation, Rest
 from bendtwin.costs import Cost
+from bendtwin.interpolate import Interpolation
 from bendtwin.rollout import Fidelity
+from bendtwin.state import InitialState, Rest
 from bendtwin.twin import Twin
 
 Knots = npt.NDArray[np.float32]
