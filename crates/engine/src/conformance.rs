@@ -143,7 +143,8 @@ suite! { ($)
     ground:
         bouncing_node_loses_restitution_squared,
         sliding_node_stops_by_coulomb_friction,
-        friction_holds_on_a_slope;
+        friction_holds_on_a_slope,
+        what_lies_still_reports_no_speed;
     contact:
         colliding_objects_exchange_momentum,
         a_node_takes_the_mean_of_its_contacts,
@@ -156,8 +157,10 @@ suite! { ($)
         bend_damping_never_raises_energy;
     objectives:
         losses_match_their_definitions,
+        frame_costs_match_their_definitions,
         outputs_are_as_asked,
-        diagnostics_match_the_state;
+        velocities_are_those_of_the_motion,
+        diagnostics_match_the_motion;
     gradients:
         gradients_match_finite_differences,
         gradients_of_a_straight_rod,
@@ -165,6 +168,7 @@ suite! { ($)
         gradients_through_ground_contact,
         gradients_through_object_contact,
         gradients_of_every_term,
+        norms_are_those_of_restarts,
         cut_gradients_are_sums_of_windows;
     batches:
         batch_equals_one_by_one,

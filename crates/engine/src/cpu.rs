@@ -35,9 +35,9 @@ use bendtwin_core::{CancelToken, Environment, Params};
 use rayon::prelude::*;
 
 use self::{
-    diagnostics::{Observer, point, state_of},
-    parameters::Parameters,
-    real::quad,
+    diagnostics::{Observer, state_of},
+    parameters::{Parameters, saturate},
+    real::{Quad, Real, quad},
     rollout::{Scorer, Simulation, nodes_of, twists_of},
     system::{Layout, System},
 };
@@ -46,6 +46,7 @@ use crate::{
     backend::{
         Backend, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss, Outputs, Rollout,
     },
+    model::State,
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
 
@@ -55,6 +56,7 @@ use crate::{
 pub struct CpuBackend {
     /// `None` on a machine that gives us no threads: then the caller's own does everything.
     pool: Option<Arc<rayon::ThreadPool>>,
+    threads: usize,
 }
 
 /// A backend on all cores that this process may use.
@@ -76,9 +78,10 @@ struct Resident {
 impl CpuBackend {
     /// On so many threads (at least one).
     pub fn new(threads: usize) -> Self {
-        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1));
+        let threads = threads.max(1);
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = builder.thread_name(|i| format!("bendtwin-cpu-{i}")).build();
-        Self { pool: pool.ok().map(Arc::new) }
+        Self { pool: pool.ok().map(Arc::new), threads }
     }
 
     fn make(model: Arc<Model>, layout: Arc<Layout>) -> Loaded {
@@ -121,6 +124,11 @@ fn simulation(instance: &Instance) -> Result<Simulation<'_, f32>, Error> {
     })
 }
 
+/// A gradient by a point as a client sees it.
+fn gradient_point<T: Real>(x: Quad<T>) -> [f32; 3] {
+    [saturate(x[0]), saturate(x[1]), saturate(x[2])]
+}
+
 impl Backend for CpuBackend {
     fn device(&self) -> Device {
         let lanes = self.pool.as_ref().map_or(1, |pool| pool.current_num_threads());
@@ -160,13 +168,14 @@ impl Backend for CpuBackend {
             check::outputs(index, instance, outputs)?;
         }
         self.each(batch, |simulation| {
-            let mut scorer = Scorer::new(simulation.objective, simulation.system.surface);
+            let mut scorer = Scorer::new(simulation);
             let mut observer = Observer::new(simulation, outputs);
             let diverged = simulation.run(cancel, |frame, now| {
                 scorer.see(frame, &now.nodes[..simulation.system.nodes]);
                 observer.see(frame, now);
             })?;
-            Ok(observer.finish(scorer.finish(diverged)))
+            let (loss, frame_costs) = scorer.finish(diverged, simulation.frames);
+            Ok(observer.finish(loss, frame_costs))
         })
     }
 
@@ -183,7 +192,15 @@ impl Backend for CpuBackend {
         self.each(batch, |simulation| {
             let g = gradient::gradient(simulation, request.cut_every, cancel)?;
             let diverged = g.loss.diverged.is_some();
-            let controls = g.controls.into_iter().map(point);
+            // Nothing was differentiated then, and zero would say that nothing matters.
+            let unknown = |p: [f32; 3]| if diverged { [f32::NAN; 3] } else { p };
+            let controls = g.controls.into_iter().map(|x| unknown(gradient_point(x)));
+            let initial = || State {
+                positions: g.initial.iter().map(|n| unknown(gradient_point(n.x))).collect(),
+                velocities: g.initial.iter().map(|n| unknown(gradient_point(n.v))).collect(),
+                twists: g.initial_twists.iter().map(|&x| unknown([saturate(x); 3])[0]).collect(),
+                ..State::default()
+            };
             Ok(Gradient {
                 overflowed: !g.parameters.fit_f32(),
                 loss: g.loss,
@@ -191,8 +208,8 @@ impl Backend for CpuBackend {
                 controls: if request.controls { controls.collect() } else { Vec::new() },
                 poses: Vec::new(),
                 rolls: Vec::new(),
-                norms: Vec::new(),
-                initial: request.initial.then(|| state_of(&g.initial, &g.initial_twists)),
+                norms: if request.norms { g.norms } else { Vec::new() },
+                initial: request.initial.then(initial),
                 final_state: (request.final_state && !diverged)
                     .then(|| state_of(&g.last, &g.last_twists)),
             })
@@ -205,6 +222,12 @@ impl Backend for CpuBackend {
         decay: Decay,
     ) -> Result<Box<dyn Optimizer>, Error> {
         Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
+    }
+
+    /// As many threads again: those of this one may all be held at the end of a frame.
+    fn urgent(&self) -> Option<Arc<dyn Backend>> {
+        self.pool.as_ref()?;
+        Some(Arc::new(Self::new(self.threads)))
     }
 }
 

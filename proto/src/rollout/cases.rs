@@ -1,6 +1,8 @@
 //! Requests that are right but for one thing, for tests: the check, the server and the worker must
 //! refuse each of them with the same fault.
 
+mod surroundings;
+
 use bytes::Bytes;
 
 use super::TwinShape;
@@ -32,6 +34,11 @@ pub fn sound(twin: &TwinShape) -> RollOutRequest {
         costs: vec![cost(keypoints(&[0], 1))],
         ..RollOutRequest::default()
     }
+}
+
+/// The same by poses of a gripper, with a collider and a grasp.
+pub fn sound_in_a_world(twin: &TwinShape) -> RollOutRequest {
+    surroundings::sound(&sound(twin))
 }
 
 /// Requests with one fault each for a twin, which has neither rods nor a capture nor a fast
@@ -68,7 +75,8 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
     add("100001 frames", "`frames`", RollOutRequest { frames: 100_001, ..good.clone() });
     add("2^32 - 1 frames", "`frames`", RollOutRequest { frames: u32::MAX, ..good.clone() });
     add("fidelity 7", "`fidelity`", RollOutRequest { fidelity: 7, ..good.clone() });
-    add("no fast variant", "fast variant", RollOutRequest { fidelity: 2, ..good });
+    add("no fast variant", "fast variant", RollOutRequest { fidelity: 2, ..good.clone() });
+    cases.extend(surroundings::malformed(&good, twin));
     cases
 }
 

@@ -4,14 +4,24 @@
 
 mod actions;
 mod costs;
+mod grasps;
 mod initial;
+mod numbers;
+mod plausibility;
 mod returns;
 mod tensors;
 mod times;
+mod vary;
+mod world;
 
 use prost::Message as _;
 
-pub(super) use self::costs::targets;
+pub use self::vary::members;
+pub(super) use self::{
+    costs::targets,
+    vary::sets,
+    world::{bodies_of, parts},
+};
 use super::{Error, Limits, TwinShape, memory, size};
 use crate::v1::{Fidelity, RollOutRequest};
 
@@ -52,6 +62,10 @@ pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> 
     costs::check(&request.costs, &batch, limits)?;
     returns::check(request)?;
     initial::check(request.initial.as_ref(), &batch)?;
+    world::check(request, knots, limits)?;
+    grasps::check(request, &batch)?;
+    vary::check(request, &batch, limits)?;
+    plausibility::check(request)?;
     Ok(batch)
 }
 
@@ -71,6 +85,7 @@ pub fn check_for(
     costs::check_for(&request.costs, twin)?;
     returns::check_for(request.returns.as_ref(), twin)?;
     initial::check_for(request.initial.as_ref(), &batch, twin, request.grasps.len())?;
+    grasps::check_for(request, twin)?;
     if request.fidelity() == Fidelity::Fast && twin.fast_substeps.is_none() {
         return Err(Error::NoFastVariant { twin: request.twin.clone() });
     }
@@ -105,8 +120,9 @@ pub fn too_much_memory(asked: u64, limit: u64) -> Error {
 
 /// Work of a checked request, in element substeps.
 pub fn work(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u128 {
-    let each = twin.work(request.fidelity(), batch.frames) + costs::work(&request.costs, batch);
-    each.saturating_mul(u128::from(batch.instances))
+    let each = twin.work(request.fidelity(), batch.frames, world::work(request))
+        + costs::work(&request.costs, batch);
+    each.saturating_mul(u128::from(batch.instances)).saturating_mul(u128::from(members(request)))
 }
 
 /// Fidelity that a request asks for.

@@ -3,7 +3,7 @@
 
 use prost::Message as _;
 
-use super::{check::Batch, check::targets, size::reply_bytes, twin::TwinShape};
+use super::{check::Batch, check::targets, size::reply_bytes, surroundings, twin::TwinShape};
 use crate::v1::{RollOutRequest, initial_state::State, returns::Encoding};
 
 /// Messages of a reply that are there at once when it is streamed: one is made, two wait, one is
@@ -114,17 +114,20 @@ pub fn memory(
         // Costs by instance, of all parts where the best are chosen.
         mul(&[instances, 16]),
         starts,
+        surroundings::fixed_bytes(request, batch, twin),
     ]);
 
     let endpoints = twin.nodes.saturating_add(twin.controls);
     let elements = sum(&[twin.springs, twin.triplets, rods]);
     let mut prepared =
         sum(&[mul(&[CONTROL, boundaries, twin.controls]), mul(&[2, names]), INSTANCE]);
+    prepared = sum(&[prepared, surroundings::prepared_bytes(request, batch)]);
     let mut running = sum(&[
         mul(&[CONTROL_READ, boundaries, twin.controls]),
         mul(&[NODE, endpoints]),
         // Terms in the order of their frames.
         targets,
+        surroundings::running_bytes(request, batch, twin),
     ]);
     if returns.control_gradients || returns.action_gradients {
         prepared = sum(&[

@@ -2,7 +2,11 @@
 
 use prost::length_delimiter_len as varint_len;
 
-use super::{check::Batch, twin::TwinShape};
+use super::{
+    check::{Batch, members},
+    surroundings,
+    twin::TwinShape,
+};
 use crate::v1::{
     ControlTrajectories, GripperPoses, RollOutRequest, returns::Encoding, roll_out_request::Actions,
 };
@@ -38,20 +42,28 @@ pub fn reply_bytes(
     let mut sum = Sum(names.sum::<u64>().saturating_add(REST));
     sum.tensor(1, 8, &[covered]);
     sum.tensor(1, 8, &[covered, terms]);
-    sum.add(covered.saturating_mul(DIVERGENCE));
-    let Some(returns) = &request.returns else { return sum.0 };
+    let members = members(request);
+    sum.add(covered.saturating_mul(members).saturating_mul(DIVERGENCE));
+    let Some(returns) = &request.returns else {
+        surroundings::add_reply(request, batch, twin, [covered, 0], &mut sum);
+        return sum.0;
+    };
 
     if returns.diagnostics {
-        sum.add(covered.saturating_mul(DIAGNOSTICS));
+        sum.add(covered.saturating_mul(members).saturating_mul(DIAGNOSTICS));
     }
-    let holders = match returns.best {
+    let ranked = match returns.best {
         0 => covered,
         best => u64::from(best).min(batch.instances),
     };
+    // Of an ensemble arrays are by member, gradients by action.
+    let holders = ranked.saturating_mul(members);
+    surroundings::add_reply(request, batch, twin, [covered, holders], &mut sum);
     let has_arrays = returns.every_frames > 0
         || returns.final_state
         || returns.control_gradients
-        || returns.action_gradients;
+        || returns.action_gradients
+        || returns.forces;
     if has_arrays || returns.best > 0 {
         sum.tensor(1, 4, &[holders]);
     }
@@ -80,12 +92,12 @@ pub fn reply_bytes(
         }
     }
     if returns.control_gradients {
-        sum.tensor(1, 4, &[holders, batch.frames.saturating_add(1), twin.controls, 3]);
+        sum.tensor(1, 4, &[ranked, batch.frames.saturating_add(1), twin.controls, 3]);
     }
     if returns.action_gradients {
         let each = request.actions.as_ref().map_or(0, |actions| action_numbers(actions, batch));
         // The shape is as long as that of the actions, with R instead of B.
-        sum.tensor(2, 4, &[holders, batch.knots, each, 1]);
+        sum.tensor(2, 4, &[ranked, batch.knots, each, 1]);
         sum.add(10);
     }
     sum.0
@@ -105,19 +117,25 @@ fn length(n: u64) -> u64 {
 }
 
 /// Bytes so far; what overflows stays at the largest number, which exceeds every limit.
-struct Sum(u64);
+pub(super) struct Sum(pub(super) u64);
 
 impl Sum {
-    fn add(&mut self, bytes: u64) {
+    pub(super) fn add(&mut self, bytes: u64) {
         self.0 = self.0.saturating_add(bytes);
     }
 
     /// A tensor field whose tag takes `tag` bytes and whose elements take `width` each.
-    fn tensor(&mut self, tag: u64, width: u64, shape: &[u64]) {
+    pub(super) fn tensor(&mut self, tag: u64, width: u64, shape: &[u64]) {
         let data = shape.iter().fold(width, |product, d| product.saturating_mul(*d));
         let dims: u64 = shape.iter().map(|d| length(*d)).sum();
         let inside = (2 + 2 + dims).saturating_add(data).saturating_add(1 + length(data));
         self.add(inside.saturating_add(tag + length(inside)));
+    }
+
+    /// A message inside this one, whose tag takes `tag` bytes.
+    pub(super) fn message(&mut self, tag: u64, inside: &Self) {
+        let length = varint_len(usize::try_from(inside.0).unwrap_or(usize::MAX)) as u64;
+        self.add(inside.0.saturating_add(tag + length));
     }
 }
 

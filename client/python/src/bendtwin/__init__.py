@@ -14,8 +14,7 @@ from bendtwin.client import Client
 from bendtwin.costs import Cost, Keypoints, Smoothness, TargetCloud
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.geometry import Geometry, Ground
-from bendtwin.interpolate import Interpolation, interpolate, interpolate_poses
-from bendtwin.mppi import Mppi
+from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.resources import Capture, Fault, Fit, Job, JobState, Progress, TwinInfo, Worker
 from bendtwin.rollout import Deviation, Diagnostics, Divergence, Returns, RolloutResult, Timing
 from bendtwin.state import (
@@ -52,7 +51,6 @@ __all__ = [
     "Job",
     "JobState",
     "Keypoints",
-    "Mppi",
     "Progress",
     "Rest",
     "Returns",

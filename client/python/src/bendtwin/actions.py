@@ -1,12 +1,24 @@
-"""Actions of a rollout."""
+"""Inputs of a rollout: actions, and what comes with them."""
 
 from __future__ import annotations
 
 import numpy.typing as npt
 
-from bendtwin.interpolate import Interpolation
+from bendtwin.interpolation import Interpolation
+from bendtwin.state import CaptureFrame, GivenState, InitialState, Rest
 from bendtwin.tensors import pack_floats, pack_indices
 from bendtwin.v1 import rollout_pb2
+
+__all__ = [
+    "CaptureFrame",
+    "GivenState",
+    "InitialState",
+    "Interpolation",
+    "Rest",
+    "control_trajectories",
+    "gripper_poses",
+    "knot_times",
+]
 
 _INTERPOLATIONS: dict[str, rollout_pb2.Interpolation] = {
     "linear": rollout_pb2.LINEAR,

@@ -11,7 +11,7 @@ from bendtwin.actions import control_trajectories, gripper_poses, knot_times
 from bendtwin.costs import Cost
 from bendtwin.errors import translated
 from bendtwin.geometry import Geometry
-from bendtwin.interpolate import Interpolation
+from bendtwin.interpolation import Interpolation
 from bendtwin.resources import TwinInfo
 from bendtwin.rollout import FIDELITIES, Fidelity, Returns, RolloutResult
 from bendtwin.state import InitialState, Rest

@@ -5,10 +5,11 @@
 use super::{
     adjoint::Adjoint,
     lanes::Node,
-    loss::{Moment, Terms},
+    loss::{Moment, TermBars, Terms},
     parameters::Parameters,
     real::{Quad, Real, add},
     rollout::{Scorer, Simulation},
+    system::System,
 };
 use bendtwin_core::CancelToken;
 
@@ -29,6 +30,9 @@ pub(crate) struct LossGradient<T> {
     pub(crate) last: Vec<Node<T>>,
     /// Twists after the last frame, shape [R].
     pub(crate) last_twists: Vec<T>,
+    /// Norm of d loss / d positions of the nodes that nothing pins, shape [F + 1]; NaN if it
+    /// diverged.
+    pub(crate) norms: Vec<f64>,
 }
 
 /// Loss and gradient; `cut_every` as in [`crate::backend::GradientRequest`].
@@ -39,7 +43,7 @@ pub(crate) fn gradient<T: Real>(
 ) -> Result<LossGradient<T>, Error> {
     let system = simulation.system;
     let n = system.nodes;
-    let mut scorer = Scorer::new(simulation.objective, system.surface);
+    let mut scorer = Scorer::new(simulation);
     let mut states: Vec<Vec<Node<T>>> = Vec::new();
     let mut twists: Vec<Vec<T>> = Vec::new();
     let diverged = simulation.run(cancel, |frame, now| {
@@ -47,15 +51,27 @@ pub(crate) fn gradient<T: Real>(
         states.push(now.nodes[..n].to_vec());
         twists.push(now.twists.clone());
     })?;
-    let loss = scorer.finish(diverged);
+    let (loss, _) = scorer.finish(diverged, simulation.frames);
     let mut adjoint = Adjoint::zero(system);
     let mut controls = vec![[T::ZERO; 4]; simulation.controls.len()];
+    let mut rest_lengths = vec![T::ZERO; system.parameters.rest_lengths_m.len()];
+    let mut norms = vec![f64::NAN; simulation.frames + 1];
     if diverged.is_none() {
         let terms = Terms::new(simulation.objective);
-        let mut backward = Backward { simulation, states: &states, twists: &twists, terms };
+        let mut backward = Backward {
+            simulation,
+            states: &states,
+            twists: &twists,
+            terms,
+            rest_lengths: &mut rest_lengths,
+            norms: &mut norms,
+        };
         backward.run(&mut adjoint, &mut controls, cut_every, cancel)?;
     }
-    let parameters = adjoint.parameters(system);
+    let mut parameters = adjoint.parameters(system);
+    for (all, by_terms) in parameters.rest_lengths_m.iter_mut().zip(rest_lengths) {
+        *all += by_terms;
+    }
     adjoint.bar.truncate(n);
     Ok(LossGradient {
         loss,
@@ -65,6 +81,7 @@ pub(crate) fn gradient<T: Real>(
         initial_twists: adjoint.twist_bar,
         last: states.pop().unwrap_or_default(),
         last_twists: twists.pop().unwrap_or_default(),
+        norms,
     })
 }
 
@@ -75,6 +92,10 @@ struct Backward<'a, T> {
     /// Frame-end twists, shape [F + 1, R].
     twists: &'a [Vec<T>],
     terms: Terms<'a>,
+    /// d loss / d rest lengths by terms that depend on them directly, shape [E].
+    rest_lengths: &'a mut [T],
+    /// Shape [F + 1].
+    norms: &'a mut [f64],
 }
 
 impl<T: Real> Backward<'_, T> {
@@ -93,9 +114,12 @@ impl<T: Real> Backward<'_, T> {
                 adjoint.bar.fill(Node::default());
                 adjoint.twist_bar.fill(T::ZERO);
             }
-            if let Some(moment) = self.moment(frame) {
-                self.terms.add_gradient(frame, moment, &mut adjoint.bar);
+            if let Some(moment) = moment(self.states, frame, simulation.system) {
+                let rest_lengths = &mut *self.rest_lengths;
+                let mut bars = TermBars { nodes: &mut adjoint.bar, rest_lengths };
+                self.terms.add_gradient(frame, moment, &mut bars);
             }
+            self.norms[frame] = norm(simulation.system, &adjoint.bar);
             if frame == 0 {
                 break;
             }
@@ -122,26 +146,39 @@ impl<T: Real> Backward<'_, T> {
         Ok(())
     }
 
-    fn moment(&self, frame: usize) -> Option<Moment<'_, T>> {
-        let now = self.states.get(frame)?;
-        let earlier = match frame.checked_sub(2) {
-            Some(two) => Some([&*self.states[frame - 1], &*self.states[two]]),
-            None => None,
-        };
-        Some(Moment { now, earlier, surface: self.simulation.system.surface })
-    }
-
     /// Terms of the next two frames that look back at this one.
     fn add_later_terms(&self, frame: usize, bar: &mut [Node<T>]) {
         if !self.terms.look_back() {
             return;
         }
         for back in [1, 2] {
-            if let Some(moment) = self.moment(frame + back) {
+            let system = self.simulation.system;
+            if let Some(moment) = moment(self.states, frame + back, system) {
                 self.terms.add_gradient_back(frame + back, back, moment, bar);
             }
         }
     }
+}
+
+/// A frame's end, with the two before it; `None` after the last.
+fn moment<'a, T>(
+    states: &'a [Vec<Node<T>>],
+    frame: usize,
+    system: &'a System<T>,
+) -> Option<Moment<'a, T>> {
+    let now = states.get(frame)?;
+    let earlier = match frame.checked_sub(2) {
+        Some(two) => Some([&*states[frame - 1], &*states[two]]),
+        None => None,
+    };
+    Some(Moment { now, earlier, system })
+}
+
+/// Norm of d loss / d positions; what is pinned does not move by itself.
+fn norm<T: Real>(system: &System<T>, bar: &[Node<T>]) -> f64 {
+    let free = bar.iter().zip(&system.inverse_mass).filter(|(_, m)| **m > T::ZERO);
+    let square = |x: Quad<T>| x[..3].iter().map(|x| x.to_f64().powi(2)).sum::<f64>();
+    free.map(|(bar, _)| square(bar.x)).sum::<f64>().sqrt()
 }
 
 fn accumulate<T: Real>(into: &mut [Quad<T>], from: &[Quad<T>]) {

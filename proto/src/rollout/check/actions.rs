@@ -2,6 +2,7 @@
 
 use super::{
     Error, Limits, TwinShape,
+    numbers::SHORTEST_QUATERNION,
     tensors::{finite, floats, given, indices, required},
     within,
 };
@@ -10,9 +11,6 @@ use crate::v1::{Interpolation, roll_out_request::Actions, tensor::Dtype};
 const POSITIONS: &str = "trajectories.positions";
 const POSES: &str = "poses.poses";
 const GRIPPERS: &str = "poses.gripper_of_control";
-
-/// Shortest quaternion that has a direction.
-const SHORTEST_QUATERNION: f32 = 1e-6;
 
 /// Number of instances B and of knots K.
 pub(super) fn check(actions: Option<&Actions>, limits: &Limits) -> Result<[u64; 2], Error> {

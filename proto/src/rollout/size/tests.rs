@@ -6,8 +6,13 @@ use prost::Message as _;
 use super::*;
 use crate::v1::{
     Cost, Fidelity, Grasp, Grasping, Returns, RollOutResponse, Tensor,
-    roll_out_response::{Deviation, Diagnostics, Divergence, Timing},
+    roll_out_response::{Deviation, Diagnostics, Divergence, Implausible, Timing},
 };
+
+fn implausible() -> Implausible {
+    let reason = "CONTROL_IN_OBSTACLE".to_owned();
+    Implausible { instance: u32::MAX, reason, found: 1.0, limit: 1.0, frame: u32::MAX }
+}
 
 /// The reply of a worker in which every number takes as many bytes as it can.
 fn reply(
@@ -30,6 +35,7 @@ fn reply(
         cost_names: (0..terms).map(|i| format!("cost{i}")).collect(),
         cost_terms: Some(Tensor::pack(&[n, terms], &vec![0.0f64; n * terms])),
         diverged: vec![Divergence { instance: u32::MAX, frame: u32::MAX, node: u32::MAX }; n],
+        implausible: vec![implausible(); 4 * n],
         timing: Some(Timing { queue_s: 1.0, compute_s: 1.0 }),
         worker: format!("workers/{}", "0".repeat(36)),
         fidelity: Fidelity::Fast.into(),

@@ -100,16 +100,18 @@ class GradientOptions(_message.Message):
     def __init__(self, reach_frames: _Optional[int] = ..., smoothing_m: _Optional[float] = ...) -> None: ...
 
 class Plausibility(_message.Message):
-    __slots__ = ("start_gap_m", "control_speed_m_s", "strain", "refuse")
+    __slots__ = ("start_gap_m", "control_speed_m_s", "strain", "refuse", "control_depth_m")
     START_GAP_M_FIELD_NUMBER: _ClassVar[int]
     CONTROL_SPEED_M_S_FIELD_NUMBER: _ClassVar[int]
     STRAIN_FIELD_NUMBER: _ClassVar[int]
     REFUSE_FIELD_NUMBER: _ClassVar[int]
+    CONTROL_DEPTH_M_FIELD_NUMBER: _ClassVar[int]
     start_gap_m: float
     control_speed_m_s: float
     strain: float
     refuse: bool
-    def __init__(self, start_gap_m: _Optional[float] = ..., control_speed_m_s: _Optional[float] = ..., strain: _Optional[float] = ..., refuse: bool = ...) -> None: ...
+    control_depth_m: float
+    def __init__(self, start_gap_m: _Optional[float] = ..., control_speed_m_s: _Optional[float] = ..., strain: _Optional[float] = ..., refuse: bool = ..., control_depth_m: _Optional[float] = ...) -> None: ...
 
 class ControlTrajectories(_message.Message):
     __slots__ = ("positions", "interpolation")

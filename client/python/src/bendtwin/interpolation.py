@@ -105,9 +105,9 @@ def _places(
             seconds = np.arange(count, dtype=np.float64) * float(period_s or 0.0)
         if seconds.shape != (count,):
             raise ValueError(f"at_s has shape {seconds.shape}, there are {count} knots")
-        times = seconds * fps
-        whole = np.round(times)
-        times = np.where(np.abs(times - whole) < _ON_FRAME, whole, times).astype(np.float64)
+        exact: _Doubles = seconds * fps
+        whole = np.round(exact)
+        times = np.where(np.abs(exact - whole) < _ON_FRAME, whole, exact)
         now = np.arange(frames + 1, dtype=np.float64)
         knot = np.searchsorted(times, now, side="right") - 1
         after = np.minimum(knot + 1, count - 1)
