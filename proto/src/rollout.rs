@@ -14,6 +14,7 @@ mod limits;
 mod memory;
 mod parts;
 mod size;
+pub mod split;
 mod twin;
 
 /// Metadata of a call from the server to a worker: the length of its message, for which the worker

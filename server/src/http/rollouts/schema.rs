@@ -1,4 +1,4 @@
-//! Schemas of rollout.proto's messages for the OpenAPI document, from their descriptors and
+//! Schemas of the messages of rollout.proto and world.proto for the OpenAPI document, from their descriptors and
 //! comments.
 
 use std::{borrow::Cow, collections::HashMap};
@@ -16,7 +16,7 @@ use utoipa::{
     openapi::{RefOr, Schema, schema::Ref},
 };
 
-const FILE: &str = "bendtwin/v1/rollout.proto";
+const FILES: [&str; 2] = ["bendtwin/v1/rollout.proto", "bendtwin/v1/world.proto"];
 const PACKAGE: &str = ".bendtwin.v1.";
 
 /// Numbers of the fields of descriptors in the paths of comments.
@@ -71,7 +71,7 @@ fn schema(name: &str) -> RefOr<Schema> {
 fn all() -> Vec<(String, RefOr<Schema>)> {
     let Ok(set) = FileDescriptorSet::decode(DESCRIPTORS) else { return Vec::new() };
     let mut messages = Messages::default();
-    for file in set.file.iter().filter(|f| f.name() == FILE) {
+    for file in set.file.iter().filter(|f| FILES.contains(&f.name())) {
         let comments = comments(file);
         for words in &file.enum_type {
             messages.words(PACKAGE, words);
