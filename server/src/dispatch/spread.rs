@@ -5,11 +5,7 @@
 
 use std::sync::Arc;
 
-use bendtwin_proto::{
-    rollout::split,
-    v1::RollOutResponse,
-    worker::v1::ExecuteRollOutRequest,
-};
+use bendtwin_proto::{rollout::split, v1::RollOutResponse, worker::v1::ExecuteRollOutRequest};
 use futures::future::try_join_all;
 
 use super::{
@@ -74,7 +70,8 @@ impl Dispatch {
         };
         // The parts, and what is made of them.
         let share = self.memory.reply(reply_bytes.saturating_mul(2));
-        let share = tokio::time::timeout_at(deadline, share).await.map_err(|_| Error::Deadline)??;
+        let share =
+            tokio::time::timeout_at(deadline, share).await.map_err(|_| Error::Deadline)??;
         let runs = split::runs(batch.instances, sharers.len() as u64);
         let parts = runs.zip(sharers).map(|(run, worker)| {
             let share = (run.end - run.start) as f64 / batch.instances.max(1) as f64;

@@ -13,7 +13,7 @@ use bendtwin_engine::{
 };
 
 use crate::{
-    device::{Device, queue::Queue},
+    device::{Device, queue::Queue, specialization::WorldParts},
     plan::{
         choice::{Purpose, choose},
         graphs::Graphs,
@@ -143,7 +143,7 @@ impl CudaBackend {
         let needed =
             batch.iter().map(|i| simulation::bytes_of(i, RetainedStates::All)).sum::<u64>();
         self.refuse_too_large(needed)?;
-        let simulation = Simulation::new(&self.queue, batch, RetainedStates::All)?;
+        let simulation = Simulation::new(&self.queue, batch, RetainedStates::All, false)?;
         let gradients = batch.iter().map(backward::bytes_of).sum::<u64>();
         let mut room = self.room().saturating_sub(needed).saturating_sub(gradients);
         // Tapes that fit are written by the forward pass; others when they are needed.
@@ -168,10 +168,11 @@ impl CudaBackend {
         &'a self,
         batch: &'a [Instance],
         retained: RetainedStates,
+        measured: bool,
         cancel: &CancelToken,
     ) -> Result<SimulatedBatch<'a>, Error> {
         self.refuse_too_large(batch.iter().map(|i| simulation::bytes_of(i, retained)).sum())?;
-        let simulation = Simulation::new(&self.queue, batch, retained)?;
+        let simulation = Simulation::new(&self.queue, batch, retained, measured)?;
         simulation.run(None, cancel)?;
         let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
         let scores =
@@ -194,7 +195,8 @@ impl CudaBackend {
         outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        let simulated = self.score(batch, retained_states(batch, outputs), cancel)?;
+        let retained = retained_states(batch, outputs);
+        let simulated = self.score(batch, retained, outputs.forces, cancel)?;
         let losses = simulated.losses()?;
         let frame_costs =
             if outputs.frame_costs { simulated.frame_costs()? } else { vec![vec![]; batch.len()] };
@@ -373,7 +375,8 @@ impl Backend for CudaBackend {
         let graph = self.graphs.get(&self.device, &model.graph)?;
         let resident = Resident::new(&self.device, &graph, &model.params)?;
         // One shape is made now, so that what cannot run is refused here.
-        choose(&self.device.capabilities, &resident, &model, Purpose::Forward, 1, 1)?;
+        let (device, world) = (&self.device.capabilities, WorldParts::default());
+        choose(device, &resident, &model, Purpose::Forward, world, 1, 1)?;
         crate::device::synchronize(&self.device.normal)?;
         Ok(Loaded::new(model, Arc::new(resident)))
     }
@@ -423,7 +426,7 @@ impl Backend for CudaBackend {
         let bytes = |i: &Instance| simulation::bytes_of(i, retained);
         let mut losses = Vec::with_capacity(batch.len());
         for chunk in Self::chunks(batch, self.room(), bytes) {
-            let done = self.score(&batch[chunk], retained, cancel).and_then(|m| m.losses());
+            let done = self.score(&batch[chunk], retained, false, cancel).and_then(|m| m.losses());
             losses.extend(self.settled(done)?);
         }
         Ok(losses)
@@ -464,7 +467,8 @@ impl Backend for CudaBackend {
     fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
         let resident = resident(model).ok()?;
         let (capabilities, purpose) = (&self.device.capabilities, Purpose::Forward);
-        let plan = choose(capabilities, resident, model.model(), purpose, batch, batch).ok()?;
+        let (model, world) = (model.model(), WorldParts::default());
+        let plan = choose(capabilities, resident, model, purpose, world, batch, batch).ok()?;
         Some(plan.team.to_string())
     }
 }
