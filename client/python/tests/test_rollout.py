@@ -4,11 +4,11 @@ from fake import TWIN
 
 from bendtwin import (
     CaptureFrame,
-    GivenState,
     Clearance,
     ControlPath,
     ControlSpeed,
     Force,
+    GivenState,
     Height,
     Keypoints,
     Returns,
@@ -130,7 +130,7 @@ def test_wrong_costs_are_refused_before_they_are_sent(twin):
         TargetCloud(points=[[np.nan, 0, 0]]),
     ]
     for cost in wrong:
-        with pytest.raises(ValueError, match="shape|dimensions|finite"):
+        with pytest.raises(ValueError, match=r"shape|dimensions|finite"):
             twin.rollout(trajectories=actions(1), costs=[cost])
 
 
@@ -147,8 +147,11 @@ def test_all_arrays_come_back_with_their_shapes(twin, fake):
     )
     result = twin.rollout(trajectories=actions(2), costs=[Smoothness()], returns=asked)
     sent = fake.rollout_request.returns
-    assert sent.velocities and sent.frame_costs and sent.controls
-    assert sent.initial_gradients and sent.gradient_norms
+    assert sent.velocities
+    assert sent.frame_costs
+    assert sent.controls
+    assert sent.initial_gradients
+    assert sent.gradient_norms
     assert result.velocities.shape == result.positions.shape
     assert result.frame_costs.shape == (2, 4, 1)
     assert result.controls.shape == (2, 4, 1, 3)
@@ -157,7 +160,8 @@ def test_all_arrays_come_back_with_their_shapes(twin, fake):
     assert result.gradient_norms.shape == (2, 4)
     np.testing.assert_array_equal(result.gradient_exploded, [0, 1])
     nothing = twin.rollout(trajectories=actions(2))
-    assert nothing.velocities is None and nothing.frame_costs is None
+    assert nothing.velocities is None
+    assert nothing.frame_costs is None
 
 
 def test_a_fast_rollout_says_how_far_it_strays(twin):
