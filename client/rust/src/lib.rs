@@ -63,8 +63,8 @@ pub use self::{
     page::{Page, PageRequest},
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{
-        Cost, Deviation, Diagnostics, Divergence, GripperPoses, Reply, Rollout, RolloutTiming,
-        Rollouts,
+        Cost, Deviation, Diagnostics, Divergence, ForceBy, GripperPoses, Reply, Rollout,
+        RolloutTiming, Rollouts,
     },
     twins::Twins,
     watch::Watch,

@@ -8,7 +8,7 @@ use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
 use futures::{Stream, StreamExt as _};
 
 pub use self::{
-    cost::Cost,
+    cost::{Cost, ForceBy},
     reply::{Deviation, Diagnostics, Divergence, Reply, RolloutTiming},
     request::{GripperPoses, Rollout},
 };

@@ -11,7 +11,19 @@ with Client("127.0.0.1:7070") as client:
 """
 
 from bendtwin.client import Client
-from bendtwin.costs import Cost, Keypoints, Smoothness, TargetCloud
+from bendtwin.costs import (
+    Clearance,
+    ControlPath,
+    ControlSpeed,
+    Cost,
+    Force,
+    Height,
+    Keypoints,
+    Smoothness,
+    Strain,
+    TargetCloud,
+    Within,
+)
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.geometry import Geometry, Ground
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
@@ -33,7 +45,10 @@ __all__ = [
     "Capture",
     "CaptureFrame",
     "Category",
+    "Clearance",
     "Client",
+    "ControlPath",
+    "ControlSpeed",
     "Cost",
     "Deviation",
     "Diagnostics",
@@ -41,10 +56,12 @@ __all__ = [
     "Fault",
     "Fit",
     "FitFailed",
+    "Force",
     "Geometry",
     "GivenState",
     "Grasping",
     "Ground",
+    "Height",
     "IngestFailed",
     "InitialState",
     "Interpolation",
@@ -58,10 +75,12 @@ __all__ = [
     "Settled",
     "Smoothness",
     "State",
+    "Strain",
     "TargetCloud",
     "Timing",
     "Twin",
     "TwinInfo",
+    "Within",
     "Worker",
     "interpolate",
     "interpolate_poses",
