@@ -14,6 +14,7 @@ from bendtwin.actions import CaptureFrame, GivenState, InitialState, Rest
 from bendtwin.client import Client
 from bendtwin.costs import Cost, Keypoints, Smoothness, TargetCloud
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
+from bendtwin.motion import Motion
 from bendtwin.mppi import Mppi
 from bendtwin.resources import Capture, Fault, Fit, Job, JobState, Progress, TwinInfo, Worker
 from bendtwin.rollout import Deviation, Diagnostics, Divergence, Returns, RolloutResult, Timing
@@ -38,6 +39,7 @@ __all__ = [
     "Job",
     "JobState",
     "Keypoints",
+    "Motion",
     "Mppi",
     "Progress",
     "Rest",
