@@ -15,6 +15,7 @@ from bendtwin import (
     Client,
     JobState,
     Keypoints,
+    Motion,
     Returns,
 )
 from bendtwin.planners import (
@@ -81,6 +82,20 @@ def twin(client, folder):
     assert [t.name for t in client.twins(capture.name)] == [twin.name]
     assert twin.info.quality["scores"]
     return twin
+
+
+def test_motion_capture_becomes_an_observation(client):
+    frames, points = 40, 12
+    t = np.linspace(0, 1, frames)[:, None]
+    along = np.linspace(0, 0.3, points)[None, :]
+    rope = np.stack([along + 0 * t, 0.05 * np.sin(3 * along + 4 * t), 0.3 - 0.1 * along * t], 2)
+    rope[5, 3] = np.nan
+    motion = Motion(rope, controls=rope[:, :1], visible=np.isfinite(rope).all(axis=2))
+    edges = [[i, i + 1] for i in range(points - 1)]
+    capture = client.upload_motion([motion, motion], fps=60, display_name="two ropes", edges=edges)
+    assert capture.display_name == "two ropes"
+    assert client.wait_for_capture(capture, timeout_s=120).verdict in ("good", "usable")
+    client.delete_capture(capture.name)
 
 
 def still(twin, client, folder, batch=4, frames=6):

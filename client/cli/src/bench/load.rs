@@ -12,6 +12,7 @@ use futures::future::join_all;
 use serde::Serialize;
 use tokio_util::sync::CancellationToken;
 
+use super::size::Size;
 use crate::{global::Global, output, signals, table::Table};
 
 /// Pause of a client that was refused. Greedy ones do not wait as long as they are told to.
@@ -34,10 +35,10 @@ pub(crate) struct Load {
     #[arg(long, value_name = "N", default_value_t = 64)]
     clients: usize,
     /// Size of their rollouts: instances x frames
-    #[arg(long, value_name = "BxF", default_value = "4000x200", value_parser = size)]
+    #[arg(long, value_name = "BxF", default_value = "4000x200")]
     large: Size,
     /// Size of the small rollouts, which come one after another
-    #[arg(long, value_name = "BxF", default_value = "16x30", value_parser = size)]
+    #[arg(long, value_name = "BxF", default_value = "16x30")]
     small: Size,
     /// Time for each measurement [s]
     #[arg(long, value_name = "S", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=3600))]
@@ -45,23 +46,6 @@ pub(crate) struct Load {
     /// Leave out the fit
     #[arg(long)]
     no_fit: bool,
-}
-
-/// Size of a batch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-struct Size {
-    instances: usize,
-    frames: u32,
-}
-
-fn size(text: &str) -> Result<Size, String> {
-    let fault = || format!("`{text}` is no size: give instances x frames, 4000x200 say");
-    let (instances, frames) = text.split_once('x').ok_or_else(fault)?;
-    let size = Size {
-        instances: instances.parse().map_err(|_| fault())?,
-        frames: frames.parse().map_err(|_| fault())?,
-    };
-    if size.instances == 0 || size.frames == 0 { Err(fault()) } else { Ok(size) }
 }
 
 /// Results of one measurement.
@@ -304,30 +288,20 @@ fn text(report: &Report) -> String {
     row("fit, generations/s", &|m| {
         m.generations_per_s.map_or_else(|| "-".to_owned(), |g| format!("{g:.2}"))
     });
-    let Size { instances, frames } = report.small;
-    let small = format!("small rollouts of {instances} x {frames}");
-    let Size { instances, frames } = report.large;
+    let (small, large) = (report.small, report.large);
     let greedy = match report.clients {
         0 => String::new(),
         n => format!(
-            "; {n} greedy clients with {instances} x {frames}, {} of whose rollouts were refused",
+            "; {n} greedy clients with {large}, {} of whose rollouts were refused",
             report.large_refused
         ),
     };
-    format!("{}\n{small}{greedy}", table.text())
+    format!("{}\nsmall rollouts of {small}{greedy}", table.text())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sizes_are_instances_times_frames() {
-        assert_eq!(size("4000x200"), Ok(Size { instances: 4000, frames: 200 }));
-        for wrong in ["", "4000", "x", "0x200", "4000x0", "4000x200x3", "-1x2"] {
-            assert!(size(wrong).is_err(), "{wrong}");
-        }
-    }
 
     #[test]
     fn percentiles_are_values_that_were_measured() {

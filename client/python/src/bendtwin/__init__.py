@@ -27,6 +27,7 @@ from bendtwin.costs import (
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.geometry import Geometry, Ground
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
+from bendtwin.motion import Motion
 from bendtwin.resources import Capture, Fault, Fit, Job, JobState, Progress, TwinInfo, Worker
 from bendtwin.rollout import Deviation, Diagnostics, Divergence, Returns, RolloutResult, Timing
 from bendtwin.state import (
@@ -68,6 +69,7 @@ __all__ = [
     "Job",
     "JobState",
     "Keypoints",
+    "Motion",
     "Progress",
     "Rest",
     "Returns",

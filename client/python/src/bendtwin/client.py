@@ -5,15 +5,17 @@ from __future__ import annotations
 import json
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
 
 import grpc
+from numpy.typing import ArrayLike
 
 from bendtwin.archive import archive_of, chunks_of
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed, translated
+from bendtwin.motion import Motion, bundle, bundle_file
 from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
 from bendtwin.token import find_token, with_token
 from bendtwin.twin import Twin
@@ -100,6 +102,44 @@ class Client:
         with archive_of(path) as archive, translated():
             reply = self._captures.CreateCapture(messages(archive))
         return Capture.from_proto(reply.capture)
+
+    def upload_motion(
+        self,
+        motions: Motion | Sequence[Motion],
+        *,
+        fps: float,
+        display_name: str = "motion",
+        request_id: str | None = None,
+        ingest: dict[str, Any] | None = None,
+        units: str = "m",
+        up_axis: str = "+z",
+        ground: float | None = 0.0,
+        edges: ArrayLike | None = None,
+        rest_points: ArrayLike | None = None,
+        pins: ArrayLike | None = None,
+    ) -> Capture:
+        """Uploads motion capture: points that were tracked already, as one or several motions.
+
+        `ground` is the ground's height along `up_axis`, in `units`; None if there is none. `edges`
+        [E, 2] says which points are joined, `rest_points` [P, 3] what shape is undeformed, `pins`
+        [H, 2] which point is held by which control point. `request_id` and `ingest` are as in
+        `upload_capture`.
+        """
+        content = bundle(
+            motions,
+            fps=fps,
+            name=display_name,
+            units=units,
+            up_axis=up_axis,
+            ground=ground,
+            edges=edges,
+            rest_points=rest_points,
+            pins=pins,
+        )
+        with bundle_file(content) as path:
+            return self.upload_capture(
+                path, display_name=display_name, request_id=request_id, ingest=ingest
+            )
 
     def push_capture(
         self,
