@@ -204,6 +204,8 @@ class Fake(
             reply.frames.CopyFrom(tensor(np.arange(1, path.shape[1] + 1, dtype=np.uint32)))
         if request.returns.control_gradients:
             reply.control_gradients.CopyFrom(tensor(knots.copy()))
+        if request.returns.action_gradients:
+            reply.action_gradients.CopyFrom(tensor(knots.copy()))
         reply.diverged.add(instance=first, frame=3, node=2)
         return reply
 
