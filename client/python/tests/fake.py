@@ -205,6 +205,8 @@ class Fake(
         if request.returns.control_gradients:
             reply.control_gradients.CopyFrom(tensor(knots.copy()))
             reply.gradient_exploded.CopyFrom(tensor(np.arange(count, dtype=np.uint32)))
+        if request.returns.action_gradients:
+            reply.action_gradients.CopyFrom(tensor(knots.copy()))
         Fake._more(request.returns, reply, knots)
         reply.diverged.add(instance=first, frame=3, node=2)
         return reply

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fake import TWIN
@@ -17,7 +19,7 @@ from bendtwin import (
     TargetCloud,
     Within,
 )
-from bendtwin.planners import Cem, GradientDescent, Grippers, Mppi, Task, Together
+from bendtwin.planners import Cem, Grippers, Mppi, Task, Together
 
 
 @pytest.fixture
@@ -227,20 +229,21 @@ def test_the_first_frames_of_a_plan_are_dense(twin, fake):
     space = Together([[0.2, 0.2, 0.2]])
     task = Task(twin=twin, costs=[Smoothness()], space=space, frames=30, interpolation="cubic")
     plan = Mppi(task, knots=4).plan()
-    assert plan.path().shape == (31, 3)
-    few = plan.actions(frames=3)
+    few, all_of_it = plan.actions(frames=3), plan.actions(frames=30)
     assert few["trajectories"].shape == (1, 4, 1, 3)
-    np.testing.assert_allclose(few["trajectories"][0, :, 0], 0.2 + plan.path()[:4], atol=1e-6)
+    assert few["frames"] == 3
+    np.testing.assert_array_equal(few["trajectories"], all_of_it["trajectories"][:, :4])
+    knots = plan.actions()["trajectories"]
+    np.testing.assert_allclose(all_of_it["trajectories"][:, ::10], knots, atol=1e-6)
+    poses = replace(task, space=Grippers.around([[0.2, 0.2, 0.2]]))
+    assert poses.actions(np.zeros((4, 6)), frames=2)["poses"].shape == (1, 3, 1, 7)
     with pytest.raises(ValueError, match="30 frames"):
         plan.actions(frames=31)
 
 
-def test_gradients_by_frame_become_gradients_by_knot(twin, fake):
-    # The server of this test answers with the actions themselves as gradients, in knots.
-    task = Task(twin=twin, costs=[Smoothness()], space=Together([[0.2] * 3]), frames=3)
+def test_gradients_by_actions_become_gradients_by_knots(twin, fake):
+    # The server of this test answers with the actions themselves as gradients.
+    task = Task(twin=twin, costs=[Smoothness()], space=Together([[0.2] * 3] * 2), frames=3)
     found = task.evaluate(np.zeros((1, 4, 3)), None, gradients=True)
-    np.testing.assert_allclose(found.gradients, 0.2, atol=1e-6)
-    assert fake.rollout_request.returns.control_gradients
-    poses = Task(twin=twin, costs=[Smoothness()], space=Grippers.around([[0.2] * 3]), frames=3)
-    with pytest.raises(ValueError, match="another method"):
-        GradientDescent(poses).plan()
+    np.testing.assert_allclose(found.gradients, 0.4, atol=1e-6)
+    assert fake.rollout_request.returns.action_gradients

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy.typing as npt
 
@@ -24,8 +24,12 @@ _REST = Rest()
 _COSTS_ONLY = Returns()
 
 
-class Twin:
-    """A fitted twin at the server. Get one with `Client.twin`."""
+_Reply = TypeVar("_Reply")
+_Parts = TypeVar("_Parts")
+
+
+class Rollouts(Generic[_Reply, _Parts]):
+    """Rollouts of a fitted twin, whatever the way to wait for a reply."""
 
     def __init__(
         self,
@@ -44,15 +48,6 @@ class Twin:
         """twins/{uuid}."""
         return self.info.name
 
-    def geometry(self, *, timeout_s: float | None = None) -> Geometry:
-        """Its nodes, springs and control points; asked for once, as twins never change."""
-        if self._geometry is None:
-            request = twin_pb2.GetTwinGeometryRequest(name=self.name)
-            with translated():
-                reply = self._twins.GetTwinGeometry(request, timeout=timeout_s)
-            self._geometry = Geometry.from_proto(reply)
-        return self._geometry
-
     def rollout(
         self,
         *,
@@ -68,7 +63,7 @@ class Twin:
         returns: Returns = _COSTS_ONLY,
         fidelity: Fidelity = "exact",
         timeout_s: float | None = None,
-    ) -> RolloutResult:
+    ) -> _Reply:
         """Predicts what a batch of actions does.
 
         Args:
@@ -108,8 +103,7 @@ class Twin:
             returns,
             fidelity,
         )
-        with translated():
-            return RolloutResult.from_proto(self._rollouts.RollOut(request, timeout=timeout_s))
+        return self._send(request, timeout_s)
 
     def stream_rollout(
         self,
@@ -126,7 +120,7 @@ class Twin:
         returns: Returns = _COSTS_ONLY,
         fidelity: Fidelity = "exact",
         timeout_s: float | None = None,
-    ) -> Iterator[RolloutResult]:
+    ) -> _Parts:
         """The same in parts, as instances finish; see `RolloutResult.first_instance`."""
         request = self._request(
             trajectories,
@@ -140,9 +134,7 @@ class Twin:
             returns,
             fidelity,
         )
-        with translated():
-            for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
-                yield RolloutResult.from_proto(part)
+        return self._send_for_parts(request, timeout_s)
 
     def _request(
         self,
@@ -178,3 +170,35 @@ class Twin:
         elif poses is not None:
             request.poses.CopyFrom(gripper_poses(poses, gripper_of_control, interpolation))
         return request
+
+    def _send(self, request: rollout_pb2.RollOutRequest, timeout_s: float | None) -> _Reply:
+        raise NotImplementedError
+
+    def _send_for_parts(
+        self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
+    ) -> _Parts:
+        raise NotImplementedError
+
+
+class Twin(Rollouts[RolloutResult, Iterator[RolloutResult]]):
+    """A fitted twin at the server. Get one with `Client.twin`."""
+
+    def geometry(self, *, timeout_s: float | None = None) -> Geometry:
+        """Its nodes, springs and control points; asked for once, as twins never change."""
+        if self._geometry is None:
+            request = twin_pb2.GetTwinGeometryRequest(name=self.name)
+            with translated():
+                reply = self._twins.GetTwinGeometry(request, timeout=timeout_s)
+            self._geometry = Geometry.from_proto(reply)
+        return self._geometry
+
+    def _send(self, request: rollout_pb2.RollOutRequest, timeout_s: float | None) -> RolloutResult:
+        with translated():
+            return RolloutResult.from_proto(self._rollouts.RollOut(request, timeout=timeout_s))
+
+    def _send_for_parts(
+        self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
+    ) -> Iterator[RolloutResult]:
+        with translated():
+            for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
+                yield RolloutResult.from_proto(part)
