@@ -90,7 +90,7 @@ impl Source {
 }
 
 /// The parts of an instance's surroundings beside the ground that a kernel has code for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct WorldParts {
     pub(crate) grasps: bool,
     pub(crate) colliders: bool,
