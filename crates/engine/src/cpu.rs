@@ -30,6 +30,7 @@ pub(crate) mod parameters;
 pub(crate) mod real;
 pub(crate) mod rod;
 pub(crate) mod rollout;
+mod smooth;
 mod spring;
 mod strips;
 mod surrounded;

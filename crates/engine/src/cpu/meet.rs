@@ -12,7 +12,8 @@
 //!
 //! The substep ends at `x + tau v + (dt - tau) v'` with the velocities before and after the last one
 //! that changed it (tau = 0 if that one only pushed). The ground is that without a push, in exactly
-//! the roundings of [`super::ground`]. Prescribed nodes meet nothing.
+//! the roundings of [`super::ground`]. Prescribed nodes meet nothing. With a width of contact,
+//! [`super::smooth`] takes the place of both impact and push.
 
 use super::{
     body::{BodyFrame, Pose, add_outer, into_body, into_body_adjoint, turn, turn_back},
@@ -21,6 +22,7 @@ use super::{
     impulse::{Law, impact, impact_adjoint},
     lanes::Node,
     real::{Quad, Real, add, add_scaled, dot, scale, sub},
+    smooth::Layer,
     surroundings::{Around, Surroundings},
     system::{Ground, System},
 };
@@ -126,9 +128,15 @@ pub(crate) struct Meeting<T> {
     before: Quad<T>,
     between: Quad<T>,
     pub(crate) after: Quad<T>,
-    hits: bool,
-    pushes: bool,
+    kind: Kind,
     tau: T,
+}
+
+/// The way in which a velocity changed.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Hard { hits: bool, pushes: bool },
+    Smooth,
 }
 
 impl<T: Real> Meeting<T> {
@@ -177,9 +185,25 @@ fn meeting<T: Real>(
         before: v,
         between,
         after,
-        hits,
-        pushes,
+        kind: Kind::Hard { hits, pushes },
         tau,
+    })
+}
+
+/// The meeting with a surface in its layer.
+#[inline(always)]
+fn smooth_meeting<T: Real>(
+    with: Option<usize>,
+    surface: Surface<T>,
+    law: Law<T>,
+    layer: &Layer<T>,
+    v: Quad<T>,
+) -> Option<Meeting<T>> {
+    layer.reaches(surface.distance).then(|| {
+        let u = sub(v, surface.velocity);
+        let after = add(v, layer.change(law, surface.distance, u, surface.normal));
+        let (kind, tau) = (Kind::Smooth, T::ZERO);
+        Meeting { with, surface, law, before: v, between: after, after, kind, tau }
     })
 }
 
@@ -189,6 +213,8 @@ pub(crate) struct Scene<'a, T> {
     pub(crate) ground: Option<(Ground<T>, Law<T>)>,
     pub(crate) obstacles: &'a [Obstacle<T>],
     pub(crate) dt: T,
+    /// The layer of smooth contact, if it is smooth.
+    pub(crate) layer: Option<Layer<T>>,
 }
 
 impl<T: Real> Scene<'_, T> {
@@ -203,17 +229,25 @@ impl<T: Real> Scene<'_, T> {
         let dt = self.dt;
         let mut now = v;
         let mut path = None;
-        if let Some((ground, law)) = &self.ground
-            && hits_ground(ground, x, v, dt)
-        {
-            let m = meeting_ground(ground, *law, dt, x, v);
-            on_meeting(&m);
-            (now, path) = (m.after, Some((m.tau, m.before)));
+        if let Some((ground, law)) = &self.ground {
+            let met = match &self.layer {
+                None => hits_ground(ground, x, v, dt)
+                    .then(|| meeting_ground(ground, *law, dt, x, v)),
+                Some(layer) => smooth_meeting(None, on_ground(ground, x), *law, layer, v),
+            };
+            if let Some(m) = met {
+                on_meeting(&m);
+                (now, path) = (m.after, Some((m.tau, m.before)));
+            }
         }
         for (o, obstacle) in self.obstacles.iter().enumerate() {
             let collider = &self.of.colliders[obstacle.collider];
             let surface = obstacle.surface(collider, x);
-            if let Some(m) = meeting(o, surface, collider.law, dt, now) {
+            let met = match &self.layer {
+                None => meeting(o, surface, collider.law, dt, now),
+                Some(layer) => smooth_meeting(Some(o), surface, collider.law, layer, now),
+            };
+            if let Some(m) = met {
                 on_meeting(&m);
                 (now, path) = (m.after, Some((m.tau, m.before)));
             }
@@ -253,7 +287,11 @@ impl<T: Real> Scene<'_, T> {
             let mut in_bar = sub(before_bar, seed);
             let mut s_bar = SurfaceAdjoint::default();
             let mut between_bar = after_bar;
-            if m.pushes {
+            let (hits, pushes) = match m.kind {
+                Kind::Hard { hits, pushes } => (hits, pushes),
+                Kind::Smooth => (false, false),
+            };
+            if pushes {
                 let along = dot(n, after_bar);
                 let (speed, slope) = push(s.distance);
                 let leaves = sub(m.between, s.velocity);
@@ -264,7 +302,19 @@ impl<T: Real> Scene<'_, T> {
                 between_bar = add_scaled(after_bar, -along, n);
             }
             in_bar = add(in_bar, between_bar);
-            if m.hits {
+            if let (Kind::Smooth, Some(layer)) = (m.kind, &self.layer) {
+                let u = sub(m.before, s.velocity);
+                let (g, h_bar) = layer.change_adjoint(m.law, s.distance, u, n, after_bar);
+                if m.with.is_none() {
+                    law_bar.restitution += g.restitution;
+                    law_bar.friction += g.friction;
+                }
+                in_bar = add(in_bar, g.v);
+                s_bar.velocity = scale(g.v, -T::ONE);
+                s_bar.normal = g.normal;
+                s_bar.distance = h_bar;
+            }
+            if hits {
                 let u = sub(m.before, s.velocity);
                 let g = impact_adjoint(m.law, u, n, between_bar);
                 if m.with.is_none() {
@@ -318,8 +368,8 @@ fn meeting_ground<T: Real>(
     let after = add(v, impact(law, v, ground.normal));
     let along = dot(ground.normal, v);
     let tau = (surface.distance / -along).at_least(T::ZERO).at_most(dt);
-    let (hits, pushes) = (true, false);
-    Meeting { with: None, surface, law, before: v, between: after, after, hits, pushes, tau }
+    let kind = Kind::Hard { hits: true, pushes: false };
+    Meeting { with: None, surface, law, before: v, between: after, after, kind, tau }
 }
 
 impl<T: Real> Around<T> {

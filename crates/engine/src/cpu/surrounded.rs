@@ -14,6 +14,7 @@ use super::{
     meet::Scene,
     real::{Quad, Real, dot, scale},
     rod::rod_forces,
+    smooth::Layer,
     spring::spring_forces,
     surroundings::{Around, Surroundings},
     system::System,
@@ -162,5 +163,6 @@ fn scene<'a, T: Real>(
     obstacles: &'a [super::meet::Obstacle<T>],
 ) -> Scene<'a, T> {
     let ground = system.ground.map(|ground| (ground, ground_law(system)));
-    Scene { of, ground, obstacles, dt: system.dt }
+    let layer = (of.smoothing > T::ZERO).then(|| Layer::new(of.smoothing, system.dt));
+    Scene { of, ground, obstacles, dt: system.dt, layer }
 }

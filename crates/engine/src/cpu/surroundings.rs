@@ -160,7 +160,7 @@ impl<T: Real> Around<T> {
         }
         let (center, radius) = ball(nodes);
         let fastest = nodes.iter().map(|n| dot(n.v, n.v).to_f64()).fold(0.0, f64::max).sqrt();
-        let reach = radius + REACH_M + 2.0 * fastest * frame_s;
+        let reach = radius + REACH_M + of.smoothing.to_f64() + 2.0 * fastest * frame_s;
         for (k, collider) in of.colliders.iter().enumerate() {
             let body = self.body(collider.body);
             let [from, to] = [body.from, body.to].map(|pose| into_body(&pose, center));

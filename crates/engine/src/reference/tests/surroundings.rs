@@ -78,7 +78,7 @@ fn gradients_through_grasps_match_finite_differences() {
 #[test]
 fn gradients_through_colliders_match_finite_differences() {
     let mut model = body(6);
-    model.environment.ground = Some(Plane { normal: [0.6, 0.0, 0.8], offset_m: -0.02 });
+    model.environment.ground = Some(Plane { normal: [0.6, 0.0, 0.8], offset_m: 0.0 });
     model.params.contact.between_objects = false;
     let mut r = scene(&model, 3);
     let axis = |c: usize, sign: f32| {
@@ -94,7 +94,7 @@ fn gradients_through_colliders_match_finite_differences() {
             friction: 0.3,
             restitution: 0.2,
         },
-        capsule(None, [0.1, 0.02, 0.0], [0.1, 0.02, 0.0], 0.03),
+        capsule(None, [0.075, 0.0, 0.0], [0.075, 0.0, 0.0], 0.03),
     ];
     r.poses = together(&[
         path(3, [0.02, 0.02, 0.125], [0.001, 0.001, -0.004], 0.05),
@@ -102,6 +102,13 @@ fn gradients_through_colliders_match_finite_differences() {
     ]);
     r.velocities.iter_mut().for_each(|v| v[1] -= 0.3);
     r.velocities[8..].iter_mut().for_each(|v| v[2] += 0.5);
+    let all = r.loss(&objective(&model, 3)).unwrap().total;
+    for k in 0..3 {
+        let mut without = r.clone();
+        without.world.colliders.remove(k);
+        let loss = without.loss(&objective(&model, 3)).unwrap().total;
+        assert_ne!(loss, all, "collider {k} touches nothing");
+    }
     let errors = errors(&r, &objective(&model, 3), 1e-7);
     assert_small(&errors, 1e-5, &CONTACT[2..]);
 }
