@@ -96,7 +96,7 @@ DEVICE void node_adjoint(
     float contact_count;
     after = collide(instance, nodes, p.at, p.valid, p.lane, contact_count);
 #endif
-#if COLLIDERS || FORCES
+#if COLLIDERS || FORCES || SMOOTH
     if (!is_held && p.valid) {
         float t = __fdiv_rn((float)substep, (float)c.substeps);
         advance_among_adjoint(

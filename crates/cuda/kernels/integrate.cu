@@ -80,7 +80,7 @@ DEVICE void travel(
     const InstanceArgs& instance, const Constants& c, const ThreadNode& p, const Moment& at,
     float3& x, float3& v
 ) {
-#if COLLIDERS || FORCES
+#if COLLIDERS || FORCES || SMOOTH
     float3 start = x;
     float t = __fdiv_rn((float)at.substep, (float)at.substeps);
     advance_among(instance, at.frame, t, x, v, [&](const Meeting& m) {

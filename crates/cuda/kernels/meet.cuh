@@ -6,7 +6,8 @@
 // body's point q, u = v - w. It hits if d + dt u.n < 0 and u.n < -MIN_APPROACH_M_S, by the law of
 // impacts for u, after tau = clamp(d / -(u.n), 0, dt). Inside it is also pushed out: the normal
 // velocity that it leaves with is at least min(-d, MAX_PUSH_M) / PUSH_S. The substep ends at
-// x + tau v + (dt - tau) v' with the velocities before and after the last that changed it.
+// x + tau v + (dt - tau) v' with the velocities before and after the last that changed it. With a
+// width of contact (SMOOTH) a layer takes the place of impact and push (`smooth.cuh`).
 
 #define MIN_RADIUS_M 1e-9f
 #define GROUND_ITSELF 0xffffffffu
@@ -134,6 +135,20 @@ DEVICE bool meeting_of(const Ground& g, Law law, float dt, float3 x, float3 v, M
     return true;
 }
 
+#if SMOOTH
+// The meeting with a surface in its layer, if the node is in it.
+DEVICE bool layer_meeting_of(const Surface& s, Law law, const Layer& l, float3 v, Meeting& m) {
+    if (!reaches(l, s.distance)) return false;
+    m.surface = s;
+    m.law = law;
+    m.before = m.between = v;
+    m.after = add(v, layer_change(l, law, s.distance, sub(v, s.velocity), s.normal));
+    m.hits = m.pushes = false;
+    m.tau = 0.0f;
+    return true;
+}
+#endif
+
 // Calls `see` with all that a node meets in a substep that it starts at `x` with velocity `v`, one
 // after the other, `t` being the share of the frame that is over; `v` becomes its velocity behind
 // them.
@@ -142,8 +157,19 @@ DEVICE void
 for_meetings(const InstanceArgs& instance, u32 frame, float t, float3 x, float3& v, See see) {
     float dt = instance.step.dt;
     Meeting m;
+#if SMOOTH
+    Layer layer = layer_of(instance.world.smoothing, dt);
+#endif
 #if GROUND
-    if (meeting_of(instance.step.ground, instance.parameters.ground_law, dt, x, v, m)) {
+    const Ground& ground = instance.step.ground;
+    Law ground_law = instance.parameters.ground_law;
+#if SMOOTH
+    m.with = GROUND_ITSELF;
+    bool meets = layer_meeting_of(surface_of(ground, x), ground_law, layer, v, m);
+#else
+    bool meets = meeting_of(ground, ground_law, dt, x, v, m);
+#endif
+    if (meets) {
         see(m);
         v = m.after;
     }
@@ -151,10 +177,16 @@ for_meetings(const InstanceArgs& instance, u32 frame, float t, float3 x, float3&
     for (u32 k = 0; k < instance.world.collider_count; k++) {
         const Collider& c = instance.world.colliders[k];
         BodyFrame body = body_of(instance, frame, c.body);
-        Surface s = surface_of(instance, c, body, pose_at(body, t), x, v, 0.0f);
+        float margin = SMOOTH ? instance.world.smoothing : 0.0f;
+        Surface s = surface_of(instance, c, body, pose_at(body, t), x, v, margin);
         Law law = {c.restitution, c.friction};
         m.with = k;
-        if (meeting_of(s, law, dt, v, m)) {
+#if SMOOTH
+        bool is_met = layer_meeting_of(s, law, layer, v, m);
+#else
+        bool is_met = meeting_of(s, law, dt, v, m);
+#endif
+        if (is_met) {
             see(m);
             v = m.after;
         }
@@ -305,6 +337,19 @@ DEVICE void advance_among_adjoint(
             between_bar = add_scaled(after_bar, -along, n);
         }
         in_bar = add(in_bar, between_bar);
+#if SMOOTH
+        Layer layer = layer_of(instance.world.smoothing, dt);
+        ImpactAdjoint g = layer_change_adjoint(
+            layer, m.law, s.distance, sub(m.before, s.velocity), n, after_bar, bar.distance
+        );
+        if (m.with == GROUND_ITSELF) {
+            law_bar.restitution += g.restitution;
+            law_bar.friction += g.friction;
+        }
+        in_bar = add(in_bar, g.v);
+        bar.velocity = scale(g.v, -1.0f);
+        bar.normal = g.normal;
+#endif
         if (m.hits) {
             float3 u = sub(m.before, s.velocity);
             ImpactAdjoint g = impact_adjoint(m.law, u, n, between_bar);

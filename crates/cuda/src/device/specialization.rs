@@ -20,6 +20,7 @@ const HEADERS: &[(&str, &str)] = &[
     ("body.cuh", include_str!("../../kernels/body.cuh")),
     ("hold.cuh", include_str!("../../kernels/hold.cuh")),
     ("force.cuh", include_str!("../../kernels/force.cuh")),
+    ("smooth.cuh", include_str!("../../kernels/smooth.cuh")),
     ("meet.cuh", include_str!("../../kernels/meet.cuh")),
     ("team.cuh", include_str!("../../kernels/team.cuh")),
     ("contact.cuh", include_str!("../../kernels/contact.cuh")),
@@ -225,6 +226,8 @@ fn physics() -> String {
         ("MAX_COORDINATE_M", constants::MAX_COORDINATE_M),
         ("PUSH_S", constants::PUSH_S),
         ("MAX_PUSH_M", constants::MAX_PUSH_M),
+        ("SMOOTH_STIFFNESS_M_S2", constants::SMOOTH_STIFFNESS_M_S2),
+        ("SMOOTH_RATE_1_S", constants::SMOOTH_RATE_1_S),
     ];
     let mut text = String::new();
     // The shortest digits that are this number: parsed again they are the same.
