@@ -82,3 +82,33 @@ held_of(const InstanceArgs& instance, u32 frame, u32 node, bool valid, int pin) 
 DEVICE float3 place_at(const Held& h, float t) {
     return add_scaled(scale(h.from, 1.0f - t), t, h.to);
 }
+
+// Inverse mass of a node in a frame; zero where it is held.
+DEVICE float inverse_mass_in(const InstanceArgs& instance, u32 frame, u32 node) {
+    int pin = instance.topology.pin_of[node];
+    if (pin >= 0 && !is_released(instance, frame, instance.topology.pins[pin].control)) return 0.0f;
+    if (instance.world.grasp_count == 0) return 1.0f / instance.topology.masses[node];
+    int grasp = holds_of(instance, frame)[node].grasp;
+    if (grasp >= 0 && instance.world.grasps[grasp].attachment == HOLD_PIN) return 0.0f;
+    return 1.0f / instance.topology.masses[node];
+}
+
+// Velocity of a held node in a frame.
+DEVICE float3 held_velocity(const InstanceArgs& instance, u32 frame, u32 node) {
+    int pin = instance.topology.pin_of[node];
+    if (pin >= 0 && !is_released(instance, frame, instance.topology.pins[pin].control))
+        return control_velocity(path_of(instance, frame), instance.topology.pins[pin].control);
+    return held_of(instance, frame, node, true, pin).velocity;
+}
+
+// Rate of a rod's twist that its clamps impose [rad/s].
+DEVICE float roll_rate(const InstanceArgs& instance, u32 frame, u32 r) {
+#if ROLLS
+    u32 rods = instance.topology.rod_count;
+    const float* rolls = instance.world.rolls;
+    float to = rolls[(u64)end_of(instance, frame) * rods + r];
+    return (to - rolls[(u64)frame * rods + r]) / instance.step.frame_s;
+#else
+    return 0.0f;
+#endif
+}

@@ -75,24 +75,12 @@ struct Moment {
     u32 tape;
 };
 
-// Rate of a rod's twist that its clamps impose [rad/s].
-DEVICE float roll_rate(const InstanceArgs& instance, u32 frame, u32 r) {
-#if ROLLS
-    u32 rods = instance.topology.rod_count;
-    const float* rolls = instance.world.rolls;
-    float to = rolls[(u64)end_of(instance, frame) * rods + r];
-    return (to - rolls[(u64)frame * rods + r]) / instance.step.frame_s;
-#else
-    return 0.0f;
-#endif
-}
-
 // Moves a free node for a substep.
 DEVICE void travel(
     const InstanceArgs& instance, const Constants& c, const ThreadNode& p, const Moment& at,
     float3& x, float3& v
 ) {
-#if COLLIDERS || FORCES
+#if COLLIDERS || FORCES || SMOOTH
     float3 start = x;
     float t = __fdiv_rn((float)at.substep, (float)at.substeps);
     advance_among(instance, at.frame, t, x, v, [&](const Meeting& m) {
@@ -218,6 +206,15 @@ DEVICE float3 accelerate(const Constants& c, float inverse_mass, float3 force, f
     return scale(add(v, change), c.decay);
 }
 
+// Puts a node's velocity before contact onto tape.
+DEVICE void record_velocity(const BlockState& l, const ThreadNode& p, u32 tape, float3 before) {
+    u64 at = (u64)tape * l.instance->topology.node_count + l.share.slot + p.node;
+    float* b = l.instance->tape.before + 3 * at;
+    b[0] = before.x;
+    b[1] = before.y;
+    b[2] = before.z;
+}
+
 // Ends a node's substep: from its velocity after contact to its new state, published to all blocks.
 DEVICE void finish_substep(
     const BlockState& l, const Constants& c, const ThreadNode& p, const NodeHolds& holds, u32 m,
@@ -232,10 +229,9 @@ DEVICE void finish_substep(
         u64 at = (u64)tape * instance.topology.node_count + l.share.slot + p.node;
         instance.tape.x[at] = with_w(s.x, s.v.x);
         instance.tape.v[at] = make_float2(s.v.y, s.v.z);
-        float* b = instance.tape.before + 3 * at;
-        b[0] = before.x;
-        b[1] = before.y;
-        b[2] = before.z;
+        // With contact and forces it is there already.
+        if (!(CONTACT && FORCES) || inverse_mass_of(p, holds, m) != 0.0f)
+            record_velocity(l, p, tape, before);
     }
 #endif
     float3 x = s.x, v = after;
@@ -404,8 +400,16 @@ DEVICE void integrate_node(
 #if GRASPS
         if (holds.of[m].by == BY_PIN) before = holds.of[m].velocity;
 #endif
+        float3 recorded = before;
 #if FORCES
         measure_held(*l.instance, c, p, holds, s[m], before, total, at);
+        // What a held node would do if it were not: what holds it makes up for that.
+        if (p.valid)
+            recorded = accelerate(c, 1.0f / l.instance->topology.masses[p.at], total, s[m].v);
+#if CONTACT && TAPE
+        if (inverse_mass == 0.0f && p.valid && p.lane == 0 && at.tape != NO_TAPE)
+            record_velocity(l, p, at.tape, recorded);
+#endif
 #endif
 #if CONTACT
         if (p.valid && p.lane == 0) {
@@ -413,7 +417,7 @@ DEVICE void integrate_node(
             __stcg(l.instance->contact.v + p.at, with_w(before, 0.0f));
         }
 #else
-        if (p.valid) finish_substep(l, c, p, holds, m, now, s[m], before, before, at);
+        if (p.valid) finish_substep(l, c, p, holds, m, now, s[m], recorded, before, at);
 #endif
     }
 }

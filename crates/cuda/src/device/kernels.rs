@@ -5,10 +5,10 @@ use bendtwin_engine::Error;
 use super::{
     args::{
         AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, ChangeGraspsArgs, Checks,
-        CollectControlsArgs, DeviceType, ExtremesArgs, FindPartnersArgs, FinishGradientArgs,
-        GatherSumsArgs, NormBarsArgs, PackBendsArgs, PackHalfSpringsArgs, RecordArgs, ScoreArgs,
-        SeedArgs, SeedRestLengthsArgs, SquareLengthsArgs, StartArgs, StepAdamArgs, SumForcesArgs,
-        WeighGradientsArgs,
+        CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
+        FinishGradientArgs, GatherSumsArgs, NormBarsArgs, PackBendsArgs, PackHalfSpringsArgs,
+        RecordArgs, ScoreArgs, SeedArgs, SeedRestLengthsArgs, SquareLengthsArgs, StartArgs,
+        StepAdamArgs, SumForcesArgs, WeighGradientsArgs,
     },
     launch::Launch,
     specialization::Source,
@@ -52,6 +52,8 @@ kernels! {
     Partners: find_partners(FindPartnersArgs);
     /// Grasps at a frame boundary: a block for an instance.
     Grasps: change_grasps(ChangeGraspsArgs);
+    /// d loss / d poses and rolls of a frame, and of what grasps take: a block for an instance.
+    Grasps: collect_motion(CollectMotionArgs);
     /// Forces of a frame: a block for an instance.
     Forces: sum_forces(SumForcesArgs);
     /// Values of objectives: a block for a term of an instance.

@@ -21,6 +21,7 @@ const HEADERS: &[(&str, &str)] = &[
     ("body.cuh", include_str!("../../kernels/body.cuh")),
     ("hold.cuh", include_str!("../../kernels/hold.cuh")),
     ("force.cuh", include_str!("../../kernels/force.cuh")),
+    ("smooth.cuh", include_str!("../../kernels/smooth.cuh")),
     ("meet.cuh", include_str!("../../kernels/meet.cuh")),
     ("team.cuh", include_str!("../../kernels/team.cuh")),
     ("contact.cuh", include_str!("../../kernels/contact.cuh")),
@@ -91,7 +92,7 @@ impl Source {
 }
 
 /// The parts of an instance's surroundings beside the ground that a kernel has code for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct WorldParts {
     pub(crate) grasps: bool,
     pub(crate) colliders: bool,
@@ -226,6 +227,8 @@ fn physics() -> String {
         ("MAX_COORDINATE_M", constants::MAX_COORDINATE_M),
         ("PUSH_S", constants::PUSH_S),
         ("MAX_PUSH_M", constants::MAX_PUSH_M),
+        ("SMOOTH_STIFFNESS_M_S2", constants::SMOOTH_STIFFNESS_M_S2),
+        ("SMOOTH_RATE_1_S", constants::SMOOTH_RATE_1_S),
     ];
     let mut text = String::new();
     // The shortest digits that are this number: parsed again they are the same.

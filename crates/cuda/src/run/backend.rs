@@ -2,7 +2,7 @@
 
 use std::{ops::Range, sync::Arc};
 
-use bendtwin_core::{CancelToken, Environment, Params};
+use bendtwin_core::{CancelToken, Environment, Params, graph::Pin};
 use bendtwin_engine::{
     Backend, Device as Description, Error, Loaded, Model,
     backend::{Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
@@ -27,6 +27,7 @@ use crate::{
         outputs::{RecordedOutputs, retained_states},
         scoring::{Scores, loss, refuse_too_long, unless_diverged},
         simulation::{self, RetainedStates, Simulation},
+        world,
     },
 };
 
@@ -222,6 +223,10 @@ impl CudaBackend {
         let initial_twists =
             if request.initial { self.queue.fetch(&gradients.initial_twists)? } else { Vec::new() };
         let norms = self.queue.fetch(&gradients.norms)?;
+        let poses = self.queue.fetch(&gradients.poses)?;
+        let rolls = self.queue.fetch(&gradients.rolls)?;
+        let places =
+            if request.initial { self.queue.fetch(&gradients.places)? } else { Vec::new() };
         let mut out = Vec::with_capacity(batch.len());
         for (i, (instance, loss)) in batch.iter().zip(simulated.losses()?).enumerate() {
             let model = instance.model.model();
@@ -259,9 +264,9 @@ impl CudaBackend {
                 vec![[0.0; 3]; span.len()]
             };
             // Pinned nodes start on their control points.
-            for pin in &model.graph.pins {
+            let is_held = |pin: &&Pin| !world::begins_released(instance, pin.control);
+            for pin in model.graph.pins.iter().filter(is_held) {
                 let x = std::mem::take(&mut at_start.positions[pin.node as usize]);
-                at_start.velocities[pin.node as usize] = [0.0; 3];
                 if let Some(path) = paths.get_mut(pin.control as usize) {
                     (0..3).for_each(|k| path[k] += x[k]);
                 }
@@ -280,14 +285,31 @@ impl CudaBackend {
             } else {
                 None
             };
+            if let Some(bars) = places.get(gradients.place_starts[i]..gradients.place_starts[i + 1])
+            {
+                at_start.grasping = world::start(instance, |node| match bars.get(node) {
+                    Some(bar) if ended => point(bar),
+                    _ => [0.0; 3],
+                });
+            }
+            let motion = |bars: &[f32]| -> Vec<f32> {
+                bars.iter().map(|&x| if ended { narrow(x) } else { f32::NAN }).collect()
+            };
             let narrowed: Vec<f32> = own.iter().map(|&x| narrow(x)).collect();
             out.push(Gradient {
                 loss,
                 overflowed: own.iter().any(|x| !x.is_finite()),
                 params: gradient_params(model, &narrowed),
                 controls: paths,
-                poses: Vec::new(),
-                rolls: Vec::new(),
+                poses: motion(&poses[gradients.pose_starts[i]..gradients.pose_starts[i + 1]])
+                    .as_chunks()
+                    .0
+                    .iter()
+                    .map(|rows: &[f32; 12]| {
+                        std::array::from_fn(|r| std::array::from_fn(|c| rows[4 * r + c]))
+                    })
+                    .collect(),
+                rolls: motion(&rolls[gradients.roll_starts[i]..gradients.roll_starts[i + 1]]),
                 norms,
                 initial: request.initial.then_some(at_start),
                 final_state,

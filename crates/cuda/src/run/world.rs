@@ -5,6 +5,7 @@ mod upload;
 
 use std::collections::BTreeSet;
 
+use bendtwin_core::Point;
 use bendtwin_engine::{
     Error, Term,
     backend::{Forces, Instance},
@@ -57,6 +58,26 @@ pub(crate) fn parts_of(instance: &Instance, measured: bool) -> WorldParts {
         rolls: !instance.motion.rolls.is_empty(),
         forces: measured || world.grasps.iter().any(|g| g.max_force.is_finite()) || has_term(),
     }
+}
+
+/// What an instance's grasps hold at its start, with other places, by node.
+pub(crate) fn start(instance: &Instance, place: impl Fn(usize) -> Point) -> Grasping {
+    let given = &instance.initial.grasping.holds;
+    Grasping {
+        phases: initial_phases(instance).into_iter().map(decode_phase).collect(),
+        holds: given.iter().map(|h| Hold { place: place(h.node as usize), ..*h }).collect(),
+    }
+}
+
+/// True for a control point that no grasp holds when the first frame of an instance begins, though
+/// one has it.
+pub(crate) fn begins_released(instance: &Instance, control: u32) -> bool {
+    let phases = initial_phases(instance);
+    let has = |region: &Region| controls_of(region).is_some_and(|c| c.contains(&control));
+    instance.world.grasps.iter().enumerate().any(|(g, grasp)| {
+        let opens = instance.motion.closed.get(g) == Some(&false);
+        has(&grasp.region) && (phases[g] != encode_phase(Phase::Closed) || opens)
+    })
 }
 
 /// Floats of a frame's forces.

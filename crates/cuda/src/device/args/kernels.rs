@@ -51,6 +51,17 @@ device_struct! {
 }
 
 device_struct! {
+    /// Parameters of `collect_motion`.
+    CollectMotionArgs {
+        instances: Pointer<InstanceArgs>,
+        poses: Pointer<Pointer<f32>>,
+        rolls: Pointer<Pointer<f32>>,
+        starts: u32,
+        unused: u32,
+    }
+}
+
+device_struct! {
     /// Parameters of `sum_forces`.
     SumForcesArgs {
         instances: Pointer<InstanceArgs>,
