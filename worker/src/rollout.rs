@@ -4,6 +4,7 @@
 mod actions;
 mod checked;
 mod costs;
+mod ensemble;
 mod error;
 mod execute;
 mod grasping;
@@ -11,6 +12,7 @@ mod initial;
 mod interpolate;
 mod lru;
 mod plan;
+mod plausible;
 mod quaternion;
 mod replay;
 mod reply;
@@ -18,7 +20,9 @@ mod returns;
 mod serve;
 mod service;
 mod settle;
+mod vary;
 mod warm;
+mod world;
 
 pub(crate) use self::{
     error::Error,

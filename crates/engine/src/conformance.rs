@@ -11,12 +11,14 @@
 
 mod batches;
 mod bending;
+mod colliders;
 mod conservation;
 mod contact;
 mod degenerate;
 mod energy;
 mod expect;
 mod gradients;
+mod grasps;
 mod ground;
 mod objectives;
 mod optimizer;
@@ -150,6 +152,22 @@ suite! { ($)
         a_node_takes_the_mean_of_its_contacts,
         self_contact_keeps_distance,
         self_contact_spares_neighbours;
+    grasps:
+        a_held_node_follows_its_body,
+        a_spring_hold_has_its_frequency,
+        a_hand_takes_what_is_inside,
+        opening_lets_fall,
+        control_points_let_go,
+        a_hand_slips_above_its_force,
+        grasps_resume_exactly,
+        a_rolling_clamp_twists_its_rod;
+    colliders:
+        a_node_rests_on_a_box,
+        friction_on_an_inclined_box,
+        a_moving_tray_carries_by_friction,
+        a_moving_wall_gives_momentum,
+        capsules_reflect_along_their_normals,
+        colliders_push_out;
     conservation:
         energy_of_an_undamped_network,
         momentum_of_a_free_body,

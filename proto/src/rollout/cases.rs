@@ -1,6 +1,7 @@
 //! Requests that are right but for one thing, for tests: the check, the server and the worker must
 //! refuse each of them with the same fault.
 
+mod measures;
 mod surroundings;
 
 use bytes::Bytes;
@@ -54,7 +55,8 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
         let initial = Some(InitialState { state: Some(state) });
         add(what, names, RollOutRequest { initial, ..good.clone() });
     }
-    for (what, names, costs) in costs(twin.nodes) {
+    let measures = measures::costs(twin.nodes, twin.controls);
+    for (what, names, costs) in costs(twin.nodes).into_iter().chain(measures) {
         add(what, names, RollOutRequest { costs, ..good.clone() });
     }
     for (what, names, returns) in returns(twin.nodes) {
@@ -66,6 +68,9 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
     let uncosted = Some(Returns { action_gradients: true, ..Returns::default() });
     let uncosted = RollOutRequest { costs: Vec::new(), returns: uncosted, ..good.clone() };
     add("gradients by actions without costs", "returns.action_gradients", uncosted);
+    let uncosted = Some(Returns { gradient_norms: true, ..Returns::default() });
+    let uncosted = RollOutRequest { costs: Vec::new(), returns: uncosted, ..good.clone() };
+    add("norms of gradients without costs", "returns.gradient_norms", uncosted);
     for (what, names, times) in times() {
         let knot_times = Some(KnotTimes { times: Some(times) });
         add(what, names, RollOutRequest { knot_times, frames: 4, ..good.clone() });
@@ -306,6 +311,11 @@ fn returns(n: u64) -> Named<Returns> {
             "an unknown encoding",
             "`returns.encoding`",
             Returns { encoding: 9, ..Returns::default() },
+        ),
+        (
+            "velocities of no frames",
+            "`returns.velocities`",
+            Returns { velocities: true, ..Returns::default() },
         ),
     ]
 }

@@ -18,7 +18,8 @@ use prost::Message as _;
 
 pub use self::vary::members;
 pub(super) use self::{
-    costs::targets,
+    costs::{own_targets, targets},
+    returns::has_gradients,
     vary::sets,
     world::{bodies_of, parts},
 };
@@ -59,7 +60,7 @@ pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> 
     }
     let batch = Batch { instances, knots, frames };
     fidelity(request.fidelity)?;
-    costs::check(&request.costs, &batch, limits)?;
+    costs::check(request, &batch, limits)?;
     returns::check(request)?;
     initial::check(request.initial.as_ref(), &batch)?;
     world::check(request, knots, limits)?;
@@ -121,7 +122,7 @@ pub fn too_much_memory(asked: u64, limit: u64) -> Error {
 /// Work of a checked request, in element substeps.
 pub fn work(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u128 {
     let each = twin.work(request.fidelity(), batch.frames, world::work(request))
-        + costs::work(&request.costs, batch);
+        + costs::work(&request.costs, batch, twin);
     each.saturating_mul(u128::from(batch.instances)).saturating_mul(u128::from(members(request)))
 }
 

@@ -33,9 +33,11 @@ static GIVEN: Message =
     Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR), (4, &TENSOR), (5, &GRASPING)]);
 static GRASPING: Message = Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR)]);
 static KNOT_TIMES: Message = Message(&[(1, &TENSOR)]);
-static COST: Message = Message(&[(4, &CLOUD), (5, &KEYPOINTS)]);
+static COST: Message = Message(&[(4, &CLOUD), (5, &KEYPOINTS), (9, &HEIGHT), (10, &WITHIN)]);
 static CLOUD: Message = Message(&[(1, &TENSOR)]);
 static KEYPOINTS: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
+static HEIGHT: Message = Message(&[(2, &TENSOR)]);
+static WITHIN: Message = Message(&[(2, &TENSOR)]);
 static RETURNS: Message = Message(&[(2, &TENSOR)]);
 static WORLD: Message = Message(&[(COLLIDERS, &COLLIDER)]);
 static COLLIDER: Message = Message(&[(5, &MESH), (11, &TENSOR)]);

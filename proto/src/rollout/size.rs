@@ -3,7 +3,7 @@
 use prost::length_delimiter_len as varint_len;
 
 use super::{
-    check::{Batch, members},
+    check::{Batch, has_gradients, members},
     surroundings,
     twin::TwinShape,
 };
@@ -61,9 +61,11 @@ pub fn reply_bytes(
     surroundings::add_reply(request, batch, twin, [covered, holders], &mut sum);
     let has_arrays = returns.every_frames > 0
         || returns.final_state
-        || returns.control_gradients
-        || returns.action_gradients
-        || returns.forces;
+        || returns.forces
+        || returns.frame_costs
+        || returns.controls
+        || has_gradients(returns);
+    let boundaries = batch.frames.saturating_add(1);
     if has_arrays || returns.best > 0 {
         sum.tensor(1, 4, &[holders]);
     }
@@ -75,6 +77,16 @@ pub fn reply_bytes(
         sum.tensor(1, if is_packed { 2 } else { 4 }, &[holders, recorded, nodes, 3]);
         // Scale and offset of 16-bit integers.
         sum.add(if is_packed { 10 } else { 0 });
+        if returns.velocities {
+            sum.tensor(2, if is_packed { 2 } else { 4 }, &[holders, recorded, nodes, 3]);
+            sum.add(if is_packed { 10 } else { 0 });
+        }
+    }
+    if returns.frame_costs {
+        sum.tensor(2, 8, &[holders, boundaries, terms]);
+    }
+    if returns.controls {
+        sum.tensor(2, 4, &[holders, boundaries, twin.controls, 3]);
     }
     if returns.final_state {
         sum.tensor(1, 4, &[holders, twin.nodes, 3]);
@@ -88,11 +100,22 @@ pub fn reply_bytes(
             grasping.tensor(1, 4, &[holders, request.grasps.len() as u64]);
             grasping.tensor(1, 4, &[holders, twin.nodes]);
             grasping.tensor(1, 4, &[holders, twin.nodes, 3]);
-            sum.add(grasping.0.saturating_add(2 + length(grasping.0)));
+            sum.message(2, &grasping);
         }
     }
     if returns.control_gradients {
-        sum.tensor(1, 4, &[ranked, batch.frames.saturating_add(1), twin.controls, 3]);
+        sum.tensor(1, 4, &[ranked, boundaries, twin.controls, 3]);
+    }
+    if returns.initial_gradients {
+        sum.tensor(2, 4, &[ranked, twin.nodes, 3]);
+        sum.tensor(2, 4, &[ranked, twin.nodes, 3]);
+    }
+    if returns.gradient_norms {
+        sum.tensor(2, 8, &[ranked, boundaries]);
+    }
+    if has_gradients(returns) {
+        // Whether it exploded.
+        sum.tensor(2, 4, &[ranked]);
     }
     if returns.action_gradients {
         let each = request.actions.as_ref().map_or(0, |actions| action_numbers(actions, batch));
@@ -134,8 +157,7 @@ impl Sum {
 
     /// A message inside this one, whose tag takes `tag` bytes.
     pub(super) fn message(&mut self, tag: u64, inside: &Self) {
-        let length = varint_len(usize::try_from(inside.0).unwrap_or(usize::MAX)) as u64;
-        self.add(inside.0.saturating_add(tag + length));
+        self.add(inside.0.saturating_add(tag + length(inside.0)));
     }
 }
 

@@ -10,7 +10,7 @@ use bendtwin_proto::v1::{
     ControlTrajectories, KnotTimes, Tensor, roll_out_request::Actions as Wire,
 };
 
-use self::poses::Poses;
+use self::poses::{Knots, Poses};
 use super::{
     error::Error,
     interpolate::{Curve, Schedule},
@@ -93,12 +93,31 @@ impl Actions {
 
     /// Poses of the G grippers of an instance at every frame boundary, shape [F + 1, G]; none if
     /// control points are moved without grippers.
-    #[cfg_attr(not(test), expect(dead_code, reason = "rollouts have no bodies yet"))]
     pub(super) fn bodies(&self, instance: usize) -> Vec<Pose> {
         match &self.kind {
             Kind::Trajectories(_) => Vec::new(),
             Kind::Poses(p) => p.matrices(instance, self.shape, &self.schedule),
         }
+    }
+
+    /// Number of grippers G.
+    pub(super) fn grippers(&self) -> usize {
+        match &self.kind {
+            Kind::Trajectories(_) => 0,
+            Kind::Poses(p) => p.grippers(),
+        }
+    }
+
+    /// Knot at or before each frame boundary, shape [F + 1].
+    pub(super) fn knots(&self) -> Vec<usize> {
+        self.schedule.places().iter().map(|place| place.knot).collect()
+    }
+
+    /// Poses at every frame boundary along a path with knots like those of the actions: positions [m]
+    /// and quaternions, shape [K, 7].
+    pub(super) fn along(&self, path: &[[f32; 7]]) -> Vec<Pose> {
+        let knots = Knots { grippers: 1, rows: path };
+        self.schedule.places().iter().map(|place| knots.at(place, 0).matrix()).collect()
     }
 
     /// Gradient of an instance's cost by its actions as the request gave them, [K, C, 3] or

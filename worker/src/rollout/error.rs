@@ -64,6 +64,12 @@ pub(crate) enum Error {
         /// Time that it had [s].
         after_s: f64,
     },
+    /// The motion is not plausible, and the request wants that refused.
+    #[error("the motion is not plausible: {what}")]
+    Implausible {
+        /// What was found, and what to do.
+        what: String,
+    },
     /// The engine refuses or fails.
     #[error(transparent)]
     Engine(#[from] backend::Error),
@@ -102,7 +108,8 @@ impl Problem for Error {
             Self::Capture(_)
             | Self::ReplayDiverged { .. }
             | Self::SettlingDiverged { .. }
-            | Self::NeverAtRest { .. } => Category::FailedPrecondition,
+            | Self::NeverAtRest { .. }
+            | Self::Implausible { .. } => Category::FailedPrecondition,
             Self::Engine(e) => e.category(),
             Self::Deadline => Category::DeadlineExceeded,
             Self::Panicked => Category::Internal,
@@ -120,6 +127,7 @@ impl Problem for Error {
             Self::ReplayDiverged { .. } => "REPLAY_DIVERGED",
             Self::SettlingDiverged { .. } => "SETTLING_DIVERGED",
             Self::NeverAtRest { .. } => "NEVER_AT_REST",
+            Self::Implausible { .. } => "IMPLAUSIBLE_MOTION",
             Self::Engine(e) => e.reason(),
             Self::Deadline => "DEADLINE_EXCEEDED",
             Self::Panicked => "WORKER_PANICKED",

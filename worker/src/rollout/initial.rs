@@ -37,7 +37,6 @@ impl Start {
 
     /// Largest distance between control points here and in the first row of the actions [m]. Where
     /// they are not known it counts from where they may be.
-    #[cfg_attr(not(test), expect(dead_code, reason = "replies do not say it yet"))]
     pub(super) fn gap_m(&self, row: &[Point]) -> f32 {
         let here = self.likely.as_ref().unwrap_or(&self.controls);
         here.iter().zip(row).map(|(a, b)| length(sub(*a, *b))).fold(0.0, f32::max)

@@ -23,6 +23,7 @@ pub(super) struct Returns {
     pub(super) diagnostics: bool,
     pub(super) control_gradients: bool,
     pub(super) action_gradients: bool,
+    pub(super) forces: bool,
 }
 
 impl Returns {
@@ -44,6 +45,7 @@ impl Returns {
             diagnostics: wire.diagnostics,
             control_gradients: wire.control_gradients,
             action_gradients: wire.action_gradients,
+            forces: wire.forces,
         })
     }
 
@@ -64,7 +66,7 @@ impl Returns {
 
     /// True if the arrays need a simulation beside that of the costs.
     pub(super) fn has_recordings(&self) -> bool {
-        self.every > 0 || self.final_state
+        self.every > 0 || self.final_state || self.forces
     }
 
     /// True if the arrays need a run backward.
@@ -72,20 +74,21 @@ impl Returns {
         self.control_gradients || self.action_gradients
     }
 
-    /// Outputs of the engine where arrays are wanted.
+    /// Outputs of the engine where arrays are wanted. Diagnostics tell how plausible all of it is.
     pub(super) fn outputs(&self) -> Outputs {
         Outputs {
             every: self.every,
             initial: false,
             nodes: self.nodes.clone(),
             final_state: self.final_state,
-            diagnostics: self.diagnostics,
+            diagnostics: true,
+            forces: self.forces,
             ..Outputs::NONE
         }
     }
 
     /// Outputs of the engine where only costs count.
-    pub(super) fn summary(&self) -> Outputs {
-        Outputs { diagnostics: self.diagnostics, ..Outputs::default() }
+    pub(super) fn summary() -> Outputs {
+        Outputs { diagnostics: true, ..Outputs::default() }
     }
 }

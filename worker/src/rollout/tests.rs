@@ -102,7 +102,8 @@ impl Bench {
         let served = Served::exact(Arc::clone(&self.warm));
         let room = Room { bytes: 256 << 20, lanes: 2 };
         let checked = Checked::new(request, "", part, &served, &limits(), room)?;
-        Plan::new(checked, part, served)
+        let backend = self.device.backend(Priority::Interactive);
+        Plan::new(checked, part, served, &backend, &CancelToken::default())
     }
 
     fn run(&self, request: RollOutRequest, part: u32) -> Result<Vec<RollOutResponse>, Error> {

@@ -1,6 +1,8 @@
 //! Everything that a client can get wrong about a model or an instance, found before the simulation
 //! starts.
 
+mod surroundings;
+
 use std::sync::Arc;
 
 use bendtwin_core::{Environment, Point, environment::ControlVelocity};
@@ -129,6 +131,7 @@ pub fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
     if !finite(&instance.controls) {
         return wrong("a control position is not finite".into());
     }
+    surroundings::surroundings(instance).or_else(wrong)?;
     objective(&instance.objective, instance.frames, n).or_else(wrong)
 }
 

@@ -7,6 +7,9 @@
 //! impact and not of its motion.
 
 use super::{
+    body::Pose,
+    force::{FrameForces, Wrench},
+    grasp::{Hands, Hold},
     integrate::Workspace,
     lanes::Node,
     parameters::narrow,
@@ -16,10 +19,10 @@ use super::{
 };
 use crate::constants::ON_GROUND_M;
 use crate::{
-    backend::{Diagnostics, Loss, Outputs, Rollout},
+    backend::{Diagnostics, Forces, Loss, Outputs, Rollout},
     energy,
     model::State,
-    world::Grasping,
+    world::{self, Grasping},
 };
 
 /// Watches a rollout.
@@ -41,7 +44,7 @@ impl<'a, T: Real> Observer<'a, T> {
             system: simulation.system,
             outputs,
             frames: simulation.frames,
-            rollout: Rollout::default(),
+            rollout: Rollout { forces: outputs.forces.then(Forces::default), ..Rollout::default() },
             sanity: Diagnostics {
                 kinetic_energy: f32::NAN,
                 elastic_energy: f32::NAN,
@@ -79,8 +82,11 @@ impl<'a, T: Real> Observer<'a, T> {
             }
         }
         let last = frame == self.frames;
+        if let Some(forces) = self.rollout.forces.as_mut().filter(|_| frame > 0) {
+            record(forces, &now.around.forces);
+        }
         if self.outputs.final_state && last {
-            self.rollout.final_state = Some(state_of(nodes, &now.twists));
+            self.rollout.final_state = Some(state_of(nodes, &now.twists, &now.around.hands));
         }
         if self.outputs.diagnostics && (frame > 0 || last) {
             self.measure(now, last);
@@ -116,7 +122,8 @@ impl<'a, T: Real> Observer<'a, T> {
             sanity.ground_contacts = nodes.iter().filter(on_ground).count() as u32;
         }
         if last {
-            let energy = energy::of_nodes(self.system, &now.nodes, &now.twists);
+            let system = now.around.system.as_deref().unwrap_or(self.system);
+            let energy = energy::of_nodes(system, &now.nodes, &now.twists);
             sanity.kinetic_energy = narrow(energy.kinetic);
             sanity.elastic_energy = narrow(energy.elastic);
         }
@@ -143,12 +150,37 @@ pub(crate) fn point<T: Real>(x: [T; 4]) -> [f32; 3] {
     [narrow(x[0]), narrow(x[1]), narrow(x[2])]
 }
 
-/// A client's view of nodes and twists.
-pub(crate) fn state_of<T: Real>(nodes: &[Node<T>], twists: &[T]) -> State {
+/// To a client's pose.
+pub(crate) fn pose<T: Real>(pose: &Pose<T>) -> world::Pose {
+    pose.map(|row| row.map(narrow))
+}
+
+/// A client's view of nodes, twists and grasps.
+pub(crate) fn state_of<T: Real>(nodes: &[Node<T>], twists: &[T], hands: &Hands<T>) -> State {
+    let hold = |h: &Hold<T>| world::Hold {
+        node: h.node as u32,
+        grasp: h.grasp as u32,
+        place: point(h.place),
+    };
     State {
         positions: nodes.iter().map(|n| point(n.x)).collect(),
         velocities: nodes.iter().map(|n| point(n.v)).collect(),
         twists: twists.iter().map(|&x| narrow(x)).collect(),
-        grasping: Grasping::default(),
+        grasping: Grasping {
+            phases: hands.phases.clone(),
+            holds: hands.holds.iter().map(hold).collect(),
+        },
     }
+}
+
+/// Records the forces of a frame.
+fn record<T: Real>(forces: &mut Forces, of: &FrameForces<T>) {
+    let wrench = |[force, torque]: &Wrench<T>| {
+        let ([fx, fy, fz], [tx, ty, tz]) = (point(*force), point(*torque));
+        [fx, fy, fz, tx, ty, tz]
+    };
+    forces.controls.extend(of.controls.iter().map(|&f| point(f)));
+    forces.grasps.extend(of.grasps.iter().map(wrench));
+    forces.ground.push(point(of.ground));
+    forces.colliders.extend(of.colliders.iter().map(wrench));
 }

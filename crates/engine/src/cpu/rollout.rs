@@ -4,10 +4,12 @@ use bendtwin_core::{CancelToken, Graph};
 
 use super::{
     control::FrameControls,
-    integrate::{Workspace, run_frame},
+    integrate::{Workspace, begin_frame, run_frame},
     lanes::Node,
     loss::{Moment, Terms},
     real::{Quad, Real, quad},
+    surrounded::Frame,
+    surroundings::Surroundings,
     system::System,
 };
 use crate::constants::MAX_COORDINATE_M;
@@ -29,6 +31,8 @@ pub(crate) struct Simulation<'a, T> {
     /// Frames F.
     pub(crate) frames: usize,
     pub(crate) objective: &'a Objective,
+    /// What surrounds the object beside the ground.
+    pub(crate) surroundings: Option<Surroundings<T>>,
 }
 
 /// A client's state in the simulation's scalar.
@@ -54,12 +58,28 @@ impl<T: Real> Simulation<'_, T> {
         FrameControls { from: row(frame), to: row((frame + 1).min(self.frames)) }
     }
 
-    /// A workspace at the initial state, pinned nodes on their control points.
+    /// What surrounds the object during a frame, 0-based.
+    pub(crate) fn around(&self, frame: usize) -> Option<Frame<'_, T>> {
+        self.surroundings.as_ref().map(|of| Frame { of, frame, frames: self.frames })
+    }
+
+    /// A workspace at the initial state, pinned nodes on their control points; hands have opened and
+    /// closed for the first frame.
     pub(crate) fn start(&self) -> Workspace<T> {
         let mut workspace = Workspace::new(self.system);
         workspace.nodes[..self.system.nodes].copy_from_slice(&self.initial);
         workspace.twists.copy_from_slice(&self.twists);
-        self.controls_of(0).begin(self.system, &mut workspace.nodes);
+        match self.around(0) {
+            None => self.controls_of(0).begin(self.system, &mut workspace.nodes),
+            Some(at) => {
+                workspace.around.hands = at.of.start.clone();
+                begin_frame(self.system, self.controls_of(0), Some(at), &mut workspace);
+                // A rollout that goes on from a frame's end measures what the whole one does.
+                if at.of.measured {
+                    workspace.around.arrive.extend(self.initial.iter().map(|n| n.v));
+                }
+            }
+        }
         workspace
     }
 
@@ -77,7 +97,8 @@ impl<T: Real> Simulation<'_, T> {
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            run_frame(self.system, self.controls_of(frame - 1), &mut workspace);
+            let around = self.around(frame - 1);
+            run_frame(self.system, self.controls_of(frame - 1), around, &mut workspace);
             if let Some(node) = first_diverged(&workspace.nodes[..n]) {
                 return Ok(Some(Divergence { frame, node }));
             }

@@ -5,9 +5,14 @@ use super::*;
 use crate::{
     rollout::cases,
     v1::{
-        ControlTrajectories, Cost, Ensemble, GripperPoses, InitialState, Returns, Tensor, Vary,
+        ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, Returns,
+        Tensor, Vary,
         collider::Carrier,
-        cost::{Kind, TargetCloud, When},
+        cost::{
+            Clearance, ControlPath, ControlSpeed, Force, Height, Kind, Strain, TargetCloud, When,
+            Within,
+            force::{All, By},
+        },
         initial_state::{GivenState, State},
         roll_out_request::Actions,
         world::GroundChoice,
@@ -47,7 +52,7 @@ fn each_fault_is_refused_and_named() {
 #[test]
 fn what_needs_no_twin_is_refused_without_one() {
     // Only the twin tells about these.
-    const NEEDS_TWIN: [&str; 14] = [
+    const NEEDS_TWIN: [&str; 17] = [
         "no controls",
         "a control too many",
         "a control too many of a gripper",
@@ -62,6 +67,9 @@ fn what_needs_no_twin_is_refused_without_one() {
         "no fast variant",
         "a grasp of a node that is not there",
         "a grasp of a node twice",
+        "a force of a control point that is not there",
+        "the height of a node that is not there",
+        "a node that is not there in a box",
     ];
     for case in cases::malformed(&TWIN) {
         let alone = check(&case.request, &Limits::default());
@@ -169,6 +177,61 @@ fn limits_hold_and_say_what_to_do() {
     beyond(&request, Limits { reply_bytes: 700, ..all }, "returns.every_frames");
     // In parts it fits.
     assert!(check_for(&request, &TWIN, &Limits { reply_bytes: 700, ..all }, 1).is_ok());
+}
+
+#[test]
+fn targets_may_differ_by_frame_and_instance() {
+    let limits = Limits::default();
+    let with = |shape: &[usize], when: When, temperature: f64| {
+        let points = Some(Tensor::pack(shape, &vec![0.0f32; shape.iter().product()]));
+        let kind = Some(Kind::TargetCloud(TargetCloud { points }));
+        let cost = Cost { when: when.into(), temperature, kind, ..Cost::default() };
+        RollOutRequest { costs: vec![cost], ..sound() }
+    };
+    let total = |request: &RollOutRequest| {
+        let batch = check_for(request, &TWIN, &limits, 0).unwrap();
+        [
+            targets(&request.costs, &batch),
+            own_targets(&request.costs, &batch, false),
+            own_targets(&request.costs, &batch, true),
+        ]
+    };
+    // 2 instances, 2 frames, and 16 for each list.
+    assert_eq!(total(&with(&[7, 3], When::LastFrame, 0.0)), [23, 0, 23]);
+    assert_eq!(total(&with(&[2, 7, 3], When::EveryFrame, 0.0)), [46, 0, 46]);
+    assert_eq!(total(&with(&[2, 1, 7, 3], When::LastFrame, 0.0)), [46, 23, 23]);
+    assert_eq!(total(&with(&[2, 1, 7, 3], When::EveryFrame, 0.0)), [92, 46, 46]);
+    assert_eq!(total(&with(&[2, 2, 7, 3], When::SoftMin, 0.1)), [92, 46, 46]);
+}
+
+#[test]
+fn every_kind_of_cost_passes() {
+    let world = cases::sound_in_a_world(&TWIN);
+    let force = |by| Kind::Force(Force { by: Some(by), limit_n: 2.0 });
+    let nodes = Some(Tensor::pack(&[2], &[4u32, 0]));
+    let cuboid = Some(Cuboid { low: vec![-1.0; 3], high: vec![1.0; 3] });
+    let kinds = [
+        Kind::Strain(Strain { limit: 0.1 }),
+        force(By::Controls(All {})),
+        force(By::Control(0)),
+        force(By::Grasp(0)),
+        force(By::Ground(All {})),
+        force(By::Collider(0)),
+        Kind::Height(Height::default()),
+        Kind::Height(Height { plane: Some(Plane::default()), nodes: nodes.clone() }),
+        Kind::Within(Within { cuboid, nodes }),
+        Kind::Clearance(Clearance { collider: 0, margin_m: 0.01 }),
+        Kind::ControlPath(ControlPath {}),
+        Kind::ControlSpeed(ControlSpeed { limit_m_s: 0.5 }),
+    ];
+    let costs = kinds.into_iter().enumerate().map(|(i, kind)| Cost {
+        // To be maximized, some of them.
+        weight: Some([1.0, -1.0, 0.0][i % 3]),
+        kind: Some(kind),
+        ..Cost::default()
+    });
+    let request = RollOutRequest { costs: costs.collect(), ..world };
+    assert_eq!(check_for(&request, &TWIN, &Limits::default(), 0).map(drop), Ok(()));
 }
 
 #[test]

@@ -214,33 +214,37 @@ fn pose(pose: &[f32], field: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// Refuses more bodies than a world has: grippers that carry a collider or a grasp, and paths.
+/// Refuses more bodies than a world has.
 fn bodies(request: &RollOutRequest) -> Result<(), Error> {
     let bodies = bodies_of(request);
     if bodies > MOST_PARTS {
         let fault = format!(
-            "and grasps are carried by {bodies} grippers and paths: at most {MOST_PARTS} are possible"
+            "have {bodies} carriers, grippers of the actions and paths together: at most {MOST_PARTS} are possible"
         );
         return Err(Error::field("world.colliders", fault));
     }
     Ok(())
 }
 
-/// Number of rigid bodies that a request moves: grippers with a collider or a grasp, and paths.
+/// Number of rigid bodies that a request moves: all grippers and paths, or none if nothing is
+/// carried.
 pub(in crate::rollout) fn bodies_of(request: &RollOutRequest) -> u64 {
     let colliders = request.world.iter().flat_map(|world| &world.colliders);
-    let mut grippers: HashSet<u32> = request.grasps.iter().map(|grasp| grasp.gripper).collect();
-    let mut paths = 0;
+    let (mut grippers, mut paths) = (request.grasps.len(), 0);
     for collider in colliders {
         match &collider.carrier {
-            Some(Carrier::Gripper(number)) => {
-                grippers.insert(*number);
-            }
+            Some(Carrier::Gripper(_)) => grippers += 1,
             Some(Carrier::Path(_)) => paths += 1,
             None | Some(Carrier::Fixed(_)) => {}
         }
     }
-    grippers.len() as u64 + paths
+    let all = match &request.actions {
+        Some(Actions::Poses(poses)) if grippers > 0 || paths > 0 => {
+            poses.poses.as_ref().and_then(|t| t.shape.get(2)).copied().unwrap_or(0)
+        }
+        _ => 0,
+    };
+    all.saturating_add(paths)
 }
 
 /// Work of the surroundings for a node in a substep, in elements: a face is a fourth of a spring.

@@ -64,8 +64,9 @@ fn reply(
     let holders = if returns.best == 0 { covered } else { u64::from(returns.best).min(covered) };
     let has_arrays = returns.every_frames > 0
         || returns.final_state
-        || returns.control_gradients
-        || returns.action_gradients;
+        || returns.frame_costs
+        || returns.controls
+        || has_gradients(&returns);
     if has_arrays || returns.best > 0 {
         reply.instances = Some(tensor(&[holders], 4));
     }
@@ -77,6 +78,24 @@ fn reply(
         let positions = tensor(&[holders, rows, nodes, 3], if is_packed { 2 } else { 4 });
         let scale = if is_packed { 1.0 } else { 0.0 };
         reply.positions = Some(Tensor { scale, offset: scale, ..positions });
+        reply.velocities = returns.velocities.then(|| reply.positions.clone()).flatten();
+    }
+    let boundaries = batch.frames + 1;
+    if returns.frame_costs {
+        reply.frame_costs = Some(tensor(&[holders, boundaries, terms as u64], 8));
+    }
+    if returns.controls {
+        reply.controls = Some(tensor(&[holders, boundaries, twin.controls, 3], 4));
+    }
+    if returns.initial_gradients {
+        reply.initial_position_gradients = Some(tensor(&[holders, twin.nodes, 3], 4));
+        reply.initial_velocity_gradients = reply.initial_position_gradients.clone();
+    }
+    if returns.gradient_norms {
+        reply.gradient_norms = Some(tensor(&[holders, boundaries], 8));
+    }
+    if has_gradients(&returns) {
+        reply.gradient_exploded = Some(tensor(&[holders], 4));
     }
     if returns.final_state {
         reply.final_positions = Some(tensor(&[holders, twin.nodes, 3], 4));
@@ -107,7 +126,7 @@ proptest! {
         (nodes, controls, rods) in (1u64..200, 1u64..5, prop::option::of(1u64..3)),
         (every_frames, best, chosen) in (0u32..9, 0u32..5, prop::option::of(1usize..9)),
         (encoding, terms, grasps) in (0i32..3, 0usize..20, 0usize..3),
-        flags in any::<[bool; 5]>(),
+        flags in any::<[bool; 10]>(),
     ) {
         let part = if best > 0 { 0 } else { part };
         let returns = Returns {
@@ -119,6 +138,11 @@ proptest! {
             diagnostics: flags[1],
             control_gradients: flags[2],
             action_gradients: flags[4],
+            velocities: flags[5],
+            frame_costs: flags[6],
+            controls: flags[7],
+            initial_gradients: flags[8],
+            gradient_norms: flags[9],
             ..Returns::default()
         };
         let shape = [instances as usize, 2, controls as usize];

@@ -44,7 +44,7 @@ impl Placed {
         std::array::from_fn(|i| self.position[i] + turned[i])
     }
 
-    fn matrix(&self) -> Pose {
+    pub(super) fn matrix(&self) -> Pose {
         let columns: [Vector; 3] = std::array::from_fn(|j| self.rotation.rotate(unit(j)));
         std::array::from_fn(|i| {
             let row = [columns[0][i], columns[1][i], columns[2][i], self.position[i]];
