@@ -14,6 +14,7 @@ mod limits;
 mod memory;
 mod parts;
 mod size;
+mod surroundings;
 mod twin;
 
 /// Metadata of a call from the server to a worker: the length of its message, for which the worker
@@ -23,7 +24,7 @@ pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
 pub const MOST_DIMENSIONS: usize = 8;
 
 pub use self::{
-    check::{Batch, check, check_for, fidelity, too_much_memory, work},
+    check::{Batch, check, check_for, fidelity, members, too_much_memory, work},
     encoded::check_encoded,
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},

@@ -4,19 +4,24 @@
 mod actions;
 mod checked;
 mod costs;
+mod ensemble;
 mod error;
 mod execute;
+mod grasping;
 mod initial;
 mod interpolate;
 mod lru;
 mod plan;
+mod plausible;
 mod quaternion;
 mod replay;
 mod reply;
 mod returns;
 mod serve;
 mod service;
+mod vary;
 mod warm;
+mod world;
 
 pub(crate) use self::{
     error::Error,

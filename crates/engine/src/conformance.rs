@@ -17,6 +17,7 @@ mod contact;
 mod degenerate;
 mod energy;
 mod expect;
+mod forces;
 mod gradients;
 mod grasps;
 mod ground;
@@ -145,7 +146,8 @@ suite! { ($)
     ground:
         bouncing_node_loses_restitution_squared,
         sliding_node_stops_by_coulomb_friction,
-        friction_holds_on_a_slope;
+        friction_holds_on_a_slope,
+        what_lies_still_reports_no_speed;
     contact:
         colliding_objects_exchange_momentum,
         a_node_takes_the_mean_of_its_contacts,
@@ -167,6 +169,11 @@ suite! { ($)
         a_moving_wall_gives_momentum,
         capsules_reflect_along_their_normals,
         colliders_push_out;
+    forces:
+        a_chain_hangs_by_its_weight,
+        contact_carries_the_weight,
+        forces_balance_momentum,
+        measuring_changes_nothing;
     conservation:
         energy_of_an_undamped_network,
         momentum_of_a_free_body,
@@ -174,8 +181,10 @@ suite! { ($)
         bend_damping_never_raises_energy;
     objectives:
         losses_match_their_definitions,
+        frame_costs_match_their_definitions,
         outputs_are_as_asked,
-        diagnostics_match_the_state;
+        velocities_are_those_of_the_motion,
+        diagnostics_match_the_motion;
     gradients:
         gradients_match_finite_differences,
         gradients_of_a_straight_rod,
@@ -183,6 +192,7 @@ suite! { ($)
         gradients_through_ground_contact,
         gradients_through_object_contact,
         gradients_of_every_term,
+        norms_are_those_of_restarts,
         cut_gradients_are_sums_of_windows;
     batches:
         batch_equals_one_by_one,

@@ -43,10 +43,10 @@ use bendtwin_core::{CancelToken, Environment, Params};
 use rayon::prelude::*;
 
 use self::{
-    diagnostics::{Observer, point, pose, state_of},
+    diagnostics::{Observer, hold_of, state_of},
     grasp::Hands,
-    parameters::{Parameters, narrow},
-    real::quad,
+    parameters::{Parameters, saturate},
+    real::{Quad, Real, quad},
     rollout::{Scorer, Simulation, nodes_of, twists_of},
     surroundings::Surroundings,
     system::{Layout, System},
@@ -56,7 +56,10 @@ use crate::{
     backend::{
         Backend, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss, Outputs, Rollout,
     },
+    model::State,
+    objective::{Term, WeightedTerm},
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
+    world::{Grasping, Hold},
 };
 
 /// Runs on the CPU's cores; clones share the threads. Make one with [`cpu`] or
@@ -65,6 +68,7 @@ use crate::{
 pub struct CpuBackend {
     /// `None` on a machine that gives us no threads: then the caller's own does everything.
     pool: Option<Arc<rayon::ThreadPool>>,
+    threads: usize,
 }
 
 /// A backend on all cores that this process may use.
@@ -86,9 +90,10 @@ struct Resident {
 impl CpuBackend {
     /// On so many threads (at least one).
     pub fn new(threads: usize) -> Self {
-        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1));
+        let threads = threads.max(1);
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = builder.thread_name(|i| format!("bendtwin-cpu-{i}")).build();
-        Self { pool: pool.ok().map(Arc::new) }
+        Self { pool: pool.ok().map(Arc::new), threads }
     }
 
     fn make(model: Arc<Model>, layout: Arc<Layout>) -> Loaded {
@@ -125,6 +130,8 @@ fn resident(loaded: &Loaded) -> Result<&Resident, Error> {
 /// The simulation of an instance; `measured` if its forces are asked for.
 fn simulation(instance: &Instance, measured: bool) -> Result<Simulation<'_, f32>, Error> {
     let (world, motion) = (&*instance.world, &*instance.motion);
+    let in_cost = |t: &WeightedTerm| matches!(t.term, Term::Force { .. });
+    let measured = measured || instance.objective.terms.iter().any(in_cost);
     let plain = *world == World::default() && motion.rolls.is_empty() && !measured;
     let surroundings = (!plain).then(|| {
         let start = Hands::new(&instance.initial.grasping, &world.grasps);
@@ -139,6 +146,11 @@ fn simulation(instance: &Instance, measured: bool) -> Result<Simulation<'_, f32>
         frames: instance.frames,
         objective: &instance.objective,
     })
+}
+
+/// A gradient by a point as a client sees it.
+fn gradient_point<T: Real>(x: Quad<T>) -> [f32; 3] {
+    [saturate(x[0]), saturate(x[1]), saturate(x[2])]
 }
 
 impl Backend for CpuBackend {
@@ -180,13 +192,14 @@ impl Backend for CpuBackend {
             check::outputs(index, instance, outputs)?;
         }
         self.each(batch, outputs.forces, |simulation| {
-            let mut scorer = Scorer::new(simulation.objective, simulation.system.surface);
+            let mut scorer = Scorer::new(simulation);
             let mut observer = Observer::new(simulation, outputs);
             let diverged = simulation.run(cancel, |frame, now| {
-                scorer.see(frame, &now.nodes[..simulation.system.nodes]);
+                scorer.see(frame, now);
                 observer.see(frame, now);
             })?;
-            Ok(observer.finish(scorer.finish(diverged)))
+            let (loss, frame_costs) = scorer.finish(diverged, simulation.frames);
+            Ok(observer.finish(loss, frame_costs))
         })
     }
 
@@ -203,20 +216,34 @@ impl Backend for CpuBackend {
         self.each(batch, false, |simulation| {
             let g = gradient::gradient(simulation, request.cut_every, cancel)?;
             let diverged = g.loss.diverged.is_some();
-            let controls = g.controls.into_iter().map(point);
+            // Nothing was differentiated then, and zero would say that nothing matters.
+            let unknown = |p: [f32; 3]| if diverged { [f32::NAN; 3] } else { p };
+            let controls = g.controls.into_iter().map(|x| unknown(gradient_point(x)));
+            let by_hold = |h: &grasp::Hold<f32>| Hold {
+                place: unknown(gradient_point(h.place)),
+                ..hold_of(h)
+            };
+            let number = |x: f32| if diverged { f32::NAN } else { saturate(x) };
+            let by_pose = |p: &body::Pose<f32>| p.map(|row| row.map(number));
+            let rolls = g.rolls.iter().map(|&x| number(x));
+            let initial = || State {
+                positions: g.initial.iter().map(|n| unknown(gradient_point(n.x))).collect(),
+                velocities: g.initial.iter().map(|n| unknown(gradient_point(n.v))).collect(),
+                twists: g.initial_twists.iter().map(|&x| unknown([saturate(x); 3])[0]).collect(),
+                grasping: Grasping {
+                    phases: g.initial_hands.phases.clone(),
+                    holds: g.initial_hands.holds.iter().map(by_hold).collect(),
+                },
+            };
             Ok(Gradient {
                 overflowed: !g.parameters.fit_f32(),
                 loss: g.loss,
                 params: g.parameters.into_gradient(),
                 controls: if request.controls { controls.collect() } else { Vec::new() },
-                poses: if request.motion { g.poses.iter().map(pose).collect() } else { Vec::new() },
-                rolls: if request.motion {
-                    g.rolls.iter().map(|&x| narrow(x)).collect()
-                } else {
-                    Vec::new()
-                },
-                norms: Vec::new(),
-                initial: request.initial.then(|| state_of(&g.initial, &g.initial_twists, &g.initial_hands)),
+                poses: if request.motion { g.poses.iter().map(by_pose).collect() } else { Vec::new() },
+                rolls: if request.motion { rolls.collect() } else { Vec::new() },
+                norms: if request.norms { g.norms } else { Vec::new() },
+                initial: request.initial.then(initial),
                 final_state: (request.final_state && !diverged)
                     .then(|| state_of(&g.last, &g.last_twists, &g.last_hands)),
             })
@@ -229,6 +256,12 @@ impl Backend for CpuBackend {
         decay: Decay,
     ) -> Result<Box<dyn Optimizer>, Error> {
         Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
+    }
+
+    /// As many threads again: those of this one may all be held at the end of a frame.
+    fn urgent(&self) -> Option<Arc<dyn Backend>> {
+        self.pool.as_ref()?;
+        Some(Arc::new(Self::new(self.threads)))
     }
 }
 

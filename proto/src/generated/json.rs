@@ -447,7 +447,7 @@ map.serialize_entry("smoothing_m", &self.smoothing_m)?;
 
 impl Fields for crate::v1::Plausibility {
     const NAME: &'static str = "Plausibility";
-    const FIELDS: &'static [&'static str] = &["start_gap_m", "control_speed_m_s", "strain", "refuse"];
+    const FIELDS: &'static [&'static str] = &["start_gap_m", "control_speed_m_s", "strain", "refuse", "control_depth_m"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -455,6 +455,7 @@ impl Fields for crate::v1::Plausibility {
 1 => { self.control_speed_m_s = map.next_value()?; }
 2 => { self.strain = map.next_value()?; }
 3 => { self.refuse = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.control_depth_m = map.next_value()?; }
 
             _ => {}
         }
@@ -466,6 +467,7 @@ impl Fields for crate::v1::Plausibility {
 if let Some(value) = &self.control_speed_m_s { map.serialize_entry("control_speed_m_s", value)?; }
 if let Some(value) = &self.strain { map.serialize_entry("strain", value)?; }
 map.serialize_entry("refuse", &self.refuse)?;
+if let Some(value) = &self.control_depth_m { map.serialize_entry("control_depth_m", value)?; }
 
         Ok(())
     }

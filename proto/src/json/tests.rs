@@ -127,6 +127,7 @@ fn infinite_costs_are_null_and_what_is_not_there_is_left_out() {
         "cost_terms": [[], []],
         "diagnostics": [],
         "diverged": [],
+        "implausible": [],
         "timing": {"queue_s": 0.5, "compute_s": 0.0},
         "worker": "",
         "fidelity": "EXACT",

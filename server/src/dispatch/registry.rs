@@ -224,6 +224,8 @@ impl Entry {
             warm: live.warm.contains(&twin),
             has_room: self.line.has_room(ask),
             ahead_s: self.line.ahead_s(),
+            calls: self.line.len(),
+            has_fit: live.fit.is_some(),
         }
     }
 

@@ -44,6 +44,12 @@ pub(crate) enum Error {
         /// Frame of the capture.
         frame: usize,
     },
+    /// The motion is not plausible, and the request wants that refused.
+    #[error("the motion is not plausible: {what}")]
+    Implausible {
+        /// What was found, and what to do.
+        what: String,
+    },
     /// The engine refuses or fails.
     #[error(transparent)]
     Engine(#[from] backend::Error),
@@ -79,7 +85,9 @@ impl Problem for Error {
             Self::Busy { .. } | Self::Memory { .. } => Category::ResourceExhausted,
             Self::Fetch(e) => e.category(),
             Self::StoredTwin(_) => Category::DataLoss,
-            Self::Capture(_) | Self::ReplayDiverged { .. } => Category::FailedPrecondition,
+            Self::Capture(_) | Self::ReplayDiverged { .. } | Self::Implausible { .. } => {
+                Category::FailedPrecondition
+            }
             Self::Engine(e) => e.category(),
             Self::Deadline => Category::DeadlineExceeded,
             Self::Panicked => Category::Internal,
@@ -95,6 +103,7 @@ impl Problem for Error {
             Self::StoredTwin(_) => "TWIN_DAMAGED",
             Self::Capture(_) => "CAPTURE_NOT_REPLAYABLE",
             Self::ReplayDiverged { .. } => "REPLAY_DIVERGED",
+            Self::Implausible { .. } => "IMPLAUSIBLE_MOTION",
             Self::Engine(e) => e.reason(),
             Self::Deadline => "DEADLINE_EXCEEDED",
             Self::Panicked => "WORKER_PANICKED",

@@ -281,8 +281,10 @@ impl Call {
             budget::take(budget, checked.bytes, "the rollout: ask for less at once").await?;
         // It is set here alone.
         let _ = self.held.rollout.set(share);
+        let (on, cancel) = (Arc::clone(&backend), self.cancel.clone());
         let (plan, wanted) =
-            blocking(&self.held, move || Plan::new(checked, part_instances, served)).await?;
+            blocking(&self.held, move || Plan::new(checked, part_instances, served, &*on, &cancel))
+                .await?;
         let starts = match (wanted, replayed) {
             (Wanted::Ready(starts), _) => starts,
             (Wanted::Frame, Some(start)) => Starts::Shared(start),

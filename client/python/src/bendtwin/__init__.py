@@ -14,7 +14,6 @@ from bendtwin.actions import CaptureFrame, GivenState, InitialState, Rest
 from bendtwin.client import Client
 from bendtwin.costs import Cost, Keypoints, Smoothness, TargetCloud
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
-from bendtwin.mppi import Mppi
 from bendtwin.resources import Capture, Fault, Fit, Job, JobState, Progress, TwinInfo, Worker
 from bendtwin.rollout import Deviation, Diagnostics, Divergence, Returns, RolloutResult, Timing
 from bendtwin.twin import Twin
@@ -38,7 +37,6 @@ __all__ = [
     "Job",
     "JobState",
     "Keypoints",
-    "Mppi",
     "Progress",
     "Rest",
     "Returns",

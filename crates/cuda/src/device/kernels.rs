@@ -4,9 +4,10 @@ use bendtwin_engine::Error;
 
 use super::{
     args::{
-        AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, ChangeGraspsArgs, Checks, CollectMotionArgs, CollectControlsArgs, DeviceType,
-        ExtremesArgs, FindPartnersArgs, FinishGradientArgs, GatherSumsArgs, PackBendsArgs,
-        PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SquareLengthsArgs, StartArgs,
+        AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, ChangeGraspsArgs, Checks,
+        CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
+        FinishGradientArgs, GatherSumsArgs, NormBarsArgs, PackBendsArgs, PackHalfSpringsArgs,
+        RecordArgs, ScoreArgs, SeedArgs, SeedRestLengthsArgs, SquareLengthsArgs, StartArgs,
         StepAdamArgs, SumForcesArgs, WeighGradientsArgs,
     },
     launch::Launch,
@@ -59,6 +60,8 @@ kernels! {
     Loss: score(ScoreArgs);
     /// d loss / d positions at frame ends: a block for some nodes of a frame of an instance.
     Loss: seed(SeedArgs);
+    /// d loss / d rest lengths by strains: a block for some springs of an instance.
+    Loss: seed_rest_lengths(SeedRestLengthsArgs);
     /// Half-springs from parameters.
     Params: pack_half_springs(PackHalfSpringsArgs);
     /// Triplets from parameters.
@@ -71,6 +74,8 @@ kernels! {
     Params: collect_controls(CollectControlsArgs);
     /// d loss / d state at a frame's end: a block for some nodes of an instance.
     Params: add_seeds(AddSeedsArgs);
+    /// Norms of d loss / d positions: a block for an instance.
+    Params: norm_bars(NormBarsArgs);
     /// Squared lengths of gradients: some blocks for a gradient.
     Optimizer: square_lengths(SquareLengthsArgs);
     /// The weighted sum of gradients.

@@ -11,6 +11,7 @@ pub(crate) const THREADS: u32 = 256;
 
 const HEADERS: &[(&str, &str)] = &[
     ("vector.cuh", include_str!("../../kernels/vector.cuh")),
+    ("reduce.cuh", include_str!("../../kernels/reduce.cuh")),
     ("spring.cuh", include_str!("../../kernels/spring.cuh")),
     ("bend.cuh", include_str!("../../kernels/bend.cuh")),
     ("rod.cuh", include_str!("../../kernels/rod.cuh")),

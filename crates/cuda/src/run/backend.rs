@@ -25,7 +25,7 @@ use crate::{
         objective::Objectives,
         optimizer::DeviceOptimizer,
         outputs::{RecordedOutputs, retained_states},
-        scoring::{Scores, loss, refuse_too_long},
+        scoring::{Scores, loss, refuse_too_long, unless_diverged},
         simulation::{self, RetainedStates, Simulation},
         world,
     },
@@ -199,6 +199,9 @@ impl CudaBackend {
         let retained = retained_states(batch, outputs);
         let simulated = self.score(batch, retained, outputs.forces, cancel)?;
         let losses = simulated.losses()?;
+        let frame_costs =
+            if outputs.frame_costs { simulated.frame_costs()? } else { vec![vec![]; batch.len()] };
+        let losses = losses.into_iter().zip(frame_costs).collect();
         let recorded = RecordedOutputs::new(&simulated.simulation, outputs)?;
         recorded.rollouts(&simulated.simulation, outputs, losses)
     }
@@ -223,6 +226,7 @@ impl CudaBackend {
         let rolls = self.queue.fetch(&gradients.rolls)?;
         let places =
             if request.initial { self.queue.fetch(&gradients.places)? } else { Vec::new() };
+        let norms = self.queue.fetch(&gradients.norms)?;
         let mut out = Vec::with_capacity(batch.len());
         for (i, (instance, loss)) in batch.iter().zip(simulated.losses()?).enumerate() {
             let model = instance.model.model();
@@ -232,11 +236,11 @@ impl CudaBackend {
             let own = if ended { own } else { &zeros };
             let n = model.graph.node_count();
             let start = gradients.initial_starts[i];
-            let point = |p: &[f32; 4]| [p[0], p[1], p[2]].map(narrow);
+            let point = |p: &[f32; 4]| [p[0], p[1], p[2]].map(saturate);
             let r = model.graph.rods.len();
             let at = gradients.initial_twist_starts[i];
             let twist_bars = match initial_twists.get(at..at + r) {
-                Some(bars) if ended => bars.iter().map(|&x| narrow(x)).collect(),
+                Some(bars) if ended => bars.iter().map(|&x| saturate(x)).collect(),
                 _ => vec![0.0; r],
             };
             let mut at_start = match initial.get(start..start + 2 * n) {
@@ -255,7 +259,7 @@ impl CudaBackend {
             };
             let span = gradients.control_starts[i]..gradients.control_starts[i + 1];
             let mut paths: Vec<[f32; 3]> = if ended {
-                controls[span].iter().map(|p| p.map(narrow)).collect()
+                controls[span].iter().map(|p| p.map(saturate)).collect()
             } else {
                 vec![[0.0; 3]; span.len()]
             };
@@ -266,6 +270,15 @@ impl CudaBackend {
                 if let Some(path) = paths.get_mut(pin.control as usize) {
                     (0..3).for_each(|k| path[k] += x[k]);
                 }
+            }
+            let mut norms = norms[gradients.norm_starts[i]..gradients.norm_starts[i + 1]].to_vec();
+            if !ended {
+                // Nothing was differentiated, and zero would say that nothing matters.
+                norms.fill(f64::NAN);
+                at_start.positions.fill([f32::NAN; 3]);
+                at_start.velocities.fill([f32::NAN; 3]);
+                at_start.twists.fill(f32::NAN);
+                paths.fill([f32::NAN; 3]);
             }
             let final_state = if request.final_state && ended {
                 Some(simulated.state(i, instance.frames)?)
@@ -294,7 +307,7 @@ impl CudaBackend {
                     .map(|rows: &[f32; 12]| std::array::from_fn(|r| std::array::from_fn(|c| rows[4 * r + c])))
                     .collect(),
                 rolls: motion(&rolls[gradients.roll_starts[i]..gradients.roll_starts[i + 1]]),
-                norms: Vec::new(),
+                norms,
                 initial: request.initial.then_some(at_start),
                 final_state,
             });
@@ -317,7 +330,12 @@ fn gradient_params(model: &Model, flat: &[f32]) -> Params {
 
 /// A number in the range of f32; NaN becomes zero.
 fn narrow(x: f32) -> f32 {
-    if x.is_nan() { 0.0 } else { x.clamp(-f32::MAX, f32::MAX) }
+    if x.is_nan() { 0.0 } else { saturate(x) }
+}
+
+/// A number in the range of f32, or NaN.
+fn saturate(x: f32) -> f32 {
+    x.clamp(-f32::MAX, f32::MAX)
 }
 
 impl SimulatedBatch<'_> {
@@ -329,6 +347,22 @@ impl SimulatedBatch<'_> {
                 let each = self.simulation.instances.iter().zip(&self.divergences);
                 let zeros = |i: &Instance| vec![0.0; i.objective.groups.len()];
                 Ok(each.map(|(i, d)| loss(*d, zeros(i))).collect())
+            }
+        }
+    }
+
+    /// Costs by frame and group of each instance; waits for the device.
+    pub(crate) fn frame_costs(&self) -> Result<Vec<Vec<f64>>, Error> {
+        match &self.scores {
+            Some(scores) => scores.frame_costs(&self.simulation, &self.divergences),
+            None => {
+                let each = self.simulation.instances.iter().zip(&self.divergences);
+                Ok(each
+                    .map(|(i, d)| {
+                        let groups = i.objective.groups.len();
+                        unless_diverged(*d, vec![0.0; (i.frames + 1) * groups], groups)
+                    })
+                    .collect())
             }
         }
     }

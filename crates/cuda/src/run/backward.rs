@@ -52,6 +52,9 @@ pub(crate) struct Gradients {
     /// d loss / d places of holds by instance, shape [N], padded to four; empty without grasps.
     pub(crate) places: Buffer<[f32; 4]>,
     pub(crate) place_starts: Vec<usize>,
+    /// Norms of d loss / d positions by instance, shape [F + 1]; empty if not asked for.
+    pub(crate) norms: Buffer<f64>,
+    pub(crate) norm_starts: Vec<usize>,
 }
 
 /// Bytes of device memory that an instance's gradient takes beside one window's tape.
@@ -61,7 +64,7 @@ pub(crate) fn bytes_of(simulated: &bendtwin_engine::backend::Instance) -> u64 {
     // The gradient and its sums, what seeds it, and d loss / d initial state.
     let motion = 48 * simulated.motion.poses.len() + 4 * simulated.motion.rolls.len();
     let seeds = crate::run::scoring::seed_bytes(simulated.frames, n as usize);
-    24 * elements + seeds + 48 * n + motion as u64
+    24 * elements + seeds + 48 * n + motion as u64 + 8 * (simulated.frames as u64 + 1)
 }
 
 /// Triplets and rods: elements with three parameters each whose gradients are summed as they are.
@@ -105,13 +108,15 @@ impl Gradients {
         for alike in order.chunk_by(|&a, &b| keys[a] == keys[b]) {
             Backward { forward: *forward, request, out: &this, cancel }.run(alike, room)?;
         }
+        let params: Vec<_> = (0..instances.len()).map(|i| this.params.at(this.starts[i])).collect();
+        forward.scores.add_rest_lengths(forward.simulation, &params)?;
         Ok(this)
     }
 
     fn empty(simulation: &Simulation<'_>, request: &GradientRequest) -> Result<Self, Error> {
         let stream = &simulation.queue.stream;
         let (mut starts, mut control_starts, mut initial_starts) = (vec![0], vec![0], vec![0]);
-        let mut initial_twist_starts = vec![0];
+        let (mut initial_twist_starts, mut norm_starts) = (vec![0], vec![0]);
         let (mut pose_starts, mut roll_starts, mut place_starts) = (vec![0], vec![0], vec![0]);
         for instance in simulation.instances {
             let graph = &instance.model.model().graph;
@@ -129,6 +134,8 @@ impl Gradients {
             roll_starts.push(end_of(&roll_starts) + rolls);
             let places = if instance.world.grasps.is_empty() { 0 } else { graph.node_count() };
             place_starts.push(end_of(&place_starts) + places);
+            let norms = if request.norms { instance.frames + 1 } else { 0 };
+            norm_starts.push(end_of(&norm_starts) + norms);
         }
         Ok(Self {
             params: Buffer::zeros(stream, end_of(&starts))?,
@@ -138,6 +145,7 @@ impl Gradients {
             poses: Buffer::zeros(stream, end_of(&pose_starts))?,
             rolls: Buffer::zeros(stream, end_of(&roll_starts))?,
             places: Buffer::zeros(stream, end_of(&place_starts))?,
+            norms: Buffer::zeros(stream, end_of(&norm_starts))?,
             starts,
             control_starts,
             initial_starts,
@@ -145,6 +153,7 @@ impl Gradients {
             pose_starts,
             roll_starts,
             place_starts,
+            norm_starts,
         })
     }
 }

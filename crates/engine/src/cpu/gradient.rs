@@ -5,13 +5,15 @@
 use super::{
     adjoint::Adjoint,
     body::Pose,
+    force::{ForceSeeds, FrameForces},
     grasp::Hands,
     lanes::Node,
-    loss::{Moment, Terms},
+    loss::{Moment, TermBars, Terms},
     parameters::Parameters,
     real::{Quad, Real, add},
     rollout::{Scorer, Simulation},
     surrounded::begin_adjoint,
+    system::System,
 };
 use bendtwin_core::CancelToken;
 
@@ -40,6 +42,9 @@ pub(crate) struct LossGradient<T> {
     pub(crate) last_twists: Vec<T>,
     /// What hands hold after the last frame.
     pub(crate) last_hands: Hands<T>,
+    /// Norm of d loss / d positions of the nodes that nothing pins, shape [F + 1]; NaN if it
+    /// diverged.
+    pub(crate) norms: Vec<f64>,
 }
 
 /// Loss and gradient; `cut_every` as in [`crate::backend::GradientRequest`].
@@ -50,17 +55,21 @@ pub(crate) fn gradient<T: Real>(
 ) -> Result<LossGradient<T>, Error> {
     let system = simulation.system;
     let n = system.nodes;
-    let mut scorer = Scorer::new(simulation.objective, system.surface);
+    let mut scorer = Scorer::new(simulation);
     let mut states: Vec<Vec<Node<T>>> = Vec::new();
     let mut twists: Vec<Vec<T>> = Vec::new();
     let mut hands: Vec<Hands<T>> = Vec::new();
+    let mut forces: Vec<FrameForces<T>> = Vec::new();
     let diverged = simulation.run(cancel, |frame, now| {
-        scorer.see(frame, &now.nodes[..n]);
+        scorer.see(frame, now);
         states.push(now.nodes[..n].to_vec());
         twists.push(now.twists.clone());
         hands.push(now.around.hands.clone());
+        if simulation.measures().is_some() {
+            forces.push(now.around.forces.clone());
+        }
     })?;
-    let loss = scorer.finish(diverged);
+    let (loss, _) = scorer.finish(diverged, simulation.frames);
     let around = simulation.surroundings.as_ref();
     let mut adjoint = Adjoint::zero(system, around.map_or(0, |of| of.bodies));
     let mut prescribed = Prescribed {
@@ -68,17 +77,29 @@ pub(crate) fn gradient<T: Real>(
         poses: vec![Pose::default(); around.map_or(0, |of| of.poses.len())],
         rolls: vec![T::ZERO; around.map_or(0, |of| of.rolls.len())],
     };
+    let mut rest_lengths = vec![T::ZERO; system.parameters.rest_lengths_m.len()];
+    let mut norms = vec![f64::NAN; simulation.frames + 1];
     if diverged.is_none() {
-        let terms = Terms::new(simulation.objective);
-        let (states, twists, hands) = (&*states, &*twists, &*hands);
-        let mut backward = Backward { simulation, states, twists, hands, terms };
+        let mut backward = Backward {
+            simulation,
+            states: &states,
+            twists: &twists,
+            hands: &hands,
+            forces: &forces,
+            terms: Terms::new(simulation.objective),
+            rest_lengths: &mut rest_lengths,
+            norms: &mut norms,
+        };
         backward.run(&mut adjoint, &mut prescribed, cut_every, cancel)?;
     }
     let mut initial_hands = around.map(|of| of.start.clone()).unwrap_or_default();
     for hold in &mut initial_hands.holds {
         hold.place = adjoint.around.places[hold.node];
     }
-    let parameters = adjoint.parameters(system);
+    let mut parameters = adjoint.parameters(system);
+    for (all, by_terms) in parameters.rest_lengths_m.iter_mut().zip(rest_lengths) {
+        *all += by_terms;
+    }
     adjoint.bar.truncate(n);
     Ok(LossGradient {
         loss,
@@ -92,6 +113,7 @@ pub(crate) fn gradient<T: Real>(
         last: states.pop().unwrap_or_default(),
         last_twists: twists.pop().unwrap_or_default(),
         last_hands: hands.pop().unwrap_or_default(),
+        norms,
     })
 }
 
@@ -106,6 +128,12 @@ struct Prescribed<T> {
 }
 
 impl<T: Real> Prescribed<T> {
+    /// Of the bodies at a frame's end.
+    fn poses_at(&mut self, frame: usize, simulation: &Simulation<'_, T>) -> &mut [Pose<T>] {
+        let bodies = simulation.surroundings.as_ref().map_or(0, |of| of.bodies);
+        &mut self.poses[frame * bodies..(frame + 1) * bodies]
+    }
+
     /// Adds what a frame's adjoint, 0-based, has gathered; after the last frame there is no row for
     /// what stands still.
     fn gather(&mut self, adjoint: &Adjoint<T>, frame: usize, frame_s: f64) {
@@ -138,7 +166,13 @@ struct Backward<'a, T> {
     twists: &'a [Vec<T>],
     /// What hands hold at frames' ends, shape [F + 1].
     hands: &'a [Hands<T>],
+    /// Frames' forces, shape [F + 1], or empty.
+    forces: &'a [FrameForces<T>],
     terms: Terms<'a>,
+    /// d loss / d rest lengths by terms that depend on them directly, shape [E].
+    rest_lengths: &'a mut [T],
+    /// Shape [F + 1].
+    norms: &'a mut [f64],
 }
 
 impl<T: Real> Backward<'_, T> {
@@ -162,9 +196,16 @@ impl<T: Real> Backward<'_, T> {
                 adjoint.around.places.fill([T::ZERO; 4]);
                 arriving.clear();
             }
-            if let Some(moment) = self.moment(frame) {
-                self.terms.add_gradient(frame, moment, &mut adjoint.bar);
+            let mut seeds = simulation.measures().map(|of| ForceSeeds::zero(of, simulation.system));
+            if let Some(moment) = moment(simulation, self.states, self.forces, frame) {
+                let rest_lengths = &mut *self.rest_lengths;
+                let nodes = &mut adjoint.bar;
+                let poses = prescribed.poses_at(frame, simulation);
+                let forces = seeds.as_mut();
+                let mut bars = TermBars { nodes, rest_lengths, poses, forces };
+                self.terms.add_gradient(frame, moment, &mut bars);
             }
+            self.norms[frame] = norm(simulation.system, &adjoint.bar);
             if frame == 0 {
                 break;
             }
@@ -174,7 +215,11 @@ impl<T: Real> Backward<'_, T> {
             workspace.nodes[..simulation.system.nodes].copy_from_slice(&self.states[frame - 1]);
             workspace.twists.copy_from_slice(&self.twists[frame - 1]);
             workspace.around.hands.clone_from(&self.hands[frame - 1]);
-            let around = simulation.around(frame - 1).map(|at| (at, None));
+            let around = simulation.around(frame - 1).map(|at| {
+                // No term asks for a force: then nothing is measured again.
+                let matter = seeds.as_mut().is_some_and(|s| s.spread(at.of));
+                (at, seeds.as_ref().filter(|_| matter))
+            });
             let controls = simulation.controls_of(frame - 1);
             arriving = adjoint.back_frame(simulation.system, controls, around, &mut workspace);
             prescribed.gather(adjoint, frame - 1, frame_s);
@@ -198,22 +243,13 @@ impl<T: Real> Backward<'_, T> {
         Ok(())
     }
 
-    fn moment(&self, frame: usize) -> Option<Moment<'_, T>> {
-        let now = self.states.get(frame)?;
-        let earlier = match frame.checked_sub(2) {
-            Some(two) => Some([&*self.states[frame - 1], &*self.states[two]]),
-            None => None,
-        };
-        Some(Moment { now, earlier, surface: self.simulation.system.surface })
-    }
-
     /// Terms of the next two frames that look back at this one.
     fn add_later_terms(&self, frame: usize, bar: &mut [Node<T>]) {
         if !self.terms.look_back() {
             return;
         }
         for back in [1, 2] {
-            if let Some(moment) = self.moment(frame + back) {
+            if let Some(moment) = moment(self.simulation, self.states, self.forces, frame + back) {
                 self.terms.add_gradient_back(frame + back, back, moment, bar);
             }
         }
@@ -224,4 +260,28 @@ fn add_velocities<T: Real>(bar: &mut [Node<T>], velocities: &[(usize, Quad<T>)])
     for &(node, v) in velocities {
         bar[node].v = add(bar[node].v, v);
     }
+}
+
+/// Norm of d loss / d positions; what is pinned does not move by itself.
+fn norm<T: Real>(system: &System<T>, bar: &[Node<T>]) -> f64 {
+    let free = bar.iter().zip(&system.inverse_mass).filter(|(_, m)| **m > T::ZERO);
+    let square = |x: Quad<T>| x[..3].iter().map(|x| x.to_f64().powi(2)).sum::<f64>();
+    free.map(|(bar, _)| square(bar.x)).sum::<f64>().sqrt()
+}
+
+/// A frame's end, with the two before it; `None` after the last.
+fn moment<'a, T>(
+    simulation: &'a Simulation<'_, T>,
+    states: &'a [Vec<Node<T>>],
+    forces: &'a [FrameForces<T>],
+    frame: usize,
+) -> Option<Moment<'a, T>> {
+    let now = states.get(frame)?;
+    let earlier = match frame.checked_sub(2) {
+        Some(two) => Some([&*states[frame - 1], &*states[two]]),
+        None => None,
+    };
+    let forces = if frame > 0 { forces.get(frame) } else { None };
+    let (system, around) = (simulation.system, simulation.surroundings.as_ref());
+    Some(Moment { frame, now, earlier, system, around, forces })
 }

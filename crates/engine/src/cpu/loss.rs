@@ -1,22 +1,49 @@
 //! Values and exact gradients of an objective's terms. The nearest node of a
 //! Chamfer target counts as fixed in the gradient, which is exact almost everywhere.
 
+mod clearance;
+mod force;
+mod region;
+mod strain;
+
+use self::region::Region;
 use super::{
+    body::Pose,
+    force::{ForceSeeds, FrameForces},
     lanes::Node,
     nearest::nearest,
     real::{Quad, Real, add, add_scaled, dot, quad, scale, sub},
+    surroundings::Surroundings,
+    system::System,
 };
 use crate::objective::{Objective, PointLoss, Term, WeightedTerm};
 
 /// Node states at a frame and at the two before it.
 #[derive(Clone, Copy)]
 pub(crate) struct Moment<'a, T> {
+    pub(crate) frame: usize,
     /// Shape [N].
     pub(crate) now: &'a [Node<T>],
     /// One and two frames earlier, if there were any.
     pub(crate) earlier: Option<[&'a [Node<T>]; 2]>,
-    /// Number of surface nodes.
-    pub(crate) surface: usize,
+    pub(crate) system: &'a System<T>,
+    /// What surrounds the object beside the ground.
+    pub(crate) around: Option<&'a Surroundings<T>>,
+    /// Mean forces of the frame that ends here, if they were measured.
+    pub(crate) forces: Option<&'a FrameForces<T>>,
+}
+
+/// d loss / d what the terms of a frame depend on.
+#[derive(Debug)]
+pub(crate) struct TermBars<'a, T> {
+    /// The state at the frame's end, shape [N] or longer.
+    pub(crate) nodes: &'a mut [Node<T>],
+    /// Rest lengths, shape [E].
+    pub(crate) rest_lengths: &'a mut [T],
+    /// Poses of bodies at the frame's end, shape [B].
+    pub(crate) poses: &'a mut [Pose<T>],
+    /// The frame's mean forces, if they are measured.
+    pub(crate) forces: Option<&'a mut ForceSeeds<T>>,
 }
 
 /// The terms of an objective, found by frame.
@@ -53,16 +80,16 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// Adds d loss / d position of the terms of a frame to `bar`, as far as they depend on that
-    /// frame itself.
+    /// Adds the gradient of the terms of a frame to `bars`, as far as they depend on that frame
+    /// itself.
     pub(crate) fn add_gradient<T: Real>(
         &self,
         frame: usize,
         moment: Moment<'_, T>,
-        bar: &mut [Node<T>],
+        bars: &mut TermBars<'_, T>,
     ) {
         for t in self.at(frame) {
-            add_term_gradient(&t.term, f64::from(t.weight), moment, bar);
+            add_term_gradient(&t.term, f64::from(t.weight), moment, bars);
         }
     }
 
@@ -91,7 +118,7 @@ fn value<T: Real>(term: &Term, at: Moment<'_, T>) -> f64 {
     match term {
         Term::Chamfer { targets } => {
             let targets: Vec<Quad<T>> = targets.iter().map(|&p| quad(p)).collect();
-            let found = nearest(&at.now[..at.surface], &targets);
+            let found = nearest(&at.now[..at.system.surface], &targets);
             let pairs = targets.iter().zip(found);
             let sum: f64 = pairs.map(|(&t, i)| square(sub(at.now[i as usize].x, t))).sum();
             sum * mean_over(targets.len())
@@ -110,11 +137,19 @@ fn value<T: Real>(term: &Term, at: Moment<'_, T>) -> f64 {
                 .sum();
             sum * mean_over(nodes.len())
         }
-        Term::Strain { .. }
-        | Term::Above { .. }
-        | Term::Within { .. }
-        | Term::Clearance { .. }
-        | Term::Force { .. } => f64::NAN,
+        Term::Strain { limit } => strain::value(at.system, at.now, *limit),
+        Term::Above { nodes, normal, offset_m } => {
+            Region::Above { normal: *normal, offset_m: *offset_m }.value(nodes.as_ref(), at.now)
+        }
+        Term::Within { nodes, low, high } => {
+            Region::Within { low: *low, high: *high }.value(nodes.as_ref(), at.now)
+        }
+        Term::Clearance { collider, margin_m } => {
+            clearance::value(at, *collider as usize, *margin_m)
+        }
+        Term::Force { by, limit } => {
+            at.forces.map_or(0.0, |forces| force::value(forces, *by, *limit))
+        }
         Term::Acceleration => {
             let Some([one, two]) = at.earlier else { return 0.0 };
             let sum: f64 =
@@ -142,11 +177,17 @@ fn second_difference<T: Real>(
     add(add_scaled(now[i].x, -T::from_f64(2.0), one[i].x), two[i].x)
 }
 
-fn add_term_gradient<T: Real>(term: &Term, weight: f64, at: Moment<'_, T>, bar: &mut [Node<T>]) {
+fn add_term_gradient<T: Real>(
+    term: &Term,
+    weight: f64,
+    at: Moment<'_, T>,
+    bars: &mut TermBars<'_, T>,
+) {
+    let bar = &mut *bars.nodes;
     match term {
         Term::Chamfer { targets } => {
             let targets: Vec<Quad<T>> = targets.iter().map(|&p| quad(p)).collect();
-            let found = nearest(&at.now[..at.surface], &targets);
+            let found = nearest(&at.now[..at.system.surface], &targets);
             let w = T::from_f64(2.0 * weight * mean_over(targets.len()));
             for (&t, i) in targets.iter().zip(found) {
                 let i = i as usize;
@@ -162,11 +203,26 @@ fn add_term_gradient<T: Real>(term: &Term, weight: f64, at: Moment<'_, T>, bar: 
             }
         }
         Term::Acceleration => add_acceleration_gradient(weight, at, bar),
-        Term::Strain { .. }
-        | Term::Above { .. }
-        | Term::Within { .. }
-        | Term::Clearance { .. }
-        | Term::Force { .. } => {}
+        Term::Strain { limit } => {
+            strain::add_gradient(at.system, at.now, *limit, weight, bar, bars.rest_lengths);
+        }
+        Term::Above { nodes, normal, offset_m } => {
+            let region = Region::Above { normal: *normal, offset_m: *offset_m };
+            region.add_gradient(nodes.as_ref(), at.now, weight, bar);
+        }
+        Term::Within { nodes, low, high } => {
+            let region = Region::Within { low: *low, high: *high };
+            region.add_gradient(nodes.as_ref(), at.now, weight, bar);
+        }
+        Term::Clearance { collider, margin_m } => {
+            let poses = &mut *bars.poses;
+            clearance::add_gradient(at, *collider as usize, *margin_m, weight, bar, poses);
+        }
+        Term::Force { by, limit } => {
+            if let (Some(forces), Some(seeds)) = (at.forces, &mut bars.forces) {
+                force::add_gradient(forces, *by, *limit, weight, seeds);
+            }
+        }
     }
 }
 

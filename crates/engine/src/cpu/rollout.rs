@@ -63,6 +63,11 @@ impl<T: Real> Simulation<'_, T> {
         self.surroundings.as_ref().map(|of| Frame { of, frame, frames: self.frames })
     }
 
+    /// The surroundings, if their forces are measured.
+    pub(crate) fn measures(&self) -> Option<&Surroundings<T>> {
+        self.surroundings.as_ref().filter(|of| of.measured)
+    }
+
     /// A workspace at the initial state, pinned nodes on their control points; hands have opened and
     /// closed for the first frame.
     pub(crate) fn start(&self) -> Workspace<T> {
@@ -121,24 +126,35 @@ fn first_diverged<T: Real>(nodes: &[Node<T>]) -> Option<usize> {
 /// Adds up an objective along a rollout.
 pub(crate) struct Scorer<'a, T> {
     terms: Terms<'a>,
-    groups: Vec<f64>,
-    surface: usize,
+    /// By frame, shape [frames seen, groups].
+    frames: Vec<f64>,
+    groups: usize,
+    simulation: &'a Simulation<'a, T>,
     /// The two latest frames, newest last, if a term looks back.
     recent: Vec<Vec<Node<T>>>,
 }
 
 impl<'a, T: Real> Scorer<'a, T> {
-    pub(crate) fn new(objective: &'a Objective, surface: usize) -> Self {
-        let groups = vec![0.0; objective.groups.len()];
-        Self { terms: Terms::new(objective), groups, surface, recent: Vec::new() }
+    pub(crate) fn new(simulation: &'a Simulation<'_, T>) -> Self {
+        let objective = simulation.objective;
+        let frames = Vec::with_capacity(objective.groups.len() * (simulation.frames + 1));
+        let groups = objective.groups.len();
+        Self { terms: Terms::new(objective), frames, groups, simulation, recent: Vec::new() }
     }
 
-    pub(crate) fn see(&mut self, frame: usize, now: &[Node<T>]) {
+    pub(crate) fn see(&mut self, frame: usize, workspace: &Workspace<T>) {
+        let system = self.simulation.system;
+        let now = &workspace.nodes[..system.nodes];
         let earlier = match &*self.recent {
             [two, one] => Some([&**one, &**two]),
             _ => None,
         };
-        self.terms.score(frame, Moment { now, earlier, surface: self.surface }, &mut self.groups);
+        let start = self.frames.len();
+        self.frames.resize(start + self.groups, 0.0);
+        let around = self.simulation.surroundings.as_ref();
+        let forces = around.filter(|of| of.measured && frame > 0).map(|_| &workspace.around.forces);
+        let moment = Moment { frame, now, earlier, system, around, forces };
+        self.terms.score(frame, moment, &mut self.frames[start..]);
         if self.terms.look_back() {
             if self.recent.len() == 2 {
                 self.recent.remove(0);
@@ -147,13 +163,22 @@ impl<'a, T: Real> Scorer<'a, T> {
         }
     }
 
-    pub(crate) fn finish(self, diverged: Option<Divergence>) -> Loss {
-        let groups = match diverged {
-            None => self.groups,
-            Some(_) => vec![f64::INFINITY; self.groups.len()],
-        };
+    /// The loss, and the groups' values by frame, shape [F + 1, groups].
+    pub(crate) fn finish(
+        mut self,
+        diverged: Option<Divergence>,
+        frames: usize,
+    ) -> (Loss, Vec<f64>) {
+        self.frames.resize((frames + 1) * self.groups, f64::INFINITY);
+        let mut groups = vec![0.0; self.groups];
+        for frame in self.frames.chunks_exact(self.groups.max(1)) {
+            groups.iter_mut().zip(frame).for_each(|(sum, value)| *sum += value);
+        }
+        if diverged.is_some() {
+            groups.fill(f64::INFINITY);
+        }
         let total = if diverged.is_some() { f64::INFINITY } else { groups.iter().sum() };
-        Loss { total, groups, diverged }
+        (Loss { total, groups, diverged }, self.frames)
     }
 }
 
@@ -162,8 +187,7 @@ pub(crate) fn losses<T: Real>(
     simulation: &Simulation<'_, T>,
     cancel: &CancelToken,
 ) -> Result<Loss, Error> {
-    let mut scorer = Scorer::new(simulation.objective, simulation.system.surface);
-    let diverged = simulation
-        .run(cancel, |frame, now| scorer.see(frame, &now.nodes[..simulation.system.nodes]))?;
-    Ok(scorer.finish(diverged))
+    let mut scorer = Scorer::new(simulation);
+    let diverged = simulation.run(cancel, |frame, now| scorer.see(frame, now))?;
+    Ok(scorer.finish(diverged, simulation.frames).0)
 }

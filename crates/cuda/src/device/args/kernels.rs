@@ -85,6 +85,22 @@ device_struct! {
 }
 
 device_struct! {
+    /// Parameters of `seed_rest_lengths`.
+    SeedRestLengthsArgs {
+        objectives: Pointer<ObjectiveArgs>,
+        outs: Pointer<Pointer<f32>>,
+    }
+}
+
+device_struct! {
+    /// Parameters of `norm_bars`.
+    NormBarsArgs {
+        instances: Pointer<InstanceArgs>,
+        outs: Pointer<Pointer<f64>>,
+    }
+}
+
+device_struct! {
     /// Parameters of `pack_half_springs`.
     PackHalfSpringsArgs {
         rates: Pointer<[f32; 4]>,
