@@ -2,6 +2,7 @@
 
 mod faults;
 mod fidelity;
+mod split;
 
 use std::{sync::Arc, time::Instant};
 
