@@ -4,6 +4,7 @@ mod costs;
 mod faults;
 mod fidelity;
 mod gradients;
+mod split;
 mod states;
 
 use std::{sync::Arc, time::Instant};
