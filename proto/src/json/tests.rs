@@ -121,7 +121,7 @@ fn infinite_costs_are_null_and_what_is_not_there_is_left_out() {
         ..RollOutResponse::default()
     };
     let expected = json!({
-        "first_instance": 0,
+        "first_instance": 0, "implausible": [],
         "costs": [null, 1.0],
         "cost_names": [],
         "cost_terms": [[], []],

@@ -18,8 +18,8 @@ const DIAGNOSTICS: u64 = HEAD + 6 * 5 + 6;
 /// Longest encoding of a `Divergence`: three counts.
 const DIVERGENCE: u64 = HEAD + 3 * 6;
 /// Longest encoding of everything else: first_instance, timing, worker, fidelity, substeps,
-/// deviation.
-const REST: u64 = 6 + (HEAD + 2 * 9) + 48 + 2 + 7 + (1 + HEAD + 3 * 9 + 6);
+/// deviation, mass_kg.
+const REST: u64 = 6 + (HEAD + 2 * 9) + 48 + 2 + 7 + (1 + HEAD + 3 * 9 + 6) + 10;
 
 /// Most bytes that one message of the reply to a checked request takes when encoded, with
 /// `part_instances` instances to a message (0: all in one). Tensors are exact; of each instance it

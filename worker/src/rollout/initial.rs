@@ -1,5 +1,5 @@
-//! Initial states of rollouts: the rest shape, a frame of a capture, or a state that the caller
-//! gives.
+//! Initial states of rollouts: the rest shape, settled or not, a frame of a capture, or a state that
+//! the caller gives.
 
 mod controls;
 
@@ -30,6 +30,11 @@ pub(super) struct Start {
 }
 
 impl Start {
+    /// Memory that it takes [bytes].
+    pub(super) fn bytes(&self) -> u64 {
+        (24 * self.state.positions.len() + 12 * self.controls.len()) as u64
+    }
+
     /// Largest distance between control points here and in the first row of the actions [m]. Where
     /// they are not known it counts from where they may be.
     pub(super) fn gap_m(&self, row: &[Point]) -> f32 {
@@ -49,8 +54,31 @@ pub(super) enum Starts {
 /// Initial state as the request asks for it, before captures are read.
 pub(super) enum Wanted {
     Ready(Starts),
-    /// That of the frame, which is replayed apart: [`CaptureFrame::wanted`].
-    Frame,
+    /// That of a simulation of its own: [`Simulated::wanted`].
+    Simulated,
+}
+
+/// An initial state that a simulation of its own leads to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Simulated {
+    /// The capture is replayed.
+    Frame(CaptureFrame),
+    /// The twin comes to rest.
+    Settled,
+}
+
+impl Simulated {
+    /// The simulation that a request needs before it starts, if any; `own_capture` is the twin's.
+    pub(super) fn wanted(
+        wire: Option<&InitialState>,
+        own_capture: &str,
+    ) -> Result<Option<Self>, Error> {
+        Ok(match wire.and_then(|w| w.state.as_ref()) {
+            Some(Wire::CaptureFrame(at)) => Some(Self::Frame(CaptureFrame::read(at, own_capture)?)),
+            Some(Wire::Settled(_)) => Some(Self::Settled),
+            None | Some(Wire::Rest(_) | Wire::Given(_)) => None,
+        })
+    }
 }
 
 /// A frame of a capture.
@@ -62,17 +90,6 @@ pub(super) struct CaptureFrame {
 }
 
 impl CaptureFrame {
-    /// The frame that a request starts in, if it starts in one; `own_capture` is the twin's.
-    pub(super) fn wanted(
-        wire: Option<&InitialState>,
-        own_capture: &str,
-    ) -> Result<Option<Self>, Error> {
-        match wire.and_then(|w| w.state.as_ref()) {
-            Some(Wire::CaptureFrame(wire)) => Self::read(wire, own_capture).map(Some),
-            _ => Ok(None),
-        }
-    }
-
     fn read(wire: &wire::CaptureFrame, own_capture: &str) -> Result<Self, Error> {
         const FIELD: &str = "initial.capture_frame.capture";
         let name = if wire.capture.is_empty() { own_capture } else { &wire.capture };
@@ -100,12 +117,12 @@ impl Wanted {
         instances: usize,
     ) -> Result<Self, Error> {
         match wire.and_then(|w| w.state) {
-            None | Some(Wire::Rest(_) | Wire::Settled(_)) => {
+            None | Some(Wire::Rest(_)) => {
                 let state = Arc::new(State::rest(graph));
                 let controls = Arc::new(graph.control_rest.clone());
                 Ok(Self::Ready(Starts::Shared(Start { state, controls, likely: None })))
             }
-            Some(Wire::CaptureFrame(_)) => Ok(Self::Frame),
+            Some(Wire::CaptureFrame(_) | Wire::Settled(_)) => Ok(Self::Simulated),
             Some(Wire::Given(wire)) => given(wire, graph, instances).map(Self::Ready),
         }
     }

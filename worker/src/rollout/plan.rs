@@ -21,6 +21,9 @@ use super::{
     world::{Surroundings, gripper_of_control},
 };
 
+/// Distance between where a control point is and where nodes say that it may be, at most [m].
+const UNKNOWN_SLACK_M: f32 = 0.02;
+
 /// A checked request.
 pub(super) struct Plan {
     pub(super) served: Served,
@@ -142,7 +145,10 @@ impl Plan {
         let obstacles = self.surroundings.obstacles(&model.environment);
         let middles = self.surroundings.middles(&instance.motion);
         let points = [controls.as_slice(), &middles];
-        plausible::extremes(start.gap_m(first), points, self.frames, model.timing.fps, &obstacles)
+        // Where control points are not known, what nodes say of them is not exact.
+        let slack = if start.likely.is_some() { UNKNOWN_SLACK_M } else { 0.0 };
+        let gap = (start.gap_m(first) - slack).max(0.0);
+        plausible::extremes(gap, points, self.frames, model.timing.fps, &obstacles)
     }
 }
 

@@ -80,6 +80,7 @@ pub(super) fn summary(
         fidelity: fidelity.into(),
         substeps: plan.served.loaded.model().timing.substeps,
         deviation,
+        mass_kg: plan.twin().mass_kg,
         ..RollOutResponse::default()
     }
 }

@@ -41,7 +41,7 @@ use super::{
     checked::{Checked, Room},
     error::Error,
     execute::Execution,
-    initial::{CaptureFrame, Starts, Wanted},
+    initial::{Simulated, Starts, Wanted},
     plan::Plan,
     serve::Served,
 };
@@ -268,13 +268,16 @@ impl Call {
             Checked::new(wire, &own, part_instances, &to, &limits, room)
         })
         .await?;
-        // A replay takes memory of its own, so it comes before this takes any.
-        let frame = CaptureFrame::wanted(checked.request.initial.as_ref(), &capture)?;
-        let replayed = match frame {
+        // A simulation that comes before takes memory of its own, so it comes before this takes any.
+        let wanted = Simulated::wanted(checked.request.initial.as_ref(), &capture)?;
+        let (replays, cancel) = (&inner.replays, &self.cancel);
+        let simulated = match wanted {
             None => None,
-            Some(at) => {
-                let replay = inner.replays.start(&warm, at, &backend, &self.cancel, limits.work);
-                Some(replay.await?)
+            Some(Simulated::Frame(at)) => {
+                Some(replays.start(&warm, at, &backend, cancel, limits.work).await?)
+            }
+            Some(Simulated::Settled) => {
+                Some(replays.settled(&warm, &backend, cancel, limits.work).await?)
             }
         };
         let share =
@@ -285,10 +288,10 @@ impl Call {
         let (plan, wanted) =
             blocking(&self.held, move || Plan::new(checked, part_instances, served, &*on, &cancel))
                 .await?;
-        let starts = match (wanted, replayed) {
+        let starts = match (wanted, simulated) {
             (Wanted::Ready(starts), _) => starts,
-            (Wanted::Frame, Some(start)) => Starts::Shared(start),
-            (Wanted::Frame, None) => return Err(Error::field("initial", "has no state")),
+            (Wanted::Simulated, Some(start)) => Starts::Shared(start),
+            (Wanted::Simulated, None) => return Err(Error::field("initial", "has no state")),
         };
         let (cancel, parts, arrived) = (self.cancel.clone(), self.parts.clone(), self.arrived);
         let worker = inner.worker.clone();

@@ -10,41 +10,96 @@ with Client("127.0.0.1:7070") as client:
     result.positions  # [B, T, N, 3], metres
 """
 
-from bendtwin.actions import CaptureFrame, GivenState, InitialState, Rest
 from bendtwin.client import Client
 from bendtwin.costs import Cost, Keypoints, Smoothness, TargetCloud
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
+from bendtwin.geometry import Geometry, Ground
+from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.resources import Capture, Fault, Fit, Job, JobState, Progress, TwinInfo, Worker
-from bendtwin.rollout import Deviation, Diagnostics, Divergence, Returns, RolloutResult, Timing
+from bendtwin.rollout import (
+    Deviation,
+    Diagnostics,
+    Divergence,
+    Forces,
+    Implausible,
+    Returns,
+    RolloutResult,
+    Timing,
+)
+from bendtwin.state import (
+    CaptureFrame,
+    GivenState,
+    Grasping,
+    InitialState,
+    Rest,
+    Settled,
+    State,
+)
 from bendtwin.twin import Twin
+from bendtwin.world import (
+    Capsule,
+    Collider,
+    ConvexMesh,
+    Cuboid,
+    Ensemble,
+    GradientOptions,
+    Grasp,
+    Plane,
+    Plausibility,
+    Sphere,
+    Vary,
+    World,
+)
 
 __all__ = [
     "BendTwinError",
+    "Capsule",
     "Capture",
     "CaptureFrame",
     "Category",
     "Client",
+    "Collider",
+    "ConvexMesh",
     "Cost",
+    "Cuboid",
     "Deviation",
     "Diagnostics",
     "Divergence",
+    "Ensemble",
     "Fault",
     "Fit",
     "FitFailed",
+    "Forces",
+    "Geometry",
     "GivenState",
+    "GradientOptions",
+    "Grasp",
+    "Grasping",
+    "Ground",
+    "Implausible",
     "IngestFailed",
     "InitialState",
+    "Interpolation",
     "Job",
     "JobState",
     "Keypoints",
+    "Plane",
+    "Plausibility",
     "Progress",
     "Rest",
     "Returns",
     "RolloutResult",
+    "Settled",
     "Smoothness",
+    "Sphere",
+    "State",
     "TargetCloud",
     "Timing",
     "Twin",
     "TwinInfo",
+    "Vary",
     "Worker",
+    "World",
+    "interpolate",
+    "interpolate_poses",
 ]

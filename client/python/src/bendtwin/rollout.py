@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin.state import Grasping, State, state_of
 from bendtwin.tensors import pack_indices, unpack
 from bendtwin.v1 import rollout_pb2
 
@@ -44,6 +45,10 @@ class Returns:
     diagnostics: bool = False
     #: d cost / d control positions, dense.
     control_gradients: bool = False
+    #: d cost / d what was given as actions: knots or poses, in their shape.
+    action_gradients: bool = False
+    #: Forces by frame.
+    forces: bool = False
 
     def to_proto(self) -> rollout_pb2.Returns:
         """Makes the wire form."""
@@ -54,6 +59,8 @@ class Returns:
             final_state=self.final_state,
             diagnostics=self.diagnostics,
             control_gradients=self.control_gradients,
+            action_gradients=self.action_gradients,
+            forces=self.forces,
         )
         if self.nodes is not None:
             message.nodes.CopyFrom(pack_indices("nodes", self.nodes))
@@ -69,6 +76,42 @@ class Diagnostics:
     kinetic_energy: float
     elastic_energy: float
     ground_contacts: int
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Mean forces on the object over each frame, newtons; per unit mass without a `mass_kg`."""
+
+    #: By control points [R, F, C, 3].
+    controls: FloatArray
+    #: By grasps [R, F, G, 6]: force, then torque about the gripper's origin at the end of the
+    #: frame (newton metres), along the world's axes.
+    grasps: FloatArray
+    #: By the ground [R, F, 3].
+    ground: FloatArray
+    #: By colliders [R, F, K, 6], about what carries them.
+    colliders: FloatArray
+
+    @classmethod
+    def from_proto(cls, message: rollout_pb2.RollOutResponse.Forces) -> Forces:
+        """Reads the wire form."""
+        names = ("controls", "grasps", "ground", "colliders")
+        arrays: dict[str, Any] = {name: unpack(getattr(message, name)) for name in names}
+        return cls(**arrays)
+
+
+@dataclass(frozen=True)
+class Implausible:
+    """Motion of an instance that is beyond a limit."""
+
+    instance: int
+    #: START_GAP, CONTROL_SPEED, STRAIN or CONTROL_IN_OBSTACLE.
+    reason: str
+    #: Most that was found, in the unit of the limit.
+    found: float
+    limit: float
+    #: The frame in which it was found; 0 where it is not known.
+    frame: int
 
 
 @dataclass(frozen=True)
@@ -131,6 +174,21 @@ class RolloutResult:
     final_twists: FloatArray | None
     #: d cost / d control positions [R, F + 1, C, 3].
     control_gradients: FloatArray | None
+    #: d cost / d actions in their shape, [R, K, C, 3] or [R, K, G, 7]; d cost / d quaternion along
+    #: the sphere of unit quaternions.
+    action_gradients: FloatArray | None = None
+    #: Final control points [R, C, 3], metres.
+    final_controls: FloatArray | None = None
+    #: What grasps hold in the final states; None without grasps.
+    final_grasping: Grasping | None = None
+    #: Costs of the members of an ensemble [B, E], of which `costs` are a statistic.
+    member_costs: FloatArray | None = None
+    #: If they were asked for.
+    forces: Forces | None = None
+    #: Instances that are not plausible.
+    implausible: list[Implausible] = field(default_factory=list)
+    #: Mass of the object; None: not known, and forces are per unit mass.
+    mass_kg: float | None = None
     diagnostics: list[Diagnostics] = field(default_factory=list)
     diverged: list[Divergence] = field(default_factory=list)
     timing: Timing | None = None
@@ -142,6 +200,22 @@ class RolloutResult:
     substeps: int = 0
     #: How far the fast variant strays; None unless it answered.
     deviation: Deviation | None = None
+
+    def state(self, row: int) -> State:
+        """The final state of one of `instances`, to go on from: `twin.rollout(initial=...)`."""
+        return state_of(self.states(), row)
+
+    def states(self) -> State:
+        """The final states of all of `instances`, to go on from with as many instances."""
+        if self.final_positions is None:
+            raise ValueError("ask for final states: Returns(final_state=True)")
+        return State(
+            positions=self.final_positions,
+            velocities=self.final_velocities,
+            twists=self.final_twists,
+            controls=self.final_controls,
+            grasping=self.final_grasping,
+        )
 
     @classmethod
     def from_proto(cls, message: rollout_pb2.RollOutResponse) -> RolloutResult:
@@ -159,6 +233,9 @@ class RolloutResult:
                 "final_velocities",
                 "final_twists",
                 "control_gradients",
+                "action_gradients",
+                "final_controls",
+                "member_costs",
             )
         }
         return cls(
@@ -190,5 +267,16 @@ class RolloutResult:
                 if message.HasField("deviation")
                 else None
             ),
+            final_grasping=(
+                Grasping.from_proto(message.final_grasping)
+                if message.HasField("final_grasping")
+                else None
+            ),
+            forces=Forces.from_proto(message.forces) if message.HasField("forces") else None,
+            implausible=[
+                Implausible(i.instance, i.reason, i.found, i.limit, i.frame)
+                for i in message.implausible
+            ],
+            mass_kg=message.mass_kg if message.HasField("mass_kg") else None,
             **arrays,
         )

@@ -40,6 +40,7 @@ fn reply(
         worker: format!("workers/{}", "0".repeat(36)),
         fidelity: Fidelity::Fast.into(),
         substeps: u32::MAX,
+        mass_kg: Some(1.0),
         deviation: Some(Deviation {
             mean_m: 1.0,
             max_m: 1.0,

@@ -1,8 +1,8 @@
 use bendtwin_core::Problem as _;
-use bendtwin_engine::world::{IDENTITY, Shape};
+use bendtwin_engine::world::{IDENTITY, Shape, spring_share};
 use bendtwin_proto::v1::{
-    Collider as WireCollider, Cuboid, GradientOptions, Grasp as WireGrasp, GripperPoses, Plane as
-    WirePlane, Returns, Sphere, World as WireWorld, collider, grasp,
+    Collider as WireCollider, Cuboid, GradientOptions, Grasp as WireGrasp, GripperPoses,
+    Plane as WirePlane, Returns, Sphere, World as WireWorld, collider, grasp,
 };
 
 use super::*;
@@ -38,7 +38,11 @@ fn ball() -> Sphere {
 }
 
 fn collider(carrier: Option<Carrier>) -> WireCollider {
-    WireCollider { shape: Some(collider::Shape::Sphere(ball())), carrier, ..WireCollider::default() }
+    WireCollider {
+        shape: Some(collider::Shape::Sphere(ball())),
+        carrier,
+        ..WireCollider::default()
+    }
 }
 
 fn holding(region: grasp::Region) -> WireGrasp {
@@ -74,7 +78,7 @@ fn bodies_are_the_grippers_and_then_the_paths() {
     assert_eq!((at(0, 0, 2), at(0, 1, 2), at(0, 2, 0)), (0.0, 1.0, 2.0));
     assert!((at(1, 0, 2) - 0.1).abs() < 1e-6 && (at(1, 2, 0) - 2.25).abs() < 1e-6);
     assert!((at(4, 1, 2) - 1.4).abs() < 1e-6 && (at(4, 2, 0) - 3.0).abs() < 1e-6);
-    assert_eq!(motion.closed, []);
+    assert!(motion.closed.is_empty());
 }
 
 #[test]
@@ -128,17 +132,20 @@ fn springs_of_a_hold_are_stable_or_refused() {
     let Attachment::Spring { stiffness, damping } = chosen.world.grasps[0].attachment else {
         panic!("springs were asked for")
     };
-    // dt² k + 2 dt c is what loading keeps free.
-    let dt = 1.0 / (30.0 * 60.0f32);
-    let share = dt * dt * stiffness + 2.0 * dt * damping;
-    assert!((share - 0.16).abs() < 1e-4 && stiffness > 1000.0, "{stiffness} {damping}");
-    // Half the mass is as stiff by half at unit mass, and lets go at twice the force.
-    let light = chosen.world(Factors { mass: 0.5, ..Factors::ONE });
-    let Attachment::Spring { stiffness: lighter, .. } = light.grasps[0].attachment else {
-        panic!("springs were asked for")
+    let model = Model::from(&twin());
+    let share = spring_share(&model, stiffness, damping);
+    assert!((0.99..=1.0).contains(&share) && stiffness > 1000.0, "{share} {stiffness}");
+    assert!((damping - 2.0 * stiffness.sqrt()).abs() < 1e-3 * damping);
+    // Springs that are given are as much stiffer at unit mass as an object is lighter.
+    let of = |surroundings: &Surroundings, mass: f32| {
+        let world = surroundings.world(Factors { mass, ..Factors::ONE });
+        let Attachment::Spring { stiffness, .. } = world.grasps[0].attachment else {
+            panic!("springs were asked for")
+        };
+        stiffness
     };
-    assert_eq!(lighter, 2.0 * stiffness);
-    assert!(springs(0.5 * stiffness, 0.0).is_ok());
+    assert_eq!(of(&chosen, 0.5), stiffness);
+    assert_eq!(of(&springs(100.0, 0.0).unwrap(), 0.5), 200.0);
     let error = springs(1e9, 0.0).unwrap_err();
     assert_eq!(error.category(), bendtwin_core::Category::InvalidArgument);
     assert!(error.to_string().contains("grasps[0].stiffness"), "{error}");
@@ -151,10 +158,8 @@ fn gravity_and_ground_take_the_place_of_the_twins() {
         read(request).unwrap().0.environment(Environment::Z_UP)
     };
     let ground = WirePlane { normal: Vec::new(), offset_m: 0.2 };
-    let raised = WireWorld {
-        ground_choice: Some(GroundChoice::Ground(ground)),
-        ..WireWorld::default()
-    };
+    let raised =
+        WireWorld { ground_choice: Some(GroundChoice::Ground(ground)), ..WireWorld::default() };
     let expected = Plane { normal: UP, offset_m: 0.2 };
     assert_eq!(environment(raised).unwrap().ground, Some(expected));
     let none = WireWorld {
@@ -187,9 +192,8 @@ fn friction_varies_and_smoothing_waits_for_gradients() {
     let world = Some(WireWorld { colliders: vec![table], ..WireWorld::default() });
     let gradient = Some(GradientOptions { smoothing_m: 0.001, reach_frames: 0 });
     let mut asking = RollOutRequest { world, gradient, ..request() };
-    let smoothing = |request: &RollOutRequest| {
-        read(request.clone()).unwrap().0.world(Factors::ONE).smoothing_m
-    };
+    let smoothing =
+        |request: &RollOutRequest| read(request.clone()).unwrap().0.world(Factors::ONE).smoothing_m;
     assert_eq!(smoothing(&asking), 0.0);
     asking.returns = Some(Returns { control_gradients: true, ..Returns::default() });
     assert_eq!(smoothing(&asking), 0.001);
