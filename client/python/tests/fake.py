@@ -63,6 +63,7 @@ class Fake(
     reads: int = job_pb2.Job.SUCCEEDED
     ends: int = job_pb2.Job.SUCCEEDED
     watched_from: list[int] = field(default_factory=list)
+    implausible: list[tuple[int, str, float, float]] = field(default_factory=list)
 
     def CreateCapture(self, messages, context):
         self.metadata = next(messages).metadata
@@ -163,12 +164,32 @@ class Fake(
     def RollOut(self, request, context):
         self.rollout_request = request
         if request.WhichOneof("actions") == "poses":
-            return rollout_pb2.RollOutResponse(costs=tensor(np.zeros(1)))
+            return self._carried(request)
         return self._answer(request, 0, request.trajectories.positions.shape[0])
 
     def StreamRollOut(self, request, context):
         for instance in range(request.trajectories.positions.shape[0]):
             yield self._answer(request, instance, 1)
+
+    def _carried(self, request):
+        """Costs of zero, a control point, and forces in every frame between two knots."""
+        batch, knots = request.poses.poses.shape[:2]
+        reply = rollout_pb2.RollOutResponse(costs=tensor(np.zeros(batch)))
+        if request.HasField("ensemble"):
+            members = np.zeros((batch, request.ensemble.members))
+            reply.member_costs.CopyFrom(tensor(members))
+        if request.returns.forces:
+            rows = (batch, knots - 1)
+            for name, shape in (
+                ("controls", (*rows, 1, 3)),
+                ("grasps", (*rows, len(request.grasps), 6)),
+                ("ground", (*rows, 3)),
+                ("colliders", (*rows, len(request.world.colliders), 6)),
+            ):
+                getattr(reply.forces, name).CopyFrom(tensor(np.ones(shape, np.float32)))
+        for instance, reason, found, limit in self.implausible:
+            reply.implausible.add(instance=instance, reason=reason, found=found, limit=limit)
+        return reply
 
     @staticmethod
     def _answer(request, first, count):

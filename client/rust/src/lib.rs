@@ -63,8 +63,9 @@ pub use self::{
     page::{Page, PageRequest},
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{
-        Cost, Deviation, Diagnostics, Divergence, ForceBy, GripperPoses, Reply, Rollout,
-        RolloutTiming, Rollouts,
+        Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, GripperPoses,
+        Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, Statistic, Vary, WirePose,
+        World,
     },
     twins::Twins,
     watch::Watch,

@@ -3,14 +3,16 @@
 mod cost;
 mod reply;
 mod request;
+mod world;
 
 use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
 use futures::{Stream, StreamExt as _};
 
 pub use self::{
     cost::{Cost, ForceBy},
-    reply::{Deviation, Diagnostics, Divergence, Reply, RolloutTiming},
+    reply::{Deviation, Diagnostics, Divergence, Forces, Implausible, Reply, RolloutTiming},
     request::{GripperPoses, Rollout},
+    world::{Collider, Grasp, Shape, Statistic, Vary, WirePose, World},
 };
 use crate::{Error, channel::Channel};
 

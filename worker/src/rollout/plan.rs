@@ -21,8 +21,11 @@ use super::{
     returns::Returns,
     serve::Served,
     vary::{Variant, Variants},
-    world::{Surroundings, gripper_of_control, newtons_per_unit},
+    world::{Surroundings, gripper_of_control},
 };
+
+/// Distance between where a control point is and where nodes say that it may be, at most [m].
+const UNKNOWN_SLACK_M: f32 = 0.02;
 
 /// A checked request.
 pub(super) struct Plan {
@@ -68,7 +71,7 @@ impl Plan {
             Surroundings::read(&mut request, &actions, map, twin, served.loaded.model())?;
         let variants =
             Variants::load(request.vary, &served.loaded, &surroundings, backend, cancel)?;
-        let costs = Costs::read(request.costs, frames, fps, newtons_per_unit(twin))?;
+        let costs = Costs::read(request.costs, frames, fps, twin.newtons_per_unit())?;
         let returns = Returns::read(request.returns, instances)?;
         let wanted = Wanted::read(request.initial, graph, instances)?;
 
@@ -152,7 +155,10 @@ impl Plan {
         let obstacles = self.surroundings.obstacles(&model.environment);
         let middles = self.surroundings.middles(&instance.motion);
         let points = [controls.as_slice(), &middles];
-        plausible::extremes(start.gap_m(first), points, self.frames, model.timing.fps, &obstacles)
+        // Where control points are not known, what nodes say of them is not exact.
+        let slack = if start.likely.is_some() { UNKNOWN_SLACK_M } else { 0.0 };
+        let gap = (start.gap_m(first) - slack).max(0.0);
+        plausible::extremes(gap, points, self.frames, model.timing.fps, &obstacles)
     }
 }
 

@@ -7,7 +7,10 @@ mod grasps;
 mod hull;
 mod shapes;
 
-use bendtwin_core::{Contact, Environment, Plane, Point, Twin};
+use bendtwin_core::{
+    Contact, Environment, Plane, Point, Twin,
+    geometry::{length, scaled},
+};
 use bendtwin_engine::{
     Model, Motion, World,
     world::{Attachment, Collider, Pose, Region},
@@ -17,7 +20,6 @@ use bendtwin_proto::v1::{
     world::GroundChoice,
 };
 
-pub(super) use self::grasps::newtons_per_unit;
 use self::{grasps::Held, shapes::three};
 use super::{actions::Actions, error::Error, plausible::Obstacles, vary::Factors};
 
@@ -41,6 +43,8 @@ pub(super) struct Surroundings {
     grippers: usize,
     /// Poses along the paths P at frame boundaries, shape [F + 1, P].
     paths: Vec<Pose>,
+    /// True for grasps whose springs are as stiff as the substeps allow, whatever the mass.
+    chosen: Vec<bool>,
     /// When grasps are closed.
     closed: Vec<Closed>,
     /// Knot at or before each frame boundary, shape [F + 1].
@@ -109,6 +113,7 @@ impl Surroundings {
             (0..boundaries).flat_map(|frame| paths.iter().map(move |path| path[frame])).collect();
         surroundings.world.bodies = grippers + paths.len();
         for (index, grasp) in grasps.into_iter().enumerate() {
+            surroundings.chosen.push(grasp.stiffness == 0.0);
             surroundings.closed.push(closed(grasp.closed.clone(), index)?);
             surroundings.world.grasps.push(grasps::read(grasp, index, &held)?);
         }
@@ -144,9 +149,11 @@ impl Surroundings {
         for collider in &mut world.colliders {
             collider.friction = factors.friction_of(collider.friction);
         }
-        for grasp in &mut world.grasps {
+        for (grasp, is_chosen) in world.grasps.iter_mut().zip(&self.chosen) {
             grasp.max_force /= factors.mass;
-            if let Attachment::Spring { stiffness, damping } = &mut grasp.attachment {
+            if let Attachment::Spring { stiffness, damping } = &mut grasp.attachment
+                && !is_chosen
+            {
                 *stiffness /= factors.mass;
                 *damping /= factors.mass;
             }
@@ -244,7 +251,7 @@ fn ground(choice: &GroundChoice) -> Option<Option<Plane>> {
     match choice {
         GroundChoice::NoGround(is_gone) => is_gone.then_some(None),
         GroundChoice::Ground(v1::Plane { normal, offset_m }) => {
-            let normal = if normal.is_empty() { UP } else { three(normal) };
+            let normal = if normal.is_empty() { UP } else { unit(three(normal)) };
             Some(Some(Plane { normal, offset_m: *offset_m }))
         }
     }
@@ -257,6 +264,11 @@ fn wants_gradients(request: &RollOutRequest) -> bool {
             || returns.initial_gradients
             || returns.gradient_norms
     })
+}
+
+/// A normal whose length is about 1.
+fn unit(normal: Point) -> Point {
+    scaled(normal, 1.0 / length(normal).max(f32::MIN_POSITIVE))
 }
 
 fn moved(pose: &Pose, p: Point) -> Point {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -57,6 +58,8 @@ class Returns:
     frame_costs: bool = False
     #: Control positions that were simulated, by frame.
     controls: bool = False
+    #: Forces by frame.
+    forces: bool = False
 
     def to_proto(self) -> rollout_pb2.Returns:
         """Makes the wire form."""
@@ -73,6 +76,7 @@ class Returns:
             velocities=self.velocities,
             frame_costs=self.frame_costs,
             controls=self.controls,
+            forces=self.forces,
         )
         if self.nodes is not None:
             message.nodes.CopyFrom(pack_indices("nodes", self.nodes))
@@ -95,6 +99,42 @@ class Diagnostics:
     max_control_strain: float = 0.0
     #: Deepest that a control point was below the ground or in a fixed collider, metres.
     control_depth_m: float = 0.0
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Mean forces on the object over each frame, newtons; per unit mass without a `mass_kg`."""
+
+    #: By control points [R, F, C, 3].
+    controls: FloatArray
+    #: By grasps [R, F, G, 6]: force, then torque about the gripper's origin at the end of the
+    #: frame (newton metres), along the world's axes.
+    grasps: FloatArray
+    #: By the ground [R, F, 3].
+    ground: FloatArray
+    #: By colliders [R, F, K, 6], about what carries them.
+    colliders: FloatArray
+
+    @classmethod
+    def from_proto(cls, message: rollout_pb2.RollOutResponse.Forces) -> Forces:
+        """Reads the wire form."""
+        names = ("controls", "grasps", "ground", "colliders")
+        arrays: dict[str, Any] = {name: unpack(getattr(message, name)) for name in names}
+        return cls(**arrays)
+
+
+@dataclass(frozen=True)
+class Implausible:
+    """Motion of an instance that is beyond a limit."""
+
+    instance: int
+    #: START_GAP, CONTROL_SPEED, STRAIN or CONTROL_IN_OBSTACLE.
+    reason: str
+    #: Most that was found, in the unit of the limit.
+    found: float
+    limit: float
+    #: The frame in which it was found; 0 where it is not known.
+    frame: int
 
 
 @dataclass(frozen=True)
@@ -126,6 +166,19 @@ class Deviation:
     mean_travel_m: float
     #: Frames of each recording, at most.
     frames: int
+
+
+def warned(result: RolloutResult) -> RolloutResult:
+    """The same result, after a warning of what is not plausible, one for all instances."""
+    if result.implausible:
+        first, others = result.implausible[0], len(result.implausible) - 1
+        more = f", and {others} more in RolloutResult.implausible" if others else ""
+        message = (
+            f"implausible motion: {first.reason} of {first.found:.4g} (limit {first.limit:.4g}) in "
+            f"instance {first.instance}{more}"
+        )
+        warnings.warn(message, RuntimeWarning, stacklevel=4)
+    return result
 
 
 @dataclass(frozen=True)
@@ -178,6 +231,12 @@ class RolloutResult:
     final_controls: FloatArray | None = None
     #: What grasps hold in the final states; None without grasps.
     final_grasping: Grasping | None = None
+    #: Costs of the members of an ensemble [B, E], of which `costs` are a statistic.
+    member_costs: FloatArray | None = None
+    #: If they were asked for.
+    forces: Forces | None = None
+    #: Instances that are not plausible.
+    implausible: list[Implausible] = field(default_factory=list)
     #: Mass of the object; None: not known, and forces are per unit mass.
     mass_kg: float | None = None
     diagnostics: list[Diagnostics] = field(default_factory=list)
@@ -233,6 +292,7 @@ class RolloutResult:
                 "velocities",
                 "frame_costs",
                 "controls",
+                "member_costs",
             )
         }
         return cls(
@@ -271,6 +331,11 @@ class RolloutResult:
                 if message.HasField("final_grasping")
                 else None
             ),
+            forces=Forces.from_proto(message.forces) if message.HasField("forces") else None,
+            implausible=[
+                Implausible(i.instance, i.reason, i.found, i.limit, i.frame)
+                for i in message.implausible
+            ],
             mass_kg=message.mass_kg if message.HasField("mass_kg") else None,
             **arrays,
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy.typing as npt
@@ -13,9 +13,18 @@ from bendtwin.errors import translated
 from bendtwin.geometry import Geometry
 from bendtwin.interpolation import Interpolation
 from bendtwin.resources import TwinInfo
-from bendtwin.rollout import FIDELITIES, Fidelity, Returns, RolloutResult
+from bendtwin.rollout import FIDELITIES, Fidelity, Returns, RolloutResult, warned
 from bendtwin.state import InitialState, Rest
 from bendtwin.v1 import rollout_pb2, twin_pb2
+from bendtwin.world import (
+    Ensemble,
+    GradientOptions,
+    Grasp,
+    Plausibility,
+    Surroundings,
+    Vary,
+    World,
+)
 
 if TYPE_CHECKING:
     from bendtwin.v1 import rollout_pb2_grpc, twin_pb2_grpc
@@ -62,6 +71,12 @@ class Rollouts(Generic[_Reply, _Parts]):
         costs: Iterable[Cost] = (),
         returns: Returns = _COSTS_ONLY,
         fidelity: Fidelity = "exact",
+        world: World | None = None,
+        grasps: Sequence[Grasp] = (),
+        vary: Vary | None = None,
+        ensemble: Ensemble | None = None,
+        gradient: GradientOptions | None = None,
+        plausibility: Plausibility | None = None,
         timeout_s: float | None = None,
     ) -> _Reply:
         """Predicts what a batch of actions does.
@@ -85,6 +100,13 @@ class Rollouts(Generic[_Reply, _Parts]):
             returns: Arrays to return beside the costs.
             fidelity: "fast" follows the twin by its fast variant, with fewer substeps;
                 `RolloutResult.deviation` says how far that strays.
+            world: Ground, gravity and colliders, where they are not those of the twin.
+            grasps: Holds of grippers on the object, which open and close; they need `poses`.
+            vary: Parameters by instance, as factors of the twin's own.
+            ensemble: Simulates every action under the sets of parameters of `vary`.
+            gradient: Reach of gradients, and smoothing of the contact that they go through.
+            plausibility: Limits of what is plausible. Instances beyond them are in
+                `RolloutResult.implausible`, and one RuntimeWarning names the first.
             timeout_s: Deadline of the call.
 
         Raises:
@@ -102,6 +124,14 @@ class Rollouts(Generic[_Reply, _Parts]):
             costs,
             returns,
             fidelity,
+            Surroundings(
+                world=world,
+                grasps=grasps,
+                vary=vary,
+                ensemble=ensemble,
+                gradient=gradient,
+                plausibility=plausibility,
+            ),
         )
         return self._send(request, timeout_s)
 
@@ -119,6 +149,12 @@ class Rollouts(Generic[_Reply, _Parts]):
         costs: Iterable[Cost] = (),
         returns: Returns = _COSTS_ONLY,
         fidelity: Fidelity = "exact",
+        world: World | None = None,
+        grasps: Sequence[Grasp] = (),
+        vary: Vary | None = None,
+        ensemble: Ensemble | None = None,
+        gradient: GradientOptions | None = None,
+        plausibility: Plausibility | None = None,
         timeout_s: float | None = None,
     ) -> _Parts:
         """The same in parts, as instances finish; see `RolloutResult.first_instance`."""
@@ -133,6 +169,14 @@ class Rollouts(Generic[_Reply, _Parts]):
             costs,
             returns,
             fidelity,
+            Surroundings(
+                world=world,
+                grasps=grasps,
+                vary=vary,
+                ensemble=ensemble,
+                gradient=gradient,
+                plausibility=plausibility,
+            ),
         )
         return self._send_for_parts(request, timeout_s)
 
@@ -148,6 +192,7 @@ class Rollouts(Generic[_Reply, _Parts]):
         costs: Iterable[Cost],
         returns: Returns,
         fidelity: Fidelity,
+        surroundings: Surroundings,
     ) -> rollout_pb2.RollOutRequest:
         if (trajectories is None) == (poses is None):
             raise ValueError("give either trajectories or poses")
@@ -163,6 +208,7 @@ class Rollouts(Generic[_Reply, _Parts]):
             returns=returns.to_proto(),
             fidelity=FIDELITIES[fidelity],
         )
+        surroundings.add_to(request)
         if times is not None:
             request.knot_times.CopyFrom(times)
         if trajectories is not None:
@@ -194,11 +240,15 @@ class Twin(Rollouts[RolloutResult, Iterator[RolloutResult]]):
 
     def _send(self, request: rollout_pb2.RollOutRequest, timeout_s: float | None) -> RolloutResult:
         with translated():
-            return RolloutResult.from_proto(self._rollouts.RollOut(request, timeout=timeout_s))
+            reply = self._rollouts.RollOut(request, timeout=timeout_s)
+        return warned(RolloutResult.from_proto(reply))
 
     def _send_for_parts(
         self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
     ) -> Iterator[RolloutResult]:
+        is_warned = False
         with translated():
             for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
-                yield RolloutResult.from_proto(part)
+                result = RolloutResult.from_proto(part)
+                yield result if is_warned else warned(result)
+                is_warned = is_warned or bool(result.implausible)

@@ -157,8 +157,8 @@ class World:
 
 @dataclass(frozen=True, kw_only=True)
 class Grasp:
-    """A hold of a gripper on the object: on what lies in a region when it closes, on nodes, or on the
-    twin's own control points of a hand of its capture.
+    """A hold of a gripper on the object: on what lies in a region when it closes, on nodes, or on
+    the twin's own control points of a hand of its capture.
 
     Control points hold as they were fitted unless a grasp of their hand is open. To take hold
     elsewhere, add `Grasp(hand=0, closed=np.zeros(K))`.

@@ -50,6 +50,12 @@ pub struct Reply {
     pub controls: Vec<Point>,
     /// One for each instance covered, if asked for.
     pub diagnostics: Vec<Diagnostics>,
+    /// Costs of the members of an ensemble, of which `costs` are a statistic, shape [B', E].
+    pub member_costs: Vec<f64>,
+    /// Forces, if asked for.
+    pub forces: Option<Forces>,
+    /// Motion that is not plausible.
+    pub implausible: Vec<Implausible>,
     /// The instances that diverged.
     pub diverged: Vec<Divergence>,
     /// Times of the rollout.
@@ -92,6 +98,35 @@ pub struct Diagnostics {
     pub elastic_energy: f32,
     /// Nodes on the ground at the end.
     pub ground_contacts: u32,
+}
+
+/// Mean forces on the object over each frame [N]; per unit mass if its mass is not known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Forces {
+    /// By control points, shape [R, F, C, 3].
+    pub controls: Vec<Point>,
+    /// By grasps, shape [R, F, G, 6]: force, then torque about the gripper's origin at the end of the
+    /// frame [N m], along the world's axes.
+    pub grasps: Vec<f32>,
+    /// By the ground, shape [R, F, 3].
+    pub ground: Vec<Point>,
+    /// By colliders, shape [R, F, K, 6], about what carries them.
+    pub colliders: Vec<f32>,
+}
+
+/// Motion of an instance beyond a limit of what is plausible.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Implausible {
+    /// The instance.
+    pub instance: usize,
+    /// START_GAP, CONTROL_SPEED, STRAIN or CONTROL_IN_OBSTACLE.
+    pub reason: String,
+    /// Most that was found, in the unit of the limit.
+    pub found: f64,
+    /// The limit.
+    pub limit: f64,
+    /// The frame in which it was found; 0 if it is not known.
+    pub frame: usize,
 }
 
 /// Divergence of an instance: its first state that is not finite.
@@ -172,6 +207,9 @@ impl TryFrom<RollOutResponse> for Reply {
             frame_costs: values(wire.frame_costs, "frame_costs")?,
             controls: points(wire.controls, "controls")?,
             diagnostics: wire.diagnostics.into_iter().map(Diagnostics::from).collect(),
+            member_costs: values(wire.member_costs, "member_costs")?,
+            forces: wire.forces.map(Forces::try_from).transpose()?,
+            implausible: wire.implausible.into_iter().map(Implausible::from).collect(),
             diverged: wire.diverged.into_iter().map(Divergence::from).collect(),
             timing: RolloutTiming { queue_s: timing.queue_s, compute_s: timing.compute_s },
             worker,
@@ -192,6 +230,25 @@ impl From<wire::Diagnostics> for Diagnostics {
             elastic_energy: d.elastic_energy,
             ground_contacts: d.ground_contacts,
         }
+    }
+}
+
+impl TryFrom<wire::Forces> for Forces {
+    type Error = Error;
+    fn try_from(wire: wire::Forces) -> Result<Self, Error> {
+        Ok(Self {
+            controls: points(wire.controls, "forces.controls")?,
+            grasps: floats(wire.grasps, "forces.grasps")?,
+            ground: points(wire.ground, "forces.ground")?,
+            colliders: floats(wire.colliders, "forces.colliders")?,
+        })
+    }
+}
+
+impl From<wire::Implausible> for Implausible {
+    fn from(i: wire::Implausible) -> Self {
+        let (instance, frame) = (i.instance as usize, i.frame as usize);
+        Self { instance, reason: i.reason, found: i.found, limit: i.limit, frame }
     }
 }
 

@@ -11,7 +11,7 @@ use bendtwin_proto::v1::{
     roll_out_request::Actions,
 };
 
-use super::Cost;
+use super::{Cost, Grasp, Statistic, Vary, World};
 use crate::Error;
 
 /// A batch of rollouts of one twin.
@@ -221,6 +221,59 @@ impl Rollout {
     #[must_use]
     pub fn executed_controls(mut self) -> Self {
         self.returns.controls = true;
+        self
+    }
+
+    /// Surrounds the object by this.
+    #[must_use]
+    pub fn world(mut self, world: World) -> Self {
+        self.request.world = Some(world.0);
+        self
+    }
+
+    /// Adds a hold of a gripper, which needs [`Rollout::poses`].
+    #[must_use]
+    pub fn grasp(mut self, grasp: Grasp) -> Self {
+        self.request.grasps.push(grasp.0);
+        self
+    }
+
+    /// Parameters by instance.
+    #[must_use]
+    pub fn vary(mut self, vary: Vary) -> Self {
+        self.request.vary = Some(vary.into());
+        self
+    }
+
+    /// Simulates every action under the sets of parameters of [`Rollout::vary`], so many; its cost is
+    /// a statistic of theirs.
+    #[must_use]
+    pub fn ensemble(mut self, members: u32, statistic: Statistic) -> Self {
+        self.request.ensemble = Some(statistic.of(members));
+        self
+    }
+
+    /// Lets gradients reach back through so many frames (0: all), and smooths the contact that they
+    /// go through over a layer of this width [m].
+    #[must_use]
+    pub fn gradient(mut self, reach_frames: u32, smoothing_m: f64) -> Self {
+        self.request.gradient = Some(v1::GradientOptions { reach_frames, smoothing_m });
+        self
+    }
+
+    /// Refuses motion that is not plausible, which is otherwise in [`Reply::implausible`].
+    ///
+    /// [`Reply::implausible`]: super::Reply::implausible
+    #[must_use]
+    pub fn refuse_implausible(mut self) -> Self {
+        self.request.plausibility.get_or_insert_default().refuse = true;
+        self
+    }
+
+    /// Asks for forces by frame.
+    #[must_use]
+    pub fn forces(mut self) -> Self {
+        self.returns.forces = true;
         self
     }
 

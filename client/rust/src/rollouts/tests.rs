@@ -1,6 +1,6 @@
 use bendtwin_core::ids::TwinId;
 use bendtwin_proto::rollout::{Limits, TwinShape, check_for};
-use bendtwin_proto::v1::{RollOutResponse, Tensor, roll_out_request::Actions};
+use bendtwin_proto::v1::{RollOutResponse, Tensor, roll_out_request::Actions, roll_out_response};
 
 use super::*;
 
@@ -62,6 +62,41 @@ fn what_the_builder_makes_passes_the_check() {
 }
 
 #[test]
+fn what_surrounds_an_object_passes_the_check() {
+    let twin = TwinShape { nodes: 5, controls: 1, rods: Some(0), ..TwinShape::default() };
+    let pose = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let poses =
+        GripperPoses { shape: [1, 2, 1], poses: vec![pose; 2], gripper_of_control: Vec::new() };
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let world = World::default()
+        .gravity([0.0, 0.0, -1.6])
+        .ground([0.0, 0.0, 1.0], 0.1)
+        .ground_surface(0.8, 0.0)
+        .collider(Collider::new(Shape::sphere([0.0; 3], 0.1)).surface(0.3, 0.1).margin(0.01))
+        .collider(Collider::new(Shape::capsule([0.0; 3], [1.0, 0.0, 0.0], 0.1)).at(pose))
+        .collider(Collider::new(Shape::cuboid([0.0; 3], [1.0; 3])).on_gripper(0))
+        .collider(Collider::new(Shape::convex(&corners)).along(&[pose; 2]));
+    let request = Rollout::of(TwinId::generate())
+        .poses(poses)
+        .world(world)
+        .grasp(Grasp::sphere(0, [0.0; 3], 0.03).closed(&[true, false]).max_force(2.0))
+        .grasp(Grasp::cuboid(0, [0.0; 3], [1.0; 3]).springs(0.0, 0.0))
+        .grasp(Grasp::nodes(0, &[1, 2]))
+        .grasp(Grasp::hand(0, 0))
+        .vary(Vary { mass: vec![1.0, 2.0], ..Vary::default() })
+        .ensemble(2, Statistic::Cvar(0.5))
+        .cost(Cost::smoothness("", 1.0))
+        .gradient(15, 0.001)
+        .control_gradients()
+        .refuse_implausible()
+        .forces()
+        .into_request()
+        .unwrap();
+    check_for(&request, &twin, &Limits::default(), 0).unwrap();
+    assert_eq!((request.grasps.len(), request.world.unwrap().colliders.len()), (4, 4));
+}
+
+#[test]
 fn a_wrong_shape_is_refused_before_it_is_sent() {
     let rollout = Rollout::of(TwinId::generate()).trajectories([2, 3, 1], vec![[0.0; 3]; 5]);
     let error = rollout.into_request().unwrap_err();
@@ -77,6 +112,14 @@ fn a_reply_unpacks() {
         costs: Some(Tensor::pack(&[3], &[2.0, 1.0, f64::INFINITY])),
         instances: Some(Tensor::pack(&[1], &[9u32])),
         frames: Some(Tensor::pack(&[2], &[5u32, 10])),
+        forces: Some(roll_out_response::Forces {
+            grasps: Some(Tensor::pack(&[1, 1, 1, 6], &[0.5f32; 6])),
+            ..roll_out_response::Forces::default()
+        }),
+        implausible: vec![roll_out_response::Implausible {
+            reason: "STRAIN".into(),
+            ..roll_out_response::Implausible::default()
+        }],
         positions: Some(Tensor::pack_points(&[1, 2, 1], &[[1.0; 3], [2.0; 3]])),
         velocities: Some(Tensor::pack_points(&[1, 2, 1], &[[3.0; 3], [4.0; 3]])),
         gradient_exploded: Some(Tensor::pack(&[1], &[1u32])),
@@ -85,6 +128,8 @@ fn a_reply_unpacks() {
     })
     .unwrap();
     assert_eq!(reply.best(), Some(9));
+    assert_eq!(reply.forces.as_ref().unwrap().grasps, [0.5; 6]);
+    assert_eq!(reply.implausible[0].reason, "STRAIN");
     assert_eq!(reply.recorded(0, 1), Some(&[[2.0; 3]][..]));
     assert_eq!(reply.recorded(0, 2), None);
     assert_eq!(reply.recorded(1, 0), None);

@@ -4,7 +4,7 @@ use bendtwin_core::Point;
 use bendtwin_engine::backend::{Forces, Rollout};
 use bendtwin_proto::v1::{Tensor, roll_out_response};
 
-use crate::rollout::{plan::Plan, world::newtons_per_unit};
+use crate::rollout::plan::Plan;
 
 /// Forces of instances over all their frames; NaN where an instance has none, as after it diverged.
 pub(super) fn pack(
@@ -51,7 +51,7 @@ fn rows<'r, const N: usize>(
     let each = plan.frames * width;
     let mut out = Vec::with_capacity(instances.len() * each);
     for (instance, rollout) in instances.iter().zip(rollouts) {
-        let unit = newtons_per_unit(plan.twin()) as f32 * plan.variant(*instance).mass;
+        let unit = plan.twin().newtons_per_unit() as f32 * plan.variant(*instance).mass;
         let end = out.len() + each;
         out.extend(of(rollout).iter().take(each).map(|row| row.map(|x| unit * x)));
         out.resize(end, [f32::NAN; N]);

@@ -4,18 +4,13 @@ use std::sync::Arc;
 
 use bendtwin_core::Twin;
 use bendtwin_engine::{
-    Model, stable_substeps,
-    world::{Attachment, Grasp, Region},
+    Model,
+    world::{Attachment, Grasp, Region, largest_stiffness, spring_share},
 };
 use bendtwin_proto::v1::{self, grasp};
 
 use super::{GripperOfControl, shapes::three};
 use crate::rollout::error::Error;
-
-/// Largest eigenvalue of dt² K + 2 dt C of a stable substep.
-const STABLE: f64 = 4.0;
-/// Part of that which loading a model keeps free, so that a hold of chosen stiffness has room.
-const FREE: f64 = 0.16;
 
 /// The object that is held.
 pub(super) struct Held<'a> {
@@ -46,14 +41,9 @@ pub(super) fn read(wire: v1::Grasp, index: usize, held: &Held<'_>) -> Result<Gra
             Region::Controls(Arc::new(controls(hand.hand, wire.gripper, held, &field)?))
         }
     };
-    let unit = newtons_per_unit(held.twin);
+    let unit = held.twin.newtons_per_unit();
     let max_force = wire.max_force_n.map_or(f32::INFINITY, |force| (force / unit) as f32);
     Ok(Grasp { body: wire.gripper, region, attachment, max_force })
-}
-
-/// Newtons of a force of 1 at unit node mass.
-pub(in crate::rollout) fn newtons_per_unit(_twin: &Twin) -> f64 {
-    1.0
 }
 
 /// Control points of a hand, which must be carried by the grasp's gripper.
@@ -63,10 +53,12 @@ fn controls(
     held: &Held<'_>,
     field: &impl Fn(&str) -> String,
 ) -> Result<Vec<u32>, Error> {
-    let count = held.twin.graph.control_count() as u32;
-    let controls: Vec<u32> = (0..count).filter(|_| hand == 0).collect();
+    let hands = held.twin.hands();
+    let of = hands.iter().zip(0u32..).filter(|(of, _)| **of == hand);
+    let controls: Vec<u32> = of.map(|(_, control)| control).collect();
     if controls.is_empty() {
-        let fault = format!("is {hand}: the twin has control points of hand 0 alone");
+        let count = hands.iter().max().map_or(0, |last| last + 1);
+        let fault = format!("is {hand}: the twin has {count} hands (counted from 0)");
         return Err(Error::field(field("hand.hand"), fault));
     }
     let carrier = |c: u32| held.map.as_ref().and_then(|map| map.get(c as usize)).copied();
@@ -83,8 +75,7 @@ fn controls(
 }
 
 /// A hold's springs. Without numbers, the stiffest with critical damping that is stable whatever the
-/// twin's own springs are: with s = dt sqrt(k / m) the hold adds s² + 4 s, for which loading keeps
-/// [`FREE`] free.
+/// twin's own springs are.
 fn attachment(
     wire: &v1::Grasp,
     held: &Held<'_>,
@@ -93,28 +84,39 @@ fn attachment(
     if wire.attachment() != grasp::Attachment::Springs {
         return Ok(Attachment::Pin);
     }
-    let (model, unit) = (held.model, newtons_per_unit(held.twin));
-    let (given, damping) = (f64::from(wire.stiffness) / unit, f64::from(wire.damping) / unit);
-    let dt = model.timing.dt_s();
-    let masses = model.graph.masses.iter().copied().map(f64::from);
-    let mass = masses.fold(f64::INFINITY, f64::min).min(f64::MAX);
-    let critical = |stiffness: f64| 2.0 * (stiffness * mass).sqrt();
-    let share = (STABLE + FREE).sqrt() - 2.0;
-    let chosen = mass * (share / dt).powi(2);
-    let stiffness = if given > 0.0 { given } else { chosen };
-    let damping = if damping > 0.0 { damping } else { critical(stiffness) };
-    let needed = (dt * dt * stiffness + 2.0 * dt * damping) / mass;
-    if needed > FREE * (1.0 + 1e-9) {
-        // There may be more room than what loading keeps free: the share grows with dt at least.
-        let own = STABLE * dt / stable_substeps(model).dt_s;
-        if needed > STABLE - own {
-            let fault = format!(
-                "and damping are too much for the twin's {} substeps: a stiffness of {:.4e} with a damping of 0, which stands for critical, is stable, and chosen for 0",
-                model.timing.substeps,
-                unit * chosen
-            );
-            return Err(Error::field(field("stiffness"), fault));
+    let (model, unit) = (held.model, held.twin.newtons_per_unit() as f32);
+    let masses = model.graph.masses.iter().copied();
+    let lightest = masses.fold(f32::MAX, f32::min);
+    let critical = |stiffness: f32| 2.0 * (stiffness * lightest).sqrt();
+    let chosen = stiffest(model, critical);
+    let stiffness = if wire.stiffness > 0.0 { wire.stiffness / unit } else { chosen };
+    let damping = if wire.damping > 0.0 { wire.damping / unit } else { critical(stiffness) };
+    if spring_share(model, stiffness, damping) > 1.0 {
+        let fault = format!(
+            "and damping are too much for the twin's {} substeps: {:.4e} with a damping of 0, which stands for critical, is stable, and chosen for 0",
+            model.timing.substeps,
+            unit * chosen
+        );
+        return Err(Error::field(field("stiffness"), fault));
+    }
+    Ok(Attachment::Spring { stiffness, damping })
+}
+
+/// The largest stiffness, within a thousandth, that is stable with its damping.
+fn stiffest(model: &Model, damping: impl Fn(f32) -> f32) -> f32 {
+    // Damping takes its own share, so it is less than the largest without any.
+    let (mut low, mut high) = (0.0, largest_stiffness(model).min(f32::MAX));
+    for _ in 0..64 {
+        if high - low <= 1e-3 * low {
+            break;
+        }
+        // Between their orders of magnitude once there is one.
+        let middle = if low > 0.0 { f32::midpoint(low, high) } else { high / 16.0 };
+        if spring_share(model, middle, damping(middle)) <= 1.0 {
+            low = middle
+        } else {
+            high = middle
         }
     }
-    Ok(Attachment::Spring { stiffness: stiffness as f32, damping: damping as f32 })
+    low
 }

@@ -107,8 +107,9 @@ fn turned(points: &[Vector], a: Vector, normal: Vector, out: Vector, near: f64) 
     let angles = points.iter().filter_map(|p| {
         let d = sub(*p, a);
         let (ahead, below) = (dot(d, out), -dot(d, normal));
-        // A point that rounding puts above the plane is on it.
-        (ahead.hypot(below) > near).then(|| below.max(0.0).atan2(ahead))
+        // A point that rounding puts above the plane is on it; the angle of -0 would be -pi.
+        let below = if below > 0.0 { below } else { 0.0 };
+        (ahead.hypot(below) > near).then(|| below.atan2(ahead))
     });
     let angle = angles.min_by(f64::total_cmp)?;
     let normal = unit(std::array::from_fn(|i| normal[i] * angle.cos() + out[i] * angle.sin()));

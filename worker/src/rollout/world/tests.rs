@@ -1,5 +1,5 @@
 use bendtwin_core::Problem as _;
-use bendtwin_engine::world::{IDENTITY, Shape};
+use bendtwin_engine::world::{IDENTITY, Shape, spring_share};
 use bendtwin_proto::v1::{
     Collider as WireCollider, Cuboid, GradientOptions, Grasp as WireGrasp, GripperPoses,
     Plane as WirePlane, Returns, Sphere, World as WireWorld, collider, grasp,
@@ -132,17 +132,20 @@ fn springs_of_a_hold_are_stable_or_refused() {
     let Attachment::Spring { stiffness, damping } = chosen.world.grasps[0].attachment else {
         panic!("springs were asked for")
     };
-    // dt² k + 2 dt c is what loading keeps free.
-    let dt = 1.0 / (30.0 * 60.0f32);
-    let share = dt * dt * stiffness + 2.0 * dt * damping;
-    assert!((share - 0.16).abs() < 1e-4 && stiffness > 1000.0, "{stiffness} {damping}");
-    // Half the mass is as stiff by half at unit mass, and lets go at twice the force.
-    let light = chosen.world(Factors { mass: 0.5, ..Factors::ONE });
-    let Attachment::Spring { stiffness: lighter, .. } = light.grasps[0].attachment else {
-        panic!("springs were asked for")
+    let model = Model::from(&twin());
+    let share = spring_share(&model, stiffness, damping);
+    assert!((0.99..=1.0).contains(&share) && stiffness > 1000.0, "{share} {stiffness}");
+    assert!((damping - 2.0 * stiffness.sqrt()).abs() < 1e-3 * damping);
+    // Springs that are given are as much stiffer at unit mass as an object is lighter.
+    let of = |surroundings: &Surroundings, mass: f32| {
+        let world = surroundings.world(Factors { mass, ..Factors::ONE });
+        let Attachment::Spring { stiffness, .. } = world.grasps[0].attachment else {
+            panic!("springs were asked for")
+        };
+        stiffness
     };
-    assert_eq!(lighter, 2.0 * stiffness);
-    assert!(springs(0.5 * stiffness, 0.0).is_ok());
+    assert_eq!(of(&chosen, 0.5), stiffness);
+    assert_eq!(of(&springs(100.0, 0.0).unwrap(), 0.5), 200.0);
     let error = springs(1e9, 0.0).unwrap_err();
     assert_eq!(error.category(), bendtwin_core::Category::InvalidArgument);
     assert!(error.to_string().contains("grasps[0].stiffness"), "{error}");
