@@ -16,6 +16,7 @@ mod reply;
 mod returns;
 mod serve;
 mod service;
+mod sessions;
 mod warm;
 
 pub(crate) use self::{

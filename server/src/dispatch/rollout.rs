@@ -50,6 +50,8 @@ pub(crate) struct RollOut {
     pub(crate) in_parts: bool,
     /// True if the reply is to be written as nested lists of JSON.
     pub(crate) as_lists: bool,
+    /// Slots of the session it begins in that take over the final states; empty: none do.
+    pub(crate) commit_slots: Vec<u32>,
     /// Memory of the request, held until a worker answers.
     pub(crate) memory: Arc<Shares>,
 }
@@ -91,7 +93,7 @@ pub(crate) struct InParts {
 pub(crate) type Parts = Pin<Box<dyn Stream<Item = Result<RollOutResponse>> + Send>>;
 
 /// A reply under way at a worker.
-struct Running {
+pub(super) struct Running {
     replies: Streaming<ExecuteRollOutResponse>,
     entry: Arc<Entry>,
     /// Held until the last part has come.
@@ -129,7 +131,8 @@ impl Dispatch {
 
     /// The reply in the parts that the worker sends. The first has come when this returns.
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
-        let RollOut { request, timeout, in_parts, as_lists, memory } = rollout;
+        let RollOut { mut request, timeout, in_parts, as_lists, commit_slots, memory } = rollout;
+        let session = self.session_of(&mut request)?;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);
@@ -145,11 +148,17 @@ impl Dispatch {
             part_instances,
             request_id: Context::current().request_id,
             request: Some(request),
+            commit_slots,
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
         let share = share.await.map_err(|_| Error::Deadline)??;
-        let started = self.start(id, &ask, execute, deadline);
+        let started = async {
+            match session {
+                None => self.start(id, &ask, execute, deadline).await,
+                Some(session) => self.start_in(&session, &ask, execute, deadline).await,
+            }
+        };
         let (first, running) =
             tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
         // The worker has all of the request.
@@ -235,7 +244,7 @@ impl Dispatch {
     }
 
     /// None if the worker cannot be reached, so that it has not taken the rollout.
-    async fn start_at(
+    pub(super) async fn start_at(
         &self,
         entry: &Arc<Entry>,
         ask: &Ask,
@@ -343,7 +352,7 @@ fn passes(request: &RollOutRequest, batch: &Batch) -> f64 {
 
 /// True if the deadline is over, give or take the clocks of two timers. Both
 /// ends of the call to the worker give up then, with various codes.
-fn is_late(deadline: Instant) -> bool {
+pub(super) fn is_late(deadline: Instant) -> bool {
     const SLACK: Duration = Duration::from_millis(2);
     Instant::now() + SLACK >= deadline
 }
@@ -362,7 +371,7 @@ fn ended(entry: &Entry, sent: &mut Sent, deadline: Instant, status: &Status) -> 
     failure(status)
 }
 
-fn late(status: &Status) -> Error {
+pub(super) fn late(status: &Status) -> Error {
     tracing::debug!(%status, "deadline passed");
     Error::Deadline
 }
@@ -377,7 +386,7 @@ fn is_breakdown(status: &Status) -> bool {
     broken && status.get_details_error_info().is_none()
 }
 
-fn failure(status: &Status) -> Error {
+pub(super) fn failure(status: &Status) -> Error {
     match status.code() {
         Code::DeadlineExceeded => Error::Deadline,
         _ => Error::Worker(fault::fault(status)),

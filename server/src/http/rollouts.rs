@@ -99,7 +99,8 @@ pub(super) async fn create(
     let as_protobuf = wants_protobuf || sends_protobuf;
     let as_lists = !as_protobuf && params.tensors == TensorFormat::Lists;
     let memory = received.memory;
-    let rollout = RollOut { request, timeout, in_parts: false, as_lists, memory };
+    let rollout =
+        RollOut { request, timeout, in_parts: false, as_lists, commit_slots: Vec::new(), memory };
     let reply = app.dispatch.roll_out(rollout).await?;
     if as_protobuf {
         let Whole { response, held } = reply;

@@ -82,7 +82,7 @@ impl Wanted {
         instances: usize,
     ) -> Result<Self, Error> {
         match wire.and_then(|w| w.state) {
-            None | Some(Wire::Rest(_) | Wire::Settled(_)) => {
+            None | Some(Wire::Rest(_) | Wire::Settled(_) | Wire::Session(_)) => {
                 let state = Arc::new(State::rest(graph));
                 let controls = Arc::new(graph.control_rest.clone());
                 Ok(Self::Ready(Starts::Shared(Start { state, controls })))

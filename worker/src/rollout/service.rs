@@ -17,7 +17,8 @@ use bendtwin_proto::{
     fault,
     rollout::{self, Limits},
     worker::v1::{
-        ExecuteRollOutRequest, ExecuteRollOutResponse,
+        ExecuteRollOutRequest, ExecuteRollOutResponse, HeldSession, ManageSessionRequest,
+        ManageSessionResponse,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
 };
@@ -44,6 +45,7 @@ use super::{
     initial::{CaptureFrame, Starts, Wanted},
     plan::Plan,
     serve::Served,
+    sessions::Sessions,
 };
 use crate::{
     budget::{self, Memory},
@@ -62,6 +64,7 @@ struct Inner {
     device: Device,
     twins: WarmTwins,
     replays: Replays,
+    sessions: Sessions,
     memory: Memory,
     /// Bounds on requests, as the server set them last.
     limits: RwLock<Limits>,
@@ -82,7 +85,18 @@ impl Rollouts {
         let most = most.min(Semaphore::MAX_PERMITS);
         let slots = Arc::new(Semaphore::new(most));
         let limits = RwLock::default();
-        Self(Arc::new(Inner { worker, device, twins, replays, memory, limits, most, slots }))
+        let sessions = Sessions::default();
+        Self(Arc::new(Inner {
+            worker,
+            device,
+            twins,
+            replays,
+            sessions,
+            memory,
+            limits,
+            most,
+            slots,
+        }))
     }
 
     /// Sets the bounds on requests to those of the server.
@@ -93,6 +107,15 @@ impl Rollouts {
     /// The twins that answer at once, the most recently used first.
     pub(crate) fn warm_twins(&self) -> Vec<TwinId> {
         self.0.twins.ids()
+    }
+
+    /// The sessions that live here.
+    pub(crate) fn sessions(&self) -> Vec<HeldSession> {
+        let held = self.0.sessions.list().into_iter().map(|(session, twin)| HeldSession {
+            session: session.to_string(),
+            twin: twin.to_string(),
+        });
+        held.collect()
     }
 
     /// Rollouts that are under way.

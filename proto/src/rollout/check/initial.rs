@@ -19,7 +19,7 @@ const TWISTS: &str = "initial.given.twists";
 
 pub(super) fn check(initial: Option<&InitialState>, batch: &Batch) -> Result<(), Error> {
     match initial.and_then(|i| i.state.as_ref()) {
-        None | Some(State::Rest(_) | State::Settled(_)) => Ok(()),
+        None | Some(State::Rest(_) | State::Settled(_) | State::Session(_)) => Ok(()),
         Some(State::CaptureFrame(at)) if at.capture.is_empty() => Ok(()),
         Some(State::CaptureFrame(at)) => {
             let name = at.capture.parse::<CaptureId>();
