@@ -13,7 +13,10 @@ mod error;
 mod limits;
 mod memory;
 mod parts;
+mod session;
 mod size;
+pub mod split;
+mod surroundings;
 mod twin;
 
 /// Metadata of a call from the server to a worker: the length of its message, for which the worker
@@ -23,12 +26,13 @@ pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
 pub const MOST_DIMENSIONS: usize = 8;
 
 pub use self::{
-    check::{Batch, check, check_for, fidelity, too_much_memory, work},
+    check::{Batch, check, check_for, fidelity, members, too_much_memory, work},
     encoded::check_encoded,
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},
     memory::{Memory, memory, request_bytes},
     parts::{STREAMED_PART, part_instances},
+    session::{MOST_SLOTS, check_session, slots},
     size::reply_bytes,
     twin::TwinShape,
 };

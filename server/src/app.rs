@@ -4,6 +4,7 @@
 mod captures;
 mod disk;
 mod fits;
+mod geometry;
 mod ingests;
 mod jobs;
 mod results;
@@ -27,6 +28,7 @@ use crate::{
 };
 
 pub(crate) use captures::CaptureUpload;
+pub(crate) use geometry::Geometry;
 pub(crate) use ingests::{IngestPart, IngestUpload};
 pub(crate) use jobs::{Attempt, Leased};
 pub(crate) use twins::TwinUpload;

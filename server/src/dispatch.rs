@@ -7,6 +7,7 @@ mod registry;
 mod rollout;
 mod route;
 mod sessions;
+mod spread;
 mod twins;
 mod untaken;
 

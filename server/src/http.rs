@@ -96,6 +96,7 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(twins::list, twins::create))
         .routes(routes!(twins::get, twins::delete))
         .routes(routes!(twins::content))
+        .routes(routes!(twins::geometry))
         .routes(routes!(rollouts::create))
         .routes(routes!(workers::list))
         .routes(routes!(workers::get))

@@ -1,10 +1,12 @@
 //! The compute device: OS threads that own the backend, each behind a queue. Callers use it through
 //! a [`QueuedBackend`], which cuts their batches into slices.
 //!
-//! Most devices have one queue: then one thread does everything, slice by slice, and takes
-//! [`turns`]. If [`Backend::urgent`] gives a second queue, rollouts have a thread of their own and
-//! run while fits do; the device lets them go first, so that thread rests between their slices.
+//! If [`Backend::urgent`] gives a second queue, as those of the CPU and of CUDA do, rollouts have a
+//! thread of their own, and fits pause for them between two frames: [`alternation`]. On a device
+//! with one queue one thread does everything, slice by slice. Either way the slices of a queue take
+//! [`turns`].
 
+mod alternation;
 mod blame;
 mod queue;
 mod queued;
@@ -16,6 +18,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use bendtwin_core::CancelToken;
 use bendtwin_engine::{
     Backend, Device as Description,
     backend::{self, Memory},
@@ -25,6 +28,7 @@ use tokio::sync::mpsc;
 pub(crate) use self::queue::Priority;
 pub(crate) use self::queued::QueuedBackend;
 use self::{
+    alternation::Alternation,
     blame::Blame,
     queue::{Broken, Queue},
     thread::{Opened, Threads},
@@ -32,22 +36,24 @@ use self::{
 };
 use crate::Error;
 
-/// Target time of a slice on a device with one queue, for which a rollout waits beside a fit.
-/// Rollouts should be answered within 50 ms of their own time; estimates of a slice's time may be
-/// off by half. A single instance that takes longer cannot be cut.
+/// Target time of a slice for which another rollout waits: one of a rollout on the CPU, and any on a
+/// device with one queue. Rollouts should be answered within 50 ms of their own time; estimates of a
+/// slice's time may be off by half. A single instance that takes longer cannot be cut.
 const SHARED_SLICE: Duration = Duration::from_millis(30);
-/// Work of a rollout's slice on a device with a second queue, in element substeps: a fraction of a
+/// Work of a rollout's slice on a GPU with a second queue, in element substeps: a fraction of a
 /// second on a large GPU. By work and not by time, because the last bits of a GPU's results depend
 /// on the number of instances in a batch: the same request must be cut alike.
 const URGENT_WORK: f64 = 1e10;
+/// Kind of the device whose results do not depend on how a batch is cut.
+const CPU: &str = "cpu";
 
 /// A handle on the device; clones share it. Its threads end on [`Device::close`].
 #[derive(Clone)]
 pub(crate) struct Device {
     threads: Arc<Threads>,
     description: Description,
-    /// True if rollouts have a thread of their own.
-    has_urgent: bool,
+    /// Pauses of fits and rollouts, if rollouts have a thread of their own.
+    alternation: Option<Alternation>,
     blame: Blame,
 }
 
@@ -69,11 +75,11 @@ impl Device {
     {
         let threads = Arc::new(Threads::new(fatal, fit_share));
         let Opened { description, urgent } = threads.start(open)?;
-        let has_urgent = urgent.is_some();
+        let alternation = urgent.is_some().then(|| Alternation::new(fit_share));
         if let Some(urgent) = urgent {
             threads.start_urgent(urgent)?;
         }
-        Ok(Self { threads, description, has_urgent, blame: Blame::default() })
+        Ok(Self { threads, description, alternation, blame: Blame::default() })
     }
 
     /// Description of the backend's hardware.
@@ -120,17 +126,26 @@ impl Device {
 
     /// Work of a slice, in element substeps, for a caller with this measured speed.
     fn slice_work(&self, priority: Priority, speed: Option<f64>) -> f64 {
-        match (self.has_urgent, priority) {
-            (false, _) => speed.unwrap_or(0.0) * SHARED_SLICE.as_secs_f64(),
-            (true, Priority::Interactive) => URGENT_WORK,
-            // Nothing waits for it, and such a backend checks for cancellation while it computes.
+        let has_urgent = self.alternation.is_some();
+        match (has_urgent, priority) {
+            // Nothing waits for it: it pauses while it computes, and checks for cancellation.
             (true, Priority::Background) => f64::INFINITY,
+            (true, Priority::Interactive) if self.description.kind != CPU => URGENT_WORK,
+            _ => speed.unwrap_or(0.0) * SHARED_SLICE.as_secs_f64(),
+        }
+    }
+
+    /// The token to compute with at this priority: who checks it pauses for work of the other one.
+    fn token(&self, priority: Priority, cancel: &CancelToken) -> CancelToken {
+        match &self.alternation {
+            Some(alternation) => alternation.token(priority, cancel),
+            None => cancel.clone(),
         }
     }
 
     fn queue(&self, priority: Priority) -> &Queue {
-        match (self.has_urgent, priority) {
-            (true, Priority::Interactive) => &self.threads.urgent,
+        match (&self.alternation, priority) {
+            (Some(_), Priority::Interactive) => &self.threads.urgent,
             _ => &self.threads.main,
         }
     }
@@ -143,7 +158,11 @@ impl Device {
     ) -> Result<(R, Duration), backend::Error> {
         let (reply, result) = std::sync::mpsc::sync_channel(1);
         let running = self.blame.running(flow.priority);
+        let rollouts = self.alternation.as_ref().filter(|_| flow.priority == Priority::Interactive);
+        let under_way = rollouts.map(Alternation::begin);
         let task = move |backend: &dyn Backend| {
+            // Also ends where the task is dropped before its turn.
+            let _under_way = under_way;
             let running = running;
             let started = Instant::now();
             let value = task(backend);

@@ -4,12 +4,15 @@
 mod actions;
 mod checked;
 mod costs;
+mod ensemble;
 mod error;
 mod execute;
+mod grasping;
 mod initial;
 mod interpolate;
 mod lru;
 mod plan;
+mod plausible;
 mod quaternion;
 mod replay;
 mod reply;
@@ -17,7 +20,10 @@ mod returns;
 mod serve;
 mod service;
 mod sessions;
+mod settle;
+mod vary;
 mod warm;
+mod world;
 
 pub(crate) use self::{
     error::Error,

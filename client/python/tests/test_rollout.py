@@ -6,12 +6,11 @@ from bendtwin import (
     CaptureFrame,
     GivenState,
     Keypoints,
-    Mppi,
     Returns,
     Smoothness,
     TargetCloud,
 )
-from bendtwin.mppi import path_integral_weights
+from bendtwin.planners import Cem, GradientDescent, Grippers, Mppi, Task, Together
 
 
 @pytest.fixture
@@ -121,16 +120,37 @@ def test_wrong_actions_are_refused_before_sending(twin, arguments):
         twin.rollout(**arguments)
 
 
-def test_mppi_walks_downhill(twin):
-    start = np.full((4, 1, 3), 0.2, np.float32)
-    planner = Mppi(twin, costs=[Smoothness()], frames=30, samples=128, sigma_m=0.03)
-    plan = planner.plan(start, iterations=20)
-    np.testing.assert_array_equal(plan[0], start[0])
-    assert np.linalg.norm(plan[-1, 0]) < 0.3 * np.linalg.norm(start[-1, 0])
+def test_planners_walk_downhill_on_a_twin(twin):
+    start = np.array([[0.2, 0.2, 0.2]])
+    task = Task(twin=twin, costs=[Smoothness()], space=Together(start), frames=30)
+    for method in (Mppi, Cem):
+        plan = method(task, knots=4, samples=64, sigma=0.03, iterations=40).plan()
+        assert plan.cost < 0.3 * plan.nominal_cost
+        assert plan.cost == pytest.approx(np.linalg.norm(start[0] + plan.knots[-1]), rel=1e-5)
+        actions = plan.actions()
+        assert (actions["frames"], actions["interpolation"]) == (30, "linear")
+        np.testing.assert_array_equal(actions["trajectories"][0, 0], start.astype(np.float32))
+        assert twin.rollout(**actions, costs=[Smoothness()]).costs[0] == plan.cost
 
 
-def test_diverged_instances_weigh_nothing():
-    weights = path_integral_weights(np.array([1.0, np.inf, 1.0]), 0.1)
-    np.testing.assert_allclose(weights, [0.5, 0.0, 0.5])
-    with pytest.raises(ValueError, match="diverged"):
-        path_integral_weights(np.array([np.inf]), 0.1)
+def test_the_first_frames_of_a_plan_are_dense(twin, fake):
+    space = Together([[0.2, 0.2, 0.2]])
+    task = Task(twin=twin, costs=[Smoothness()], space=space, frames=30, interpolation="cubic")
+    plan = Mppi(task, knots=4).plan()
+    assert plan.path().shape == (31, 3)
+    few = plan.actions(frames=3)
+    assert few["trajectories"].shape == (1, 4, 1, 3)
+    np.testing.assert_allclose(few["trajectories"][0, :, 0], 0.2 + plan.path()[:4], atol=1e-6)
+    with pytest.raises(ValueError, match="30 frames"):
+        plan.actions(frames=31)
+
+
+def test_gradients_by_frame_become_gradients_by_knot(twin, fake):
+    # The server of this test answers with the actions themselves as gradients, in knots.
+    task = Task(twin=twin, costs=[Smoothness()], space=Together([[0.2] * 3]), frames=3)
+    found = task.evaluate(np.zeros((1, 4, 3)), None, gradients=True)
+    np.testing.assert_allclose(found.gradients, 0.2, atol=1e-6)
+    assert fake.rollout_request.returns.control_gradients
+    poses = Task(twin=twin, costs=[Smoothness()], space=Grippers.around([[0.2] * 3]), frames=3)
+    with pytest.raises(ValueError, match="another method"):
+        GradientDescent(poses).plan()

@@ -20,6 +20,7 @@ mod arrays {
     pub(super) const EDGES: &str = "edges.npy";
     pub(super) const REST: &str = "rest_points.npy";
     pub(super) const PINS: &str = "pins.npy";
+    pub(super) const HANDS: &str = "hands.npy";
     pub(super) const POINTS: &str = "object_points.npy";
     pub(super) const VISIBLE: &str = "object_visible.npy";
     pub(super) const MOTION: &str = "object_motion_valid.npy";

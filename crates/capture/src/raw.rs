@@ -98,6 +98,8 @@ pub struct Recording {
     pub mesh: Option<MeshFile>,
     /// Clean tracks for metrics only [m], shape [T, K, 3]; NaN where unknown; empty if none.
     pub truth_tracks: Vec<Point>,
+    /// Mass of the object, if it was weighed [kg].
+    pub mass_kg: Option<f64>,
     /// Source of the frames.
     pub source: Arc<dyn Source>,
 }

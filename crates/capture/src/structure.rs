@@ -69,6 +69,12 @@ pub fn validate(capture: &Capture) -> Result<(), Error> {
             ));
         }
     }
+    let hands = object.control_hands.len();
+    if hands != 0 && hands != controls {
+        return Err(Error::Lengths(format!(
+            "there are {hands} hands for {controls} control points: one each, or none"
+        )));
+    }
     let mut held = vec![false; points];
     for (index, pin) in object.pins.iter().enumerate() {
         if pin.point as usize >= points || pin.control as usize >= controls {

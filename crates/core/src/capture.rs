@@ -42,6 +42,10 @@ pub struct Object {
     pub rest_points: Vec<Point>,
     /// Tracked points that a control point holds exactly.
     pub pins: Vec<HeldPoint>,
+    /// Mass, if it was weighed [kg].
+    pub mass_kg: Option<f64>,
+    /// The hand or gripper of each control point, shape [C]; empty if unknown.
+    pub control_hands: Vec<u32>,
 }
 
 /// The kind of an object, by what is known of its topology.

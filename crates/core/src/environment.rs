@@ -38,6 +38,9 @@ impl Environment {
 /// frames that ruin every calculation with them.
 pub const FRAME_RATES: std::ops::RangeInclusive<f64> = 0.01..=100_000.0;
 
+/// Masses that an object may have [kg].
+pub const MASSES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+
 /// The division of time: frames of a capture, substeps of the integrator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {

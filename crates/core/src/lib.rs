@@ -25,7 +25,7 @@ pub mod twin;
 
 pub use cancel::CancelToken;
 pub use capture::{Capture, Sequence};
-pub use environment::{Environment, FRAME_RATES, Plane, Timing};
+pub use environment::{Environment, FRAME_RATES, MASSES, Plane, Timing};
 pub use error::{Category, Fault, Problem};
 pub use fidelity::{FastVariant, Fidelity};
 pub use finding::{Finding, Severity};

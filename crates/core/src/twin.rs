@@ -5,7 +5,9 @@ pub mod format;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Environment, Graph, Params, Quality, Timing, environment::ControlVelocity,
+    Environment, Graph, Params, Quality, Timing,
+    environment::ControlVelocity,
+    geometry::{length, sub},
     settings::FitSettings,
 };
 
@@ -26,7 +28,53 @@ pub struct Twin {
     pub provenance: Provenance,
     /// Quality of the twin.
     pub quality: Quality,
+    /// Mass of the object, if it is known [kg].
+    pub mass_kg: Option<f64>,
+    /// The hand or gripper of the capture that each control point belongs to, shape [C]; empty if the
+    /// capture does not say: [`Twin::hands`].
+    pub control_hands: Vec<u32>,
 }
+
+impl Twin {
+    /// Newtons per unit of force: fitted forces are those on nodes of about unit mass. 1 if the mass is
+    /// not known.
+    pub fn newtons_per_unit(&self) -> f64 {
+        let units: f64 = self.graph.masses.iter().map(|m| f64::from(*m)).sum();
+        self.mass_kg.map_or(1.0, |mass| mass / units)
+    }
+
+    /// The hand of each control point, shape [C], counted from 0. Where the capture does not say,
+    /// control points linked by steps of at most [`HAND_LINK_M`] at rest are one hand, in the order
+    /// of their first.
+    pub fn hands(&self) -> Vec<u32> {
+        let points = &self.graph.control_rest;
+        if self.control_hands.len() == points.len() {
+            return self.control_hands.clone();
+        }
+        let mut hands = vec![None; points.len()];
+        let mut count = 0;
+        for first in 0..points.len() {
+            if hands[first].is_some() {
+                continue;
+            }
+            hands[first] = Some(count);
+            let mut linked = vec![first];
+            while let Some(from) = linked.pop() {
+                for (to, point) in points.iter().enumerate() {
+                    if hands[to].is_none() && length(sub(points[from], *point)) <= HAND_LINK_M {
+                        hands[to] = Some(count);
+                        linked.push(to);
+                    }
+                }
+            }
+            count += 1;
+        }
+        hands.into_iter().map(Option::unwrap_or_default).collect()
+    }
+}
+
+/// Largest distance between neighbouring control points of one hand [m].
+pub const HAND_LINK_M: f32 = 0.08;
 
 /// The origin of a twin. Nothing here depends on the wall clock: the same capture, settings, build
 /// and device give the same twin, byte for byte.
@@ -46,3 +94,6 @@ pub struct Provenance {
     /// Rotation from the capture's source frame to the twin's, row-major.
     pub source_to_world: [[f32; 3]; 3],
 }
+
+#[cfg(test)]
+mod tests;

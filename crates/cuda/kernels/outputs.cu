@@ -1,4 +1,6 @@
-// Outputs of a rollout: recorded positions, and the extremes of strain and speed at frame ends.
+// Outputs of a rollout: recorded positions and velocities, and the extremes of strain and speed by
+// frame. A velocity is a node's way during a frame by the frame's length, as `cpu/diagnostics.rs`
+// says.
 
 struct OutputArgs {
     const float* states;    // [slots][6][N]
@@ -8,9 +10,11 @@ struct OutputArgs {
     const u32* springs;     // [E][2]
     const float* params;    // as in `params.cu`
     const float* controls;  // [frames + 1][C][3]
-    float* extremes;        // [all frames][2]: largest strain, largest speed
+    float* velocities;      // as `positions`, or null
+    float* extremes;        // [all frames][3]: largest strain, that to a control point, speed
     u32 node_count, recorded_nodes, recorded_frames, slot_count;
-    u32 spring_count, control_count, frame_count, unused;
+    u32 spring_count, control_count, frame_count;
+    float rate;             // frames a second
 };
 
 struct RecordArgs {
@@ -21,26 +25,29 @@ struct ExtremesArgs {
     const OutputArgs* outputs;
 };
 
+// Velocity of a node in a frame; that of the state where no frame has been.
+DEVICE float3 velocity(const OutputArgs& r, u32 frame, u32 node) {
+    const u32 n = r.node_count;
+    const float* s = r.states + (u64)(frame % r.slot_count) * 6 * n + node;
+    if (frame == 0) return v3(s[3 * n], s[4 * n], s[5 * n]);
+    const float* before = r.states + (u64)((frame - 1) % r.slot_count) * 6 * n + node;
+    return scale(v3(s[0] - before[0], s[n] - before[n], s[2 * n] - before[2 * n]), r.rate);
+}
+
 // Block (nodes, recorded frame, instance).
 extern "C" __global__ void record(const __grid_constant__ RecordArgs args) {
     const OutputArgs& r = args.outputs[blockIdx.z];
     u32 k = blockIdx.x * THREADS + threadIdx.x;
     if (blockIdx.y >= r.recorded_frames || k >= r.recorded_nodes) return;
-    u32 n = r.node_count, node = r.nodes ? r.nodes[k] : k;
-    const float* s = r.states + (u64)(r.frames[blockIdx.y] % r.slot_count) * 6 * n;
-    float* out = r.positions + ((u64)blockIdx.y * r.recorded_nodes + k) * 3;
-    for (u32 c = 0; c < 3; c++) out[c] = s[c * n + node];
-}
-
-DEVICE float block_max(float value) {
-    __shared__ float partial[THREADS / 32];
-    for (int mask = 16; mask > 0; mask /= 2)
-        value = fmaxf(value, __shfl_xor_sync(0xffffffffu, value, mask));
-    __syncthreads();
-    if (threadIdx.x % 32 == 0) partial[threadIdx.x / 32] = value;
-    __syncthreads();
-    for (u32 w = 0; w < THREADS / 32; w++) value = fmaxf(value, partial[w]);
-    return value;
+    u32 n = r.node_count, node = r.nodes ? r.nodes[k] : k, frame = r.frames[blockIdx.y];
+    const float* s = r.states + (u64)(frame % r.slot_count) * 6 * n;
+    const u64 at = ((u64)blockIdx.y * r.recorded_nodes + k) * 3;
+    for (u32 c = 0; c < 3; c++) r.positions[at + c] = s[c * n + node];
+    if (!r.velocities) return;
+    float3 v = velocity(r, frame, node);
+    r.velocities[at] = v.x;
+    r.velocities[at + 1] = v.y;
+    r.velocities[at + 2] = v.z;
 }
 
 // Block (frame - 1, instance).
@@ -51,25 +58,31 @@ extremes(const __grid_constant__ ExtremesArgs args) {
     if (frame > r.frame_count) return;
     const float* s = r.states + (u64)(frame % r.slot_count) * 6 * n;
     const float* held = r.controls + (u64)frame * r.control_count * 3;
-    float strain = 0.0f, square = 0.0f;
+    float strains[2] = {0.0f, 0.0f}, square = 0.0f;
     for (u32 e = threadIdx.x; e < r.spring_count; e += THREADS) {
         float3 ends[2];
+        u32 held_ends = 0;
         for (u32 k = 0; k < 2; k++) {
             u32 i = r.springs[2 * (u64)e + k];
+            held_ends |= i >= n;
             ends[k] = i < n ? v3(s[i], s[n + i], s[2 * n + i]) : load_v3(held + 3 * (u64)(i - n));
         }
         float rest = r.params[2 * (u64)r.spring_count + e];
         float3 d = sub(ends[1], ends[0]);
-        if (rest > 0.0f) strain = fmaxf(strain, fabsf(sqrtf(dot(d, d)) / rest - 1.0f));
+        if (!(rest > 0.0f)) continue;
+        float& most = strains[held_ends];
+        most = fmaxf(most, fabsf(sqrtf(dot(d, d)) / rest - 1.0f));
     }
     for (u32 i = threadIdx.x; i < n; i += THREADS) {
-        float3 v = v3(s[3 * n + i], s[4 * n + i], s[5 * n + i]);
+        float3 v = velocity(r, frame, i);
         square = fmaxf(square, dot(v, v));
     }
-    strain = block_max(strain);
+    for (u32 k = 0; k < 2; k++) strains[k] = block_max(strains[k]);
     square = block_max(square);
     if (threadIdx.x == 0) {
-        r.extremes[2 * blockIdx.x] = strain;
-        r.extremes[2 * blockIdx.x + 1] = sqrtf(square);
+        float* out = r.extremes + 3 * (u64)blockIdx.x;
+        out[0] = strains[0];
+        out[1] = strains[1];
+        out[2] = sqrtf(square);
     }
 }

@@ -169,6 +169,25 @@ extern "C" __global__ void collect_controls(const __grid_constant__ CollectContr
     }
 }
 
+struct NormBarsArgs {
+    const InstanceArgs* instances;
+    double* const* outs;  // by instance
+};
+
+// Norm of d loss / d positions of the nodes that nothing pins: a block for an instance.
+extern "C" __global__ void __launch_bounds__(THREADS)
+norm_bars(const __grid_constant__ NormBarsArgs args) {
+    const InstanceArgs& instance = args.instances[blockIdx.x];
+    double sum = 0.0;
+    for (u32 i = threadIdx.x; i < instance.topology.node_count; i += THREADS) {
+        if (instance.topology.pin_of[i] >= 0) continue;
+        float4 x = instance.adjoint.bar_x[i];
+        sum += (double)x.x * x.x + (double)x.y * x.y + (double)x.z * x.z;
+    }
+    sum = block_sum(sum);
+    if (threadIdx.x == 0) *args.outs[blockIdx.x] = sqrt(sum);
+}
+
 struct AddSeedsArgs {
     const InstanceArgs* instances;
     const float* const* seeds;  // by instance: d loss / d positions, [3][N]

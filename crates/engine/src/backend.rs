@@ -156,7 +156,10 @@ pub struct Outputs {
     pub final_state: bool,
     /// Compute [`Diagnostics`].
     pub diagnostics: bool,
-    /// Record velocities where positions are recorded.
+    /// Record velocities where positions are recorded: a node's way during the frame by the frame's
+    /// length, so that what lies on the ground is at rest there. Those at the instant, which
+    /// impacts turn round in every substep, are in the final state. In frame 0 they are those of
+    /// the initial state.
     pub velocities: bool,
     /// Record [`Forces`].
     pub forces: bool,
@@ -195,20 +198,22 @@ pub struct Forces {
     pub colliders: Vec<[f32; 6]>,
 }
 
-/// Physical plausibility of a rollout.
+/// Physical plausibility of a rollout; of one that diverged, of the frames before that.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Diagnostics {
     /// Largest |l/l0 - 1| of any spring between two nodes at any frame end.
     pub max_strain: f32,
     /// The same of springs to control points; their rest lengths are short, so it may be large.
     pub max_control_strain: f32,
-    /// Largest node speed at any frame end [m/s].
+    /// Largest mean speed of a node over any frame [m/s], as [`Outputs::velocities`] has it; of the
+    /// initial state if there is no frame.
     pub max_speed_m_s: f32,
-    /// Kinetic energy at the end [J per unit mass scale].
+    /// Kinetic energy at the end [J per unit mass scale]; NaN if it diverged.
     pub kinetic_energy: f32,
-    /// Elastic energy at the end [J per unit mass scale].
+    /// Elastic energy at the end [J per unit mass scale]; NaN if it diverged.
     pub elastic_energy: f32,
-    /// Nodes on the ground (less than 1 mm above it) at the end.
+    /// Nodes on the ground (less than 1 mm above it) at the end, or in the last frame before it
+    /// diverged.
     pub ground_contacts: u32,
 }
 
@@ -234,8 +239,8 @@ pub struct Rollout {
     pub final_state: Option<State>,
     /// Diagnostics if asked for.
     pub diagnostics: Option<Diagnostics>,
-    /// The divergence, if any; nothing is recorded from that frame on, and there are neither final
-    /// state nor diagnostics.
+    /// The divergence, if any; nothing is recorded from that frame on, diagnostics are of the frames
+    /// before, and there is no final state.
     pub diverged: Option<Divergence>,
 }
 
@@ -304,7 +309,8 @@ pub struct Gradient {
     /// d loss / d rolls if asked for, shape [F + 1, R]; empty if the motion has none.
     pub rolls: Vec<f32>,
     /// Norm of d loss / d positions of all nodes at each frame boundary if asked for [loss per m],
-    /// shape [F + 1].
+    /// shape [F + 1]; pinned nodes, which have no positions of their own, count as zero. NaN if it
+    /// diverged.
     pub norms: Vec<f64>,
     /// d loss / d initial state if asked for; zero for pinned nodes, which start on their control
     /// points. Of what grasps hold only the places have a gradient, in the holds of the initial
@@ -405,8 +411,9 @@ pub trait Backend: Send + Sync {
         None
     }
 
-    /// A second queue onto the same device whose work goes before this one's; it takes the models
-    /// that this one loaded. `None` where the device has one queue: cut batches into slices there.
+    /// A second queue onto the same device, for work that should go before this one's; it takes the
+    /// models that this one loaded, and computes even while all work of this one is held at a check
+    /// of its [`CancelToken`] ([`CancelToken::with_pause`]). `None` where the device has one queue: cut batches into slices there.
     fn urgent(&self) -> Option<Arc<dyn Backend>> {
         None
     }

@@ -11,12 +11,14 @@
 
 mod batches;
 mod bending;
+mod colliders;
 mod conservation;
 mod contact;
 mod degenerate;
 mod energy;
 mod expect;
 mod gradients;
+mod grasps;
 mod ground;
 mod objectives;
 mod optimizer;
@@ -143,12 +145,29 @@ suite! { ($)
     ground:
         bouncing_node_loses_restitution_squared,
         sliding_node_stops_by_coulomb_friction,
-        friction_holds_on_a_slope;
+        friction_holds_on_a_slope,
+        what_lies_still_reports_no_speed;
     contact:
         colliding_objects_exchange_momentum,
         a_node_takes_the_mean_of_its_contacts,
         self_contact_keeps_distance,
         self_contact_spares_neighbours;
+    grasps:
+        a_held_node_follows_its_body,
+        a_spring_hold_has_its_frequency,
+        a_hand_takes_what_is_inside,
+        opening_lets_fall,
+        control_points_let_go,
+        a_hand_slips_above_its_force,
+        grasps_resume_exactly,
+        a_rolling_clamp_twists_its_rod;
+    colliders:
+        a_node_rests_on_a_box,
+        friction_on_an_inclined_box,
+        a_moving_tray_carries_by_friction,
+        a_moving_wall_gives_momentum,
+        capsules_reflect_along_their_normals,
+        colliders_push_out;
     conservation:
         energy_of_an_undamped_network,
         momentum_of_a_free_body,
@@ -156,8 +175,10 @@ suite! { ($)
         bend_damping_never_raises_energy;
     objectives:
         losses_match_their_definitions,
+        frame_costs_match_their_definitions,
         outputs_are_as_asked,
-        diagnostics_match_the_state;
+        velocities_are_those_of_the_motion,
+        diagnostics_match_the_motion;
     gradients:
         gradients_match_finite_differences,
         gradients_of_a_straight_rod,
@@ -165,6 +186,7 @@ suite! { ($)
         gradients_through_ground_contact,
         gradients_through_object_contact,
         gradients_of_every_term,
+        norms_are_those_of_restarts,
         cut_gradients_are_sums_of_windows;
     batches:
         batch_equals_one_by_one,

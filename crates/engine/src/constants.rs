@@ -29,3 +29,12 @@ pub const MAX_PARTNERS: usize = 512;
 pub const MAX_COORDINATE_M: f64 = 1000.0;
 /// Height above the ground [m] below which a node stands on it.
 pub const ON_GROUND_M: f64 = 1e-3;
+/// Time [s] in which a collider pushes out what is inside it.
+pub const PUSH_S: f64 = 0.01;
+/// Depth [m] inside a collider beyond which it pushes no faster.
+pub const MAX_PUSH_M: f64 = 0.005;
+/// Stiffness of smooth contact times its width [m/s²], such that a node rests half the width deep
+/// under standard gravity.
+pub const SMOOTH_STIFFNESS_M_S2: f64 = 16.25;
+/// Tangential speed by the width of smooth contact [1/s] below which friction is viscous.
+pub const SMOOTH_RATE_1_S: f64 = 10.0;

@@ -7,11 +7,15 @@
 
 mod adjoint;
 pub(crate) mod bend;
+pub(crate) mod body;
 pub mod check;
+mod collider;
 mod contact;
 mod control;
 mod diagnostics;
+mod force;
 pub(crate) mod gradient;
+pub(crate) mod grasp;
 mod ground;
 mod impulse;
 mod integrate;
@@ -20,13 +24,17 @@ mod jacobian;
 pub(crate) mod lanes;
 mod loss;
 mod machine;
+mod meet;
 mod nearest;
 pub(crate) mod parameters;
 pub(crate) mod real;
 pub(crate) mod rod;
 pub(crate) mod rollout;
+mod smooth;
 mod spring;
 mod strips;
+mod surrounded;
+pub(crate) mod surroundings;
 pub(crate) mod system;
 
 use std::sync::Arc;
@@ -35,17 +43,20 @@ use bendtwin_core::{CancelToken, Environment, Params};
 use rayon::prelude::*;
 
 use self::{
-    diagnostics::{Observer, point, state_of},
-    parameters::Parameters,
-    real::quad,
+    diagnostics::{Observer, pose, state_of},
+    grasp::Hands,
+    parameters::{Parameters, narrow, saturate},
+    real::{Quad, Real, quad},
     rollout::{Scorer, Simulation, nodes_of, twists_of},
+    surroundings::Surroundings,
     system::{Layout, System},
 };
 use crate::{
-    Model,
+    Model, World,
     backend::{
         Backend, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss, Outputs, Rollout,
     },
+    model::State,
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
 };
 
@@ -55,6 +66,7 @@ use crate::{
 pub struct CpuBackend {
     /// `None` on a machine that gives us no threads: then the caller's own does everything.
     pool: Option<Arc<rayon::ThreadPool>>,
+    threads: usize,
 }
 
 /// A backend on all cores that this process may use.
@@ -76,9 +88,10 @@ struct Resident {
 impl CpuBackend {
     /// On so many threads (at least one).
     pub fn new(threads: usize) -> Self {
-        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1));
+        let threads = threads.max(1);
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = builder.thread_name(|i| format!("bendtwin-cpu-{i}")).build();
-        Self { pool: pool.ok().map(Arc::new) }
+        Self { pool: pool.ok().map(Arc::new), threads }
     }
 
     fn make(model: Arc<Model>, layout: Arc<Layout>) -> Loaded {
@@ -86,16 +99,18 @@ impl CpuBackend {
         Loaded::new(model, Arc::new(Resident { system, layout }))
     }
 
-    /// Runs the instances side by side; the first error in batch order wins.
+    /// Runs the instances side by side; the first error in batch order wins. Forces are `measured`
+    /// if they are asked for.
     fn each<R: Send>(
         &self,
         batch: &[Instance],
+        measured: bool,
         work: impl Fn(&Simulation<'_, f32>) -> Result<R, Error> + Sync,
     ) -> Result<Vec<R>, Error> {
         for (index, instance) in batch.iter().enumerate() {
             check::instance(index, instance)?;
         }
-        let one = |instance: &Instance| work(&simulation(instance)?);
+        let one = |instance: &Instance| work(&simulation(instance, measured)?);
         let results: Vec<_> = match &self.pool {
             Some(pool) => pool.install(|| batch.par_iter().map(one).collect()),
             None => batch.iter().map(one).collect(),
@@ -110,8 +125,16 @@ fn resident(loaded: &Loaded) -> Result<&Resident, Error> {
     })
 }
 
-fn simulation(instance: &Instance) -> Result<Simulation<'_, f32>, Error> {
+/// The simulation of an instance; `measured` if its forces are asked for.
+fn simulation(instance: &Instance, measured: bool) -> Result<Simulation<'_, f32>, Error> {
+    let (world, motion) = (&*instance.world, &*instance.motion);
+    let plain = *world == World::default() && motion.rolls.is_empty() && !measured;
+    let surroundings = (!plain).then(|| {
+        let start = Hands::new(&instance.initial.grasping, &world.grasps);
+        Surroundings::new(world, motion, start, measured)
+    });
     Ok(Simulation {
+        surroundings,
         system: &resident(&instance.model)?.system,
         initial: nodes_of(&instance.initial),
         twists: twists_of(&instance.initial, &instance.model.model().graph),
@@ -119,6 +142,11 @@ fn simulation(instance: &Instance) -> Result<Simulation<'_, f32>, Error> {
         frames: instance.frames,
         objective: &instance.objective,
     })
+}
+
+/// A gradient by a point as a client sees it.
+fn gradient_point<T: Real>(x: Quad<T>) -> [f32; 3] {
+    [saturate(x[0]), saturate(x[1]), saturate(x[2])]
 }
 
 impl Backend for CpuBackend {
@@ -159,19 +187,20 @@ impl Backend for CpuBackend {
         for (index, instance) in batch.iter().enumerate() {
             check::outputs(index, instance, outputs)?;
         }
-        self.each(batch, |simulation| {
-            let mut scorer = Scorer::new(simulation.objective, simulation.system.surface);
+        self.each(batch, outputs.forces, |simulation| {
+            let mut scorer = Scorer::new(simulation);
             let mut observer = Observer::new(simulation, outputs);
             let diverged = simulation.run(cancel, |frame, now| {
                 scorer.see(frame, &now.nodes[..simulation.system.nodes]);
                 observer.see(frame, now);
             })?;
-            Ok(observer.finish(scorer.finish(diverged)))
+            let (loss, frame_costs) = scorer.finish(diverged, simulation.frames);
+            Ok(observer.finish(loss, frame_costs))
         })
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
-        self.each(batch, |simulation| rollout::losses(simulation, cancel))
+        self.each(batch, false, |simulation| rollout::losses(simulation, cancel))
     }
 
     fn gradients(
@@ -180,21 +209,33 @@ impl Backend for CpuBackend {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
-        self.each(batch, |simulation| {
+        self.each(batch, false, |simulation| {
             let g = gradient::gradient(simulation, request.cut_every, cancel)?;
             let diverged = g.loss.diverged.is_some();
-            let controls = g.controls.into_iter().map(point);
+            // Nothing was differentiated then, and zero would say that nothing matters.
+            let unknown = |p: [f32; 3]| if diverged { [f32::NAN; 3] } else { p };
+            let controls = g.controls.into_iter().map(|x| unknown(gradient_point(x)));
+            let initial = || State {
+                positions: g.initial.iter().map(|n| unknown(gradient_point(n.x))).collect(),
+                velocities: g.initial.iter().map(|n| unknown(gradient_point(n.v))).collect(),
+                twists: g.initial_twists.iter().map(|&x| unknown([saturate(x); 3])[0]).collect(),
+                grasping: state_of(&[], &[], &g.initial_hands).grasping,
+            };
+            let unknown_pose =
+                |p: crate::world::Pose| if diverged { [[f32::NAN; 4]; 3] } else { p };
+            let poses = g.poses.iter().map(|p| unknown_pose(pose(p)));
+            let rolls = g.rolls.iter().map(|&x| if diverged { f32::NAN } else { narrow(x) });
             Ok(Gradient {
                 overflowed: !g.parameters.fit_f32(),
                 loss: g.loss,
                 params: g.parameters.into_gradient(),
                 controls: if request.controls { controls.collect() } else { Vec::new() },
-                poses: Vec::new(),
-                rolls: Vec::new(),
-                norms: Vec::new(),
-                initial: request.initial.then(|| state_of(&g.initial, &g.initial_twists)),
+                poses: if request.motion { poses.collect() } else { Vec::new() },
+                rolls: if request.motion { rolls.collect() } else { Vec::new() },
+                norms: if request.norms { g.norms } else { Vec::new() },
+                initial: request.initial.then(initial),
                 final_state: (request.final_state && !diverged)
-                    .then(|| state_of(&g.last, &g.last_twists)),
+                    .then(|| state_of(&g.last, &g.last_twists, &g.last_hands)),
             })
         })
     }
@@ -205,6 +246,12 @@ impl Backend for CpuBackend {
         decay: Decay,
     ) -> Result<Box<dyn Optimizer>, Error> {
         Ok(Box::new(HostOptimizer::new(Arc::new(self.clone()), inits, decay)?))
+    }
+
+    /// As many threads again: those of this one may all be held at the end of a frame.
+    fn urgent(&self) -> Option<Arc<dyn Backend>> {
+        self.pool.as_ref()?;
+        Some(Arc::new(Self::new(self.threads)))
     }
 }
 

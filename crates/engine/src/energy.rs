@@ -104,14 +104,17 @@ fn length<T: Real>(nodes: &[Node<T>], i: u32, j: u32) -> f64 {
     dot(r, r).to_f64().sqrt()
 }
 
-/// Largest |l/l0 - 1| of any spring that has a rest length.
-pub(crate) fn max_strain<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> f64 {
-    let mut most = 0.0_f64;
+/// Largest |l/l0 - 1| of any spring that has a rest length: between two nodes, and to a control
+/// point.
+pub(crate) fn max_strains<T: Real>(system: &System<T>, nodes: &[Node<T>]) -> [f64; 2] {
+    let mut most = [0.0_f64; 2];
     for strip in &system.springs.strips {
         for b in &system.springs.blocks[strip.blocks()] {
             for l in (0..LANES).filter(|&l| b.rest[l] > T::ZERO) {
-                let length = length(nodes, strip.owners[l], b.other[l]);
-                most = most.max((length / b.rest[l].to_f64() - 1.0).abs());
+                let (i, j) = (strip.owners[l], b.other[l]);
+                let strain = (length(nodes, i, j) / b.rest[l].to_f64() - 1.0).abs();
+                let kind = &mut most[usize::from(i.max(j) as usize >= system.nodes)];
+                *kind = kind.max(strain);
             }
         }
     }

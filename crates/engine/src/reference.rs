@@ -10,15 +10,21 @@ use crate::{
     cpu::{
         check,
         gradient::gradient,
+        grasp::Hands,
         lanes::Node,
         real::Quad,
         rollout::{Simulation, losses},
+        surroundings::Surroundings,
         system::{Layout, System},
     },
+    world::{Grasping, Motion, World},
 };
 
 /// A point or vector in double precision.
 pub type Point64 = [f64; 3];
+
+/// A [`Pose`](crate::world::Pose) in double precision.
+pub type Pose64 = [[f64; 4]; 3];
 
 /// One simulation in double precision. Fields may be changed at will; lengths must stay as they
 /// are.
@@ -35,6 +41,18 @@ pub struct Reference {
     pub twists: Vec<f64>,
     /// Control positions at frame boundaries [m], shape [F + 1, C, 3]; start at rest.
     pub controls: Vec<Point64>,
+    /// What surrounds the object; starts as nothing.
+    pub world: World,
+    /// Poses of bodies at frame boundaries, shape [F + 1, B].
+    pub poses: Vec<Pose64>,
+    /// As in [`crate::Motion::closed`], shape [F, G].
+    pub closed: Vec<bool>,
+    /// As in [`crate::Motion::rolls`] [rad], shape [F + 1, R], or empty.
+    pub rolls: Vec<f64>,
+    /// What grasps hold at the start; starts as nothing.
+    pub grasping: Grasping,
+    /// Places of the holds of `grasping` [m], in place of theirs.
+    pub places: Vec<Point64>,
     frames: usize,
 }
 
@@ -64,6 +82,12 @@ pub struct ReferenceGradient {
     pub twists: Vec<f64>,
     /// By control position, shape [F + 1, C, 3].
     pub controls: Vec<Point64>,
+    /// By pose, shape [F + 1, B].
+    pub poses: Vec<Pose64>,
+    /// By roll, shape as in [`Reference`].
+    pub rolls: Vec<f64>,
+    /// By place of the initial holds.
+    pub places: Vec<Point64>,
 }
 
 impl Reference {
@@ -82,6 +106,12 @@ impl Reference {
             positions: rest,
             twists: vec![0.0; model.graph.rods.len()],
             controls: held.repeat(frames + 1),
+            world: World::default(),
+            poses: Vec::new(),
+            closed: Vec::new(),
+            rolls: Vec::new(),
+            grasping: Grasping::default(),
+            places: Vec::new(),
             model: model.clone(),
             frames,
         })
@@ -134,7 +164,26 @@ impl Reference {
             velocities: g.initial.iter().map(|n| point(n.v)).collect(),
             twists: g.initial_twists,
             controls: g.controls.into_iter().map(point).collect(),
+            poses: g.poses,
+            rolls: g.rolls,
+            places: g.initial_hands.holds.iter().map(|h| point(h.place)).collect(),
         })
+    }
+
+    /// What surrounds the object, if anything does.
+    fn surroundings(&self) -> Option<Surroundings<f64>> {
+        if self.world == World::default() && self.rolls.is_empty() {
+            return None;
+        }
+        let mut start = Hands::new(&self.grasping, &self.world.grasps);
+        for (hold, place) in start.holds.iter_mut().zip(&self.places) {
+            hold.place = quad(*place);
+        }
+        let motion = Motion { closed: self.closed.clone(), ..Motion::default() };
+        let mut surroundings = Surroundings::new(&self.world, &motion, start, false);
+        surroundings.poses.clone_from(&self.poses);
+        surroundings.rolls.clone_from(&self.rolls);
+        Some(surroundings)
     }
 
     fn with_simulation<R>(
@@ -153,7 +202,11 @@ impl Reference {
             && self.controls.len() == (self.frames + 1) * c
             && springs.iter().all(|v| v.len() == e)
             && triplets.iter().all(|v| v.len() == t)
-            && rods.iter().all(|v| v.len() == r);
+            && rods.iter().all(|v| v.len() == r)
+            && self.poses.len() == (self.frames + 1) * self.world.bodies
+            && self.closed.len() == self.frames * self.world.grasps.len()
+            && [0, (self.frames + 1) * r].contains(&self.rolls.len())
+            && self.places.len() == self.grasping.holds.len();
         if !fits {
             return Err(Error::InvalidInput("a length of the reference was changed".into()));
         }
@@ -161,6 +214,7 @@ impl Reference {
         let system = System::new(&self.model, &Layout::new(graph), p.clone());
         let both = self.positions.iter().zip(&self.velocities);
         work(&Simulation {
+            surroundings: self.surroundings(),
             system: &system,
             initial: both.map(|(&x, &v)| Node { x: quad(x), v: quad(v) }).collect(),
             twists: self.twists.clone(),

@@ -11,6 +11,8 @@ use std::sync::Arc;
 
 use bendtwin_core::Point;
 
+use crate::Model;
+
 /// Pose of a rigid body: rows of the matrix [R | p], so that a point `x` of the body is at
 /// `R x + p` [m]. Gradients by a pose have the same shape, entry by entry.
 pub type Pose = [[f32; 4]; 3];
@@ -117,6 +119,25 @@ pub struct Grasp {
     /// Mean force over a frame beyond which it lets go at the end of that frame [N at unit node
     /// mass]; infinite for never. It stays open until it was told to open and to close again.
     pub max_force: f32,
+}
+
+/// Share of the stability criterion `dt² k + 2 dt c <= 4` (see `stability`) that a spring of a grasp
+/// may take at a node of unit mass: half of what the margin of a loaded model leaves.
+const SPRING_CRITERION: f64 = 0.08;
+
+/// Share that a spring of a grasp takes of what is allowed at the model's substep; at most 1 is
+/// stable, whatever the model's own springs are.
+pub fn spring_share(model: &Model, stiffness: f32, damping: f32) -> f32 {
+    let dt = model.timing.dt_s();
+    let lightest = model.graph.masses.iter().fold(f32::INFINITY, |m, x| m.min(*x));
+    let taken = dt * dt * f64::from(stiffness) + 2.0 * dt * f64::from(damping);
+    (taken / (SPRING_CRITERION * f64::from(lightest))) as f32
+}
+
+/// The largest stiffness of a grasp's spring without damping [N/m at unit node mass]. With damping,
+/// both are allowed where [`spring_share`] is at most 1.
+pub fn largest_stiffness(model: &Model) -> f32 {
+    spring_share(model, 1.0, 0.0).recip()
 }
 
 /// The surroundings of an object: what is constant during a rollout.

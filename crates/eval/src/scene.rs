@@ -77,5 +77,7 @@ pub(crate) fn chain_twin(n: usize) -> Twin {
         control_velocity: ControlVelocity::True,
         provenance: Provenance::default(),
         quality: Quality::default(),
+        mass_kg: None,
+        control_hands: Vec::new(),
     }
 }

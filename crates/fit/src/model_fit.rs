@@ -149,6 +149,8 @@ impl ModelFit {
                 source_to_world: job.capture.source_to_world,
             },
             quality: bendtwin_core::Quality::default(),
+            mass_kg: job.capture.object.mass_kg,
+            control_hands: job.capture.object.control_hands.clone(),
         })
     }
 }

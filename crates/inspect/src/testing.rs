@@ -58,6 +58,7 @@ pub(crate) fn healthy() -> (TestScene, Recording) {
         cameras: cameras(),
         mesh: None,
         truth_tracks: Vec::new(),
+        mass_kg: None,
         source: HEALTHY.clone(),
     };
     (scene, recording)

@@ -75,6 +75,7 @@ impl TestScene {
             cameras: cameras.clone(),
             mesh: None,
             truth_tracks,
+            mass_kg: None,
             source: Arc::new(SceneSource { scene: self, cameras }),
         }
     }

@@ -28,6 +28,8 @@ pub struct TwinFacts {
     pub substeps: u32,
     /// The quality table as JSON.
     pub quality: String,
+    /// Mass of the object, if it is known [kg].
+    pub mass_kg: Option<f64>,
 }
 
 /// A stored twin.
@@ -86,6 +88,7 @@ row! {
         fps: f64,
         substeps: i64,
         quality: String,
+        mass_kg: Option<f64>,
     }
 }
 
@@ -113,6 +116,7 @@ impl TryFrom<Row> for Twin {
                 fps: row.fps,
                 substeps: count(row.substeps),
                 quality: row.quality,
+                mass_kg: row.mass_kg,
             },
             display_name: row.display_name,
         })
@@ -136,8 +140,9 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
     let row: Row = sqlx::query_as(
         "insert into twins (id, display_name, capture, fit, created_at, size_bytes, digest,
              node_count, spring_count, triplet_count, control_count, fps, substeps, quality,
-             request_id)
-         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15) returning *",
+             request_id, mass_kg)
+         values ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16)
+         returning *",
     )
     .bind(TwinId::generate().uuid().to_string())
     .bind(new.display_name)
@@ -154,6 +159,7 @@ pub(crate) async fn insert(tx: &mut Transaction<'_, Sqlite>, new: Insert<'_>) ->
     .bind(i64::from(facts.substeps))
     .bind(&facts.quality)
     .bind(new.request_id)
+    .bind(facts.mass_kg)
     .fetch_one(&mut **tx)
     .await?;
     row.try_into()

@@ -128,6 +128,7 @@ pub fn film_with(
         cameras,
         mesh,
         truth_tracks,
+        mass_kg: None,
         source: Arc::new(stage),
     })
 }

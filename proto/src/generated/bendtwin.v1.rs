@@ -181,6 +181,7 @@ pub mod collider {
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Sphere {
+    /// Three numbers; absent: the origin.
     #[prost(float, repeated, tag = "1")]
     pub center: ::prost::alloc::vec::Vec<f32>,
     #[prost(float, tag = "2")]
@@ -208,11 +209,12 @@ pub struct Cuboid {
 /// The convex hull of points.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ConvexMesh {
-    /// FLOAT32 \[M, 3\], metres; its hull has at most 128 faces.
+    /// FLOAT32 \[M, 3\], metres, M in 4..4096; its hull has at most 128 faces.
     #[prost(message, optional, tag = "1")]
     pub points: ::core::option::Option<Tensor>,
 }
-/// A hold of a gripper on the object.
+/// A hold of a gripper on the object. The twin's own control points hold as they were fitted, unless a
+/// grasp of their `hand` is open: to take hold elsewhere, let go of them by one that is never closed.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Grasp {
     /// The gripper, by its number in the actions' poses.
@@ -323,16 +325,16 @@ pub struct Vary {
     /// Of axial stiffness, 0.01..100.
     #[prost(message, optional, tag = "1")]
     pub stiffness: ::core::option::Option<Tensor>,
-    /// Of dashpots, drag and damping of bending and twist.
+    /// Of dashpots, drag and damping of bending and twist, 0..100.
     #[prost(message, optional, tag = "2")]
     pub damping: ::core::option::Option<Tensor>,
-    /// Of stiffness of bending and twist.
+    /// Of stiffness of bending and twist, 0..100.
     #[prost(message, optional, tag = "3")]
     pub bending: ::core::option::Option<Tensor>,
-    /// Of friction with ground, colliders and other nodes.
+    /// Of friction with ground, colliders and other nodes, 0..100; friction is at most 2.
     #[prost(message, optional, tag = "4")]
     pub friction: ::core::option::Option<Tensor>,
-    /// Of the mass of all nodes.
+    /// Of the mass of all nodes, 0.01..100.
     #[prost(message, optional, tag = "5")]
     pub mass: ::core::option::Option<Tensor>,
 }
@@ -3638,14 +3640,18 @@ pub mod knot_times {
     }
 }
 /// Every action is simulated under E sets of parameters, given by `vary`, and its cost is a statistic
-/// of their costs. Instances are then B x E, those of one action together.
+/// of their costs. Instances are then B x E, those of one action together: member e of action b is
+/// instance b E + e in `instances`, positions, final states, forces, diagnostics, `diverged` and
+/// `implausible`. Costs, gradients, `first_instance` and `returns.best` count actions. A member that
+/// diverges has the cost +inf, and so has the mean.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Ensemble {
     #[prost(uint32, tag = "1")]
     pub members: u32,
     #[prost(enumeration = "ensemble::Statistic", tag = "2")]
     pub statistic: i32,
-    /// Of CVAR: the share of the worst that is averaged, above 0 and at most 1.
+    /// Of CVAR: the share of the worst that is averaged, above 0 and at most 1; rounded up to whole
+    /// members.
     #[prost(double, tag = "3")]
     pub share: f64,
 }
@@ -3697,21 +3703,24 @@ pub mod ensemble {
 }
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct GradientOptions {
-    /// Frames through which a gradient reaches back; 0 for all of them. Gradients through many contacts
-    /// grow until they say nothing.
+    /// Frames through which a gradient reaches back at most: it is cut at every such number of frames; 0
+    /// for all of them. Gradients through many contacts grow until they say nothing; 15 is a good start
+    /// where the object lies on something.
     #[prost(uint32, tag = "1")]
     pub reach_frames: u32,
     /// Width of the layer in which ground and colliders act as smooth forces, metres, in the simulation
-    /// that gradients are of and in the costs that come with them; 0 for impacts. 0.001 is a good start
-    /// where the object lies on something.
+    /// that gradients are of and in the costs and arrays that come with them; 0 for impacts. 0.001 is a
+    /// good start where the object lies on something. Nothing changes in requests without gradients.
     #[prost(double, tag = "2")]
     pub smoothing_m: f64,
 }
-/// What is held to be possible. A reply flags instances beyond; with `refuse` it is an error instead.
+/// What is held to be possible. A reply flags instances beyond; with `refuse` it is an error instead
+/// (FAILED_PRECONDITION, reason IMPLAUSIBLE_MOTION), before anything is simulated where the actions
+/// alone tell.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Plausibility {
     /// Largest distance between the initial state's control points and row 0 of the actions; default
-    /// 0.005.
+    /// 0.005. Control points of a given state are judged where it says where they are.
     #[prost(double, optional, tag = "1")]
     pub start_gap_m: ::core::option::Option<f64>,
     /// Fastest control point; default 5.
@@ -3722,6 +3731,10 @@ pub struct Plausibility {
     pub strain: ::core::option::Option<f64>,
     #[prost(bool, tag = "4")]
     pub refuse: bool,
+    /// Deepest that a control point, or the middle of a grasp's sphere or box, may be below the ground or
+    /// in a collider that stands still; default 0.005.
+    #[prost(double, optional, tag = "5")]
+    pub control_depth_m: ::core::option::Option<f64>,
 }
 /// Positions of every control point.
 #[derive(Clone, PartialEq, ::prost::Message)]
@@ -4207,12 +4220,12 @@ pub mod roll_out_response {
         /// START_GAP, CONTROL_SPEED, STRAIN, CONTROL_IN_OBSTACLE.
         #[prost(string, tag = "2")]
         pub reason: ::prost::alloc::string::String,
-        /// What was found, and the limit, in the unit of the limit.
+        /// Most that was found, and the limit, in the unit of the limit.
         #[prost(double, tag = "3")]
         pub found: f64,
         #[prost(double, tag = "4")]
         pub limit: f64,
-        /// First frame, where it is known.
+        /// The frame in which it was found, where it is known.
         #[prost(uint32, tag = "5")]
         pub frame: u32,
     }
@@ -4233,7 +4246,8 @@ pub mod roll_out_response {
         /// Of springs to control points.
         #[prost(float, tag = "6")]
         pub max_control_strain: f32,
-        /// Deepest that a control point was below the ground or in a fixed collider, metres.
+        /// Deepest that a control point, or the middle of a grasp's sphere or box, was below the ground or in
+        /// a collider that stands still, metres.
         #[prost(float, tag = "7")]
         pub control_depth_m: f32,
     }

@@ -447,7 +447,7 @@ map.serialize_entry("smoothing_m", &self.smoothing_m)?;
 
 impl Fields for crate::v1::Plausibility {
     const NAME: &'static str = "Plausibility";
-    const FIELDS: &'static [&'static str] = &["start_gap_m", "control_speed_m_s", "strain", "refuse"];
+    const FIELDS: &'static [&'static str] = &["start_gap_m", "control_speed_m_s", "strain", "refuse", "control_depth_m"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -455,6 +455,7 @@ impl Fields for crate::v1::Plausibility {
 1 => { self.control_speed_m_s = map.next_value()?; }
 2 => { self.strain = map.next_value()?; }
 3 => { self.refuse = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.control_depth_m = map.next_value()?; }
 
             _ => {}
         }
@@ -466,6 +467,7 @@ impl Fields for crate::v1::Plausibility {
 if let Some(value) = &self.control_speed_m_s { map.serialize_entry("control_speed_m_s", value)?; }
 if let Some(value) = &self.strain { map.serialize_entry("strain", value)?; }
 map.serialize_entry("refuse", &self.refuse)?;
+if let Some(value) = &self.control_depth_m { map.serialize_entry("control_depth_m", value)?; }
 
         Ok(())
     }
@@ -1258,5 +1260,65 @@ impl Words for crate::v1::Interpolation {
     }
     fn word(number: i32) -> Option<&'static str> {
         Self::try_from(number).ok().map(|value| value.as_str_name())
+    }
+}
+
+impl Fields for crate::v1::TwinGeometry {
+    const NAME: &'static str = "TwinGeometry";
+    const FIELDS: &'static [&'static str] = &["rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.rest_positions = tensor(map, Dtype::Float32)?; }
+1 => { self.kinds = tensor(map, Dtype::Float32)?; }
+2 => { self.edges = tensor(map, Dtype::Float32)?; }
+3 => { self.rest_lengths = tensor(map, Dtype::Float32)?; }
+4 => { self.triplets = tensor(map, Dtype::Float32)?; }
+5 => { self.masses = tensor(map, Dtype::Float32)?; }
+6 => { self.controls = tensor(map, Dtype::Float32)?; }
+7 => { self.hands = tensor(map, Dtype::Float32)?; }
+8 => { self.pins = tensor(map, Dtype::Float32)?; }
+9 => { self.surface_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.rod_count = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+11 => { self.fps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+12 => { self.substeps = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+13 => { self.gravity = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+14 => { self.ground = message(map)?; }
+15 => { self.ground_friction = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+16 => { self.ground_restitution = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+17 => { self.mass_kg = map.next_value()?; }
+18 => { self.spacing_m = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+19 => { self.rod_starts = tensor(map, Dtype::Float32)?; }
+20 => { self.rod_nodes = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "rest_positions", self.rest_positions.as_ref(), tensors)?;
+write_tensor(map, "kinds", self.kinds.as_ref(), tensors)?;
+write_tensor(map, "edges", self.edges.as_ref(), tensors)?;
+write_tensor(map, "rest_lengths", self.rest_lengths.as_ref(), tensors)?;
+write_tensor(map, "triplets", self.triplets.as_ref(), tensors)?;
+write_tensor(map, "masses", self.masses.as_ref(), tensors)?;
+write_tensor(map, "controls", self.controls.as_ref(), tensors)?;
+write_tensor(map, "hands", self.hands.as_ref(), tensors)?;
+write_tensor(map, "pins", self.pins.as_ref(), tensors)?;
+map.serialize_entry("surface_count", &self.surface_count)?;
+map.serialize_entry("rod_count", &self.rod_count)?;
+map.serialize_entry("fps", &self.fps)?;
+map.serialize_entry("substeps", &self.substeps)?;
+map.serialize_entry("gravity", &self.gravity)?;
+write_message(map, "ground", self.ground.as_ref(), tensors)?;
+map.serialize_entry("ground_friction", &self.ground_friction)?;
+map.serialize_entry("ground_restitution", &self.ground_restitution)?;
+if let Some(value) = &self.mass_kg { map.serialize_entry("mass_kg", value)?; }
+map.serialize_entry("spacing_m", &self.spacing_m)?;
+write_tensor(map, "rod_starts", self.rod_starts.as_ref(), tensors)?;
+write_tensor(map, "rod_nodes", self.rod_nodes.as_ref(), tensors)?;
+
+        Ok(())
     }
 }

@@ -121,12 +121,13 @@ fn infinite_costs_are_null_and_what_is_not_there_is_left_out() {
         ..RollOutResponse::default()
     };
     let expected = json!({
-        "first_instance": 0,
+        "first_instance": 0, "implausible": [],
         "costs": [null, 1.0],
         "cost_names": [],
         "cost_terms": [[], []],
         "diagnostics": [],
         "diverged": [],
+        "implausible": [],
         "timing": {"queue_s": 0.5, "compute_s": 0.0},
         "worker": "",
         "fidelity": "EXACT",

@@ -1,13 +1,18 @@
 //! Requests that are right but for one thing, for tests: the check, the server and the worker must
 //! refuse each of them with the same fault.
 
+mod measures;
+mod surroundings;
+
 use bytes::Bytes;
 
 use super::TwinShape;
 use crate::v1::{
-    ControlTrajectories, Cost, GripperPoses, InitialState, Returns, RollOutRequest, Tensor,
+    ControlTrajectories, Cost, Grasping, GripperPoses, InitialState, KnotTimes, Returns,
+    RollOutRequest, Tensor,
     cost::{Keypoints, Kind, TargetCloud},
     initial_state::{CaptureFrame, GivenState, State},
+    knot_times::Times,
     roll_out_request::Actions,
     tensor::Dtype,
 };
@@ -32,6 +37,11 @@ pub fn sound(twin: &TwinShape) -> RollOutRequest {
     }
 }
 
+/// The same by poses of a gripper, with a collider and a grasp.
+pub fn sound_in_a_world(twin: &TwinShape) -> RollOutRequest {
+    surroundings::sound(&sound(twin))
+}
+
 /// Requests with one fault each for a twin, which has neither rods nor a capture nor a fast
 /// variant.
 pub fn malformed(twin: &TwinShape) -> Vec<Case> {
@@ -41,11 +51,12 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
     for (what, names, actions) in actions(twin.controls) {
         add(what, names, RollOutRequest { actions, ..good.clone() });
     }
-    for (what, names, state) in states(twin.nodes) {
+    for (what, names, state) in states(twin.nodes, twin.controls) {
         let initial = Some(InitialState { state: Some(state) });
         add(what, names, RollOutRequest { initial, ..good.clone() });
     }
-    for (what, names, costs) in costs(twin.nodes) {
+    let measures = measures::costs(twin.nodes, twin.controls);
+    for (what, names, costs) in costs(twin.nodes).into_iter().chain(measures) {
         add(what, names, RollOutRequest { costs, ..good.clone() });
     }
     for (what, names, returns) in returns(twin.nodes) {
@@ -54,10 +65,23 @@ pub fn malformed(twin: &TwinShape) -> Vec<Case> {
     let uncosted = Some(Returns { control_gradients: true, ..Returns::default() });
     let uncosted = RollOutRequest { costs: Vec::new(), returns: uncosted, ..good.clone() };
     add("gradients without costs", "returns.control_gradients", uncosted);
+    let uncosted = Some(Returns { action_gradients: true, ..Returns::default() });
+    let uncosted = RollOutRequest { costs: Vec::new(), returns: uncosted, ..good.clone() };
+    add("gradients by actions without costs", "returns.action_gradients", uncosted);
+    let uncosted = Some(Returns { gradient_norms: true, ..Returns::default() });
+    let uncosted = RollOutRequest { costs: Vec::new(), returns: uncosted, ..good.clone() };
+    add("norms of gradients without costs", "returns.gradient_norms", uncosted);
+    for (what, names, times) in times() {
+        let knot_times = Some(KnotTimes { times: Some(times) });
+        add(what, names, RollOutRequest { knot_times, frames: 4, ..good.clone() });
+    }
+    let knot_times = Some(KnotTimes { times: Some(Times::PeriodS(0.1)) });
+    add("times without a horizon", "`frames`", RollOutRequest { knot_times, ..good.clone() });
     add("100001 frames", "`frames`", RollOutRequest { frames: 100_001, ..good.clone() });
     add("2^32 - 1 frames", "`frames`", RollOutRequest { frames: u32::MAX, ..good.clone() });
     add("fidelity 7", "`fidelity`", RollOutRequest { fidelity: 7, ..good.clone() });
-    add("no fast variant", "fast variant", RollOutRequest { fidelity: 2, ..good });
+    add("no fast variant", "fast variant", RollOutRequest { fidelity: 2, ..good.clone() });
+    cases.extend(surroundings::malformed(&good, twin));
     cases
 }
 
@@ -160,10 +184,13 @@ fn poses(c: u64) -> Named<GripperPoses> {
     ]
 }
 
-fn states(n: u64) -> Named<State> {
+fn states(n: u64, c: u64) -> Named<State> {
     const POSITIONS: &str = "`initial.given.positions`";
     const VELOCITIES: &str = "`initial.given.velocities`";
     const TWISTS: &str = "`initial.given.twists`";
+    const CONTROLS: &str = "`initial.given.controls`";
+    const PHASES: &str = "`initial.given.grasping.phases`";
+    const HOLDERS: &str = "`initial.given.grasping.holders`";
     const CAPTURE: &str = "`initial.capture_frame.capture`";
     let given = |positions: Tensor, velocities: Option<Tensor>, twists: Option<Tensor>| {
         State::Given(GivenState {
@@ -177,6 +204,20 @@ fn states(n: u64) -> Named<State> {
         State::CaptureFrame(CaptureFrame { capture: capture.to_owned(), sequence: 0, frame: 0 })
     };
     let good = || zeros(&[n, 3]);
+    let with_controls = |controls: Tensor| {
+        let (positions, controls) = (Some(good()), Some(controls));
+        State::Given(GivenState { positions, controls, ..GivenState::default() })
+    };
+    let holding = |phases: &[u32], holders: u64, holder: u32| {
+        let holders = vec![holder; holders as usize];
+        let grasping = Grasping {
+            phases: Some(Tensor::pack(&[phases.len()], phases)),
+            holders: Some(Tensor::pack(&[holders.len()], &holders)),
+            places: Some(zeros(&[n, 3])),
+        };
+        let (positions, grasping) = (Some(good()), Some(grasping));
+        State::Given(GivenState { positions, grasping, ..GivenState::default() })
+    };
     vec![
         ("no state", POSITIONS, given(Tensor::default(), None, None)),
         ("a node short", POSITIONS, given(zeros(&[n - 1, 3]), None, None)),
@@ -191,8 +232,29 @@ fn states(n: u64) -> Named<State> {
         ("velocities of another shape", VELOCITIES, given(good(), Some(zeros(&[1, 3])), None)),
         ("twists for a batch", TWISTS, given(good(), None, Some(zeros(&[2, 1])))),
         ("NaN in the twists", TWISTS, given(good(), None, Some(with(&[1], f32::NAN)))),
+        ("controls for a batch", CONTROLS, with_controls(zeros(&[2, c, 3]))),
+        ("NaN in the controls of the state", CONTROLS, with_controls(with(&[c, 3], f32::NAN))),
+        ("a control too many in the state", CONTROLS, with_controls(zeros(&[c + 1, 3]))),
+        ("an unknown phase", PHASES, holding(&[3], n, 0)),
+        ("a grasp too many in the state", PHASES, holding(&[1], n, 1)),
+        ("a holder that is not there", HOLDERS, holding(&[1], n, 2)),
+        ("a holder short", HOLDERS, holding(&[1], n - 1, 0)),
         ("a frame of an imported twin's capture", CAPTURE, frame("")),
         ("no capture name", CAPTURE, frame("x")),
+    ]
+}
+
+fn times() -> Named<Times> {
+    const AT: &str = "`knot_times.at_s`";
+    const PERIOD: &str = "`knot_times.period_s`";
+    let at = |times: &[f32]| Times::AtS(Tensor::pack(&[times.len()], times));
+    vec![
+        ("a time short", AT, at(&[0.0, 1.0])),
+        ("times that do not begin at 0", AT, at(&[0.1, 0.2, 0.3])),
+        ("times that do not rise", AT, at(&[0.0, 0.2, 0.2])),
+        ("NaN in the times", AT, at(&[0.0, f32::NAN, 1.0])),
+        ("a period of 0", PERIOD, Times::PeriodS(0.0)),
+        ("a period that is NaN", PERIOD, Times::PeriodS(f64::NAN)),
     ]
 }
 
@@ -249,6 +311,11 @@ fn returns(n: u64) -> Named<Returns> {
             "an unknown encoding",
             "`returns.encoding`",
             Returns { encoding: 9, ..Returns::default() },
+        ),
+        (
+            "velocities of no frames",
+            "`returns.velocities`",
+            Returns { velocities: true, ..Returns::default() },
         ),
     ]
 }

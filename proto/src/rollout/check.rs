@@ -4,13 +4,25 @@
 
 mod actions;
 mod costs;
+mod grasps;
 mod initial;
+mod numbers;
+mod plausibility;
 mod returns;
 mod tensors;
+mod times;
+mod vary;
+mod world;
 
 use prost::Message as _;
 
-pub(super) use self::costs::targets;
+pub use self::vary::members;
+pub(super) use self::{
+    costs::{own_targets, targets},
+    returns::has_gradients,
+    vary::sets,
+    world::{bodies_of, parts},
+};
 use super::{Error, Limits, TwinShape, memory, size};
 use crate::v1::{Fidelity, RollOutRequest};
 
@@ -37,6 +49,7 @@ pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> 
         "split the batch, or send fewer knots",
     )?;
     let [instances, knots] = actions::check(request.actions.as_ref(), limits)?;
+    times::check(request, knots)?;
     let frames = match request.frames {
         0 => knots - 1,
         n => u64::from(n),
@@ -47,9 +60,13 @@ pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> 
     }
     let batch = Batch { instances, knots, frames };
     fidelity(request.fidelity)?;
-    costs::check(&request.costs, &batch, limits)?;
+    costs::check(request, &batch, limits)?;
     returns::check(request)?;
     initial::check(request.initial.as_ref(), &batch)?;
+    world::check(request, knots, limits)?;
+    grasps::check(request, &batch)?;
+    vary::check(request, &batch, limits)?;
+    plausibility::check(request)?;
     Ok(batch)
 }
 
@@ -68,7 +85,8 @@ pub fn check_for(
     actions::check_for(request.actions.as_ref(), twin)?;
     costs::check_for(&request.costs, twin)?;
     returns::check_for(request.returns.as_ref(), twin)?;
-    initial::check_for(request.initial.as_ref(), &batch, twin)?;
+    initial::check_for(request.initial.as_ref(), &batch, twin, request.grasps.len())?;
+    grasps::check_for(request, twin)?;
     if request.fidelity() == Fidelity::Fast && twin.fast_substeps.is_none() {
         return Err(Error::NoFastVariant { twin: request.twin.clone() });
     }
@@ -103,8 +121,9 @@ pub fn too_much_memory(asked: u64, limit: u64) -> Error {
 
 /// Work of a checked request, in element substeps.
 pub fn work(request: &RollOutRequest, batch: &Batch, twin: &TwinShape) -> u128 {
-    let each = twin.work(request.fidelity(), batch.frames) + costs::work(&request.costs, batch);
-    each.saturating_mul(u128::from(batch.instances))
+    let each = twin.work(request.fidelity(), batch.frames, world::work(request))
+        + costs::work(&request.costs, batch, twin);
+    each.saturating_mul(u128::from(batch.instances)).saturating_mul(u128::from(members(request)))
 }
 
 /// Fidelity that a request asks for.

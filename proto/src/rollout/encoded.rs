@@ -7,10 +7,12 @@ use prost::{
     encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field},
 };
 
-use super::{Error, Limits, MOST_DIMENSIONS};
+use super::{Error, Limits, MOST_DIMENSIONS, check::parts};
 
 /// Numbers of fields in the .proto files.
 const COSTS: u32 = 6;
+const GRASPS: u32 = 10;
+const COLLIDERS: u32 = 6;
 const SHAPE: u32 = 2;
 
 /// Bytes of the longest encoding of a shape.
@@ -27,22 +29,43 @@ static TENSOR: Message = Message(&[]);
 static TRAJECTORIES: Message = Message(&[(1, &TENSOR)]);
 static POSES: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
 static INITIAL: Message = Message(&[(3, &GIVEN)]);
-static GIVEN: Message = Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR)]);
-static COST: Message = Message(&[(4, &CLOUD), (5, &KEYPOINTS)]);
+static GIVEN: Message =
+    Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR), (4, &TENSOR), (5, &GRASPING)]);
+static GRASPING: Message = Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR)]);
+static KNOT_TIMES: Message = Message(&[(1, &TENSOR)]);
+static COST: Message = Message(&[(4, &CLOUD), (5, &KEYPOINTS), (9, &HEIGHT), (10, &WITHIN)]);
 static CLOUD: Message = Message(&[(1, &TENSOR)]);
 static KEYPOINTS: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
+static HEIGHT: Message = Message(&[(2, &TENSOR)]);
+static WITHIN: Message = Message(&[(2, &TENSOR)]);
 static RETURNS: Message = Message(&[(2, &TENSOR)]);
-static REQUEST: Message =
-    Message(&[(2, &TRAJECTORIES), (3, &POSES), (4, &INITIAL), (COSTS, &COST), (7, &RETURNS)]);
+static WORLD: Message = Message(&[(COLLIDERS, &COLLIDER)]);
+static COLLIDER: Message = Message(&[(5, &MESH), (11, &TENSOR)]);
+static MESH: Message = Message(&[(1, &TENSOR)]);
+static GRASP: Message = Message(&[(4, &TENSOR), (9, &TENSOR)]);
+static VARY: Message =
+    Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR), (4, &TENSOR), (5, &TENSOR)]);
+static REQUEST: Message = Message(&[
+    (2, &TRAJECTORIES),
+    (3, &POSES),
+    (4, &INITIAL),
+    (COSTS, &COST),
+    (7, &RETURNS),
+    (9, &WORLD),
+    (GRASPS, &GRASP),
+    (11, &VARY),
+    (15, &KNOT_TIMES),
+]);
 
 /// Checks an encoded [`RollOutRequest`](crate::v1::RollOutRequest) for parts that take far more
 /// memory decoded. Bytes that are no message pass: decoding refuses them.
 ///
 /// # Errors
-/// If it has more costs than the limits allow, a tensor with too many dimensions, or a million
-/// fields.
+/// If it has more costs than the limits allow, more colliders or grasps than a world has, a tensor
+/// with too many dimensions, or a million fields.
 pub fn check_encoded(request: &[u8], limits: &Limits) -> Result<(), Error> {
     let (mut costs, mut fields) = (0, 0);
+    let (mut colliders, mut grasps) = (0, 0);
     walk(&REQUEST, request, &mut |message, field| {
         fields += 1;
         if fields > MOST_FIELDS {
@@ -51,6 +74,14 @@ pub fn check_encoded(request: &[u8], limits: &Limits) -> Result<(), Error> {
         }
         if std::ptr::eq(message, &REQUEST) && field == COSTS {
             costs += 1;
+        }
+        if std::ptr::eq(message, &REQUEST) && field == GRASPS {
+            grasps += 1;
+            parts("grasps", grasps)?;
+        }
+        if std::ptr::eq(message, &WORLD) && field == COLLIDERS {
+            colliders += 1;
+            parts("world.colliders", colliders)?;
         }
         if costs > limits.costs {
             return Err(Error::TooLarge {

@@ -3,8 +3,13 @@
 
 use prost::Message as _;
 
-use super::{check::Batch, check::targets, size::reply_bytes, twin::TwinShape};
-use crate::v1::{RollOutRequest, initial_state::State, returns::Encoding};
+use super::{
+    check::{Batch, has_gradients, members, own_targets, targets},
+    size::reply_bytes,
+    surroundings,
+    twin::TwinShape,
+};
+use crate::v1::{RollOutRequest, cost::When, initial_state::State, returns::Encoding};
 
 /// Messages of a reply that are there at once when it is streamed: one is made, two wait, one is
 /// sent.
@@ -22,9 +27,15 @@ const TARGET: u64 = 32;
 const INSTANCE: u64 = 1024;
 /// A name of a cost beside its text.
 const NAME: u64 = 64;
+/// A cost in a frame: as it is added up, and as it is returned.
+const FRAME_COST: u64 = 16;
 /// A control point in a frame: dense controls in single precision, and as the engine reads them.
 const CONTROL: u64 = 12;
 const CONTROL_READ: u64 = 16;
+/// A node that a grasp may hold.
+const HOLD: u64 = 20;
+/// A frame's place among the knots: four knots with their weights.
+const CURVE: u64 = 96;
 /// Its gradient, as the engine adds it up and as it is returned.
 const CONTROL_GRADIENT: u64 = 28;
 /// A node (or control point) of a simulation that runs: its state, forces, velocities before and
@@ -89,9 +100,21 @@ pub fn memory(
     let part = reply_bytes(request, batch, twin, part_instances);
     let making = if returns.encoding() == Encoding::Int16 { MAKING_INT16 } else { MAKING };
     let messages = making + if part_instances == 0 { 0 } else { STREAMED_MESSAGES };
-    let targets = u64::try_from(targets(&request.costs, batch)).unwrap_or(u64::MAX);
-    let state =
-        sum(&[mul(&[24, twin.nodes]), mul(&[4, rods]), mul(&[CONTROL, twin.controls]), INSTANCE]);
+    let narrow = |count: u128| u64::try_from(count).unwrap_or(u64::MAX);
+    let targets = narrow(targets(&request.costs, batch));
+    let soft_min = request.costs.iter().any(|cost| cost.when() == When::SoftMin);
+    // A soft minimum weighs frames differently in each instance's gradient.
+    let own = own_targets(&request.costs, batch, soft_min && has_gradients(&returns));
+    let own = narrow(own);
+    let frame_costs = mul(&[FRAME_COST, boundaries, request.costs.len() as u64]);
+    let holds = if request.grasps.is_empty() { 0 } else { mul(&[HOLD, twin.nodes]) };
+    let state = sum(&[
+        mul(&[24, twin.nodes]),
+        mul(&[4, rods]),
+        mul(&[CONTROL, twin.controls]),
+        holds,
+        INSTANCE,
+    ]);
     let starts = match request.initial.as_ref().and_then(|initial| initial.state.as_ref()) {
         Some(State::Given(_)) => mul(&[state, instances]),
         _ => state,
@@ -99,26 +122,37 @@ pub fn memory(
     let fixed = sum(&[
         mul(&[messages, part]),
         mul(&[TARGET, targets]),
+        // Place and curve of each frame among the knots, shared by all instances.
+        mul(&[CURVE, boundaries]),
         // Costs by instance, of all parts where the best are chosen.
         mul(&[instances, 16]),
         starts,
+        surroundings::fixed_bytes(request, batch, twin),
+        // Of all instances of a part, until its gradients are there.
+        if soft_min { mul(&[instances, members(request), frame_costs]) } else { 0 },
     ]);
 
     let endpoints = twin.nodes.saturating_add(twin.controls);
     let elements = sum(&[twin.springs, twin.triplets, rods]);
     let mut prepared =
         sum(&[mul(&[CONTROL, boundaries, twin.controls]), mul(&[2, names]), INSTANCE]);
+    prepared = sum(&[prepared, mul(&[TARGET, own]), frame_costs]);
+    prepared = sum(&[prepared, surroundings::prepared_bytes(request, batch)]);
     let mut running = sum(&[
         mul(&[CONTROL_READ, boundaries, twin.controls]),
         mul(&[NODE, endpoints]),
         // Terms in the order of their frames.
         targets,
+        surroundings::running_bytes(request, batch, twin),
     ]);
-    if returns.control_gradients {
+    if has_gradients(&returns) {
         prepared = sum(&[
             prepared,
             mul(&[CONTROL, boundaries, twin.controls]),
             mul(&[ELEMENT_RETURNED, elements]),
+            // By the initial state, and norms.
+            mul(&[24, twin.nodes]),
+            mul(&[8, boundaries]),
         ]);
         let kept = sum(&[mul(&[NODE_STATE, twin.nodes]), mul(&[ROD_STATE, rods]), NAME]);
         running = sum(&[

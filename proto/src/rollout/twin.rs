@@ -24,14 +24,16 @@ pub struct TwinShape {
 }
 
 impl TwinShape {
-    /// Work of one instance over `frames` frames, in element substeps.
-    pub(super) fn work(&self, fidelity: Fidelity, frames: u64) -> u128 {
+    /// Work of one instance over `frames` frames among surroundings that are as much work for each
+    /// node as so many elements, in element substeps.
+    pub(super) fn work(&self, fidelity: Fidelity, frames: u64, surroundings: u64) -> u128 {
         let substeps = match fidelity {
             Fidelity::Fast => self.fast_substeps.unwrap_or(self.substeps),
             Fidelity::Exact | Fidelity::Unspecified => self.substeps,
         };
-        let elements =
-            u128::from(self.nodes) + u128::from(self.springs) + u128::from(self.triplets);
+        let elements = u128::from(self.nodes) * (1 + u128::from(surroundings))
+            + u128::from(self.springs)
+            + u128::from(self.triplets);
         u128::from(frames) * u128::from(substeps) * elements
     }
 }

@@ -100,5 +100,6 @@ fn facts(twin: &TwinFile) -> Result<TwinFacts> {
         substeps: twin.timing.substeps,
         quality: serde_json::to_string(&twin.quality)
             .map_err(|e| Error::Internal(e.to_string()))?,
+        mass_kg: twin.mass_kg,
     })
 }

@@ -6,7 +6,7 @@
 use std::{pin::Pin, sync::Arc, time::Duration};
 
 use bendtwin_budget::Share;
-use bendtwin_core::ids::TwinId;
+use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
     fault,
     rollout::{self, Batch, TwinShape},
@@ -56,6 +56,21 @@ pub(crate) struct RollOut {
     pub(crate) memory: Arc<Shares>,
 }
 
+/// A rollout that has passed the check.
+pub(super) struct Prepared {
+    pub(super) twin: TwinId,
+    /// The session that it begins in, and its worker: no other has the state.
+    pub(super) session: Option<(SessionId, Arc<Entry>)>,
+    pub(super) batch: Batch,
+    pub(super) ask: Ask,
+    pub(super) execute: ExecuteRollOutRequest,
+    pub(super) deadline: Instant,
+    /// Size of its reply, or of one part of that.
+    pub(super) reply_bytes: u64,
+    /// Memory of the request, held until workers have all of it.
+    pub(super) memory: Arc<Shares>,
+}
+
 /// Held until a reply has been sent: its memory, and the place in the worker's line.
 #[derive(Clone, Debug)]
 pub(crate) struct Held {
@@ -64,6 +79,11 @@ pub(crate) struct Held {
 }
 
 impl Held {
+    /// Memory of a reply whose workers have done with it.
+    pub(super) fn of(share: Share) -> Self {
+        Self { share: Arc::new(share), place: None }
+    }
+
     /// The memory alone: the next rollout may start while this reply, written already, is sent.
     pub(crate) fn memory(self) -> Self {
         Self { place: None, ..self }
@@ -117,10 +137,14 @@ impl Drop for Running {
 
 impl Dispatch {
     /// The reply in one part. Workers are asked not to split it: `best` ranks
-    /// the whole batch, and 16-bit positions have one scale.
+    /// the whole batch, and 16-bit positions have one scale. Several may share it.
     pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<Whole> {
-        let InParts { mut parts, held } =
-            self.parts(RollOut { in_parts: false, ..rollout }).await?;
+        let prepared = self.prepared(RollOut { in_parts: false, ..rollout }).await?;
+        let sharers = self.sharers(&prepared);
+        if sharers.len() > 1 {
+            return self.spread(prepared, sharers).await;
+        }
+        let InParts { mut parts, held } = self.from_one(prepared).await?;
         let response = parts.next().await.ok_or(Error::WorkerEnded)??;
         match parts.next().await {
             None => Ok(Whole { response, held }),
@@ -131,6 +155,12 @@ impl Dispatch {
 
     /// The reply in the parts that the worker sends. The first has come when this returns.
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
+        let prepared = self.prepared(rollout).await?;
+        self.from_one(prepared).await
+    }
+
+    /// Checks a rollout.
+    async fn prepared(&self, rollout: RollOut) -> Result<Prepared> {
         let RollOut { mut request, timeout, in_parts, as_lists, commit_slots, memory } = rollout;
         let session = self.session_of(&mut request)?;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
@@ -151,11 +181,17 @@ impl Dispatch {
             commit_slots,
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
+        Ok(Prepared { twin: id, session, batch, ask, execute, deadline, reply_bytes, memory })
+    }
+
+    /// The reply of one worker.
+    async fn from_one(&self, prepared: Prepared) -> Result<InParts> {
+        let Prepared { twin, session, ask, execute, deadline, reply_bytes, memory, .. } = prepared;
         let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
         let share = share.await.map_err(|_| Error::Deadline)??;
         let started = async {
             match session {
-                None => self.start(id, &ask, execute, deadline).await,
+                None => self.start(twin, &ask, execute, deadline, None).await,
                 Some(session) => self.start_in(&session, &ask, execute, deadline).await,
             }
         };
@@ -210,17 +246,19 @@ impl Dispatch {
         checked.map_err(|e| Error::Internal(format!("the check of a rollout: {e}")))?
     }
 
-    /// Gets a worker to send a first part: a second one if the first cannot be reached.
-    async fn start(
+    /// Gets a worker to send a first part, this one if it is given: a second one if the first cannot
+    /// be reached.
+    pub(super) async fn start(
         &self,
         twin: TwinId,
         ask: &Ask,
         execute: ExecuteRollOutRequest,
         deadline: Instant,
+        mut given: Option<Arc<Entry>>,
     ) -> Result<(RollOutResponse, Running)> {
         let mut tried = Vec::new();
         loop {
-            let chosen = self.choose(twin, ask, &tried);
+            let chosen = given.take().map_or_else(|| self.choose(twin, ask, &tried), Ok);
             let entry = match chosen {
                 Err(Error::NoWorker) if !tried.is_empty() => return Err(Error::WorkerLost),
                 chosen => chosen?,
@@ -305,7 +343,7 @@ impl Dispatch {
 
 impl Running {
     /// The next part, within the deadline.
-    async fn next(&mut self) -> Result<Option<RollOutResponse>> {
+    pub(super) async fn next(&mut self) -> Result<Option<RollOutResponse>> {
         let received = tokio::time::timeout_at(self.deadline, self.receive()).await;
         match received.map_err(|_| Error::Deadline)? {
             Ok(part) => Ok(part),

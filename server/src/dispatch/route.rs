@@ -1,6 +1,8 @@
-//! The choice of the worker that answers: one that has the twin loaded if it has room, else the
-//! first with room in the twin's own order of workers (rendezvous hashing), so
-//! that a twin is loaded in few places and a lost worker moves only its own.
+//! The choice of the worker that answers: a calm one if there is any, first those that have the twin
+//! loaded, then in the twin's own order of workers (rendezvous hashing), so that a twin is loaded in
+//! few places and a lost worker moves only its own. A worker is calm if it runs no fit and is at so
+//! few rollouts that one more need not wait. Where none is, the one with the fewest rollouts is
+//! asked; a fit counts for some.
 //! The work ahead is bounded by the average of all workers, so that one popular twin spreads.
 
 use bendtwin_core::ids::{TwinId, WorkerId};
@@ -16,8 +18,21 @@ pub(super) struct Candidate {
     pub(super) has_room: bool,
     /// Time that it needs for what is under way or waits [s].
     pub(super) ahead_s: f64,
+    /// Rollouts that are under way or wait.
+    pub(super) calls: usize,
+    pub(super) has_fit: bool,
 }
 
+impl Candidate {
+    /// Rollouts, and a fit as the number of them that makes a worker busy.
+    fn weight(&self) -> usize {
+        self.calls + if self.has_fit { BUSY } else { 0 }
+    }
+}
+
+/// Rollouts at a worker beyond which the next one goes elsewhere, even if the twin has to be loaded
+/// there: one computes while another one's request or reply is on its way.
+const BUSY: usize = 2;
 /// Work ahead that is no reason to load a twin elsewhere [s].
 const NEAR_S: f64 = 1.0;
 /// Work ahead, in averages of all workers, up to which a rollout stays with its worker.
@@ -45,9 +60,22 @@ pub(super) fn choose(twin: TwinId, candidates: &[Candidate]) -> Choice {
     let total: f64 = usable.iter().map(|(_, c)| c.ahead_s).sum();
     let fair = (FAIR * total / usable.len() as f64).max(NEAR_S);
     let free = || usable.iter().filter(|(_, c)| c.has_room);
-    let first = free().find(|(_, c)| c.ahead_s <= fair);
+    let near = || free().filter(|(_, c)| c.ahead_s <= fair);
+    let calm = near().find(|(_, c)| c.weight() < BUSY);
+    // The first of equals, which is in the order of above.
+    let lightest = || near().min_by_key(|(_, c)| c.weight());
     let least = || free().min_by(|(_, a), (_, b)| a.ahead_s.total_cmp(&b.ahead_s));
-    first.or_else(least).map_or(Choice::AllFull, |(i, _)| Choice::Worker(*i))
+    let chosen = calm.or_else(lightest).or_else(least);
+    chosen.map_or(Choice::AllFull, |(i, _)| Choice::Worker(*i))
+}
+
+/// Workers that have nothing to do, in the order of [`choose`].
+pub(super) fn idle(twin: TwinId, candidates: &[Candidate]) -> Vec<usize> {
+    let idle = candidates.iter().enumerate();
+    let mut idle: Vec<(usize, &Candidate)> =
+        idle.filter(|(_, c)| c.usable && c.has_room && c.weight() == 0).collect();
+    idle.sort_by_key(|(_, c)| (!c.warm, std::cmp::Reverse(score(twin, c.worker))));
+    idle.into_iter().map(|(i, _)| i).collect()
 }
 
 fn score(twin: TwinId, worker: WorkerId) -> [u8; 8] {

@@ -135,7 +135,7 @@ pub(super) fn twin(twin: Twin) -> v1::Twin {
         fps: facts.fps,
         substeps: facts.substeps,
         quality_json: facts.quality,
-        mass_kg: None,
+        mass_kg: facts.mass_kg,
     }
 }
 

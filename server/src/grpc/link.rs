@@ -169,6 +169,7 @@ impl WorkerLink for Api {
             fps: twin.fps,
             substeps: twin.substeps,
             quality: twin.quality_json,
+            mass_kg: None,
         };
         let attempt = attempt_of(&shown, &job)?;
         let twin = self.app.complete_fit(attempt, facts, &job.digest, body).await?;

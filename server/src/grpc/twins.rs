@@ -58,9 +58,10 @@ impl TwinService for Api {
 
     async fn get_twin_geometry(
         &self,
-        _: Request<GetTwinGeometryRequest>,
+        request: Request<GetTwinGeometryRequest>,
     ) -> Result<Response<TwinGeometry>, Status> {
-        Err(Status::unimplemented("the geometry of twins"))
+        let geometry = self.app.twin_geometry(&request.get_ref().name, false).await?;
+        Ok(Response::new(geometry.message))
     }
 
     type ExportTwinStream = Reply<ExportTwinResponse>;

@@ -174,6 +174,9 @@ pub(super) struct Twin {
     control_count: u32,
     fps: f64,
     substeps: u32,
+    /// Mass of the object [kg]; absent if unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mass_kg: Option<f64>,
     /// The quality table.
     #[schema(value_type = Object)]
     quality: Box<RawValue>,
@@ -196,6 +199,7 @@ impl From<store::Twin> for Twin {
             control_count: facts.control_count,
             fps: facts.fps,
             substeps: facts.substeps,
+            mass_kg: facts.mass_kg,
             quality: raw(facts.quality),
         }
     }

@@ -1,8 +1,8 @@
 //! `/v1/twins/{id}/rollouts`: the HTTP form of a rollout, as JSON or as the
 //! protobuf messages of `bendtwin.v1`.
 
-mod document;
-mod schema;
+pub(super) mod document;
+pub(super) mod schema;
 
 use std::{sync::Arc, time::Duration};
 
@@ -99,15 +99,14 @@ pub(super) async fn create(
     let as_protobuf = wants_protobuf || sends_protobuf;
     let as_lists = !as_protobuf && params.tensors == TensorFormat::Lists;
     let memory = received.memory;
-    let rollout =
-        RollOut { request, timeout, in_parts: false, as_lists, commit_slots: Vec::new(), memory };
-    let reply = app.dispatch.roll_out(rollout).await?;
+    let commit_slots = Vec::new();
+    let rollout = RollOut { request, timeout, in_parts: false, as_lists, commit_slots, memory };
+    let Whole { response, held } = app.dispatch.roll_out(rollout).await?;
     if as_protobuf {
-        let Whole { response, held } = reply;
         let body = bendtwin_budget::held(response.encode_to_vec().into(), held.memory());
         return Ok(([(header::CONTENT_TYPE, PROTOBUF)], body).into_response());
     }
-    Ok(document::answer(reply, params.tensors)?)
+    Ok(document::answer(response, held, params.tensors)?)
 }
 
 /// Reads a request. `memory` is held until that has ended, also when nobody waits any more.

@@ -7,14 +7,19 @@ use axum::{
     response::{IntoResponse, Response},
 };
 
+use bendtwin_proto::json::TensorFormat;
+use serde::Deserialize;
+use utoipa::IntoParams;
+
 use super::{
     Result,
     download::download,
     extract::{self, Id, Params},
     resource::{PagingByCapture, Twin, Twins, UploadParams},
+    rollouts::{document, schema},
 };
 use crate::{
-    app::{App, TwinUpload},
+    app::{App, Geometry, TwinUpload},
     error::ProblemDocument,
 };
 
@@ -61,6 +66,34 @@ pub(super) async fn create(
     responses((status = 200, body = Twin), (status = "default", body = ProblemDocument)))]
 pub(super) async fn get(State(app): State<App>, Id(id): Id) -> Result<Json<Twin>> {
     Ok(Json(app.twin(&id).await?.into()))
+}
+
+/// Form of tensors.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct TensorParams {
+    /// `lists` (nested lists of numbers, the default) or `base64`.
+    #[serde(default)]
+    #[param(value_type = String, pattern = "lists|base64")]
+    tensors: TensorFormat,
+}
+
+/// The geometry of a twin
+///
+/// What planners need to know of a twin without reading its file: nodes, springs, control points
+/// and the hand that each belongs to.
+#[utoipa::path(get, path = "/v1/twins/{id}/geometry", tag = "twins",
+    params(("id" = String, Path), TensorParams),
+    responses((status = 200, body = schema::TwinGeometry), (status = "default", body = ProblemDocument)))]
+pub(super) async fn geometry(
+    State(app): State<App>,
+    Id(id): Id,
+    Params(params): Params<TensorParams>,
+) -> Result<Response> {
+    let as_lists = params.tensors == TensorFormat::Lists;
+    let Geometry { message, held } = app.twin_geometry(&id, as_lists).await?;
+    Ok(document::answer(message, held, params.tensors)?)
 }
 
 /// Delete a twin

@@ -37,6 +37,8 @@ pub(crate) fn twin_file(label: &[u8]) -> Vec<u8> {
         control_velocity: ControlVelocity::True,
         provenance: Provenance { build: label, ..Provenance::default() },
         quality: Quality::default(),
+        mass_kg: None,
+        control_hands: Vec::new(),
     };
     twin.encode().unwrap()
 }

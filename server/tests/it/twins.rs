@@ -1,9 +1,10 @@
 use bendtwin_core::{
-    Environment, Graph, NodeKind, Params, Quality, Timing, Twin, environment::ControlVelocity,
+    Environment, Graph, NodeKind, Params, Pin, Quality, Timing, Twin, environment::ControlVelocity,
     twin::Provenance,
 };
 use bendtwin_proto::v1::{
-    CreateTwinRequest, ExportTwinRequest, ListTwinsRequest, TwinMetadata, create_twin_request::Part,
+    CreateTwinRequest, ExportTwinRequest, GetTwinGeometryRequest, ListTwinsRequest, Tensor,
+    TwinMetadata, create_twin_request::Part,
 };
 use bytes::Bytes;
 use serde_json::json;
@@ -35,6 +36,8 @@ pub(crate) fn twin_file() -> Vec<u8> {
         control_velocity: ControlVelocity::True,
         provenance: Provenance::default(),
         quality: Quality::default(),
+        mass_kg: None,
+        control_hands: Vec::new(),
     };
     twin.encode().unwrap()
 }
@@ -73,6 +76,42 @@ async fn a_twin_file_is_imported_listed_exported_and_deleted() {
     assert_eq!(server.delete(&format!("/v1/{name}")).await.0, 204);
     assert_eq!(server.delete(&format!("/v1/{}", copy.name)).await.0, 204);
     assert_eq!(server.blob_files(), 0);
+}
+
+#[tokio::test]
+async fn the_geometry_of_a_twin_is_told_over_both_transports() {
+    let server = Server::start().await;
+    let mut twin = Twin::decode(&twin_file()).unwrap();
+    twin.graph.control_rest = vec![[0.0, 0.0, 0.1], [0.5, 0.0, 0.1], [0.0, 0.05, 0.1]];
+    twin.graph.springs.push([1, 3]);
+    twin.graph.pins = vec![Pin { node: 0, control: 2, offset_m: [0.0; 3] }];
+    twin.params.rest_lengths_m.push(0.3);
+    twin.params.spring_stiffness.push(1.0);
+    twin.params.spring_dashpot.push(1.0);
+    twin.mass_kg = Some(0.5);
+    let request = server.http.post(server.url("/v1/twins")).body(twin.encode().unwrap());
+    let (_, stored) = read(request.send().await.unwrap()).await;
+    assert_eq!(stored["mass_kg"], json!(0.5));
+    let name = stored["name"].as_str().unwrap();
+    let request = GetTwinGeometryRequest { name: name.to_owned() };
+    let geometry = server.twins().get_twin_geometry(request).await.unwrap().into_inner();
+    let numbers = |tensor: &Option<Tensor>| tensor.as_ref().unwrap().unpack::<u32>("t").unwrap();
+    assert_eq!(numbers(&geometry.edges), (vec![2, 2], vec![0, 1, 1, 3]));
+    assert_eq!(numbers(&geometry.hands), (vec![3], vec![0, 1, 0]));
+    assert_eq!(numbers(&geometry.pins), (vec![1, 2], vec![0, 2]));
+    let (_, masses) = geometry.masses.as_ref().unwrap().unpack::<f32>("m").unwrap();
+    assert_eq!(masses, [0.25; 2]);
+    assert_eq!((geometry.surface_count, geometry.fps, geometry.substeps), (2, 30.0, 20));
+    assert!((geometry.spacing_m - 0.1).abs() < 1e-6, "{}", geometry.spacing_m);
+    assert_eq!(geometry.ground.unwrap().normal, [0.0, 0.0, 1.0]);
+
+    let (status, lists) = server.get(&format!("/v1/{name}/geometry")).await;
+    assert_eq!((status, &lists["edges"]), (200, &json!([[0, 1], [1, 3]])));
+    assert_eq!((&lists["mass_kg"], &lists["kinds"]), (&json!(0.5), &json!([0, 0])));
+    let (_, packed) = server.get(&format!("/v1/{name}/geometry?tensors=base64")).await;
+    assert_eq!(packed["hands"]["shape"], json!([3]));
+    let absent = name.replace(|c: char| c.is_ascii_digit(), "0");
+    assert_eq!(server.get(&format!("/v1/{absent}/geometry")).await.0, 404);
 }
 
 #[tokio::test]

@@ -55,7 +55,7 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 8] = [
+const RULES: [Rule; 9] = [
     Rule {
         of: &["bendtwin-server", "bendtwin-store"],
         because: "the control plane knows no physics",
@@ -92,6 +92,11 @@ const RULES: [Rule; 8] = [
             &DATABASE,
             &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"],
         ],
+    },
+    Rule {
+        of: &["bendtwin-plan"],
+        because: "planners lower an abstract cost",
+        never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "bendtwin-core"]],
     },
     Rule {
         of: &["bendtwin-core"],

@@ -137,6 +137,8 @@ fn twin() -> Twin {
         control_velocity: Default::default(),
         provenance: Default::default(),
         quality: Default::default(),
+        mass_kg: Some(0.5),
+        control_hands: vec![0],
     }
 }
 

@@ -203,6 +203,7 @@ pub fn recording() -> Recording {
             to_world: None,
         }),
         truth_tracks: Vec::new(),
+        mass_kg: None,
         source: Arc::new(Made),
     }
 }
@@ -274,6 +275,8 @@ pub fn twin() -> Twin {
         control_velocity: ControlVelocity::True,
         provenance: Provenance::default(),
         quality: Quality::default(),
+        mass_kg: None,
+        control_hands: Vec::new(),
     }
 }
 

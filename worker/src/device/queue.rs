@@ -2,7 +2,7 @@
 
 use std::{
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use bendtwin_engine::Backend;
@@ -32,10 +32,6 @@ pub(super) struct Queue {
 
 struct Tasks {
     turns: Turns<Task>,
-    /// True while the thread runs a task.
-    is_running: bool,
-    /// Rollouts that have been served wait until then.
-    rest_until: Option<Instant>,
     closed: bool,
 }
 
@@ -43,7 +39,7 @@ impl Queue {
     /// A queue in which fits have this share of the time.
     pub(super) fn new(fit_share: f64) -> Self {
         let turns = Turns::new(fit_share);
-        let tasks = Tasks { turns, is_running: false, rest_until: None, closed: false };
+        let tasks = Tasks { turns, closed: false };
         Self { tasks: Mutex::new(tasks), arrived: Condvar::new() }
     }
 
@@ -65,34 +61,16 @@ impl Queue {
             if tasks.closed {
                 return None;
             }
-            let rest = tasks.rest_until.and_then(|t| t.checked_duration_since(Instant::now()));
-            if let Some(next) = tasks.turns.take(rest.is_some()) {
-                tasks.is_running = true;
+            if let Some(next) = tasks.turns.take() {
                 return Some(next);
             }
-            tasks = match rest {
-                Some(rest) => {
-                    let woken = self.arrived.wait_timeout(tasks, rest);
-                    woken.unwrap_or_else(PoisonError::into_inner).0
-                }
-                None => self.arrived.wait(tasks).unwrap_or_else(PoisonError::into_inner),
-            };
+            tasks = self.arrived.wait(tasks).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
-    /// Notes the time that a task took. For `rest` after it, only rollouts that have not been
-    /// served yet run.
-    pub(super) fn served(&self, flow: &Arc<Flow>, took: Duration, rest: Duration) {
-        let mut tasks = self.lock();
-        tasks.turns.served(flow, took);
-        tasks.is_running = false;
-        tasks.rest_until = Instant::now().checked_add(rest).filter(|_| !rest.is_zero());
-    }
-
-    /// True if a task runs or waits.
-    pub(super) fn is_busy(&self) -> bool {
-        let tasks = self.lock();
-        tasks.is_running || !tasks.turns.is_empty()
+    /// Notes the time that a task took.
+    pub(super) fn served(&self, flow: &Arc<Flow>, took: Duration) {
+        self.lock().turns.served(flow, took);
     }
 
     /// Accepts no more tasks and drops those that wait, which wakes their callers.

@@ -1,7 +1,7 @@
 //! A [`Backend`] that queues its batches for the device thread in slices.
 //!
 //! The effect of cutting on the bits of results is described in [`cut`](crate::cut): rollouts of a
-//! device with an urgent queue are cut by work alone, never by measured time. Instances of similar
+//! GPU with an urgent queue are cut by work alone, never by measured time. Instances of similar
 //! work share a slice, so that no core idles long.
 
 mod optimizer;
@@ -98,6 +98,10 @@ impl Shared {
         result
     }
 
+    fn token(&self, cancel: &CancelToken) -> CancelToken {
+        self.device.token(self.flow.priority, cancel)
+    }
+
     fn usage(&self, pass: Pass) -> &Mutex<Usage> {
         match pass {
             Pass::Forward => &self.forward,
@@ -176,14 +180,14 @@ impl Backend for QueuedBackend {
         outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        let (outputs, token) = (outputs.clone(), cancel.clone());
+        let (outputs, token) = (outputs.clone(), self.0.token(cancel));
         self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
             backend.roll_out(slice, &outputs, &token)
         })
     }
 
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, Error> {
-        let token = cancel.clone();
+        let token = self.0.token(cancel);
         self.sliced(batch, Pass::Forward, cancel, move |backend, slice| {
             backend.losses(slice, &token)
         })
@@ -195,7 +199,7 @@ impl Backend for QueuedBackend {
         request: &GradientRequest,
         cancel: &CancelToken,
     ) -> Result<Vec<Gradient>, Error> {
-        let (request, token) = (request.clone(), cancel.clone());
+        let (request, token) = (request.clone(), self.0.token(cancel));
         self.sliced(batch, Pass::Backward, cancel, move |backend, slice| {
             backend.gradients(slice, &request, &token)
         })

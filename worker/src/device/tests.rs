@@ -3,7 +3,7 @@ use std::sync::{
     atomic::{AtomicUsize, Ordering},
 };
 
-use bendtwin_core::{CancelToken, Environment, Graph, Params, Timing};
+use bendtwin_core::{CancelToken, Environment, Graph, NodeKind, Params, Timing};
 use bendtwin_engine::{
     Loaded, Model, Objective,
     backend::{Error as EngineError, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
@@ -19,6 +19,7 @@ use super::*;
 /// Takes a set time for every instance and answers with the instance's frame count.
 #[derive(Clone, Default)]
 struct Slow {
+    kind: &'static str,
     each: Duration,
     /// Sizes of the batches seen.
     batches: Arc<Mutex<Vec<usize>>>,
@@ -40,7 +41,7 @@ impl Slow {
 
 impl Backend for Slow {
     fn device(&self) -> Description {
-        Description { kind: "cpu".into(), name: "slow".into(), lanes: 2 }
+        Description { kind: self.kind.into(), name: "slow".into(), lanes: 2 }
     }
     fn load(&self, model: Arc<Model>) -> Result<Loaded, EngineError> {
         Ok(Loaded::new(model, Arc::new(())))
@@ -98,7 +99,14 @@ fn device(backend: Slow) -> (Device, mpsc::UnboundedReceiver<Error>) {
 }
 
 fn instances(backend: &QueuedBackend, frames: impl IntoIterator<Item = usize>) -> Vec<Instance> {
-    let graph = Graph { rest_positions: vec![[0.0; 3]], ..Graph::default() };
+    let graph = Graph {
+        rest_positions: vec![[0.0; 3]],
+        kinds: vec![NodeKind::Interior],
+        masses: vec![1.0],
+        object_ids: vec![0],
+        observed_points: vec![Graph::NOT_OBSERVED],
+        ..Graph::default()
+    };
     let model = Model {
         graph: Arc::new(graph),
         params: Params::default(),
@@ -255,7 +263,7 @@ fn an_optimizer_is_dropped_on_the_device_thread() {
 /// A device with two queues; the second answers at once.
 fn two_queues(urgent: Slow) -> (Device, mpsc::UnboundedReceiver<Error>) {
     let each = Duration::from_millis(400);
-    device(Slow { each, urgent: Some(Arc::new(urgent)), ..Slow::default() })
+    device(Slow { kind: "cuda", each, urgent: Some(Arc::new(urgent)), ..Slow::default() })
 }
 
 fn roll_out(backend: &QueuedBackend) -> Result<Vec<Rollout>, EngineError> {
@@ -383,4 +391,38 @@ fn a_small_rollout_passes_between_the_slices_of_large_ones() {
     assert!(large.into_iter().all(|l| l.join().unwrap() == Err(EngineError::Cancelled)));
     // The slice under way, its own, and one that began before it was counted here.
     assert!(after - before <= 4, "{} slices", after - before);
+}
+
+/// A model whose nodes fall, for so many instances and frames of the CPU backend.
+fn falling(backend: &QueuedBackend, instances: usize, frames: usize) -> Vec<Instance> {
+    let mut made = self::instances(backend, std::iter::repeat_n(frames, instances));
+    let still = State { velocities: vec![[0.0; 3]], positions: vec![[0.0; 3]], ..State::default() };
+    let start = Arc::new(still);
+    made.iter_mut().for_each(|i| i.initial = Arc::clone(&start));
+    made
+}
+
+#[test]
+fn a_fit_on_the_cpu_pauses_within_a_batch_and_its_results_are_the_same() {
+    let (fatal, _died) = mpsc::unbounded_channel();
+    let open = || Ok(bendtwin_engine::cpu_with_threads(2));
+    let device = Device::spawn(open, fatal, 0.25).unwrap();
+    let fit = device.backend(Priority::Background);
+    let batch = falling(&fit, 8, 20_000);
+    let outputs = Outputs { final_state: true, ..Outputs::default() };
+    let cancel = CancelToken::default();
+    let undisturbed = fit.roll_out(&batch, &outputs, &cancel).unwrap();
+    let fitting = {
+        let outputs = outputs.clone();
+        std::thread::spawn(move || fit.roll_out(&batch, &outputs, &CancelToken::default()))
+    };
+    let mut answered = 0;
+    while !fitting.is_finished() {
+        let backend = device.backend(Priority::Interactive);
+        let rollout = falling(&backend, 1, 1);
+        assert_eq!(backend.roll_out(&rollout, &outputs, &cancel).unwrap().len(), 1);
+        answered += 1;
+    }
+    assert!(answered > 2, "{answered} rollouts beside one batch of the fit");
+    assert_eq!(fitting.join().unwrap().unwrap(), undisturbed);
 }

@@ -35,8 +35,6 @@ pub(super) struct Threads {
     reclaim: OnceLock<Reclaim>,
     /// Channel for errors after which the process must restart.
     fatal: mpsc::UnboundedSender<Error>,
-    /// Least share of the device's time for fits, while they have work.
-    fit_share: f64,
 }
 
 impl Threads {
@@ -47,7 +45,6 @@ impl Threads {
             memory: Mutex::default(),
             reclaim: OnceLock::new(),
             fatal,
-            fit_share,
         }
     }
 
@@ -120,21 +117,12 @@ impl Threads {
                 return;
             }
             let took = started.elapsed();
-            queue.served(&flow, took, self.rest_after(queue, took));
+            queue.served(&flow, took);
             if sampled.elapsed() >= MEMORY_SAMPLE_INTERVAL {
                 self.sample_memory(backend);
                 sampled = Instant::now();
             }
         }
-    }
-
-    /// Time that the second queue leaves to the first one after a task: only so have fits their
-    /// share where rollouts go before them on the device itself.
-    fn rest_after(&self, queue: &Queue, took: Duration) -> Duration {
-        if std::ptr::eq(queue, &self.main) || !self.main.is_busy() {
-            return Duration::ZERO;
-        }
-        took.mul_f64(self.fit_share / (1.0 - self.fit_share))
     }
 
     fn sample_memory(&self, backend: &dyn Backend) {

@@ -1,7 +1,8 @@
 //! Turns at a device. Two rules decide which slice is next:
 //!
-//! - Fits have a least share of the device's time while rollouts want all of it. Time that they are
-//!   short of it is owed to them; otherwise rollouts go first.
+//! - Fits have a least share of the time of a device with one queue while rollouts want all of it.
+//!   Time that they are short of it is owed to them; otherwise rollouts go first. With two queues
+//!   [`alternation`](super::alternation) sees to that.
 //! - Requests of one priority get equal parts of its time, whatever their sizes: next is the one
 //!   that was served least. For its first slice a request goes ahead of those that were served, so
 //!   a small one runs between two slices of large ones.
@@ -95,14 +96,9 @@ impl<T> Turns<T> {
         self.waiting.push((Arc::clone(flow), work));
     }
 
-    /// The next work. While rollouts rest, only those that have not been served yet.
-    pub(super) fn take(&mut self, rollouts_rest: bool) -> Option<(Arc<Flow>, T)> {
-        let may_run = |flow: &Flow| {
-            !(rollouts_rest
-                && flow.priority == Priority::Interactive
-                && !flow.clock().served.is_zero())
-        };
-        let has = |priority| self.waiting.iter().any(|(f, _)| f.priority == priority && may_run(f));
+    /// The next work.
+    pub(super) fn take(&mut self) -> Option<(Arc<Flow>, T)> {
+        let has = |priority| self.waiting.iter().any(|(f, _)| f.priority == priority);
         let rollouts_wait = has(Priority::Interactive);
         let fits_first = self.owed_s > 0.0 || !rollouts_wait;
         let turn = if has(Priority::Background) && fits_first {
@@ -111,7 +107,7 @@ impl<T> Turns<T> {
             Priority::Interactive
         };
         let candidates = self.waiting.iter().enumerate();
-        let own = candidates.filter(|(_, (f, _))| f.priority == turn && may_run(f));
+        let own = candidates.filter(|(_, (f, _))| f.priority == turn);
         // The first of equals: work of one flow keeps its order.
         let (index, _) = own.min_by_key(|(_, (flow, _))| flow.clock().rank())?;
         self.rollouts_waited = rollouts_wait;
@@ -153,11 +149,6 @@ impl<T> Turns<T> {
             (Priority::Background, false) => (self.owed_s - took_s).max(self.owed_s.min(0.0)),
         };
         self.owed_s = owed_s.clamp(-MOST_AHEAD_S, MOST_OWED_S);
-    }
-
-    /// True if nothing waits.
-    pub(super) fn is_empty(&self) -> bool {
-        self.waiting.is_empty()
     }
 
     /// Everything that waits.

@@ -1,28 +1,36 @@
 //! Actions of the robot: control trajectories, or poses of grippers that carry
 //! the control points. Both end as control positions at every frame boundary.
 
+mod gradients;
 mod poses;
 
 use bendtwin_core::Point;
-use bendtwin_proto::v1::{ControlTrajectories, roll_out_request::Actions as Wire};
+use bendtwin_engine::{backend::Gradient, world::Pose};
+use bendtwin_proto::v1::{
+    ControlTrajectories, KnotTimes, Tensor, roll_out_request::Actions as Wire,
+};
 
-use self::poses::Poses;
+use self::poses::{Knots, Poses};
 use super::{
     error::Error,
-    interpolate::{Curve, Place},
+    interpolate::{Curve, Schedule},
 };
 
 /// The actions of a batch of B instances with K knots each; every number is finite.
-pub(super) enum Actions {
+pub(super) struct Actions {
+    shape: Shape,
+    schedule: Schedule,
+    kind: Kind,
+}
+
+enum Kind {
     Trajectories(Trajectories),
     Poses(Poses),
 }
 
 /// Positions of every control point.
-pub(super) struct Trajectories {
-    shape: Shape,
+struct Trajectories {
     controls: usize,
-    curve: Curve,
     /// [m], shape [B, K, C, 3].
     positions: Vec<Point>,
 }
@@ -34,52 +42,120 @@ pub(super) struct Shape {
     pub(super) knots: usize,
 }
 
+/// The time that actions are spread over.
+pub(super) struct Horizon {
+    /// Number of frames F.
+    pub(super) frames: usize,
+    /// Frames per second.
+    pub(super) fps: f64,
+    /// Times of the knots; none: evenly.
+    pub(super) times: Option<KnotTimes>,
+}
+
 impl Actions {
     /// Reads the actions of a checked request to a twin with `controls` control points.
-    pub(super) fn read(wire: Option<Wire>, controls: usize) -> Result<Self, Error> {
-        match wire {
-            Some(Wire::Trajectories(w)) => Trajectories::read(w).map(Self::Trajectories),
-            Some(Wire::Poses(w)) => Poses::read(w, controls).map(Self::Poses),
-            None => Err(Error::field("actions", "are missing")),
-        }
+    pub(super) fn read(
+        wire: Option<Wire>,
+        controls: usize,
+        horizon: Horizon,
+    ) -> Result<Self, Error> {
+        let (shape, curve, kind) = match wire {
+            Some(Wire::Trajectories(w)) => {
+                let curve = Curve::from(w.interpolation());
+                let (shape, trajectories) = Trajectories::read(w)?;
+                (shape, curve, Kind::Trajectories(trajectories))
+            }
+            Some(Wire::Poses(w)) => {
+                let curve = Curve::from(w.interpolation());
+                let (shape, poses) = Poses::read(w, controls)?;
+                (shape, curve, Kind::Poses(poses))
+            }
+            None => return Err(Error::field("actions", "are missing")),
+        };
+        let Horizon { frames, fps, times } = horizon;
+        let schedule = Schedule::new(curve, shape.knots, frames, times, fps)?;
+        Ok(Self { shape, schedule, kind })
     }
 
     /// Number of instances and of knots.
     pub(super) fn shape(&self) -> Shape {
-        match self {
-            Self::Trajectories(t) => t.shape,
-            Self::Poses(p) => p.shape,
-        }
+        self.shape
     }
 
     /// Control positions of an instance at every frame boundary [m], shape [F + 1, C, 3].
     /// `start` are the control points in the initial state, shape [C, 3].
-    pub(super) fn controls(&self, instance: usize, frames: usize, start: &[Point]) -> Vec<Point> {
-        match self {
-            Self::Trajectories(t) => t.controls(instance, frames),
-            Self::Poses(p) => p.controls(instance, frames, start),
+    pub(super) fn controls(&self, instance: usize, start: &[Point]) -> Vec<Point> {
+        match &self.kind {
+            Kind::Trajectories(t) => t.controls(instance, self.shape, &self.schedule),
+            Kind::Poses(p) => p.controls(instance, self.shape, &self.schedule, start),
+        }
+    }
+
+    /// Poses of the G grippers of an instance at every frame boundary, shape [F + 1, G]; none if
+    /// control points are moved without grippers.
+    pub(super) fn bodies(&self, instance: usize) -> Vec<Pose> {
+        match &self.kind {
+            Kind::Trajectories(_) => Vec::new(),
+            Kind::Poses(p) => p.matrices(instance, self.shape, &self.schedule),
+        }
+    }
+
+    /// Number of grippers G.
+    pub(super) fn grippers(&self) -> usize {
+        match &self.kind {
+            Kind::Trajectories(_) => 0,
+            Kind::Poses(p) => p.grippers(),
+        }
+    }
+
+    /// Knot at or before each frame boundary, shape [F + 1].
+    pub(super) fn knots(&self) -> Vec<usize> {
+        self.schedule.places().iter().map(|place| place.knot).collect()
+    }
+
+    /// Poses at every frame boundary along a path with knots like those of the actions: positions [m]
+    /// and quaternions, shape [K, 7].
+    pub(super) fn along(&self, path: &[[f32; 7]]) -> Vec<Pose> {
+        let knots = Knots { grippers: 1, rows: path };
+        self.schedule.places().iter().map(|place| knots.at(place, 0).matrix()).collect()
+    }
+
+    /// Gradient of an instance's cost by its actions as the request gave them, [K, C, 3] or
+    /// [K, G, 7], from that by control positions and by poses of bodies, those of
+    /// [`bodies`](Self::bodies) first. Empty gradients count as zero.
+    pub(super) fn gradient(&self, instance: usize, start: &[Point], by: &Gradient) -> Vec<f32> {
+        match &self.kind {
+            Kind::Trajectories(t) => t.gradient(self.shape, &self.schedule, &by.controls),
+            Kind::Poses(p) => p.gradient(instance, self.shape, &self.schedule, start, by),
+        }
+    }
+
+    /// Packs gradients of `instances` instances, each as [`gradient`](Self::gradient) returns it.
+    pub(super) fn pack_gradients(&self, instances: usize, values: &[f32]) -> Tensor {
+        let knots = self.shape.knots;
+        match &self.kind {
+            Kind::Trajectories(t) => Tensor::pack(&[instances, knots, t.controls, 3], values),
+            Kind::Poses(p) => Tensor::pack(&[instances, knots, p.grippers(), 7], values),
         }
     }
 }
 
 impl Trajectories {
-    fn read(wire: ControlTrajectories) -> Result<Self, Error> {
+    fn read(wire: ControlTrajectories) -> Result<(Shape, Self), Error> {
         const FIELD: &str = "trajectories.positions";
-        let curve = Curve::from(wire.interpolation());
         let (dims, positions) = wire.positions.unwrap_or_default().unpack_points(FIELD)?;
         let [instances, knots, controls] = dims[..] else {
             return Err(Error::field(FIELD, format!("has shape {dims:?} of points")));
         };
-        Ok(Self { shape: Shape { instances, knots }, controls, curve, positions })
+        Ok((Shape { instances, knots }, Self { controls, positions }))
     }
 
-    fn controls(&self, instance: usize, frames: usize) -> Vec<Point> {
-        let (knots, width) = (self.shape.knots, self.controls);
+    fn controls(&self, instance: usize, shape: Shape, schedule: &Schedule) -> Vec<Point> {
+        let (knots, width) = (shape.knots, self.controls);
         let rows = &self.positions[instance * knots * width..(instance + 1) * knots * width];
-        let mut out = Vec::with_capacity((frames + 1) * width);
-        for frame in 0..=frames {
-            let place = Place::of(frame, frames, knots);
-            out.extend((0..width).map(|c| self.curve.at(place, knots, |k| rows[k * width + c])));
+        let mut out = Vec::with_capacity(schedule.places().len() * width);
+        for place in schedule.places() {
+            out.extend((0..width).map(|c| place.at(|k| rows[k * width + c])));
         }
         out
     }

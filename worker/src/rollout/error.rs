@@ -60,6 +60,32 @@ pub(crate) enum Error {
         /// Frame of the capture.
         frame: usize,
     },
+    /// The motion is not plausible, and the request wants that refused.
+    #[error("the motion is not plausible: {what}")]
+    Implausible {
+        /// What was found, and what to do.
+        what: String,
+    },
+    /// The twin left the finite numbers while it was to come to rest.
+    #[error(
+        "the twin diverges {after_s:.2} s after it was let go at rest, so it has no settled state: start at rest or \
+         in a frame of a capture"
+    )]
+    SettlingDiverged {
+        /// Time of it [s].
+        after_s: f64,
+    },
+    /// The twin does not come to rest.
+    #[error(
+        "the twin still moves at {speed_m_s:.3} m/s after {after_s:.0} s, so it has no settled state: hold it with \
+         control points, give it a ground, or start at rest"
+    )]
+    NeverAtRest {
+        /// Speed of the fastest node [m/s].
+        speed_m_s: f64,
+        /// Time that it had [s].
+        after_s: f64,
+    },
     /// The engine refuses or fails.
     #[error(transparent)]
     Engine(#[from] backend::Error),
@@ -98,7 +124,11 @@ impl Problem for Error {
             }
             Self::Fetch(e) => e.category(),
             Self::StoredTwin(_) => Category::DataLoss,
-            Self::Capture(_) | Self::ReplayDiverged { .. } => Category::FailedPrecondition,
+            Self::Capture(_)
+            | Self::ReplayDiverged { .. }
+            | Self::Implausible { .. }
+            | Self::SettlingDiverged { .. }
+            | Self::NeverAtRest { .. } => Category::FailedPrecondition,
             Self::Engine(e) => e.category(),
             Self::Deadline => Category::DeadlineExceeded,
             Self::Panicked => Category::Internal,
@@ -116,6 +146,9 @@ impl Problem for Error {
             Self::StoredTwin(_) => "TWIN_DAMAGED",
             Self::Capture(_) => "CAPTURE_NOT_REPLAYABLE",
             Self::ReplayDiverged { .. } => "REPLAY_DIVERGED",
+            Self::Implausible { .. } => "IMPLAUSIBLE_MOTION",
+            Self::SettlingDiverged { .. } => "SETTLING_DIVERGED",
+            Self::NeverAtRest { .. } => "NEVER_AT_REST",
             Self::Engine(e) => e.reason(),
             Self::Deadline => "DEADLINE_EXCEEDED",
             Self::Panicked => "WORKER_PANICKED",

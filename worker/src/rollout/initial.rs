@@ -1,16 +1,22 @@
-//! Initial states of rollouts: the rest shape, a frame of a capture, or a state that the caller
-//! gives.
+//! Initial states of rollouts: the rest shape, settled or not, a frame of a capture, or a state that
+//! the caller gives.
+
+mod controls;
 
 use std::sync::Arc;
 
-use bendtwin_core::{Graph, Point, ids::CaptureId};
+use bendtwin_core::{
+    Graph, Point,
+    geometry::{length, sub},
+    ids::CaptureId,
+};
 use bendtwin_engine::model::State;
 use bendtwin_proto::v1::{
     InitialState,
     initial_state::{self as wire, GivenState, State as Wire},
 };
 
-use super::error::Error;
+use super::{error::Error, grasping};
 
 /// A state and the control points that belong to it.
 #[derive(Clone, Debug)]
@@ -18,6 +24,23 @@ pub(super) struct Start {
     pub(super) state: Arc<State>,
     /// Control points [m], shape [C, 3].
     pub(super) controls: Arc<Vec<Point>>,
+    /// If some of them are not known but assumed to be at rest: where the nodes say that they may
+    /// be [m], shape [C, 3].
+    pub(super) likely: Option<Arc<Vec<Point>>>,
+}
+
+impl Start {
+    /// Memory that it takes [bytes].
+    pub(super) fn bytes(&self) -> u64 {
+        (24 * self.state.positions.len() + 12 * self.controls.len()) as u64
+    }
+
+    /// Largest distance between control points here and in the first row of the actions [m]. Where
+    /// they are not known it counts from where they may be.
+    pub(super) fn gap_m(&self, row: &[Point]) -> f32 {
+        let here = self.likely.as_ref().unwrap_or(&self.controls);
+        here.iter().zip(row).map(|(a, b)| length(sub(*a, *b))).fold(0.0, f32::max)
+    }
 }
 
 /// The starts of a batch.
@@ -31,8 +54,31 @@ pub(super) enum Starts {
 /// Initial state as the request asks for it, before captures are read.
 pub(super) enum Wanted {
     Ready(Starts),
-    /// That of the frame, which is replayed apart: [`CaptureFrame::wanted`].
-    Frame,
+    /// That of a simulation of its own, or of a session: [`Simulated::wanted`].
+    Simulated,
+}
+
+/// An initial state that a simulation of its own leads to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Simulated {
+    /// The capture is replayed.
+    Frame(CaptureFrame),
+    /// The twin comes to rest.
+    Settled,
+}
+
+impl Simulated {
+    /// The simulation that a request needs before it starts, if any; `own_capture` is the twin's.
+    pub(super) fn wanted(
+        wire: Option<&InitialState>,
+        own_capture: &str,
+    ) -> Result<Option<Self>, Error> {
+        Ok(match wire.and_then(|w| w.state.as_ref()) {
+            Some(Wire::CaptureFrame(at)) => Some(Self::Frame(CaptureFrame::read(at, own_capture)?)),
+            Some(Wire::Settled(_)) => Some(Self::Settled),
+            None | Some(Wire::Rest(_) | Wire::Given(_) | Wire::Session(_)) => None,
+        })
+    }
 }
 
 /// A frame of a capture.
@@ -44,17 +90,6 @@ pub(super) struct CaptureFrame {
 }
 
 impl CaptureFrame {
-    /// The frame that a request starts in, if it starts in one; `own_capture` is the twin's.
-    pub(super) fn wanted(
-        wire: Option<&InitialState>,
-        own_capture: &str,
-    ) -> Result<Option<Self>, Error> {
-        match wire.and_then(|w| w.state.as_ref()) {
-            Some(Wire::CaptureFrame(wire)) => Self::read(wire, own_capture).map(Some),
-            _ => Ok(None),
-        }
-    }
-
     fn read(wire: &wire::CaptureFrame, own_capture: &str) -> Result<Self, Error> {
         const FIELD: &str = "initial.capture_frame.capture";
         let name = if wire.capture.is_empty() { own_capture } else { &wire.capture };
@@ -82,12 +117,14 @@ impl Wanted {
         instances: usize,
     ) -> Result<Self, Error> {
         match wire.and_then(|w| w.state) {
-            None | Some(Wire::Rest(_) | Wire::Settled(_) | Wire::Session(_)) => {
+            None | Some(Wire::Rest(_)) => {
                 let state = Arc::new(State::rest(graph));
                 let controls = Arc::new(graph.control_rest.clone());
-                Ok(Self::Ready(Starts::Shared(Start { state, controls })))
+                Ok(Self::Ready(Starts::Shared(Start { state, controls, likely: None })))
             }
-            Some(Wire::CaptureFrame(_)) => Ok(Self::Frame),
+            Some(Wire::CaptureFrame(_) | Wire::Settled(_) | Wire::Session(_)) => {
+                Ok(Self::Simulated)
+            }
             Some(Wire::Given(wire)) => given(wire, graph, instances).map(Self::Ready),
         }
     }
@@ -106,32 +143,32 @@ fn given(wire: GivenState, graph: &Graph, instances: usize) -> Result<Starts, Er
         None => vec![0.0; r * if each { instances } else { 1 }],
         Some(tensor) => tensor.unpack("initial.given.twists")?.1,
     };
+    let controls = match wire.controls.filter(|t| !t.is_absent()) {
+        None => None,
+        Some(tensor) => Some(tensor.unpack_points("initial.given.controls")?.1),
+    };
+    let graspings = match &wire.grasping {
+        None => None,
+        Some(wire) => Some(grasping::read(wire, if each { instances } else { 1 }, n)?),
+    };
     let start = |i: usize| {
         let nodes = i * n..(i + 1) * n;
+        let grasping = graspings.as_ref().and_then(|all| all.get(i)).cloned().unwrap_or_default();
         let state = State {
             positions: positions[nodes.clone()].to_vec(),
             velocities: velocities[nodes].to_vec(),
             twists: twists[i * r..(i + 1) * r].to_vec(),
-            ..State::default()
+            grasping,
         };
-        let controls = Arc::new(controls_of(graph, &state.positions));
-        Start { state: Arc::new(state), controls }
+        let c = graph.control_count();
+        let given = controls.as_ref().map(|all| all[i * c..(i + 1) * c].to_vec());
+        let likely = if given.is_some() { None } else { controls::likely(graph, &state.positions) };
+        let controls = given.unwrap_or_else(|| controls::pinned(graph, &state.positions));
+        Start { state: Arc::new(state), controls: Arc::new(controls), likely: likely.map(Arc::new) }
     };
     Ok(if each {
         Starts::Each((0..instances).map(start).collect())
     } else {
         Starts::Shared(start(0))
     })
-}
-
-/// Control points that belong to a given state: a control point that
-/// holds a node is where that node says, the others are at rest.
-fn controls_of(graph: &Graph, positions: &[Point]) -> Vec<Point> {
-    let mut controls = graph.control_rest.clone();
-    // The first pin of a control point decides, so later ones are written first.
-    for pin in graph.pins.iter().rev() {
-        let node = positions[pin.node as usize];
-        controls[pin.control as usize] = std::array::from_fn(|i| node[i] - pin.offset_m[i]);
-    }
-    controls
 }

@@ -1,74 +1,165 @@
-//! Knots spread evenly over a horizon, and what lies between them.
+//! Knots in time, and what lies between them.
+//!
+//! A position at a frame boundary is a weighted sum of at most four knots, whose weights depend on
+//! the time alone: [`Place`]. The same weights carry a gradient back to the knots. With `t_k` the
+//! knots' times, `i` the last knot at or before `t`, `h = t_(i+1) - t_i` and `s = (t - t_i) / h`:
+//!
+//! - linear: `(1 - s) p_i + s p_(i+1)`.
+//! - cubic: the Hermite cubic through the knots with the slopes
+//!   `m_k = (p_(k+1) - p_(k-1)) / (t_(k+1) - t_(k-1))`, at both ends that of the straight line to the
+//!   neighbour: Catmull-Rom, for knots at any times.
+//! - hold: `p_i`. A frame begins and ends with the knots of its two ends, so a jump is spread over
+//!   the one frame in which it happens.
+//!
+//! Before the first knot there is nothing; the last holds until the end.
 
-use bendtwin_core::Point;
-use bendtwin_proto::v1::Interpolation;
+use bendtwin_proto::v1::{Interpolation, KnotTimes, knot_times::Times};
+
+use super::error::Error;
+
+/// Share of a frame below which a knot counts as being at the frame's boundary: times in single
+/// precision, and periods like 0.1 s, do not fall on frames exactly.
+const ON_FRAME: f64 = 1e-3;
 
 /// Curve on which positions between knots lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Curve {
     /// Straight lines.
     Linear,
-    /// Catmull-Rom through the knots, continued in a straight line beyond the ends.
+    /// Catmull-Rom through the knots.
     Cubic,
+    /// Each knot until the next.
+    Hold,
 }
 
 impl From<Interpolation> for Curve {
     fn from(wire: Interpolation) -> Self {
         match wire {
             Interpolation::Unspecified | Interpolation::Linear => Self::Linear,
-            Interpolation::Cubic | Interpolation::Zero => Self::Cubic,
+            Interpolation::Cubic => Self::Cubic,
+            Interpolation::Zero => Self::Hold,
         }
     }
 }
 
-/// A place between two knots.
+/// A frame boundary among the knots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     /// The knot at or before it.
     pub(super) knot: usize,
-    /// Share of the way to the next knot, 0..1.
-    pub(super) share: f32,
+    /// Share of the way to the next knot, 0..1; 0 where the knot holds.
+    pub(super) share: f64,
+    /// Weights of knots `knot - 1` to `knot + 2`; 0 for those that do not exist.
+    weights: [f64; 4],
 }
 
 impl Place {
-    /// Place of frame `frame` of `frames` among `knots` >= 2 knots. In whole numbers, so that
-    /// with a knot a frame every frame is exactly its knot.
-    pub(super) fn of(frame: usize, frames: usize, knots: usize) -> Self {
-        let (scaled, frames) = (frame as u64 * (knots as u64 - 1), frames.max(1) as u64);
-        let share = (scaled % frames) as f64 / frames as f64;
-        Self { knot: (scaled / frames) as usize, share: share as f32 }
+    /// The value here of what is interpolated component by component.
+    pub(super) fn at<const N: usize>(&self, knot: impl Fn(usize) -> [f32; N]) -> [f32; N] {
+        if self.share == 0.0 {
+            return knot(self.knot);
+        }
+        let mut sum = [0.0f64; N];
+        for (k, weight) in self.weights() {
+            for (sum, x) in sum.iter_mut().zip(knot(k)) {
+                *sum += weight * f64::from(x);
+            }
+        }
+        sum.map(|x| x as f32)
+    }
+
+    /// The knots that count here, with their weights, which add up to 1.
+    pub(super) fn weights(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let first = self.knot;
+        let all = self.weights.into_iter().enumerate();
+        all.filter(|(_, w)| *w != 0.0).map(move |(i, w)| (first + i - 1, w))
+    }
+}
+
+/// Frame boundaries 0..=F of a rollout among the knots of its actions.
+#[derive(Clone, Debug)]
+pub(super) struct Schedule {
+    places: Vec<Place>,
+}
+
+impl Schedule {
+    /// The boundaries of `frames` frames at `fps` frames a second among `knots` >= 2 knots, at the
+    /// times of a checked request or else spread evenly.
+    pub(super) fn new(
+        curve: Curve,
+        knots: usize,
+        frames: usize,
+        times: Option<KnotTimes>,
+        fps: f64,
+    ) -> Result<Self, Error> {
+        let snapped = |s: f64| {
+            let (time, whole) = (s * fps, (s * fps).round());
+            if (time - whole).abs() < ON_FRAME { whole } else { time }
+        };
+        let at: Vec<f64> = match times.and_then(|times| times.times) {
+            None => return Ok(Self::even(curve, knots, frames)),
+            Some(Times::PeriodS(period)) => {
+                (0..knots).map(|k| snapped(k as f64 * period)).collect()
+            }
+            Some(Times::AtS(tensor)) => {
+                let (_, at) = tensor.unpack::<f32>("knot_times.at_s")?;
+                at.into_iter().map(|s| snapped(f64::from(s))).collect()
+            }
+        };
+        let mut knot = 0;
+        let places = (0..=frames).map(|frame| {
+            let now = frame as f64;
+            while knot + 1 < at.len() && at[knot + 1] <= now {
+                knot += 1;
+            }
+            let after = at.get(knot + 1).copied();
+            let share = after.map_or(0.0, |after| (now - at[knot]) / (after - at[knot]));
+            curve.place(knot, share, knots, |k| at[k])
+        });
+        Ok(Self { places: places.collect() })
+    }
+
+    /// Knots spread evenly over the horizon. In whole numbers, so that with a knot a frame every
+    /// frame is exactly its knot.
+    fn even(curve: Curve, knots: usize, frames: usize) -> Self {
+        let places = (0..=frames).map(|frame| {
+            let (scaled, frames) = (frame as u64 * (knots as u64 - 1), frames.max(1) as u64);
+            let share = (scaled % frames) as f64 / frames as f64;
+            curve.place((scaled / frames) as usize, share, knots, |k| k as f64)
+        });
+        Self { places: places.collect() }
+    }
+
+    /// The boundaries, shape [F + 1].
+    pub(super) fn places(&self) -> &[Place] {
+        &self.places
     }
 }
 
 impl Curve {
-    /// The position at a place among `count` knots.
-    pub(super) fn at(self, place: Place, count: usize, knot: impl Fn(usize) -> Point) -> Point {
-        let (i, t) = (place.knot, place.share);
-        if t == 0.0 || i + 1 >= count {
-            return knot(i.min(count - 1));
+    /// The place at a share of the way from a knot to the next of `knots` knots at times `at`.
+    fn place(self, knot: usize, share: f64, knots: usize, at: impl Fn(usize) -> f64) -> Place {
+        if share == 0.0 || self == Self::Hold || knot + 1 >= knots {
+            return Place { knot, share: 0.0, weights: [0.0, 1.0, 0.0, 0.0] };
         }
-        let (p1, p2) = (knot(i), knot(i + 1));
-        match self {
-            Self::Linear => mix(p1, p2, |a, b| a + (b - a) * t),
-            Self::Cubic => {
-                let p0 = if i > 0 { knot(i - 1) } else { mix(p1, p2, |a, b| 2.0 * a - b) };
-                let p3 = if i + 2 < count { knot(i + 2) } else { mix(p1, p2, |a, b| 2.0 * b - a) };
-                std::array::from_fn(|c| catmull_rom([p0[c], p1[c], p2[c], p3[c]], t))
-            }
+        let s = share;
+        if self == Self::Linear {
+            return Place { knot, share, weights: [0.0, 1.0 - s, s, 0.0] };
         }
+        // Hermite's basis; slopes in units of this interval.
+        let rise = s * s * (3.0 - 2.0 * s);
+        let (out, into) = (s * (1.0 - s) * (1.0 - s), s * s * (s - 1.0));
+        let h = at(knot + 1) - at(knot);
+        let mut weights = [0.0, 1.0 - rise, rise, 0.0];
+        let mut slope = |from: usize, to: usize, by: f64| {
+            let by = by * h / (at(to) - at(from));
+            weights[from + 1 - knot] -= by;
+            weights[to + 1 - knot] += by;
+        };
+        slope(knot.saturating_sub(1), knot + 1, out);
+        slope(knot, (knot + 2).min(knots - 1), into);
+        Place { knot, share, weights }
     }
-}
-
-/// Uniform Catmull-Rom between b and c.
-fn catmull_rom([a, b, c, d]: [f32; 4], t: f32) -> f32 {
-    let slope = 0.5 * (c - a);
-    let quadratic = a - 2.5 * b + 2.0 * c - 0.5 * d;
-    let cubic = 0.5 * (d - a) + 1.5 * (b - c);
-    b + t * (slope + t * (quadratic + t * cubic))
-}
-
-fn mix(a: Point, b: Point, f: impl Fn(f32, f32) -> f32) -> Point {
-    std::array::from_fn(|c| f(a[c], b[c]))
 }
 
 #[cfg(test)]

@@ -3,18 +3,22 @@
 
 use std::sync::Arc;
 
-use bendtwin_core::{Point, Twin};
-use bendtwin_engine::{Objective, backend::Instance};
+use bendtwin_core::{CancelToken, Point, Twin};
+use bendtwin_engine::{Backend, Objective, backend::Instance};
 use bendtwin_proto::rollout::TwinShape;
 
 use super::{
-    actions::Actions,
+    actions::{Actions, Horizon},
     checked::Checked,
     costs,
+    ensemble::Ensemble,
     error::Error,
     initial::{Starts, Wanted},
+    plausible::{self, Extremes, Plausibility},
     returns::Returns,
     serve::Served,
+    vary::{Variant, Variants},
+    world::{Surroundings, gripper_of_control},
 };
 
 /// A checked request.
@@ -24,6 +28,14 @@ pub(super) struct Plan {
     pub(super) frames: usize,
     pub(super) objective: Objective,
     pub(super) returns: Returns,
+    /// Number of grasps.
+    pub(super) grasps: usize,
+    pub(super) surroundings: Surroundings,
+    pub(super) variants: Variants,
+    pub(super) ensemble: Ensemble,
+    pub(super) plausibility: Plausibility,
+    /// Frames back that a gradient reaches; 0 for all of them.
+    pub(super) reach: usize,
     /// Instances of one part of the reply.
     pub(super) part: usize,
     /// Instances that are prepared at once.
@@ -31,24 +43,50 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// Reads a request, whose memory has been taken; also returns the initial state that it asks
-    /// for.
+    /// Reads a request, whose memory has been taken, and loads the models that it needs on a
+    /// backend; also returns the initial state that it asks for.
     pub(super) fn new(
         checked: Checked,
         part_instances: u32,
         served: Served,
+        backend: &dyn Backend,
+        cancel: &CancelToken,
     ) -> Result<(Self, Wanted), Error> {
-        let Checked { request, batch, prepared, .. } = checked;
-        let graph = &served.warm.twin.graph;
+        let Checked { mut request, batch, prepared, .. } = checked;
+        let twin = &served.warm.twin;
+        let graph = &twin.graph;
         let (instances, frames) = (batch.instances as usize, batch.frames as usize);
-        let actions = Actions::read(request.actions, graph.control_count())?;
+        let fps = twin.timing.fps;
+        let horizon = Horizon { frames, fps, times: request.knot_times.take() };
+        let map = gripper_of_control(request.actions.as_ref(), graph.control_count())?;
+        let actions = Actions::read(request.actions.take(), graph.control_count(), horizon)?;
+        let grasps = request.grasps.len();
+        let surroundings =
+            Surroundings::read(&mut request, &actions, map, twin, served.loaded.model())?;
+        let variants =
+            Variants::load(request.vary, &served.loaded, &surroundings, backend, cancel)?;
         let objective = costs::read(request.costs, frames)?;
         let returns = Returns::read(request.returns, instances)?;
         let wanted = Wanted::read(request.initial, graph, instances)?;
 
         let part = if part_instances == 0 { instances } else { part_instances as usize };
         let part = part.min(instances);
-        Ok((Self { actions, frames, objective, returns, part, prepared, served }, wanted))
+        let plan = Self {
+            actions,
+            frames,
+            objective,
+            returns,
+            grasps,
+            surroundings,
+            variants,
+            ensemble: Ensemble::read(request.ensemble),
+            plausibility: Plausibility::read(request.plausibility),
+            reach: request.gradient.map_or(0, |gradient| gradient.reach_frames as usize),
+            part,
+            prepared,
+            served,
+        };
+        Ok((plan, wanted))
     }
 
     /// The twin.
@@ -56,24 +94,55 @@ impl Plan {
         &self.served.warm.twin
     }
 
-    /// Number of instances B.
-    pub(super) fn instances(&self) -> usize {
+    /// Number of actions B.
+    pub(super) fn actions(&self) -> usize {
         self.actions.shape().instances
+    }
+
+    /// The action of an instance.
+    pub(super) fn action(&self, instance: usize) -> usize {
+        instance / self.ensemble.members
+    }
+
+    /// The instances of actions: all members of each.
+    pub(super) fn instances(&self, actions: impl Iterator<Item = usize>) -> Vec<usize> {
+        let members = self.ensemble.members;
+        actions.flat_map(|action| action * members..(action + 1) * members).collect()
     }
 
     /// An instance, ready for the engine.
     pub(super) fn instance(&self, index: usize, starts: &Starts) -> Instance {
-        let start = starts.of(index);
-        let controls: Vec<Point> = self.actions.controls(index, self.frames, &start.controls);
+        let variant = self.variant(index);
+        let action = self.action(index);
+        let start = starts.of(action);
+        let controls: Vec<Point> = self.actions.controls(action, &start.controls);
         Instance {
-            model: self.served.loaded.clone(),
+            model: variant.loaded.clone(),
             initial: Arc::clone(&start.state),
             controls: Arc::new(controls),
             frames: self.frames,
-            objective: self.objective.clone(),
-            world: Arc::default(),
-            motion: Arc::default(),
+            objective: variant.objective(&self.objective),
+            world: Arc::clone(&variant.world),
+            motion: Arc::new(self.surroundings.motion(action, &self.actions)),
         }
+    }
+
+    /// Model and world of an instance.
+    pub(super) fn variant(&self, index: usize) -> &Variant {
+        let members = self.ensemble.members;
+        self.variants.of(if members > 1 { index % members } else { index })
+    }
+
+    /// Extremes of what is prescribed to an instance.
+    pub(super) fn extremes(&self, index: usize, instance: &Instance, starts: &Starts) -> Extremes {
+        let start = starts.of(self.action(index));
+        let controls = &instance.controls;
+        let first = &controls[..controls.len() / (self.frames + 1)];
+        let model = instance.model.model();
+        let obstacles = self.surroundings.obstacles(&model.environment);
+        let middles = self.surroundings.middles(&instance.motion);
+        let points = [controls.as_slice(), &middles];
+        plausible::extremes(start.gap_m(first), points, self.frames, model.timing.fps, &obstacles)
     }
 }
 

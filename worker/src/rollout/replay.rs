@@ -1,4 +1,4 @@
-//! Initial states that name a frame of a capture: the twin follows the capture's own controls up to
+//! Initial states that a simulation leads to. In a frame of a capture the twin follows the capture's own controls up to
 //! that frame, as its ingest observed them. Observations are large and frames are asked for again
 //! and again, so controls and replayed states are kept, not observations.
 
@@ -24,6 +24,7 @@ use super::{
     error::Error,
     initial::{CaptureFrame, Start},
     lru::Lru,
+    settle::settle,
     warm::Warm,
 };
 use crate::{
@@ -62,6 +63,9 @@ pub(crate) struct Replays {
     memory: Memory,
     motions: Mutex<Lru<(TwinId, CaptureId), Motions>>,
     starts: Mutex<Lru<(TwinId, CaptureFrame), Start>>,
+    settled: Mutex<Lru<TwinId, Start>>,
+    /// Held while a twin comes to rest, so that a hundred calls for it simulate that once.
+    settling: tokio::sync::Mutex<()>,
     /// Held while a capture is read: one at a time keeps memory within its limit.
     reading: tokio::sync::Mutex<()>,
 }
@@ -76,6 +80,8 @@ impl Replays {
             memory,
             motions: Mutex::new(Lru::new(KEPT_MOTIONS, kept)),
             starts: Mutex::new(Lru::new(KEPT_STARTS, kept)),
+            settled: Mutex::new(Lru::new(KEPT_STARTS, kept)),
+            settling: tokio::sync::Mutex::default(),
             reading: tokio::sync::Mutex::default(),
         }
     }
@@ -103,8 +109,30 @@ impl Replays {
         })
         .await
         .map_err(|_| Error::Panicked)??;
-        let size = 24 * start.state.positions.len() + 12 * start.controls.len();
-        lock(&self.starts).insert((id, at), start.clone(), size as u64);
+        lock(&self.starts).insert((id, at), start.clone(), start.bytes());
+        Ok(start)
+    }
+
+    /// The twin's shape where it comes to rest.
+    pub(super) async fn settled(
+        &self,
+        warm: &Arc<Warm>,
+        backend: &Arc<QueuedBackend>,
+        cancel: &CancelToken,
+        work_limit: u64,
+    ) -> Result<Start, Error> {
+        let id = warm.id;
+        if let Some(start) = lock(&self.settled).get(&id) {
+            return Ok(start);
+        }
+        let _settling = self.settling.lock().await;
+        if let Some(start) = lock(&self.settled).get(&id) {
+            return Ok(start);
+        }
+        let (warm, backend, cancel) = (Arc::clone(warm), Arc::clone(backend), cancel.clone());
+        let settle = move || settle(&warm, work_limit, backend.as_ref(), &cancel);
+        let start = tokio::task::spawn_blocking(settle).await.map_err(|_| Error::Panicked)??;
+        lock(&self.settled).insert(id, start.clone(), start.bytes());
         Ok(start)
     }
 
@@ -216,7 +244,7 @@ fn replay(
     let row = |frame: usize| &motion.controls[frame * width..(frame + 1) * width];
     let controls = Arc::new(row(at.frame).to_vec());
     if frames == 0 {
-        return Ok(Start { state: Arc::clone(&motion.start), controls });
+        return Ok(Start { state: Arc::clone(&motion.start), controls, likely: None });
     }
     let instance = Instance {
         model: warm.loaded.clone(),
@@ -236,7 +264,7 @@ fn replay(
         return Err(Error::ReplayDiverged { frame: motion.start_frame + divergence.frame });
     }
     match rollout.final_state {
-        Some(state) => Ok(Start { state: Arc::new(state), controls }),
+        Some(state) => Ok(Start { state: Arc::new(state), controls, likely: None }),
         None => {
             Err(bendtwin_engine::Error::Device("no final state was returned".to_owned()).into())
         }

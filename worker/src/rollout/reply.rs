@@ -1,6 +1,6 @@
 //! Results of the engine as tensors of a reply.
 
-use std::ops::Range;
+mod forces;
 
 use bendtwin_core::Point;
 use bendtwin_engine::{backend::Rollout, model::State};
@@ -9,15 +9,27 @@ use bendtwin_proto::v1::{
     roll_out_response::{Deviation, Diagnostics, Divergence},
 };
 
-use super::plan::Plan;
+use super::{grasping, plan::Plan, plausible::Extremes};
 
 /// The cost of an instance as it is reported: never NaN.
 pub(super) fn cost(rollout: &Rollout) -> f64 {
     if rollout.diverged.is_some() { f64::INFINITY } else { never_nan(rollout.cost) }
 }
 
-/// Costs, terms, diagnostics and divergences of a range of instances.
-pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) -> RollOutResponse {
+/// Costs of a part of a reply.
+pub(super) fn costs(part: &RollOutResponse) -> Vec<f64> {
+    let costs = part.costs.as_ref().and_then(|t| t.unpack("costs").ok());
+    costs.map(|(_, costs)| costs).unwrap_or_default()
+}
+
+/// Costs, terms, diagnostics, divergences and what is implausible of instances that follow one
+/// another.
+pub(super) fn summary(
+    plan: &Plan,
+    indices: &[usize],
+    rollouts: &[Rollout],
+    extremes: &[Extremes],
+) -> RollOutResponse {
     let names = &plan.objective.groups;
     let costs: Vec<f64> = rollouts.iter().map(cost).collect();
     let terms: Vec<f64> = rollouts
@@ -25,7 +37,8 @@ pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) ->
         .flat_map(|r| (0..names.len()).map(|g| r.group_costs.get(g).copied().unwrap_or(f64::NAN)))
         .map(never_nan)
         .collect();
-    let diagnostics = rollouts.iter().filter(|_| plan.returns.diagnostics).map(|r| {
+    let asked = rollouts.iter().zip(extremes).filter(|_| plan.returns.diagnostics);
+    let diagnostics = asked.map(|(r, extremes)| {
         let d = r.diagnostics.unwrap_or_default();
         Diagnostics {
             max_strain: d.max_strain,
@@ -34,12 +47,16 @@ pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) ->
             elastic_energy: d.elastic_energy,
             ground_contacts: d.ground_contacts,
             max_control_strain: d.max_control_strain,
-            control_depth_m: 0.0,
+            control_depth_m: extremes.depth.0,
         }
     });
-    let diverged = rollouts.iter().zip(range.clone()).filter_map(|(r, instance)| {
+    let implausible =
+        indices.iter().zip(rollouts).zip(extremes).flat_map(|((instance, rollout), extremes)| {
+            plan.plausibility.judge(*instance, extremes, Some(rollout))
+        });
+    let diverged = rollouts.iter().zip(indices).filter_map(|(r, instance)| {
         r.diverged.map(|d| Divergence {
-            instance: instance as u32,
+            instance: *instance as u32,
             frame: d.frame as u32,
             node: d.node as u32,
         })
@@ -53,25 +70,28 @@ pub(super) fn summary(plan: &Plan, range: Range<usize>, rollouts: &[Rollout]) ->
         frames: f.frames,
     });
     RollOutResponse {
-        first_instance: range.start as u32,
+        first_instance: indices.first().map_or(0, |first| *first as u32),
         costs: Some(Tensor::pack(&[costs.len()], &costs)),
         cost_names: names.clone(),
         cost_terms: Some(Tensor::pack(&[costs.len(), names.len()], &terms)),
         diagnostics: diagnostics.collect(),
         diverged: diverged.collect(),
+        implausible: implausible.collect(),
         fidelity: fidelity.into(),
         substeps: plan.served.loaded.model().timing.substeps,
         deviation,
+        mass_kg: plan.twin().mass_kg,
         ..RollOutResponse::default()
     }
 }
 
-/// Recorded positions and final states. Frames that a diverged instance did not reach are NaN (with
+/// Recorded positions and final states, whose control points are `controls`. Frames that a diverged instance did not reach are NaN (with
 /// INT16, which has none, the middle of the extent).
 pub(super) fn add_recordings(
     plan: &Plan,
     instances: &[usize],
     rollouts: &[Rollout],
+    controls: &[Point],
     part: &mut RollOutResponse,
 ) {
     let returns = &plan.returns;
@@ -79,6 +99,9 @@ pub(super) fn add_recordings(
         return;
     }
     let graph = &plan.twin().graph;
+    if returns.forces {
+        part.forces = Some(forces::pack(plan, instances, rollouts));
+    }
     let indices: Vec<u32> = instances.iter().map(|i| *i as u32).collect();
     part.instances = Some(Tensor::pack(&[indices.len()], &indices));
     if returns.every > 0 {
@@ -118,20 +141,41 @@ pub(super) fn add_recordings(
             }
             part.final_twists = Some(Tensor::pack(&[rollouts.len(), rods], &twists));
         }
+        let shape = [rollouts.len(), graph.control_count()];
+        part.final_controls = Some(Tensor::pack_points(&shape, controls));
+        if plan.grasps > 0 {
+            let states = rollouts.iter().map(|r| r.final_state.as_ref());
+            part.final_grasping = Some(grasping::pack(states, plan.grasps, n));
+        }
     }
 }
 
-/// Gradients of the instances in the same order as the recordings.
-pub(super) fn add_gradients(plan: &Plan, gradients: &[Vec<Point>], part: &mut RollOutResponse) {
-    let (rows, width) = (plan.frames + 1, plan.twin().graph.control_count());
-    let mut values = Vec::with_capacity(gradients.len() * rows * width);
-    for gradient in gradients {
-        // Gradients of a diverged instance are zero.
-        let end = values.len() + rows * width;
-        values.extend(gradient.iter().take(rows * width));
-        values.resize(end, [0.0; 3]);
+/// Gradients of instances in the same order as the recordings.
+#[derive(Default)]
+pub(super) struct Gradients {
+    /// By control positions, shape [F + 1, C, 3] each; empty: zero.
+    pub(super) controls: Vec<Vec<Point>>,
+    /// By the actions, one instance after another.
+    pub(super) actions: Vec<f32>,
+}
+
+/// Gradients of the instances that recordings are of.
+pub(super) fn add_gradients(plan: &Plan, gradients: &Gradients, part: &mut RollOutResponse) {
+    let count = gradients.controls.len();
+    if plan.returns.control_gradients {
+        let (rows, width) = (plan.frames + 1, plan.twin().graph.control_count());
+        let mut values = Vec::with_capacity(count * rows * width);
+        for gradient in &gradients.controls {
+            // Gradients of a diverged instance are zero.
+            let end = values.len() + rows * width;
+            values.extend(gradient.iter().take(rows * width));
+            values.resize(end, [0.0; 3]);
+        }
+        part.control_gradients = Some(Tensor::pack_points(&[count, rows, width], &values));
     }
-    part.control_gradients = Some(Tensor::pack_points(&[gradients.len(), rows, width], &values));
+    if plan.returns.action_gradients {
+        part.action_gradients = Some(plan.actions.pack_gradients(count, &gradients.actions));
+    }
 }
 
 fn extend_padded(out: &mut Vec<Point>, values: &[Point], len: usize) {

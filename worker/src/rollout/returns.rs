@@ -22,6 +22,8 @@ pub(super) struct Returns {
     pub(super) final_state: bool,
     pub(super) diagnostics: bool,
     pub(super) control_gradients: bool,
+    pub(super) action_gradients: bool,
+    pub(super) forces: bool,
 }
 
 impl Returns {
@@ -42,6 +44,8 @@ impl Returns {
             final_state: wire.final_state,
             diagnostics: wire.diagnostics,
             control_gradients: wire.control_gradients,
+            action_gradients: wire.action_gradients,
+            forces: wire.forces,
         })
     }
 
@@ -57,28 +61,34 @@ impl Returns {
 
     /// True if arrays beside the costs are wanted.
     pub(super) fn has_arrays(&self) -> bool {
-        self.every > 0 || self.final_state || self.control_gradients
+        self.has_recordings() || self.has_gradients()
     }
 
     /// True if the arrays need a simulation beside that of the costs.
     pub(super) fn has_recordings(&self) -> bool {
-        self.every > 0 || self.final_state
+        self.every > 0 || self.final_state || self.forces
     }
 
-    /// Outputs of the engine where arrays are wanted.
+    /// True if the arrays need a run backward.
+    pub(super) fn has_gradients(&self) -> bool {
+        self.control_gradients || self.action_gradients
+    }
+
+    /// Outputs of the engine where arrays are wanted. Diagnostics tell how plausible all of it is.
     pub(super) fn outputs(&self) -> Outputs {
         Outputs {
             every: self.every,
             initial: false,
             nodes: self.nodes.clone(),
             final_state: self.final_state,
-            diagnostics: self.diagnostics,
+            diagnostics: true,
+            forces: self.forces,
             ..Outputs::NONE
         }
     }
 
     /// Outputs of the engine where only costs count.
-    pub(super) fn summary(&self) -> Outputs {
-        Outputs { diagnostics: self.diagnostics, ..Outputs::default() }
+    pub(super) fn summary() -> Outputs {
+        Outputs { diagnostics: true, ..Outputs::default() }
     }
 }

@@ -16,6 +16,7 @@ use bendtwin_proto::{
     deadline::timeout,
     fault,
     rollout::{self, Limits},
+    v1::RollOutResponse,
     worker::v1::{
         ExecuteRollOutRequest, ExecuteRollOutResponse, HeldSession, ManageSessionRequest,
         ManageSessionResponse,
@@ -42,10 +43,10 @@ use super::{
     checked::{Checked, Room},
     error::Error,
     execute::Execution,
-    initial::{CaptureFrame, Starts, Wanted},
+    initial::{Simulated, Starts, Wanted},
     plan::Plan,
     serve::Served,
-    sessions::Sessions,
+    sessions::{Begun, Sessions},
 };
 use crate::{
     budget::{self, Memory},
@@ -59,13 +60,13 @@ const WAITING_PARTS: usize = 2;
 #[derive(Clone)]
 pub(crate) struct Rollouts(Arc<Inner>);
 
-struct Inner {
-    worker: String,
-    device: Device,
-    twins: WarmTwins,
-    replays: Replays,
-    sessions: Sessions,
-    memory: Memory,
+pub(super) struct Inner {
+    pub(super) worker: String,
+    pub(super) device: Device,
+    pub(super) twins: WarmTwins,
+    pub(super) replays: Replays,
+    pub(super) sessions: Sessions,
+    pub(super) memory: Memory,
     /// Bounds on requests, as the server set them last.
     limits: RwLock<Limits>,
     /// Rollouts that are answered at once.
@@ -125,7 +126,7 @@ impl Rollouts {
 }
 
 impl Inner {
-    fn limits(&self) -> Limits {
+    pub(super) fn limits(&self) -> Limits {
         *self.limits.read().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -234,6 +235,24 @@ impl WorkerRollouts for Rollouts {
         tokio::spawn(call.serve(inner, request.into_inner(), deadline));
         Ok(Response::new(Parts { parts: ReceiverStream::new(receiver), cancel }))
     }
+
+    async fn manage_session(
+        &self,
+        mut request: Request<ManageSessionRequest>,
+    ) -> Result<Response<ManageSessionResponse>, Status> {
+        let _held = request.extensions_mut().remove::<Held>();
+        let limit = self.0.most;
+        let _slot = Arc::clone(&self.0.slots)
+            .try_acquire_owned()
+            .map_err(|_| fault::status(&Error::Busy { limit }.fault()))?;
+        let request = request.into_inner();
+        let request_id = request.request_id.clone();
+        self.0.manage(request).await.map(Response::new).map_err(|error| {
+            let fault = error.fault();
+            tracing::info!(request_id, reason = fault.reason, "session refused: {fault}");
+            fault::status(&fault)
+        })
+    }
 }
 
 /// One call under way.
@@ -272,7 +291,8 @@ impl Call {
     }
 
     async fn work(&self, inner: &Arc<Inner>, request: ExecuteRollOutRequest) -> Result<(), Error> {
-        let wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
+        let mut wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
+        let begun = Begun::new(&inner.sessions, &mut wire, request.commit_slots).await?;
         let id: TwinId = wire
             .twin
             .parse()
@@ -291,25 +311,31 @@ impl Call {
             Checked::new(wire, &own, part_instances, &to, &limits, room)
         })
         .await?;
-        // A replay takes memory of its own, so it comes before this takes any.
-        let frame = CaptureFrame::wanted(checked.request.initial.as_ref(), &capture)?;
-        let replayed = match frame {
+        // A simulation that comes before takes memory of its own, so it comes before this takes any.
+        let wanted = Simulated::wanted(checked.request.initial.as_ref(), &capture)?;
+        let (replays, cancel) = (&inner.replays, &self.cancel);
+        let simulated = match wanted {
             None => None,
-            Some(at) => {
-                let replay = inner.replays.start(&warm, at, &backend, &self.cancel, limits.work);
-                Some(replay.await?)
+            Some(Simulated::Frame(at)) => {
+                Some(replays.start(&warm, at, &backend, cancel, limits.work).await?)
+            }
+            Some(Simulated::Settled) => {
+                Some(replays.settled(&warm, &backend, cancel, limits.work).await?)
             }
         };
         let share =
             budget::take(budget, checked.bytes, "the rollout: ask for less at once").await?;
         // It is set here alone.
         let _ = self.held.rollout.set(share);
+        let (on, cancel) = (Arc::clone(&backend), self.cancel.clone());
         let (plan, wanted) =
-            blocking(&self.held, move || Plan::new(checked, part_instances, served)).await?;
-        let starts = match (wanted, replayed) {
-            (Wanted::Ready(starts), _) => starts,
-            (Wanted::Frame, Some(start)) => Starts::Shared(start),
-            (Wanted::Frame, None) => return Err(Error::field("initial", "has no state")),
+            blocking(&self.held, move || Plan::new(checked, part_instances, served, &*on, &cancel))
+                .await?;
+        let starts = match (&begun, wanted, simulated) {
+            (Some(begun), ..) => begun.starts(),
+            (None, Wanted::Ready(starts), _) => starts,
+            (None, Wanted::Simulated, Some(start)) => Starts::Shared(start),
+            (None, Wanted::Simulated, None) => return Err(Error::field("initial", "has no state")),
         };
         let (cancel, parts, arrived) = (self.cancel.clone(), self.parts.clone(), self.arrived);
         let worker = inner.worker.clone();
@@ -324,16 +350,33 @@ impl Call {
                 cancel: &cancel,
                 arrived,
                 worker: &worker,
+                keeps_states: begun.as_ref().is_some_and(Begun::commits),
             };
-            execution.run(|response| {
-                let message = ExecuteRollOutResponse { response: Some(response) };
-                parts
-                    .blocking_send(Ok(message))
-                    .map_err(|_| Error::Engine(backend::Error::Cancelled))
-            })
+            let mut replies = Vec::new();
+            let kept = execution.run(|response| {
+                if execution.keeps_states {
+                    // What was not committed is not answered.
+                    replies.push(response);
+                    return Ok(());
+                }
+                send(&parts, response)
+            })?;
+            if let Some(begun) = begun {
+                begun.commit(kept, plan.frames)?;
+            }
+            replies.into_iter().try_for_each(|response| send(&parts, response))
         })
         .await
     }
+}
+
+/// Sends a part, if somebody listens still.
+fn send(
+    parts: &mpsc::Sender<Result<ExecuteRollOutResponse, Status>>,
+    response: RollOutResponse,
+) -> Result<(), Error> {
+    let message = ExecuteRollOutResponse { response: Some(response) };
+    parts.blocking_send(Ok(message)).map_err(|_| Error::Engine(backend::Error::Cancelled))
 }
 
 /// Runs work beside the tasks of the runtime, which holds the memory of its call even when nobody

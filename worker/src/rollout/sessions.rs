@@ -2,6 +2,9 @@
 //! rollout takes the state of a slot as it is; only an advance changes it, one at a time, and all of
 //! its slots together or none.
 
+mod begun;
+mod manage;
+
 use std::{
     collections::HashMap,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
@@ -12,12 +15,11 @@ use bendtwin_budget::Share;
 use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::v1;
 
+pub(super) use self::begun::Begun;
 use super::{error::Error, initial::Start};
 
 /// Most sessions of a worker.
 const MOST: usize = 256;
-/// Most slots of a session.
-pub(super) const MOST_SLOTS: usize = 4096;
 /// Time after which an unused session ends: where the caller did not say, and bounds of what it may
 /// say [s].
 const IDLE_S: f64 = 300.0;

@@ -2,6 +2,8 @@
 
 mod faults;
 mod fidelity;
+mod gradients;
+mod states;
 
 use std::{sync::Arc, time::Instant};
 
@@ -12,9 +14,11 @@ use bendtwin_core::{
 use bendtwin_engine::{Backend, Model};
 use bendtwin_proto::rollout::{self, Limits};
 use bendtwin_proto::v1::{
-    ControlTrajectories, Cost, InitialState, Returns, RollOutRequest, RollOutResponse, Tensor,
+    ControlTrajectories, Cost, InitialState, KnotTimes, Returns, RollOutRequest, RollOutResponse,
+    Tensor,
     cost::{Keypoints, Kind, Smoothness, TargetCloud, When},
     initial_state::{GivenState, State},
+    knot_times::Times,
     returns::Encoding,
     roll_out_request::Actions,
 };
@@ -67,6 +71,8 @@ pub(super) fn twin() -> Twin {
         control_velocity: ControlVelocity::True,
         provenance: Provenance::default(),
         quality: Quality::default(),
+        mass_kg: None,
+        control_hands: Vec::new(),
     }
 }
 
@@ -96,7 +102,8 @@ impl Bench {
         let served = Served::exact(Arc::clone(&self.warm));
         let room = Room { bytes: 256 << 20, lanes: 2 };
         let checked = Checked::new(request, "", part, &served, &limits(), room)?;
-        Plan::new(checked, part, served)
+        let backend = self.device.backend(Priority::Interactive);
+        Plan::new(checked, part, served, &backend, &CancelToken::default())
     }
 
     fn run(&self, request: RollOutRequest, part: u32) -> Result<Vec<RollOutResponse>, Error> {
@@ -381,8 +388,9 @@ fn a_reply_is_no_larger_than_the_check_says() {
             let bound = rollout::reply_bytes(&request, &batch, &shape, part) as usize;
             let parts = bench.run(request.clone(), part).unwrap();
             let largest = parts.iter().map(|p| p.encoded_len()).max().unwrap();
-            // What may be added: the worker's name, times, and that each instance diverges.
-            assert!((largest..=largest + 250 + 20 * 9).contains(&bound), "{bound} {largest}");
+            // What may be added: the worker's name, times, that each instance diverges and that its
+            // control points are below the ground.
+            assert!((largest..=largest + 250 + 25 * 9).contains(&bound), "{bound} {largest}");
         }
     }
 }

@@ -10,13 +10,22 @@ with Client("127.0.0.1:7070") as client:
     result.positions  # [B, T, N, 3], metres
 """
 
-from bendtwin.actions import CaptureFrame, GivenState, InitialState, Rest
 from bendtwin.client import Client
 from bendtwin.costs import Cost, Keypoints, Smoothness, TargetCloud
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
-from bendtwin.mppi import Mppi
+from bendtwin.geometry import Geometry, Ground
+from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.resources import Capture, Fault, Fit, Job, JobState, Progress, TwinInfo, Worker
 from bendtwin.rollout import Deviation, Diagnostics, Divergence, Returns, RolloutResult, Timing
+from bendtwin.state import (
+    CaptureFrame,
+    GivenState,
+    Grasping,
+    InitialState,
+    Rest,
+    Settled,
+    State,
+)
 from bendtwin.twin import Twin
 
 __all__ = [
@@ -32,21 +41,28 @@ __all__ = [
     "Fault",
     "Fit",
     "FitFailed",
+    "Geometry",
     "GivenState",
+    "Grasping",
+    "Ground",
     "IngestFailed",
     "InitialState",
+    "Interpolation",
     "Job",
     "JobState",
     "Keypoints",
-    "Mppi",
     "Progress",
     "Rest",
     "Returns",
     "RolloutResult",
+    "Settled",
     "Smoothness",
+    "State",
     "TargetCloud",
     "Timing",
     "Twin",
     "TwinInfo",
     "Worker",
+    "interpolate",
+    "interpolate_poses",
 ]

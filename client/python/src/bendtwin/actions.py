@@ -1,77 +1,30 @@
-"""Inputs of a rollout: actions and initial states."""
+"""Inputs of a rollout: actions, and what comes with them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
-
-import numpy as np
 import numpy.typing as npt
 
+from bendtwin.interpolation import Interpolation
+from bendtwin.state import CaptureFrame, GivenState, InitialState, Rest
 from bendtwin.tensors import pack_floats, pack_indices
-from bendtwin.v1 import rollout_pb2, tensor_pb2
+from bendtwin.v1 import rollout_pb2
 
-Interpolation = Literal["linear", "cubic"]
+__all__ = [
+    "CaptureFrame",
+    "GivenState",
+    "InitialState",
+    "Interpolation",
+    "Rest",
+    "control_trajectories",
+    "gripper_poses",
+    "knot_times",
+]
 
 _INTERPOLATIONS: dict[str, rollout_pb2.Interpolation] = {
     "linear": rollout_pb2.LINEAR,
     "cubic": rollout_pb2.CUBIC,
+    "zero": rollout_pb2.ZERO,
 }
-
-
-@dataclass(frozen=True)
-class Rest:
-    """The twin's rest shape, not moving."""
-
-    def to_proto(self) -> rollout_pb2.InitialState:
-        """Makes the wire form."""
-        return rollout_pb2.InitialState(rest=rollout_pb2.InitialState.Rest())
-
-
-@dataclass(frozen=True)
-class CaptureFrame:
-    """The twin's state after following its capture's own controls up to a frame."""
-
-    frame: int
-    sequence: int = 0
-    #: captures/{uuid}; empty means the twin's own capture.
-    capture: str = ""
-
-    def to_proto(self) -> rollout_pb2.InitialState:
-        """Makes the wire form."""
-        return rollout_pb2.InitialState(
-            capture_frame=rollout_pb2.InitialState.CaptureFrame(
-                capture=self.capture, sequence=self.sequence, frame=self.frame
-            )
-        )
-
-
-@dataclass(frozen=True)
-class GivenState:
-    """Given positions [m] and velocities [m/s], shape [N, 3] for all instances or [B, N, 3], and
-    twists of the twin's rods [rad], shape [rods] or [B, rods]."""
-
-    positions: npt.ArrayLike
-    #: None means at rest.
-    velocities: npt.ArrayLike | None = None
-    #: None means that no rod is twisted.
-    twists: npt.ArrayLike | None = None
-
-    def to_proto(self) -> rollout_pb2.InitialState:
-        """Makes the wire form."""
-        given = rollout_pb2.InitialState.GivenState(
-            positions=_pack_nodes("initial positions", self.positions)
-        )
-        if self.velocities is not None:
-            given.velocities.CopyFrom(_pack_nodes("initial velocities", self.velocities))
-        if self.twists is not None:
-            batched = np.ndim(self.positions) == 3
-            shape = (None, None) if batched else (None,)
-            given.twists.CopyFrom(pack_floats("initial twists", self.twists, shape))
-        return rollout_pb2.InitialState(given=given)
-
-
-InitialState = Rest | CaptureFrame | GivenState
 
 
 def control_trajectories(
@@ -99,7 +52,10 @@ def gripper_poses(
     return message
 
 
-def _pack_nodes(name: str, values: npt.ArrayLike) -> tensor_pb2.Tensor:
-    array = np.asarray(values)
-    batch = (None,) if array.ndim == 3 else ()
-    return pack_floats(name, array, (*batch, None, 3))
+def knot_times(at_s: npt.ArrayLike | None, period_s: float | None) -> rollout_pb2.KnotTimes | None:
+    """Times of the knots of actions; None: they are spread evenly over the horizon."""
+    if at_s is not None and period_s is not None:
+        raise ValueError("give either at_s or period_s")
+    if at_s is not None:
+        return rollout_pb2.KnotTimes(at_s=pack_floats("at_s", at_s, (None,)))
+    return None if period_s is None else rollout_pb2.KnotTimes(period_s=period_s)

@@ -300,12 +300,13 @@ class Client:
         """A twin, ready for rollouts."""
         with translated():
             info = TwinInfo.from_proto(self._twins.GetTwin(twin_pb2.GetTwinRequest(name=name)))
-        return Twin(info, self._rollouts)
+        return Twin(info, self._rollouts, self._twins)
 
     def twins(self, capture: str = "") -> Iterator[Twin]:
         """All twins, or those of one capture, newest first."""
         pages = _pages(self._twins.ListTwins, twin_pb2.ListTwinsRequest(capture=capture))
-        return (Twin(TwinInfo.from_proto(t), self._rollouts) for page in pages for t in page.twins)
+        infos = (TwinInfo.from_proto(t) for page in pages for t in page.twins)
+        return (Twin(info, self._rollouts, self._twins) for info in infos)
 
     def export_twin(self, name: str, path: str | PathLike[str]) -> None:
         """Writes a twin's file (safetensors, docs/twin-format.md)."""
@@ -334,7 +335,7 @@ class Client:
 
         with translated():
             info = TwinInfo.from_proto(self._twins.CreateTwin(messages()))
-        return Twin(info, self._rollouts)
+        return Twin(info, self._rollouts, self._twins)
 
     def delete_twin(self, name: str) -> None:
         """Deletes a twin."""

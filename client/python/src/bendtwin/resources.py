@@ -204,6 +204,8 @@ class TwinInfo:
     substeps: int
     #: The quality table, as docs/twin-format.md describes it.
     quality: dict[str, Any]
+    #: Mass of the object; None if it is not known.
+    mass_kg: float | None = None
 
     @classmethod
     def from_proto(cls, message: twin_pb2.Twin) -> TwinInfo:
@@ -223,6 +225,7 @@ class TwinInfo:
             message.fps,
             message.substeps,
             _json(message.quality_json),
+            _optional(message, "mass_kg"),
         )
 
 

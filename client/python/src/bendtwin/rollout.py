@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin.state import Grasping, State, state_of
 from bendtwin.tensors import pack_indices, unpack
 from bendtwin.v1 import rollout_pb2
 
@@ -44,6 +45,8 @@ class Returns:
     diagnostics: bool = False
     #: d cost / d control positions, dense.
     control_gradients: bool = False
+    #: d cost / d what was given as actions: knots or poses, in their shape.
+    action_gradients: bool = False
 
     def to_proto(self) -> rollout_pb2.Returns:
         """Makes the wire form."""
@@ -54,6 +57,7 @@ class Returns:
             final_state=self.final_state,
             diagnostics=self.diagnostics,
             control_gradients=self.control_gradients,
+            action_gradients=self.action_gradients,
         )
         if self.nodes is not None:
             message.nodes.CopyFrom(pack_indices("nodes", self.nodes))
@@ -131,6 +135,15 @@ class RolloutResult:
     final_twists: FloatArray | None
     #: d cost / d control positions [R, F + 1, C, 3].
     control_gradients: FloatArray | None
+    #: d cost / d actions in their shape, [R, K, C, 3] or [R, K, G, 7]; d cost / d quaternion along
+    #: the sphere of unit quaternions.
+    action_gradients: FloatArray | None = None
+    #: Final control points [R, C, 3], metres.
+    final_controls: FloatArray | None = None
+    #: What grasps hold in the final states; None without grasps.
+    final_grasping: Grasping | None = None
+    #: Mass of the object; None: not known, and forces are per unit mass.
+    mass_kg: float | None = None
     diagnostics: list[Diagnostics] = field(default_factory=list)
     diverged: list[Divergence] = field(default_factory=list)
     timing: Timing | None = None
@@ -142,6 +155,22 @@ class RolloutResult:
     substeps: int = 0
     #: How far the fast variant strays; None unless it answered.
     deviation: Deviation | None = None
+
+    def state(self, row: int) -> State:
+        """The final state of one of `instances`, to go on from: `twin.rollout(initial=...)`."""
+        return state_of(self.states(), row)
+
+    def states(self) -> State:
+        """The final states of all of `instances`, to go on from with as many instances."""
+        if self.final_positions is None:
+            raise ValueError("ask for final states: Returns(final_state=True)")
+        return State(
+            positions=self.final_positions,
+            velocities=self.final_velocities,
+            twists=self.final_twists,
+            controls=self.final_controls,
+            grasping=self.final_grasping,
+        )
 
     @classmethod
     def from_proto(cls, message: rollout_pb2.RollOutResponse) -> RolloutResult:
@@ -159,6 +188,8 @@ class RolloutResult:
                 "final_velocities",
                 "final_twists",
                 "control_gradients",
+                "action_gradients",
+                "final_controls",
             )
         }
         return cls(
@@ -190,5 +221,11 @@ class RolloutResult:
                 if message.HasField("deviation")
                 else None
             ),
+            final_grasping=(
+                Grasping.from_proto(message.final_grasping)
+                if message.HasField("final_grasping")
+                else None
+            ),
+            mass_kg=message.mass_kg if message.HasField("mass_kg") else None,
             **arrays,
         )

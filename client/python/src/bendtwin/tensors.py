@@ -35,8 +35,15 @@ def pack_floats(name: str, values: npt.ArrayLike, shape: Sequence[int | None]) -
 
 def pack_indices(name: str, values: npt.ArrayLike) -> tensor_pb2.Tensor:
     """Packs indices as UINT32 [K]."""
+    return pack_integers(name, values, (None,))
+
+
+def pack_integers(
+    name: str, values: npt.ArrayLike, shape: Sequence[int | None]
+) -> tensor_pb2.Tensor:
+    """Packs whole numbers as UINT32 after checking their shape (None: any length)."""
     array = np.asarray(values)
-    _check_shape(name, array.shape, (None,))
+    _check_shape(name, array.shape, shape)
     if array.size and not np.issubdtype(array.dtype, np.integer):
         raise ValueError(f"{name} must be integers, not {array.dtype}")
     if array.size and (array.min() < 0 or array.max() >= 2**32):

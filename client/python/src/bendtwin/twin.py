@@ -7,21 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
-from bendtwin.actions import (
-    InitialState,
-    Interpolation,
-    Rest,
-    control_trajectories,
-    gripper_poses,
-)
+from bendtwin.actions import control_trajectories, gripper_poses, knot_times
 from bendtwin.costs import Cost
 from bendtwin.errors import translated
+from bendtwin.geometry import Geometry
+from bendtwin.interpolation import Interpolation
 from bendtwin.resources import TwinInfo
 from bendtwin.rollout import FIDELITIES, Fidelity, Returns, RolloutResult
-from bendtwin.v1 import rollout_pb2
+from bendtwin.state import InitialState, Rest
+from bendtwin.v1 import rollout_pb2, twin_pb2
 
 if TYPE_CHECKING:
-    from bendtwin.v1 import rollout_pb2_grpc
+    from bendtwin.v1 import rollout_pb2_grpc, twin_pb2_grpc
 
 _REST = Rest()
 _COSTS_ONLY = Returns()
@@ -30,15 +27,31 @@ _COSTS_ONLY = Returns()
 class Twin:
     """A fitted twin at the server. Get one with `Client.twin`."""
 
-    def __init__(self, info: TwinInfo, rollouts: rollout_pb2_grpc.RolloutServiceStub) -> None:
+    def __init__(
+        self,
+        info: TwinInfo,
+        rollouts: rollout_pb2_grpc.RolloutServiceStub,
+        twins: twin_pb2_grpc.TwinServiceStub,
+    ) -> None:
         #: What the server says about it.
         self.info = info
         self._rollouts = rollouts
+        self._twins = twins
+        self._geometry: Geometry | None = None
 
     @property
     def name(self) -> str:
         """twins/{uuid}."""
         return self.info.name
+
+    def geometry(self, *, timeout_s: float | None = None) -> Geometry:
+        """Its nodes, springs and control points; asked for once, as twins never change."""
+        if self._geometry is None:
+            request = twin_pb2.GetTwinGeometryRequest(name=self.name)
+            with translated():
+                reply = self._twins.GetTwinGeometry(request, timeout=timeout_s)
+            self._geometry = Geometry.from_proto(reply)
+        return self._geometry
 
     def rollout(
         self,
@@ -47,6 +60,8 @@ class Twin:
         poses: npt.ArrayLike | None = None,
         gripper_of_control: npt.ArrayLike | None = None,
         interpolation: Interpolation = "linear",
+        at_s: npt.ArrayLike | None = None,
+        period_s: float | None = None,
         initial: InitialState = _REST,
         frames: int = 0,
         costs: Iterable[Cost] = (),
@@ -63,7 +78,12 @@ class Twin:
             poses: Instead of trajectories, poses of grippers that carry their control points
                 rigidly, [B, K, G, 7]: x, y, z, quaternion x, y, z, w.
             gripper_of_control: The gripper of each control point [C]; None means gripper 0.
-            interpolation: Between knots.
+            interpolation: Between knots: "linear", "cubic", or "zero", where each holds until the
+                next; `bendtwin.interpolate` computes the same.
+            at_s: Times of the knots [K], seconds from the start, rising from 0; the last holds
+                until the end. Say `frames` too.
+            period_s: Instead, seconds from knot to knot: a controller's period, whatever the
+                twin's frame rate.
             initial: State to start from.
             frames: Horizon F; 0 means that of the dense actions.
             costs: Terms to be summed into `RolloutResult.costs`.
@@ -81,6 +101,7 @@ class Twin:
             poses,
             gripper_of_control,
             interpolation,
+            knot_times(at_s, period_s),
             initial,
             frames,
             costs,
@@ -97,6 +118,8 @@ class Twin:
         poses: npt.ArrayLike | None = None,
         gripper_of_control: npt.ArrayLike | None = None,
         interpolation: Interpolation = "linear",
+        at_s: npt.ArrayLike | None = None,
+        period_s: float | None = None,
         initial: InitialState = _REST,
         frames: int = 0,
         costs: Iterable[Cost] = (),
@@ -110,6 +133,7 @@ class Twin:
             poses,
             gripper_of_control,
             interpolation,
+            knot_times(at_s, period_s),
             initial,
             frames,
             costs,
@@ -126,6 +150,7 @@ class Twin:
         poses: npt.ArrayLike | None,
         gripper_of_control: npt.ArrayLike | None,
         interpolation: Interpolation,
+        times: rollout_pb2.KnotTimes | None,
         initial: InitialState,
         frames: int,
         costs: Iterable[Cost],
@@ -146,6 +171,8 @@ class Twin:
             returns=returns.to_proto(),
             fidelity=FIDELITIES[fidelity],
         )
+        if times is not None:
+            request.knot_times.CopyFrom(times)
         if trajectories is not None:
             request.trajectories.CopyFrom(control_trajectories(trajectories, interpolation))
         elif poses is not None:

@@ -1,6 +1,6 @@
 //! `capture.json`: what the arrays mean.
 
-use bendtwin_core::{Environment, Plane, Point, environment::STANDARD_GRAVITY};
+use bendtwin_core::{Environment, MASSES, Plane, Point, environment::STANDARD_GRAVITY};
 use serde::{Deserialize, Serialize};
 
 use super::VERSION;
@@ -34,6 +34,8 @@ pub(crate) struct Manifest {
     pub(crate) ground: Option<Ground>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) source_to_world: Option<[[f32; 3]; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) mass_kg: Option<f64>,
     /// Points that were tracked already; none where the bundle is raw.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) sequences: Vec<SequenceEntry>,
@@ -97,8 +99,17 @@ impl Manifest {
         if document.get("sequences").is_none() && document.get("raw").is_none() {
             return Err(wrong("it has neither `sequences` (tracked points) nor `raw` (cameras)"));
         }
-        serde_json::from_value(document)
-            .map_err(|e| Error::Document { at: MARKER.to_owned(), fault: e.to_string() })
+        let manifest: Self = serde_json::from_value(document).map_err(|e| wrong(&e.to_string()))?;
+        match manifest.mass_kg.filter(|mass| !MASSES.contains(mass)) {
+            None => Ok(manifest),
+            Some(mass) => {
+                let (low, high) = (MASSES.start(), MASSES.end());
+                Err(wrong(&format!(
+                    "`mass_kg` is {mass}: give the object's mass in kilograms, {low} to {high}, or \
+                     leave it out"
+                )))
+            }
+        }
     }
 
     /// Axes and units that this build writes: metres, z up. Nothing recorded yet.
@@ -120,6 +131,7 @@ impl Manifest {
             gravity_m_s2: Some(gravity_m_s2),
             ground,
             source_to_world: Some(source_to_world),
+            mass_kg: None,
             sequences: Vec::new(),
             raw: None,
         }

@@ -30,7 +30,8 @@ pub(crate) fn read(files: &mut Files<'_>, notes: &mut Vec<Note>) -> Result<Captu
     }
     let point_count = point_count.unwrap_or(0);
     let controls = sequences.first().map_or(0, Sequence::control_count);
-    let object = read_object(files, &frame, point_count, controls)?;
+    let mut object = read_object(files, &frame, point_count, controls)?;
+    object.mass_kg = manifest.mass_kg;
     Ok(Capture {
         name: if manifest.name.is_empty() { files.name.clone() } else { manifest.name },
         fps: manifest.fps,
@@ -193,6 +194,22 @@ fn read_object(
                 return Err(array.wrong_shape(&needed));
             }
         }
+    }
+    if let Some(bytes) = files.find(arrays::HANDS)? {
+        let array = npy::read(arrays::HANDS, &bytes)?;
+        if array.shape != [control_count] {
+            return Err(array.wrong_shape(&format!("[{control_count}], a hand per control point")));
+        }
+        let hands = array.integers(&mut files.budget)?;
+        let hand = |hand: i64| {
+            index_in(hand, control_count).ok_or_else(|| Error::Document {
+                at: arrays::HANDS.to_owned(),
+                fault: format!(
+                    "it names hand {hand} of {control_count} control points: count from 0"
+                ),
+            })
+        };
+        object.control_hands = hands.into_iter().map(hand).collect::<Result<_, _>>()?;
     }
     object.edges = read_pairs(files, arrays::EDGES, |index, [a, b]| {
         let edge = index_in(a, point_count).zip(index_in(b, point_count)).filter(|(a, b)| a != b);

@@ -53,6 +53,11 @@ pub fn write_bundle<W: Write + Seek>(capture: &Capture, out: W) -> Result<W, Err
             put(name, &npy::write("<u4", &[pairs.len(), 2], &bytes))?;
         }
     }
+    if !object.control_hands.is_empty() {
+        let hands = &object.control_hands;
+        let bytes: Vec<u8> = hands.iter().flat_map(|hand| hand.to_le_bytes()).collect();
+        put(arrays::HANDS, &npy::write("<u4", &[hands.len()], &bytes))?;
+    }
     for (index, sequence) in capture.sequences.iter().enumerate() {
         let folder = folder(capture, index);
         let path = |name: &str| {
@@ -108,6 +113,7 @@ fn manifest(capture: &Capture) -> Manifest {
         start_frames: sequence.start_frames,
     };
     Manifest {
+        mass_kg: capture.object.mass_kg,
         sequences: capture.sequences.iter().enumerate().map(entry).collect(),
         ..Manifest::in_world(
             &capture.name,

@@ -78,6 +78,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         cameras,
         mesh: None,
         truth_tracks: Vec::new(),
+        mass_kg: None,
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }

@@ -95,6 +95,7 @@ pub(super) fn read(mut files: Files<'static>) -> Result<Recording, Error> {
         cameras,
         mesh,
         truth_tracks,
+        mass_kg: None,
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }

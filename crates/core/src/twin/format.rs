@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Provenance, Twin};
 use crate::{
-    Category, Contact, Environment, FRAME_RATES, Graph, NodeKind, Params, Pin, Point, Problem,
-    Quality, Timing, environment::ControlVelocity,
+    Category, Contact, Environment, FRAME_RATES, Graph, MASSES, NodeKind, Params, Pin, Point,
+    Problem, Quality, Timing, environment::ControlVelocity,
 };
 
 /// Newest version that this build reads and writes; it reads every earlier one. A twin is written
@@ -20,6 +20,9 @@ pub const VERSION: u32 = 2;
 
 /// The version with rods.
 const WITH_RODS: u32 = 2;
+
+/// The tensor that says the hand of each control point; a file of any version may have it.
+const HANDS: &str = "controls.hand";
 
 /// Key of the JSON document in the container's metadata.
 const METADATA_KEY: &str = "bendtwin.twin";
@@ -68,6 +71,8 @@ struct Metadata {
     contact: Contact,
     provenance: Provenance,
     quality: Quality,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mass_kg: Option<f64>,
 }
 
 struct Raw<'a> {
@@ -137,6 +142,9 @@ impl Twin {
                 ("rods.rest_twist", raw(Dtype::F32, &[r], &p.rest_twists_rad)),
             ]);
         }
+        if !self.control_hands.is_empty() {
+            tensors.push((HANDS, raw(Dtype::U32, &[c], &self.control_hands)));
+        }
         let metadata = Metadata {
             version,
             environment: self.environment,
@@ -146,6 +154,7 @@ impl Twin {
             contact: p.contact,
             provenance: self.provenance.clone(),
             quality: self.quality.clone(),
+            mass_kg: self.mass_kg,
         };
         let json =
             serde_json::to_string(&metadata).map_err(|e| FormatError::Metadata(e.to_string()))?;
@@ -234,6 +243,12 @@ impl Twin {
             control_velocity: metadata.control_velocity,
             provenance: metadata.provenance,
             quality: metadata.quality,
+            mass_kg: metadata.mass_kg,
+            control_hands: if file.has(HANDS) {
+                file.read(HANDS, Dtype::U32, None)?
+            } else {
+                Vec::new()
+            },
         };
         twin.check()?;
         Ok(twin)
@@ -265,6 +280,14 @@ impl Twin {
         if !e.gravity.iter().chain(&ground).all(|x| x.is_finite()) {
             return fail("gravity or ground is not finite".into());
         }
+        if let Some(mass) = self.mass_kg.filter(|mass| !MASSES.contains(mass)) {
+            let (low, high) = (MASSES.start(), MASSES.end());
+            return fail(format!("the mass is {mass} kg ({low} to {high} are possible)"));
+        }
+        let (hands, controls) = (self.control_hands.len(), self.graph.control_count());
+        if hands != 0 && hands != controls {
+            return fail(format!("{hands} hands for {controls} control points: one each, or none"));
+        }
         self.quality.fast.as_ref().map_or(Ok(()), |f| f.check().or_else(fail))
     }
 }
@@ -272,6 +295,11 @@ impl Twin {
 struct Tensors<'a>(SafeTensors<'a>);
 
 impl Tensors<'_> {
+    /// True if there is a tensor of this name.
+    fn has(&self, name: &str) -> bool {
+        self.0.tensor(name).is_ok()
+    }
+
     /// The rods' nodes, one rod after another in the file.
     fn rods(&self) -> Result<Vec<Vec<u32>>, FormatError> {
         let lengths: Vec<u32> = self.read("rods.lengths", Dtype::U32, None)?;

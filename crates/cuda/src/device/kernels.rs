@@ -4,10 +4,11 @@ use bendtwin_engine::Error;
 
 use super::{
     args::{
-        AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, Checks, CollectControlsArgs, DeviceType,
-        ExtremesArgs, FindPartnersArgs, FinishGradientArgs, GatherSumsArgs, PackBendsArgs,
-        PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SquareLengthsArgs, StartArgs,
-        StepAdamArgs, WeighGradientsArgs,
+        AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, ChangeGraspsArgs, Checks,
+        CollectControlsArgs, DeviceType, ExtremesArgs, FindPartnersArgs, FinishGradientArgs,
+        GatherSumsArgs, NormBarsArgs, PackBendsArgs, PackHalfSpringsArgs, RecordArgs, ScoreArgs,
+        SeedArgs, SeedRestLengthsArgs, SquareLengthsArgs, StartArgs, StepAdamArgs, SumForcesArgs,
+        WeighGradientsArgs,
     },
     launch::Launch,
     specialization::Source,
@@ -49,10 +50,16 @@ kernels! {
     Adjoint: back_frame(BackFrameArgs);
     /// Contact candidates of a frame: a block for an instance.
     Partners: find_partners(FindPartnersArgs);
+    /// Grasps at a frame boundary: a block for an instance.
+    Grasps: change_grasps(ChangeGraspsArgs);
+    /// Forces of a frame: a block for an instance.
+    Forces: sum_forces(SumForcesArgs);
     /// Values of objectives: a block for a term of an instance.
     Loss: score(ScoreArgs);
     /// d loss / d positions at frame ends: a block for some nodes of a frame of an instance.
     Loss: seed(SeedArgs);
+    /// d loss / d rest lengths by strains: a block for some springs of an instance.
+    Loss: seed_rest_lengths(SeedRestLengthsArgs);
     /// Half-springs from parameters.
     Params: pack_half_springs(PackHalfSpringsArgs);
     /// Triplets from parameters.
@@ -65,6 +72,8 @@ kernels! {
     Params: collect_controls(CollectControlsArgs);
     /// d loss / d state at a frame's end: a block for some nodes of an instance.
     Params: add_seeds(AddSeedsArgs);
+    /// Norms of d loss / d positions: a block for an instance.
+    Params: norm_bars(NormBarsArgs);
     /// Squared lengths of gradients: some blocks for a gradient.
     Optimizer: square_lengths(SquareLengthsArgs);
     /// The weighted sum of gradients.

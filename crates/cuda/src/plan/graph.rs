@@ -35,6 +35,7 @@ pub(crate) struct DeviceGraph {
     pub(crate) graph: Arc<Graph>,
     /// Zero where pinned.
     inverse_mass: Buffer<f32>,
+    masses: Buffer<f32>,
     pins: Buffer<args::Pin>,
     pin_of: Buffer<i32>,
     pub(crate) object_ids: Buffer<u32>,
@@ -42,6 +43,8 @@ pub(crate) struct DeviceGraph {
     pub(crate) springs: Buffer<[u32; 2]>,
     /// Made when self contact first asks for it.
     neighbours: Memo<(), Arc<Neighbours>>,
+    /// Made when a strain first asks for it.
+    node_springs: Memo<(), Arc<NodeSprings>>,
     cuts: Memo<Cut, Arc<CutGraph>>,
 }
 
@@ -51,6 +54,14 @@ pub(crate) struct Neighbours {
     pub(crate) starts: Buffer<u32>,
     /// Neighbours, ascending for each node.
     pub(crate) nodes: Buffer<u32>,
+}
+
+/// Springs between two nodes, by node.
+pub(crate) struct NodeSprings {
+    /// First spring of each node, shape [N + 1].
+    pub(crate) starts: Buffer<u32>,
+    /// Springs, ascending for each node.
+    pub(crate) springs: Buffer<u32>,
 }
 
 /// A graph cut for one shape of launch.
@@ -98,11 +109,13 @@ impl DeviceGraph {
             .collect();
         Ok(Self {
             inverse_mass: Buffer::of(stream, &inverse_mass)?,
+            masses: Buffer::of(stream, &graph.masses)?,
             pins: Buffer::of(stream, &pins)?,
             pin_of: Buffer::of(stream, &pin_of)?,
             object_ids: Buffer::of(stream, &graph.object_ids)?,
             springs: Buffer::of(stream, &graph.springs)?,
             neighbours: Memo::default(),
+            node_springs: Memo::default(),
             cuts: Memo::default(),
             graph: graph.clone(),
         })
@@ -150,6 +163,7 @@ impl DeviceGraph {
             exports: parts._exports.address(),
             export_refs: parts._export_refs.address(),
             inverse_mass: self.inverse_mass.address(),
+            masses: self.masses.address(),
             sum_rows: parts._sum_rows.address(),
             triplet_of: triplet_of.address(),
             node_count: self.graph.node_count() as u32,
@@ -179,6 +193,31 @@ impl DeviceGraph {
             tape_slots,
             layout,
             _parts: parts,
+        })
+    }
+
+    /// Springs between two nodes by node; kept as long as the graph.
+    pub(crate) fn node_springs(&self, device: &Device) -> Result<Arc<NodeSprings>, Error> {
+        self.node_springs.get_or_make((), || {
+            let n = self.graph.node_count();
+            let mut own: Vec<Vec<u32>> = vec![Vec::new(); n];
+            for (s, &[a, b]) in self.graph.springs.iter().enumerate() {
+                if (a.max(b) as usize) < n {
+                    own[a as usize].push(s as u32);
+                    own[b as usize].push(s as u32);
+                }
+            }
+            let mut starts = vec![0];
+            starts.extend(own.iter().scan(0, |end, list| {
+                *end += list.len() as u32;
+                Some(*end)
+            }));
+            let made = NodeSprings {
+                starts: Buffer::of(&device.normal, &starts)?,
+                springs: Buffer::of(&device.normal, &own.concat())?,
+            };
+            crate::device::synchronize(&device.normal)?;
+            Ok(Arc::new(made))
         })
     }
 

@@ -13,7 +13,7 @@ use bendtwin_engine::{
 };
 
 use crate::{
-    device::{Device, queue::Queue},
+    device::{Device, queue::Queue, specialization::WorldParts},
     plan::{
         choice::{Purpose, choose},
         graphs::Graphs,
@@ -25,7 +25,7 @@ use crate::{
         objective::Objectives,
         optimizer::DeviceOptimizer,
         outputs::{RecordedOutputs, retained_states},
-        scoring::{Scores, loss, refuse_too_long},
+        scoring::{Scores, loss, refuse_too_long, unless_diverged},
         simulation::{self, RetainedStates, Simulation},
     },
 };
@@ -143,7 +143,7 @@ impl CudaBackend {
         let needed =
             batch.iter().map(|i| simulation::bytes_of(i, RetainedStates::All)).sum::<u64>();
         self.refuse_too_large(needed)?;
-        let simulation = Simulation::new(&self.queue, batch, RetainedStates::All)?;
+        let simulation = Simulation::new(&self.queue, batch, RetainedStates::All, false)?;
         let gradients = batch.iter().map(backward::bytes_of).sum::<u64>();
         let mut room = self.room().saturating_sub(needed).saturating_sub(gradients);
         // Tapes that fit are written by the forward pass; others when they are needed.
@@ -168,10 +168,11 @@ impl CudaBackend {
         &'a self,
         batch: &'a [Instance],
         retained: RetainedStates,
+        measured: bool,
         cancel: &CancelToken,
     ) -> Result<SimulatedBatch<'a>, Error> {
         self.refuse_too_large(batch.iter().map(|i| simulation::bytes_of(i, retained)).sum())?;
-        let simulation = Simulation::new(&self.queue, batch, retained)?;
+        let simulation = Simulation::new(&self.queue, batch, retained, measured)?;
         simulation.run(None, cancel)?;
         let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
         let scores =
@@ -194,8 +195,12 @@ impl CudaBackend {
         outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        let simulated = self.score(batch, retained_states(batch, outputs), cancel)?;
+        let retained = retained_states(batch, outputs);
+        let simulated = self.score(batch, retained, outputs.forces, cancel)?;
         let losses = simulated.losses()?;
+        let frame_costs =
+            if outputs.frame_costs { simulated.frame_costs()? } else { vec![vec![]; batch.len()] };
+        let losses = losses.into_iter().zip(frame_costs).collect();
         let recorded = RecordedOutputs::new(&simulated.simulation, outputs)?;
         recorded.rollouts(&simulated.simulation, outputs, losses)
     }
@@ -216,6 +221,7 @@ impl CudaBackend {
         };
         let initial_twists =
             if request.initial { self.queue.fetch(&gradients.initial_twists)? } else { Vec::new() };
+        let norms = self.queue.fetch(&gradients.norms)?;
         let mut out = Vec::with_capacity(batch.len());
         for (i, (instance, loss)) in batch.iter().zip(simulated.losses()?).enumerate() {
             let model = instance.model.model();
@@ -225,11 +231,11 @@ impl CudaBackend {
             let own = if ended { own } else { &zeros };
             let n = model.graph.node_count();
             let start = gradients.initial_starts[i];
-            let point = |p: &[f32; 4]| [p[0], p[1], p[2]].map(narrow);
+            let point = |p: &[f32; 4]| [p[0], p[1], p[2]].map(saturate);
             let r = model.graph.rods.len();
             let at = gradients.initial_twist_starts[i];
             let twist_bars = match initial_twists.get(at..at + r) {
-                Some(bars) if ended => bars.iter().map(|&x| narrow(x)).collect(),
+                Some(bars) if ended => bars.iter().map(|&x| saturate(x)).collect(),
                 _ => vec![0.0; r],
             };
             let mut at_start = match initial.get(start..start + 2 * n) {
@@ -248,7 +254,7 @@ impl CudaBackend {
             };
             let span = gradients.control_starts[i]..gradients.control_starts[i + 1];
             let mut paths: Vec<[f32; 3]> = if ended {
-                controls[span].iter().map(|p| p.map(narrow)).collect()
+                controls[span].iter().map(|p| p.map(saturate)).collect()
             } else {
                 vec![[0.0; 3]; span.len()]
             };
@@ -259,6 +265,15 @@ impl CudaBackend {
                 if let Some(path) = paths.get_mut(pin.control as usize) {
                     (0..3).for_each(|k| path[k] += x[k]);
                 }
+            }
+            let mut norms = norms[gradients.norm_starts[i]..gradients.norm_starts[i + 1]].to_vec();
+            if !ended {
+                // Nothing was differentiated, and zero would say that nothing matters.
+                norms.fill(f64::NAN);
+                at_start.positions.fill([f32::NAN; 3]);
+                at_start.velocities.fill([f32::NAN; 3]);
+                at_start.twists.fill(f32::NAN);
+                paths.fill([f32::NAN; 3]);
             }
             let final_state = if request.final_state && ended {
                 Some(simulated.state(i, instance.frames)?)
@@ -273,7 +288,7 @@ impl CudaBackend {
                 controls: paths,
                 poses: Vec::new(),
                 rolls: Vec::new(),
-                norms: Vec::new(),
+                norms,
                 initial: request.initial.then_some(at_start),
                 final_state,
             });
@@ -296,7 +311,12 @@ fn gradient_params(model: &Model, flat: &[f32]) -> Params {
 
 /// A number in the range of f32; NaN becomes zero.
 fn narrow(x: f32) -> f32 {
-    if x.is_nan() { 0.0 } else { x.clamp(-f32::MAX, f32::MAX) }
+    if x.is_nan() { 0.0 } else { saturate(x) }
+}
+
+/// A number in the range of f32, or NaN.
+fn saturate(x: f32) -> f32 {
+    x.clamp(-f32::MAX, f32::MAX)
 }
 
 impl SimulatedBatch<'_> {
@@ -308,6 +328,22 @@ impl SimulatedBatch<'_> {
                 let each = self.simulation.instances.iter().zip(&self.divergences);
                 let zeros = |i: &Instance| vec![0.0; i.objective.groups.len()];
                 Ok(each.map(|(i, d)| loss(*d, zeros(i))).collect())
+            }
+        }
+    }
+
+    /// Costs by frame and group of each instance; waits for the device.
+    pub(crate) fn frame_costs(&self) -> Result<Vec<Vec<f64>>, Error> {
+        match &self.scores {
+            Some(scores) => scores.frame_costs(&self.simulation, &self.divergences),
+            None => {
+                let each = self.simulation.instances.iter().zip(&self.divergences);
+                Ok(each
+                    .map(|(i, d)| {
+                        let groups = i.objective.groups.len();
+                        unless_diverged(*d, vec![0.0; (i.frames + 1) * groups], groups)
+                    })
+                    .collect())
             }
         }
     }
@@ -339,7 +375,8 @@ impl Backend for CudaBackend {
         let graph = self.graphs.get(&self.device, &model.graph)?;
         let resident = Resident::new(&self.device, &graph, &model.params)?;
         // One shape is made now, so that what cannot run is refused here.
-        choose(&self.device.capabilities, &resident, &model, Purpose::Forward, 1, 1)?;
+        let (device, world) = (&self.device.capabilities, WorldParts::default());
+        choose(device, &resident, &model, Purpose::Forward, world, 1, 1)?;
         crate::device::synchronize(&self.device.normal)?;
         Ok(Loaded::new(model, Arc::new(resident)))
     }
@@ -389,7 +426,7 @@ impl Backend for CudaBackend {
         let bytes = |i: &Instance| simulation::bytes_of(i, retained);
         let mut losses = Vec::with_capacity(batch.len());
         for chunk in Self::chunks(batch, self.room(), bytes) {
-            let done = self.score(&batch[chunk], retained, cancel).and_then(|m| m.losses());
+            let done = self.score(&batch[chunk], retained, false, cancel).and_then(|m| m.losses());
             losses.extend(self.settled(done)?);
         }
         Ok(losses)
@@ -430,7 +467,8 @@ impl Backend for CudaBackend {
     fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
         let resident = resident(model).ok()?;
         let (capabilities, purpose) = (&self.device.capabilities, Purpose::Forward);
-        let plan = choose(capabilities, resident, model.model(), purpose, batch, batch).ok()?;
+        let (model, world) = (model.model(), WorldParts::default());
+        let plan = choose(capabilities, resident, model, purpose, world, batch, batch).ok()?;
         Some(plan.team.to_string())
     }
 }

@@ -42,6 +42,9 @@ pub(crate) struct Gradients {
     /// d loss / d initial twists by instance.
     pub(crate) initial_twists: Buffer<f32>,
     pub(crate) initial_twist_starts: Vec<usize>,
+    /// Norms of d loss / d positions by instance, shape [F + 1]; empty if not asked for.
+    pub(crate) norms: Buffer<f64>,
+    pub(crate) norm_starts: Vec<usize>,
 }
 
 /// Bytes of device memory that an instance's gradient takes beside one window's tape.
@@ -49,7 +52,10 @@ pub(crate) fn bytes_of(simulated: &bendtwin_engine::backend::Instance) -> u64 {
     let graph = &simulated.model.model().graph;
     let (n, elements) = (graph.node_count() as u64, (graph.springs.len() + hinges(graph)) as u64);
     // The gradient and its sums, what seeds it, and d loss / d initial state.
-    24 * elements + crate::run::scoring::seed_bytes(simulated.frames, n as usize) + 32 * n
+    24 * elements
+        + crate::run::scoring::seed_bytes(simulated.frames, n as usize)
+        + 32 * n
+        + 8 * (simulated.frames as u64 + 1)
 }
 
 /// Triplets and rods: elements with three parameters each whose gradients are summed as they are.
@@ -91,13 +97,15 @@ impl Gradients {
         for alike in order.chunk_by(|&a, &b| keys[a] == keys[b]) {
             Backward { forward: *forward, request, out: &this, cancel }.run(alike, room)?;
         }
+        let params: Vec<_> = (0..instances.len()).map(|i| this.params.at(this.starts[i])).collect();
+        forward.scores.add_rest_lengths(forward.simulation, &params)?;
         Ok(this)
     }
 
     fn empty(simulation: &Simulation<'_>, request: &GradientRequest) -> Result<Self, Error> {
         let stream = &simulation.queue.stream;
         let (mut starts, mut control_starts, mut initial_starts) = (vec![0], vec![0], vec![0]);
-        let mut initial_twist_starts = vec![0];
+        let (mut initial_twist_starts, mut norm_starts) = (vec![0], vec![0]);
         for instance in simulation.instances {
             let graph = &instance.model.model().graph;
             let length = 3 * (graph.springs.len() + hinges(graph)) + LAWS;
@@ -106,16 +114,20 @@ impl Gradients {
             control_starts.push(end_of(&control_starts) + controls);
             initial_starts.push(end_of(&initial_starts) + 2 * graph.node_count());
             initial_twist_starts.push(end_of(&initial_twist_starts) + graph.rods.len());
+            let norms = if request.norms { instance.frames + 1 } else { 0 };
+            norm_starts.push(end_of(&norm_starts) + norms);
         }
         Ok(Self {
             params: Buffer::zeros(stream, end_of(&starts))?,
             controls: Buffer::zeros(stream, end_of(&control_starts))?,
             initial: Buffer::zeros(stream, end_of(&initial_starts))?,
             initial_twists: Buffer::zeros(stream, end_of(&initial_twist_starts))?,
+            norms: Buffer::zeros(stream, end_of(&norm_starts))?,
             starts,
             control_starts,
             initial_starts,
             initial_twist_starts,
+            norm_starts,
         })
     }
 }

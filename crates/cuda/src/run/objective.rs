@@ -15,6 +15,8 @@ use crate::device::{
 
 /// Targets kept at a time (a few hundred megabytes): a fit asks for the same ones again and again.
 const KEPT_TARGETS: usize = 1 << 24;
+/// A region that is meant for all nodes; see `kernels/loss.cu`.
+const ALL_NODES: u32 = 1;
 /// Objectives kept at a time.
 const KEPT: usize = 256;
 
@@ -29,6 +31,8 @@ pub(crate) struct DeviceObjective {
     /// Index in the objective of each term here.
     pub(crate) order: Vec<u32>,
     pub(crate) target_count: usize,
+    /// True if a term measures strains.
+    pub(crate) has_strains: bool,
     frames: usize,
 }
 
@@ -96,6 +100,15 @@ impl DeviceObjective {
                     target_nodes.extend_from_slice(nodes);
                 }
                 Term::Acceleration => term.kind = 2,
+                Term::Strain { limit } => (term.kind, term.beta) = (3, *limit),
+                Term::Above { nodes, normal, offset_m } => {
+                    (term.kind, term.beta, term.low) = (4, *offset_m, *normal);
+                    region(nodes.as_ref(), &mut term, &mut targets, &mut target_nodes);
+                }
+                Term::Within { nodes, low, high } => {
+                    (term.kind, term.low, term.high) = (5, *low, *high);
+                    region(nodes.as_ref(), &mut term, &mut targets, &mut target_nodes);
+                }
                 other => {
                     return Err(Error::InvalidInput(format!("no {other:?} on this device")));
                 }
@@ -112,6 +125,7 @@ impl DeviceObjective {
             targets: Buffer::of(stream, &targets)?,
             target_nodes: Buffer::of(stream, &target_nodes)?,
             target_count: targets.len(),
+            has_strains: terms.iter().any(|t| matches!(t.term, Term::Strain { .. })),
             terms: terms.clone(),
             order,
             frames,
@@ -142,5 +156,32 @@ impl DeviceObjective {
             sums[self.terms[t as usize].group] += value;
         }
         sums
+    }
+
+    /// The same by frame, shape [F + 1, groups].
+    pub(crate) fn frame_groups(&self, values: &[f64], groups: usize) -> Vec<f64> {
+        let mut sums = vec![0.0; (self.frames + 1) * groups];
+        for (&t, value) in self.order.iter().zip(values) {
+            let term = &self.terms[t as usize];
+            sums[term.frame * groups + term.group] += value;
+        }
+        sums
+    }
+}
+
+/// Appends a region's nodes to those of targets, or marks that it is for all.
+fn region(
+    nodes: Option<&Arc<Vec<u32>>>,
+    term: &mut args::Term,
+    targets: &mut Vec<[f32; 3]>,
+    target_nodes: &mut Vec<u32>,
+) {
+    match nodes {
+        None => term.loss = ALL_NODES,
+        Some(some) => {
+            target_nodes.extend_from_slice(some);
+            // One array is as long as the other.
+            targets.resize(target_nodes.len(), [0.0; 3]);
+        }
     }
 }

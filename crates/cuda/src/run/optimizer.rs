@@ -142,7 +142,11 @@ impl Optimizer for DeviceOptimizer {
             Ok(Instance { model: run.own(), ..sample.instance.clone() })
         };
         let instances = batch.iter().map(here).collect::<Result<Vec<_>, Error>>()?;
-        let request = GradientRequest { controls: false, initial: false, ..*request };
+        let request = GradientRequest {
+            cut_every: request.cut_every,
+            final_state: request.final_state,
+            ..GradientRequest::PARAMS
+        };
         let before: Vec<usize> = self.runs.iter().map(|w| w.waiting.len()).collect();
         let mut norms = Vec::with_capacity(batch.len());
         let mut outcome = self.backend.check(&instances);

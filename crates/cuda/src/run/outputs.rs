@@ -1,8 +1,8 @@
-//! Outputs of a rollout beside its costs.
+//! Outputs of a rollout beside its costs; velocities are means over frames, as on the CPU.
 
 use bendtwin_engine::{
-    Error,
-    backend::{Diagnostics, Divergence, Instance, Loss, Outputs, Rollout},
+    Energy, Error,
+    backend::{Diagnostics, Instance, Loss, Outputs, Rollout},
     constants::ON_GROUND_M,
     energy,
     model::State,
@@ -24,8 +24,11 @@ use crate::{
 pub(crate) struct RecordedOutputs {
     frames: Vec<Vec<u32>>,
     positions: Buffer<[f32; 3]>,
+    /// As `positions`; empty if not asked for.
+    velocities: Buffer<[f32; 3]>,
     starts: Vec<usize>,
-    extremes: Buffer<[f32; 2]>,
+    /// Largest strain, that of springs to control points, and speed, by frame.
+    extremes: Buffer<[f32; 3]>,
     extreme_starts: Vec<usize>,
 }
 
@@ -61,6 +64,8 @@ impl RecordedOutputs {
             frame_starts.push(end_of(&frame_starts) + frames.len());
         }
         let positions = Buffer::empty(stream, end_of(&starts))?;
+        let with_velocities = if outputs.velocities { end_of(&starts) } else { 0 };
+        let velocities: Buffer<[f32; 3]> = Buffer::empty(stream, with_velocities)?;
         let extremes = Buffer::empty(stream, end_of(&extreme_starts))?;
         let all_frames = Buffer::of(stream, &frames.concat())?;
         let selected = match &outputs.nodes {
@@ -79,6 +84,11 @@ impl RecordedOutputs {
                 springs: resident.graph.springs.address(),
                 params: resident.params.address(),
                 controls: simulation.controls_of(i),
+                velocities: if outputs.velocities {
+                    velocities.at(starts[i])
+                } else {
+                    Pointer::default()
+                },
                 extremes: extremes.at(extreme_starts[i]),
                 node_count: graph.node_count() as u32,
                 recorded_nodes: nodes(instance) as u32,
@@ -87,7 +97,7 @@ impl RecordedOutputs {
                 spring_count: graph.springs.len() as u32,
                 control_count: graph.control_count() as u32,
                 frame_count: instance.frames as u32,
-                unused: 0,
+                rate: (1.0 / instance.model.model().timing.frame_s()) as f32,
             });
         }
         let output_args = Buffer::of(stream, &output_args)?;
@@ -111,46 +121,59 @@ impl RecordedOutputs {
                 unsafe { kernels::extremes(&launch, &ExtremesArgs { outputs: args })? };
             }
         }
-        Ok(Self { frames, positions, starts, extremes, extreme_starts })
+        Ok(Self { frames, positions, velocities, starts, extremes, extreme_starts })
     }
 
-    /// The rollouts; waits for the device.
+    /// The rollouts with their losses and costs by frame; waits for the device.
     pub(crate) fn rollouts(
         &self,
         simulation: &Simulation<'_>,
         outputs: &Outputs,
-        losses: Vec<Loss>,
+        losses: Vec<(Loss, Vec<f64>)>,
     ) -> Result<Vec<Rollout>, Error> {
         let positions = simulation.queue.fetch(&self.positions)?;
+        let velocities = simulation.queue.fetch(&self.velocities)?;
         let extremes = self.extremes.read()?;
         let mut rollouts = Vec::with_capacity(losses.len());
-        for (i, loss) in losses.into_iter().enumerate() {
+        for (i, (loss, frame_costs)) in losses.into_iter().enumerate() {
             let instance = &simulation.instances[i];
             let ended = loss.diverged.is_none();
-            let whole = |d: Option<Divergence>| d.map_or(usize::MAX, |d| d.frame);
-            let kept = self.frames[i].iter().take_while(|&&f| (f as usize) < whole(loss.diverged));
+            let reached = loss.diverged.map_or(instance.frames, |d| d.frame.saturating_sub(1));
+            let kept = self.frames[i].iter().take_while(|&&f| f as usize <= reached);
             let frames: Vec<usize> = kept.map(|&f| f as usize).collect();
             let own = &positions[self.starts[i]..self.starts[i + 1]];
             let a_frame = own.len() / self.frames[i].len().max(1);
-            let last = if ended && (outputs.final_state || outputs.diagnostics) {
-                Some(simulation.state(i, instance.frames)?)
+            let last = if outputs.diagnostics || (ended && outputs.final_state) {
+                Some(simulation.state(i, reached)?)
             } else {
                 None
             };
-            let span = self.extreme_starts[i]..self.extreme_starts[i + 1];
+            let first = self.extreme_starts[i];
             let diagnostics = match &last {
                 Some(state) if outputs.diagnostics => {
-                    Some(diagnose(instance, state, &extremes[span]))
+                    Some(diagnose(instance, reached, state, &extremes[first..first + reached]))
                 }
                 _ => None,
             };
+            let recorded = frames.len() * a_frame;
+            let own_velocities = velocities.get(self.starts[i]..self.starts[i] + recorded);
             rollouts.push(Rollout {
-                positions: own[..frames.len() * a_frame].to_vec(),
+                positions: own[..recorded].to_vec(),
+                velocities: own_velocities.unwrap_or_default().to_vec(),
+                frame_costs,
                 frames,
                 cost: loss.total,
                 group_costs: loss.groups,
-                final_state: last.filter(|_| outputs.final_state),
+                final_state: last.filter(|_| ended && outputs.final_state),
                 diagnostics,
+                forces: match outputs.forces {
+                    true => Some(simulation.worlds.forces(
+                        i,
+                        instance,
+                        loss.diverged.map_or(instance.frames, |d| d.frame - 1),
+                    )?),
+                    false => None,
+                },
                 diverged: loss.diverged,
                 ..Rollout::default()
             });
@@ -159,12 +182,23 @@ impl RecordedOutputs {
     }
 }
 
-fn diagnose(instance: &Instance, last: &State, extremes: &[[f32; 2]]) -> Diagnostics {
+/// Diagnostics of the frames that were reached, the last of which ended in a state. There are no
+/// energies if it was not the last of all.
+fn diagnose(
+    instance: &Instance,
+    reached: usize,
+    last: &State,
+    extremes: &[[f32; 3]],
+) -> Diagnostics {
     let model = instance.model.model();
     let controls = model.graph.control_count();
-    let held = &instance.controls[instance.frames * controls..];
+    let held = &instance.controls[reached * controls..(reached + 1) * controls];
     let most = |k: usize| extremes.iter().map(|e| e[k]).fold(0.0, f32::max);
-    let energy = energy(model, last, held).unwrap_or_default();
+    let energy = if reached == instance.frames {
+        energy(model, last, held).unwrap_or_default()
+    } else {
+        Energy { kinetic: f64::NAN, elastic: f64::NAN, gravitational: f64::NAN }
+    };
     let low = |x: &[f32; 3]| {
         model.environment.ground.is_some_and(|g| {
             let height: f32 = x.iter().zip(g.normal).map(|(x, n)| x * n).sum();
@@ -173,20 +207,20 @@ fn diagnose(instance: &Instance, last: &State, extremes: &[[f32; 2]]) -> Diagnos
     };
     let mut found = Diagnostics {
         max_strain: most(0),
-        max_speed_m_s: most(1),
+        max_control_strain: most(1),
+        max_speed_m_s: most(2),
         kinetic_energy: energy.kinetic as f32,
         elastic_energy: energy.elastic as f32,
         ground_contacts: last.positions.iter().filter(|x| low(x)).count() as u32,
-        ..Diagnostics::default()
     };
     if instance.frames == 0 {
-        (found.max_strain, found.max_speed_m_s) = at_rest(instance, last);
+        [found.max_strain, found.max_control_strain, found.max_speed_m_s] = at_rest(instance, last);
     }
     found
 }
 
-/// Largest strain and speed of a state that no frame has followed.
-fn at_rest(instance: &Instance, state: &State) -> (f32, f32) {
+/// Largest strains, as [`Diagnostics`] has them, and speed of a state that no frame has followed.
+fn at_rest(instance: &Instance, state: &State) -> [f32; 3] {
     let model = instance.model.model();
     let n = model.graph.node_count();
     let at = |e: u32| match e as usize {
@@ -194,13 +228,14 @@ fn at_rest(instance: &Instance, state: &State) -> (f32, f32) {
         i => instance.controls[i - n],
     };
     let length = |d: [f32; 3]| d.iter().map(|x| x * x).sum::<f32>().sqrt();
-    let strains = model.graph.springs.iter().zip(&model.params.rest_lengths_m);
-    let strain = strains
-        .filter(|(_, rest)| **rest > 0.0)
-        .map(|(&[a, b], rest)| {
-            let (a, b) = (at(a), at(b));
-            (length(std::array::from_fn(|k| b[k] - a[k])) / rest - 1.0).abs()
-        })
-        .fold(0.0, f32::max);
-    (strain, state.velocities.iter().map(|&v| length(v)).fold(0.0, f32::max))
+    let mut strains = [0.0_f32; 2];
+    for (&[a, b], &rest) in model.graph.springs.iter().zip(&model.params.rest_lengths_m) {
+        if rest > 0.0 {
+            let (from, to) = (at(a), at(b));
+            let strain = (length(std::array::from_fn(|k| to[k] - from[k])) / rest - 1.0).abs();
+            let kind = &mut strains[usize::from(a.max(b) as usize >= n)];
+            *kind = kind.max(strain);
+        }
+    }
+    [strains[0], strains[1], state.velocities.iter().map(|&v| length(v)).fold(0.0, f32::max)]
 }

@@ -4,18 +4,19 @@
 use std::sync::Arc;
 
 use bendtwin_engine::{
-    Error,
+    Error, Model,
     backend::{Divergence, Instance, Loss},
 };
 
 use crate::{
     device::{
-        args::{ObjectiveArgs, Pointer, ScoreArgs, SeedArgs},
+        args::{ObjectiveArgs, Pointer, ScoreArgs, SeedArgs, SeedRestLengthsArgs},
         kernels,
         launch::MOST_BLOCKS,
         memory::{Buffer, end_of},
         specialization::THREADS,
     },
+    plan::{graph::NodeSprings, resident::resident},
     run::{
         objective::{DeviceObjective, Objectives},
         simulation::Simulation,
@@ -31,6 +32,8 @@ pub(crate) struct Scores {
     value_starts: Vec<usize>,
     seeds: Option<Buffer<f32>>,
     seed_starts: Vec<usize>,
+    /// Keeps alive what the arguments point to.
+    _springs: Vec<Arc<NodeSprings>>,
 }
 
 /// Bytes that seeds of an instance of so many frames and nodes take.
@@ -78,9 +81,34 @@ impl Scores {
             None => None,
         };
         let mut objective_args = Vec::with_capacity(instances.len());
+        let mut springs = Vec::new();
         for (i, (instance, objective)) in instances.iter().zip(&objectives).enumerate() {
             let graph = &instance.model.model().graph;
+            let strains = if objective.has_strains {
+                let resident = resident(&instance.model)?;
+                let by_node = resident.graph.node_springs(&resident.device)?;
+                let strains = ObjectiveArgs {
+                    springs: resident.graph.springs.address(),
+                    params: resident.params.address(),
+                    spring_starts: by_node.starts.address(),
+                    node_springs: by_node.springs.address(),
+                    spring_count: graph.springs.len() as u32,
+                    strained_count: strained(instance.model.model()),
+                    ..ObjectiveArgs::default()
+                };
+                springs.push(by_node);
+                strains
+            } else {
+                ObjectiveArgs::default()
+            };
+            let own = objective.args(graph.node_count(), graph.surface_count());
             objective_args.push(ObjectiveArgs {
+                springs: strains.springs,
+                params: strains.params,
+                spring_starts: strains.spring_starts,
+                node_springs: strains.node_springs,
+                spring_count: strains.spring_count,
+                strained_count: strains.strained_count,
                 states: simulation.states_of(i),
                 nearest: nearest.at(nearest_starts[i]),
                 values: values.at(value_starts[i]),
@@ -88,7 +116,7 @@ impl Scores {
                     .as_ref()
                     .map_or_else(Pointer::default, |s: &Buffer<f32>| s.at(seed_starts[i])),
                 cut_every: cut_every.unwrap_or(0).min(u32::MAX as usize) as u32,
-                ..objective.args(graph.node_count(), graph.surface_count())
+                ..own
             });
         }
         let objective_args = Buffer::of(stream, &objective_args)?;
@@ -100,6 +128,7 @@ impl Scores {
             value_starts,
             seeds,
             seed_starts,
+            _springs: springs,
         };
         this.launch(simulation)?;
         Ok(this)
@@ -127,6 +156,33 @@ impl Scores {
         Ok(())
     }
 
+    /// Adds d loss / d rest lengths by the terms themselves to gradients by parameters, whose
+    /// addresses are by instance.
+    pub(crate) fn add_rest_lengths(
+        &self,
+        simulation: &Simulation<'_>,
+        gradients: &[Pointer<f32>],
+    ) -> Result<(), Error> {
+        if !self.objectives.iter().any(|o| o.has_strains) {
+            return Ok(());
+        }
+        let queue = simulation.queue;
+        let outs = Buffer::of(&queue.stream, gradients)?;
+        let springs = simulation.instances.iter().map(|i| i.model.model().graph.springs.len());
+        let most = springs.max().unwrap_or(0) as u32;
+        for first in (0..gradients.len()).step_by(MOST_BLOCKS) {
+            let count = MOST_BLOCKS.min(gradients.len() - first) as u32;
+            let args = SeedRestLengthsArgs {
+                objectives: self.objective_args.at(first),
+                outs: outs.at(first),
+            };
+            let launch = queue.grid(most.div_ceil(THREADS), count, 1);
+            // SAFETY: each gradient has a place for the rest length of every spring of its instance.
+            unsafe { kernels::seed_rest_lengths(&launch, &args)? };
+        }
+        Ok(())
+    }
+
     /// Address of d loss / d positions of an instance at the end of a frame.
     pub(crate) fn seed(
         &self,
@@ -137,6 +193,23 @@ impl Scores {
         let n = simulation.instances[index].model.model().graph.node_count();
         let at = self.seed_starts[index] + 3 * n * frame;
         self.seeds.as_ref().map_or_else(Pointer::default, |s| s.at(at))
+    }
+
+    /// Costs by frame and group of each instance, shape [F + 1, groups], infinite from the frame of a
+    /// divergence on; waits for the device.
+    pub(crate) fn frame_costs(
+        &self,
+        simulation: &Simulation<'_>,
+        diverged: &[Option<Divergence>],
+    ) -> Result<Vec<Vec<f64>>, Error> {
+        let values = self.values.read()?;
+        let each = simulation.instances.iter().zip(&self.objectives).enumerate();
+        let costs = each.map(|(i, (instance, objective))| {
+            let groups = instance.objective.groups.len();
+            let own = &values[self.value_starts[i]..self.value_starts[i + 1]];
+            unless_diverged(diverged[i], objective.frame_groups(own, groups), groups)
+        });
+        Ok(costs.collect())
     }
 
     /// The losses; waits for the device.
@@ -156,6 +229,14 @@ impl Scores {
     }
 }
 
+/// Springs that a strain is measured of.
+fn strained(model: &Model) -> u32 {
+    let n = model.graph.node_count();
+    let springs = model.graph.springs.iter().zip(&model.params.rest_lengths_m);
+    springs.filter(|(ends, rest)| **rest > 0.0 && ends.iter().all(|&e| (e as usize) < n)).count()
+        as u32
+}
+
 /// A loss of these groups; infinite if it diverged.
 pub(crate) fn loss(diverged: Option<Divergence>, groups: Vec<f64>) -> Loss {
     let groups = match diverged {
@@ -164,4 +245,15 @@ pub(crate) fn loss(diverged: Option<Divergence>, groups: Vec<f64>) -> Loss {
     };
     let total = if diverged.is_some() { f64::INFINITY } else { groups.iter().sum() };
     Loss { total, groups, diverged }
+}
+
+/// Costs by frame, infinite from a divergence on.
+pub(crate) fn unless_diverged(
+    diverged: Option<Divergence>,
+    mut costs: Vec<f64>,
+    groups: usize,
+) -> Vec<f64> {
+    let good = diverged.map_or(costs.len(), |d| d.frame * groups).min(costs.len());
+    costs[good..].fill(f64::INFINITY);
+    costs
 }

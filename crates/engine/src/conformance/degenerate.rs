@@ -184,11 +184,13 @@ pub(super) fn empty_and_lonely_graphs_work(backend: &dyn Backend) -> Outcome {
     })
 }
 
-/// A node that flies away is reported with its frame and index, costs infinitely, has no
-/// gradient, and does not disturb its neighbours in the batch.
+/// A node that flies away is reported with its frame and index, costs infinitely, and does not
+/// disturb its neighbours in the batch. What is not known of it is no number: zero would look like a
+/// perfect rollout. Only gradients by parameters are zero, for a fit to add up.
 pub(super) fn divergence_says_where(backend: &dyn Backend) -> Outcome {
     let mut scene = Scene::of(&[[0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0]]);
     scene.spring([0, 1], 10.0, 0.1);
+    scene.control([1.0, 0.0, 0.0]);
     scene.last(6);
     track_all(&mut scene);
     let calm = scene.clone();
@@ -199,11 +201,19 @@ pub(super) fn divergence_says_where(backend: &dyn Backend) -> Outcome {
         scene.instance(scene.load(backend)?),
         calm.instance(calm.load(backend)?),
     ];
-    let outputs = Outputs { every: 1, final_state: true, ..Outputs::NONE };
+    let outputs = Outputs {
+        every: 1,
+        final_state: true,
+        diagnostics: true,
+        velocities: true,
+        frame_costs: true,
+        ..Outputs::NONE
+    };
     let cancel = CancelToken::default();
     let rollouts = backend.roll_out(&batch, &outputs, &cancel).map_err(|e| e.to_string())?;
     let losses = backend.losses(&batch, &cancel).map_err(|e| e.to_string())?;
-    let gradients = backend.gradients(&batch, &EVERYTHING, &cancel).map_err(|e| e.to_string())?;
+    let request = GradientRequest { norms: true, ..EVERYTHING };
+    let gradients = backend.gradients(&batch, &request, &cancel).map_err(|e| e.to_string())?;
     let (Some(rollout), Some(loss), Some(gradient)) =
         (rollouts.get(1), losses.get(1), gradients.get(1))
     else {
@@ -222,10 +232,31 @@ pub(super) fn divergence_says_where(backend: &dyn Backend) -> Outcome {
     let costs = [rollout.cost, loss.total, gradient.loss.total];
     ensure(costs.iter().all(|c| *c == f64::INFINITY), || format!("costs {costs:?}"))?;
     ensure(rollout.frames == [1, 2], || format!("recorded frames {:?}", rollout.frames))?;
+    ensure(rollout.final_state.is_none() && rollout.velocities.len() == 6, || {
+        format!("{} velocities, final state {:?}", rollout.velocities.len(), rollout.final_state)
+    })?;
+    let by_frame: Vec<bool> = rollout.frame_costs.iter().map(|c| c.is_finite()).collect();
+    ensure(by_frame == [true, true, true, false, false, false, false], || {
+        format!("costs by frame {:?}", rollout.frame_costs)
+    })?;
+    let Some(d) = rollout.diagnostics else { return Err("it has no diagnostics".into()) };
+    close("speed before it diverged", f64::from(d.max_speed_m_s), 4e4, 1.0)?;
+    close("strain before it diverged", f64::from(d.max_strain), 0.0, 1e-4)?;
+    ensure(d.kinetic_energy.is_nan() && d.elastic_energy.is_nan(), || format!("{d:?}"))?;
     let p = &gradient.params;
-    let zero = p.spring_stiffness.iter().chain(&p.spring_dashpot).all(|g| *g == 0.0)
-        && gradient.initial.iter().flat_map(|s| &s.positions).flatten().all(|g| *g == 0.0);
-    ensure(zero && p.spring_stiffness.len() == 1, || "its gradient is not zero".into())?;
+    let zero = p.spring_stiffness.iter().chain(&p.spring_dashpot).all(|g| *g == 0.0);
+    ensure(zero && p.spring_stiffness.len() == 1, || {
+        "its gradient by parameters is not zero".to_owned()
+    })?;
+    let Some(initial) = &gradient.initial else { return Err("no initial gradient".into()) };
+    let unknown = initial.positions.iter().chain(&initial.velocities).chain(&gradient.controls);
+    let count = unknown.clone().count();
+    ensure(unknown.flatten().all(|g| g.is_nan()) && count == 6 + gradient.controls.len(), || {
+        format!("{count} gradients, not all of them unknown: {initial:?}")
+    })?;
+    ensure(gradient.controls.len() == 7, || format!("{} controls", gradient.controls.len()))?;
+    let norms = &gradient.norms;
+    ensure(norms.len() == 7 && norms.iter().all(|n| n.is_nan()), || format!("norms {norms:?}"))?;
     for i in [0, 2] {
         ensure(rollouts[i].diverged.is_none() && losses[i].total.is_finite(), || {
             format!("instance {i} suffers from another one's divergence")

@@ -214,15 +214,18 @@ pub(super) fn gradients_through_object_contact(backend: &dyn Backend) -> Outcome
     Ok(())
 }
 
-/// Chamfer, acceleration and every way in which a distance counts: to 1 %. Chamfer's targets lie so
+/// Every kind of term, and every way in which a distance counts: to 1 %. Chamfer's targets lie so
 /// near to where nodes come that the nearest node stays the same within a step.
 pub(super) fn gradients_of_every_term(backend: &dyn Backend) -> Outcome {
-    let wanted: [fn(&Term) -> bool; 5] = [
+    let wanted: [fn(&Term) -> bool; 8] = [
         |t| matches!(t, Term::Chamfer { .. }),
         |t| matches!(t, Term::Acceleration),
         |t| matches!(t, Term::Track { loss: PointLoss::Distance, .. }),
         |t| matches!(t, Term::Track { loss: PointLoss::SmoothL1 { .. }, .. }),
         |t| matches!(t, Term::Track { loss: PointLoss::SquaredDistance, .. }),
+        |t| matches!(t, Term::Strain { .. }),
+        |t| matches!(t, Term::Above { .. }),
+        |t| matches!(t, Term::Within { .. }),
     ];
     for (i, wanted) in wanted.into_iter().enumerate() {
         let seed = 20 + i as u64;
@@ -232,8 +235,44 @@ pub(super) fn gradients_of_every_term(backend: &dyn Backend) -> Outcome {
         if i == 0 {
             near_nodes(backend, &mut scene)?;
         }
-        let check = Check { seed, tolerance: 1e-2, must_matter: &["initial velocities"] };
-        matches_differences(backend, &scene, &check)?;
+        let must_matter: &[&str] = match i {
+            // Which depends on rest lengths directly, too.
+            5 => &["initial positions", "rest length"],
+            _ => &["initial velocities"],
+        };
+        matches_differences(backend, &scene, &Check { seed, tolerance: 1e-2, must_matter })?;
+    }
+    Ok(())
+}
+
+/// The norm at a frame boundary is that of the gradient by initial positions of a rollout that
+/// starts there with the terms from there on: to 1e-4. Cut, it is that of the terms of the window.
+pub(super) fn norms_are_those_of_restarts(backend: &dyn Backend) -> Outcome {
+    for cut in [0, 2] {
+        let scene = tracked(1, &RandomOptions { pins: 2, ..RandomOptions::default() }, 5);
+        let states = scene.states(backend)?;
+        let c = scene.graph.control_count();
+        let request = GradientRequest { norms: true, cut_every: cut, ..GradientRequest::PARAMS };
+        let norms = scene.gradient(backend, &request)?.norms;
+        ensure(norms.len() == 6, || format!("{} norms of 5 frames", norms.len()))?;
+        for (start, &got) in norms.iter().enumerate() {
+            // A boundary belongs to the window that ends there.
+            let windows = |f: usize| if cut == 0 { 0 } else { f.saturating_sub(1) / cut };
+            let mut rest = scene.clone();
+            rest.frames = scene.frames - start;
+            rest.initial = states[start].clone();
+            rest.controls = scene.controls[start * c..].to_vec();
+            let mut terms = (*scene.objective.terms).clone();
+            terms.retain(|t| t.frame >= start && windows(t.frame) == windows(start));
+            terms.iter_mut().for_each(|t| t.frame -= start);
+            rest.objective.terms = Arc::new(terms);
+            let gradient = rest.gradient(backend, &REQUEST)?;
+            let by_start = gradient.initial.map(|s| s.positions).unwrap_or_default();
+            let expected: f64 =
+                by_start.iter().flatten().map(|&x| f64::from(x).powi(2)).sum::<f64>().sqrt();
+            ensure(expected > 0.0, || format!("frame {start} has no gradient"))?;
+            close(&format!("cut every {cut}: norm at {start}"), got, expected, 1e-4 * expected)?;
+        }
     }
     Ok(())
 }

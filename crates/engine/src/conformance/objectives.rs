@@ -26,8 +26,28 @@ fn measured(seed: u64) -> Scene {
     scene
 }
 
+/// Strains of springs between two nodes, and of those to control points.
+fn strains(scene: &Scene, nodes: &[Point], controls: &[Point]) -> [Vec<f64>; 2] {
+    let mut found = [Vec::new(), Vec::new()];
+    let at = |e: u32| nodes.iter().chain(controls).nth(e as usize);
+    for (&[a, b], &l0) in scene.graph.springs.iter().zip(&scene.params.rest_lengths_m) {
+        if let (Some(&from), Some(&to)) = (at(a), at(b)) {
+            let strain = norm(difference(from, to)) / f64::from(l0) - 1.0;
+            found[usize::from(a.max(b) as usize >= nodes.len())].push(strain);
+        }
+    }
+    found
+}
+
 /// Value of a term on the positions of frame `f`, from its definition.
-fn value(term: &Term, frames: &[&[Point]], f: usize, surface: usize) -> f64 {
+fn value(term: &Term, scene: &Scene, frames: &[&[Point]], f: usize) -> f64 {
+    let surface = scene.graph.surface_count();
+    let chosen = |nodes: &Option<Arc<Vec<u32>>>| -> Vec<Point> {
+        match nodes {
+            None => frames[f].to_vec(),
+            Some(some) => some.iter().map(|&i| frames[f][i as usize]).collect(),
+        }
+    };
     let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let squared = |a: Point, b: Point| dot(difference(a, b), difference(a, b));
     match term {
@@ -55,11 +75,26 @@ fn value(term: &Term, frames: &[&[Point]], f: usize, surface: usize) -> f64 {
             };
             mean(nodes.iter().zip(targets).map(of).collect())
         }
-        Term::Strain { .. }
-        | Term::Above { .. }
-        | Term::Within { .. }
-        | Term::Clearance { .. }
-        | Term::Force { .. } => f64::NAN,
+        Term::Strain { limit } => {
+            let [of_material, _] = strains(scene, frames[f], &[]);
+            let beyond = |s: &f64| (s.abs() - f64::from(*limit)).max(0.0).powi(2);
+            mean(of_material.iter().map(beyond).collect())
+        }
+        Term::Above { nodes, normal, offset_m } => {
+            let depth = |x: &Point| {
+                let height = dot(x.map(f64::from), normal.map(f64::from));
+                (f64::from(*offset_m) - height).max(0.0).powi(2)
+            };
+            mean(chosen(nodes).iter().map(depth).collect())
+        }
+        Term::Within { nodes, low, high } => {
+            let outside = |x: &Point| {
+                let of = |k: usize| f64::from((low[k] - x[k]).max(x[k] - high[k]).max(0.0));
+                (0..3).map(|k| of(k).powi(2)).sum()
+            };
+            mean(chosen(nodes).iter().map(outside).collect())
+        }
+        Term::Clearance { .. } | Term::Force { .. } => f64::NAN,
         Term::Acceleration if f < 2 => 0.0,
         Term::Acceleration => {
             let nodes = frames[f].iter().zip(frames[f - 1]).zip(frames[f - 2]);
@@ -73,6 +108,19 @@ fn value(term: &Term, frames: &[&[Point]], f: usize, surface: usize) -> f64 {
     }
 }
 
+/// Weighted sums of the terms by frame and group, from the definitions and the recorded positions,
+/// shape [F + 1, groups].
+fn expected_costs(scene: &Scene, positions: &[Point]) -> Vec<f64> {
+    let frames: Vec<&[Point]> = positions.chunks_exact(scene.graph.node_count()).collect();
+    let groups = scene.objective.groups.len();
+    let mut costs = vec![0.0; frames.len() * groups];
+    for t in scene.objective.terms.iter() {
+        let v = value(&t.term, scene, &frames, t.frame);
+        costs[t.frame * groups + t.group] += f64::from(t.weight) * v;
+    }
+    costs
+}
+
 /// Losses are the weighted sums of their terms' definitions on the recorded positions, to 1e-4
 /// of each group (f32 differences of coordinates), and roll_out, losses and gradients agree:
 /// exactly, as they run the same simulation.
@@ -80,17 +128,16 @@ pub(super) fn losses_match_their_definitions(backend: &dyn Backend) -> Outcome {
     for seed in 0..4 {
         let scene = measured(seed);
         let rollout = scene.roll_out(backend)?;
-        let n = scene.graph.node_count();
-        let frames: Vec<&[Point]> = rollout.positions.chunks_exact(n).collect();
-        let mut expected = [0.0; 3];
-        for t in scene.objective.terms.iter() {
-            let v = value(&t.term, &frames, t.frame, scene.graph.surface_count());
-            expected[t.group] += f64::from(t.weight) * v;
+        let count = scene.objective.groups.len();
+        let mut expected = vec![0.0; count];
+        for frame in expected_costs(&scene, &rollout.positions).chunks_exact(count) {
+            expected.iter_mut().zip(frame).for_each(|(sum, v)| *sum += v);
         }
         let loss = scene.loss(backend)?;
-        ensure(loss.groups.len() == 3, || format!("{} groups of 3", loss.groups.len()))?;
+        ensure(loss.groups.len() == count, || format!("{} groups", loss.groups.len()))?;
         for (group, want) in expected.into_iter().enumerate() {
-            let what = format!("seed {seed}: group {group}");
+            let what = format!("seed {seed}: {}", scene.objective.groups[group]);
+            ensure(want > 1e-7, || format!("{what} is {want}, too small to tell anything"))?;
             close(&what, loss.groups[group], want, 1e-4 * want + 1e-10)?;
         }
         let sum: f64 = loss.groups.iter().sum();
@@ -103,6 +150,35 @@ pub(super) fn losses_match_their_definitions(backend: &dyn Backend) -> Outcome {
         ensure(rollout.group_costs == loss.groups && gradient.loss.groups == loss.groups, || {
             "the groups differ between losses, roll_out and gradients".to_owned()
         })?;
+    }
+    Ok(())
+}
+
+/// Costs by frame are their terms' definitions, to 1e-4 as above, and their sums the costs; a weight
+/// of zero costs nothing and a negative one takes away.
+pub(super) fn frame_costs_match_their_definitions(backend: &dyn Backend) -> Outcome {
+    for seed in 0..2 {
+        let mut scene = measured(seed);
+        let terms = Arc::make_mut(&mut scene.objective.terms);
+        for (t, term) in terms.iter_mut().enumerate() {
+            term.weight *= [1.0, -1.0, 0.0, 2.0][(t + seed as usize) % 4];
+        }
+        let outputs = Outputs { every: 1, initial: true, frame_costs: true, ..Outputs::NONE };
+        let rollout = scene.roll_out_raw(backend, &outputs)?;
+        let expected = expected_costs(&scene, &rollout.positions);
+        let (got, groups) = (&rollout.frame_costs, scene.objective.groups.len());
+        ensure(got.len() == expected.len(), || {
+            format!("{} costs by frame, expected {}", got.len(), expected.len())
+        })?;
+        for (i, (&got, want)) in got.iter().zip(expected).enumerate() {
+            let what = format!("seed {seed}: frame {}, group {}", i / groups, i % groups);
+            close(&what, got, want, 1e-4 * want.abs() + 1e-10)?;
+        }
+        for (group, &whole) in rollout.group_costs.iter().enumerate() {
+            let own: Vec<f64> = got.iter().skip(group).step_by(groups).copied().collect();
+            let size: f64 = own.iter().map(|x| x.abs()).sum();
+            close("the sum over frames", own.iter().sum(), whole, 1e-12 * size)?;
+        }
     }
     Ok(())
 }
@@ -131,9 +207,40 @@ pub(super) fn outputs_are_as_asked(backend: &dyn Backend) -> Outcome {
     ensure(none.positions.is_empty() && none.frames.is_empty(), || "recorded unasked".to_owned())
 }
 
-/// Diagnostics against the final state: energies to 0.1 % (f32 sums), speed to 1e-6,
-/// strain at least that of the final state.
-pub(super) fn diagnostics_match_the_state(backend: &dyn Backend) -> Outcome {
+/// Velocities are nodes' ways during frames by the frames' length, to 1e-6 of the fastest and an
+/// f32 coordinate's rounding (6e-8 m) by 10 ms; in frame 0 they are the initial state's.
+pub(super) fn velocities_are_those_of_the_motion(backend: &dyn Backend) -> Outcome {
+    let mut scene = measured(2);
+    scene.objective = Default::default();
+    let n = scene.graph.node_count();
+    let all = Outputs { every: 1, initial: true, velocities: true, ..Outputs::NONE };
+    let full = scene.roll_out_raw(backend, &all)?;
+    ensure(full.velocities.len() == full.positions.len(), || {
+        format!("{} velocities, {} positions", full.velocities.len(), full.positions.len())
+    })?;
+    let pinned = |i: usize| scene.graph.pins.iter().any(|p| p.node as usize == i);
+    for (i, (got, start)) in full.velocities.iter().zip(&scene.initial.velocities).enumerate() {
+        ensure(pinned(i) || got == start, || format!("node {i} starts at {got:?}"))?;
+    }
+    for f in 1..=scene.frames {
+        for i in 0..n {
+            let way = difference(full.positions[f * n + i], full.positions[(f - 1) * n + i]);
+            for (k, way) in way.into_iter().enumerate() {
+                let got = f64::from(full.velocities[f * n + i][k]);
+                close(&format!("frame {f}, node {i}"), got, way * scene.timing.fps, 2e-5)?;
+            }
+        }
+    }
+    let nodes = vec![5_u32, 0, 17];
+    let some = Outputs { every: 4, initial: false, nodes: Some(Arc::new(nodes.clone())), ..all };
+    let some = scene.roll_out_raw(backend, &some)?;
+    let expected: Vec<Point> = nodes.iter().map(|&i| full.velocities[4 * n + i as usize]).collect();
+    ensure(some.velocities == expected, || "selected velocities differ from the full record".into())
+}
+
+/// Diagnostics against the recorded motion and the final state: energies to 0.1 % (f32 sums),
+/// strains to 1e-5, speed to an f32 coordinate's rounding by a frame's length.
+pub(super) fn diagnostics_match_the_motion(backend: &dyn Backend) -> Outcome {
     for seed in 0..4 {
         let scene = measured(seed);
         let rollout = scene.roll_out(backend)?;
@@ -148,18 +255,22 @@ pub(super) fn diagnostics_match_the_state(backend: &dyn Backend) -> Outcome {
         let kinetic = energy::kinetic(&scene, state);
         close("elastic energy", f64::from(d.elastic_energy), elastic, 1e-3 * elastic)?;
         close("kinetic energy", f64::from(d.kinetic_energy), kinetic, 1e-3 * kinetic)?;
-        let speeds = state.velocities.iter().map(|v| norm(v.map(f64::from)));
-        let fastest = speeds.fold(0.0, f64::max);
-        let strains = scene.graph.springs.iter().zip(&scene.params.rest_lengths_m);
-        let strain = strains
-            .map(|(&s, &l0)| (energy::length(&points, s) / f64::from(l0) - 1.0).abs())
-            .fold(0.0, f64::max);
-        ensure(f64::from(d.max_speed_m_s) >= fastest - 1e-6, || {
-            format!("max speed {} below the final state's {fastest}", d.max_speed_m_s)
-        })?;
-        ensure(f64::from(d.max_strain) >= strain - 1e-5, || {
-            format!("max strain {} below the final state's {strain}", d.max_strain)
-        })?;
+        let frames: Vec<&[Point]> =
+            rollout.positions.chunks_exact(scene.graph.node_count()).collect();
+        let (mut most, mut fastest) = ([0.0_f64; 2], 0.0_f64);
+        for f in 1..frames.len() {
+            let strains = strains(&scene, frames[f], &scene.controls[f * c..(f + 1) * c]);
+            for (most, strains) in most.iter_mut().zip(strains) {
+                *most = strains.iter().fold(*most, |most, s| most.max(s.abs()));
+            }
+            let ways = frames[f].iter().zip(frames[f - 1]).map(|(&x, &y)| norm(difference(x, y)));
+            fastest = ways.fold(fastest, |most, way| most.max(way * scene.timing.fps));
+        }
+        ensure(c == 0 || most[1] > 0.0, || "no control spring is strained".into())?;
+        close("largest strain", f64::from(d.max_strain), most[0], 1e-5 * (1.0 + most[0]))?;
+        let of_controls = f64::from(d.max_control_strain);
+        close("of a control spring", of_controls, most[1], 1e-5 * (1.0 + most[1]))?;
+        close("largest speed", f64::from(d.max_speed_m_s), fastest, 2e-5)?;
     }
     Ok(())
 }

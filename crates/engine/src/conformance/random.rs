@@ -241,7 +241,26 @@ pub fn random_motion(seed: u64, model: &Model, frames: usize) -> (State, Vec<Poi
     (state, controls)
 }
 
-/// A random objective over surface nodes with every kind of term.
+/// A half space that the lower part of a model's rest shape is outside of, and a box around its
+/// middle.
+fn regions(model: &Model, nodes: Option<Arc<Vec<u32>>>) -> [Term; 2] {
+    let rest = &model.graph.rest_positions;
+    let extreme = |pick: fn(f32, f32) -> f32| -> Point {
+        let first = rest.first().copied().unwrap_or_default();
+        rest.iter().fold(first, |a, b| std::array::from_fn(|k| pick(a[k], b[k])))
+    };
+    let (least, most) = (extreme(f32::min), extreme(f32::max));
+    let between =
+        |t: f32| -> Point { std::array::from_fn(|k| least[k] + t * (most[k] - least[k])) };
+    let normal = [0.0, 0.6, 0.8];
+    let offset_m = between(0.6).iter().zip(normal).map(|(x, n)| x * n).sum();
+    [
+        Term::Above { nodes: nodes.clone(), normal, offset_m },
+        Term::Within { nodes, low: between(0.35), high: between(0.6) },
+    ]
+}
+
+/// A random objective over surface nodes with every kind of term, a group each.
 pub(super) fn random_objective(seed: u64, model: &Model, frames: usize) -> Objective {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x006c_6f73_7300);
     let mut terms = Vec::new();
@@ -260,17 +279,20 @@ pub(super) fn random_objective(seed: u64, model: &Model, frames: usize) -> Objec
             1 => PointLoss::SmoothL1 { beta_m: 0.02 },
             _ => PointLoss::SquaredDistance,
         };
+        let some = frame.is_multiple_of(2).then(|| Arc::new(nodes.clone()));
+        let [above, within] = regions(model, some);
         let all = [
             (0, 1.5, Term::Chamfer { targets: targets.clone() }),
             (1, 0.7, Term::Track { nodes, targets, loss }),
             (2, 0.3, Term::Acceleration),
+            (3, 0.1, Term::Strain { limit: 0.01 }),
+            (4, 0.8, above),
+            (5, 1.1, within),
         ];
         terms.extend(all.map(|(group, weight, term)| WeightedTerm { frame, weight, group, term }));
     }
-    Objective {
-        groups: ["chamfer", "track", "acceleration"].map(str::to_owned).to_vec(),
-        terms: Arc::new(terms),
-    }
+    let groups = ["chamfer", "track", "acceleration", "strain", "above", "within"];
+    Objective { groups: groups.map(str::to_owned).to_vec(), terms: Arc::new(terms) }
 }
 
 fn distance_squared(a: Point, b: Point) -> f32 {

@@ -156,7 +156,7 @@ fn track(nodes: Vec<u32>, targets: Vec<[f32; 3]>) -> Term {
 /// Every input that does not fit its model is InvalidInput, in all three calls (wrong outputs:
 /// in the one that records), and a good input after it still runs.
 pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
-    let breaks: [Break<Request>; 19] = [
+    let breaks: [Break<Request>; 24] = [
         ("a position too few", |r| {
             state(r).positions.pop();
         }),
@@ -180,6 +180,20 @@ pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
         ("a track without targets", |r| add_term(r, 2, 0, track(vec![0, 1], vec![[0.0; 3]]))),
         ("a target that is no number", |r| {
             add_term(r, 2, 0, Term::Chamfer { targets: vec![[f32::NAN; 3]] });
+        }),
+        ("a negative limit of strain", |r| add_term(r, 2, 0, Term::Strain { limit: -0.1 })),
+        ("a half space without direction", |r| {
+            add_term(r, 2, 0, Term::Above { nodes: None, normal: [0.0; 3], offset_m: 0.0 });
+        }),
+        ("a half space of no node", |r| {
+            let nodes = Some(Arc::new(vec![9999]));
+            add_term(r, 2, 0, Term::Above { nodes, normal: [0.0, 0.0, 1.0], offset_m: 0.0 });
+        }),
+        ("a box without extent", |r| {
+            add_term(r, 2, 0, Term::Within { nodes: None, low: [0.1; 3], high: [0.0; 3] });
+        }),
+        ("a box that is no number", |r| {
+            add_term(r, 2, 0, Term::Within { nodes: None, low: [f32::NAN; 3], high: [0.0; 3] });
         }),
         ("a weight that is no number", |r| {
             add_term(r, 2, 0, Term::Acceleration);

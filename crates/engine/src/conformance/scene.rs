@@ -11,8 +11,9 @@ use bendtwin_graph::{NodeSample, rest_geometry};
 
 use crate::{
     Backend, Error, Loaded, Model, Objective,
-    backend::{Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
+    backend::{Forces, Gradient, GradientRequest, Instance, Loss, Outputs, Rollout},
     model::State,
+    world::{Face, Grasp, Motion, Pose, Shape, World},
 };
 
 /// Nodes of mass 1 in empty space: no gravity, ground, drag or contact until asked for.
@@ -28,6 +29,8 @@ pub(super) struct Scene {
     pub(super) controls: Vec<Point>,
     pub(super) frames: usize,
     pub(super) objective: Objective,
+    pub(super) world: World,
+    pub(super) motion: Motion,
 }
 
 impl Scene {
@@ -54,6 +57,8 @@ impl Scene {
             controls: Vec::new(),
             frames: 1,
             objective: Objective::default(),
+            world: World::default(),
+            motion: Motion::default(),
         }
     }
 
@@ -74,6 +79,8 @@ impl Scene {
             controls,
             frames,
             objective: Objective::default(),
+            world: World::default(),
+            motion: Motion::default(),
         }
     }
 
@@ -204,8 +211,8 @@ impl Scene {
             controls: Arc::new(self.controls.clone()),
             frames: self.frames,
             objective: self.objective.clone(),
-            world: Arc::default(),
-            motion: Arc::default(),
+            world: Arc::new(self.world.clone()),
+            motion: Arc::new(self.motion.clone()),
         }
     }
 
@@ -253,6 +260,7 @@ impl Scene {
             step.frames = 1;
             step.objective = Objective::default();
             step.controls = Arc::new(self.controls[frame * c..(frame + 2) * c].to_vec());
+            step.motion = Arc::new(self.motion_of(frame, 1));
             step.initial = Arc::new(states[frame].clone());
             let rollouts = backend.roll_out(&[step], &outputs, &CancelToken::default());
             let rollout = only(rollouts.map_err(|e| format!("roll_out: {e}"))?)?;
@@ -262,6 +270,48 @@ impl Scene {
             }
         }
         Ok(states)
+    }
+
+    /// The motion of the surroundings in some frames, from this one on.
+    pub(super) fn motion_of(&self, frame: usize, frames: usize) -> Motion {
+        let rows = |each: usize| frame * each..(frame + frames + 1) * each;
+        let (b, g, r) = (self.world.bodies, self.world.grasps.len(), self.graph.rods.len());
+        let Motion { poses, closed, rolls } = &self.motion;
+        Motion {
+            poses: poses[rows(b)].to_vec(),
+            closed: closed[frame * g..(frame + frames) * g].to_vec(),
+            rolls: if rolls.is_empty() { Vec::new() } else { rolls[rows(r)].to_vec() },
+        }
+    }
+
+    /// Adds a body at these poses, one a frame boundary; returns its number.
+    pub(super) fn body(&mut self, path: impl Fn(usize) -> Pose) -> u32 {
+        let bodies = self.world.bodies;
+        let old = std::mem::take(&mut self.motion.poses);
+        for f in 0..=self.frames {
+            self.motion.poses.extend_from_slice(&old[f * bodies..(f + 1) * bodies]);
+            self.motion.poses.push(path(f));
+        }
+        self.world.bodies += 1;
+        bodies as u32
+    }
+
+    /// Adds a grasp that is closed in these frames.
+    pub(super) fn grasp(&mut self, grasp: Grasp, closed: impl Fn(usize) -> bool) {
+        let grasps = self.world.grasps.len();
+        let old = std::mem::take(&mut self.motion.closed);
+        for f in 0..self.frames {
+            self.motion.closed.extend_from_slice(&old[f * grasps..(f + 1) * grasps]);
+            self.motion.closed.push(closed(f));
+        }
+        self.world.grasps.push(grasp);
+    }
+
+    /// Every frame's forces.
+    pub(super) fn forces(&self, backend: &dyn Backend) -> Result<Forces, String> {
+        let outputs = Outputs { forces: true, ..Outputs::NONE };
+        let rollout = self.roll_out_raw(backend, &outputs)?;
+        rollout.forces.ok_or_else(|| "no forces came back".to_owned())
     }
 
     pub(super) fn loss(&self, backend: &dyn Backend) -> Result<Loss, String> {
@@ -282,6 +332,22 @@ impl Scene {
     pub(super) fn dt(&self) -> f64 {
         self.timing.dt_s()
     }
+}
+
+/// The pose of a body that is shifted and turned about z.
+pub(super) fn pose(at: [f64; 3], about_z: f64) -> Pose {
+    let (s, c) = about_z.sin_cos();
+    let rows = [[c, -s, 0.0, at[0]], [s, c, 0.0, at[1]], [0.0, 0.0, 1.0, at[2]]];
+    rows.map(|row| row.map(|x| x as f32))
+}
+
+/// A box around the origin with these half sides.
+pub(super) fn cuboid(half: Point) -> Shape {
+    let face = |c: usize, sign: f32| Face {
+        normal: std::array::from_fn(|i| if i == c { sign } else { 0.0 }),
+        offset_m: half[c],
+    };
+    Shape::Convex(Arc::new((0..3).flat_map(|c| [face(c, 1.0), face(c, -1.0)]).collect()))
 }
 
 /// The one result of a batch of one.

@@ -5,6 +5,8 @@ use super::{
     bend::{TripletGradient, bend_adjoint},
     contact::{collide, collide_adjoint},
     control::{FrameControls, FrameControlsAdjoint},
+    force::ForceSeeds,
+    grasp::AroundAdjoint,
     ground::{advance_adjoint, may_hit},
     impulse::Law,
     integrate::{Tape, Workspace, begin_frame, ground_law, run_substeps},
@@ -14,6 +16,7 @@ use super::{
     real::{Quad, Real, add, add_scaled, product, scale},
     rod::{RodGradient, rod_adjoint},
     spring::{SpringGradient, spring_adjoint},
+    surrounded::{BackSurrounded, Frame, begin_adjoint},
     system::System,
 };
 
@@ -32,24 +35,28 @@ pub(crate) struct Adjoint<T> {
     pub(crate) twist_bar: Vec<T>,
     /// Of the frame's controls.
     pub(crate) controls: FrameControlsAdjoint<T>,
+    /// Of the frame's surroundings.
+    pub(crate) around: AroundAdjoint<T>,
     /// Of the forces, shape [N + C]; zero for control points.
-    lambda: Vec<Quad<T>>,
-    springs: Vec<SpringGradient<T>>,
-    triplets: Vec<TripletGradient<T>>,
-    rods: Vec<RodGradient<T>>,
-    drag: T,
-    ground: Law<T>,
-    object: Law<T>,
-    tape: Tape<T>,
+    pub(crate) lambda: Vec<Quad<T>>,
+    pub(crate) springs: Vec<SpringGradient<T>>,
+    pub(crate) triplets: Vec<TripletGradient<T>>,
+    pub(crate) rods: Vec<RodGradient<T>>,
+    pub(crate) drag: T,
+    pub(crate) ground: Law<T>,
+    pub(crate) object: Law<T>,
+    pub(crate) tape: Tape<T>,
 }
 
 impl<T: Real> Adjoint<T> {
-    pub(crate) fn zero(system: &System<T>) -> Self {
+    /// Zero, with so many bodies around.
+    pub(crate) fn zero(system: &System<T>, bodies: usize) -> Self {
         let law = Law { restitution: T::ZERO, friction: T::ZERO };
         Self {
             bar: vec![Node::default(); system.endpoints()],
             twist_bar: vec![T::ZERO; system.rods.rods.len()],
             controls: FrameControlsAdjoint::zero(system.controls),
+            around: AroundAdjoint::new(bodies, system.rods.rods.len(), system.nodes),
             lambda: vec![[T::ZERO; 4]; system.endpoints()],
             springs: vec![SpringGradient::ZERO; system.springs.blocks.len()],
             triplets: vec![TripletGradient::ZERO; system.triplets.blocks.len()],
@@ -62,32 +69,50 @@ impl<T: Real> Adjoint<T> {
     }
 
     /// Runs a frame again from the workspace's state, which starts it, and then backward: turns the
-    /// adjoint of the state at its end into that at its start.
+    /// adjoint of the state at its end into that at its start. `around` is what surrounds the object,
+    /// if anything does, and d loss / d the frame's forces, if there are any; what comes of them for
+    /// the velocities with which held nodes arrive is returned, by node.
     pub(crate) fn back_frame(
         &mut self,
         system: &System<T>,
         controls: FrameControls<'_, T>,
+        around: Option<(Frame<'_, T>, Option<&ForceSeeds<T>>)>,
         workspace: &mut Workspace<T>,
-    ) {
-        begin_frame(system, controls, workspace);
+    ) -> Vec<(usize, Quad<T>)> {
+        let frame = around.map(|(frame, _)| frame);
+        begin_frame(system, controls, frame, workspace);
         self.controls.clear();
+        self.around.clear();
         let segment = segment_length(system);
         let starts: Vec<usize> = (0..system.substeps).step_by(segment).collect();
         let part = |start: usize| start..(start + segment).min(system.substeps);
         let mut marks: Vec<(Vec<Node<T>>, Vec<T>)> = Vec::new();
         for &start in starts.iter().take(starts.len().saturating_sub(1)) {
             marks.push((workspace.nodes.clone(), workspace.twists.clone()));
-            run_substeps(system, controls, workspace, part(start), None);
+            run_substeps(system, controls, frame, workspace, part(start), None);
         }
         for &start in starts.iter().rev() {
-            run_substeps(system, controls, workspace, part(start), Some(&mut self.tape));
-            T::dispatch(BackSubsteps { system, workspace, start, adjoint: self });
+            let tape = Some(&mut self.tape);
+            run_substeps(system, controls, frame, workspace, part(start), tape);
+            let plain = BackSubsteps { system, workspace, start, adjoint: self };
+            match around {
+                None => T::dispatch(plain),
+                Some((Frame { of, .. }, seeds)) => {
+                    T::dispatch(BackSurrounded { of, seeds, plain });
+                }
+            }
             if let Some((nodes, twists)) = marks.pop() {
                 workspace.nodes.copy_from_slice(&nodes);
                 workspace.twists.copy_from_slice(&twists);
             }
         }
-        self.controls.begin(system, &mut self.bar);
+        match around {
+            None => {
+                self.controls.begin(system, &mut self.bar);
+                Vec::new()
+            }
+            Some((at, seeds)) => begin_adjoint(at, system, &workspace.around, seeds, self),
+        }
     }
 
     /// The gradient by parameter, elements in the graph's order.
@@ -137,12 +162,12 @@ fn segment_length<T: Real>(system: &System<T>) -> usize {
     (SEGMENT_BYTES / substep).max(shortest).clamp(1, system.substeps)
 }
 
-struct BackSubsteps<'a, T> {
-    system: &'a System<T>,
-    workspace: &'a mut Workspace<T>,
+pub(crate) struct BackSubsteps<'a, T> {
+    pub(crate) system: &'a System<T>,
+    pub(crate) workspace: &'a mut Workspace<T>,
     /// First substep on tape.
-    start: usize,
-    adjoint: &'a mut Adjoint<T>,
+    pub(crate) start: usize,
+    pub(crate) adjoint: &'a mut Adjoint<T>,
 }
 
 impl<T: Real> Work<T> for BackSubsteps<'_, T> {
@@ -172,7 +197,8 @@ impl<T: Real> Work<T> for BackSubsteps<'_, T> {
             a.drag += accelerate_adjoint(system, before, &mut a.bar, &mut a.lambda);
             spring_adjoint(m, &system.springs, nodes, &a.lambda, &mut a.bar, &mut a.springs);
             bend_adjoint(m, &system.triplets, nodes, &a.lambda, &mut a.bar, &mut a.triplets);
-            let (bar, twist_bar) = (&mut a.bar, &mut a.twist_bar);
+            let (bar, twist_bar) = (&mut a.bar, (&mut *a.twist_bar, &mut [][..]));
+            let twists = (twists, &[][..]);
             let (rods, gradients) = (&system.rods, &mut a.rods);
             rod_adjoint(m, rods, system.dt, nodes, twists, &a.lambda, bar, twist_bar, gradients);
             a.controls.place(system, substep, &mut a.bar);
@@ -211,7 +237,7 @@ fn travel_adjoint<T: Real, M: Machine<T>>(
 /// Adjoint of `accelerate`: velocities before contact to velocities before the substep, and
 /// forces; gives d loss / d drag.
 #[inline(always)]
-fn accelerate_adjoint<T: Real>(
+pub(crate) fn accelerate_adjoint<T: Real>(
     system: &System<T>,
     before: &[Quad<T>],
     bar: &mut [Node<T>],

@@ -39,7 +39,7 @@ pub(crate) struct TripletBlock<T> {
 }
 
 /// All triplets; their centres own them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Triplets<T> {
     pub(crate) strips: Vec<Strip>,
     pub(crate) blocks: Vec<TripletBlock<T>>,
@@ -76,6 +76,21 @@ impl<T: Real> Triplets<T> {
             }
         }
         Self { strips: strips.strips.clone(), blocks }
+    }
+
+    /// Makes lanes of triplets with such an end lanes without one.
+    pub(crate) fn leave_out(&mut self, ends: impl Fn(u32) -> bool) {
+        for strip in &self.strips {
+            for block in &mut self.blocks[strip.blocks()] {
+                for l in 0..LANES {
+                    let owner = strip.owners[l];
+                    if ends(owner) || ends(block.i[l]) || ends(block.k[l]) {
+                        (block.i[l], block.k[l]) = (owner, owner);
+                        (block.stiffness[l], block.damping[l]) = (T::ZERO, T::ZERO);
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -1,6 +1,10 @@
 //! Everything that a client can get wrong about a model or an instance, found before the simulation
 //! starts.
 
+mod surroundings;
+
+use std::sync::Arc;
+
 use bendtwin_core::{Environment, Point, environment::ControlVelocity};
 
 use crate::{
@@ -127,6 +131,7 @@ pub fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
     if !finite(&instance.controls) {
         return wrong("a control position is not finite".into());
     }
+    surroundings::surroundings(instance).or_else(wrong)?;
     objective(&instance.objective, instance.frames, n).or_else(wrong)
 }
 
@@ -171,7 +176,33 @@ fn term(t: &WeightedTerm, frames: usize, groups: usize, nodes: usize) -> Result<
                 _ => Ok(()),
             }
         }
+        Term::Strain { limit } if !(limit.is_finite() && *limit >= 0.0) => {
+            Err(format!("a strain of {limit} as the limit: it must be finite and not negative"))
+        }
+        Term::Above { nodes: of, normal, offset_m } => {
+            let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
+            if !(offset_m.is_finite() && (length - 1.0).abs() < 1e-3) {
+                return Err(format!(
+                    "its normal has length {length} and its offset is {offset_m}: the normal must be a unit vector"
+                ));
+            }
+            some_nodes(of.as_ref(), nodes)
+        }
+        Term::Within { nodes: of, low, high } => {
+            if !(finite(&[*low, *high]) && low.iter().zip(high).all(|(low, high)| low <= high)) {
+                return Err(format!("no box lies between {low:?} and {high:?}"));
+            }
+            some_nodes(of.as_ref(), nodes)
+        }
         _ => Ok(()),
+    }
+}
+
+/// Checks that nodes exist.
+fn some_nodes(some: Option<&Arc<Vec<u32>>>, nodes: usize) -> Result<(), String> {
+    match some.and_then(|some| some.iter().find(|&&i| i as usize >= nodes)) {
+        Some(node) => Err(format!("node {node} of {nodes} nodes")),
+        None => Ok(()),
     }
 }
 

@@ -1,19 +1,28 @@
-//! Outputs of a rollout beside its costs: recorded positions, final state and diagnostics.
+//! Outputs of a rollout beside its costs: recorded positions and velocities, final state and
+//! diagnostics.
+//!
+//! A velocity that is reported is the mean over the frame: the way of a node by the frame's length.
+//! Forces push a node that lies on the ground into it anew in every substep and the ground pushes
+//! it back, so that its velocity at an instant, which a state needs to go on from, is that of an
+//! impact and not of its motion.
 
 use super::{
+    body::Pose,
+    force::{FrameForces, Wrench},
+    grasp::{Hands, Hold},
     integrate::Workspace,
     lanes::Node,
     parameters::narrow,
-    real::{Real, dot},
+    real::{Quad, Real, dot, scale, sub},
     rollout::Simulation,
     system::System,
 };
 use crate::constants::ON_GROUND_M;
 use crate::{
-    backend::{Diagnostics, Loss, Outputs, Rollout},
+    backend::{Diagnostics, Forces, Loss, Outputs, Rollout},
     energy,
     model::State,
-    world::Grasping,
+    world::{self, Grasping},
 };
 
 /// Watches a rollout.
@@ -23,6 +32,10 @@ pub(crate) struct Observer<'a, T> {
     frames: usize,
     rollout: Rollout,
     sanity: Diagnostics,
+    /// The frame before, shape [N]; empty if no velocity is asked for.
+    previous: Vec<Node<T>>,
+    /// Velocities of the latest frame, shape [N]; empty as `previous`.
+    velocities: Vec<Quad<T>>,
 }
 
 impl<'a, T: Real> Observer<'a, T> {
@@ -31,13 +44,22 @@ impl<'a, T: Real> Observer<'a, T> {
             system: simulation.system,
             outputs,
             frames: simulation.frames,
-            rollout: Rollout::default(),
-            sanity: Diagnostics::default(),
+            rollout: Rollout { forces: outputs.forces.then(Forces::default), ..Rollout::default() },
+            sanity: Diagnostics {
+                kinetic_energy: f32::NAN,
+                elastic_energy: f32::NAN,
+                ..Diagnostics::default()
+            },
+            previous: Vec::new(),
+            velocities: Vec::new(),
         }
     }
 
     pub(crate) fn see(&mut self, frame: usize, now: &Workspace<T>) {
         let nodes = &now.nodes[..self.system.nodes];
+        if self.outputs.velocities || self.outputs.diagnostics {
+            self.find_velocities(frame, nodes);
+        }
         let every = self.outputs.every;
         let wanted = if frame == 0 {
             self.outputs.initial
@@ -51,42 +73,73 @@ impl<'a, T: Real> Observer<'a, T> {
                 None => positions.extend(nodes.iter().map(|n| point(n.x))),
                 Some(some) => positions.extend(some.iter().map(|&i| point(nodes[i as usize].x))),
             }
+            if self.outputs.velocities {
+                let (found, velocities) = (&self.velocities, &mut self.rollout.velocities);
+                match &self.outputs.nodes {
+                    None => velocities.extend(found.iter().map(|&v| point(v))),
+                    Some(some) => velocities.extend(some.iter().map(|&i| point(found[i as usize]))),
+                }
+            }
         }
         let last = frame == self.frames;
+        if let Some(forces) = self.rollout.forces.as_mut().filter(|_| frame > 0) {
+            record(forces, &now.around.forces);
+        }
         if self.outputs.final_state && last {
-            self.rollout.final_state = Some(state_of(nodes, &now.twists));
+            self.rollout.final_state = Some(state_of(nodes, &now.twists, &now.around.hands));
         }
         if self.outputs.diagnostics && (frame > 0 || last) {
             self.measure(now, last);
         }
     }
 
+    /// Mean velocities over the frame that ends here; those of the state where none has.
+    fn find_velocities(&mut self, frame: usize, nodes: &[Node<T>]) {
+        self.velocities.clear();
+        if frame == 0 {
+            self.velocities.extend(nodes.iter().map(|n| n.v));
+        } else {
+            let rate = T::from_f64(1.0 / self.system.frame_s);
+            let pairs = nodes.iter().zip(&self.previous);
+            self.velocities.extend(pairs.map(|(n, before)| scale(sub(n.x, before.x), rate)));
+        }
+        self.previous.clear();
+        self.previous.extend_from_slice(nodes);
+    }
+
     fn measure(&mut self, now: &Workspace<T>, last: bool) {
         let nodes = &now.nodes[..self.system.nodes];
-        let speed = nodes.iter().map(|n| dot(n.v, n.v).to_f64()).fold(0.0, f64::max).sqrt();
-        self.sanity.max_speed_m_s = self.sanity.max_speed_m_s.max(narrow(speed));
-        let strain = energy::max_strain(self.system, &now.nodes);
-        self.sanity.max_strain = self.sanity.max_strain.max(narrow(strain));
+        let sanity = &mut self.sanity;
+        let squares = self.velocities.iter().map(|&v| dot(v, v).to_f64());
+        let speed = squares.fold(0.0, f64::max).sqrt();
+        sanity.max_speed_m_s = sanity.max_speed_m_s.max(narrow(speed));
+        let [strain, of_controls] = energy::max_strains(self.system, &now.nodes);
+        sanity.max_strain = sanity.max_strain.max(narrow(strain));
+        sanity.max_control_strain = sanity.max_control_strain.max(narrow(of_controls));
+        // Of the last frame that is reached, which may not be the last.
+        if let Some(g) = &self.system.ground {
+            let on_ground = |n: &&Node<T>| (dot(g.normal, n.x) - g.offset).to_f64() < ON_GROUND_M;
+            sanity.ground_contacts = nodes.iter().filter(on_ground).count() as u32;
+        }
         if last {
-            let energy = energy::of_nodes(self.system, &now.nodes, &now.twists);
-            self.sanity.kinetic_energy = narrow(energy.kinetic);
-            self.sanity.elastic_energy = narrow(energy.elastic);
-            if let Some(g) = &self.system.ground {
-                let on_ground =
-                    |n: &&Node<T>| (dot(g.normal, n.x) - g.offset).to_f64() < ON_GROUND_M;
-                self.sanity.ground_contacts = nodes.iter().filter(on_ground).count() as u32;
-            }
+            let system = now.around.system.as_deref().unwrap_or(self.system);
+            let energy = energy::of_nodes(system, &now.nodes, &now.twists);
+            sanity.kinetic_energy = narrow(energy.kinetic);
+            sanity.elastic_energy = narrow(energy.elastic);
         }
     }
 
-    pub(crate) fn finish(self, loss: Loss) -> Rollout {
+    /// The rollout; `frame_costs` as in [`Rollout`].
+    pub(crate) fn finish(self, loss: Loss, frame_costs: Vec<f64>) -> Rollout {
         let ended = loss.diverged.is_none();
+        let wants_costs = self.outputs.frame_costs;
         Rollout {
+            frame_costs: if wants_costs { frame_costs } else { Vec::new() },
             cost: loss.total,
             group_costs: loss.groups,
             diverged: loss.diverged,
             final_state: self.rollout.final_state.filter(|_| ended),
-            diagnostics: (self.outputs.diagnostics && ended).then_some(self.sanity),
+            diagnostics: self.outputs.diagnostics.then_some(self.sanity),
             ..self.rollout
         }
     }
@@ -97,12 +150,37 @@ pub(crate) fn point<T: Real>(x: [T; 4]) -> [f32; 3] {
     [narrow(x[0]), narrow(x[1]), narrow(x[2])]
 }
 
-/// A client's view of nodes and twists.
-pub(crate) fn state_of<T: Real>(nodes: &[Node<T>], twists: &[T]) -> State {
+/// To a client's pose.
+pub(crate) fn pose<T: Real>(pose: &Pose<T>) -> world::Pose {
+    pose.map(|row| row.map(narrow))
+}
+
+/// A client's view of nodes, twists and grasps.
+pub(crate) fn state_of<T: Real>(nodes: &[Node<T>], twists: &[T], hands: &Hands<T>) -> State {
+    let hold = |h: &Hold<T>| world::Hold {
+        node: h.node as u32,
+        grasp: h.grasp as u32,
+        place: point(h.place),
+    };
     State {
         positions: nodes.iter().map(|n| point(n.x)).collect(),
         velocities: nodes.iter().map(|n| point(n.v)).collect(),
         twists: twists.iter().map(|&x| narrow(x)).collect(),
-        grasping: Grasping::default(),
+        grasping: Grasping {
+            phases: hands.phases.clone(),
+            holds: hands.holds.iter().map(hold).collect(),
+        },
     }
+}
+
+/// Records the forces of a frame.
+fn record<T: Real>(forces: &mut Forces, of: &FrameForces<T>) {
+    let wrench = |[force, torque]: &Wrench<T>| {
+        let ([fx, fy, fz], [tx, ty, tz]) = (point(*force), point(*torque));
+        [fx, fy, fz, tx, ty, tz]
+    };
+    forces.controls.extend(of.controls.iter().map(|&f| point(f)));
+    forces.grasps.extend(of.grasps.iter().map(wrench));
+    forces.ground.push(point(of.ground));
+    forces.colliders.extend(of.colliders.iter().map(wrench));
 }

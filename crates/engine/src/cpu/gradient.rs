@@ -4,11 +4,15 @@
 
 use super::{
     adjoint::Adjoint,
+    body::Pose,
+    grasp::Hands,
     lanes::Node,
-    loss::{Moment, Terms},
+    loss::{Moment, TermBars, Terms},
     parameters::Parameters,
     real::{Quad, Real, add},
     rollout::{Scorer, Simulation},
+    surrounded::begin_adjoint,
+    system::System,
 };
 use bendtwin_core::CancelToken;
 
@@ -25,10 +29,21 @@ pub(crate) struct LossGradient<T> {
     pub(crate) initial: Vec<Node<T>>,
     /// Shape [R].
     pub(crate) initial_twists: Vec<T>,
+    /// The initial holds, with d loss / d place.
+    pub(crate) initial_hands: Hands<T>,
+    /// Shape [F + 1, B].
+    pub(crate) poses: Vec<Pose<T>>,
+    /// Shape [F + 1, R], or empty.
+    pub(crate) rolls: Vec<T>,
     /// State after the last frame, shape [N]; the last good one if it diverged.
     pub(crate) last: Vec<Node<T>>,
     /// Twists after the last frame, shape [R].
     pub(crate) last_twists: Vec<T>,
+    /// Norm of d loss / d positions of the nodes that nothing pins, shape [F + 1]; NaN if it
+    /// diverged.
+    pub(crate) norms: Vec<f64>,
+    /// What hands hold after the last frame.
+    pub(crate) last_hands: Hands<T>,
 }
 
 /// Loss and gradient; `cut_every` as in [`crate::backend::GradientRequest`].
@@ -39,33 +54,97 @@ pub(crate) fn gradient<T: Real>(
 ) -> Result<LossGradient<T>, Error> {
     let system = simulation.system;
     let n = system.nodes;
-    let mut scorer = Scorer::new(simulation.objective, system.surface);
+    let mut scorer = Scorer::new(simulation);
     let mut states: Vec<Vec<Node<T>>> = Vec::new();
     let mut twists: Vec<Vec<T>> = Vec::new();
+    let mut hands: Vec<Hands<T>> = Vec::new();
     let diverged = simulation.run(cancel, |frame, now| {
         scorer.see(frame, &now.nodes[..n]);
         states.push(now.nodes[..n].to_vec());
         twists.push(now.twists.clone());
+        hands.push(now.around.hands.clone());
     })?;
-    let loss = scorer.finish(diverged);
-    let mut adjoint = Adjoint::zero(system);
-    let mut controls = vec![[T::ZERO; 4]; simulation.controls.len()];
+    let (loss, _) = scorer.finish(diverged, simulation.frames);
+    let around = simulation.surroundings.as_ref();
+    let mut adjoint = Adjoint::zero(system, around.map_or(0, |of| of.bodies));
+    let mut prescribed = Prescribed {
+        controls: vec![[T::ZERO; 4]; simulation.controls.len()],
+        poses: vec![Pose::default(); around.map_or(0, |of| of.poses.len())],
+        rolls: vec![T::ZERO; around.map_or(0, |of| of.rolls.len())],
+    };
+    let mut rest_lengths = vec![T::ZERO; system.parameters.rest_lengths_m.len()];
+    let mut norms = vec![f64::NAN; simulation.frames + 1];
     if diverged.is_none() {
         let terms = Terms::new(simulation.objective);
-        let mut backward = Backward { simulation, states: &states, twists: &twists, terms };
-        backward.run(&mut adjoint, &mut controls, cut_every, cancel)?;
+        let mut backward = Backward {
+            simulation,
+            states: &states,
+            twists: &twists,
+            hands: &hands,
+            terms,
+            rest_lengths: &mut rest_lengths,
+            norms: &mut norms,
+        };
+        backward.run(&mut adjoint, &mut prescribed, cut_every, cancel)?;
     }
-    let parameters = adjoint.parameters(system);
+    let mut initial_hands = around.map(|of| of.start.clone()).unwrap_or_default();
+    for hold in &mut initial_hands.holds {
+        hold.place = adjoint.around.places[hold.node];
+    }
+    let mut parameters = adjoint.parameters(system);
+    for (all, by_terms) in parameters.rest_lengths_m.iter_mut().zip(rest_lengths) {
+        *all += by_terms;
+    }
     adjoint.bar.truncate(n);
     Ok(LossGradient {
         loss,
         parameters,
-        controls,
+        controls: prescribed.controls,
         initial: adjoint.bar,
         initial_twists: adjoint.twist_bar,
+        initial_hands,
+        poses: prescribed.poses,
+        rolls: prescribed.rolls,
         last: states.pop().unwrap_or_default(),
         last_twists: twists.pop().unwrap_or_default(),
+        norms,
+        last_hands: hands.pop().unwrap_or_default(),
     })
+}
+
+/// d loss / d everything that moves as prescribed.
+struct Prescribed<T> {
+    /// Shape [F + 1, C].
+    controls: Vec<Quad<T>>,
+    /// Shape [F + 1, B].
+    poses: Vec<Pose<T>>,
+    /// Shape [F + 1, R], or empty.
+    rolls: Vec<T>,
+}
+
+impl<T: Real> Prescribed<T> {
+    /// Adds what a frame's adjoint, 0-based, has gathered; after the last frame there is no row for
+    /// what stands still.
+    fn gather(&mut self, adjoint: &Adjoint<T>, frame: usize, frame_s: f64) {
+        let (from, to) = (&adjoint.controls.from, &adjoint.controls.to);
+        let c = from.len();
+        let rows = &mut self.controls[frame * c..];
+        rows.iter_mut().zip(from.iter().chain(to)).for_each(|(a, b)| *a = add(*a, *b));
+        let bodies = &adjoint.around.bodies;
+        let both = bodies.iter().map(|b| &b.from).chain(bodies.iter().map(|b| &b.to));
+        for (row, bar) in self.poses[frame * bodies.len()..].iter_mut().zip(both) {
+            for i in 0..3 {
+                row[i] = add(row[i], bar[i]);
+            }
+        }
+        if !self.rolls.is_empty() {
+            let rates = &adjoint.around.roll_rates;
+            let rate = T::from_f64(1.0 / frame_s);
+            let rows = &mut self.rolls[frame * rates.len()..];
+            let both = rates.iter().map(|&x| -x).chain(rates.iter().copied());
+            rows.iter_mut().zip(both).for_each(|(a, x)| *a += x * rate);
+        }
+    }
 }
 
 struct Backward<'a, T> {
@@ -74,28 +153,42 @@ struct Backward<'a, T> {
     states: &'a [Vec<Node<T>>],
     /// Frame-end twists, shape [F + 1, R].
     twists: &'a [Vec<T>],
+    /// What hands hold at frames' ends, shape [F + 1].
+    hands: &'a [Hands<T>],
     terms: Terms<'a>,
+    /// d loss / d rest lengths by terms that depend on them directly, shape [E].
+    rest_lengths: &'a mut [T],
+    /// Shape [F + 1].
+    norms: &'a mut [f64],
 }
 
 impl<T: Real> Backward<'_, T> {
     fn run(
         &mut self,
         adjoint: &mut Adjoint<T>,
-        controls: &mut [Quad<T>],
+        prescribed: &mut Prescribed<T>,
         cut_every: usize,
         cancel: &CancelToken,
     ) -> Result<(), Error> {
-        let (simulation, c) = (self.simulation, self.simulation.system.controls);
+        let (simulation, frame_s) = (self.simulation, self.simulation.system.frame_s);
         let mut workspace = simulation.start();
+        let taken = std::mem::take(&mut workspace.around.taken);
+        workspace.around.arrive.clear();
+        let mut arriving = Vec::new();
         for frame in (0..=simulation.frames).rev() {
             self.add_later_terms(frame, &mut adjoint.bar);
             if frame > 0 && cut_every > 0 && frame.is_multiple_of(cut_every) {
                 adjoint.bar.fill(Node::default());
                 adjoint.twist_bar.fill(T::ZERO);
+                adjoint.around.places.fill([T::ZERO; 4]);
+                arriving.clear();
             }
-            if let Some(moment) = self.moment(frame) {
-                self.terms.add_gradient(frame, moment, &mut adjoint.bar);
+            if let Some(moment) = moment(self.states, frame, simulation.system) {
+                let rest_lengths = &mut *self.rest_lengths;
+                let mut bars = TermBars { nodes: &mut adjoint.bar, rest_lengths };
+                self.terms.add_gradient(frame, moment, &mut bars);
             }
+            self.norms[frame] = norm(simulation.system, &adjoint.bar);
             if frame == 0 {
                 break;
             }
@@ -104,31 +197,29 @@ impl<T: Real> Backward<'_, T> {
             }
             workspace.nodes[..simulation.system.nodes].copy_from_slice(&self.states[frame - 1]);
             workspace.twists.copy_from_slice(&self.twists[frame - 1]);
-            adjoint.back_frame(
-                simulation.system,
-                simulation.controls_of(frame - 1),
-                &mut workspace,
-            );
-            accumulate(&mut controls[(frame - 1) * c..frame * c], &adjoint.controls.from);
-            accumulate(&mut controls[frame * c..(frame + 1) * c], &adjoint.controls.to);
+            workspace.around.hands.clone_from(&self.hands[frame - 1]);
+            let around = simulation.around(frame - 1).map(|at| (at, None));
+            let controls = simulation.controls_of(frame - 1);
+            arriving = adjoint.back_frame(simulation.system, controls, around, &mut workspace);
+            prescribed.gather(adjoint, frame - 1, frame_s);
+            if frame > 1 {
+                add_velocities(&mut adjoint.bar, &arriving);
+            }
         }
-        // Pinned nodes were put onto their control points before frame 0 was measured.
+        // Pinned nodes were put onto their control points, and hands took nodes, before frame 0 was
+        // measured.
         adjoint.controls.clear();
-        adjoint.controls.begin(simulation.system, &mut adjoint.bar);
-        accumulate(&mut controls[..c], &adjoint.controls.from);
-        if simulation.frames > 0 {
-            accumulate(&mut controls[c..2 * c], &adjoint.controls.to);
+        adjoint.around.clear();
+        match simulation.around(0) {
+            None => adjoint.controls.begin(simulation.system, &mut adjoint.bar),
+            Some(at) => {
+                workspace.around.taken = taken;
+                begin_adjoint(at, simulation.system, &workspace.around, None, adjoint);
+                add_velocities(&mut adjoint.bar, &arriving);
+            }
         }
+        prescribed.gather(adjoint, 0, frame_s);
         Ok(())
-    }
-
-    fn moment(&self, frame: usize) -> Option<Moment<'_, T>> {
-        let now = self.states.get(frame)?;
-        let earlier = match frame.checked_sub(2) {
-            Some(two) => Some([&*self.states[frame - 1], &*self.states[two]]),
-            None => None,
-        };
-        Some(Moment { now, earlier, surface: self.simulation.system.surface })
     }
 
     /// Terms of the next two frames that look back at this one.
@@ -137,15 +228,37 @@ impl<T: Real> Backward<'_, T> {
             return;
         }
         for back in [1, 2] {
-            if let Some(moment) = self.moment(frame + back) {
+            let system = self.simulation.system;
+            if let Some(moment) = moment(self.states, frame + back, system) {
                 self.terms.add_gradient_back(frame + back, back, moment, bar);
             }
         }
     }
 }
 
-fn accumulate<T: Real>(into: &mut [Quad<T>], from: &[Quad<T>]) {
-    for (a, b) in into.iter_mut().zip(from) {
-        *a = add(*a, *b);
+/// A frame's end, with the two before it; `None` after the last.
+fn moment<'a, T>(
+    states: &'a [Vec<Node<T>>],
+    frame: usize,
+    system: &'a System<T>,
+) -> Option<Moment<'a, T>> {
+    let now = states.get(frame)?;
+    let earlier = match frame.checked_sub(2) {
+        Some(two) => Some([&*states[frame - 1], &*states[two]]),
+        None => None,
+    };
+    Some(Moment { now, earlier, system })
+}
+
+/// Norm of d loss / d positions; what is pinned does not move by itself.
+fn norm<T: Real>(system: &System<T>, bar: &[Node<T>]) -> f64 {
+    let free = bar.iter().zip(&system.inverse_mass).filter(|(_, m)| **m > T::ZERO);
+    let square = |x: Quad<T>| x[..3].iter().map(|x| x.to_f64().powi(2)).sum::<f64>();
+    free.map(|(bar, _)| square(bar.x)).sum::<f64>().sqrt()
+}
+
+fn add_velocities<T: Real>(bar: &mut [Node<T>], velocities: &[(usize, Quad<T>)]) {
+    for &(node, v) in velocities {
+        bar[node].v = add(bar[node].v, v);
     }
 }

@@ -14,6 +14,8 @@ use super::{
     real::{Quad, Real, add, add_scaled, scale},
     rod::rod_forces,
     spring::spring_forces,
+    surrounded::{self, Frame, SurroundedSubsteps},
+    surroundings::Around,
     system::System,
 };
 
@@ -32,6 +34,8 @@ pub(crate) struct Workspace<T> {
     pub(crate) after: Vec<Quad<T>>,
     /// Of the current frame.
     pub(crate) candidates: Candidates,
+    /// What surrounds the object in the current frame.
+    pub(crate) around: Around<T>,
 }
 
 impl<T: Real> Workspace<T> {
@@ -45,6 +49,7 @@ impl<T: Real> Workspace<T> {
             before: vec![zero; system.nodes],
             after: vec![zero; system.nodes],
             candidates: Candidates::default(),
+            around: Around::default(),
         }
     }
 }
@@ -62,6 +67,16 @@ pub(crate) struct Tape<T> {
     pub(crate) twists: Vec<T>,
 }
 
+impl<T> Tape<T> {
+    /// Makes room for so many substeps.
+    pub(crate) fn clear(&mut self, substeps: usize) {
+        self.nodes.clear();
+        self.before.clear();
+        self.twists.clear();
+        self.substeps = substeps;
+    }
+}
+
 /// The ground's restitution and friction.
 pub(crate) fn ground_law<T: Real>(system: &System<T>) -> Law<T> {
     Law {
@@ -70,22 +85,30 @@ pub(crate) fn ground_law<T: Real>(system: &System<T>) -> Law<T> {
     }
 }
 
-/// Advances the workspace's nodes by a frame.
+/// Advances the workspace's nodes by a frame; `around` is what surrounds them, if anything does.
 pub(crate) fn run_frame<T: Real>(
     system: &System<T>,
     controls: FrameControls<'_, T>,
+    around: Option<Frame<'_, T>>,
     workspace: &mut Workspace<T>,
 ) {
-    begin_frame(system, controls, workspace);
-    run_substeps(system, controls, workspace, 0..system.substeps, None);
+    begin_frame(system, controls, around, workspace);
+    run_substeps(system, controls, around, workspace, 0..system.substeps, None);
+    if let Some(at) = around {
+        surrounded::end_frame(at.of, system.frame_s, &mut workspace.around);
+    }
 }
 
 /// Work done once per frame: pinned nodes take their new velocity, contact its candidates.
 pub(crate) fn begin_frame<T: Real>(
     system: &System<T>,
     controls: FrameControls<'_, T>,
+    around: Option<Frame<'_, T>>,
     workspace: &mut Workspace<T>,
 ) {
+    if let Some(at) = around {
+        return surrounded::begin_frame(at, system, controls, workspace);
+    }
     controls.begin(system, &mut workspace.nodes);
     let Workspace { nodes, candidates, .. } = workspace;
     candidates.find(system, nodes);
@@ -95,19 +118,25 @@ pub(crate) fn begin_frame<T: Real>(
 pub(crate) fn run_substeps<T: Real>(
     system: &System<T>,
     controls: FrameControls<'_, T>,
+    around: Option<Frame<'_, T>>,
     workspace: &mut Workspace<T>,
     substeps: Range<usize>,
     tape: Option<&mut Tape<T>>,
 ) {
-    T::dispatch(Substeps { system, controls, workspace, substeps, tape });
+    let plain = Substeps { system, controls, workspace, substeps, tape };
+    match around {
+        None => T::dispatch(plain),
+        Some(Frame { of, .. }) => T::dispatch(SurroundedSubsteps { of, plain }),
+    }
 }
 
-struct Substeps<'a, T> {
-    system: &'a System<T>,
-    controls: FrameControls<'a, T>,
-    workspace: &'a mut Workspace<T>,
-    substeps: Range<usize>,
-    tape: Option<&'a mut Tape<T>>,
+/// Some of a frame's substeps, with only the ground around.
+pub(crate) struct Substeps<'a, T> {
+    pub(crate) system: &'a System<T>,
+    pub(crate) controls: FrameControls<'a, T>,
+    pub(crate) workspace: &'a mut Workspace<T>,
+    pub(crate) substeps: Range<usize>,
+    pub(crate) tape: Option<&'a mut Tape<T>>,
 }
 
 impl<T: Real> Work<T> for Substeps<'_, T> {
@@ -117,10 +146,7 @@ impl<T: Real> Work<T> for Substeps<'_, T> {
     fn run<M: Machine<T>>(self, m: M) {
         let Self { system, controls, workspace: w, substeps, mut tape } = self;
         if let Some(tape) = &mut tape {
-            tape.nodes.clear();
-            tape.before.clear();
-            tape.twists.clear();
-            tape.substeps = substeps.len();
+            tape.clear(substeps.len());
         }
         for substep in substeps {
             controls.place(system, substep, &mut w.nodes);
@@ -129,7 +155,8 @@ impl<T: Real> Work<T> for Substeps<'_, T> {
             if let Some(tape) = &mut tape {
                 tape.twists.extend_from_slice(&w.twists);
             }
-            rod_forces(m, &system.rods, system.dt, &w.nodes, &mut w.twists, &mut w.forces);
+            let twists = (&mut *w.twists, &[][..]);
+            rod_forces(m, &system.rods, system.dt, &w.nodes, twists, &mut w.forces);
             accelerate(system, &w.nodes, &mut w.forces, &mut w.before);
             controls.pin_velocities(system, &mut w.before);
             if let Some(tape) = &mut tape {
@@ -149,7 +176,7 @@ impl<T: Real> Work<T> for Substeps<'_, T> {
 
 /// v <- (v + (f/m + g) dt) exp(-dt drag); forces start again from zero.
 #[inline(always)]
-fn accelerate<T: Real>(
+pub(crate) fn accelerate<T: Real>(
     system: &System<T>,
     nodes: &[Node<T>],
     forces: &mut [Quad<T>],

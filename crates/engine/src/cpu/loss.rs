@@ -1,10 +1,15 @@
 //! Values and exact gradients of an objective's terms. The nearest node of a
 //! Chamfer target counts as fixed in the gradient, which is exact almost everywhere.
 
+mod region;
+mod strain;
+
+use self::region::Region;
 use super::{
     lanes::Node,
     nearest::nearest,
     real::{Quad, Real, add, add_scaled, dot, quad, scale, sub},
+    system::System,
 };
 use crate::objective::{Objective, PointLoss, Term, WeightedTerm};
 
@@ -15,8 +20,16 @@ pub(crate) struct Moment<'a, T> {
     pub(crate) now: &'a [Node<T>],
     /// One and two frames earlier, if there were any.
     pub(crate) earlier: Option<[&'a [Node<T>]; 2]>,
-    /// Number of surface nodes.
-    pub(crate) surface: usize,
+    pub(crate) system: &'a System<T>,
+}
+
+/// d loss / d what the terms of a frame depend on.
+#[derive(Debug)]
+pub(crate) struct TermBars<'a, T> {
+    /// The state at the frame's end, shape [N] or longer.
+    pub(crate) nodes: &'a mut [Node<T>],
+    /// Rest lengths, shape [E].
+    pub(crate) rest_lengths: &'a mut [T],
 }
 
 /// The terms of an objective, found by frame.
@@ -53,16 +66,16 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// Adds d loss / d position of the terms of a frame to `bar`, as far as they depend on that
-    /// frame itself.
+    /// Adds the gradient of the terms of a frame to `bars`, as far as they depend on that frame
+    /// itself.
     pub(crate) fn add_gradient<T: Real>(
         &self,
         frame: usize,
         moment: Moment<'_, T>,
-        bar: &mut [Node<T>],
+        bars: &mut TermBars<'_, T>,
     ) {
         for t in self.at(frame) {
-            add_term_gradient(&t.term, f64::from(t.weight), moment, bar);
+            add_term_gradient(&t.term, f64::from(t.weight), moment, bars);
         }
     }
 
@@ -91,7 +104,7 @@ fn value<T: Real>(term: &Term, at: Moment<'_, T>) -> f64 {
     match term {
         Term::Chamfer { targets } => {
             let targets: Vec<Quad<T>> = targets.iter().map(|&p| quad(p)).collect();
-            let found = nearest(&at.now[..at.surface], &targets);
+            let found = nearest(&at.now[..at.system.surface], &targets);
             let pairs = targets.iter().zip(found);
             let sum: f64 = pairs.map(|(&t, i)| square(sub(at.now[i as usize].x, t))).sum();
             sum * mean_over(targets.len())
@@ -110,11 +123,14 @@ fn value<T: Real>(term: &Term, at: Moment<'_, T>) -> f64 {
                 .sum();
             sum * mean_over(nodes.len())
         }
-        Term::Strain { .. }
-        | Term::Above { .. }
-        | Term::Within { .. }
-        | Term::Clearance { .. }
-        | Term::Force { .. } => f64::NAN,
+        Term::Strain { limit } => strain::value(at.system, at.now, *limit),
+        Term::Above { nodes, normal, offset_m } => {
+            Region::Above { normal: *normal, offset_m: *offset_m }.value(nodes.as_ref(), at.now)
+        }
+        Term::Within { nodes, low, high } => {
+            Region::Within { low: *low, high: *high }.value(nodes.as_ref(), at.now)
+        }
+        Term::Clearance { .. } | Term::Force { .. } => f64::NAN,
         Term::Acceleration => {
             let Some([one, two]) = at.earlier else { return 0.0 };
             let sum: f64 =
@@ -142,11 +158,17 @@ fn second_difference<T: Real>(
     add(add_scaled(now[i].x, -T::from_f64(2.0), one[i].x), two[i].x)
 }
 
-fn add_term_gradient<T: Real>(term: &Term, weight: f64, at: Moment<'_, T>, bar: &mut [Node<T>]) {
+fn add_term_gradient<T: Real>(
+    term: &Term,
+    weight: f64,
+    at: Moment<'_, T>,
+    bars: &mut TermBars<'_, T>,
+) {
+    let bar = &mut *bars.nodes;
     match term {
         Term::Chamfer { targets } => {
             let targets: Vec<Quad<T>> = targets.iter().map(|&p| quad(p)).collect();
-            let found = nearest(&at.now[..at.surface], &targets);
+            let found = nearest(&at.now[..at.system.surface], &targets);
             let w = T::from_f64(2.0 * weight * mean_over(targets.len()));
             for (&t, i) in targets.iter().zip(found) {
                 let i = i as usize;
@@ -162,11 +184,18 @@ fn add_term_gradient<T: Real>(term: &Term, weight: f64, at: Moment<'_, T>, bar: 
             }
         }
         Term::Acceleration => add_acceleration_gradient(weight, at, bar),
-        Term::Strain { .. }
-        | Term::Above { .. }
-        | Term::Within { .. }
-        | Term::Clearance { .. }
-        | Term::Force { .. } => {}
+        Term::Strain { limit } => {
+            strain::add_gradient(at.system, at.now, *limit, weight, bar, bars.rest_lengths);
+        }
+        Term::Above { nodes, normal, offset_m } => {
+            let region = Region::Above { normal: *normal, offset_m: *offset_m };
+            region.add_gradient(nodes.as_ref(), at.now, weight, bar);
+        }
+        Term::Within { nodes, low, high } => {
+            let region = Region::Within { low: *low, high: *high };
+            region.add_gradient(nodes.as_ref(), at.now, weight, bar);
+        }
+        Term::Clearance { .. } | Term::Force { .. } => {}
     }
 }
 

@@ -65,7 +65,7 @@ impl<T> Rod<T> {
 }
 
 /// All rods, in the graph's order.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Rods<T> {
     pub(crate) rods: Vec<Rod<T>>,
     blocks: Vec<RodBlock>,
@@ -357,24 +357,28 @@ fn total<T: Real, M: Machine<T>>(m: M, pack: M::Pack) -> T {
     m.store(pack).into_iter().fold(T::ZERO, |sum, x| sum + x)
 }
 
-/// Moves every rod's twist and adds its forces; `twists` has shape [R], in [rad].
+/// Moves every rod's twist and adds its forces; `twists` has shape [R], in [rad]. Clamps that turn
+/// about the rod's ends add their `rolls` [rad/s] to its rate, shape [R], or empty.
 #[inline(always)]
 pub(crate) fn rod_forces<T: Real, M: Machine<T>>(
     m: M,
     rods: &Rods<T>,
     dt: T,
     nodes: &[Node<T>],
-    twists: &mut [T],
+    (twists, rolls): (&mut [T], &[T]),
     forces: &mut [Quad<T>],
 ) {
-    for (rod, twist) in rods.rods.iter().zip(twists) {
+    for (r, (rod, twist)) in rods.rods.iter().zip(twists).enumerate() {
         let blocks = &rods.blocks[rod.blocks()];
         let mut sum = m.splat(T::ZERO);
         for b in blocks {
             let (joint, v) = reach(m, b, nodes);
             sum = sum + joint.along(&v);
         }
-        let rate = total(m, sum);
+        let mut rate = total(m, sum);
+        if let Some(&roll) = rolls.get(r) {
+            rate += roll;
+        }
         *twist += rate * dt;
         let torque = rod.stiffness * (*twist - rod.rest_twist) + rod.damping * rate;
         let push = m.splat(-torque);
@@ -389,7 +393,8 @@ pub(crate) fn rod_forces<T: Real, M: Machine<T>>(
 
 /// Adjoint of [`rod_forces`]: given d loss / d force in `lambda`, adds d loss / d (position,
 /// velocity) to `adjoint` and d loss / d parameters to `gradients`, and turns d loss / d twist
-/// after the substep in `twist_bar` into that before it. `twists` are those before the substep.
+/// after the substep in `twist_bar` into that before it. `twists` are those before the substep;
+/// d loss / d `rolls` is added to `roll_bar`, where there are any.
 ///
 /// With torque_bar = -grad . lambda, twist_bar += k torque_bar and rate_bar = dt twist_bar +
 /// damping torque_bar: `v_bar = rate_bar grad`, and the adjoint of grad is
@@ -401,14 +406,14 @@ pub(crate) fn rod_adjoint<T: Real, M: Machine<T>>(
     rods: &Rods<T>,
     dt: T,
     nodes: &[Node<T>],
-    twists: &[T],
+    (twists, rolls): (&[T], &[T]),
     lambda: &[Quad<T>],
     adjoint: &mut [Node<T>],
-    twist_bar: &mut [T],
+    (twist_bar, roll_bar): (&mut [T], &mut [T]),
     gradients: &mut [RodGradient<T>],
 ) {
     let each = rods.rods.iter().zip(twists).zip(twist_bar).zip(gradients);
-    for (((rod, &before), twist_bar), gradient) in each {
+    for (r, (((rod, &before), twist_bar), gradient)) in each.enumerate() {
         let blocks = &rods.blocks[rod.blocks()];
         let pull_of = |b: &RodBlock| {
             let [before, at, after] =
@@ -420,7 +425,10 @@ pub(crate) fn rod_adjoint<T: Real, M: Machine<T>>(
             let (joint, v) = reach(m, b, nodes);
             sums = [sums[0] + joint.along(&v), sums[1] + joint.along(&pull_of(b))];
         }
-        let [rate, pull] = sums.map(|sum| total(m, sum));
+        let [mut rate, pull] = sums.map(|sum| total(m, sum));
+        if let Some(&roll) = rolls.get(r) {
+            rate += roll;
+        }
         let deviation = before + rate * dt - rod.rest_twist;
         let torque = rod.stiffness * deviation + rod.damping * rate;
         gradient.stiffness -= pull * deviation;
@@ -428,6 +436,9 @@ pub(crate) fn rod_adjoint<T: Real, M: Machine<T>>(
         gradient.rest_twist += pull * rod.stiffness;
         *twist_bar -= pull * rod.stiffness;
         let rate_bar = dt * *twist_bar - rod.damping * pull;
+        if let Some(roll_bar) = roll_bar.get_mut(r) {
+            *roll_bar += rate_bar;
+        }
         let (rate_bar, push) = (m.splat(rate_bar), m.splat(-torque));
         for b in blocks {
             let (joint, v) = reach(m, b, nodes);

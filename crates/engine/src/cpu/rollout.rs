@@ -4,10 +4,12 @@ use bendtwin_core::{CancelToken, Graph};
 
 use super::{
     control::FrameControls,
-    integrate::{Workspace, run_frame},
+    integrate::{Workspace, begin_frame, run_frame},
     lanes::Node,
     loss::{Moment, Terms},
     real::{Quad, Real, quad},
+    surrounded::Frame,
+    surroundings::Surroundings,
     system::System,
 };
 use crate::constants::MAX_COORDINATE_M;
@@ -29,6 +31,8 @@ pub(crate) struct Simulation<'a, T> {
     /// Frames F.
     pub(crate) frames: usize,
     pub(crate) objective: &'a Objective,
+    /// What surrounds the object beside the ground.
+    pub(crate) surroundings: Option<Surroundings<T>>,
 }
 
 /// A client's state in the simulation's scalar.
@@ -54,12 +58,28 @@ impl<T: Real> Simulation<'_, T> {
         FrameControls { from: row(frame), to: row((frame + 1).min(self.frames)) }
     }
 
-    /// A workspace at the initial state, pinned nodes on their control points.
+    /// What surrounds the object during a frame, 0-based.
+    pub(crate) fn around(&self, frame: usize) -> Option<Frame<'_, T>> {
+        self.surroundings.as_ref().map(|of| Frame { of, frame, frames: self.frames })
+    }
+
+    /// A workspace at the initial state, pinned nodes on their control points; hands have opened and
+    /// closed for the first frame.
     pub(crate) fn start(&self) -> Workspace<T> {
         let mut workspace = Workspace::new(self.system);
         workspace.nodes[..self.system.nodes].copy_from_slice(&self.initial);
         workspace.twists.copy_from_slice(&self.twists);
-        self.controls_of(0).begin(self.system, &mut workspace.nodes);
+        match self.around(0) {
+            None => self.controls_of(0).begin(self.system, &mut workspace.nodes),
+            Some(at) => {
+                workspace.around.hands = at.of.start.clone();
+                begin_frame(self.system, self.controls_of(0), Some(at), &mut workspace);
+                // A rollout that goes on from a frame's end measures what the whole one does.
+                if at.of.measured {
+                    workspace.around.arrive.extend(self.initial.iter().map(|n| n.v));
+                }
+            }
+        }
         workspace
     }
 
@@ -77,7 +97,8 @@ impl<T: Real> Simulation<'_, T> {
             if cancel.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            run_frame(self.system, self.controls_of(frame - 1), &mut workspace);
+            let around = self.around(frame - 1);
+            run_frame(self.system, self.controls_of(frame - 1), around, &mut workspace);
             if let Some(node) = first_diverged(&workspace.nodes[..n]) {
                 return Ok(Some(Divergence { frame, node }));
             }
@@ -100,16 +121,20 @@ fn first_diverged<T: Real>(nodes: &[Node<T>]) -> Option<usize> {
 /// Adds up an objective along a rollout.
 pub(crate) struct Scorer<'a, T> {
     terms: Terms<'a>,
-    groups: Vec<f64>,
-    surface: usize,
+    /// By frame, shape [frames seen, groups].
+    frames: Vec<f64>,
+    groups: usize,
+    system: &'a System<T>,
     /// The two latest frames, newest last, if a term looks back.
     recent: Vec<Vec<Node<T>>>,
 }
 
 impl<'a, T: Real> Scorer<'a, T> {
-    pub(crate) fn new(objective: &'a Objective, surface: usize) -> Self {
-        let groups = vec![0.0; objective.groups.len()];
-        Self { terms: Terms::new(objective), groups, surface, recent: Vec::new() }
+    pub(crate) fn new(simulation: &Simulation<'a, T>) -> Self {
+        let (objective, system) = (simulation.objective, simulation.system);
+        let frames = Vec::with_capacity(objective.groups.len() * (simulation.frames + 1));
+        let groups = objective.groups.len();
+        Self { terms: Terms::new(objective), frames, groups, system, recent: Vec::new() }
     }
 
     pub(crate) fn see(&mut self, frame: usize, now: &[Node<T>]) {
@@ -117,7 +142,10 @@ impl<'a, T: Real> Scorer<'a, T> {
             [two, one] => Some([&**one, &**two]),
             _ => None,
         };
-        self.terms.score(frame, Moment { now, earlier, surface: self.surface }, &mut self.groups);
+        let start = self.frames.len();
+        self.frames.resize(start + self.groups, 0.0);
+        let moment = Moment { now, earlier, system: self.system };
+        self.terms.score(frame, moment, &mut self.frames[start..]);
         if self.terms.look_back() {
             if self.recent.len() == 2 {
                 self.recent.remove(0);
@@ -126,13 +154,22 @@ impl<'a, T: Real> Scorer<'a, T> {
         }
     }
 
-    pub(crate) fn finish(self, diverged: Option<Divergence>) -> Loss {
-        let groups = match diverged {
-            None => self.groups,
-            Some(_) => vec![f64::INFINITY; self.groups.len()],
-        };
+    /// The loss, and the groups' values by frame, shape [F + 1, groups].
+    pub(crate) fn finish(
+        mut self,
+        diverged: Option<Divergence>,
+        frames: usize,
+    ) -> (Loss, Vec<f64>) {
+        self.frames.resize((frames + 1) * self.groups, f64::INFINITY);
+        let mut groups = vec![0.0; self.groups];
+        for frame in self.frames.chunks_exact(self.groups.max(1)) {
+            groups.iter_mut().zip(frame).for_each(|(sum, value)| *sum += value);
+        }
+        if diverged.is_some() {
+            groups.fill(f64::INFINITY);
+        }
         let total = if diverged.is_some() { f64::INFINITY } else { groups.iter().sum() };
-        Loss { total, groups, diverged }
+        (Loss { total, groups, diverged }, self.frames)
     }
 }
 
@@ -141,8 +178,8 @@ pub(crate) fn losses<T: Real>(
     simulation: &Simulation<'_, T>,
     cancel: &CancelToken,
 ) -> Result<Loss, Error> {
-    let mut scorer = Scorer::new(simulation.objective, simulation.system.surface);
+    let mut scorer = Scorer::new(simulation);
     let diverged = simulation
         .run(cancel, |frame, now| scorer.see(frame, &now.nodes[..simulation.system.nodes]))?;
-    Ok(scorer.finish(diverged))
+    Ok(scorer.finish(diverged, simulation.frames).0)
 }

@@ -26,7 +26,7 @@ pub(crate) struct SpringBlock<T> {
 }
 
 /// All springs.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Springs<T> {
     pub(crate) strips: Vec<Strip>,
     pub(crate) blocks: Vec<SpringBlock<T>>,
@@ -63,6 +63,20 @@ impl<T: Real> Springs<T> {
             }
         }
         Self { strips: strips.strips.clone(), blocks }
+    }
+
+    /// Makes lanes of springs with such an end lanes without one.
+    pub(crate) fn leave_out(&mut self, ends: impl Fn(u32) -> bool) {
+        for strip in &self.strips {
+            for block in &mut self.blocks[strip.blocks()] {
+                for l in 0..LANES {
+                    if ends(strip.owners[l]) || ends(block.other[l]) {
+                        block.other[l] = strip.owners[l];
+                        (block.rate[l], block.dashpot[l]) = (T::ZERO, T::ZERO);
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -79,7 +79,7 @@ pub(crate) struct ContactRule {
 }
 
 /// A model ready to run.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct System<T> {
     /// Nodes N.
     pub(crate) nodes: usize,
@@ -163,6 +163,24 @@ impl<T: Real> System<T> {
             controls_move: model.control_velocity == ControlVelocity::True,
             parameters,
         }
+    }
+
+    /// The system while hands hold what they do: springs and triplets at open control points, shape
+    /// [C], exert nothing and their pins hold nothing; nodes held by pins have no inverse mass.
+    pub(crate) fn while_held(&self, open: &[bool], held: &[usize]) -> Self {
+        let mut system = self.clone();
+        let is_open = |e: u32| {
+            let control = (e as usize).checked_sub(self.nodes);
+            control.is_some_and(|c| open.get(c).copied().unwrap_or(false))
+        };
+        for pin in self.pins.iter().filter(|p| open[p.control]) {
+            system.inverse_mass[pin.node] = T::ONE / self.masses[pin.node];
+        }
+        system.pins.retain(|p| !open[p.control]);
+        system.springs.leave_out(is_open);
+        system.triplets.leave_out(is_open);
+        held.iter().for_each(|&node| system.inverse_mass[node] = T::ZERO);
+        system
     }
 
     /// Nodes and control points.

@@ -294,7 +294,7 @@ fn divergence_says_where_and_is_no_error() {
     let g = backend.gradients(&[wild], &request, &cancel).unwrap().remove(0);
     assert!(g.loss.total.is_infinite() && g.final_state.is_none());
     assert!(g.params.spring_stiffness.iter().all(|&x| x == 0.0));
-    assert!(g.controls.iter().flatten().all(|&x| x == 0.0));
+    assert!(g.controls.iter().flatten().all(|x| x.is_nan()));
 }
 
 #[test]

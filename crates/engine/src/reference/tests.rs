@@ -1,5 +1,7 @@
 //! Finite differences of whole rollouts with respect to everything that has a gradient.
 
+mod surroundings;
+
 use std::sync::Arc;
 
 use bendtwin_core::{
@@ -185,6 +187,21 @@ fn knobs(r: &Reference) -> Vec<Knob> {
         points!(positions, 0.05, r.positions.len()),
         points!(velocities, 0.5, r.velocities.len()),
         points!(controls, 0.05, r.controls.len()),
+        points!(places, 0.05, r.places.len()),
+        Knob {
+            name: "poses",
+            scale: 0.05,
+            set: |r, i| &mut r.poses[i / 12][i / 4 % 3][i % 4],
+            gradient: |g, i| g.poses[i / 12][i / 4 % 3][i % 4],
+            count: 12 * r.poses.len(),
+        },
+        Knob {
+            name: "rolls",
+            scale: 1.0,
+            set: |r, i| &mut r.rolls[i],
+            gradient: |g, i| g.rolls[i],
+            count: r.rolls.len(),
+        },
     ]
 }
 
@@ -193,7 +210,7 @@ fn errors(r: &Reference, objective: &Objective, step: f64) -> Vec<(&'static str,
     let g = r.gradient(objective, 0).unwrap();
     assert!(g.loss.diverged.is_none());
     let mut out = Vec::new();
-    for knob in knobs(r) {
+    for knob in knobs(r).into_iter().filter(|k| k.count > 0) {
         let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
         for i in 0..knob.count {
             let h = step * knob.scale;

@@ -81,6 +81,7 @@ impl Scene {
             cameras,
             mesh: None,
             truth_tracks: Vec::new(),
+            mass_kg: None,
             source: Arc::new(self.clone()),
         }
     }

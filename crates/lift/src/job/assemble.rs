@@ -48,7 +48,7 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
     refuse_lost(recording, &kept, &mut evidence.findings)?;
     check(cancel)?;
 
-    let mut controls = Vec::new();
+    let (mut controls, mut control_hands) = (Vec::new(), Vec::new());
     let shown: u64 = evidence.cameras.iter().map(|c| c.manipulator.kept).sum();
     if shown > 0 {
         let made = if hand.count >= MIN_TRACKS {
@@ -57,6 +57,9 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
             hands::cloud::controls(&from.hands(), hand.count, &settings.controls)?
         };
         controls = made.points;
+        // Control points of one hand are beside each other.
+        let hands = made.hands.iter().zip(0..);
+        control_hands = hands.flat_map(|(h, hand)| std::iter::repeat_n(hand, h.controls)).collect();
         evidence.hands = made.hands;
         evidence.findings.extend(made.findings);
     } else {
@@ -97,6 +100,8 @@ pub(super) fn assemble(from: &Assembly<'_>, cancel: &CancelToken) -> Result<Obse
             colors: kept.colors,
             completed_surface: shape.surface,
             interior: shape.interior,
+            mass_kg: recording.mass_kg,
+            control_hands,
             ..Object::default()
         },
         sequences: vec![sequence],

@@ -2,6 +2,7 @@
 
 use super::{
     Error, Limits, TwinShape,
+    numbers::SHORTEST_QUATERNION,
     tensors::{finite, floats, given, indices, required},
     within,
 };
@@ -10,9 +11,6 @@ use crate::v1::{Interpolation, roll_out_request::Actions, tensor::Dtype};
 const POSITIONS: &str = "trajectories.positions";
 const POSES: &str = "poses.poses";
 const GRIPPERS: &str = "poses.gripper_of_control";
-
-/// Shortest quaternion that has a direction.
-const SHORTEST_QUATERNION: f32 = 1e-6;
 
 /// Number of instances B and of knots K.
 pub(super) fn check(actions: Option<&Actions>, limits: &Limits) -> Result<[u64; 2], Error> {
@@ -101,7 +99,7 @@ fn batch(instances: u64, knots: u64, field: &str, limits: &Limits) -> Result<(),
 
 fn interpolation(field: &str, wire: i32) -> Result<(), Error> {
     Interpolation::try_from(wire).map(drop).map_err(|_| {
-        Error::field(field, format!("has the unknown value {wire}: use LINEAR or CUBIC"))
+        Error::field(field, format!("has the unknown value {wire}: use LINEAR, CUBIC or ZERO"))
     })
 }
 

@@ -1,24 +1,37 @@
-//! Costs: names, weights, times and targets.
+//! Costs: names, weights, times and what they measure.
+
+mod targets;
 
 use std::collections::HashSet;
 
+use self::targets::{by_instance, points};
 use super::{
     Batch, Error, Limits, TwinShape,
-    tensors::{finite, known_nodes, node_list, required},
+    numbers::least,
+    tensors::{given, known_nodes, node_list},
     within,
+    world::{cuboid, plane},
 };
 use crate::v1::{
-    Cost, Tensor,
-    cost::{Kind, When},
-    tensor::Dtype,
+    Cost, RollOutRequest, Tensor,
+    cost::{
+        Kind, When,
+        force::{self, By},
+    },
 };
 
 /// Target points that a cost counts for in each of its frames, beside its own.
 const OVERHEAD: u128 = 16;
 /// Work of looking one target point up, in element substeps.
 const TARGET_WORK: u128 = 20;
+/// Work of a spring, and of a node in a region, in a cost of all of them.
+const SPRING_WORK: u128 = 4;
+const NODE_WORK: u128 = 2;
+/// Work of the distance between a node and a collider.
+const COLLIDER_WORK: u128 = 32;
 
-pub(super) fn check(costs: &[Cost], batch: &Batch, limits: &Limits) -> Result<(), Error> {
+pub(super) fn check(request: &RollOutRequest, batch: &Batch, limits: &Limits) -> Result<(), Error> {
+    let costs = &request.costs;
     within("the number of costs", costs.len() as u128, limits.costs, "merge target clouds")?;
     let mut names = HashSet::new();
     for (i, cost) in costs.iter().enumerate() {
@@ -38,86 +51,194 @@ pub(super) fn check(costs: &[Cost], batch: &Batch, limits: &Limits) -> Result<()
             let fault = format!("is {weight}: it must be finite in single precision, 1 say");
             return Err(Error::field(field("weight"), fault));
         }
-        if When::try_from(cost.when).is_err() {
-            let fault =
-                format!("has the unknown value {}: use LAST_FRAME or EVERY_FRAME", cost.when);
+        let Ok(when) = When::try_from(cost.when) else {
+            let fault = format!(
+                "has the unknown value {}: use LAST_FRAME, EVERY_FRAME or SOFT_MIN",
+                cost.when
+            );
             return Err(Error::field(field("when"), fault));
+        };
+        if when == When::SoftMin && !(cost.temperature.is_finite() && cost.temperature > 0.0) {
+            let fault = format!(
+                "is {}: SOFT_MIN needs one above 0, the difference of costs that matters say",
+                cost.temperature
+            );
+            return Err(Error::field(field("temperature"), fault));
         }
-        kind(cost.kind.as_ref(), field)?;
+        kind(cost, when, request, batch, field)?;
     }
     within(
-        "the number of target points over all frames of all costs",
-        targets(costs, batch),
+        "the number of target points over all instances and frames of all costs",
+        self::targets(costs, batch),
         limits.targets,
         "thin the targets out, or count them in the last frame only",
     )
 }
 
-/// Target points over all frames of all costs, with the overhead of each.
+/// Target points over all instances and frames of all costs, with the overhead of each.
 pub(in crate::rollout) fn targets(costs: &[Cost], batch: &Batch) -> u128 {
-    costs.iter().map(|cost| (points(cost) + OVERHEAD) * frames(cost, batch)).sum()
+    let lists = |cost: &Cost| if by_instance(cost) { u128::from(batch.instances) } else { 1 };
+    costs.iter().map(|cost| one_list(cost, batch).saturating_mul(lists(cost))).sum()
+}
+
+/// Those of one instance: of costs whose targets differ by instance or, with `all`, of all costs.
+pub(in crate::rollout) fn own_targets(costs: &[Cost], batch: &Batch, all: bool) -> u128 {
+    let own = costs.iter().filter(|cost| all || by_instance(cost));
+    own.map(|cost| one_list(cost, batch)).sum()
+}
+
+/// Target points over all frames of a cost for one instance, with the overhead.
+fn one_list(cost: &Cost, batch: &Batch) -> u128 {
+    (points(cost) + OVERHEAD).saturating_mul(frames(cost, batch))
 }
 
 pub(super) fn check_for(costs: &[Cost], twin: &TwinShape) -> Result<(), Error> {
     for (i, cost) in costs.iter().enumerate() {
-        if let Some(Kind::Keypoints(k)) = &cost.kind
-            && let Some(nodes) = &k.nodes
-        {
-            known_nodes(nodes, &format!("costs[{i}].keypoints.nodes"), twin.nodes)?;
+        let (nodes, field) = match &cost.kind {
+            Some(Kind::Keypoints(k)) => (k.nodes.as_ref(), "keypoints.nodes"),
+            Some(Kind::Height(h)) => (given(h.nodes.as_ref()), "height.nodes"),
+            Some(Kind::Within(w)) => (given(w.nodes.as_ref()), "within.nodes"),
+            Some(Kind::Force(f)) => {
+                if let Some(By::Control(control)) = f.by
+                    && u64::from(control) >= twin.controls
+                {
+                    let count = twin.controls;
+                    let fault = format!(
+                        "names control point {control}, the twin has {count} (counted from 0)"
+                    );
+                    return Err(Error::field(format!("costs[{i}].force.control"), fault));
+                }
+                continue;
+            }
+            Some(_) | None => continue,
+        };
+        if let Some(nodes) = nodes {
+            known_nodes(nodes, &format!("costs[{i}].{field}"), twin.nodes)?;
         }
     }
     Ok(())
 }
 
 /// Work of the costs of one instance, in element substeps.
-pub(super) fn work(costs: &[Cost], batch: &Batch) -> u128 {
-    costs.iter().map(|cost| points(cost).max(1) * frames(cost, batch) * TARGET_WORK).sum()
+pub(super) fn work(costs: &[Cost], batch: &Batch, twin: &TwinShape) -> u128 {
+    let nodes = u128::from(twin.nodes);
+    let each = |cost: &Cost| {
+        let listed = points(cost).max(1) * TARGET_WORK;
+        match &cost.kind {
+            Some(Kind::Strain(_)) => u128::from(twin.springs) * SPRING_WORK,
+            Some(Kind::Height(_) | Kind::Within(_)) => listed.max(nodes * NODE_WORK),
+            Some(Kind::Clearance(_)) => nodes * COLLIDER_WORK,
+            _ => listed,
+        }
+    };
+    costs.iter().map(|cost| each(cost).saturating_mul(frames(cost, batch))).sum()
 }
 
-fn kind(kind: Option<&Kind>, field: impl Fn(&str) -> String) -> Result<(), Error> {
-    match kind {
+fn kind(
+    cost: &Cost,
+    when: When,
+    request: &RollOutRequest,
+    batch: &Batch,
+    field: impl Fn(&str) -> String,
+) -> Result<(), Error> {
+    let colliders = request.world.as_ref().map_or(0, |world| world.colliders.len());
+    match &cost.kind {
         None => {
-            let fault = "is missing: give target_cloud, keypoints or smoothness";
+            let fault = "is missing: give target_cloud, keypoints, smoothness, strain, force, height, within, clearance, control_path or control_speed";
             Err(Error::field(field("kind"), fault))
         }
         Some(Kind::TargetCloud(cloud)) => {
-            point_list(cloud.points.as_ref(), &field("target_cloud.points")).map(drop)
+            let points = field("target_cloud.points");
+            targets::check(cloud.points.as_ref(), &points, when, batch).map(drop)
         }
         Some(Kind::Keypoints(keypoints)) => {
             let nodes = node_list(keypoints.nodes.as_ref(), &field("keypoints.nodes"))?;
             let targets = field("keypoints.targets");
-            let count = point_list(keypoints.targets.as_ref(), &targets)?;
+            let count = targets::check(keypoints.targets.as_ref(), &targets, when, batch)?;
             if nodes.shape != [count] {
                 let fault = format!("has {count} points for {} nodes", nodes.shape[0]);
                 return Err(Error::field(targets, fault));
             }
             Ok(())
         }
-        Some(Kind::Smoothness(_)) => Ok(()),
-        Some(_) => Err(Error::field(field("kind"), "is not served yet")),
+        Some(Kind::Strain(strain)) => least(strain.limit, &field("strain.limit"), 0.0),
+        Some(Kind::Force(f)) => force(f, request.grasps.len(), colliders, field),
+        Some(Kind::Height(height)) => {
+            if let Some(ground) = &height.plane {
+                plane(ground, &field("height.plane"))?;
+            }
+            some_nodes(height.nodes.as_ref(), &field("height.nodes"))
+        }
+        Some(Kind::Within(within)) => {
+            let Some(space) = &within.cuboid else {
+                return Err(Error::field(field("within.cuboid"), "is missing"));
+            };
+            cuboid(space, &field("within.cuboid"))?;
+            some_nodes(within.nodes.as_ref(), &field("within.nodes"))
+        }
+        Some(Kind::Clearance(clearance)) => {
+            known(clearance.collider, colliders, "collider", &field("clearance.collider"))?;
+            least(clearance.margin_m, &field("clearance.margin_m"), 0.0)
+        }
+        Some(Kind::ControlSpeed(speed)) => {
+            amount(speed.limit_m_s, &field("control_speed.limit_m_s"))
+        }
+        Some(Kind::Smoothness(_) | Kind::ControlPath(_)) => Ok(()),
     }
 }
 
-/// Number of points of a list that is not empty.
-fn point_list(tensor: Option<&Tensor>, field: &str) -> Result<u64, Error> {
-    let (tensor, shape) = required(tensor, field, Dtype::Float32)?;
-    match shape[..] {
-        [count, 3] if count > 0 => finite(tensor, field).map(|()| count),
-        _ => Err(Error::field(field, format!("has shape {shape:?}, not [M, 3] with M >= 1"))),
+fn force(
+    force: &crate::v1::cost::Force,
+    grasps: usize,
+    colliders: usize,
+    field: impl Fn(&str) -> String,
+) -> Result<(), Error> {
+    match force.by {
+        None => {
+            let fault = "is missing: give controls, control, grasp, ground or collider";
+            return Err(Error::field(field("force.by"), fault));
+        }
+        Some(By::Grasp(grasp)) => known(grasp, grasps, "grasp", &field("force.grasp"))?,
+        Some(By::Collider(collider)) => {
+            known(collider, colliders, "collider", &field("force.collider"))?;
+        }
+        // The twin tells how many control points there are.
+        Some(By::Control(_) | By::Controls(force::All {}) | By::Ground(force::All {})) => {}
     }
+    amount(force.limit_n, &field("force.limit_n"))
 }
 
-/// Number of target points.
-fn points(cost: &Cost) -> u128 {
-    let tensor = match &cost.kind {
-        Some(Kind::TargetCloud(cloud)) => cloud.points.as_ref(),
-        Some(Kind::Keypoints(keypoints)) => keypoints.targets.as_ref(),
-        Some(_) | None => None,
-    };
-    tensor.and_then(|t| t.shape.first()).map_or(0, |n| u128::from(*n))
+/// Refuses the number of a part that the request does not have.
+fn known(number: u32, count: usize, what: &str, field: &str) -> Result<(), Error> {
+    if (number as usize) < count {
+        return Ok(());
+    }
+    let fault = format!("names {what} {number}, the request has {count} (counted from 0)");
+    Err(Error::field(field, fault))
+}
+
+/// Refuses what is negative, or not finite in single precision.
+fn amount(value: f64, field: &str) -> Result<(), Error> {
+    if value >= 0.0 && (value as f32).is_finite() {
+        return Ok(());
+    }
+    let fault = format!("is {value}: it must be finite in single precision and not negative");
+    Err(Error::field(field, fault))
+}
+
+/// A list of nodes that may be left out.
+fn some_nodes(nodes: Option<&Tensor>, field: &str) -> Result<(), Error> {
+    match given(nodes) {
+        Some(nodes) => node_list(Some(nodes), field).map(drop),
+        None => Ok(()),
+    }
 }
 
 /// Number of frames in which a cost counts.
 fn frames(cost: &Cost, batch: &Batch) -> u128 {
-    if cost.when() == When::EveryFrame { u128::from(batch.frames) } else { 1 }
+    match (&cost.kind, cost.when()) {
+        (Some(Kind::ControlPath(_) | Kind::ControlSpeed(_)), _)
+        | (_, When::EveryFrame | When::SoftMin) => u128::from(batch.frames),
+        _ => 1,
+    }
 }

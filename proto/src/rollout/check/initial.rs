@@ -4,10 +4,10 @@ use bendtwin_core::ids::CaptureId;
 
 use super::{
     Batch, Error, TwinShape,
-    tensors::{finite, given, required},
+    tensors::{finite, given, indices, required},
 };
 use crate::v1::{
-    InitialState,
+    Grasping, InitialState,
     initial_state::{GivenState, State},
     tensor::Dtype,
 };
@@ -16,10 +16,25 @@ const CAPTURE: &str = "initial.capture_frame.capture";
 const POSITIONS: &str = "initial.given.positions";
 const VELOCITIES: &str = "initial.given.velocities";
 const TWISTS: &str = "initial.given.twists";
+const CONTROLS: &str = "initial.given.controls";
+const PHASES: &str = "initial.given.grasping.phases";
+const HOLDERS: &str = "initial.given.grasping.holders";
+const PLACES: &str = "initial.given.grasping.places";
+/// Phases of a grasp: open, closed, slipped.
+const PHASE_COUNT: u32 = 3;
 
 pub(super) fn check(initial: Option<&InitialState>, batch: &Batch) -> Result<(), Error> {
     match initial.and_then(|i| i.state.as_ref()) {
-        None | Some(State::Rest(_) | State::Settled(_) | State::Session(_)) => Ok(()),
+        None | Some(State::Rest(_) | State::Settled(_)) => Ok(()),
+        Some(State::Session(at)) => {
+            let (slots, instances) = (at.slots.len() as u64, batch.instances);
+            if slots <= 1 || slots == instances {
+                return Ok(());
+            }
+            let fault =
+                format!("has {slots} slots for {instances} instances: give none, one, or one each");
+            Err(Error::field("initial.session.slots", fault))
+        }
         Some(State::CaptureFrame(at)) if at.capture.is_empty() => Ok(()),
         Some(State::CaptureFrame(at)) => {
             let name = at.capture.parse::<CaptureId>();
@@ -62,13 +77,60 @@ fn check_given(state: &GivenState, batch: &Batch) -> Result<(), Error> {
         }
         finite(twists, TWISTS)?;
     }
-    Ok(())
+    let lead: &[u64] = if is_batched { &[batch.instances] } else { &[] };
+    if let Some(controls) = given(state.controls.as_ref()) {
+        let (controls, other) = required(Some(controls), CONTROLS, Dtype::Float32)?;
+        row_width(&other, lead, Some(3), CONTROLS)?;
+        finite(controls, CONTROLS)?;
+    }
+    state.grasping.as_ref().map_or(Ok(()), |grasping| check_grasping(grasping, lead, &shape))
+}
+
+/// What grasps hold, beside positions of shape `positions`.
+fn check_grasping(wire: &Grasping, lead: &[u64], positions: &[u64]) -> Result<(), Error> {
+    let (phases, shape) = required(wire.phases.as_ref(), PHASES, Dtype::Uint32)?;
+    let grasps = row_width(&shape, lead, None, PHASES)?;
+    if let Some(phase) = indices(phases).find(|phase| *phase >= PHASE_COUNT) {
+        let fault = format!("has {phase}: 0 is open, 1 closed, 2 slipped");
+        return Err(Error::field(PHASES, fault));
+    }
+    let (holders, shape) = required(wire.holders.as_ref(), HOLDERS, Dtype::Uint32)?;
+    let nodes = &positions[..positions.len() - 1];
+    if shape != nodes {
+        return Err(Error::field(HOLDERS, format!("has shape {shape:?}, not {nodes:?}")));
+    }
+    if let Some(holder) = indices(holders).find(|holder| u64::from(*holder) > grasps) {
+        let fault = format!("has {holder}: there are {grasps} grasps, and 0 stands for none");
+        return Err(Error::field(HOLDERS, fault));
+    }
+    let (places, shape) = required(wire.places.as_ref(), PLACES, Dtype::Float32)?;
+    if shape != positions {
+        return Err(Error::field(PLACES, format!("has shape {shape:?}, not {positions:?}")));
+    }
+    finite(places, PLACES)
+}
+
+/// Checks a shape [n] or, with `inner`, [n, inner], after the dimensions `lead`. Returns n.
+fn row_width(shape: &[u64], lead: &[u64], inner: Option<u64>, field: &str) -> Result<u64, Error> {
+    let after = shape.strip_prefix(lead);
+    match (after, inner) {
+        (Some([n]), None) => Ok(*n),
+        (Some([n, last]), Some(inner)) if *last == inner => Ok(*n),
+        _ => {
+            let mut names: Vec<String> = lead.iter().map(u64::to_string).collect();
+            names.push("n".to_owned());
+            names.extend(inner.map(|inner| inner.to_string()));
+            let fault = format!("has shape {shape:?}, not [{}] as the positions", names.join(", "));
+            Err(Error::field(field, fault))
+        }
+    }
 }
 
 pub(super) fn check_for(
     initial: Option<&InitialState>,
     batch: &Batch,
     twin: &TwinShape,
+    grasps: usize,
 ) -> Result<(), Error> {
     match initial.and_then(|i| i.state.as_ref()) {
         Some(State::CaptureFrame(at)) if at.capture.is_empty() && !twin.has_capture => {
@@ -90,6 +152,21 @@ pub(super) fn check_for(
             {
                 let fault = format!("has shape {:?}: the twin has {rods} rods", twists.shape);
                 return Err(Error::field(TWISTS, fault));
+            }
+            let (c, g) = (twin.controls, grasps as u64);
+            if let Some(controls) = given(state.controls.as_ref())
+                && controls.shape.iter().rev().nth(1) != Some(&c)
+            {
+                let shape = &controls.shape;
+                let fault = format!("has shape {shape:?}: the twin has {c} control points");
+                return Err(Error::field(CONTROLS, fault));
+            }
+            if let Some(phases) = state.grasping.as_ref().and_then(|s| given(s.phases.as_ref()))
+                && phases.shape.last() != Some(&g)
+            {
+                let shape = &phases.shape;
+                let fault = format!("has shape {shape:?}: the request has {g} grasps");
+                return Err(Error::field(PHASES, fault));
             }
             Ok(())
         }

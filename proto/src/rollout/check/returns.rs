@@ -17,11 +17,31 @@ pub(super) fn check(request: &RollOutRequest) -> Result<(), Error> {
     if let Some(nodes) = given(returns.nodes.as_ref()) {
         node_list(Some(nodes), NODES)?;
     }
-    if returns.control_gradients && request.costs.is_empty() {
+    let gradients = [
+        ("returns.control_gradients", returns.control_gradients),
+        ("returns.action_gradients", returns.action_gradients),
+        ("returns.initial_gradients", returns.initial_gradients),
+        ("returns.gradient_norms", returns.gradient_norms),
+    ];
+    if let Some((field, _)) = gradients.into_iter().find(|(_, wanted)| *wanted)
+        && request.costs.is_empty()
+    {
         let fault = "needs at least one cost to differentiate: add one to `costs`";
-        return Err(Error::field("returns.control_gradients", fault));
+        return Err(Error::field(field, fault));
+    }
+    if returns.velocities && returns.every_frames == 0 {
+        let fault = "are recorded with positions: set `returns.every_frames`, 1 say";
+        return Err(Error::field("returns.velocities", fault));
     }
     Ok(())
+}
+
+/// True if a reply needs a run backward.
+pub(in crate::rollout) fn has_gradients(returns: &Returns) -> bool {
+    returns.control_gradients
+        || returns.action_gradients
+        || returns.initial_gradients
+        || returns.gradient_norms
 }
 
 pub(super) fn check_for(returns: Option<&Returns>, twin: &TwinShape) -> Result<(), Error> {

@@ -5,10 +5,17 @@ use super::*;
 use crate::{
     rollout::cases,
     v1::{
-        ControlTrajectories, Cost, GripperPoses, InitialState, Returns, Tensor,
-        cost::{Kind, TargetCloud, When},
+        ControlTrajectories, Cost, Cuboid, Ensemble, GripperPoses, InitialState, Plane, Returns,
+        Tensor, Vary,
+        collider::Carrier,
+        cost::{
+            Clearance, ControlPath, ControlSpeed, Force, Height, Kind, Strain, TargetCloud, When,
+            Within,
+            force::{All, By},
+        },
         initial_state::{GivenState, State},
         roll_out_request::Actions,
+        world::GroundChoice,
     },
 };
 
@@ -45,17 +52,24 @@ fn each_fault_is_refused_and_named() {
 #[test]
 fn what_needs_no_twin_is_refused_without_one() {
     // Only the twin tells about these.
-    const NEEDS_TWIN: [&str; 10] = [
+    const NEEDS_TWIN: [&str; 17] = [
         "no controls",
         "a control too many",
         "a control too many of a gripper",
         "a node short",
         "a node too many",
+        "a control too many in the state",
+        "a grasp too many in the state",
         "a frame of an imported twin's capture",
         "a node that is not there",
         "node 2^32 - 1",
         "a node to record that is not there",
         "no fast variant",
+        "a grasp of a node that is not there",
+        "a grasp of a node twice",
+        "a force of a control point that is not there",
+        "the height of a node that is not there",
+        "a node that is not there in a box",
     ];
     for case in cases::malformed(&TWIN) {
         let alone = check(&case.request, &Limits::default());
@@ -100,6 +114,46 @@ fn sound_requests_pass() {
 }
 
 #[test]
+fn sound_worlds_pass() {
+    let with = |change: &dyn Fn(&mut RollOutRequest)| {
+        let mut request = cases::sound_in_a_world(&TWIN);
+        change(&mut request);
+        check_for(&request, &TWIN, &Limits::default(), 0).map(drop)
+    };
+    assert_eq!(with(&|_| ()), Ok(()));
+    let row = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0f32];
+    let path = Tensor::pack(&[3, 7], row.repeat(3).as_slice());
+    assert_eq!(
+        with(&|r| {
+            let world = r.world.get_or_insert_default();
+            world.gravity = vec![0.0; 3];
+            world.ground_choice = Some(GroundChoice::NoGround(true));
+            world.colliders[0].pose = row.to_vec();
+            world.colliders[0].carrier = Some(Carrier::Path(path.clone()));
+        }),
+        Ok(())
+    );
+    assert_eq!(with(&|r| r.grasps[0].closed = Some(Tensor::pack(&[2, 3], &[1u32; 6]))), Ok(()));
+    let mass = |count: usize| Vary {
+        mass: Some(Tensor::pack(&[count], &vec![2.0f32; count])),
+        ..Vary::default()
+    };
+    assert_eq!(with(&|r| r.vary = Some(mass(2))), Ok(()));
+    let worst = Ensemble { members: 5, ..Ensemble::default() };
+    let ensemble = |r: &mut RollOutRequest| {
+        r.vary = Some(mass(5));
+        r.ensemble = Some(worst);
+    };
+    assert_eq!(with(&ensemble), Ok(()));
+    // Five members are five times the work.
+    let mut request = cases::sound_in_a_world(&TWIN);
+    let batch = check(&request, &Limits::default()).unwrap();
+    let alone = work(&request, &batch, &TWIN);
+    ensemble(&mut request);
+    assert_eq!(work(&request, &batch, &TWIN), 5 * alone);
+}
+
+#[test]
 fn limits_hold_and_say_what_to_do() {
     let beyond = |request: &RollOutRequest, limits: Limits, advice: &str| {
         let error = refused(request, &TWIN, &limits);
@@ -120,9 +174,64 @@ fn limits_hold_and_say_what_to_do() {
     beyond(&request, Limits { targets: 2 * (9 + 16) - 1, ..all }, "thin the targets out");
     let returns = Some(Returns { every_frames: 1, ..Returns::default() });
     let request = RollOutRequest { returns, ..sound() };
-    beyond(&request, Limits { reply_bytes: 400, ..all }, "returns.every_frames");
+    beyond(&request, Limits { reply_bytes: 700, ..all }, "returns.every_frames");
     // In parts it fits.
-    assert!(check_for(&request, &TWIN, &Limits { reply_bytes: 400, ..all }, 1).is_ok());
+    assert!(check_for(&request, &TWIN, &Limits { reply_bytes: 700, ..all }, 1).is_ok());
+}
+
+#[test]
+fn targets_may_differ_by_frame_and_instance() {
+    let limits = Limits::default();
+    let with = |shape: &[usize], when: When, temperature: f64| {
+        let points = Some(Tensor::pack(shape, &vec![0.0f32; shape.iter().product()]));
+        let kind = Some(Kind::TargetCloud(TargetCloud { points }));
+        let cost = Cost { when: when.into(), temperature, kind, ..Cost::default() };
+        RollOutRequest { costs: vec![cost], ..sound() }
+    };
+    let total = |request: &RollOutRequest| {
+        let batch = check_for(request, &TWIN, &limits, 0).unwrap();
+        [
+            targets(&request.costs, &batch),
+            own_targets(&request.costs, &batch, false),
+            own_targets(&request.costs, &batch, true),
+        ]
+    };
+    // 2 instances, 2 frames, and 16 for each list.
+    assert_eq!(total(&with(&[7, 3], When::LastFrame, 0.0)), [23, 0, 23]);
+    assert_eq!(total(&with(&[2, 7, 3], When::EveryFrame, 0.0)), [46, 0, 46]);
+    assert_eq!(total(&with(&[2, 1, 7, 3], When::LastFrame, 0.0)), [46, 23, 23]);
+    assert_eq!(total(&with(&[2, 1, 7, 3], When::EveryFrame, 0.0)), [92, 46, 46]);
+    assert_eq!(total(&with(&[2, 2, 7, 3], When::SoftMin, 0.1)), [92, 46, 46]);
+}
+
+#[test]
+fn every_kind_of_cost_passes() {
+    let world = cases::sound_in_a_world(&TWIN);
+    let force = |by| Kind::Force(Force { by: Some(by), limit_n: 2.0 });
+    let nodes = Some(Tensor::pack(&[2], &[4u32, 0]));
+    let cuboid = Some(Cuboid { low: vec![-1.0; 3], high: vec![1.0; 3] });
+    let kinds = [
+        Kind::Strain(Strain { limit: 0.1 }),
+        force(By::Controls(All {})),
+        force(By::Control(0)),
+        force(By::Grasp(0)),
+        force(By::Ground(All {})),
+        force(By::Collider(0)),
+        Kind::Height(Height::default()),
+        Kind::Height(Height { plane: Some(Plane::default()), nodes: nodes.clone() }),
+        Kind::Within(Within { cuboid, nodes }),
+        Kind::Clearance(Clearance { collider: 0, margin_m: 0.01 }),
+        Kind::ControlPath(ControlPath {}),
+        Kind::ControlSpeed(ControlSpeed { limit_m_s: 0.5 }),
+    ];
+    let costs = kinds.into_iter().enumerate().map(|(i, kind)| Cost {
+        // To be maximized, some of them.
+        weight: Some([1.0, -1.0, 0.0][i % 3]),
+        kind: Some(kind),
+        ..Cost::default()
+    });
+    let request = RollOutRequest { costs: costs.collect(), ..world };
+    assert_eq!(check_for(&request, &TWIN, &Limits::default(), 0).map(drop), Ok(()));
 }
 
 #[test]

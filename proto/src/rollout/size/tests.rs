@@ -5,9 +5,14 @@ use prost::Message as _;
 
 use super::*;
 use crate::v1::{
-    Cost, Fidelity, Returns, RollOutResponse, Tensor,
-    roll_out_response::{Deviation, Diagnostics, Divergence, Timing},
+    Cost, Fidelity, Grasp, Grasping, Returns, RollOutResponse, Tensor,
+    roll_out_response::{Deviation, Diagnostics, Divergence, Implausible, Timing},
 };
+
+fn implausible() -> Implausible {
+    let reason = "CONTROL_IN_OBSTACLE".to_owned();
+    Implausible { instance: u32::MAX, reason, found: 1.0, limit: 1.0, frame: u32::MAX }
+}
 
 /// The reply of a worker in which every number takes as many bytes as it can.
 fn reply(
@@ -30,10 +35,12 @@ fn reply(
         cost_names: (0..terms).map(|i| format!("cost{i}")).collect(),
         cost_terms: Some(Tensor::pack(&[n, terms], &vec![0.0f64; n * terms])),
         diverged: vec![Divergence { instance: u32::MAX, frame: u32::MAX, node: u32::MAX }; n],
+        implausible: vec![implausible(); 4 * n],
         timing: Some(Timing { queue_s: 1.0, compute_s: 1.0 }),
         worker: format!("workers/{}", "0".repeat(36)),
         fidelity: Fidelity::Fast.into(),
         substeps: u32::MAX,
+        mass_kg: Some(1.0),
         deviation: Some(Deviation {
             mean_m: 1.0,
             max_m: 1.0,
@@ -55,7 +62,11 @@ fn reply(
         reply.diagnostics = vec![most; n];
     }
     let holders = if returns.best == 0 { covered } else { u64::from(returns.best).min(covered) };
-    let has_arrays = returns.every_frames > 0 || returns.final_state || returns.control_gradients;
+    let has_arrays = returns.every_frames > 0
+        || returns.final_state
+        || returns.frame_costs
+        || returns.controls
+        || has_gradients(&returns);
     if has_arrays || returns.best > 0 {
         reply.instances = Some(tensor(&[holders], 4));
     }
@@ -67,11 +78,39 @@ fn reply(
         let positions = tensor(&[holders, rows, nodes, 3], if is_packed { 2 } else { 4 });
         let scale = if is_packed { 1.0 } else { 0.0 };
         reply.positions = Some(Tensor { scale, offset: scale, ..positions });
+        reply.velocities = returns.velocities.then(|| reply.positions.clone()).flatten();
+    }
+    let boundaries = batch.frames + 1;
+    if returns.frame_costs {
+        reply.frame_costs = Some(tensor(&[holders, boundaries, terms as u64], 8));
+    }
+    if returns.controls {
+        reply.controls = Some(tensor(&[holders, boundaries, twin.controls, 3], 4));
+    }
+    if returns.initial_gradients {
+        reply.initial_position_gradients = Some(tensor(&[holders, twin.nodes, 3], 4));
+        reply.initial_velocity_gradients = reply.initial_position_gradients.clone();
+    }
+    if returns.gradient_norms {
+        reply.gradient_norms = Some(tensor(&[holders, boundaries], 8));
+    }
+    if has_gradients(&returns) {
+        reply.gradient_exploded = Some(tensor(&[holders], 4));
     }
     if returns.final_state {
         reply.final_positions = Some(tensor(&[holders, twin.nodes, 3], 4));
         reply.final_velocities = reply.final_positions.clone();
         reply.final_twists = twin.rods.map(|rods| tensor(&[holders, rods], 4));
+        reply.final_controls = Some(tensor(&[holders, twin.controls, 3], 4));
+        let grasps = request.grasps.len() as u64;
+        reply.final_grasping = (grasps > 0).then(|| Grasping {
+            phases: Some(tensor(&[holders, grasps], 4)),
+            holders: Some(tensor(&[holders, twin.nodes], 4)),
+            places: Some(tensor(&[holders, twin.nodes, 3], 4)),
+        });
+    }
+    if returns.action_gradients {
+        reply.action_gradients = Some(tensor(&[holders, batch.knots, twin.controls, 3], 4));
     }
     if returns.control_gradients {
         let shape = [holders, batch.frames + 1, twin.controls, 3];
@@ -86,8 +125,8 @@ proptest! {
         (instances, frames, part) in (1u64..400, 1u64..40, 0u32..30),
         (nodes, controls, rods) in (1u64..200, 1u64..5, prop::option::of(1u64..3)),
         (every_frames, best, chosen) in (0u32..9, 0u32..5, prop::option::of(1usize..9)),
-        (encoding, terms) in (0i32..3, 0usize..20),
-        flags in any::<[bool; 4]>(),
+        (encoding, terms, grasps) in (0i32..3, 0usize..20, 0usize..3),
+        flags in any::<[bool; 10]>(),
     ) {
         let part = if best > 0 { 0 } else { part };
         let returns = Returns {
@@ -98,9 +137,20 @@ proptest! {
             final_state: flags[0],
             diagnostics: flags[1],
             control_gradients: flags[2],
+            action_gradients: flags[4],
+            velocities: flags[5],
+            frame_costs: flags[6],
+            controls: flags[7],
+            initial_gradients: flags[8],
+            gradient_norms: flags[9],
             ..Returns::default()
         };
+        let shape = [instances as usize, 2, controls as usize];
+        let positions = Tensor::pack_points(&shape, &vec![[0.0; 3]; shape.iter().product()]);
+        let trajectories = ControlTrajectories { positions: Some(positions), interpolation: 0 };
         let request = RollOutRequest {
+            actions: Some(Actions::Trajectories(trajectories)),
+            grasps: vec![Grasp::default(); grasps],
             costs: vec![Cost::default(); terms],
             returns: flags[3].then_some(returns),
             ..RollOutRequest::default()

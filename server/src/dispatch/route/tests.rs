@@ -2,7 +2,7 @@ use std::collections::HashSet;
 
 use bendtwin_core::ids::{TwinId, WorkerId};
 
-use super::{Candidate, Choice, FAIR, NEAR_S, choose};
+use super::{BUSY, Candidate, Choice, FAIR, NEAR_S, choose};
 
 fn idle(n: usize) -> Vec<Candidate> {
     let new = || Candidate {
@@ -11,6 +11,8 @@ fn idle(n: usize) -> Vec<Candidate> {
         warm: false,
         has_room: true,
         ahead_s: 0.0,
+        calls: 0,
+        has_fit: false,
     };
     std::iter::repeat_with(new).take(n).collect()
 }
@@ -70,4 +72,40 @@ fn work_counts_and_not_the_number_of_rollouts() {
     assert_eq!(choose(twin, &workers), Choice::Worker(0));
     workers[0].has_room = false;
     assert_eq!(choose(twin, &workers), Choice::Worker(1));
+}
+
+#[test]
+fn an_idle_worker_is_asked_before_one_with_a_fit_and_that_before_a_busy_one() {
+    let twin = TwinId::generate();
+    let mut workers = idle(2);
+    (workers[0].warm, workers[0].has_fit) = (true, true);
+    assert_eq!(choose(twin, &workers), Choice::Worker(1));
+    // One rollout at a worker without a fit is less than a fit.
+    workers[1].calls = 1;
+    assert_eq!(choose(twin, &workers), Choice::Worker(1));
+    // With as much to do at both, the twin stays where it is loaded.
+    workers[1].calls = BUSY;
+    assert_eq!(choose(twin, &workers), Choice::Worker(0));
+    workers[0].calls = 1;
+    assert_eq!(choose(twin, &workers), Choice::Worker(1));
+    // Where all run fits, the one that has it loaded.
+    workers.iter_mut().for_each(|w| (w.has_fit, w.calls) = (true, 0));
+    assert_eq!(choose(twin, &workers), Choice::Worker(0));
+}
+
+#[test]
+fn the_first_calls_of_a_hot_twin_spread_evenly_and_few_calls_stay_together() {
+    let twin = TwinId::generate();
+    let mut workers = idle(4);
+    let first = choose(twin, &workers);
+    let Choice::Worker(home) = first else { panic!("all are idle") };
+    for _ in 0..8 {
+        let Choice::Worker(i) = choose(twin, &workers) else { panic!("room is left") };
+        workers[i].calls += 1;
+    }
+    assert!(workers.iter().all(|w| w.calls == 2), "{workers:?}");
+    // Once they are loaded everywhere, a lone closed loop still stays at one.
+    workers.iter_mut().for_each(|w| (w.calls, w.warm) = (0, true));
+    workers[home].calls = 1;
+    assert_eq!(choose(twin, &workers), first);
 }

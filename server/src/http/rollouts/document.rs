@@ -11,14 +11,12 @@ use axum::{
 use bendtwin_proto::json::{TensorFormat, Write};
 use bytes::Bytes;
 use futures::StreamExt as _;
-use prost::Message as _;
+use prost::Message;
+use serde::Serialize;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 
-use crate::{
-    app::{self, Error},
-    dispatch::Whole,
-};
+use crate::app::{self, Error};
 
 /// Replies up to this size are written at once [bytes, as protobuf].
 const SMALL: usize = 16 << 10;
@@ -31,8 +29,16 @@ const TYPE: [(header::HeaderName, &str); 1] = [(header::CONTENT_TYPE, "applicati
 
 /// The answer. What the reply holds, its memory and its place in the worker's line, is given back
 /// when the client has read it or has gone.
-pub(super) fn answer(reply: Whole, tensors: TensorFormat) -> app::Result<Response> {
-    let Whole { response, held } = reply;
+pub(in crate::http) fn answer<M, H>(
+    response: M,
+    held: H,
+    tensors: TensorFormat,
+) -> app::Result<Response>
+where
+    M: Message + 'static,
+    H: Send + Sync + 'static,
+    for<'m> Write<'m, M>: Serialize,
+{
     if response.encoded_len() <= SMALL {
         let json = serde_json::to_vec(&Write { message: &response, tensors })
             .map_err(|e| Error::Internal(format!("a reply that cannot be written as JSON: {e}")))?;

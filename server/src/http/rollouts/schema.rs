@@ -1,4 +1,4 @@
-//! Schemas of rollout.proto's messages for the OpenAPI document, from their descriptors and
+//! Schemas of the messages of rollout.proto and world.proto for the OpenAPI document, from their descriptors and
 //! comments.
 
 use std::{borrow::Cow, collections::HashMap};
@@ -16,7 +16,12 @@ use utoipa::{
     openapi::{RefOr, Schema, schema::Ref},
 };
 
-const FILE: &str = "bendtwin/v1/rollout.proto";
+/// The files whose messages are described, all or some of them.
+const FILES: [(&str, Option<&str>); 3] = [
+    ("bendtwin/v1/world.proto", None),
+    ("bendtwin/v1/rollout.proto", None),
+    ("bendtwin/v1/twin.proto", Some("TwinGeometry")),
+];
 const PACKAGE: &str = ".bendtwin.v1.";
 
 /// Numbers of the fields of descriptors in the paths of comments.
@@ -39,6 +44,25 @@ impl PartialSchema for RollOutRequest {
 impl PartialSchema for RollOutResponse {
     fn schema() -> RefOr<Schema> {
         schema("RollOutResponse")
+    }
+}
+
+/// The geometry of a twin.
+pub(in crate::http) struct TwinGeometry;
+
+impl PartialSchema for TwinGeometry {
+    fn schema() -> RefOr<Schema> {
+        schema("TwinGeometry")
+    }
+}
+
+impl ToSchema for TwinGeometry {
+    fn name() -> Cow<'static, str> {
+        Cow::Borrowed("TwinGeometry")
+    }
+
+    fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
+        found.extend(all());
     }
 }
 
@@ -71,7 +95,10 @@ fn schema(name: &str) -> RefOr<Schema> {
 fn all() -> Vec<(String, RefOr<Schema>)> {
     let Ok(set) = FileDescriptorSet::decode(DESCRIPTORS) else { return Vec::new() };
     let mut messages = Messages::default();
-    for file in set.file.iter().filter(|f| f.name() == FILE) {
+    let chosen = |file: &FileDescriptorProto| {
+        FILES.iter().find(|(name, _)| *name == file.name()).map(|(_, only)| *only)
+    };
+    for (file, only) in set.file.iter().filter_map(|file| Some((file, chosen(file)?))) {
         let comments = comments(file);
         for words in &file.enum_type {
             messages.words(PACKAGE, words);
@@ -79,7 +106,8 @@ fn all() -> Vec<(String, RefOr<Schema>)> {
         for message in &file.message_type {
             messages.collect_words(PACKAGE, message);
         }
-        for (i, message) in (0..).zip(&file.message_type) {
+        let messages_of = (0..).zip(&file.message_type);
+        for (i, message) in messages_of.filter(|(_, m)| only.is_none_or(|only| m.name() == only)) {
             messages.message("", message, vec![MESSAGE, i], &comments);
         }
     }

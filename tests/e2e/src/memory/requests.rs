@@ -65,6 +65,8 @@ fn twin(n: usize, controls: usize) -> Twin {
         control_velocity: ControlVelocity::True,
         provenance: Provenance::default(),
         quality: Quality::default(),
+        mass_kg: None,
+        control_hands: Vec::new(),
     }
 }
 

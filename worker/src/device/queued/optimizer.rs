@@ -84,7 +84,7 @@ impl Optimizer for QueuedOptimizer {
         let work: Vec<f64> = batch.iter().map(|p| instance_work(&p.instance)).collect();
         let order: Vec<usize> = (0..batch.len()).collect();
         self.shared.in_slices(batch, &work, &order, Pass::Backward, cancel, |slice| {
-            let (request, token) = (request.clone(), cancel.clone());
+            let (request, token) = (request.clone(), self.shared.token(cancel));
             let task = on(&self.slot, move |optimizer| optimizer.measure(&slice, &request, &token));
             // Never twice: after an error some of the slice's gradients may wait.
             let result = self.shared.call_once(task);

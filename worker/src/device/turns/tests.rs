@@ -10,7 +10,7 @@ fn busy(fit_share: f64, flows: &[(Priority, u64)], total: u64) -> Vec<u64> {
     }
     let mut used = vec![0; flows.len()];
     while used.iter().sum::<u64>() < total {
-        let (flow, index) = turns.take(false).unwrap();
+        let (flow, index) = turns.take().unwrap();
         let took = flows[index].1;
         used[index] += took;
         turns.served(&flow, Duration::from_millis(took));
@@ -43,17 +43,17 @@ fn a_new_request_is_next_but_one_whatever_waits() {
     let large: Vec<_> = (0..8).map(|_| Flow::new(Priority::Interactive)).collect();
     large.iter().for_each(|flow| turns.push(flow, "large"));
     for _ in 0..8 {
-        let (flow, what) = turns.take(false).unwrap();
+        let (flow, what) = turns.take().unwrap();
         turns.served(&flow, Duration::from_millis(30));
         turns.push(&flow, what);
     }
     for _ in 0..100 {
-        let (flow, _) = turns.take(false).unwrap();
+        let (flow, _) = turns.take().unwrap();
         let small = Flow::new(Priority::Interactive);
         turns.push(&small, "small");
         turns.served(&flow, Duration::from_millis(30));
         turns.push(&flow, "large");
-        let (flow, what) = turns.take(false).unwrap();
+        let (flow, what) = turns.take().unwrap();
         assert_eq!(what, "small");
         turns.served(&flow, Duration::from_millis(1));
     }
@@ -67,7 +67,7 @@ fn a_stream_of_small_requests_does_not_starve_a_large_one() {
     let mut of_large = 0;
     turns.push(&Flow::new(Priority::Interactive), false);
     for _ in 0..1_000 {
-        let (flow, is_large) = turns.take(false).unwrap();
+        let (flow, is_large) = turns.take().unwrap();
         turns.served(&flow, Duration::from_millis(10));
         of_large += usize::from(is_large);
         if is_large {
@@ -86,10 +86,10 @@ fn rollouts_go_first_where_they_are_few() {
     turns.push(&fit, "fit");
     for _ in 0..50 {
         turns.push(&Flow::new(Priority::Interactive), "rollout");
-        let (flow, what) = turns.take(false).unwrap();
+        let (flow, what) = turns.take().unwrap();
         assert_eq!(what, "rollout");
         turns.served(&flow, Duration::from_millis(20));
-        let (flow, what) = turns.take(false).unwrap();
+        let (flow, what) = turns.take().unwrap();
         assert_eq!(what, "fit");
         turns.served(&flow, Duration::from_millis(30));
         turns.push(&fit, "fit");
@@ -104,7 +104,7 @@ fn a_slice_that_cannot_be_cut_is_not_repaid_at_once() {
     turns.push(&rollout, ());
     turns.served(&rollout, Duration::from_secs(3600));
     let mut slices = 0;
-    while turns.take(false).unwrap().0.priority == Priority::Background {
+    while turns.take().unwrap().0.priority == Priority::Background {
         turns.served(&fit, Duration::from_millis(30));
         turns.push(&fit, ());
         slices += 1;
@@ -113,23 +113,11 @@ fn a_slice_that_cannot_be_cut_is_not_repaid_at_once() {
 }
 
 #[test]
-fn while_rollouts_rest_only_new_ones_run() {
-    let mut turns = Turns::new(0.25);
-    let large = Flow::new(Priority::Interactive);
-    turns.served(&large, Duration::from_millis(1));
-    turns.push(&large, "large");
-    assert!(turns.take(true).is_none());
-    turns.push(&Flow::new(Priority::Interactive), "small");
-    assert_eq!(turns.take(true).unwrap().1, "small");
-    assert_eq!(turns.take(false).unwrap().1, "large");
-}
-
-#[test]
 fn work_of_one_flow_keeps_its_order() {
     let mut turns = Turns::new(0.25);
     let flow = Flow::new(Priority::Background);
     (0..5).for_each(|n| turns.push(&flow, n));
-    let order: Vec<i32> = std::iter::from_fn(|| turns.take(false)).map(|(_, n)| n).collect();
+    let order: Vec<i32> = std::iter::from_fn(|| turns.take()).map(|(_, n)| n).collect();
     assert_eq!(order, [0, 1, 2, 3, 4]);
-    assert!(turns.is_empty());
+    assert!(turns.drain().is_empty());
 }

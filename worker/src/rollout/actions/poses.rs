@@ -1,45 +1,97 @@
-//! Poses of rigid grippers. A control point c that is at c0 while its gripper
-//! is at (p0, R0) is at p + R R0⁻¹ (c0 - p0) while the gripper is at (p, R).
+//! Poses of rigid grippers. A control point that is at c while its gripper is at (p, R) is at
+//! p' + R' R⁻¹ (c - p) when the gripper is at (p', R').
+//!
+//! This is applied from frame to frame, so that a rollout that goes on from the state of any frame
+//! moves the control points by the same bits as one that never stopped. Rounding makes them stray
+//! from their gripper by about the root of the number of frames times 3e-8 m.
 
-use bendtwin_core::{
-    Point,
-    geometry::{add, sub},
-};
+use bendtwin_core::Point;
+use bendtwin_engine::world::Pose;
 use bendtwin_proto::v1::GripperPoses;
 
 use super::Shape;
 use crate::rollout::{
     error::Error,
-    interpolate::{Curve, Place},
-    quaternion::Quaternion,
+    interpolate::{Place, Schedule},
+    quaternion::{Quaternion, Vector},
 };
 
 /// Poses of G grippers that carry C control points.
 pub(in crate::rollout) struct Poses {
-    pub(super) shape: Shape,
     grippers: usize,
-    curve: Curve,
-    /// [m], shape [B, K, G, 3].
-    positions: Vec<Point>,
-    /// Shape [B, K, G].
-    rotations: Vec<Quaternion>,
+    /// Positions [m] and quaternions as the request has them, shape [B, K, G, 7].
+    pub(super) poses: Vec<[f32; 7]>,
     /// Gripper of each control point, shape [C].
-    gripper_of_control: Vec<usize>,
+    pub(super) gripper_of_control: Vec<usize>,
+}
+
+/// A gripper at some time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed {
+    /// [m].
+    pub(super) position: Vector,
+    pub(super) rotation: Quaternion,
+}
+
+impl Placed {
+    /// A point of the world in the gripper's coordinates.
+    pub(super) fn local(&self, x: Vector) -> Vector {
+        self.rotation.inverse().rotate(std::array::from_fn(|i| x[i] - self.position[i]))
+    }
+
+    fn world(&self, x: Vector) -> Vector {
+        let turned = self.rotation.rotate(x);
+        std::array::from_fn(|i| self.position[i] + turned[i])
+    }
+
+    pub(super) fn matrix(&self) -> Pose {
+        let columns: [Vector; 3] = std::array::from_fn(|j| self.rotation.rotate(unit(j)));
+        std::array::from_fn(|i| {
+            let row = [columns[0][i], columns[1][i], columns[2][i], self.position[i]];
+            row.map(|x| x as f32)
+        })
+    }
+}
+
+/// Knots of all grippers of an instance.
+#[derive(Clone, Copy)]
+pub(super) struct Knots<'a> {
+    pub(super) grippers: usize,
+    /// Shape [K, G, 7].
+    pub(super) rows: &'a [[f32; 7]],
+}
+
+impl Knots<'_> {
+    /// The rotation of a gripper in a knot.
+    pub(super) fn rotation(&self, knot: usize, gripper: usize) -> Quaternion {
+        let [_, _, _, x, y, z, w] = self.rows[knot * self.grippers + gripper];
+        Quaternion::of([x, y, z, w])
+    }
+
+    /// A gripper at a frame boundary. Its position lies on the curve through the knots, its rotation
+    /// on the arc between two of them.
+    pub(super) fn at(&self, place: &Place, gripper: usize) -> Placed {
+        let position = place.at(|k| {
+            let [x, y, z, ..] = self.rows[k * self.grippers + gripper];
+            [x, y, z]
+        });
+        let from = self.rotation(place.knot, gripper);
+        let rotation = if place.share == 0.0 {
+            from
+        } else {
+            from.slerp(self.rotation(place.knot + 1, gripper), place.share)
+        };
+        Placed { position: position.map(f64::from), rotation }
+    }
 }
 
 impl Poses {
-    pub(super) fn read(wire: GripperPoses, controls: usize) -> Result<Self, Error> {
+    pub(super) fn read(wire: GripperPoses, controls: usize) -> Result<(Shape, Self), Error> {
         const FIELD: &str = "poses.poses";
-        let curve = Curve::from(wire.interpolation());
         let (dims, values) = wire.poses.unwrap_or_default().unpack::<f32>(FIELD)?;
         let [instances, knots, grippers, 7] = dims[..] else {
             return Err(Error::field(FIELD, format!("has shape {dims:?}")));
         };
-        let (poses, _) = values.as_chunks::<7>();
-        let rotations = poses.iter().map(|p| {
-            Quaternion::new([p[3], p[4], p[5], p[6]])
-                .ok_or_else(|| Error::field(FIELD, "has a quaternion of length zero"))
-        });
         let gripper_of_control = match wire.gripper_of_control.filter(|t| !t.is_absent()) {
             None => vec![0; controls],
             Some(map) => {
@@ -47,43 +99,58 @@ impl Poses {
                 grippers.into_iter().map(|g| g as usize).collect()
             }
         };
-        Ok(Self {
-            shape: Shape { instances, knots },
-            grippers,
-            curve,
-            rotations: rotations.collect::<Result<_, _>>()?,
-            positions: poses.iter().map(|p| [p[0], p[1], p[2]]).collect(),
-            gripper_of_control,
-        })
+        let poses = values.as_chunks::<7>().0.to_vec();
+        Ok((Shape { instances, knots }, Self { grippers, poses, gripper_of_control }))
     }
 
-    pub(super) fn controls(&self, instance: usize, frames: usize, start: &[Point]) -> Vec<Point> {
-        let (knots, grippers) = (self.shape.knots, self.grippers);
-        let rows = instance * knots * grippers..(instance + 1) * knots * grippers;
-        let (positions, rotations) = (&self.positions[rows.clone()], &self.rotations[rows]);
-        // Each control point in its gripper's frame.
-        let held: Vec<Point> = self
-            .gripper_of_control
-            .iter()
-            .zip(start)
-            .map(|(g, c)| rotations[*g].inverse().rotate(sub(*c, positions[*g])))
-            .collect();
-        let mut out = Vec::with_capacity((frames + 1) * held.len());
-        let mut now = Vec::with_capacity(grippers);
-        for frame in 0..=frames {
-            let place = Place::of(frame, frames, knots);
-            let next = (place.knot + 1).min(knots - 1);
-            now.clear();
-            now.extend((0..grippers).map(|g| {
-                let from = rotations[place.knot * grippers + g];
-                let rotation = from.slerp(rotations[next * grippers + g], place.share);
-                (self.curve.at(place, knots, |k| positions[k * grippers + g]), rotation)
-            }));
-            out.extend(self.gripper_of_control.iter().zip(&held).map(|(g, h)| {
-                let (position, rotation) = now[*g];
-                add(position, rotation.rotate(*h))
-            }));
+    /// Number of grippers G.
+    pub(super) fn grippers(&self) -> usize {
+        self.grippers
+    }
+
+    /// The knots of an instance.
+    pub(super) fn knots(&self, instance: usize, shape: Shape) -> Knots<'_> {
+        let each = shape.knots * self.grippers;
+        let rows = &self.poses[instance * each..(instance + 1) * each];
+        Knots { grippers: self.grippers, rows }
+    }
+
+    pub(super) fn controls(
+        &self,
+        instance: usize,
+        shape: Shape,
+        schedule: &Schedule,
+        start: &[Point],
+    ) -> Vec<Point> {
+        let knots = self.knots(instance, shape);
+        let mut out = Vec::with_capacity(schedule.places().len() * start.len());
+        let mut before: Vec<Placed> = Vec::new();
+        for place in schedule.places() {
+            let now: Vec<Placed> = (0..self.grippers).map(|g| knots.at(place, g)).collect();
+            if before.is_empty() {
+                out.extend_from_slice(start);
+            } else {
+                let last = out.len() - start.len();
+                for (c, g) in self.gripper_of_control.iter().enumerate() {
+                    let local = before[*g].local(out[last + c].map(f64::from));
+                    out.push(now[*g].world(local).map(|x| x as f32));
+                }
+            }
+            before = now;
         }
         out
     }
+
+    pub(super) fn matrices(&self, instance: usize, shape: Shape, schedule: &Schedule) -> Vec<Pose> {
+        let knots = self.knots(instance, shape);
+        let at = |place| (0..self.grippers).map(move |g| knots.at(place, g).matrix());
+        schedule.places().iter().flat_map(at).collect()
+    }
+}
+
+/// The unit vector along an axis.
+pub(super) fn unit(axis: usize) -> Vector {
+    let mut unit = [0.0; 3];
+    unit[axis] = 1.0;
+    unit
 }

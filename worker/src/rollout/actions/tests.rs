@@ -1,7 +1,7 @@
 use bendtwin_core::Problem as _;
 use bendtwin_proto::{
     rollout::{Limits, TwinShape, check_for},
-    v1::{GripperPoses, Interpolation, RollOutRequest, Tensor},
+    v1::{GripperPoses, Interpolation, RollOutRequest, Tensor, knot_times::Times},
 };
 use proptest::prelude::*;
 
@@ -29,7 +29,9 @@ fn read(wire: Option<Wire>, controls: usize, frames: u32) -> Result<(Actions, us
     let request = RollOutRequest { actions: wire, frames, ..RollOutRequest::default() };
     let limits = Limits { instances: 100, ..Limits::default() };
     let batch = check_for(&request, &controls_only, &limits, 0)?;
-    Ok((Actions::read(request.actions, controls)?, batch.frames as usize))
+    let frames = batch.frames as usize;
+    let horizon = Horizon { frames, fps: 30.0, times: None };
+    Ok((Actions::read(request.actions, controls, horizon)?, frames))
 }
 
 fn message(actions: Result<(Actions, usize), Error>) -> String {
@@ -43,14 +45,14 @@ fn dense_trajectories_pass_through_unchanged() {
     let points: Vec<Point> = (0..2 * 4 * 3).map(|i| [i as f32, 0.5, -1.0]).collect();
     let (actions, frames) = read(trajectories([2, 4, 3], &points), 3, 0).unwrap();
     assert_eq!(frames, 3);
-    assert_eq!(actions.controls(1, 3, &[]), points[12..]);
+    assert_eq!(actions.controls(1, &[]), points[12..]);
 }
 
 #[test]
 fn knots_are_spread_over_the_horizon() {
     let points = [[0.0; 3], [1.0, 2.0, 3.0]];
     let (actions, _) = read(trajectories([1, 2, 1], &points), 1, 4).unwrap();
-    let controls = actions.controls(0, 4, &[]);
+    let controls = actions.controls(0, &[]);
     assert_eq!(controls.len(), 5);
     assert_eq!(controls[1], [0.25, 0.5, 0.75]);
     assert_eq!(controls[4], [1.0, 2.0, 3.0]);
@@ -67,7 +69,7 @@ fn a_gripper_carries_its_points_rigidly() {
     ];
     let wire = Some(Wire::Poses(poses([1, 3, 1], values.as_flattened())));
     let (actions, _) = read(wire, 2, 4).unwrap();
-    let controls = actions.controls(0, 4, &[[0.1, 0.0, 0.0], [0.0, 0.1, 0.0]]);
+    let controls = actions.controls(0, &[[0.1, 0.0, 0.0], [0.0, 0.1, 0.0]]);
     let close = |a: Point, b: Point| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5);
     assert!(close(controls[0], [0.1, 0.0, 0.0]));
     assert!(close(controls[4], [0.5, 0.1, 0.0]), "{:?}", controls[4]);
@@ -102,6 +104,148 @@ fn too_many_instances_are_refused_before_they_are_counted_out() {
     assert_eq!(error.reason(), "ROLLOUT_TOO_LARGE");
 }
 
+/// Poses of two grippers in `knots` knots, far from one another's rotation and not normalised.
+fn wild(knots: usize, seed: u32) -> Vec<f32> {
+    let mut state = seed.wrapping_mul(2_654_435_761).wrapping_add(1);
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 8_388_608.0 - 1.0
+    };
+    let pose = |_| {
+        let position = [next(), next(), next()].map(|x| 0.3 * x);
+        let turn = [next(), next(), next()].map(|x| 0.8 * x);
+        [position[0], position[1], position[2], turn[0], turn[1], turn[2], 1.3]
+    };
+    (0..2 * knots).map(pose).collect::<Vec<_>>().concat()
+}
+
+fn of_poses(values: &[f32], interpolation: Interpolation, horizon: Horizon) -> Actions {
+    let wire = GripperPoses {
+        gripper_of_control: Some(Tensor::pack(&[3], &[1u32, 0, 1])),
+        interpolation: interpolation.into(),
+        ..poses([1, values.len() / 14, 2], values)
+    };
+    Actions::read(Some(Wire::Poses(wire)), 3, horizon).unwrap()
+}
+
+fn timed(frames: usize, at: &[f32]) -> Horizon {
+    let times = Some(KnotTimes { times: Some(Times::AtS(Tensor::pack(&[at.len()], at))) });
+    Horizon { frames, fps: 10.0, times }
+}
+
+const START: [Point; 3] = [[0.1, 0.2, 0.3], [-0.2, 0.1, 0.4], [0.3, -0.1, 0.2]];
+
+#[test]
+fn carrying_on_from_any_frame_gives_the_same_bits() {
+    let values = wild(30, 7);
+    let dense = |values: &[f32]| {
+        let frames = values.len() / 14 - 1;
+        of_poses(values, Interpolation::Linear, Horizon { frames, fps: 30.0, times: None })
+    };
+    let whole = dense(&values).controls(0, &START);
+    for split in [1, 11, 28] {
+        let rest = dense(&values[14 * split..]).controls(0, &whole[3 * split..3 * split + 3]);
+        assert_eq!(rest, whole[3 * split..], "split at {split}");
+    }
+    // Nothing moves while the gripper rests, however often that is computed.
+    let still = dense(&values[..14].repeat(50)).controls(0, &START);
+    assert_eq!(still, START.repeat(50));
+}
+
+/// A made gradient by control points and by poses of both bodies.
+fn gradient(rows: usize) -> Gradient {
+    let wave = |i: usize| (0.7 * i as f32 + 0.3).sin();
+    Gradient {
+        controls: (0..3 * rows).map(|i| [wave(i), wave(i + 5), wave(i + 9)]).collect(),
+        poses: (0..2 * rows)
+            .map(|i| std::array::from_fn(|r| std::array::from_fn(|c| wave(i + 13 * r + 29 * c))))
+            .collect(),
+        ..Gradient::default()
+    }
+}
+
+/// The function whose gradient it is: linear in control points and matrices.
+fn measured(actions: &Actions, by: &Gradient) -> f64 {
+    let (controls, bodies) = (actions.controls(0, &START), actions.bodies(0));
+    let controls = controls.as_flattened().iter().zip(by.controls.as_flattened());
+    let bodies = bodies.iter().zip(&by.poses).flat_map(|(pose, g)| {
+        let pairs = pose.as_flattened().iter().zip(g.as_flattened());
+        pairs.collect::<Vec<_>>()
+    });
+    controls.chain(bodies).map(|(x, g)| f64::from(*x) * f64::from(*g)).sum()
+}
+
+#[test]
+fn gradients_by_poses_agree_with_differences() {
+    for interpolation in [Interpolation::Linear, Interpolation::Cubic, Interpolation::Zero] {
+        let at = [0.0, 0.35, 0.9, 1.4];
+        let read = |values: &[f32]| of_poses(values, interpolation, timed(13, &at));
+        let (values, by) = (wild(4, 3), gradient(14));
+        let found = read(&values).gradient(0, &START, &by);
+        assert_eq!(found.len(), values.len());
+        for i in 0..values.len() {
+            let moved = |by_how_much: f32| {
+                let mut values = values.clone();
+                values[i] += by_how_much;
+                (f64::from(values[i]), measured(&read(&values), &by))
+            };
+            let ((high, above), (low, below)) = (moved(2e-3), moved(-2e-3));
+            let expected = (above - below) / (high - low);
+            let error = (f64::from(found[i]) - expected).abs();
+            assert!(error < 3e-3 * (1.0 + expected.abs()), "{i}: {} {expected}", found[i]);
+        }
+        // Along the sphere of quaternions: lengths do not count.
+        for (pose, g) in values.as_chunks::<7>().0.iter().zip(found.as_chunks::<7>().0) {
+            let along: f32 = (3..7).map(|i| pose[i] * g[i]).sum();
+            assert!(along.abs() < 1e-4, "{along}");
+        }
+    }
+}
+
+#[test]
+fn gradients_by_knots_agree_with_differences() {
+    for interpolation in [Interpolation::Linear, Interpolation::Cubic, Interpolation::Zero] {
+        let points: Vec<Point> = (0..4 * 3).map(|i| [i as f32, 0.5, -0.1 * i as f32]).collect();
+        let read = |points: &[Point]| {
+            let wire = Wire::Trajectories(ControlTrajectories {
+                positions: Some(Tensor::pack_points(&[1, 4, 3], points)),
+                interpolation: interpolation.into(),
+            });
+            Actions::read(Some(wire), 3, timed(13, &[0.0, 0.35, 0.9, 1.2])).unwrap()
+        };
+        let by = Gradient { poses: Vec::new(), ..gradient(14) };
+        let found = read(&points).gradient(0, &START, &by);
+        for i in 0..points.len() {
+            for axis in 0..3 {
+                let mut moved = points.clone();
+                moved[i][axis] += 0.5;
+                let change = measured(&read(&moved), &by) - measured(&read(&points), &by);
+                let found = f64::from(found[3 * i + axis]);
+                assert!((found - 2.0 * change).abs() < 1e-4, "{i}: {found} {}", 2.0 * change);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_body_is_where_its_gripper_is() {
+    let actions =
+        of_poses(&wild(6, 5), Interpolation::Linear, timed(4, &[0.0, 0.1, 0.2, 0.3, 0.4, 0.5]));
+    let (controls, bodies) = (actions.controls(0, &START), actions.bodies(0));
+    assert_eq!(bodies.len(), 5 * 2);
+    // The control points keep their places on it.
+    for (c, gripper) in [1, 0, 1].into_iter().enumerate() {
+        let local = |frame: usize| -> Point {
+            let (pose, x) = (bodies[2 * frame + gripper], controls[3 * frame + c]);
+            std::array::from_fn(|i| (0..3).map(|j| pose[j][i] * (x[j] - pose[j][3])).sum())
+        };
+        for frame in 1..5 {
+            let (a, b) = (local(0), local(frame));
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{a:?} {b:?}");
+        }
+    }
+}
+
 proptest! {
     /// Whatever bytes and shapes arrive: an answer or a refusal, never a panic.
     #[test]
@@ -124,7 +268,7 @@ proptest! {
         };
         if let Ok((actions, frames)) = read(Some(wire), controls, frames) {
             let start = vec![[0.0; 3]; controls];
-            let rows = actions.controls(0, frames, &start);
+            let rows = actions.controls(0, &start);
             prop_assert_eq!(rows.len(), (frames + 1) * controls);
             prop_assert!(rows.as_flattened().iter().all(|x| !x.is_nan()));
         }
@@ -137,7 +281,7 @@ proptest! {
         let values = [row([0.0; 3]), row(shift)];
         let wire = Some(Wire::Poses(poses([1, 2, 1], values.as_flattened())));
         let (actions, _) = read(wire, 1, 10).unwrap();
-        let controls = actions.controls(0, 10, &[point]);
+        let controls = actions.controls(0, &[point]);
         for axis in 0..3 {
             prop_assert!((controls[10][axis] - point[axis] - shift[axis]).abs() < 1e-5);
         }

@@ -28,7 +28,8 @@ async fn a_fast_rollout_uses_the_variant_and_says_how_far_it_strays() {
         request.returns = Some(Returns { final_state: true, ..Returns::default() });
         let room = Room { bytes: 256 << 20, lanes: 2 };
         let checked = Checked::new(request, "", 0, &served, &limits(), room).unwrap();
-        let (plan, wanted) = Plan::new(checked, 0, served).unwrap();
+        let (plan, wanted) =
+            Plan::new(checked, 0, served, &backend, &CancelToken::default()).unwrap();
         let Wanted::Ready(starts) = wanted else { panic!("no captures here") };
         bench.execute(&plan, &starts, &backend).unwrap().remove(0)
     };

@@ -23,57 +23,90 @@ _sym_db = _symbol_database.Default()
 
 
 from bendtwin.v1 import tensor_pb2 as bendtwin_dot_v1_dot_tensor__pb2
+from bendtwin.v1 import world_pb2 as bendtwin_dot_v1_dot_world__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/rollout.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x18\x62\x65ndtwin/v1/tensor.proto\"\xbd\x02\n\x0eRollOutRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12\x38\n\x0ctrajectories\x18\x02 \x01(\x0b\x32 .bendtwin.v1.ControlTrajectoriesH\x00\x12*\n\x05poses\x18\x03 \x01(\x0b\x32\x19.bendtwin.v1.GripperPosesH\x00\x12*\n\x07initial\x18\x04 \x01(\x0b\x32\x19.bendtwin.v1.InitialState\x12\x0e\n\x06\x66rames\x18\x05 \x01(\r\x12 \n\x05\x63osts\x18\x06 \x03(\x0b\x32\x11.bendtwin.v1.Cost\x12%\n\x07returns\x18\x07 \x01(\x0b\x32\x14.bendtwin.v1.Returns\x12\'\n\x08\x66idelity\x18\x08 \x01(\x0e\x32\x15.bendtwin.v1.FidelityB\t\n\x07\x61\x63tions\"p\n\x13\x43ontrolTrajectories\x12&\n\tpositions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x31\n\rinterpolation\x18\x02 \x01(\x0e\x32\x1a.bendtwin.v1.Interpolation\"\x96\x01\n\x0cGripperPoses\x12\"\n\x05poses\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12/\n\x12gripper_of_control\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x31\n\rinterpolation\x18\x03 \x01(\x0e\x32\x1a.bendtwin.v1.Interpolation\"\x8e\x03\n\x0cInitialState\x12.\n\x04rest\x18\x01 \x01(\x0b\x32\x1e.bendtwin.v1.InitialState.RestH\x00\x12?\n\rcapture_frame\x18\x02 \x01(\x0b\x32&.bendtwin.v1.InitialState.CaptureFrameH\x00\x12\x35\n\x05given\x18\x03 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenStateH\x00\x1a\x06\n\x04Rest\x1a@\n\x0c\x43\x61ptureFrame\x12\x0f\n\x07\x63\x61pture\x18\x01 \x01(\t\x12\x10\n\x08sequence\x18\x02 \x01(\r\x12\r\n\x05\x66rame\x18\x03 \x01(\r\x1a\x82\x01\n\nGivenState\x12&\n\tpositions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\'\n\nvelocities\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06twists\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.TensorB\x07\n\x05state\"\xe8\x03\n\x04\x43ost\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x13\n\x06weight\x18\x02 \x01(\x01H\x01\x88\x01\x01\x12$\n\x04when\x18\x03 \x01(\x0e\x32\x16.bendtwin.v1.Cost.When\x12\x35\n\x0ctarget_cloud\x18\x04 \x01(\x0b\x32\x1d.bendtwin.v1.Cost.TargetCloudH\x00\x12\x30\n\tkeypoints\x18\x05 \x01(\x0b\x32\x1b.bendtwin.v1.Cost.KeypointsH\x00\x12\x32\n\nsmoothness\x18\x06 \x01(\x0b\x32\x1c.bendtwin.v1.Cost.SmoothnessH\x00\x1a\x32\n\x0bTargetCloud\x12#\n\x06points\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\x66\n\tKeypoints\x12\"\n\x05nodes\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07targets\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x0f\n\x07squared\x18\x03 \x01(\x08\x1a\x0c\n\nSmoothness\"=\n\x04When\x12\x14\n\x10WHEN_UNSPECIFIED\x10\x00\x12\x0e\n\nLAST_FRAME\x10\x01\x12\x0f\n\x0b\x45VERY_FRAME\x10\x02\x42\x06\n\x04kindB\t\n\x07_weight\"\x85\x02\n\x07Returns\x12\x14\n\x0c\x65very_frames\x18\x01 \x01(\r\x12\"\n\x05nodes\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12/\n\x08\x65ncoding\x18\x03 \x01(\x0e\x32\x1d.bendtwin.v1.Returns.Encoding\x12\x0c\n\x04\x62\x65st\x18\x04 \x01(\r\x12\x13\n\x0b\x66inal_state\x18\x05 \x01(\x08\x12\x13\n\x0b\x64iagnostics\x18\x06 \x01(\x08\x12\x19\n\x11\x63ontrol_gradients\x18\x07 \x01(\x08\"<\n\x08\x45ncoding\x12\x18\n\x14\x45NCODING_UNSPECIFIED\x10\x00\x12\x0b\n\x07\x46LOAT32\x10\x01\x12\t\n\x05INT16\x10\x02\"\xae\x08\n\x0fRollOutResponse\x12\x16\n\x0e\x66irst_instance\x18\x01 \x01(\r\x12\"\n\x05\x63osts\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x12\n\ncost_names\x18\x03 \x03(\t\x12\'\n\ncost_terms\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\tinstances\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\tpositions\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x0f\x66inal_positions\x18\x08 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12-\n\x10\x66inal_velocities\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12.\n\x11\x63ontrol_gradients\x18\n \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12=\n\x0b\x64iagnostics\x18\x0b \x03(\x0b\x32(.bendtwin.v1.RollOutResponse.Diagnostics\x12\x39\n\x08\x64iverged\x18\x0c \x03(\x0b\x32\'.bendtwin.v1.RollOutResponse.Divergence\x12\x33\n\x06timing\x18\r \x01(\x0b\x32#.bendtwin.v1.RollOutResponse.Timing\x12\x0e\n\x06worker\x18\x0e \x01(\t\x12\'\n\x08\x66idelity\x18\x0f \x01(\x0e\x32\x15.bendtwin.v1.Fidelity\x12\x10\n\x08substeps\x18\x10 \x01(\r\x12\x39\n\tdeviation\x18\x11 \x01(\x0b\x32&.bendtwin.v1.RollOutResponse.Deviation\x12)\n\x0c\x66inal_twists\x18\x12 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\x81\x01\n\x0b\x44iagnostics\x12\x12\n\nmax_strain\x18\x01 \x01(\x02\x12\x15\n\rmax_speed_m_s\x18\x02 \x01(\x02\x12\x16\n\x0ekinetic_energy\x18\x03 \x01(\x02\x12\x16\n\x0e\x65lastic_energy\x18\x04 \x01(\x02\x12\x17\n\x0fground_contacts\x18\x05 \x01(\r\x1a;\n\nDivergence\x12\x10\n\x08instance\x18\x01 \x01(\r\x12\r\n\x05\x66rame\x18\x02 \x01(\r\x12\x0c\n\x04node\x18\x03 \x01(\r\x1a,\n\x06Timing\x12\x0f\n\x07queue_s\x18\x01 \x01(\x01\x12\x11\n\tcompute_s\x18\x02 \x01(\x01\x1aQ\n\tDeviation\x12\x0e\n\x06mean_m\x18\x01 \x01(\x01\x12\r\n\x05max_m\x18\x02 \x01(\x01\x12\x15\n\rmean_travel_m\x18\x03 \x01(\x01\x12\x0e\n\x06\x66rames\x18\x04 \x01(\r*9\n\x08\x46idelity\x12\x18\n\x14\x46IDELITY_UNSPECIFIED\x10\x00\x12\t\n\x05\x45XACT\x10\x01\x12\x08\n\x04\x46\x41ST\x10\x02*E\n\rInterpolation\x12\x1d\n\x19INTERPOLATION_UNSPECIFIED\x10\x00\x12\n\n\x06LINEAR\x10\x01\x12\t\n\x05\x43UBIC\x10\x02\x32\xa4\x01\n\x0eRolloutService\x12\x44\n\x07RollOut\x12\x1b.bendtwin.v1.RollOutRequest\x1a\x1c.bendtwin.v1.RollOutResponse\x12L\n\rStreamRollOut\x12\x1b.bendtwin.v1.RollOutRequest\x1a\x1c.bendtwin.v1.RollOutResponse0\x01\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x62\x65ndtwin/v1/rollout.proto\x12\x0b\x62\x65ndtwin.v1\x1a\x18\x62\x65ndtwin/v1/tensor.proto\x1a\x17\x62\x65ndtwin/v1/world.proto\"\xdb\x04\n\x0eRollOutRequest\x12\x0c\n\x04twin\x18\x01 \x01(\t\x12\x38\n\x0ctrajectories\x18\x02 \x01(\x0b\x32 .bendtwin.v1.ControlTrajectoriesH\x00\x12*\n\x05poses\x18\x03 \x01(\x0b\x32\x19.bendtwin.v1.GripperPosesH\x00\x12*\n\x07initial\x18\x04 \x01(\x0b\x32\x19.bendtwin.v1.InitialState\x12\x0e\n\x06\x66rames\x18\x05 \x01(\r\x12 \n\x05\x63osts\x18\x06 \x03(\x0b\x32\x11.bendtwin.v1.Cost\x12%\n\x07returns\x18\x07 \x01(\x0b\x32\x14.bendtwin.v1.Returns\x12\'\n\x08\x66idelity\x18\x08 \x01(\x0e\x32\x15.bendtwin.v1.Fidelity\x12!\n\x05world\x18\t \x01(\x0b\x32\x12.bendtwin.v1.World\x12\"\n\x06grasps\x18\n \x03(\x0b\x32\x12.bendtwin.v1.Grasp\x12\x1f\n\x04vary\x18\x0b \x01(\x0b\x32\x11.bendtwin.v1.Vary\x12\'\n\x08\x65nsemble\x18\x0c \x01(\x0b\x32\x15.bendtwin.v1.Ensemble\x12.\n\x08gradient\x18\r \x01(\x0b\x32\x1c.bendtwin.v1.GradientOptions\x12/\n\x0cplausibility\x18\x0e \x01(\x0b\x32\x19.bendtwin.v1.Plausibility\x12*\n\nknot_times\x18\x0f \x01(\x0b\x32\x16.bendtwin.v1.KnotTimesB\t\n\x07\x61\x63tions\"M\n\tKnotTimes\x12#\n\x04\x61t_s\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.TensorH\x00\x12\x12\n\x08period_s\x18\x02 \x01(\x01H\x00\x42\x07\n\x05times\"\xa5\x01\n\x08\x45nsemble\x12\x0f\n\x07members\x18\x01 \x01(\r\x12\x32\n\tstatistic\x18\x02 \x01(\x0e\x32\x1f.bendtwin.v1.Ensemble.Statistic\x12\r\n\x05share\x18\x03 \x01(\x01\"E\n\tStatistic\x12\x19\n\x15STATISTIC_UNSPECIFIED\x10\x00\x12\x08\n\x04MEAN\x10\x01\x12\t\n\x05WORST\x10\x02\x12\x08\n\x04\x43VAR\x10\x03\"<\n\x0fGradientOptions\x12\x14\n\x0creach_frames\x18\x01 \x01(\r\x12\x13\n\x0bsmoothing_m\x18\x02 \x01(\x01\"\xd0\x01\n\x0cPlausibility\x12\x18\n\x0bstart_gap_m\x18\x01 \x01(\x01H\x00\x88\x01\x01\x12\x1e\n\x11\x63ontrol_speed_m_s\x18\x02 \x01(\x01H\x01\x88\x01\x01\x12\x13\n\x06strain\x18\x03 \x01(\x01H\x02\x88\x01\x01\x12\x0e\n\x06refuse\x18\x04 \x01(\x08\x12\x1c\n\x0f\x63ontrol_depth_m\x18\x05 \x01(\x01H\x03\x88\x01\x01\x42\x0e\n\x0c_start_gap_mB\x14\n\x12_control_speed_m_sB\t\n\x07_strainB\x12\n\x10_control_depth_m\"p\n\x13\x43ontrolTrajectories\x12&\n\tpositions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x31\n\rinterpolation\x18\x02 \x01(\x0e\x32\x1a.bendtwin.v1.Interpolation\"\x96\x01\n\x0cGripperPoses\x12\"\n\x05poses\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12/\n\x12gripper_of_control\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x31\n\rinterpolation\x18\x03 \x01(\x0e\x32\x1a.bendtwin.v1.Interpolation\"\x9f\x04\n\x0cInitialState\x12.\n\x04rest\x18\x01 \x01(\x0b\x32\x1e.bendtwin.v1.InitialState.RestH\x00\x12?\n\rcapture_frame\x18\x02 \x01(\x0b\x32&.bendtwin.v1.InitialState.CaptureFrameH\x00\x12\x35\n\x05given\x18\x03 \x01(\x0b\x32$.bendtwin.v1.InitialState.GivenStateH\x00\x12\x34\n\x07settled\x18\x04 \x01(\x0b\x32!.bendtwin.v1.InitialState.SettledH\x00\x1a\x06\n\x04Rest\x1a\t\n\x07Settled\x1a@\n\x0c\x43\x61ptureFrame\x12\x0f\n\x07\x63\x61pture\x18\x01 \x01(\t\x12\x10\n\x08sequence\x18\x02 \x01(\r\x12\r\n\x05\x66rame\x18\x03 \x01(\r\x1a\xd2\x01\n\nGivenState\x12&\n\tpositions\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\'\n\nvelocities\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06twists\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08\x63ontrols\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\'\n\x08grasping\x18\x05 \x01(\x0b\x32\x15.bendtwin.v1.GraspingB\x07\n\x05state\"\xbb\n\n\x04\x43ost\x12\x0c\n\x04name\x18\x01 \x01(\t\x12\x13\n\x06weight\x18\x02 \x01(\x01H\x01\x88\x01\x01\x12$\n\x04when\x18\x03 \x01(\x0e\x32\x16.bendtwin.v1.Cost.When\x12\x35\n\x0ctarget_cloud\x18\x04 \x01(\x0b\x32\x1d.bendtwin.v1.Cost.TargetCloudH\x00\x12\x30\n\tkeypoints\x18\x05 \x01(\x0b\x32\x1b.bendtwin.v1.Cost.KeypointsH\x00\x12\x32\n\nsmoothness\x18\x06 \x01(\x0b\x32\x1c.bendtwin.v1.Cost.SmoothnessH\x00\x12*\n\x06strain\x18\x07 \x01(\x0b\x32\x18.bendtwin.v1.Cost.StrainH\x00\x12(\n\x05\x66orce\x18\x08 \x01(\x0b\x32\x17.bendtwin.v1.Cost.ForceH\x00\x12*\n\x06height\x18\t \x01(\x0b\x32\x18.bendtwin.v1.Cost.HeightH\x00\x12*\n\x06within\x18\n \x01(\x0b\x32\x18.bendtwin.v1.Cost.WithinH\x00\x12\x30\n\tclearance\x18\x0b \x01(\x0b\x32\x1b.bendtwin.v1.Cost.ClearanceH\x00\x12\x35\n\x0c\x63ontrol_path\x18\x0c \x01(\x0b\x32\x1d.bendtwin.v1.Cost.ControlPathH\x00\x12\x37\n\rcontrol_speed\x18\r \x01(\x0b\x32\x1e.bendtwin.v1.Cost.ControlSpeedH\x00\x12\x13\n\x0btemperature\x18\x0e \x01(\x01\x1a\x32\n\x0bTargetCloud\x12#\n\x06points\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\x66\n\tKeypoints\x12\"\n\x05nodes\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12$\n\x07targets\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x0f\n\x07squared\x18\x03 \x01(\x08\x1a\x0c\n\nSmoothness\x1a\x17\n\x06Strain\x12\r\n\x05limit\x18\x01 \x01(\x02\x1a\xbd\x01\n\x05\x46orce\x12/\n\x08\x63ontrols\x18\x01 \x01(\x0b\x32\x1b.bendtwin.v1.Cost.Force.AllH\x00\x12\x11\n\x07\x63ontrol\x18\x02 \x01(\rH\x00\x12\x0f\n\x05grasp\x18\x03 \x01(\rH\x00\x12-\n\x06ground\x18\x04 \x01(\x0b\x32\x1b.bendtwin.v1.Cost.Force.AllH\x00\x12\x12\n\x08\x63ollider\x18\x05 \x01(\rH\x00\x12\x0f\n\x07limit_n\x18\x06 \x01(\x01\x1a\x05\n\x03\x41llB\x04\n\x02\x62y\x1aO\n\x06Height\x12!\n\x05plane\x18\x01 \x01(\x0b\x32\x12.bendtwin.v1.Plane\x12\"\n\x05nodes\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1aQ\n\x06Within\x12#\n\x06\x63uboid\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Cuboid\x12\"\n\x05nodes\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a/\n\tClearance\x12\x10\n\x08\x63ollider\x18\x01 \x01(\r\x12\x10\n\x08margin_m\x18\x02 \x01(\x02\x1a\r\n\x0b\x43ontrolPath\x1a!\n\x0c\x43ontrolSpeed\x12\x11\n\tlimit_m_s\x18\x01 \x01(\x01\"K\n\x04When\x12\x14\n\x10WHEN_UNSPECIFIED\x10\x00\x12\x0e\n\nLAST_FRAME\x10\x01\x12\x0f\n\x0b\x45VERY_FRAME\x10\x02\x12\x0c\n\x08SOFT_MIN\x10\x03\x42\x06\n\x04kindB\t\n\x07_weight\"\x9d\x03\n\x07Returns\x12\x14\n\x0c\x65very_frames\x18\x01 \x01(\r\x12\"\n\x05nodes\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12/\n\x08\x65ncoding\x18\x03 \x01(\x0e\x32\x1d.bendtwin.v1.Returns.Encoding\x12\x0c\n\x04\x62\x65st\x18\x04 \x01(\r\x12\x13\n\x0b\x66inal_state\x18\x05 \x01(\x08\x12\x13\n\x0b\x64iagnostics\x18\x06 \x01(\x08\x12\x19\n\x11\x63ontrol_gradients\x18\x07 \x01(\x08\x12\x18\n\x10\x61\x63tion_gradients\x18\x08 \x01(\x08\x12\x19\n\x11initial_gradients\x18\t \x01(\x08\x12\x16\n\x0egradient_norms\x18\n \x01(\x08\x12\x12\n\nvelocities\x18\x0b \x01(\x08\x12\x0e\n\x06\x66orces\x18\x0c \x01(\x08\x12\x13\n\x0b\x66rame_costs\x18\r \x01(\x08\x12\x10\n\x08\x63ontrols\x18\x0e \x01(\x08\"<\n\x08\x45ncoding\x12\x18\n\x14\x45NCODING_UNSPECIFIED\x10\x00\x12\x0b\n\x07\x46LOAT32\x10\x01\x12\t\n\x05INT16\x10\x02\"\xfa\x0f\n\x0fRollOutResponse\x12\x16\n\x0e\x66irst_instance\x18\x01 \x01(\r\x12\"\n\x05\x63osts\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x12\n\ncost_names\x18\x03 \x03(\t\x12\'\n\ncost_terms\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\tinstances\x18\x05 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06\x66rames\x18\x06 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\tpositions\x18\x07 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12,\n\x0f\x66inal_positions\x18\x08 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12-\n\x10\x66inal_velocities\x18\t \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12.\n\x11\x63ontrol_gradients\x18\n \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12=\n\x0b\x64iagnostics\x18\x0b \x03(\x0b\x32(.bendtwin.v1.RollOutResponse.Diagnostics\x12\x39\n\x08\x64iverged\x18\x0c \x03(\x0b\x32\'.bendtwin.v1.RollOutResponse.Divergence\x12\x33\n\x06timing\x18\r \x01(\x0b\x32#.bendtwin.v1.RollOutResponse.Timing\x12\x0e\n\x06worker\x18\x0e \x01(\t\x12\'\n\x08\x66idelity\x18\x0f \x01(\x0e\x32\x15.bendtwin.v1.Fidelity\x12\x10\n\x08substeps\x18\x10 \x01(\r\x12\x39\n\tdeviation\x18\x11 \x01(\x0b\x32&.bendtwin.v1.RollOutResponse.Deviation\x12)\n\x0c\x66inal_twists\x18\x12 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12+\n\x0e\x66inal_controls\x18\x13 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12-\n\x0e\x66inal_grasping\x18\x14 \x01(\x0b\x32\x15.bendtwin.v1.Grasping\x12-\n\x10\x61\x63tion_gradients\x18\x15 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x37\n\x1ainitial_position_gradients\x18\x16 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x37\n\x1ainitial_velocity_gradients\x18\x17 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12+\n\x0egradient_norms\x18\x18 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12.\n\x11gradient_exploded\x18\x19 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\'\n\nvelocities\x18\x1a \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12\x33\n\x06\x66orces\x18\x1b \x01(\x0b\x32#.bendtwin.v1.RollOutResponse.Forces\x12(\n\x0b\x66rame_costs\x18\x1c \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12%\n\x08\x63ontrols\x18\x1d \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12)\n\x0cmember_costs\x18\x1e \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12=\n\x0bimplausible\x18\x1f \x03(\x0b\x32(.bendtwin.v1.RollOutResponse.Implausible\x12\x14\n\x07mass_kg\x18  \x01(\x01H\x00\x88\x01\x01\x1a\xa1\x01\n\x06\x46orces\x12%\n\x08\x63ontrols\x18\x01 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06grasps\x18\x02 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12#\n\x06ground\x18\x03 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x12&\n\tcolliders\x18\x04 \x01(\x0b\x32\x13.bendtwin.v1.Tensor\x1a\\\n\x0bImplausible\x12\x10\n\x08instance\x18\x01 \x01(\r\x12\x0e\n\x06reason\x18\x02 \x01(\t\x12\r\n\x05\x66ound\x18\x03 \x01(\x01\x12\r\n\x05limit\x18\x04 \x01(\x01\x12\r\n\x05\x66rame\x18\x05 \x01(\r\x1a\xb6\x01\n\x0b\x44iagnostics\x12\x12\n\nmax_strain\x18\x01 \x01(\x02\x12\x15\n\rmax_speed_m_s\x18\x02 \x01(\x02\x12\x16\n\x0ekinetic_energy\x18\x03 \x01(\x02\x12\x16\n\x0e\x65lastic_energy\x18\x04 \x01(\x02\x12\x17\n\x0fground_contacts\x18\x05 \x01(\r\x12\x1a\n\x12max_control_strain\x18\x06 \x01(\x02\x12\x17\n\x0f\x63ontrol_depth_m\x18\x07 \x01(\x02\x1a;\n\nDivergence\x12\x10\n\x08instance\x18\x01 \x01(\r\x12\r\n\x05\x66rame\x18\x02 \x01(\r\x12\x0c\n\x04node\x18\x03 \x01(\r\x1a,\n\x06Timing\x12\x0f\n\x07queue_s\x18\x01 \x01(\x01\x12\x11\n\tcompute_s\x18\x02 \x01(\x01\x1aQ\n\tDeviation\x12\x0e\n\x06mean_m\x18\x01 \x01(\x01\x12\r\n\x05max_m\x18\x02 \x01(\x01\x12\x15\n\rmean_travel_m\x18\x03 \x01(\x01\x12\x0e\n\x06\x66rames\x18\x04 \x01(\rB\n\n\x08_mass_kg*9\n\x08\x46idelity\x12\x18\n\x14\x46IDELITY_UNSPECIFIED\x10\x00\x12\t\n\x05\x45XACT\x10\x01\x12\x08\n\x04\x46\x41ST\x10\x02*O\n\rInterpolation\x12\x1d\n\x19INTERPOLATION_UNSPECIFIED\x10\x00\x12\n\n\x06LINEAR\x10\x01\x12\t\n\x05\x43UBIC\x10\x02\x12\x08\n\x04ZERO\x10\x03\x32\xa4\x01\n\x0eRolloutService\x12\x44\n\x07RollOut\x12\x1b.bendtwin.v1.RollOutRequest\x1a\x1c.bendtwin.v1.RollOutResponse\x12L\n\rStreamRollOut\x12\x1b.bendtwin.v1.RollOutRequest\x1a\x1c.bendtwin.v1.RollOutResponse0\x01\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'bendtwin.v1.rollout_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_FIDELITY']._serialized_start=2884
-  _globals['_FIDELITY']._serialized_end=2941
-  _globals['_INTERPOLATION']._serialized_start=2943
-  _globals['_INTERPOLATION']._serialized_end=3012
-  _globals['_ROLLOUTREQUEST']._serialized_start=69
-  _globals['_ROLLOUTREQUEST']._serialized_end=386
-  _globals['_CONTROLTRAJECTORIES']._serialized_start=388
-  _globals['_CONTROLTRAJECTORIES']._serialized_end=500
-  _globals['_GRIPPERPOSES']._serialized_start=503
-  _globals['_GRIPPERPOSES']._serialized_end=653
-  _globals['_INITIALSTATE']._serialized_start=656
-  _globals['_INITIALSTATE']._serialized_end=1054
-  _globals['_INITIALSTATE_REST']._serialized_start=840
-  _globals['_INITIALSTATE_REST']._serialized_end=846
-  _globals['_INITIALSTATE_CAPTUREFRAME']._serialized_start=848
-  _globals['_INITIALSTATE_CAPTUREFRAME']._serialized_end=912
-  _globals['_INITIALSTATE_GIVENSTATE']._serialized_start=915
-  _globals['_INITIALSTATE_GIVENSTATE']._serialized_end=1045
-  _globals['_COST']._serialized_start=1057
-  _globals['_COST']._serialized_end=1545
-  _globals['_COST_TARGETCLOUD']._serialized_start=1295
-  _globals['_COST_TARGETCLOUD']._serialized_end=1345
-  _globals['_COST_KEYPOINTS']._serialized_start=1347
-  _globals['_COST_KEYPOINTS']._serialized_end=1449
-  _globals['_COST_SMOOTHNESS']._serialized_start=1451
-  _globals['_COST_SMOOTHNESS']._serialized_end=1463
-  _globals['_COST_WHEN']._serialized_start=1465
-  _globals['_COST_WHEN']._serialized_end=1526
-  _globals['_RETURNS']._serialized_start=1548
-  _globals['_RETURNS']._serialized_end=1809
-  _globals['_RETURNS_ENCODING']._serialized_start=1749
-  _globals['_RETURNS_ENCODING']._serialized_end=1809
-  _globals['_ROLLOUTRESPONSE']._serialized_start=1812
-  _globals['_ROLLOUTRESPONSE']._serialized_end=2882
-  _globals['_ROLLOUTRESPONSE_DIAGNOSTICS']._serialized_start=2563
-  _globals['_ROLLOUTRESPONSE_DIAGNOSTICS']._serialized_end=2692
-  _globals['_ROLLOUTRESPONSE_DIVERGENCE']._serialized_start=2694
-  _globals['_ROLLOUTRESPONSE_DIVERGENCE']._serialized_end=2753
-  _globals['_ROLLOUTRESPONSE_TIMING']._serialized_start=2755
-  _globals['_ROLLOUTRESPONSE_TIMING']._serialized_end=2799
-  _globals['_ROLLOUTRESPONSE_DEVIATION']._serialized_start=2801
-  _globals['_ROLLOUTRESPONSE_DEVIATION']._serialized_end=2882
-  _globals['_ROLLOUTSERVICE']._serialized_start=3015
-  _globals['_ROLLOUTSERVICE']._serialized_end=3179
+  _globals['_FIDELITY']._serialized_start=5835
+  _globals['_FIDELITY']._serialized_end=5892
+  _globals['_INTERPOLATION']._serialized_start=5894
+  _globals['_INTERPOLATION']._serialized_end=5973
+  _globals['_ROLLOUTREQUEST']._serialized_start=94
+  _globals['_ROLLOUTREQUEST']._serialized_end=697
+  _globals['_KNOTTIMES']._serialized_start=699
+  _globals['_KNOTTIMES']._serialized_end=776
+  _globals['_ENSEMBLE']._serialized_start=779
+  _globals['_ENSEMBLE']._serialized_end=944
+  _globals['_ENSEMBLE_STATISTIC']._serialized_start=875
+  _globals['_ENSEMBLE_STATISTIC']._serialized_end=944
+  _globals['_GRADIENTOPTIONS']._serialized_start=946
+  _globals['_GRADIENTOPTIONS']._serialized_end=1006
+  _globals['_PLAUSIBILITY']._serialized_start=1009
+  _globals['_PLAUSIBILITY']._serialized_end=1217
+  _globals['_CONTROLTRAJECTORIES']._serialized_start=1219
+  _globals['_CONTROLTRAJECTORIES']._serialized_end=1331
+  _globals['_GRIPPERPOSES']._serialized_start=1334
+  _globals['_GRIPPERPOSES']._serialized_end=1484
+  _globals['_INITIALSTATE']._serialized_start=1487
+  _globals['_INITIALSTATE']._serialized_end=2030
+  _globals['_INITIALSTATE_REST']._serialized_start=1725
+  _globals['_INITIALSTATE_REST']._serialized_end=1731
+  _globals['_INITIALSTATE_SETTLED']._serialized_start=1733
+  _globals['_INITIALSTATE_SETTLED']._serialized_end=1742
+  _globals['_INITIALSTATE_CAPTUREFRAME']._serialized_start=1744
+  _globals['_INITIALSTATE_CAPTUREFRAME']._serialized_end=1808
+  _globals['_INITIALSTATE_GIVENSTATE']._serialized_start=1811
+  _globals['_INITIALSTATE_GIVENSTATE']._serialized_end=2021
+  _globals['_COST']._serialized_start=2033
+  _globals['_COST']._serialized_end=3372
+  _globals['_COST_TARGETCLOUD']._serialized_start=2628
+  _globals['_COST_TARGETCLOUD']._serialized_end=2678
+  _globals['_COST_KEYPOINTS']._serialized_start=2680
+  _globals['_COST_KEYPOINTS']._serialized_end=2782
+  _globals['_COST_SMOOTHNESS']._serialized_start=2784
+  _globals['_COST_SMOOTHNESS']._serialized_end=2796
+  _globals['_COST_STRAIN']._serialized_start=2798
+  _globals['_COST_STRAIN']._serialized_end=2821
+  _globals['_COST_FORCE']._serialized_start=2824
+  _globals['_COST_FORCE']._serialized_end=3013
+  _globals['_COST_FORCE_ALL']._serialized_start=3002
+  _globals['_COST_FORCE_ALL']._serialized_end=3007
+  _globals['_COST_HEIGHT']._serialized_start=3015
+  _globals['_COST_HEIGHT']._serialized_end=3094
+  _globals['_COST_WITHIN']._serialized_start=3096
+  _globals['_COST_WITHIN']._serialized_end=3177
+  _globals['_COST_CLEARANCE']._serialized_start=3179
+  _globals['_COST_CLEARANCE']._serialized_end=3226
+  _globals['_COST_CONTROLPATH']._serialized_start=3228
+  _globals['_COST_CONTROLPATH']._serialized_end=3241
+  _globals['_COST_CONTROLSPEED']._serialized_start=3243
+  _globals['_COST_CONTROLSPEED']._serialized_end=3276
+  _globals['_COST_WHEN']._serialized_start=3278
+  _globals['_COST_WHEN']._serialized_end=3353
+  _globals['_RETURNS']._serialized_start=3375
+  _globals['_RETURNS']._serialized_end=3788
+  _globals['_RETURNS_ENCODING']._serialized_start=3728
+  _globals['_RETURNS_ENCODING']._serialized_end=3788
+  _globals['_ROLLOUTRESPONSE']._serialized_start=3791
+  _globals['_ROLLOUTRESPONSE']._serialized_end=5833
+  _globals['_ROLLOUTRESPONSE_FORCES']._serialized_start=5191
+  _globals['_ROLLOUTRESPONSE_FORCES']._serialized_end=5352
+  _globals['_ROLLOUTRESPONSE_IMPLAUSIBLE']._serialized_start=5354
+  _globals['_ROLLOUTRESPONSE_IMPLAUSIBLE']._serialized_end=5446
+  _globals['_ROLLOUTRESPONSE_DIAGNOSTICS']._serialized_start=5449
+  _globals['_ROLLOUTRESPONSE_DIAGNOSTICS']._serialized_end=5631
+  _globals['_ROLLOUTRESPONSE_DIVERGENCE']._serialized_start=5633
+  _globals['_ROLLOUTRESPONSE_DIVERGENCE']._serialized_end=5692
+  _globals['_ROLLOUTRESPONSE_TIMING']._serialized_start=5694
+  _globals['_ROLLOUTRESPONSE_TIMING']._serialized_end=5738
+  _globals['_ROLLOUTRESPONSE_DEVIATION']._serialized_start=5740
+  _globals['_ROLLOUTRESPONSE_DEVIATION']._serialized_end=5821
+  _globals['_ROLLOUTSERVICE']._serialized_start=5976
+  _globals['_ROLLOUTSERVICE']._serialized_end=6140
 # @@protoc_insertion_point(module_scope)

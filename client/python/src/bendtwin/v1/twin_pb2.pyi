@@ -1,5 +1,7 @@
 import datetime
 
+from bendtwin.v1 import tensor_pb2 as _tensor_pb2
+from bendtwin.v1 import world_pb2 as _world_pb2
 from google.protobuf import timestamp_pb2 as _timestamp_pb2
 from google.protobuf.internal import containers as _containers
 from google.protobuf import descriptor as _descriptor
@@ -10,7 +12,7 @@ from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Twin(_message.Message):
-    __slots__ = ("name", "display_name", "capture", "fit", "create_time", "size_bytes", "digest", "node_count", "spring_count", "triplet_count", "control_count", "fps", "substeps", "quality_json")
+    __slots__ = ("name", "display_name", "capture", "fit", "create_time", "size_bytes", "digest", "node_count", "spring_count", "triplet_count", "control_count", "fps", "substeps", "quality_json", "mass_kg")
     NAME_FIELD_NUMBER: _ClassVar[int]
     DISPLAY_NAME_FIELD_NUMBER: _ClassVar[int]
     CAPTURE_FIELD_NUMBER: _ClassVar[int]
@@ -25,6 +27,7 @@ class Twin(_message.Message):
     FPS_FIELD_NUMBER: _ClassVar[int]
     SUBSTEPS_FIELD_NUMBER: _ClassVar[int]
     QUALITY_JSON_FIELD_NUMBER: _ClassVar[int]
+    MASS_KG_FIELD_NUMBER: _ClassVar[int]
     name: str
     display_name: str
     capture: str
@@ -39,7 +42,60 @@ class Twin(_message.Message):
     fps: float
     substeps: int
     quality_json: str
-    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., capture: _Optional[str] = ..., fit: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., node_count: _Optional[int] = ..., spring_count: _Optional[int] = ..., triplet_count: _Optional[int] = ..., control_count: _Optional[int] = ..., fps: _Optional[float] = ..., substeps: _Optional[int] = ..., quality_json: _Optional[str] = ...) -> None: ...
+    mass_kg: float
+    def __init__(self, name: _Optional[str] = ..., display_name: _Optional[str] = ..., capture: _Optional[str] = ..., fit: _Optional[str] = ..., create_time: _Optional[_Union[datetime.datetime, _timestamp_pb2.Timestamp, _Mapping]] = ..., size_bytes: _Optional[int] = ..., digest: _Optional[str] = ..., node_count: _Optional[int] = ..., spring_count: _Optional[int] = ..., triplet_count: _Optional[int] = ..., control_count: _Optional[int] = ..., fps: _Optional[float] = ..., substeps: _Optional[int] = ..., quality_json: _Optional[str] = ..., mass_kg: _Optional[float] = ...) -> None: ...
+
+class GetTwinGeometryRequest(_message.Message):
+    __slots__ = ("name",)
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    def __init__(self, name: _Optional[str] = ...) -> None: ...
+
+class TwinGeometry(_message.Message):
+    __slots__ = ("rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes")
+    REST_POSITIONS_FIELD_NUMBER: _ClassVar[int]
+    KINDS_FIELD_NUMBER: _ClassVar[int]
+    EDGES_FIELD_NUMBER: _ClassVar[int]
+    REST_LENGTHS_FIELD_NUMBER: _ClassVar[int]
+    TRIPLETS_FIELD_NUMBER: _ClassVar[int]
+    MASSES_FIELD_NUMBER: _ClassVar[int]
+    CONTROLS_FIELD_NUMBER: _ClassVar[int]
+    HANDS_FIELD_NUMBER: _ClassVar[int]
+    PINS_FIELD_NUMBER: _ClassVar[int]
+    SURFACE_COUNT_FIELD_NUMBER: _ClassVar[int]
+    ROD_COUNT_FIELD_NUMBER: _ClassVar[int]
+    FPS_FIELD_NUMBER: _ClassVar[int]
+    SUBSTEPS_FIELD_NUMBER: _ClassVar[int]
+    GRAVITY_FIELD_NUMBER: _ClassVar[int]
+    GROUND_FIELD_NUMBER: _ClassVar[int]
+    GROUND_FRICTION_FIELD_NUMBER: _ClassVar[int]
+    GROUND_RESTITUTION_FIELD_NUMBER: _ClassVar[int]
+    MASS_KG_FIELD_NUMBER: _ClassVar[int]
+    SPACING_M_FIELD_NUMBER: _ClassVar[int]
+    ROD_STARTS_FIELD_NUMBER: _ClassVar[int]
+    ROD_NODES_FIELD_NUMBER: _ClassVar[int]
+    rest_positions: _tensor_pb2.Tensor
+    kinds: _tensor_pb2.Tensor
+    edges: _tensor_pb2.Tensor
+    rest_lengths: _tensor_pb2.Tensor
+    triplets: _tensor_pb2.Tensor
+    masses: _tensor_pb2.Tensor
+    controls: _tensor_pb2.Tensor
+    hands: _tensor_pb2.Tensor
+    pins: _tensor_pb2.Tensor
+    surface_count: int
+    rod_count: int
+    fps: float
+    substeps: int
+    gravity: _containers.RepeatedScalarFieldContainer[float]
+    ground: _world_pb2.Plane
+    ground_friction: float
+    ground_restitution: float
+    mass_kg: float
+    spacing_m: float
+    rod_starts: _tensor_pb2.Tensor
+    rod_nodes: _tensor_pb2.Tensor
+    def __init__(self, rest_positions: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., kinds: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., edges: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., rest_lengths: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., triplets: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., masses: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., controls: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., hands: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., pins: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., surface_count: _Optional[int] = ..., rod_count: _Optional[int] = ..., fps: _Optional[float] = ..., substeps: _Optional[int] = ..., gravity: _Optional[_Iterable[float]] = ..., ground: _Optional[_Union[_world_pb2.Plane, _Mapping]] = ..., ground_friction: _Optional[float] = ..., ground_restitution: _Optional[float] = ..., mass_kg: _Optional[float] = ..., spacing_m: _Optional[float] = ..., rod_starts: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., rod_nodes: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ...) -> None: ...
 
 class CreateTwinRequest(_message.Message):
     __slots__ = ("metadata", "chunk")

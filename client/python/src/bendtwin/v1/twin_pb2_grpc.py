@@ -60,6 +60,11 @@ class TwinServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_twin__pb2.ExportTwinRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_twin__pb2.ExportTwinResponse.FromString,
                 _registered_method=True)
+        self.GetTwinGeometry = channel.unary_unary(
+                '/bendtwin.v1.TwinService/GetTwinGeometry',
+                request_serializer=bendtwin_dot_v1_dot_twin__pb2.GetTwinGeometryRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_twin__pb2.TwinGeometry.FromString,
+                _registered_method=True)
 
 
 class TwinServiceServicer(object):
@@ -98,6 +103,13 @@ class TwinServiceServicer(object):
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
+    def GetTwinGeometry(self, request, context):
+        """What planners need to know of a twin, without reading its file.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
 
 def add_TwinServiceServicer_to_server(servicer, server):
     rpc_method_handlers = {
@@ -125,6 +137,11 @@ def add_TwinServiceServicer_to_server(servicer, server):
                     servicer.ExportTwin,
                     request_deserializer=bendtwin_dot_v1_dot_twin__pb2.ExportTwinRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_twin__pb2.ExportTwinResponse.SerializeToString,
+            ),
+            'GetTwinGeometry': grpc.unary_unary_rpc_method_handler(
+                    servicer.GetTwinGeometry,
+                    request_deserializer=bendtwin_dot_v1_dot_twin__pb2.GetTwinGeometryRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_twin__pb2.TwinGeometry.SerializeToString,
             ),
     }
     generic_handler = grpc.method_handlers_generic_handler(
@@ -263,6 +280,33 @@ class TwinService(object):
             '/bendtwin.v1.TwinService/ExportTwin',
             bendtwin_dot_v1_dot_twin__pb2.ExportTwinRequest.SerializeToString,
             bendtwin_dot_v1_dot_twin__pb2.ExportTwinResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def GetTwinGeometry(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.TwinService/GetTwinGeometry',
+            bendtwin_dot_v1_dot_twin__pb2.GetTwinGeometryRequest.SerializeToString,
+            bendtwin_dot_v1_dot_twin__pb2.TwinGeometry.FromString,
             options,
             channel_credentials,
             insecure,

@@ -60,6 +60,7 @@ pub(in crate::raw) fn read(mut files: Files<'static>) -> Result<Recording, Error
         cameras,
         mesh,
         truth_tracks: truth,
+        mass_kg: manifest.mass_kg,
         source: Arc::new(StoredFrames::new(files.fork(), frame_count, stored)?),
     })
 }

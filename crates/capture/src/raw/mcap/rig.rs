@@ -137,6 +137,7 @@ pub(super) fn recording(
         cameras,
         mesh: index.mesh.map(|(name, bytes)| MeshFile { name, bytes, to_world: None }),
         truth_tracks: Vec::new(),
+        mass_kg: None,
         source: Arc::new(source),
     })
 }

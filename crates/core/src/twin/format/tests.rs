@@ -32,6 +32,8 @@ fn twin() -> Twin {
         control_velocity: ControlVelocity::True,
         provenance: Provenance::default(),
         quality: Quality::default(),
+        mass_kg: None,
+        control_hands: Vec::new(),
     }
 }
 
@@ -58,6 +60,18 @@ fn released_files_stay_readable() {
     assert_eq!(Twin::decode(first).unwrap(), twin());
     let second = include_bytes!("../../../testdata/twin-v2.safetensors");
     assert_eq!(Twin::decode(second).unwrap(), cable());
+}
+
+#[test]
+fn mass_and_hands_survive_their_file_and_are_checked() {
+    let known = Twin { mass_kg: Some(0.25), control_hands: vec![1], ..twin() };
+    assert_eq!(Twin::decode(&known.encode().unwrap()).unwrap(), known);
+    for mass in [0.0, -1.0, f64::NAN, 1e9] {
+        let wrong = Twin { mass_kg: Some(mass), ..twin() };
+        assert!(wrong.encode().unwrap_err().to_string().contains("mass"), "{mass}");
+    }
+    let wrong = Twin { control_hands: vec![0, 0], ..twin() };
+    assert!(wrong.encode().unwrap_err().to_string().contains("2 hands for 1"));
 }
 
 /// A twin with two rods between clamps.

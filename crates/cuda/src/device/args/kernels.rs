@@ -42,6 +42,24 @@ device_struct! {
 }
 
 device_struct! {
+    /// Parameters of `change_grasps`.
+    ChangeGraspsArgs {
+        instances: Pointer<InstanceArgs>,
+        boundary: u32,
+        end: u32,
+    }
+}
+
+device_struct! {
+    /// Parameters of `sum_forces`.
+    SumForcesArgs {
+        instances: Pointer<InstanceArgs>,
+        frame: u32,
+        blocks: u32,
+    }
+}
+
+device_struct! {
     /// Parameters of `score`.
     ScoreArgs {
         objectives: Pointer<ObjectiveArgs>,
@@ -52,6 +70,22 @@ device_struct! {
     /// Parameters of `seed`.
     SeedArgs {
         objectives: Pointer<ObjectiveArgs>,
+    }
+}
+
+device_struct! {
+    /// Parameters of `seed_rest_lengths`.
+    SeedRestLengthsArgs {
+        objectives: Pointer<ObjectiveArgs>,
+        outs: Pointer<Pointer<f32>>,
+    }
+}
+
+device_struct! {
+    /// Parameters of `norm_bars`.
+    NormBarsArgs {
+        instances: Pointer<InstanceArgs>,
+        outs: Pointer<Pointer<f64>>,
     }
 }
 

@@ -3,7 +3,7 @@
 
 use bendtwin_core::Point;
 
-use super::{Pin, Pointer, device_struct};
+use super::{Pin, Pointer, WorldArgs, device_struct};
 
 device_struct! {
     /// Initial state of an instance.
@@ -20,7 +20,8 @@ device_struct! {
         rod_count: u32,
         control_count: u32,
         controls_move: u32,
-        unused: u32,
+        frame_count: u32,
+        world: WorldArgs,
     }
 }
 
@@ -34,6 +35,8 @@ device_struct! {
         beta: f32,
         weight: f32,
         unused: u32,
+        low: [f32; 3],
+        high: [f32; 3],
     }
 }
 
@@ -47,11 +50,17 @@ device_struct! {
         nearest: Pointer<u32>,
         values: Pointer<f64>,
         seeds: Pointer<f32>,
+        springs: Pointer<[u32; 2]>,
+        params: Pointer<f32>,
+        spring_starts: Pointer<u32>,
+        node_springs: Pointer<u32>,
         node_count: u32,
         surface_count: u32,
         frame_count: u32,
         term_count: u32,
         cut_every: u32,
+        spring_count: u32,
+        strained_count: u32,
         unused: u32,
     }
 }
@@ -65,7 +74,8 @@ device_struct! {
         springs: Pointer<[u32; 2]>,
         params: Pointer<f32>,
         controls: Pointer<Point>,
-        extremes: Pointer<[f32; 2]>,
+        velocities: Pointer<[f32; 3]>,
+        extremes: Pointer<[f32; 3]>,
         node_count: u32,
         recorded_nodes: u32,
         recorded_frames: u32,
@@ -73,6 +83,6 @@ device_struct! {
         spring_count: u32,
         control_count: u32,
         frame_count: u32,
-        unused: u32,
+        rate: f32,
     }
 }

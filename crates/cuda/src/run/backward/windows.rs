@@ -8,15 +8,19 @@ use super::{Backward, WindowArrays};
 use crate::{
     device::{
         args::{
-            AddSeedsArgs, AdjointArgs, CollectControlsArgs, GatherSumsArgs, InstanceArgs, Pointer,
-            TopologyArgs,
+            AddSeedsArgs, AdjointArgs, CollectControlsArgs, GatherSumsArgs, InstanceArgs,
+            NormBarsArgs, Pointer, TopologyArgs,
         },
         kernels,
         memory::Buffer,
         specialization::THREADS,
         throttle::LaunchThrottle,
     },
-    plan::{choice::Purpose, layout::PAIR_SUMS, resident::LAWS},
+    plan::{
+        choice::Purpose,
+        layout::PAIR_SUMS,
+        resident::{LAWS, resident},
+    },
     run::{
         group::{FrameRange, Group, InstanceSpan},
         simulation::Simulation,
@@ -73,6 +77,8 @@ struct BatchArgs {
     seeds: Buffer<Pointer<f32>>,
     /// Output for d loss / d controls of each instance.
     outs: Buffer<Pointer<[f32; 3]>>,
+    /// Output for the norm at the end of each instance's frame; empty if not asked for.
+    norms: Buffer<Pointer<f64>>,
     /// First instance of each depth, and the end of the last.
     starts: Vec<usize>,
     /// True if an instance has several windows at a depth.
@@ -182,6 +188,7 @@ impl<'a> ConcurrentWindows<'a> {
     ) -> Result<BatchArgs, Error> {
         let (simulation, from) = (self.simulation(), depths.start);
         let (mut all, mut seeds, mut outs) = (Vec::new(), Vec::new(), Vec::new());
+        let mut norms = Vec::new();
         let (mut starts, mut shared) = (vec![0], false);
         for depth in depths {
             let mut before = None;
@@ -206,6 +213,9 @@ impl<'a> ConcurrentWindows<'a> {
                     window.instance,
                     frame + 1,
                 ));
+                if self.backward.request.norms {
+                    norms.push(self.norm(window.instance, frame + 1));
+                }
                 if self.backward.request.controls {
                     let out = &self.backward.out;
                     outs.push(out.controls.at(out.control_starts[window.instance]));
@@ -219,6 +229,7 @@ impl<'a> ConcurrentWindows<'a> {
             instances: Buffer::of(stream, &all)?,
             seeds: Buffer::of(stream, &seeds)?,
             outs: Buffer::of(stream, &outs)?,
+            norms: Buffer::of(stream, &norms)?,
             starts,
             shared,
         })
@@ -237,6 +248,9 @@ impl<'a> ConcurrentWindows<'a> {
         for (batch, args) in self.batches.iter().zip(args) {
             let (start, span) = part(args);
             self.add_seeds(span, args.seeds.at(start), depth == 0)?;
+            if self.backward.request.norms {
+                self.norm_bars(span, args.norms.at(start))?;
+            }
             // Tapes of the forward pass have outlived the contact candidates of their frames.
             if batch.group.plan.specialization.contact && self.backward.forward.tapes.is_some() {
                 simulation.find_partners(&queue.stream, span, 0)?;
@@ -311,6 +325,19 @@ impl<'a> ConcurrentWindows<'a> {
         unsafe { kernels::add_seeds(&launch, &args) }
     }
 
+    /// Address of the norm at a frame boundary of an instance.
+    fn norm(&self, instance: usize, boundary: usize) -> Pointer<f64> {
+        let out = self.backward.out;
+        out.norms.at(out.norm_starts[instance] + boundary)
+    }
+
+    fn norm_bars(&self, of: InstanceSpan, outs: Pointer<Pointer<f64>>) -> Result<(), Error> {
+        let args = NormBarsArgs { instances: of.address, outs };
+        let launch = self.simulation().queue.grid(of.count as u32, 1, 1);
+        // SAFETY: every instance has its derivatives and pins, and a place for its norm.
+        unsafe { kernels::norm_bars(&launch, &args) }
+    }
+
     fn collect_controls(
         &self,
         batch: &WindowBatch,
@@ -331,7 +358,7 @@ impl<'a> ConcurrentWindows<'a> {
     /// windows with so many frames.
     fn store_initials(&self, frames: usize) -> Result<(), Error> {
         let request = self.backward.request;
-        if !(request.initial || request.controls) {
+        if !(request.initial || request.controls || request.norms) {
             return Ok(());
         }
         let (simulation, arrays) = (self.simulation(), self.arrays);
@@ -340,8 +367,10 @@ impl<'a> ConcurrentWindows<'a> {
             if window.first > 0 || window.len() != frames {
                 continue;
             }
+            let (pin_of, _) = resident(&simulation.instances[window.instance].model)?.graph.pins();
             let args = InstanceArgs {
                 topology: TopologyArgs {
+                    pin_of,
                     node_count: n as u32,
                     rod_count: arrays.rods as u32,
                     ..TopologyArgs::default()
@@ -360,6 +389,10 @@ impl<'a> ConcurrentWindows<'a> {
                 &[self.backward.forward.scores.seed(simulation, window.instance, 0)],
             )?;
             self.add_seeds(InstanceSpan::all(&uploaded), seeds.address(), frames == 0)?;
+            if request.norms {
+                let outs = Buffer::of(stream, &[self.norm(window.instance, 0)])?;
+                self.norm_bars(InstanceSpan::all(&uploaded), outs.address())?;
+            }
             let out = self.backward.out;
             let to = out.initial_starts[window.instance];
             out.initial.copy_from(to, &arrays.bar_x, w * n, n)?;

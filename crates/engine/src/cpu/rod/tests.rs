@@ -34,7 +34,7 @@ fn lambda() -> Vec<V> {
 /// Forces and twist after a substep of `dt` that starts at `twist`.
 fn step(rods: &Rods<f64>, dt: f64, nodes: &[Node<f64>], twist: f64) -> (Vec<V>, f64) {
     let (mut forces, mut twists) = (vec![[0.0; 4]; nodes.len()], [twist]);
-    rod_forces(Portable, rods, dt, nodes, &mut twists, &mut forces);
+    rod_forces(Portable, rods, dt, nodes, (&mut twists, &[]), &mut forces);
     (forces, twists[0])
 }
 
@@ -165,10 +165,10 @@ fn adjoint_is_derivative(has_arm: bool) {
         &rods,
         dt,
         &nodes,
-        &[twist],
+        (&[twist], &[]),
         &lambda,
         &mut adjoint,
-        &mut twist_bar,
+        (&mut twist_bar, &mut []),
         &mut gradient,
     );
     // The twist after the substep counts as the last coordinate of one more force.
@@ -214,10 +214,10 @@ fn degenerate_rods_do_nothing() {
             &rods,
             0.1,
             &nodes,
-            &twists,
+            (&twists, &[]),
             &lambda,
             &mut adjoint,
-            &mut twist_bar,
+            (&mut twist_bar, &mut []),
             &mut gradient,
         );
         let numbers = adjoint.iter().flat_map(|n| n.x.iter().chain(&n.v));

@@ -1,0 +1,111 @@
+"""Geometry of a twin: what the arrays of its rollouts are arrays of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from bendtwin.tensors import unpack
+from bendtwin.v1 import twin_pb2
+
+FloatArray = npt.NDArray[np.floating[Any]]
+IndexArray = npt.NDArray[np.uint32]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Points with normal . x >= offset_m are above the ground."""
+
+    normal: FloatArray
+    offset_m: float
+    friction: float
+    restitution: float
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Nodes, springs, control points and surroundings of a twin; N nodes, C control points."""
+
+    #: The rest shape [N, 3], metres.
+    rest_positions: FloatArray
+    #: 0 observed surface, 1 completed surface, 2 interior, [N]. Surface nodes come first.
+    kinds: npt.NDArray[np.uint8]
+    #: Springs between endpoints [E, 2]; from N on these are control points.
+    edges: IndexArray
+    #: [E], metres.
+    rest_lengths: FloatArray
+    #: Bending triplets [T, 3], the centre in the middle.
+    triplets: IndexArray
+    #: [N], kilograms if `mass_kg` is known, else in units of a node.
+    masses: FloatArray
+    #: Control points at rest [C, 3], metres.
+    controls: FloatArray
+    #: The hand of the capture that each control point belongs to [C].
+    hands: IndexArray
+    #: Nodes that control points hold exactly, as pairs of node and control point [P, 2].
+    pins: IndexArray
+    #: Nodes of each rod.
+    rods: list[IndexArray]
+    #: Nodes 0..surface_count are surface.
+    surface_count: int
+    #: Frames per second.
+    fps: float
+    #: Substeps per frame.
+    substeps: int
+    #: [3], metres per square second.
+    gravity: FloatArray
+    #: None: there is none.
+    ground: Ground | None
+    #: None: not known, and forces are per unit mass.
+    mass_kg: float | None
+    #: Mean length of springs between nodes, metres.
+    spacing_m: float
+
+    @property
+    def hand_count(self) -> int:
+        """Number of hands."""
+        return int(self.hands.max()) + 1 if self.hands.size else 0
+
+    @classmethod
+    def from_proto(cls, message: twin_pb2.TwinGeometry) -> Geometry:
+        """Reads the wire form."""
+        starts, nodes = _array(message.rod_starts), _array(message.rod_nodes)
+        ground = None
+        if message.HasField("ground"):
+            ground = Ground(
+                normal=np.array(message.ground.normal or (0.0, 0.0, 1.0)),
+                offset_m=message.ground.offset_m,
+                friction=message.ground_friction,
+                restitution=message.ground_restitution,
+            )
+        names = (
+            "rest_positions",
+            "kinds",
+            "edges",
+            "rest_lengths",
+            "triplets",
+            "masses",
+            "controls",
+            "hands",
+            "pins",
+        )
+        return cls(
+            **{name: _array(getattr(message, name)) for name in names},
+            rods=[nodes[a:b] for a, b in pairwise(starts)],
+            surface_count=message.surface_count,
+            fps=message.fps,
+            substeps=message.substeps,
+            gravity=np.array(message.gravity),
+            ground=ground,
+            mass_kg=message.mass_kg if message.HasField("mass_kg") else None,
+            spacing_m=message.spacing_m,
+        )
+
+
+def _array(tensor: Any) -> Any:
+    array = unpack(tensor)
+    return np.zeros(0, np.uint32) if array is None else array

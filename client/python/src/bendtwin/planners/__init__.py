@@ -1,0 +1,36 @@
+"""Planners in NumPy, on top of batched rollouts: small enough to read and to change.
+
+from bendtwin.planners import Bounds, Mppi, Task, Together
+
+task = Task(twin=twin, costs=costs, space=Together(controls), frames=20)
+planner = Mppi(task, samples=64, sigma=0.02, bounds=Bounds(speed=0.5))
+plan = planner.plan(state)
+result = twin.rollout(**plan.actions(frames=3), initial=state)
+planner.shift(frames=3)
+"""
+
+from bendtwin.planners.bounds import Bounds
+from bendtwin.planners.methods import Cem, GradientDescent, Mppi, PredictiveSampling
+from bendtwin.planners.plan import Plan
+from bendtwin.planners.planner import EveryPlanDiverged, Planner
+from bendtwin.planners.spaces import ActionSpace, Grippers, PerHand, Points, Together
+from bendtwin.planners.task import Evaluation, Problem, Task
+
+__all__ = [
+    "ActionSpace",
+    "Bounds",
+    "Cem",
+    "Evaluation",
+    "EveryPlanDiverged",
+    "GradientDescent",
+    "Grippers",
+    "Mppi",
+    "PerHand",
+    "Plan",
+    "Planner",
+    "Points",
+    "PredictiveSampling",
+    "Problem",
+    "Task",
+    "Together",
+]

@@ -1,0 +1,55 @@
+"""What a planner returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from bendtwin.planners.knots import Array
+from bendtwin.planners.task import Problem, Task
+
+Origin = Literal["nominal", "mean", "sample"]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The best of all knots that were simulated, never worse than the nominal ones."""
+
+    #: Knots [K, D] in the coordinates of the action space.
+    knots: Array
+    #: Cost of exactly these knots, as simulated.
+    cost: float
+    #: The nominal plan, the mean that the method arrived at, or one of its samples.
+    origin: Origin
+    nominal_cost: float
+    #: Best of the samples, and its cost; the nominal plan where no sample was simulated.
+    best_sample: Array
+    best_sample_cost: float
+    #: Costs of all that was simulated, an array for each call; +inf for what diverged.
+    costs: list[npt.NDArray[np.float64]]
+    #: Iterations that were finished.
+    iterations: int
+    time_s: float
+    #: "deadline" if there was no time for all iterations.
+    stopped: Literal["iterations", "deadline"]
+    problem: Problem = field(repr=False)
+
+    @property
+    def diverged(self) -> int:
+        """How many of the plans that were simulated diverged."""
+        return int(sum(np.isinf(costs).sum() for costs in self.costs))
+
+    def actions(self, frames: int | None = None) -> dict[str, Any]:
+        """Arguments of `Twin.rollout` that execute the plan: all of it, or its first frames."""
+        if not isinstance(self.problem, Task):
+            raise TypeError("only a plan for a twin has actions")
+        return self.problem.actions(self.knots, frames)
+
+    def path(self) -> Array:
+        """The coordinates in every frame, [F + 1, D]: what a robot is to follow."""
+        if not isinstance(self.problem, Task):
+            raise TypeError("only a plan for a twin has a path")
+        return self.problem.path(self.knots)

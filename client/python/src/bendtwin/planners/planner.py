@@ -1,0 +1,249 @@
+"""The loop that all planners share: propose, simulate, keep the best, learn.
+
+One iteration is one rollout: the samples are its batch. A planner never returns knots that were
+not simulated, hence never a plan that is worse than the one that it began with: the mean of good
+samples can be bad.
+"""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from bendtwin.actions import InitialState
+from bendtwin.errors import BendTwinError, Category
+from bendtwin.planners.bounds import Bounds
+from bendtwin.planners.knots import Array, shifted
+from bendtwin.planners.noise import correlated, deviations
+from bendtwin.planners.plan import Origin, Plan
+from bendtwin.planners.task import Evaluation, Problem
+
+_NO_BOUNDS = Bounds()
+
+
+class EveryPlanDiverged(RuntimeError):
+    """No plan of an iteration could be simulated to its end."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "every plan diverged: lower sigma, set bounds on the speed, or shorten the horizon; "
+            "and see that the start of the action space is where the control points are"
+        )
+
+
+class Planner(ABC):
+    """A planner with a warm start: each plan begins where the one before it ended.
+
+    After executing some frames call `shift` with their number, then `plan` with the new state.
+    """
+
+    #: True if the method needs gradients of the cost.
+    _gradients: ClassVar[bool] = False
+
+    def __init__(
+        self,
+        problem: Problem,
+        *,
+        knots: int = 5,
+        samples: int = 64,
+        iterations: int = 1,
+        sigma: npt.ArrayLike = 0.02,
+        correlation: float = 0.0,
+        bounds: Bounds = _NO_BOUNDS,
+        deadline_s: float | None = None,
+        seed: int = 0,
+    ) -> None:
+        """Sets what all methods have in common.
+
+        Args:
+            problem: What to minimize: a `Task` for a twin.
+            knots: Number of knots K; row 0 is where things are.
+            samples: Plans that are simulated in an iteration.
+            iterations: Of one call of `plan`.
+            sigma: Standard deviation of samples: a number, one by coordinate [D], or by knot and
+                coordinate [K, D]; metres, radians for rotations.
+            correlation: Between neighbouring knots of a sample, 0..1: larger is smoother.
+            bounds: Limits that every plan keeps.
+            deadline_s: Time for one call of `plan`, which then returns the best so far. The first
+                iteration is always finished.
+            seed: Same seed, same plans.
+        """
+        if knots < 2 or samples < 1 or iterations < 1:
+            raise ValueError("a planner needs two knots, one sample and one iteration, or more")
+        if not 0.0 <= correlation < 1.0:
+            raise ValueError("the correlation must be 0 or more, and less than 1")
+        self.problem = problem
+        self.knots, self.samples, self.iterations = knots, samples, iterations
+        self.sigma = deviations(sigma, knots, problem.dims)
+        self.correlation, self.bounds, self.deadline_s = correlation, bounds, deadline_s
+        self._random = np.random.default_rng(seed)
+        #: The plan that the next call begins with.
+        self.nominal: Array = np.zeros((knots, problem.dims))
+
+    def plan(
+        self,
+        initial: InitialState | None = None,
+        *,
+        nominal: npt.ArrayLike | None = None,
+        iterations: int | None = None,
+        deadline_s: float | None = None,
+    ) -> Plan:
+        """Lowers the cost of the nominal plan from a state; None is the twin's rest.
+
+        The nominal plan is that of the call before, shifted, unless one is given: knots [K, D].
+        Where it is outside of the bounds it is moved inside first.
+
+        Raises:
+            EveryPlanDiverged: If no plan of the first iteration could be simulated.
+            BendTwinError: If the server refuses; see docs/errors.md.
+        """
+        began = time.monotonic()
+        search = _Search(
+            self, initial, began, self.deadline_s if deadline_s is None else deadline_s
+        )
+        start = self._checked(self.nominal if nominal is None else nominal)
+        self._begin(start)
+        iterations = self.iterations if iterations is None else iterations
+        for i in range(iterations):
+            candidates = self._bounded(self._propose(i))
+            if i == 0:
+                candidates = np.concatenate([start[None], candidates])
+            evaluation = search.simulate(candidates)
+            if evaluation is None:
+                break
+            search.finished += 1
+            self._learn(candidates, evaluation, search.best, search.best_cost)
+        mean = self._mean()
+        if mean is not None and search.finished == iterations:
+            search.simulate(self._bounded(mean[None]), is_mean=True)
+        plan = search.ended(iterations)
+        self.nominal = plan.knots
+        return plan
+
+    def shift(self, frames: float) -> None:
+        """Moves the nominal plan on by frames that were executed; at its end it stands still."""
+        problem = self.problem
+        self.nominal = shifted(self.nominal, frames, problem.frames, problem.interpolation)
+
+    def reset(self, nominal: npt.ArrayLike | None = None) -> None:
+        """Forgets the plan before: the next one begins with these knots, or with staying still at
+        the start of the action space."""
+        shape = (self.knots, self.problem.dims)
+        self.nominal = np.zeros(shape) if nominal is None else self._checked(nominal)
+
+    # Methods
+
+    @abstractmethod
+    def _begin(self, nominal: Array) -> None:
+        """Starts anew from a nominal plan [K, D]."""
+
+    @abstractmethod
+    def _propose(self, iteration: int) -> Array:
+        """Plans to simulate [S, K, D]; the nominal one is added in iteration 0."""
+
+    @abstractmethod
+    def _learn(
+        self, candidates: Array, evaluation: Evaluation, best: Array, best_cost: float
+    ) -> None:
+        """Takes in what an iteration found; `best` is the best of all iterations."""
+
+    def _mean(self) -> Array | None:
+        """A plan that the method arrived at and that was not simulated yet."""
+        return None
+
+    def _noise(self, count: int) -> Array:
+        """Standard normal noise [count, K, D], correlated in time."""
+        shape = (self.knots, self.problem.dims)
+        return correlated(self._random, count, *shape, self.correlation)
+
+    def _bounded(self, knots: Array) -> Array:
+        spacing = self.problem.frames / (self.knots - 1)
+        return self.bounds.project(knots, spacing * self.problem.frame_s)
+
+    def _checked(self, nominal: npt.ArrayLike) -> Array:
+        array = np.array(nominal, dtype=np.float64)
+        shape = (self.knots, self.problem.dims)
+        if array.shape != shape or not np.isfinite(array).all():
+            raise ValueError(f"nominal has shape {array.shape}: give finite knots {list(shape)}")
+        return self._bounded(array)
+
+
+class _Search:
+    """What one call of `plan` has seen."""
+
+    def __init__(
+        self,
+        planner: Planner,
+        initial: InitialState | None,
+        began: float,
+        deadline_s: float | None,
+    ) -> None:
+        self._problem, self._initial, self._began = planner.problem, initial, began
+        self._gradients = planner._gradients
+        self._deadline_s = deadline_s
+        self._longest_s = 0.0
+        self.finished = 0
+        self.costs: list[npt.NDArray[np.float64]] = []
+        self.best: Array = np.zeros((0, 0))
+        self.best_cost = np.inf
+        self._origin: Origin = "nominal"
+        self._nominal_cost = np.inf
+        self._sample: tuple[Array, float] | None = None
+
+    def simulate(self, knots: Array, *, is_mean: bool = False) -> Evaluation | None:
+        """Simulates plans [B, K, D] and keeps the best; None if there is no time for it."""
+        left = None
+        if self.costs and self._deadline_s is not None:
+            left = self._deadline_s - (time.monotonic() - self._began)
+            if left <= (0.0 if is_mean else self._longest_s):
+                return None
+        started = time.monotonic()
+        try:
+            evaluation = self._problem.evaluate(
+                knots, self._initial, gradients=self._gradients, timeout_s=left
+            )
+        except BendTwinError as error:
+            if left is not None and error.category is Category.DEADLINE_EXCEEDED:
+                return None
+            raise
+        self._longest_s = max(self._longest_s, time.monotonic() - started)
+        self._note(knots, evaluation.costs, is_mean)
+        return evaluation
+
+    def _note(self, knots: Array, costs: npt.NDArray[np.float64], is_mean: bool) -> None:
+        is_first = not self.costs
+        self.costs.append(costs)
+        if is_first:
+            self._nominal_cost = float(costs[0])
+            self.best, self.best_cost = knots[0], float(costs[0])
+        samples, their_costs = (knots[1:], costs[1:]) if is_first else (knots, costs)
+        if len(samples) and not is_mean:
+            i = int(np.argmin(their_costs))
+            if self._sample is None or their_costs[i] < self._sample[1]:
+                self._sample = (samples[i], float(their_costs[i]))
+        i = int(np.argmin(costs))
+        if costs[i] < self.best_cost:
+            self.best, self.best_cost = knots[i], float(costs[i])
+            self._origin = "mean" if is_mean else "sample"
+        if not np.isfinite(self.best_cost):
+            raise EveryPlanDiverged
+
+    def ended(self, iterations: int) -> Plan:
+        sample, sample_cost = self._sample or (self.best, self.best_cost)
+        return Plan(
+            knots=self.best,
+            cost=self.best_cost,
+            origin=self._origin,
+            nominal_cost=self._nominal_cost,
+            best_sample=sample,
+            best_sample_cost=sample_cost,
+            costs=self.costs,
+            iterations=self.finished,
+            time_s=time.monotonic() - self._began,
+            stopped="iterations" if self.finished == iterations else "deadline",
+            problem=self._problem,
+        )

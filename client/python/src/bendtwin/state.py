@@ -1,0 +1,147 @@
+"""Initial states of a rollout, and the state that it ends in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from bendtwin.tensors import pack_floats, pack_integers, unpack
+from bendtwin.v1 import rollout_pb2, world_pb2
+
+
+@dataclass(frozen=True)
+class Rest:
+    """The twin's rest shape, not moving."""
+
+    def to_proto(self) -> rollout_pb2.InitialState:
+        """Makes the wire form."""
+        return rollout_pb2.InitialState(rest=rollout_pb2.InitialState.Rest())
+
+
+@dataclass(frozen=True)
+class Settled:
+    """The twin's shape where it comes to rest under its gravity, held by its control points at
+    rest."""
+
+    def to_proto(self) -> rollout_pb2.InitialState:
+        """Makes the wire form."""
+        return rollout_pb2.InitialState(settled=rollout_pb2.InitialState.Settled())
+
+
+@dataclass(frozen=True)
+class CaptureFrame:
+    """The twin's state after following its capture's own controls up to a frame."""
+
+    frame: int
+    sequence: int = 0
+    #: captures/{uuid}; empty means the twin's own capture.
+    capture: str = ""
+
+    def to_proto(self) -> rollout_pb2.InitialState:
+        """Makes the wire form."""
+        return rollout_pb2.InitialState(
+            capture_frame=rollout_pb2.InitialState.CaptureFrame(
+                capture=self.capture, sequence=self.sequence, frame=self.frame
+            )
+        )
+
+
+@dataclass(frozen=True)
+class Grasping:
+    """What grasps hold: of G grasps and N nodes. All for one state, or with [B] in front."""
+
+    #: 0 open, 1 closed, 2 slipped, [G].
+    phases: npt.ArrayLike
+    #: g + 1 for a node that grasp g holds, 0 for none, [N].
+    holders: npt.ArrayLike
+    #: Where a held node is in the coordinates of its gripper, metres, [N, 3].
+    places: npt.ArrayLike
+
+    def to_proto(self) -> world_pb2.Grasping:
+        """Makes the wire form."""
+        batch = (None,) * (np.ndim(self.phases) - 1)
+        return world_pb2.Grasping(
+            phases=pack_integers("grasp phases", self.phases, (*batch, None)),
+            holders=pack_integers("grasp holders", self.holders, (*batch, None)),
+            places=pack_floats("grasp places", self.places, (*batch, None, 3)),
+        )
+
+    @classmethod
+    def from_proto(cls, message: world_pb2.Grasping) -> Grasping:
+        """Reads the wire form."""
+        phases, holders, places = (
+            unpack(getattr(message, name)) for name in ("phases", "holders", "places")
+        )
+        if phases is None or holders is None or places is None:
+            raise ValueError("a state of grasps without phases, holders or places")
+        return cls(phases, holders, places)
+
+    def row(self, row: int) -> Grasping:
+        """One state of a batch."""
+        phases, holders, places = (
+            np.asarray(array)[row] for array in (self.phases, self.holders, self.places)
+        )
+        return Grasping(phases, holders, places)
+
+
+@dataclass(frozen=True)
+class State:
+    """A state of the twin, for all instances or with [B] in front, as `RolloutResult.state` returns
+    it. A rollout that starts from the state in which another one ended goes on exactly as if that
+    had not stopped.
+    """
+
+    #: Metres, [N, 3].
+    positions: npt.ArrayLike
+    #: Metres per second, [N, 3]; None means at rest.
+    velocities: npt.ArrayLike | None = None
+    #: Radians, [rods]; None means that no rod is twisted.
+    twists: npt.ArrayLike | None = None
+    #: Where the control points are, metres, [C, 3]. None: where pins say, others at rest, from
+    #: where `poses` would carry them, so give it.
+    controls: npt.ArrayLike | None = None
+    #: None: nothing but what grasps take when the rollout begins.
+    grasping: Grasping | None = None
+
+    def to_proto(self) -> rollout_pb2.InitialState:
+        """Makes the wire form."""
+        batch = (None,) if np.ndim(self.positions) == 3 else ()
+        given = rollout_pb2.InitialState.GivenState(
+            positions=pack_floats("initial positions", self.positions, (*batch, None, 3))
+        )
+        if self.velocities is not None:
+            given.velocities.CopyFrom(
+                pack_floats("initial velocities", self.velocities, (*batch, None, 3))
+            )
+        if self.twists is not None:
+            given.twists.CopyFrom(pack_floats("initial twists", self.twists, (*batch, None)))
+        if self.controls is not None:
+            given.controls.CopyFrom(
+                pack_floats("initial controls", self.controls, (*batch, None, 3))
+            )
+        if self.grasping is not None:
+            given.grasping.CopyFrom(self.grasping.to_proto())
+        return rollout_pb2.InitialState(given=given)
+
+
+#: The name of a given state in the wire format.
+GivenState = State
+
+InitialState = Rest | Settled | CaptureFrame | State
+
+
+def state_of(states: State, row: int) -> State:
+    """One state of a batch of states."""
+
+    def pick(array: npt.ArrayLike | None) -> npt.ArrayLike | None:
+        return None if array is None else np.asarray(array)[row]
+
+    return State(
+        positions=np.asarray(states.positions)[row],
+        velocities=pick(states.velocities),
+        twists=pick(states.twists),
+        controls=pick(states.controls),
+        grasping=None if states.grasping is None else states.grasping.row(row),
+    )

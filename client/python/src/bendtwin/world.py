@@ -1,0 +1,344 @@
+"""The surroundings of an object in a rollout: ground, gravity, colliders, grasps, and parameters.
+
+Shapes are in metres, in the coordinates of what carries them; poses are x, y, z and a quaternion
+x, y, z, w.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from bendtwin.tensors import pack_floats, pack_indices
+from bendtwin.v1 import rollout_pb2, tensor_pb2, world_pb2
+
+Statistic = Literal["mean", "worst", "cvar"]
+
+_STATISTICS: dict[str, rollout_pb2.Ensemble.Statistic] = {
+    "mean": rollout_pb2.Ensemble.MEAN,
+    "worst": rollout_pb2.Ensemble.WORST,
+    "cvar": rollout_pb2.Ensemble.CVAR,
+}
+_ATTACHMENTS: dict[str, world_pb2.Grasp.Attachment] = {
+    "pin": world_pb2.Grasp.PIN,
+    "springs": world_pb2.Grasp.SPRINGS,
+}
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A ball, as a collider or as the region of a grasp."""
+
+    radius_m: float
+    center: npt.ArrayLike = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """Points nearer than the radius to the segment between two points [3]."""
+
+    start: npt.ArrayLike
+    end: npt.ArrayLike
+    radius_m: float
+
+
+@dataclass(frozen=True)
+class Cuboid:
+    """A box along the axes, from its least to its greatest corner [3]."""
+
+    low: npt.ArrayLike
+    high: npt.ArrayLike
+
+
+@dataclass(frozen=True)
+class ConvexMesh:
+    """The convex hull of points [M, 3]; it has at most 128 faces."""
+
+    points: npt.ArrayLike
+
+
+Shape = Sphere | Capsule | Cuboid | ConvexMesh
+
+
+@dataclass(frozen=True, kw_only=True)
+class Collider:
+    """A rigid obstacle that nodes cannot enter. It stands still, unless a gripper carries it or it
+    follows a path."""
+
+    shape: Shape
+    #: Coulomb friction, 0..2, and restitution, 0..1.
+    friction: float = 0.5
+    restitution: float = 0.0
+    #: Distance that nodes keep: about the radius of a cable, or half of that between nodes.
+    margin_m: float = 0.0
+    #: The gripper that carries it, by its number in the poses.
+    gripper: int | None = None
+    #: Poses at the knots of the actions, [K, 7], for all instances.
+    path: npt.ArrayLike | None = None
+    #: Pose of the shape on its carrier, [7].
+    pose: npt.ArrayLike | None = None
+    #: Reported under this name; empty means `collider{index}`.
+    name: str = ""
+
+    def to_proto(self) -> world_pb2.Collider:
+        """Makes the wire form."""
+        message = world_pb2.Collider(
+            name=self.name,
+            friction=self.friction,
+            restitution=self.restitution,
+            margin_m=self.margin_m,
+        )
+        shape = self.shape
+        if isinstance(shape, Sphere):
+            message.sphere.CopyFrom(_sphere(shape))
+        elif isinstance(shape, Capsule):
+            start, end = _numbers("start", shape.start, 3), _numbers("end", shape.end, 3)
+            # `from` is a word of Python.
+            capsule = world_pb2.Capsule(to=end, radius_m=shape.radius_m)
+            getattr(capsule, "from").extend(start)
+            message.capsule.CopyFrom(capsule)
+        elif isinstance(shape, Cuboid):
+            message.cuboid.CopyFrom(_cuboid(shape))
+        else:
+            points = pack_floats("points", shape.points, (None, 3))
+            message.convex_mesh.points.CopyFrom(points)
+        if self.gripper is not None and self.path is not None:
+            raise ValueError("give a collider either a gripper or a path, not both")
+        if self.gripper is not None:
+            message.gripper = self.gripper
+        if self.path is not None:
+            message.path.CopyFrom(pack_floats("path", self.path, (None, 7)))
+        if self.pose is not None:
+            message.pose.extend(_numbers("pose", self.pose, 7))
+        return message
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A ground: points with `normal . x >= offset_m` are above it."""
+
+    offset_m: float = 0.0
+    #: Of length 1, away from the ground.
+    normal: npt.ArrayLike = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class World:
+    """What is around the object. What is left out is as in the twin."""
+
+    colliders: Sequence[Collider] = ()
+    #: [3], m/s².
+    gravity: npt.ArrayLike | None = None
+    #: A plane, "none", or None for the twin's own.
+    ground: Plane | Literal["none"] | None = None
+    ground_friction: float | None = None
+    ground_restitution: float | None = None
+
+    def to_proto(self) -> world_pb2.World:
+        """Makes the wire form."""
+        message = world_pb2.World(
+            colliders=[collider.to_proto() for collider in self.colliders],
+            ground_friction=self.ground_friction,
+            ground_restitution=self.ground_restitution,
+        )
+        if self.gravity is not None:
+            message.gravity.extend(_numbers("gravity", self.gravity, 3))
+        if isinstance(self.ground, Plane):
+            message.ground.offset_m = self.ground.offset_m
+            message.ground.normal.extend(_numbers("normal", self.ground.normal, 3))
+        elif self.ground is not None:
+            message.no_ground = True
+        return message
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grasp:
+    """A hold of a gripper on the object: on what lies in a region when it closes, on nodes, or on the
+    twin's own control points of a hand of its capture.
+
+    Control points hold as they were fitted unless a grasp of their hand is open. To take hold
+    elsewhere, add `Grasp(hand=0, closed=np.zeros(K))`.
+    """
+
+    #: The gripper, by its number in the poses.
+    gripper: int = 0
+    #: In the coordinates of the gripper.
+    region: Sphere | Cuboid | None = None
+    nodes: npt.ArrayLike | None = None
+    hand: int | None = None
+    #: "pin": nodes move with the gripper exactly.
+    attachment: Literal["pin", "springs"] = "pin"
+    #: Of springs: newtons per metre and node; 0 chooses what the twin's substeps allow.
+    stiffness: float = 0.0
+    #: Newton seconds per metre; 0 chooses critical damping.
+    damping: float = 0.0
+    #: Whether it is closed from each knot of the actions on, [K] or [B, K]; None: always.
+    closed: npt.ArrayLike | None = None
+    #: Mean force over a frame beyond which it lets go; None: never.
+    max_force_n: float | None = None
+
+    def to_proto(self) -> world_pb2.Grasp:
+        """Makes the wire form."""
+        message = world_pb2.Grasp(
+            gripper=self.gripper,
+            attachment=_ATTACHMENTS[self.attachment],
+            stiffness=self.stiffness,
+            damping=self.damping,
+            max_force_n=self.max_force_n,
+        )
+        if sum(x is not None for x in (self.region, self.nodes, self.hand)) != 1:
+            raise ValueError("give a grasp one of region, nodes and hand")
+        if isinstance(self.region, Sphere):
+            message.sphere.CopyFrom(_sphere(self.region))
+        elif isinstance(self.region, Cuboid):
+            message.cuboid.CopyFrom(_cuboid(self.region))
+        if self.nodes is not None:
+            message.nodes.CopyFrom(pack_indices("nodes", self.nodes))
+        if self.hand is not None:
+            message.hand.hand = self.hand
+        if self.closed is not None:
+            message.closed.CopyFrom(_pack_closed(self.closed))
+        return message
+
+
+@dataclass(frozen=True, kw_only=True)
+class Vary:
+    """Parameters as factors of the twin's own: [B], or [E] with an ensemble. None: 1."""
+
+    #: Axial, 0.01..100.
+    stiffness: npt.ArrayLike | None = None
+    #: Of dashpots, drag, and damping of bending and twist, 0..100.
+    damping: npt.ArrayLike | None = None
+    #: Stiffness of bending and twist, 0..100.
+    bending: npt.ArrayLike | None = None
+    #: With ground, colliders and other nodes, 0..100.
+    friction: npt.ArrayLike | None = None
+    #: Of all nodes, 0.01..100.
+    mass: npt.ArrayLike | None = None
+
+    def to_proto(self) -> world_pb2.Vary:
+        """Makes the wire form."""
+        message = world_pb2.Vary()
+        for name in ("stiffness", "damping", "bending", "friction", "mass"):
+            values = getattr(self, name)
+            if values is not None:
+                getattr(message, name).CopyFrom(pack_floats(name, values, (None,)))
+        return message
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Simulates every action under the sets of parameters of a `Vary`; its cost is a statistic of
+    theirs."""
+
+    members: int
+    statistic: Statistic = "mean"
+    #: Of "cvar": the share of the worst members that is averaged.
+    share: float = 0.0
+
+    def to_proto(self) -> rollout_pb2.Ensemble:
+        """Makes the wire form."""
+        return rollout_pb2.Ensemble(
+            members=self.members, statistic=_STATISTICS[self.statistic], share=self.share
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class GradientOptions:
+    """The reach of gradients, and the smoothing of the contact that they go through."""
+
+    #: Frames through which a gradient reaches back; 0 for all. Where the object lies on something
+    #: 15 is a good start.
+    reach_frames: int = 0
+    #: Width of the layer in which ground and colliders act [m], in the gradients' simulation and
+    #: the costs that come with them; 0 for impacts. 0.001 is a good start.
+    smoothing_m: float = 0.0
+
+    def to_proto(self) -> rollout_pb2.GradientOptions:
+        """Makes the wire form."""
+        return rollout_pb2.GradientOptions(
+            reach_frames=self.reach_frames, smoothing_m=self.smoothing_m
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plausibility:
+    """Limits beyond which instances are `RolloutResult.implausible`. None: the default."""
+
+    #: Between the initial state's control points and row 0 of the actions; 0.005.
+    start_gap_m: float | None = None
+    #: Of the fastest control point; 5.
+    control_speed_m_s: float | None = None
+    #: Of the material; 1.
+    strain: float | None = None
+    #: Of control points and grasps in the ground or colliders that stand still; 0.005.
+    control_depth_m: float | None = None
+    #: Raise an error with the reason IMPLAUSIBLE_MOTION instead.
+    refuse: bool = False
+
+    def to_proto(self) -> rollout_pb2.Plausibility:
+        """Makes the wire form."""
+        return rollout_pb2.Plausibility(
+            start_gap_m=self.start_gap_m,
+            control_speed_m_s=self.control_speed_m_s,
+            strain=self.strain,
+            control_depth_m=self.control_depth_m,
+            refuse=self.refuse,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Surroundings:
+    """All of a request that is neither actions, nor state, nor what is measured."""
+
+    world: World | None = None
+    grasps: Sequence[Grasp] = ()
+    vary: Vary | None = None
+    ensemble: Ensemble | None = None
+    gradient: GradientOptions | None = None
+    plausibility: Plausibility | None = None
+
+    def add_to(self, request: rollout_pb2.RollOutRequest) -> None:
+        """Sets the fields of a request."""
+        if self.world is not None:
+            request.world.CopyFrom(self.world.to_proto())
+        request.grasps.extend(grasp.to_proto() for grasp in self.grasps)
+        if self.vary is not None:
+            request.vary.CopyFrom(self.vary.to_proto())
+        if self.ensemble is not None:
+            request.ensemble.CopyFrom(self.ensemble.to_proto())
+        if self.gradient is not None:
+            request.gradient.CopyFrom(self.gradient.to_proto())
+        if self.plausibility is not None:
+            request.plausibility.CopyFrom(self.plausibility.to_proto())
+
+
+def _sphere(sphere: Sphere) -> world_pb2.Sphere:
+    center = _numbers("center", sphere.center, 3)
+    return world_pb2.Sphere(center=center, radius_m=sphere.radius_m)
+
+
+def _cuboid(cuboid: Cuboid) -> world_pb2.Cuboid:
+    low, high = _numbers("low", cuboid.low, 3), _numbers("high", cuboid.high, 3)
+    return world_pb2.Cuboid(low=low, high=high)
+
+
+def _numbers(name: str, values: npt.ArrayLike, count: int) -> list[float]:
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (count,):
+        raise ValueError(f"{name} has shape {array.shape}, not [{count}]")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} has values that are not finite: check the input for NaN")
+    return [float(x) for x in array]
+
+
+def _pack_closed(closed: npt.ArrayLike) -> tensor_pb2.Tensor:
+    array = np.asarray(closed)
+    if array.ndim not in (1, 2) or not np.isin(array, (0, 1)).all():
+        raise ValueError(f"closed has shape {array.shape}, not [K] or [B, K], or is not 0 or 1")
+    data = array.astype("<u4").tobytes()
+    return tensor_pb2.Tensor(dtype=tensor_pb2.Tensor.UINT32, shape=array.shape, data=data)

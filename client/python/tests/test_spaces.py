@@ -1,0 +1,128 @@
+"""Curves between knots, action spaces, and gradients through both."""
+
+import numpy as np
+import pytest
+
+from bendtwin.planners import Grippers, PerHand, Points, Together
+from bendtwin.planners.knots import curve_matrix, frame_times, shifted
+from bendtwin.planners.rotations import exponential, logarithm, product, slerp
+
+CONTROLS = np.array([[0.0, 0.0, 0.1], [0.2, 0.0, 0.1], [0.3, 0.1, 0.1]])
+SPACES = [
+    Together(CONTROLS),
+    PerHand(CONTROLS, [0, 1, 1]),
+    Points(CONTROLS),
+    Grippers.around(CONTROLS, [0, 1, 1]),
+    Grippers(start=[[0.1, 0.0, 0.2, 0.0, 0.6, 0.0, 0.8]]),
+]
+
+
+def catmull_rom(knots, t):
+    """The curve as the server draws it, knot by knot."""
+    i = min(int(t), len(knots) - 2)
+    t -= i
+    b, c = knots[i], knots[i + 1]
+    a = knots[i - 1] if i > 0 else 2 * b - c
+    d = knots[i + 2] if i + 2 < len(knots) else 2 * c - b
+    slope, cubic = 0.5 * (c - a), 0.5 * (d - a) + 1.5 * (b - c)
+    return b + t * (slope + t * (a - 2.5 * b + 2.0 * c - 0.5 * d + t * cubic))
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_cubic_curves_are_those_of_the_server(count):
+    knots = np.random.default_rng(0).normal(size=count)
+    times = frame_times(11, count)
+    expected = [catmull_rom(knots, t) for t in times]
+    np.testing.assert_allclose(curve_matrix(times, count, "cubic") @ knots, expected, atol=1e-12)
+    straight = np.interp(times, np.arange(count), knots)
+    np.testing.assert_allclose(curve_matrix(times, count, "linear") @ knots, straight, atol=1e-12)
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "cubic"])
+def test_a_shift_by_whole_knots_drops_them(interpolation):
+    knots = np.random.default_rng(1).normal(size=(5, 2))
+    moved = shifted(knots, 6, 12, interpolation)
+    np.testing.assert_allclose(moved, knots[[2, 3, 4, 4, 4]], atol=1e-12)
+    np.testing.assert_allclose(shifted(knots, 100, 12, interpolation), np.tile(knots[4], (5, 1)))
+
+
+@pytest.mark.parametrize("space", SPACES, ids=lambda s: f"{type(s).__name__} {s.dims}")
+def test_zeros_stay_at_the_start(space):
+    actions = space.actions(np.zeros((2, 3, space.dims)))
+    if isinstance(space, Grippers):
+        start = np.broadcast_to(space.start, actions["poses"].shape)
+        np.testing.assert_allclose(actions["poses"], start, atol=1e-7)
+    else:
+        still = np.broadcast_to(CONTROLS, (2, 3, 3, 3))
+        np.testing.assert_allclose(actions["trajectories"], still, atol=1e-7)
+
+
+@pytest.mark.parametrize("space", SPACES, ids=lambda s: f"{type(s).__name__} {s.dims}")
+def test_gradients_by_knots_agree_with_finite_differences(space):
+    random = np.random.default_rng(2)
+    knots = random.normal(0.0, 0.3, (1, 3, space.dims))
+
+    def arrays(knots):
+        return next(v for k, v in space.actions(knots).items() if k != "gripper_of_control")
+
+    # float32 actions: steps must not be small.
+    weights = random.normal(size=arrays(knots).shape)
+    gradient = space.gradients(knots, weights)
+    step = 1e-3
+    for k in range(3):
+        for d in range(space.dims):
+            unit = np.zeros_like(knots)
+            unit[0, k, d] = step
+            there, back = arrays(knots + unit), arrays(knots - unit)
+            slope = ((there.astype(float) - back) * weights).sum() / (2 * step)
+            assert gradient[0, k, d] == pytest.approx(slope, rel=2e-3, abs=2e-3)
+
+
+def test_hands_move_apart():
+    knots = np.array([[[1.0, 0, 0, 0, 0, 2.0]]])
+    moved = PerHand(CONTROLS, [0, 1, 1]).actions(knots)["trajectories"][0, 0]
+    np.testing.assert_allclose(moved - CONTROLS, [[1, 0, 0], [0, 0, 2], [0, 0, 2]], atol=1e-6)
+
+
+def test_a_gripper_turns_about_the_middle_of_what_it_holds():
+    space = Grippers.around(CONTROLS[:2])
+    pose = space.actions(np.array([[[0, 0, 0.5, 0, 0, np.pi / 2]]]))["poses"][0, 0, 0]
+    np.testing.assert_allclose(pose, [0.1, 0, 0.6, 0, 0, 0.5**0.5, 0.5**0.5], atol=1e-6)
+
+
+def test_a_gripper_turns_evenly_between_knots():
+    space = Grippers.around(CONTROLS)
+    knots = np.zeros((2, 6))
+    knots[1, 3:] = [0.0, 1.2, 0.0]
+    path = space.path(knots, frame_times(4, 2), "linear")
+    np.testing.assert_allclose(path[:, 4], [0, 0.3, 0.6, 0.9, 1.2], atol=1e-9)
+
+
+def test_rotations_go_there_and_back():
+    random = np.random.default_rng(3)
+    vectors = random.normal(0.0, 1.0, (50, 3))
+    vectors[0] = 0.0
+    vectors[1] = 1e-9
+    q = exponential(vectors)
+    np.testing.assert_allclose(np.linalg.norm(q, axis=-1), 1.0, atol=1e-12)
+    short = np.linalg.norm(vectors, axis=-1) < np.pi
+    np.testing.assert_allclose(logarithm(q)[short], vectors[short], atol=1e-9)
+    turn = exponential(np.array([0.0, 0.0, 0.3]))
+    np.testing.assert_allclose(logarithm(product(turn, turn)), [0, 0, 0.6], atol=1e-12)
+    half = slerp(np.array([0, 0, 0, 1.0]), -product(turn, turn), np.array(0.5))
+    np.testing.assert_allclose(half, turn, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("make", "fault"),
+    [
+        (lambda: Together([0.0, 0.0, 0.0]), "control points"),
+        (lambda: Together([[0.0, 0.0, np.nan]]), "finite"),
+        (lambda: PerHand(CONTROLS, [0, 1]), "hand_of_control"),
+        (lambda: Grippers(start=[[0.0] * 7]), "quaternion of zeros"),
+        (lambda: Grippers(start=[[0.0] * 6]), "poses"),
+    ],
+)
+def test_wrong_starts_are_refused(make, fault):
+    with pytest.raises(ValueError, match=fault):
+        make()

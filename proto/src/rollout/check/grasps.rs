@@ -1,0 +1,100 @@
+//! Grasps: regions, attachments, and when they are closed.
+
+use super::{
+    Batch, Error, TwinShape,
+    numbers::least,
+    tensors::{given, indices, known_nodes, node_list, required},
+    world::{cuboid, gripper, parts, sphere},
+};
+use crate::v1::{
+    Grasp, RollOutRequest, Tensor,
+    grasp::{Attachment, Region},
+    tensor::Dtype,
+};
+
+pub(super) fn check(request: &RollOutRequest, batch: &Batch) -> Result<(), Error> {
+    parts("grasps", request.grasps.len())?;
+    let mut hands = Vec::new();
+    for (i, grasp) in request.grasps.iter().enumerate() {
+        let field = |part: &str| format!("grasps[{i}].{part}");
+        gripper(grasp.gripper, &field("gripper"), request.actions.as_ref())?;
+        match &grasp.region {
+            None => {
+                let fault = "is missing: give sphere, cuboid, nodes or hand";
+                return Err(Error::field(field("region"), fault));
+            }
+            Some(Region::Sphere(s)) => sphere(s, &field("sphere"))?,
+            Some(Region::Cuboid(c)) => cuboid(c, &field("cuboid"))?,
+            Some(Region::Nodes(nodes)) => node_list(Some(nodes), &field("nodes")).map(drop)?,
+            Some(Region::Hand(hand)) if hands.contains(&hand.hand) => {
+                let fault = format!("is {}, which an earlier grasp has", hand.hand);
+                return Err(Error::field(field("hand.hand"), fault));
+            }
+            Some(Region::Hand(hand)) => hands.push(hand.hand),
+        }
+        attachment(grasp, field)?;
+        if let Some(closed) = given(grasp.closed.as_ref()) {
+            self::closed(closed, &field("closed"), batch)?;
+        }
+        if let Some(force) = grasp.max_force_n
+            && !(force.is_finite() && force > 0.0)
+        {
+            let fault = format!("is {force}: it must be finite and above 0, or absent for never");
+            return Err(Error::field(field("max_force_n"), fault));
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn check_for(request: &RollOutRequest, twin: &TwinShape) -> Result<(), Error> {
+    for (i, grasp) in request.grasps.iter().enumerate() {
+        if let Some(Region::Nodes(nodes)) = &grasp.region {
+            distinct_nodes(nodes, &format!("grasps[{i}].nodes"), twin)?;
+        }
+    }
+    Ok(())
+}
+
+fn attachment(grasp: &Grasp, field: impl Fn(&str) -> String) -> Result<(), Error> {
+    let Ok(attachment) = Attachment::try_from(grasp.attachment) else {
+        let fault = format!("has the unknown value {}: use PIN or SPRINGS", grasp.attachment);
+        return Err(Error::field(field("attachment"), fault));
+    };
+    for (part, value) in [("stiffness", grasp.stiffness), ("damping", grasp.damping)] {
+        least(value, &field(part), 0.0)?;
+        let is_hand = matches!(grasp.region, Some(Region::Hand(_)));
+        if value > 0.0 && (attachment != Attachment::Springs || is_hand) {
+            let fault = if is_hand {
+                "is that of the capture's hand, held as it was fitted: leave it out"
+            } else {
+                "belongs to SPRINGS: leave it out, or set `attachment` to SPRINGS"
+            };
+            return Err(Error::field(field(part), fault));
+        }
+    }
+    Ok(())
+}
+
+fn closed(closed: &Tensor, field: &str, batch: &Batch) -> Result<(), Error> {
+    let (tensor, shape) = required(Some(closed), field, Dtype::Uint32)?;
+    let (b, k) = (batch.instances, batch.knots);
+    if shape != [k] && shape != [b, k] {
+        let fault = format!("has shape {shape:?}, not [{k}] or [{b}, {k}]: a value for each knot");
+        return Err(Error::field(field, fault));
+    }
+    match indices(tensor).find(|value| *value > 1) {
+        Some(value) => Err(Error::field(field, format!("has {value}: 1 is closed and 0 is open"))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses nodes that the twin has not, and a node named twice.
+fn distinct_nodes(nodes: &Tensor, field: &str, twin: &TwinShape) -> Result<(), Error> {
+    known_nodes(nodes, field, twin.nodes)?;
+    let mut sorted: Vec<u32> = indices(nodes).collect();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(Error::field(field, format!("names node {} twice", pair[0]))),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,104 @@
+//! The geometry of twins, for planners: what a rollout's arrays are arrays of.
+
+use std::sync::Arc;
+
+use bendtwin_budget::Share;
+use bendtwin_core::{Graph, Twin as TwinFile, geometry::distance};
+use bendtwin_proto::{
+    rollout,
+    v1::{Plane, Tensor, TwinGeometry},
+};
+use futures::TryStreamExt as _;
+use prost::Message as _;
+
+use super::{App, Error, Result};
+
+/// The geometry of a twin, and its memory.
+pub(crate) struct Geometry {
+    pub(crate) message: TwinGeometry,
+    pub(crate) held: Arc<Share>,
+}
+
+impl App {
+    /// The geometry of a twin, `as_lists` if it is to be written as nested lists of JSON.
+    pub(crate) async fn twin_geometry(&self, name: &str, as_lists: bool) -> Result<Geometry> {
+        let (_, content) = self.twin_content(name).await?;
+        let share = self.memory.twin_file(content.size_bytes).await?;
+        let chunks: Vec<_> = content.chunks.try_collect().await?;
+        let read = tokio::task::spawn_blocking(move || {
+            let _share = share;
+            let twin = TwinFile::decode(&chunks.concat()).map_err(Error::from)?;
+            drop(chunks);
+            Ok::<_, Error>(geometry(&twin))
+        });
+        let message =
+            read.await.map_err(|e| Error::Internal(format!("reading a twin file: {e}")))??;
+        let (asked, limits) = (message.encoded_len() as u64, &self.options.limits.rollout);
+        if as_lists && asked > limits.json_reply_bytes {
+            return Err(Error::Rollout(rollout::Error::TooLarge {
+                what: "the size of the reply in bytes",
+                asked,
+                limit: limits.json_reply_bytes,
+                advice: "ask for tensors=base64, or over gRPC",
+            }));
+        }
+        let held = Arc::new(self.memory.reply(asked).await?);
+        Ok(Geometry { message, held })
+    }
+}
+
+fn geometry(twin: &TwinFile) -> TwinGeometry {
+    let graph = &twin.graph;
+    let (n, c) = (graph.node_count(), graph.control_count());
+    let kinds: Vec<u8> = graph.kinds.iter().map(|kind| *kind as u8).collect();
+    let unit = twin.newtons_per_unit();
+    let masses: Vec<f32> = graph.masses.iter().map(|m| (unit * f64::from(*m)) as f32).collect();
+    let pins: Vec<[u32; 2]> = graph.pins.iter().map(|pin| [pin.node, pin.control]).collect();
+    let hands = twin.hands();
+    let mut rod_starts = vec![0u32];
+    rod_starts.extend(graph.rods.iter().scan(0, |start, rod| {
+        *start += rod.len() as u32;
+        Some(*start)
+    }));
+    let rod_nodes = graph.rods.concat();
+    let plane = |plane: bendtwin_core::Plane| Plane {
+        normal: plane.normal.to_vec(),
+        offset_m: plane.offset_m,
+    };
+    let rows = |rows: &[[u32; 2]]| Some(Tensor::pack(&[rows.len(), 2], rows.as_flattened()));
+    let contact = &twin.params.contact;
+    TwinGeometry {
+        rest_positions: Some(Tensor::pack_points(&[n], &graph.rest_positions)),
+        kinds: Some(Tensor::pack(&[n], &kinds)),
+        edges: rows(&graph.springs),
+        rest_lengths: Some(Tensor::pack(&[graph.springs.len()], &twin.params.rest_lengths_m)),
+        triplets: Some(Tensor::pack(&[graph.triplets.len(), 3], graph.triplets.as_flattened())),
+        masses: Some(Tensor::pack(&[n], &masses)),
+        controls: Some(Tensor::pack_points(&[c], &graph.control_rest)),
+        hands: Some(Tensor::pack(&[c], &hands)),
+        pins: rows(&pins),
+        surface_count: graph.surface_count() as u32,
+        rod_count: graph.rods.len() as u32,
+        fps: twin.timing.fps,
+        substeps: twin.timing.substeps,
+        gravity: twin.environment.gravity.to_vec(),
+        ground: twin.environment.ground.map(plane),
+        ground_friction: contact.ground_friction,
+        ground_restitution: contact.ground_restitution,
+        mass_kg: twin.mass_kg,
+        spacing_m: spacing(graph),
+        rod_starts: Some(Tensor::pack(&[rod_starts.len()], &rod_starts)),
+        rod_nodes: Some(Tensor::pack(&[rod_nodes.len()], &rod_nodes)),
+    }
+}
+
+/// Mean length of springs between nodes at rest [m]; 0 without any.
+fn spacing(graph: &Graph) -> f64 {
+    let n = graph.node_count() as u32;
+    let between = graph.springs.iter().filter(|[_, end]| *end < n);
+    let (sum, count) = between.fold((0.0, 0usize), |(sum, count), [a, b]| {
+        let length = distance(graph.rest_endpoint(*a), graph.rest_endpoint(*b));
+        (sum + f64::from(length), count + 1)
+    });
+    if count == 0 { 0.0 } else { sum / count as f64 }
+}

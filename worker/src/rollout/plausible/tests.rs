@@ -1,0 +1,63 @@
+use std::sync::Arc;
+
+use bendtwin_core::Problem as _;
+use bendtwin_engine::{backend::Diagnostics, world::Face};
+
+use super::*;
+
+const UP: Plane = Plane { normal: [0.0, 0.0, 1.0], offset_m: 0.0 };
+
+/// One control point that falls by 0.2 m a frame from a height of 0.3 m, at 30 frames a second.
+fn falling() -> Vec<Point> {
+    (0..4).map(|f| [0.0, 0.0, 0.3 - 0.2 * f as f32]).collect()
+}
+
+#[test]
+fn speeds_and_depths_are_those_of_the_worst_frame() {
+    let obstacles = Obstacles { ground: Some(UP), shapes: Vec::new() };
+    let mut path = falling();
+    path[1][2] = 0.25;
+    let found = extremes(0.0, [&path, &[]], 3, 30.0, &obstacles);
+    // From 0.25 to -0.1 m in frame 2; 0.3 m below the ground at the end of frame 3.
+    assert!((found.speed.0 - 10.5).abs() < 1e-4 && found.speed.1 == 2, "{found:?}");
+    assert!((found.depth.0 - 0.3).abs() < 1e-6 && found.depth.1 == 3, "{found:?}");
+    // Other points count for the depth alone.
+    let still = [[0.0, 0.0, 1.0]; 4];
+    let found = extremes(0.0, [&still, &falling()], 3, 30.0, &obstacles);
+    assert_eq!((found.speed, found.depth.1), ((0.0, 0), 3));
+}
+
+#[test]
+fn the_depth_in_a_shape_leaves_its_margin_out() {
+    let face = |normal, offset_m| Face { normal, offset_m };
+    let slab = vec![face([0.0, 0.0, 1.0], 0.11), face([0.0, 0.0, -1.0], 0.01)];
+    let ball = Shape::Capsule { from: [1.0, 0.0, 0.0], to: [2.0, 0.0, 0.0], radius_m: 0.2 };
+    let shapes = vec![(Shape::Convex(Arc::new(slab)), 0.01), (ball, 0.0)];
+    let obstacles = Obstacles { ground: None, shapes };
+    let depth = |p| obstacles.depth(p);
+    assert!((depth([0.0, 0.0, 0.07]) - 0.03).abs() < 1e-6);
+    assert!((depth([1.5, 0.15, 0.0]) - 0.05).abs() < 1e-6);
+    assert!(depth([0.0, 0.0, 0.5]) < 0.0);
+}
+
+#[test]
+fn what_is_beyond_a_limit_is_named_and_refused_if_asked() {
+    let limits = Plausibility::default();
+    let extremes = Extremes { start_gap_m: 0.05, speed: (9.0, 2), depth: (0.02, 3) };
+    let diagnostics = Diagnostics { max_strain: 1.5, ..Diagnostics::default() };
+    let rollout = Rollout { diagnostics: Some(diagnostics), ..Rollout::default() };
+    let found = limits.judge(7, &extremes, Some(&rollout));
+    let reasons: Vec<&str> = found.iter().map(|f| f.reason.as_str()).collect();
+    assert_eq!(reasons, ["START_GAP", "CONTROL_SPEED", "STRAIN", "CONTROL_IN_OBSTACLE"]);
+    assert!(found.iter().all(|f| f.instance == 7 && f.found > f.limit));
+    assert!(limits.refuse(&found).is_ok());
+    let strict = Plausibility::read(Some(Wire { refuse: true, ..Wire::default() }));
+    for (i, advice) in
+        ["where the state is", "more frames", "pull less", "lift its path"].into_iter().enumerate()
+    {
+        let error = strict.refuse(&found[i..=i]).unwrap_err();
+        assert_eq!(error.reason(), "IMPLAUSIBLE_MOTION");
+        assert!(error.to_string().contains(advice), "{error}");
+    }
+    assert!(limits.judge(0, &Extremes::default(), None).is_empty());
+}

@@ -1,0 +1,90 @@
+//! The settled state of a twin: its rest shape come to rest under its own gravity, on its own
+//! ground, held by its control points where they are at rest.
+//!
+//! It is simulated with more drag, which changes the way there but not where forces balance. Rest is
+//! judged by how far nodes get, not by their velocities: those of nodes on the ground are not zero.
+
+use std::sync::Arc;
+
+use bendtwin_core::{CancelToken, Params, Point, geometry::distance};
+use bendtwin_engine::{
+    Backend, Objective,
+    backend::{Instance, Outputs},
+    model::State,
+};
+use bendtwin_proto::rollout;
+
+use super::{error::Error, initial::Start, warm::Warm};
+
+/// Drag while settling, at least [1/s]: about critical for what swings once a second.
+const DRAG: f32 = 8.0;
+/// Time between two judgements [s].
+const INTERVAL_S: f64 = 0.25;
+/// Longest time [s].
+const LONGEST_S: f64 = 10.0;
+/// A node that gets no farther than this in a second is at rest [m/s].
+const AT_REST_M_S: f64 = 1e-3;
+
+/// Lets a twin come to rest.
+pub(super) fn settle(
+    warm: &Warm,
+    work_limit: u64,
+    backend: &dyn Backend,
+    cancel: &CancelToken,
+) -> Result<Start, Error> {
+    let (graph, timing) = (&warm.twin.graph, warm.twin.timing);
+    let interval = ((INTERVAL_S * timing.fps).ceil() as usize).max(1);
+    let interval_s = interval as f64 * timing.frame_s();
+    let intervals = (LONGEST_S / interval_s).ceil() as usize;
+    let elements = (graph.node_count() + graph.springs.len() + graph.triplets.len()) as u128;
+    let work = (interval * intervals) as u128 * u128::from(timing.substeps) * elements;
+    if work > u128::from(work_limit) {
+        return Err(Error::Request(rollout::Error::TooLarge {
+            what: "the work of letting the twin come to rest",
+            asked: u64::try_from(work).unwrap_or(u64::MAX),
+            limit: work_limit,
+            advice: "start at rest or in a frame of a capture",
+        }));
+    }
+    let params = warm.twin.params.clone();
+    let model =
+        backend.with_params(&warm.loaded, Params { drag: params.drag.max(DRAG), ..params })?;
+    let at_rest = Arc::new(graph.control_rest.clone());
+    let controls: Arc<Vec<Point>> = Arc::new(at_rest.repeat(interval + 1));
+    let outputs = Outputs { final_state: true, ..Outputs::NONE };
+    let mut state = Arc::new(State::rest(graph));
+    let mut speed_m_s = f64::INFINITY;
+    for passed in 0..intervals {
+        let instance = Instance {
+            model: model.clone(),
+            initial: Arc::clone(&state),
+            controls: Arc::clone(&controls),
+            frames: interval,
+            objective: Objective::default(),
+            world: Arc::default(),
+            motion: Arc::default(),
+        };
+        let rollout = backend.roll_out(&[instance], &outputs, cancel)?.into_iter().next();
+        let rollout = rollout.unwrap_or_default();
+        if let Some(divergence) = rollout.diverged {
+            let frames = passed * interval + divergence.frame;
+            return Err(Error::SettlingDiverged { after_s: frames as f64 * timing.frame_s() });
+        }
+        let next = rollout.final_state.ok_or_else(|| {
+            bendtwin_engine::Error::Device("no final state was returned".to_owned())
+        })?;
+        let moved = next.positions.iter().zip(&state.positions);
+        let farthest = moved.map(|(a, b)| distance(*a, *b)).fold(0.0f32, f32::max);
+        speed_m_s = f64::from(farthest) / interval_s;
+        state = Arc::new(next);
+        if speed_m_s < AT_REST_M_S {
+            let still =
+                State { velocities: vec![[0.0; 3]; graph.node_count()], ..State::clone(&state) };
+            return Ok(Start { state: Arc::new(still), controls: at_rest, likely: None });
+        }
+    }
+    Err(Error::NeverAtRest { speed_m_s, after_s: LONGEST_S })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,202 @@
+//! Models that the instances of a batch run on: the twin's own, or with parameters of their own and
+//! in other surroundings.
+//!
+//! A mass factor m divides what exerts forces (stiffness, damping, drag, holds) by m, which changes
+//! every motion as a mass of m does; a force that the engine reports, at unit node mass, is then m
+//! times as large.
+
+use std::{collections::HashMap, sync::Arc};
+
+use bendtwin_core::{CancelToken, Params};
+use bendtwin_engine::{
+    Backend, Loaded, Model, Objective, Term, World, backend, enough_substeps,
+    objective::WeightedTerm,
+};
+use bendtwin_proto::v1::{Tensor, Vary};
+
+use super::{error::Error, world::Surroundings};
+
+/// Largest Coulomb friction.
+const MOST_FRICTION: f32 = 2.0;
+
+/// Factors of the twin's own parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Factors {
+    pub(super) stiffness: f32,
+    pub(super) damping: f32,
+    pub(super) bending: f32,
+    pub(super) friction: f32,
+    pub(super) mass: f32,
+}
+
+/// A model and what surrounds it.
+#[derive(Clone)]
+pub(super) struct Variant {
+    pub(super) loaded: Loaded,
+    pub(super) world: Arc<World>,
+    /// Mass factor.
+    pub(super) mass: f32,
+}
+
+/// The models of a batch.
+pub(super) struct Variants {
+    all: Vec<Variant>,
+    /// Variant of each instance, or of each member of an ensemble; empty: all have the first.
+    of: Vec<u32>,
+}
+
+impl Factors {
+    /// The twin as it is.
+    #[cfg(test)]
+    pub(super) const ONE: Self =
+        Self { stiffness: 1.0, damping: 1.0, bending: 1.0, friction: 1.0, mass: 1.0 };
+
+    fn bits(self) -> [u32; 5] {
+        [self.stiffness, self.damping, self.bending, self.friction, self.mass].map(f32::to_bits)
+    }
+
+    /// Parameters of the twin with these factors.
+    pub(super) fn apply(self, params: &mut Params) {
+        let scale = |values: &mut Vec<f32>, factor: f32| {
+            if factor != 1.0 {
+                values.iter_mut().for_each(|x| *x *= factor);
+            }
+        };
+        let damping = self.damping / self.mass;
+        scale(&mut params.spring_stiffness, self.stiffness / self.mass);
+        scale(&mut params.spring_dashpot, damping);
+        for values in [&mut params.bend_stiffness, &mut params.twist_stiffness] {
+            scale(values, self.bending / self.mass);
+        }
+        for values in [&mut params.bend_damping, &mut params.twist_damping] {
+            scale(values, damping);
+        }
+        params.drag *= damping;
+        let contact = &mut params.contact;
+        contact.ground_friction = self.friction_of(contact.ground_friction);
+        contact.object_friction = self.friction_of(contact.object_friction);
+    }
+
+    /// A coefficient of friction with this factor.
+    pub(super) fn friction_of(self, coefficient: f32) -> f32 {
+        (self.friction * coefficient).min(MOST_FRICTION)
+    }
+
+    /// True if the model may need more substeps than the twin.
+    fn stiffens(self) -> bool {
+        [self.stiffness, self.damping, self.bending].iter().any(|x| x / self.mass > 1.0)
+    }
+}
+
+impl Variants {
+    /// Loads the models that a checked request asks for, each once.
+    pub(super) fn load(
+        vary: Option<Vary>,
+        base: &Loaded,
+        surroundings: &Surroundings,
+        backend: &dyn Backend,
+        cancel: &CancelToken,
+    ) -> Result<Self, Error> {
+        let base = match surroundings.environment(base.model().environment) {
+            None => base.clone(),
+            Some(environment) => backend.with_environment(base, environment)?,
+        };
+        let factors = read(vary.unwrap_or_default())?;
+        let mut numbers = HashMap::new();
+        let (mut all, mut of) = (Vec::new(), Vec::with_capacity(factors.len()));
+        for (index, factors) in factors.iter().enumerate() {
+            if cancel.is_cancelled() {
+                return Err(backend::Error::Cancelled.into());
+            }
+            let next = all.len() as u32;
+            let number = *numbers.entry(factors.bits()).or_insert(next);
+            if number == next {
+                let loaded = load(*factors, &base, surroundings, index, backend)?;
+                let world = Arc::new(surroundings.world(*factors));
+                all.push(Variant { loaded, world, mass: factors.mass });
+            }
+            of.push(number);
+        }
+        Ok(Self { all, of })
+    }
+
+    /// The variant of an instance, or of a member of an ensemble.
+    pub(super) fn of(&self, index: usize) -> &Variant {
+        let number = if self.of.len() > 1 { self.of[index] } else { 0 };
+        &self.all[number as usize]
+    }
+}
+
+impl Variant {
+    /// An objective whose forces are those of this variant, from one for the twin as it is: at unit
+    /// node mass a limit is smaller by the mass, and a squared force by its square.
+    pub(super) fn objective(&self, of: &Objective) -> Objective {
+        let is_force = |term: &WeightedTerm| matches!(term.term, Term::Force { .. });
+        if self.mass == 1.0 || !of.terms.iter().any(is_force) {
+            return of.clone();
+        }
+        let mut terms = Vec::clone(&of.terms);
+        for term in &mut terms {
+            if let Term::Force { limit, .. } = &mut term.term {
+                *limit /= self.mass;
+                term.weight *= self.mass * self.mass;
+            }
+        }
+        Objective { terms: Arc::new(terms), groups: of.groups.clone() }
+    }
+}
+
+fn load(
+    factors: Factors,
+    base: &Loaded,
+    surroundings: &Surroundings,
+    index: usize,
+    backend: &dyn Backend,
+) -> Result<Loaded, Error> {
+    let model = base.model();
+    let mut params = model.params.clone();
+    surroundings.touch(&mut params.contact);
+    factors.apply(&mut params);
+    if params == model.params {
+        return Ok(base.clone());
+    }
+    if factors.stiffens() {
+        let substeps = model.timing.substeps;
+        let stiffer = Model { params: params.clone(), ..Model::clone(model) };
+        enough_substeps(&stiffer, substeps).map_err(|needs| {
+            let needed = needs.needed;
+            let fault = format!(
+                "needs {needed} substeps a frame for {index}, the twin has {substeps}: use smaller factors of stiffness, bending and damping, or a larger one of the mass"
+            );
+            Error::field("vary", fault)
+        })?;
+    }
+    Ok(backend.with_params(base, params)?)
+}
+
+/// Factors by instance or member; one set if none are given.
+fn read(vary: Vary) -> Result<Vec<Factors>, Error> {
+    let unpack = |tensor: Option<Tensor>, field| match tensor.filter(|t| !t.is_absent()) {
+        None => Ok(Vec::new()),
+        Some(tensor) => tensor.unpack::<f32>(field).map(|(_, values)| values),
+    };
+    let stiffness = unpack(vary.stiffness, "vary.stiffness")?;
+    let damping = unpack(vary.damping, "vary.damping")?;
+    let bending = unpack(vary.bending, "vary.bending")?;
+    let friction = unpack(vary.friction, "vary.friction")?;
+    let mass = unpack(vary.mass, "vary.mass")?;
+    let arrays = [&stiffness, &damping, &bending, &friction, &mass];
+    let count = arrays.iter().map(|values| values.len()).max().unwrap_or(0).max(1);
+    let at = |values: &[f32], i: usize| values.get(i).copied().unwrap_or(1.0);
+    let factors = |i| Factors {
+        stiffness: at(&stiffness, i),
+        damping: at(&damping, i),
+        bending: at(&bending, i),
+        friction: at(&friction, i),
+        mass: at(&mass, i),
+    };
+    Ok((0..count).map(factors).collect())
+}
+
+#[cfg(test)]
+mod tests;
