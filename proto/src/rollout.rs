@@ -27,7 +27,7 @@ pub const MOST_DIMENSIONS: usize = 8;
 
 pub use self::{
     check::{Batch, check, check_for, fidelity, members, too_much_memory, work},
-    encoded::check_encoded,
+    encoded::{Encoded, check_encoded},
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},
     memory::{Memory, memory, request_bytes},

@@ -8,6 +8,7 @@ mod fits;
 mod health;
 mod link;
 mod rollouts;
+mod screened;
 mod sessions;
 mod token;
 mod twins;

@@ -6,6 +6,7 @@ use std::{sync::Arc, time::Duration};
 
 use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
+    rollout::{self, REQUEST_BYTES},
     v1::{
         AdvanceSessionRequest, InitialState, OpenSessionRequest, RollOutRequest, RollOutResponse,
         initial_state::{SessionSlots, State},
@@ -15,6 +16,7 @@ use bendtwin_proto::{
         manage_session_request::Call,
     },
 };
+use prost::Message as _;
 use tokio::time::Instant;
 use tonic::Request;
 
@@ -112,6 +114,7 @@ impl Dispatch {
     ) -> Result<ManageSessionResponse> {
         let twin: TwinId = open.twin.parse().map_err(Error::Name)?;
         let known = self.twins.get(&self.store, twin).await?;
+        rollout::check_session(&open, &known.shape, &self.limits.rollout)?;
         let ask = Ask { client: Context::current().client, work: 0.0 };
         let entry = self.choose(twin, &ask, &[])?;
         let capture = known.capture.map(|c| c.to_string()).unwrap_or_default();
@@ -157,8 +160,10 @@ impl Dispatch {
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
         let request_id = Context::current().request_id;
         let (mut client, token) = entry.client();
-        let mut request =
-            Request::new(ManageSessionRequest { call: Some(call), capture, request_id });
+        let message = ManageSessionRequest { call: Some(call), capture, request_id };
+        let length = message.encoded_len();
+        let mut request = Request::new(message);
+        request.metadata_mut().insert(REQUEST_BYTES, length.into());
         request.metadata_mut().insert("authorization", token);
         request.set_timeout(deadline.saturating_duration_since(Instant::now()));
         match client.manage_session(request).await {

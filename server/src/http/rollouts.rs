@@ -80,7 +80,8 @@ pub(super) async fn create(
     };
     let received = extract::whole(&app, request, kind, most).await?;
     let message = if sends_protobuf {
-        rollout::check_encoded(&received.bytes, &limits).map_err(Error::Rollout)?;
+        rollout::check_encoded(rollout::Encoded::RollOut, &received.bytes, &limits)
+            .map_err(Error::Rollout)?;
         RollOutRequest::decode(received.bytes)
             .map_err(|e| Error::invalid("body", format!("is no RollOutRequest: {e}")))?
     } else {

@@ -329,6 +329,13 @@ impl Drop for GivenUp {
 
 #[tonic::async_trait]
 impl WorkerRollouts for Device {
+    async fn manage_session(
+        &self,
+        _: Request<ManageSessionRequest>,
+    ) -> Result<Response<ManageSessionResponse>, Status> {
+        Err(Status::unavailable("this worker has no sessions"))
+    }
+
     type RollOutStream = Pin<Box<dyn Stream<Item = Result<ExecuteRollOutResponse, Status>> + Send>>;
 
     /// Costs 0, 1, 2, ... in parts of the size that was asked for.
