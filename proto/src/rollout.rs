@@ -13,6 +13,7 @@ mod error;
 mod limits;
 mod memory;
 mod parts;
+mod session;
 mod size;
 pub mod split;
 mod surroundings;
@@ -26,11 +27,12 @@ pub const MOST_DIMENSIONS: usize = 8;
 
 pub use self::{
     check::{Batch, check, check_for, fidelity, members, too_much_memory, work},
-    encoded::check_encoded,
+    encoded::{Encoded, check_encoded},
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},
     memory::{Memory, memory, request_bytes},
     parts::{STREAMED_PART, part_instances},
+    session::{MOST_SLOTS, check_session, slots},
     size::reply_bytes,
     twin::TwinShape,
 };

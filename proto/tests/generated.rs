@@ -14,7 +14,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use prost::Message as _;
 
-const FILES: [&str; 10] = [
+const FILES: [&str; 11] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/world.proto",
@@ -24,6 +24,7 @@ const FILES: [&str; 10] = [
     "bendtwin/v1/twin.proto",
     "bendtwin/v1/worker.proto",
     "bendtwin/v1/rollout.proto",
+    "bendtwin/v1/session.proto",
     "bendtwin/worker/v1/worker_link.proto",
 ];
 

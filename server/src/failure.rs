@@ -60,6 +60,11 @@ pub(crate) enum Error {
     #[error("the workers that were chosen for the rollout cannot be reached: retry")]
     WorkerLost,
     #[error(
+        "{0} is not there: its worker was lost, or nobody used it for a while. Open another from the \
+         last state that a reply brought"
+    )]
+    SessionLost(String),
+    #[error(
         "the worker ended, or the connection to it broke, while it computed this rollout: it was \
          not sent to another worker, which it might end as well. Send it again with fewer \
          instances or frames, or once more as it is if the worker was stopped"
@@ -127,7 +132,9 @@ impl Problem for Error {
             | Self::UploadTooLong { .. }
             | Self::ChecksumMismatch
             | Self::Unsound { .. } => Category::InvalidArgument,
-            Self::UploadOffset { .. } | Self::UploadTakenOver => Category::Aborted,
+            Self::UploadOffset { .. } | Self::UploadTakenOver | Self::SessionLost(_) => {
+                Category::Aborted
+            }
             Self::BadToken => Category::Unauthenticated,
             Self::WorkerKeyMismatch(_) | Self::NotLeased(_) => Category::PermissionDenied,
             Self::WorkerUnknown(_) => Category::NotFound,
@@ -165,6 +172,7 @@ impl Problem for Error {
             Self::Unsound { .. } => "RESULT_UNSOUND",
             Self::WorkerUnknown(_) => "WORKER_UNKNOWN",
             Self::NoWorker => "NO_WORKER",
+            Self::SessionLost(_) => "SESSION_LOST",
             Self::WorkerLost | Self::WorkerEnded => "WORKER_LOST",
             Self::Busy { .. } => "WORKERS_BUSY",
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",

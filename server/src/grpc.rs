@@ -8,6 +8,8 @@ mod fits;
 mod health;
 mod link;
 mod rollouts;
+mod screened;
+mod sessions;
 mod token;
 mod twins;
 mod upload;
@@ -19,8 +21,8 @@ use bendtwin_proto::{
     DESCRIPTORS,
     v1::{
         capture_service_server::CaptureServiceServer, fit_service_server::FitServiceServer,
-        rollout_service_server::RolloutServiceServer, twin_service_server::TwinServiceServer,
-        worker_service_server::WorkerServiceServer,
+        rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
+        twin_service_server::TwinServiceServer, worker_service_server::WorkerServiceServer,
     },
     worker::v1::worker_link_server::WorkerLinkServer,
 };
@@ -77,7 +79,8 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<FitServiceServer<Api>>()
         .with::<TwinServiceServer<Api>>()
         .with::<WorkerServiceServer<Api>>()
-        .with::<RolloutServiceServer<Api>>();
+        .with::<RolloutServiceServer<Api>>()
+        .with::<SessionServiceServer<Api>>();
     let mut routes = Routes::builder();
     routes
         .add_service(HealthServer::new(health))
@@ -90,7 +93,13 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(WorkerServiceServer::new(api.clone()))
         .add_service(Counted {
             app: app.clone(),
-            inner: RolloutServiceServer::new(api)
+            inner: RolloutServiceServer::new(api.clone())
+                .max_decoding_message_size(bytes(limits.request_bytes))
+                .max_encoding_message_size(bytes(limits.reply_bytes)),
+        })
+        .add_service(Counted {
+            app: app.clone(),
+            inner: SessionServiceServer::new(api)
                 .max_decoding_message_size(bytes(limits.request_bytes))
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
         })

@@ -4,7 +4,8 @@
 //! |---|---|---|
 //! | requests | 1/8 | rollout requests, from before they are read to their end |
 //! | rollouts | 1/4 | what rollouts unpack and compute, and their replies until they are sent |
-//! | twins | 1/8 | loaded twins, and what is kept of replayed captures |
+//! | twins | 3/32 | loaded twins, and what is kept of replayed captures |
+//! | sessions | 1/32 | states of sessions |
 //! | fits | 1/2 | the fit under way: [`Limits::fit_bytes`](crate::Limits), which may be set apart |
 //!
 //! Whoever waits for a part holds none that comes after it in this table, so nobody waits in a
@@ -27,6 +28,7 @@ pub(crate) struct Memory {
     pub(crate) requests: Budget,
     pub(crate) rollouts: Budget,
     pub(crate) twins: Budget,
+    pub(crate) sessions: Budget,
     /// Memory of what is kept of replayed captures, for each of the two kinds [bytes].
     pub(crate) kept_bytes: u64,
 }
@@ -38,7 +40,8 @@ impl Memory {
         Self {
             requests: Budget::new(eighth),
             rollouts: Budget::new(2 * eighth),
-            twins: Budget::new(eighth / 4 * 3),
+            twins: Budget::new(eighth / 2),
+            sessions: Budget::new(eighth / 4),
             kept_bytes: eighth / 8,
         }
     }

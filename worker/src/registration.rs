@@ -84,6 +84,7 @@ impl Registration {
                 memory_used_bytes: memory.map_or(0, |m| m.used),
                 memory_total_bytes: memory.map_or(0, |m| m.total),
                 fit_memory_bytes: self.fit_bytes,
+                sessions: self.rollouts.sessions(),
             };
             match self.server.heartbeat(heartbeat).await {
                 Ok(answer) if answer.drain => {

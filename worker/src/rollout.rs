@@ -19,6 +19,7 @@ mod reply;
 mod returns;
 mod serve;
 mod service;
+mod sessions;
 mod settle;
 mod vary;
 mod warm;

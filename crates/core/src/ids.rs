@@ -1,5 +1,5 @@
-//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}` and
-//! `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they sort by
+//! Typed ids. Resources are named `captures/{id}`, `fits/{id}`, `twins/{id}`, `uploads/{id}`,
+//! `sessions/{id}` and `workers/{id}`, jobs that are no resources `ingests/{id}`; ids are UUIDv7, so they sort by
 //! creation time.
 
 use std::{fmt, str::FromStr};
@@ -104,6 +104,10 @@ id!(
 id!(
     /// A worker process, new at every start: a restarted worker is another one.
     WorkerId, "workers"
+);
+id!(
+    /// A simulation that lives at a worker between calls.
+    SessionId, "sessions"
 );
 id!(
     /// An upload that can be resumed.

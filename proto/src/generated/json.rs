@@ -521,7 +521,7 @@ write_word::<crate::v1::Interpolation, M>(map, "interpolation", self.interpolati
 
 impl Fields for crate::v1::InitialState {
     const NAME: &'static str = "InitialState";
-    const FIELDS: &'static [&'static str] = &["rest", "capture_frame", "given", "settled"];
+    const FIELDS: &'static [&'static str] = &["rest", "capture_frame", "given", "settled", "session"];
     #[allow(unused_variables)]
     fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
         match field {
@@ -529,6 +529,7 @@ impl Fields for crate::v1::InitialState {
 1 => { only_one(&mut self.state, message(map)?.map(crate::v1::initial_state::State::CaptureFrame))?; }
 2 => { only_one(&mut self.state, message(map)?.map(crate::v1::initial_state::State::Given))?; }
 3 => { only_one(&mut self.state, message(map)?.map(crate::v1::initial_state::State::Settled))?; }
+4 => { only_one(&mut self.state, message(map)?.map(crate::v1::initial_state::State::Session))?; }
 
             _ => {}
         }
@@ -540,6 +541,7 @@ impl Fields for crate::v1::InitialState {
 if let Some(crate::v1::initial_state::State::CaptureFrame(value)) = &self.state { write_message(map, "capture_frame", Some(value), tensors)?; }
 if let Some(crate::v1::initial_state::State::Given(value)) = &self.state { write_message(map, "given", Some(value), tensors)?; }
 if let Some(crate::v1::initial_state::State::Settled(value)) = &self.state { write_message(map, "settled", Some(value), tensors)?; }
+if let Some(crate::v1::initial_state::State::Session(value)) = &self.state { write_message(map, "session", Some(value), tensors)?; }
 
         Ok(())
     }
@@ -577,6 +579,28 @@ impl Fields for crate::v1::initial_state::Settled {
     #[allow(unused_variables)]
     fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
         
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::initial_state::SessionSlots {
+    const NAME: &'static str = "SessionSlots";
+    const FIELDS: &'static [&'static str] = &["session", "slots"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.session = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("session", &self.session)?;
+map.serialize_entry("slots", &self.slots)?;
+
         Ok(())
     }
 }

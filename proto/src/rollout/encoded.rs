@@ -12,6 +12,7 @@ use super::{Error, Limits, MOST_DIMENSIONS, check::parts};
 /// Numbers of fields in the .proto files.
 const COSTS: u32 = 6;
 const GRASPS: u32 = 10;
+const OPEN_GRASPS: u32 = 5;
 const COLLIDERS: u32 = 6;
 const SHAPE: u32 = 2;
 
@@ -57,16 +58,48 @@ static REQUEST: Message = Message(&[
     (15, &KNOT_TIMES),
 ]);
 
-/// Checks an encoded [`RollOutRequest`](crate::v1::RollOutRequest) for parts that take far more
-/// memory decoded. Bytes that are no message pass: decoding refuses them.
+static ADVANCE: Message = Message(&[(3, &REQUEST)]);
+static OPEN: Message = Message(&[(2, &INITIAL), (4, &WORLD), (OPEN_GRASPS, &GRASP)]);
+static RESET: Message = Message(&[(3, &INITIAL)]);
+static OTHER: Message = Message(&[]);
+
+/// Message that is checked before it is decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoded {
+    /// [`RollOutRequest`](crate::v1::RollOutRequest).
+    RollOut,
+    /// [`AdvanceSessionRequest`](crate::v1::AdvanceSessionRequest).
+    Advance,
+    /// [`OpenSessionRequest`](crate::v1::OpenSessionRequest).
+    Open,
+    /// [`ResetSessionRequest`](crate::v1::ResetSessionRequest).
+    Reset,
+    /// One that has nothing below it.
+    Other,
+}
+
+impl Encoded {
+    fn message(self) -> &'static Message {
+        match self {
+            Self::RollOut => &REQUEST,
+            Self::Advance => &ADVANCE,
+            Self::Open => &OPEN,
+            Self::Reset => &RESET,
+            Self::Other => &OTHER,
+        }
+    }
+}
+
+/// Checks an encoded message for parts that take far more memory decoded. Bytes that are no message
+/// pass: decoding refuses them.
 ///
 /// # Errors
 /// If it has more costs than the limits allow, more colliders or grasps than a world has, a tensor
 /// with too many dimensions, or a million fields.
-pub fn check_encoded(request: &[u8], limits: &Limits) -> Result<(), Error> {
+pub fn check_encoded(encoded: Encoded, bytes: &[u8], limits: &Limits) -> Result<(), Error> {
     let (mut costs, mut fields) = (0, 0);
     let (mut colliders, mut grasps) = (0, 0);
-    walk(&REQUEST, request, &mut |message, field| {
+    walk(encoded.message(), bytes, &mut |message, field| {
         fields += 1;
         if fields > MOST_FIELDS {
             let fault = format!("has more than {MOST_FIELDS} fields");
@@ -75,7 +108,9 @@ pub fn check_encoded(request: &[u8], limits: &Limits) -> Result<(), Error> {
         if std::ptr::eq(message, &REQUEST) && field == COSTS {
             costs += 1;
         }
-        if std::ptr::eq(message, &REQUEST) && field == GRASPS {
+        let is_grasp = std::ptr::eq(message, &REQUEST) && field == GRASPS
+            || std::ptr::eq(message, &OPEN) && field == OPEN_GRASPS;
+        if is_grasp {
             grasps += 1;
             parts("grasps", grasps)?;
         }

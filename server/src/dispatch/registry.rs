@@ -2,12 +2,13 @@
 //! the connection to it.
 
 use std::{
+    collections::HashMap,
     sync::{Mutex, MutexGuard, PoisonError},
     time::Duration,
 };
 
 use bendtwin_core::{
-    ids::{CaptureId, FitId, TwinId},
+    ids::{CaptureId, FitId, SessionId, TwinId},
     settings::memory::Lanes,
 };
 use bendtwin_proto::worker::v1::worker_rollouts_client::WorkerRolloutsClient;
@@ -64,6 +65,8 @@ pub(super) struct Live {
     last_sign: Duration,
     last_seen: Timestamp,
     warm: Vec<TwinId>,
+    /// Sessions that live there, with their twins.
+    sessions: HashMap<SessionId, TwinId>,
     in_flight: u32,
     memory: Option<Memory>,
     fit_bytes: u64,
@@ -90,6 +93,8 @@ pub(crate) struct WorkerView {
 pub(crate) struct Heartbeat {
     /// The twins that it has loaded.
     pub(crate) warm: Vec<TwinId>,
+    /// The sessions that live there, with their twins.
+    pub(crate) sessions: HashMap<SessionId, TwinId>,
     pub(crate) in_flight: u32,
     pub(crate) memory: Option<Memory>,
     /// Memory that a fit may take [bytes]; zero if it takes no fits.
@@ -142,6 +147,7 @@ impl Entry {
             last_sign: now.lease,
             last_seen: now.day,
             warm: Vec::new(),
+            sessions: HashMap::new(),
             in_flight: 0,
             memory: None,
             fit_bytes: 0,
@@ -197,6 +203,7 @@ impl Entry {
         self.seen(now);
         let mut live = self.live();
         live.warm = heartbeat.warm;
+        live.sessions = heartbeat.sessions;
         live.in_flight = heartbeat.in_flight;
         live.memory = heartbeat.memory;
         live.fit_bytes = heartbeat.fit_bytes;
@@ -214,6 +221,21 @@ impl Entry {
         if !live.warm.contains(&twin) {
             live.warm.push(twin);
         }
+    }
+
+    /// The twin of a session that lives there.
+    pub(super) fn session(&self, session: SessionId) -> Option<TwinId> {
+        self.live().sessions.get(&session).copied()
+    }
+
+    /// Notes a session that has begun there.
+    pub(super) fn opened(&self, session: SessionId, twin: TwinId) {
+        self.live().sessions.insert(session, twin);
+    }
+
+    /// Notes that a session is not there, or no longer.
+    pub(super) fn closed(&self, session: SessionId) {
+        self.live().sessions.remove(&session);
     }
 
     /// The connection broke: leave the worker alone for a while.

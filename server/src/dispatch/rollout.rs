@@ -6,7 +6,7 @@
 use std::{pin::Pin, sync::Arc, time::Duration};
 
 use bendtwin_budget::Share;
-use bendtwin_core::ids::TwinId;
+use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
     fault,
     rollout::{self, Batch, TwinShape},
@@ -50,6 +50,8 @@ pub(crate) struct RollOut {
     pub(crate) in_parts: bool,
     /// True if the reply is to be written as nested lists of JSON.
     pub(crate) as_lists: bool,
+    /// Slots of the session it begins in that take over the final states; empty: none do.
+    pub(crate) commit_slots: Vec<u32>,
     /// Memory of the request, held until a worker answers.
     pub(crate) memory: Arc<Shares>,
 }
@@ -58,6 +60,8 @@ pub(crate) struct RollOut {
 pub(super) struct Prepared {
     pub(super) twin: TwinId,
     pub(super) shape: TwinShape,
+    /// The session that it begins in, and its worker: no other has the state.
+    pub(super) session: Option<(SessionId, Arc<Entry>)>,
     pub(super) batch: Batch,
     pub(super) ask: Ask,
     pub(super) execute: ExecuteRollOutRequest,
@@ -158,7 +162,8 @@ impl Dispatch {
 
     /// Checks a rollout.
     async fn prepared(&self, rollout: RollOut) -> Result<Prepared> {
-        let RollOut { request, timeout, in_parts, as_lists, memory } = rollout;
+        let RollOut { mut request, timeout, in_parts, as_lists, commit_slots, memory } = rollout;
+        let session = self.session_of(&mut request)?;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
         let part_instances = rollout::part_instances(&request, in_parts);
@@ -174,18 +179,24 @@ impl Dispatch {
             part_instances,
             request_id: Context::current().request_id,
             request: Some(request),
+            commit_slots,
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
-        let shape = twin.shape;
-        Ok(Prepared { twin: id, shape, batch, ask, execute, deadline, reply_bytes, memory })
+        let (twin, shape) = (id, twin.shape);
+        Ok(Prepared { twin, shape, session, batch, ask, execute, deadline, reply_bytes, memory })
     }
 
     /// The reply of one worker.
     async fn by_one(&self, prepared: Prepared) -> Result<InParts> {
-        let Prepared { twin, ask, execute, deadline, reply_bytes, memory, .. } = prepared;
+        let Prepared { twin, session, ask, execute, deadline, reply_bytes, memory, .. } = prepared;
         let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
         let share = share.await.map_err(|_| Error::Deadline)??;
-        let started = self.start(twin, &ask, execute, deadline, None);
+        let started = async {
+            match session {
+                None => self.start(twin, &ask, execute, deadline, None).await,
+                Some(session) => self.start_in(&session, &ask, execute, deadline).await,
+            }
+        };
         let (first, running) =
             tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
         // The worker has all of the request.
@@ -273,7 +284,7 @@ impl Dispatch {
     }
 
     /// None if the worker cannot be reached, so that it has not taken the rollout.
-    async fn start_at(
+    pub(super) async fn start_at(
         &self,
         entry: &Arc<Entry>,
         ask: &Ask,
@@ -381,7 +392,7 @@ fn passes(request: &RollOutRequest, batch: &Batch) -> f64 {
 
 /// True if the deadline is over, give or take the clocks of two timers. Both
 /// ends of the call to the worker give up then, with various codes.
-fn is_late(deadline: Instant) -> bool {
+pub(super) fn is_late(deadline: Instant) -> bool {
     const SLACK: Duration = Duration::from_millis(2);
     Instant::now() + SLACK >= deadline
 }
@@ -400,7 +411,7 @@ fn ended(entry: &Entry, sent: &mut Sent, deadline: Instant, status: &Status) -> 
     failure(status)
 }
 
-fn late(status: &Status) -> Error {
+pub(super) fn late(status: &Status) -> Error {
     tracing::debug!(%status, "deadline passed");
     Error::Deadline
 }
@@ -415,7 +426,7 @@ fn is_breakdown(status: &Status) -> bool {
     broken && status.get_details_error_info().is_none()
 }
 
-fn failure(status: &Status) -> Error {
+pub(super) fn failure(status: &Status) -> Error {
     match status.code() {
         Code::DeadlineExceeded => Error::Deadline,
         _ => Error::Worker(fault::fault(status)),

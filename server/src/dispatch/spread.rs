@@ -34,7 +34,10 @@ impl Dispatch {
     /// does not matter who simulates what.
     pub(super) fn sharers(&self, prepared: &Prepared) -> Vec<Arc<Entry>> {
         let Some(request) = &prepared.execute.request else { return Vec::new() };
-        if prepared.reply_bytes > MOST_JOINED || !split::can_split(request) {
+        if prepared.session.is_some()
+            || prepared.reply_bytes > MOST_JOINED
+            || !split::can_split(request)
+        {
             return Vec::new();
         }
         let entries: Vec<Arc<Entry>> = self.lock().values().cloned().collect();

@@ -8,12 +8,16 @@ use std::{
 };
 
 use bendtwin_core::Problem as _;
-use bendtwin_proto::{fault, rollout};
+use bendtwin_proto::{
+    fault,
+    rollout::{self, Encoded},
+};
 use bytes::Bytes;
 use http_body_util::{BodyExt as _, Full};
 use tonic::{Status, body::Body, codegen::BoxFuture, codegen::http, server::NamedService};
 use tower::Service;
 
+use super::screened::Screened;
 use crate::{
     app::App,
     dispatch::Held,
@@ -24,7 +28,7 @@ use crate::{
 /// Bytes before a message.
 const PREFIX: usize = 5;
 
-/// A service whose calls have one message, a rollout.
+/// A service whose calls have one message, but for streams of them.
 #[derive(Clone)]
 pub(super) struct Counted<S> {
     pub(super) app: App,
@@ -55,7 +59,15 @@ where
         let Self { app, mut inner } = self.clone();
         Box::pin(async move {
             let (parts, body) = request.into_parts();
-            let Received { bytes, memory } = match receive(&app, body).await {
+            let encoded = match encoded(parts.uri.path()) {
+                Message::One(encoded) => encoded,
+                Message::Several(encoded) => {
+                    let limits = app.options.limits.rollout;
+                    let body = Body::new(Screened::new(body, encoded, limits));
+                    return inner.call(http::Request::from_parts(parts, body)).await;
+                }
+            };
+            let Received { bytes, memory } = match receive(&app, body, encoded).await {
                 Ok(received) => received,
                 Err(status) => return Ok(status.into_http()),
             };
@@ -77,7 +89,25 @@ where
     }
 }
 
-async fn receive(app: &App, body: Body) -> Result<Received, Status> {
+/// Messages of a call.
+enum Message {
+    One(Encoded),
+    Several(Encoded),
+}
+
+/// The messages of a method.
+fn encoded(path: &str) -> Message {
+    match path.rsplit('/').next() {
+        Some("RollOut" | "StreamRollOut") => Message::One(Encoded::RollOut),
+        Some("AdvanceSession") => Message::One(Encoded::Advance),
+        Some("OpenSession") => Message::One(Encoded::Open),
+        Some("ResetSession") => Message::One(Encoded::Reset),
+        Some("ControlSession") => Message::Several(Encoded::Advance),
+        _ => Message::One(Encoded::Other),
+    }
+}
+
+async fn receive(app: &App, body: Body, encoded: Encoded) -> Result<Received, Status> {
     let limits = app.options.limits.rollout;
     let received = app.memory.receive_message(body, limits.request_bytes).await;
     let received = received.map_err(|error| match error {
@@ -87,7 +117,7 @@ async fn receive(app: &App, body: Body) -> Result<Received, Status> {
         ReceiveError::Broken(error) => Status::cancelled(format!("the body broke off: {error}")),
     })?;
     if let Some((&[0, ..], message)) = received.bytes.split_at_checked(PREFIX) {
-        rollout::check_encoded(message, &limits).map_err(|e| fault::status(&e.fault()))?;
+        rollout::check_encoded(encoded, message, &limits).map_err(|e| fault::status(&e.fault()))?;
     }
     Ok(received)
 }

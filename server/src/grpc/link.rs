@@ -8,8 +8,8 @@ use bendtwin_core::{Category, Fault};
 use bendtwin_proto::worker::v1::{
     CompleteFitRequest, CompleteFitResponse, DownloadRequest, DownloadResponse, EndIngestRequest,
     EndIngestResponse, FailJobRequest, FailJobResponse, HeartbeatRequest, HeartbeatResponse,
-    JobWrite, Lease as LeaseMessage, LeaseJobRequest, LeaseJobResponse, RegisterRequest,
-    RegisterResponse, ReportJobRequest, ReportJobResponse, SaveCheckpointRequest,
+    HeldSession, JobWrite, Lease as LeaseMessage, LeaseJobRequest, LeaseJobResponse,
+    RegisterRequest, RegisterResponse, ReportJobRequest, ReportJobResponse, SaveCheckpointRequest,
     SaveCheckpointResponse, complete_fit_request, end_ingest_request, fail_job_request::End,
     lease_job_request, save_checkpoint_request, worker_link_server::WorkerLink,
 };
@@ -90,10 +90,12 @@ impl WorkerLink for Api {
         let r = request.into_inner();
         let worker = shown.worker(&r.worker)?;
         let warm = r.warm_twins.iter().map(|t| app::name(t)).collect::<app::Result<_>>()?;
+        let session = |s: &HeldSession| Ok((app::name(&s.session)?, app::name(&s.twin)?));
+        let sessions = r.sessions.iter().map(session).collect::<app::Result<_>>()?;
         let memory = (r.memory_total_bytes > 0)
             .then_some(Memory { used: r.memory_used_bytes, total: r.memory_total_bytes });
         let (in_flight, fit_bytes) = (r.rollouts_in_flight, r.fit_memory_bytes);
-        let heartbeat = Heartbeat { warm, in_flight, memory, fit_bytes };
+        let heartbeat = Heartbeat { warm, sessions, in_flight, memory, fit_bytes };
         if !self.app.dispatch.heartbeat(worker, heartbeat) {
             return Err(Error::WorkerUnknown(worker.to_string()).into());
         }

@@ -40,5 +40,12 @@ impl RolloutService for Api {
 
 fn rollout(request: Request<RollOutRequest>, timeout: Option<Duration>, in_parts: bool) -> RollOut {
     let memory = memory_of(&request);
-    RollOut { request: request.into_inner(), timeout, in_parts, as_lists: false, memory }
+    RollOut {
+        request: request.into_inner(),
+        timeout,
+        in_parts,
+        as_lists: false,
+        commit_slots: Vec::new(),
+        memory,
+    }
 }

@@ -80,7 +80,8 @@ pub(super) async fn create(
     };
     let received = extract::whole(&app, request, kind, most).await?;
     let message = if sends_protobuf {
-        rollout::check_encoded(&received.bytes, &limits).map_err(Error::Rollout)?;
+        rollout::check_encoded(rollout::Encoded::RollOut, &received.bytes, &limits)
+            .map_err(Error::Rollout)?;
         RollOutRequest::decode(received.bytes)
             .map_err(|e| Error::invalid("body", format!("is no RollOutRequest: {e}")))?
     } else {
@@ -99,7 +100,8 @@ pub(super) async fn create(
     let as_protobuf = wants_protobuf || sends_protobuf;
     let as_lists = !as_protobuf && params.tensors == TensorFormat::Lists;
     let memory = received.memory;
-    let rollout = RollOut { request, timeout, in_parts: false, as_lists, memory };
+    let commit_slots = Vec::new();
+    let rollout = RollOut { request, timeout, in_parts: false, as_lists, commit_slots, memory };
     let Whole { response, held } = app.dispatch.roll_out(rollout).await?;
     if as_protobuf {
         let body = bendtwin_budget::held(response.encode_to_vec().into(), held.memory());

@@ -19,8 +19,9 @@ use bendtwin_proto::{
     worker::v1::{
         CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteRollOutRequest,
         ExecuteRollOutResponse, FailJobRequest, HeartbeatRequest, HeartbeatResponse, IngestWrite,
-        JobWrite, Lease, LeaseJobRequest, RegisterRequest, ReportJobRequest, SaveCheckpointRequest,
-        TwinWrite, complete_fit_request, end_ingest_request,
+        JobWrite, Lease, LeaseJobRequest, ManageSessionRequest, ManageSessionResponse,
+        RegisterRequest, ReportJobRequest, SaveCheckpointRequest, TwinWrite, complete_fit_request,
+        end_ingest_request,
         fail_job_request::End,
         lease_job_request::Kind,
         save_checkpoint_request,
@@ -331,6 +332,13 @@ impl Drop for GivenUp {
 
 #[tonic::async_trait]
 impl WorkerRollouts for Device {
+    async fn manage_session(
+        &self,
+        _: Request<ManageSessionRequest>,
+    ) -> Result<Response<ManageSessionResponse>, Status> {
+        Err(Status::unavailable("this worker has no sessions"))
+    }
+
     type RollOutStream = Pin<Box<dyn Stream<Item = Result<ExecuteRollOutResponse, Status>> + Send>>;
 
     /// Costs 0, 1, 2, ... in parts of the size that was asked for.

@@ -19,6 +19,22 @@ pub(crate) enum Error {
         /// Number of rollouts that it takes.
         limit: usize,
     },
+    /// The session is not here.
+    #[error(
+        "{name} is not there: its worker was lost, or nobody used it for a while. Open another from the last state that a reply brought"
+    )]
+    SessionLost {
+        /// Name of the session.
+        name: String,
+    },
+    /// This worker has as many sessions as it takes.
+    #[error(
+        "{limit} sessions are open on this worker: close one, or wait until one has been idle for its time-out"
+    )]
+    TooManySessions {
+        /// Number of sessions that it takes.
+        limit: usize,
+    },
     /// There is no memory for it.
     #[error("{exhausted}, for {purpose}{}", if is_passing(.exhausted) { ", or retry" } else { "" })]
     Memory {
@@ -102,7 +118,10 @@ impl Problem for Error {
             Self::Request(e) => e.category(),
             // Sent again, it would be refused again.
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
-            Self::Busy { .. } | Self::Memory { .. } => Category::ResourceExhausted,
+            Self::SessionLost { .. } => Category::Aborted,
+            Self::Busy { .. } | Self::TooManySessions { .. } | Self::Memory { .. } => {
+                Category::ResourceExhausted
+            }
             Self::Fetch(e) => e.category(),
             Self::StoredTwin(_) => Category::DataLoss,
             Self::Capture(_)
@@ -118,6 +137,8 @@ impl Problem for Error {
     fn reason(&self) -> &'static str {
         match self {
             Self::Request(e) => e.reason(),
+            Self::SessionLost { .. } => "SESSION_LOST",
+            Self::TooManySessions { .. } => "TOO_MANY_SESSIONS",
             Self::Busy { .. } => "WORKER_BUSY",
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => "MEMORY_TOO_SMALL",
             Self::Memory { .. } => "MEMORY_IN_USE",

@@ -1,6 +1,6 @@
 //! Runs a plan and makes the parts of its reply.
 
-use std::{ops::Range, time::Instant};
+use std::{ops::Range, sync::Arc, time::Instant};
 
 use bendtwin_core::{CancelToken, Params, Point};
 use bendtwin_engine::{
@@ -11,7 +11,7 @@ use bendtwin_proto::v1::{RollOutResponse, roll_out_response::Timing};
 
 use super::{
     error::Error,
-    initial::Starts,
+    initial::{Start, Starts},
     plan::Plan,
     plausible::Extremes,
     reply::{self, Gradients},
@@ -30,6 +30,8 @@ pub(super) struct Execution<'a> {
     pub(super) arrived: Instant,
     /// Name of this worker.
     pub(super) worker: &'a str,
+    /// True if the final states are wanted here.
+    pub(super) keeps_states: bool,
 }
 
 /// Instances that were simulated.
@@ -53,15 +55,16 @@ enum Kept {
 
 impl Execution<'_> {
     /// Simulates everything and hands out the parts in order. `emit` says whether anyone listens
-    /// still.
+    /// still. Returns the final states of the instances if they are to be kept, none for one that
+    /// diverged.
     pub(super) fn run(
         &self,
         mut emit: impl FnMut(RollOutResponse) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+    ) -> Result<Vec<Option<Start>>, Error> {
         self.refuse_implausible()?;
         match self.plan.returns.best {
             None => self.each_part(&mut emit),
-            Some(best) => self.best_last(best, &mut emit),
+            Some(best) => self.best_last(best, &mut emit).map(|()| Vec::new()),
         }
     }
 
@@ -69,15 +72,30 @@ impl Execution<'_> {
     fn each_part(
         &self,
         emit: &mut impl FnMut(RollOutResponse) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+    ) -> Result<Vec<Option<Start>>, Error> {
+        let mut kept = Vec::new();
         for range in self.parts() {
             let indices = self.plan.instances(range);
             let simulated = self.roll_out(&indices, Kept::Arrays)?;
             let mut part = self.summary(&indices, &simulated.rollouts, &simulated.extremes)?;
+            if self.keeps_states {
+                kept.extend(self.ends(&simulated));
+            }
             self.add_arrays(&indices, simulated, &mut part)?;
             emit(self.signed(part))?;
         }
-        Ok(())
+        Ok(kept)
+    }
+
+    /// States in which instances end, with their control points.
+    fn ends(&self, simulated: &Simulated) -> Vec<Option<Start>> {
+        let width = self.plan.twin().graph.control_count();
+        let each = simulated.rollouts.iter().enumerate().map(|(i, rollout)| {
+            let state = Arc::new(rollout.final_state.clone()?);
+            let controls = Arc::new(simulated.controls.get(i * width..(i + 1) * width)?.to_vec());
+            Some(Start { state, controls, likely: None })
+        });
+        each.collect()
     }
 
     /// All costs first; then the best instances once more, recorded. Runs are bit-identical, so
@@ -167,7 +185,8 @@ impl Execution<'_> {
         let arrays = kept == Kept::Arrays;
         let asked = if arrays { returns.outputs() } else { Returns::summary() };
         let frame_costs = asked.frame_costs || costs.have_soft_minima();
-        let outputs = Outputs { frame_costs, ..asked };
+        let final_state = asked.final_state || arrays && self.keeps_states;
+        let outputs = Outputs { frame_costs, final_state, ..asked };
         let keeps_frames = arrays && (returns.frame_costs || returns.has_gradients());
         let mut simulated = Simulated::default();
         let width = self.plan.twin().graph.control_count();

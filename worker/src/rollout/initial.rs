@@ -54,7 +54,7 @@ pub(super) enum Starts {
 /// Initial state as the request asks for it, before captures are read.
 pub(super) enum Wanted {
     Ready(Starts),
-    /// That of a simulation of its own: [`Simulated::wanted`].
+    /// That of a simulation of its own, or of a session: [`Simulated::wanted`].
     Simulated,
 }
 
@@ -76,7 +76,7 @@ impl Simulated {
         Ok(match wire.and_then(|w| w.state.as_ref()) {
             Some(Wire::CaptureFrame(at)) => Some(Self::Frame(CaptureFrame::read(at, own_capture)?)),
             Some(Wire::Settled(_)) => Some(Self::Settled),
-            None | Some(Wire::Rest(_) | Wire::Given(_)) => None,
+            None | Some(Wire::Rest(_) | Wire::Given(_) | Wire::Session(_)) => None,
         })
     }
 }
@@ -122,7 +122,9 @@ impl Wanted {
                 let controls = Arc::new(graph.control_rest.clone());
                 Ok(Self::Ready(Starts::Shared(Start { state, controls, likely: None })))
             }
-            Some(Wire::CaptureFrame(_) | Wire::Settled(_)) => Ok(Self::Simulated),
+            Some(Wire::CaptureFrame(_) | Wire::Settled(_) | Wire::Session(_)) => {
+                Ok(Self::Simulated)
+            }
             Some(Wire::Given(wire)) => given(wire, graph, instances).map(Self::Ready),
         }
     }

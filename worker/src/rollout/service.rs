@@ -16,8 +16,10 @@ use bendtwin_proto::{
     deadline::timeout,
     fault,
     rollout::{self, Limits},
+    v1::RollOutResponse,
     worker::v1::{
-        ExecuteRollOutRequest, ExecuteRollOutResponse,
+        ExecuteRollOutRequest, ExecuteRollOutResponse, HeldSession, ManageSessionRequest,
+        ManageSessionResponse,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
 };
@@ -44,6 +46,7 @@ use super::{
     initial::{Simulated, Starts, Wanted},
     plan::Plan,
     serve::Served,
+    sessions::{Begun, Sessions},
 };
 use crate::{
     budget::{self, Memory},
@@ -57,12 +60,13 @@ const WAITING_PARTS: usize = 2;
 #[derive(Clone)]
 pub(crate) struct Rollouts(Arc<Inner>);
 
-struct Inner {
-    worker: String,
-    device: Device,
-    twins: WarmTwins,
-    replays: Replays,
-    memory: Memory,
+pub(super) struct Inner {
+    pub(super) worker: String,
+    pub(super) device: Device,
+    pub(super) twins: WarmTwins,
+    pub(super) replays: Replays,
+    pub(super) sessions: Sessions,
+    pub(super) memory: Memory,
     /// Bounds on requests, as the server set them last.
     limits: RwLock<Limits>,
     /// Rollouts that are answered at once.
@@ -82,7 +86,18 @@ impl Rollouts {
         let most = most.min(Semaphore::MAX_PERMITS);
         let slots = Arc::new(Semaphore::new(most));
         let limits = RwLock::default();
-        Self(Arc::new(Inner { worker, device, twins, replays, memory, limits, most, slots }))
+        let sessions = Sessions::default();
+        Self(Arc::new(Inner {
+            worker,
+            device,
+            twins,
+            replays,
+            sessions,
+            memory,
+            limits,
+            most,
+            slots,
+        }))
     }
 
     /// Sets the bounds on requests to those of the server.
@@ -95,6 +110,15 @@ impl Rollouts {
         self.0.twins.ids()
     }
 
+    /// The sessions that live here.
+    pub(crate) fn sessions(&self) -> Vec<HeldSession> {
+        let held = self.0.sessions.list().into_iter().map(|(session, twin)| HeldSession {
+            session: session.to_string(),
+            twin: twin.to_string(),
+        });
+        held.collect()
+    }
+
     /// Rollouts that are under way.
     pub(crate) fn in_flight(&self) -> usize {
         self.0.most.saturating_sub(self.0.slots.available_permits())
@@ -102,7 +126,7 @@ impl Rollouts {
 }
 
 impl Inner {
-    fn limits(&self) -> Limits {
+    pub(super) fn limits(&self) -> Limits {
         *self.limits.read().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -211,6 +235,24 @@ impl WorkerRollouts for Rollouts {
         tokio::spawn(call.serve(inner, request.into_inner(), deadline));
         Ok(Response::new(Parts { parts: ReceiverStream::new(receiver), cancel }))
     }
+
+    async fn manage_session(
+        &self,
+        mut request: Request<ManageSessionRequest>,
+    ) -> Result<Response<ManageSessionResponse>, Status> {
+        let _held = request.extensions_mut().remove::<Held>();
+        let limit = self.0.most;
+        let _slot = Arc::clone(&self.0.slots)
+            .try_acquire_owned()
+            .map_err(|_| fault::status(&Error::Busy { limit }.fault()))?;
+        let request = request.into_inner();
+        let request_id = request.request_id.clone();
+        self.0.manage(request).await.map(Response::new).map_err(|error| {
+            let fault = error.fault();
+            tracing::info!(request_id, reason = fault.reason, "session refused: {fault}");
+            fault::status(&fault)
+        })
+    }
 }
 
 /// One call under way.
@@ -249,7 +291,8 @@ impl Call {
     }
 
     async fn work(&self, inner: &Arc<Inner>, request: ExecuteRollOutRequest) -> Result<(), Error> {
-        let wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
+        let mut wire = request.request.ok_or_else(|| Error::field("request", "is missing"))?;
+        let begun = Begun::new(&inner.sessions, &mut wire, request.commit_slots).await?;
         let id: TwinId = wire
             .twin
             .parse()
@@ -288,10 +331,11 @@ impl Call {
         let (plan, wanted) =
             blocking(&self.held, move || Plan::new(checked, part_instances, served, &*on, &cancel))
                 .await?;
-        let starts = match (wanted, simulated) {
-            (Wanted::Ready(starts), _) => starts,
-            (Wanted::Simulated, Some(start)) => Starts::Shared(start),
-            (Wanted::Simulated, None) => return Err(Error::field("initial", "has no state")),
+        let starts = match (&begun, wanted, simulated) {
+            (Some(begun), ..) => begun.starts(),
+            (None, Wanted::Ready(starts), _) => starts,
+            (None, Wanted::Simulated, Some(start)) => Starts::Shared(start),
+            (None, Wanted::Simulated, None) => return Err(Error::field("initial", "has no state")),
         };
         let (cancel, parts, arrived) = (self.cancel.clone(), self.parts.clone(), self.arrived);
         let worker = inner.worker.clone();
@@ -306,16 +350,33 @@ impl Call {
                 cancel: &cancel,
                 arrived,
                 worker: &worker,
+                keeps_states: begun.as_ref().is_some_and(Begun::commits),
             };
-            execution.run(|response| {
-                let message = ExecuteRollOutResponse { response: Some(response) };
-                parts
-                    .blocking_send(Ok(message))
-                    .map_err(|_| Error::Engine(backend::Error::Cancelled))
-            })
+            let mut replies = Vec::new();
+            let kept = execution.run(|response| {
+                if execution.keeps_states {
+                    // What was not committed is not answered.
+                    replies.push(response);
+                    return Ok(());
+                }
+                send(&parts, response)
+            })?;
+            if let Some(begun) = begun {
+                begun.commit(kept, plan.frames)?;
+            }
+            replies.into_iter().try_for_each(|response| send(&parts, response))
         })
         .await
     }
+}
+
+/// Sends a part, if somebody listens still.
+fn send(
+    parts: &mpsc::Sender<Result<ExecuteRollOutResponse, Status>>,
+    response: RollOutResponse,
+) -> Result<(), Error> {
+    let message = ExecuteRollOutResponse { response: Some(response) };
+    parts.blocking_send(Ok(message)).map_err(|_| Error::Engine(backend::Error::Cancelled))
 }
 
 /// Runs work beside the tasks of the runtime, which holds the memory of its call even when nobody

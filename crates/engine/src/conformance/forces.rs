@@ -80,7 +80,12 @@ pub(super) fn contact_carries_the_weight(backend: &dyn Backend) -> Outcome {
     scene.last(30);
     let shape = cuboid([1.0, 1.0, 0.1]);
     let body = scene.body(|_| pose([0.5, 0.0, 0.0], 0.0));
-    scene.world.colliders.push(Collider { body: Some(body), shape, friction: 0.5, restitution: 0.0 });
+    scene.world.colliders.push(Collider {
+        body: Some(body),
+        shape,
+        friction: 0.5,
+        restitution: 0.0,
+    });
     scene.initial.positions[0] = [-2.0, 0.0, 0.0];
     let forces = scene.forces(backend)?;
     let (Some(ground), Some(collider)) = (forces.ground.last(), forces.colliders.last()) else {

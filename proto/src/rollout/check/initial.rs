@@ -26,6 +26,15 @@ const PHASE_COUNT: u32 = 3;
 pub(super) fn check(initial: Option<&InitialState>, batch: &Batch) -> Result<(), Error> {
     match initial.and_then(|i| i.state.as_ref()) {
         None | Some(State::Rest(_) | State::Settled(_)) => Ok(()),
+        Some(State::Session(at)) => {
+            let (slots, instances) = (at.slots.len() as u64, batch.instances);
+            if slots <= 1 || slots == instances {
+                return Ok(());
+            }
+            let fault =
+                format!("has {slots} slots for {instances} instances: give none, one, or one each");
+            Err(Error::field("initial.session.slots", fault))
+        }
         Some(State::CaptureFrame(at)) if at.capture.is_empty() => Ok(()),
         Some(State::CaptureFrame(at)) => {
             let name = at.capture.parse::<CaptureId>();

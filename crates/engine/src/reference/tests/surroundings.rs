@@ -144,8 +144,7 @@ fn terms_of_forces(objective: &mut Objective, frames: usize, by: &[ForceBy], col
         let forces = by.iter().map(|&by| Term::Force { by, limit: 0.5 });
         let gaps = (0..colliders).map(|collider| Term::Clearance { collider, margin_m: 0.06 });
         let all = forces.map(|t| (1e-4, t)).chain(gaps.map(|t| (50.0, t)));
-        let weighted =
-            all.map(|(weight, term)| WeightedTerm { frame, weight, group: 0, term });
+        let weighted = all.map(|(weight, term)| WeightedTerm { frame, weight, group: 0, term });
         terms.extend(weighted);
     }
 }

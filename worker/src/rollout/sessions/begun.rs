@@ -1,0 +1,114 @@
+//! A rollout that begins in a session: its states, and their return.
+
+use std::sync::Arc;
+
+use bendtwin_proto::v1::{self, RollOutRequest, initial_state};
+use tokio::sync::OwnedMutexGuard;
+
+use super::{Session, Sessions};
+use crate::rollout::{
+    error::Error,
+    initial::{Start, Starts},
+};
+
+/// A rollout that begins in a session.
+pub(in crate::rollout) struct Begun {
+    session: Arc<Session>,
+    /// The slots that instances begin in: one for all, or one for each.
+    slots: Vec<usize>,
+    /// The slots that take over final states; empty: none do.
+    commit: Vec<usize>,
+    /// Held while the session is advanced.
+    _turn: Option<OwnedMutexGuard<()>>,
+}
+
+impl Begun {
+    /// The session that a request begins in, if it begins in one. Its fidelity and, where the
+    /// request names none, its surroundings are written into the request.
+    pub(in crate::rollout) async fn new(
+        sessions: &Sessions,
+        request: &mut RollOutRequest,
+        commit_slots: Vec<u32>,
+    ) -> Result<Option<Self>, Error> {
+        let state = request.initial.as_ref().and_then(|i| i.state.as_ref());
+        let Some(initial_state::State::Session(at)) = state else { return Ok(None) };
+        let session = sessions.get(&at.session)?;
+        let slots = session.chosen(&at.slots, [0])?;
+        let commit = session.chosen(&commit_slots, [])?;
+        let setup = &session.setup;
+        if request.fidelity() == v1::Fidelity::Unspecified {
+            request.fidelity = setup.fidelity.into();
+        }
+        if request.world.is_none() {
+            request.world.clone_from(&setup.world);
+        }
+        if request.grasps.is_empty() {
+            request.grasps.clone_from(&setup.grasps);
+        }
+        let turn = if commit.is_empty() {
+            None
+        } else {
+            check_advance(request, &commit)?;
+            Some(session.begin_advance().await)
+        };
+        Ok(Some(Self { session, slots, commit, _turn: turn }))
+    }
+
+    /// The states that instances begin in.
+    pub(in crate::rollout) fn starts(&self) -> Starts {
+        let (mut states, _) = self.session.states(&self.slots);
+        match states.pop() {
+            Some(only) if states.is_empty() => Starts::Shared(only),
+            last => {
+                states.extend(last);
+                Starts::Each(states)
+            }
+        }
+    }
+
+    /// True if final states are taken over.
+    pub(in crate::rollout) fn commits(&self) -> bool {
+        !self.commit.is_empty()
+    }
+
+    /// Leaves the slots in the final states of the instances, unless one is missing because it
+    /// diverged.
+    ///
+    /// # Errors
+    /// If there is not an instance for each slot.
+    pub(in crate::rollout) fn commit(
+        self,
+        states: Vec<Option<Start>>,
+        frames: usize,
+    ) -> Result<(), Error> {
+        if self.commit.is_empty() {
+            return Ok(());
+        }
+        if states.len() != self.commit.len() {
+            let (instances, slots) = (states.len(), self.commit.len());
+            let fault = format!("has {slots} slots for {instances} instances: give one each");
+            return Err(Error::field("slots", fault));
+        }
+        if let Some(states) = states.into_iter().collect::<Option<Vec<Start>>>() {
+            self.session.commit(&self.commit, states, frames as u64);
+        }
+        Ok(())
+    }
+}
+
+fn check_advance(request: &RollOutRequest, commit: &[usize]) -> Result<(), Error> {
+    let mut sorted = commit.to_vec();
+    sorted.sort_unstable();
+    if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
+        return Err(Error::field("slots", "names a slot twice"));
+    }
+    if request.ensemble.is_some() {
+        let fault = "belongs to rollouts: a slot has one state";
+        return Err(Error::field("rollout.ensemble", fault));
+    }
+    if request.returns.as_ref().is_some_and(|r| r.best > 0) {
+        let fault = "belongs to rollouts: every slot is advanced";
+        return Err(Error::field("rollout.returns.best", fault));
+    }
+    Ok(())
+}

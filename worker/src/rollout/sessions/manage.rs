@@ -1,0 +1,201 @@
+//! The calls about sessions that simulate nothing but the way to a first state.
+
+use std::sync::Arc;
+
+use bendtwin_core::{CancelToken, Point, ids::TwinId};
+use bendtwin_engine::model::State;
+use bendtwin_proto::{
+    rollout,
+    v1::{InitialState, OpenSessionRequest, SessionStates, Tensor, initial_state::GivenState},
+    worker::v1::{ManageSessionRequest, ManageSessionResponse, manage_session_request::Call},
+};
+
+use super::{Session, Setup, idle};
+use crate::{
+    budget,
+    device::Priority,
+    rollout::{
+        error::Error,
+        grasping,
+        initial::{Simulated, Start, Starts, Wanted},
+        plan::shape,
+        service::Inner,
+        warm::Warm,
+    },
+};
+
+/// States of a slot: its first one and the present one, and one that an advance makes.
+const STATES: u64 = 3;
+
+impl Inner {
+    /// Answers a call about sessions.
+    pub(in crate::rollout) async fn manage(
+        self: &Arc<Self>,
+        request: ManageSessionRequest,
+    ) -> Result<ManageSessionResponse, Error> {
+        let call = request.call.ok_or_else(|| Error::field("call", "is missing"))?;
+        let session = match call {
+            Call::Open(open) => self.open(open, request.capture).await?,
+            Call::Get(get) => self.sessions.get(&get.name)?,
+            Call::States(asked) => {
+                let session = self.sessions.get(&asked.name)?;
+                let slots = session.chosen(&asked.slots, 0..session.slots())?;
+                let twin = self.twins.get(session.setup.twin).await?;
+                let states = Some(pack(&session, &twin, &slots));
+                return Ok(ManageSessionResponse { session: None, states });
+            }
+            Call::Fork(fork) => {
+                let session = self.sessions.get(&fork.name)?;
+                let from = session.chosen(&[fork.from], [])?;
+                let others = (0..session.slots()).filter(|s| !from.contains(s));
+                let to = session.chosen(&fork.to, others)?;
+                let _turn = session.begin_advance().await;
+                from.into_iter().for_each(|from| session.fork(from, &to));
+                session
+            }
+            Call::Reset(reset) => {
+                let session = self.sessions.get(&reset.name)?;
+                let slots = session.chosen(&reset.slots, 0..session.slots())?;
+                let states = match reset.initial {
+                    None => None,
+                    Some(initial) => {
+                        let warm = self.twins.get(session.setup.twin).await?;
+                        let open = OpenSessionRequest {
+                            twin: session.setup.twin.to_string(),
+                            initial: Some(initial),
+                            slots: slots.len() as u32,
+                            ..session.setup.as_request()
+                        };
+                        let capture = session.setup.capture.clone();
+                        Some(self.first_states(&warm, &open, &capture).await?)
+                    }
+                };
+                let _turn = session.begin_advance().await;
+                session.reset(&slots, states);
+                session
+            }
+            Call::Close(close) => {
+                if let Ok(session) = self.sessions.get(&close.name) {
+                    self.sessions.close(session.id);
+                }
+                return Ok(ManageSessionResponse::default());
+            }
+        };
+        let session = Some(session.describe(&self.worker));
+        Ok(ManageSessionResponse { session, states: None })
+    }
+
+    async fn open(
+        self: &Arc<Self>,
+        open: OpenSessionRequest,
+        capture: String,
+    ) -> Result<Arc<Session>, Error> {
+        let twin: TwinId = open
+            .twin
+            .parse()
+            .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
+        let idle = idle(open.idle_timeout_s)?;
+        let warm = self.twins.get(twin).await?;
+        let first = self.first_states(&warm, &open, &capture).await?;
+        let bytes = first.iter().map(Start::bytes).sum::<u64>().saturating_mul(STATES);
+        let share = budget::take(
+            &self.memory.sessions,
+            bytes,
+            "the states of the session: close others, or open it with fewer slots",
+        )
+        .await?;
+        let setup = Setup {
+            twin,
+            capture,
+            fidelity: open.fidelity(),
+            world: open.world,
+            grasps: open.grasps,
+            idle,
+        };
+        let session = self.sessions.add(Session::new(setup, first, Some(share)))?;
+        tracing::info!(session = %session.id, %twin, slots = session.slots(), "session opened");
+        Ok(session)
+    }
+
+    /// The states in which slots begin, one each.
+    async fn first_states(
+        self: &Arc<Self>,
+        warm: &Arc<Warm>,
+        open: &OpenSessionRequest,
+        capture: &str,
+    ) -> Result<Vec<Start>, Error> {
+        let limits = self.limits();
+        rollout::check_session(open, &shape(&warm.twin, !capture.is_empty()), &limits)?;
+        let slots = rollout::slots(open)? as usize;
+        let simulated = self.simulated(warm, open.initial.as_ref(), capture).await?;
+        let wanted = Wanted::read(open.initial.clone(), &warm.twin.graph, slots)?;
+        Ok(match (wanted, simulated) {
+            (Wanted::Ready(Starts::Each(starts)), _) => starts,
+            (Wanted::Ready(Starts::Shared(start)), _) | (Wanted::Simulated, Some(start)) => {
+                vec![start; slots]
+            }
+            (Wanted::Simulated, None) => return Err(Error::field("initial", "has no state")),
+        })
+    }
+
+    /// The state that a simulation of its own leads to, if the initial state is such a one.
+    async fn simulated(
+        &self,
+        warm: &Arc<Warm>,
+        initial: Option<&InitialState>,
+        capture: &str,
+    ) -> Result<Option<Start>, Error> {
+        let backend = Arc::new(self.device.backend(Priority::Interactive));
+        let (cancel, work) = (CancelToken::default(), self.limits().work);
+        Ok(match Simulated::wanted(initial, capture)? {
+            None => None,
+            Some(Simulated::Frame(at)) => {
+                Some(self.replays.start(warm, at, &backend, &cancel, work).await?)
+            }
+            Some(Simulated::Settled) => {
+                Some(self.replays.settled(warm, &backend, &cancel, work).await?)
+            }
+        })
+    }
+}
+
+impl Setup {
+    /// The surroundings and fidelity as a request.
+    fn as_request(&self) -> OpenSessionRequest {
+        OpenSessionRequest {
+            world: self.world.clone(),
+            grasps: self.grasps.clone(),
+            fidelity: self.fidelity.into(),
+            ..OpenSessionRequest::default()
+        }
+    }
+}
+
+/// The states of slots as an initial state takes them.
+fn pack(session: &Session, warm: &Warm, slots: &[usize]) -> SessionStates {
+    let graph = &warm.twin.graph;
+    let (n, r, c) = (graph.node_count(), graph.rods.len(), graph.control_count());
+    let (starts, frames) = session.states(slots);
+    let points = |of: fn(&State) -> &Vec<Point>| {
+        let all: Vec<Point> = starts.iter().flat_map(|s| of(&s.state)).copied().collect();
+        Some(Tensor::pack_points(&[starts.len(), n], &all))
+    };
+    let twists = || {
+        let own =
+            |s: &Start| (0..r).map(|i| s.state.twists.get(i).copied().unwrap_or(0.0)).collect();
+        let all: Vec<f32> = starts.iter().flat_map(|s| -> Vec<f32> { own(s) }).collect();
+        Tensor::pack(&[starts.len(), r], &all)
+    };
+    let controls: Vec<Point> = starts.iter().flat_map(|s| s.controls.iter()).copied().collect();
+    let grasps = session.setup.grasps.len();
+    let states = GivenState {
+        positions: points(|s| &s.positions),
+        velocities: points(|s| &s.velocities),
+        twists: (r > 0).then(twists),
+        controls: Some(Tensor::pack_points(&[starts.len(), c], &controls)),
+        grasping: (grasps > 0)
+            .then(|| grasping::pack(starts.iter().map(|s| Some(&*s.state)), grasps, n)),
+    };
+    let slots = slots.iter().map(|&s| s as u32).collect();
+    SessionStates { states: Some(states), slots, frames }
+}
