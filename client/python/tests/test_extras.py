@@ -1,0 +1,93 @@
+"""Adapters of planner libraries, each against a real server."""
+
+import numpy as np
+import pytest
+from server import make_rope, needs_server, running
+
+from bendtwin import Client, Keypoints, Returns
+from bendtwin.planners import Task, Together
+
+pytestmark = needs_server
+SETTINGS = {
+    "graph": {"max_nodes": 30},
+    "search": {"generations": 3, "population": 6},
+    "refine": {"passes": 2},
+}
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    """A task of 6 frames and the state that it starts from."""
+    folder = tmp_path_factory.mktemp("extras")
+    make_rope(folder / "rope.zip")
+    with running(folder) as address, Client(address) as client:
+        capture = client.wait_for_capture(client.upload_capture(folder / "rope.zip"))
+        twin = client.twin(client.wait(client.fit(capture.name, SETTINGS), timeout_s=120).twin)
+        controls = twin.geometry().controls
+        hold = np.stack([controls, controls])[None]
+        state = twin.rollout(trajectories=hold, frames=20, returns=Returns(final_state=True)).state(
+            0
+        )
+        goal = np.asarray(state.positions)[:1] + np.array([0.04, 0.0, 0.04])
+        costs = [Keypoints(nodes=[0], targets=goal, squared=True)]
+        yield Task(twin=twin, costs=costs, space=Together(controls), frames=6), state
+
+
+def test_torch_differentiates_costs_by_knots(scene):
+    torch = pytest.importorskip("torch")
+    from bendtwin.planners.torch import rollout_costs
+
+    task, state = scene
+    knots = torch.zeros(2, 3, 3, dtype=torch.float64, requires_grad=True)
+    costs = rollout_costs(task, knots, state)
+    (costs * torch.tensor([1.0, 3.0])).sum().backward()
+    expected = task.evaluate(np.zeros((2, 3, 3)), state, gradients=True)
+    np.testing.assert_array_equal(costs.detach().numpy(), expected.costs)
+    scaled = expected.gradients * np.array([1.0, 3.0])[:, None, None]
+    np.testing.assert_allclose(knots.grad.numpy(), scaled)
+    assert np.abs(scaled).max() > 0
+    assert not rollout_costs(task, knots.detach(), state).requires_grad
+
+
+def test_pytorch_mppi_lowers_the_cost(scene):
+    torch = pytest.importorskip("torch")
+    pytest.importorskip("pytorch_mppi")
+    from bendtwin.planners.pytorch_mppi import TwinMppi
+
+    task, state = scene
+    torch.manual_seed(0)
+    sigma = 1e-4 * torch.eye(3, dtype=torch.float64)
+    mppi = TwinMppi(task, sigma, num_samples=32, lambda_=1e-4)
+    mppi.initial = state
+    for _ in range(3):
+        mppi.command(torch.zeros(3, dtype=torch.float64), shift_nominal_trajectory=False)
+    changes = mppi.get_action_sequence().numpy()
+    path = np.concatenate([np.zeros((1, 3)), changes.cumsum(axis=0)])
+    before, after = task.evaluate(np.stack([np.zeros_like(path), path]), state).costs
+    assert after < 0.9 * before
+
+
+def test_gymnasium_steps_a_batch(scene):
+    gymnasium = pytest.importorskip("gymnasium")
+    from bendtwin.planners.gymnasium import TwinVectorEnv
+
+    task, state = scene
+    env = TwinVectorEnv(task, num_envs=3, nodes=[0, 5], initial=state, episode_frames=12)
+    first, _ = env.reset(seed=0)
+    assert first.shape == env.observation_space.shape == (3, 15)
+    assert env.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.NEXT_STEP
+    actions = np.zeros((3, 3), np.float32)
+    actions[1:, 2] = 0.01
+    there, reward, terminated, truncated, _ = env.step(actions)
+    np.testing.assert_array_equal(there[1], there[2])
+    np.testing.assert_allclose(there[:, -1], [0.0, 0.01, 0.01], atol=1e-7)
+    knots = np.zeros((1, 2, 3))
+    knots[0, 1, 2] = np.float32(0.01)
+    np.testing.assert_allclose(-reward[1], task.evaluate(knots, state).costs[0], rtol=1e-4)
+    assert not terminated.any()
+    assert not truncated.any()
+    assert env.step(actions)[3].all()
+    again, reward, *_, truncated, _ = env.step(actions)
+    np.testing.assert_array_equal(again, first)
+    np.testing.assert_array_equal(reward, 0.0)
+    assert not truncated.any()

@@ -1,0 +1,35 @@
+"""The snippets of docs/planning.md, one after the other, against a real server."""
+
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from server import make_rope, needs_server, running
+
+PAGE = Path(__file__).parents[3] / "docs" / "planning.md"
+
+pytestmark = [
+    needs_server,
+    pytest.mark.skipif(not PAGE.is_file(), reason="no docs folder beside the package"),
+]
+
+
+def test_the_page_leads_to_a_closed_loop(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    make_rope(tmp_path / "rope.zip")
+    snippets = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(), re.DOTALL | re.MULTILINE)
+    assert len(snippets) >= 8
+    names = {}
+    with running(tmp_path) as address:
+        for i, snippet in enumerate(snippets):
+            code = snippet.replace("127.0.0.1:7070", address)
+            line = PAGE.read_text()[: PAGE.read_text().index(snippet)].count("\n")
+            # The page is the file in tracebacks, at its own lines.
+            exec(compile("\n" * line + code, os.fspath(PAGE), "exec"), names)
+            assert i or names["twin"].name != names["real"].name
+    said = capsys.readouterr().out
+    start = np.linalg.norm(names["lying"].state(0).positions[names["tip"]] - names["goal"])
+    assert names["distance"] < 0.5 * start, said
+    assert said.count(" mm\n") == 20
