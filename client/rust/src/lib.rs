@@ -39,6 +39,7 @@ mod channel;
 mod client;
 mod error;
 mod fits;
+mod geometry;
 mod page;
 mod problem;
 mod resources;
@@ -60,11 +61,12 @@ pub use self::{
     client::Client,
     error::Error,
     fits::Fits,
+    geometry::Geometry,
     page::{Page, PageRequest},
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{
-        Cost, Deviation, Diagnostics, Divergence, GripperPoses, Reply, Rollout, RolloutTiming,
-        Rollouts,
+        Cost, Deviation, Diagnostics, Divergence, Grasping, GripperPoses, Reply, Rollout,
+        RolloutTiming, Rollouts, State,
     },
     twins::Twins,
     watch::Watch,

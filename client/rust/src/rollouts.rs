@@ -3,6 +3,7 @@
 mod cost;
 mod reply;
 mod request;
+mod state;
 
 use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
 use futures::{Stream, StreamExt as _};
@@ -11,6 +12,7 @@ pub use self::{
     cost::Cost,
     reply::{Deviation, Diagnostics, Divergence, Reply, RolloutTiming},
     request::{GripperPoses, Rollout},
+    state::{Grasping, State},
 };
 use crate::{Error, channel::Channel};
 
