@@ -5,8 +5,10 @@
 //! one gripper, with the direction d from the first to the second along the rod. From one frame to
 //! the next the gripper turns by Q = R' R⁻¹, while parallel transport turns what belongs to d by the
 //! smallest rotation M from d to d'. What is left, the twist of M⁻¹ Q about d, is the clamp's roll in
-//! that frame, between -π and π; a rod's is the sum over frames for its far clamp less that for its
-//! near one, and 0 in the first row.
+//! that frame, between -π and π, positive by the right hand along the rod; a rod's is the sum over
+//! frames for its near clamp less that for its far one, and 0 in the first row. That is the sign of
+//! the twist that nodes tell (docs/twin-format.md): when grippers turn a bent cable as one body, the
+//! two undo one another.
 //!
 //! Rolls are multiples of [`QUANTUM`], so that their differences from frame to frame are exact up to
 //! two and a half turns, and a rollout that goes on from a state repeats them bit for bit.
@@ -24,7 +26,7 @@ const QUANTUM: f64 = 1.0 / 1_048_576.0;
 pub(super) struct Clamp {
     rod: usize,
     gripper: usize,
-    /// -1 for the near end, +1 for the far one.
+    /// +1 for the near end, -1 for the far one.
     sign: f64,
     /// Control points of both nodes, along the rod, and where the nodes are beside them [m].
     held: [(usize, Point); 2],
@@ -39,7 +41,7 @@ pub(super) fn clamps(graph: &Graph, gripper_of_control: &[usize]) -> Vec<Clamp> 
     let mut clamps = Vec::new();
     for (rod, nodes) in graph.rods.iter().enumerate() {
         let last = nodes.len();
-        for (sign, ends) in [(-1.0, 0..2), (1.0, last - 2..last)] {
+        for (sign, ends) in [(1.0, 0..2), (-1.0, last - 2..last)] {
             let [a, b] = [nodes[ends.start], nodes[ends.start + 1]].map(held);
             let (Some(a), Some(b)) = (a, b) else { continue };
             let gripper = gripper_of_control[a.0];

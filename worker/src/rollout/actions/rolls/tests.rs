@@ -59,7 +59,7 @@ fn a_gripper_that_turns_about_the_cable_rolls_its_end() {
         .collect();
     let (_, rolls) = rolled(&actions(&poses));
     for (frame, roll) in rolls.iter().enumerate() {
-        let expected = -0.1 * std::f32::consts::PI * frame as f32;
+        let expected = 0.1 * std::f32::consts::PI * frame as f32;
         assert!((roll - expected).abs() < 1e-4, "{frame}: {roll}, not {expected}");
     }
     // Where nothing turns there are none.
