@@ -18,7 +18,9 @@ from bendtwin import (
     Keypoints,
     Motion,
     Returns,
+    Settled,
     aio,
+    interpolate,
 )
 from bendtwin.planners import (
     Bounds,
@@ -185,6 +187,42 @@ def task(twin, client, folder):
     ids=["mppi", "cem", "predictive sampling", "gradient"],
 )
 @pytest.mark.parametrize("interpolation", ["linear", "cubic"])
+def swing(frames, batch=2):
+    """A gripper that moves and turns, with a pose at every frame, [B, F + 1, 1, 7]."""
+    t = np.linspace(0, 1, frames + 1)[None, :] * np.arange(1, batch + 1)[:, None]
+    zero = np.zeros_like(t)
+    return np.stack(
+        [0.02 * t, 0.01 * t, 0.3 + 0.01 * t, zero, np.sin(0.1 * t), zero, np.cos(0.1 * t)], axis=-1
+    )[:, :, None].astype(np.float32)
+
+
+def test_poses_go_on_from_a_state_exactly(twin):
+    assert twin.geometry().pins.shape == (0, 2)
+    final = Returns(final_state=True)
+    poses = swing(10)
+    whole = twin.rollout(poses=poses, initial=Settled(), returns=final)
+    first = twin.rollout(poses=poses[:, :5], initial=Settled(), returns=final)
+    second = twin.rollout(poses=poses[:, 4:], initial=first.states(), returns=final)
+    np.testing.assert_array_equal(second.final_positions, whole.final_positions)
+    np.testing.assert_array_equal(second.final_velocities, whole.final_velocities)
+    np.testing.assert_array_equal(second.final_controls, whole.final_controls)
+    alone = twin.rollout(poses=poses[1:, 4:], initial=first.state(1), returns=final)
+    np.testing.assert_array_equal(alone.final_positions[0], whole.final_positions[1])
+
+
+def test_knots_are_executed_as_interpolated_here(twin):
+    knots = np.repeat(twin.geometry().controls[None, None], 4, axis=1)
+    knots = knots + np.array([0.0, 0.01, -0.01, 0.02])[None, :, None, None]
+    fps = twin.geometry().fps
+    at_s = np.array([0.0, 2.0, 3.5, 6.0], np.float32) / np.float32(fps)
+    for interpolation in ("linear", "cubic", "zero"):
+        for frames in (3, 5):
+            options = {"at_s": at_s, "interpolation": interpolation, "frames": frames}
+            result = twin.rollout(trajectories=knots, returns=Returns(final_state=True), **options)
+            expected = interpolate(knots, fps=fps, **options)
+            np.testing.assert_allclose(result.final_controls, expected[:, -1], atol=1e-7)
+
+
 def test_planning_lowers_the_cost(twin, task, method, interpolation):
     task = replace(task, interpolation=interpolation)
     planner = method(task, knots=3, sigma=0.02, bounds=Bounds(low=-0.2, high=0.2))

@@ -39,6 +39,7 @@ mod channel;
 mod client;
 mod error;
 mod fits;
+mod geometry;
 mod page;
 mod problem;
 mod resources;
@@ -60,12 +61,13 @@ pub use self::{
     client::Client,
     error::Error,
     fits::Fits,
+    geometry::Geometry,
     page::{Page, PageRequest},
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{
-        Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, GripperPoses,
-        Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, Statistic, Vary, WirePose,
-        World,
+        Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,
+        GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State, Statistic,
+        Vary, WirePose, World,
     },
     twins::Twins,
     watch::Watch,

@@ -162,6 +162,8 @@ pub struct Twin {
     pub substeps: u32,
     /// The quality table.
     pub quality: Quality,
+    /// Mass of the object, if it is known [kg].
+    pub mass_kg: Option<f64>,
 }
 
 /// A worker process.
@@ -297,6 +299,7 @@ impl TryFrom<v1::Twin> for Twin {
             fps: wire.fps,
             substeps: wire.substeps,
             quality,
+            mass_kg: wire.mass_kg,
         })
     }
 }

@@ -3,6 +3,7 @@
 mod cost;
 mod reply;
 mod request;
+mod state;
 mod world;
 
 use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
@@ -12,6 +13,7 @@ pub use self::{
     cost::{Cost, ForceBy},
     reply::{Deviation, Diagnostics, Divergence, Forces, Implausible, Reply, RolloutTiming},
     request::{GripperPoses, Rollout},
+    state::{Grasping, State},
     world::{Collider, Grasp, Shape, Statistic, Vary, WirePose, World},
 };
 use crate::{Error, channel::Channel};

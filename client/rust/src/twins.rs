@@ -5,14 +5,15 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId},
 };
 use bendtwin_proto::v1::{
-    CreateTwinRequest, DeleteTwinRequest, ExportTwinRequest, GetTwinRequest, ListTwinsRequest,
-    TwinMetadata, create_twin_request::Part, twin_service_client::TwinServiceClient,
+    CreateTwinRequest, DeleteTwinRequest, ExportTwinRequest, GetTwinGeometryRequest,
+    GetTwinRequest, ListTwinsRequest, TwinMetadata, create_twin_request::Part,
+    twin_service_client::TwinServiceClient,
 };
 use bytes::Bytes;
 use uuid::Uuid;
 
 use crate::{
-    Category, Error, Twin,
+    Category, Error, Geometry, Twin,
     channel::Channel,
     page::{self, Page, PageRequest},
 };
@@ -64,6 +65,15 @@ impl Twins {
     /// If the server cannot be asked.
     pub async fn all(&self, capture: Option<CaptureId>) -> Result<Vec<Twin>, Error> {
         page::all(|page| self.list(capture, page)).await
+    }
+
+    /// Nodes, springs and control points of a twin.
+    ///
+    /// # Errors
+    /// If there is none of that name, or the server cannot be asked.
+    pub async fn geometry(&self, name: TwinId) -> Result<Geometry, Error> {
+        let request = GetTwinGeometryRequest { name: name.to_string() };
+        self.service.clone().get_twin_geometry(request).await?.into_inner().try_into()
     }
 
     /// Deletes a twin.

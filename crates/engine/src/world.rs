@@ -161,8 +161,9 @@ pub struct Motion {
     pub poses: Vec<Pose>,
     /// Whether a grasp is closed during a frame, shape [F, G].
     pub closed: Vec<bool>,
-    /// Turn of the far clamp of each rod against its near one about the rod's ends, since the start
-    /// [rad], shape [F + 1, R]; empty if no clamp turns. The part that the directions of the clamps
+    /// Turn of the near clamp of each rod against its far one about the rod's ends, by the right hand
+    /// along the rod, since the start [rad], shape [F + 1, R]; empty if no clamp turns: a rod that is
+    /// turned as one body keeps its twist. The part that the directions of the clamps
     /// have in the twist is known from the nodes, and does not belong here.
     pub rolls: Vec<f32>,
 }

@@ -3,8 +3,9 @@
 
 mod gradients;
 mod poses;
+mod rolls;
 
-use bendtwin_core::Point;
+use bendtwin_core::{Graph, Point};
 use bendtwin_engine::{backend::Gradient, world::Pose};
 use bendtwin_proto::v1::{
     ControlTrajectories, KnotTimes, Tensor, roll_out_request::Actions as Wire,
@@ -77,6 +78,14 @@ impl Actions {
         Ok(Self { shape, schedule, kind })
     }
 
+    /// With the clamps of a twin's rods, which grippers turn.
+    pub(super) fn with_clamps(mut self, graph: &Graph) -> Self {
+        if let Kind::Poses(p) = &mut self.kind {
+            p.clamps = rolls::clamps(graph, &p.gripper_of_control);
+        }
+        self
+    }
+
     /// Number of instances and of knots.
     pub(super) fn shape(&self) -> Shape {
         self.shape
@@ -120,9 +129,28 @@ impl Actions {
         self.schedule.places().iter().map(|place| knots.at(place, 0).matrix()).collect()
     }
 
+    /// Rolls of a twin's R rods at frame boundaries, shape [F + 1, R], where control points are at
+    /// `controls`, shape [F + 1, C, 3]. Empty if no gripper holds a clamp or, unless they are
+    /// `kept`, if none rolls.
+    pub(super) fn rolls(
+        &self,
+        instance: usize,
+        controls: &[Point],
+        rods: usize,
+        kept: bool,
+    ) -> Vec<f32> {
+        let Kind::Poses(p) = &self.kind else { return Vec::new() };
+        if p.clamps.is_empty() {
+            return Vec::new();
+        }
+        let placed = p.placed(instance, self.shape, &self.schedule);
+        let rolls = rolls::rolls(&p.clamps, rods, &placed, controls);
+        if kept || rolls.iter().any(|x| *x != 0.0) { rolls } else { Vec::new() }
+    }
+
     /// Gradient of an instance's cost by its actions as the request gave them, [K, C, 3] or
-    /// [K, G, 7], from that by control positions and by poses of bodies, those of
-    /// [`bodies`](Self::bodies) first. Empty gradients count as zero.
+    /// [K, G, 7], from that by control positions, by poses of bodies, those of
+    /// [`bodies`](Self::bodies) first, and by rolls. Empty gradients count as zero.
     pub(super) fn gradient(&self, instance: usize, start: &[Point], by: &Gradient) -> Vec<f32> {
         match &self.kind {
             Kind::Trajectories(t) => t.gradient(self.shape, &self.schedule, &by.controls),

@@ -250,7 +250,7 @@ impl Execution<'_> {
                     controls: true,
                     initial: returns.initial_gradients,
                     norms: true,
-                    motion: returns.action_gradients && batch.iter().any(|i| i.world.bodies > 0),
+                    motion: returns.action_gradients && batch.iter().any(is_moved),
                     ..GradientRequest::default()
                 };
                 self.backend.gradients(&batch, &request, self.cancel)?
@@ -288,6 +288,11 @@ impl Execution<'_> {
         part.worker = self.worker.to_owned();
         part
     }
+}
+
+/// True if bodies or rolls move with the actions.
+fn is_moved(instance: &Instance) -> bool {
+    instance.world.bodies > 0 || !instance.motion.rolls.is_empty()
 }
 
 /// The `count` actions of lowest cost, lowest first; equal ones in their order.

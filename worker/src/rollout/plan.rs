@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bendtwin_core::{CancelToken, Point, Twin};
 use bendtwin_engine::{
-    Backend,
+    Backend, Motion,
     backend::{Instance, Rollout},
 };
 use bendtwin_proto::rollout::TwinShape;
@@ -65,7 +65,8 @@ impl Plan {
         let fps = twin.timing.fps;
         let horizon = Horizon { frames, fps, times: request.knot_times.take() };
         let map = gripper_of_control(request.actions.as_ref(), graph.control_count())?;
-        let actions = Actions::read(request.actions.take(), graph.control_count(), horizon)?;
+        let actions = Actions::read(request.actions.take(), graph.control_count(), horizon)?
+            .with_clamps(graph);
         let grasps = request.grasps.len();
         let surroundings =
             Surroundings::read(&mut request, &actions, map, twin, served.loaded.model())?;
@@ -122,6 +123,9 @@ impl Plan {
         let action = self.action(index);
         let start = starts.of(action);
         let controls: Vec<Point> = self.actions.controls(action, &start.controls);
+        let rods = self.twin().graph.rods.len();
+        let kept = self.returns.action_gradients;
+        let rolls = self.actions.rolls(action, &controls, rods, kept);
         Instance {
             model: variant.loaded.clone(),
             initial: Arc::clone(&start.state),
@@ -129,7 +133,7 @@ impl Plan {
             frames: self.frames,
             objective: variant.objective(&self.costs.objective(action)),
             world: Arc::clone(&variant.world),
-            motion: Arc::new(self.surroundings.motion(action, &self.actions)),
+            motion: Arc::new(Motion { rolls, ..self.surroundings.motion(action, &self.actions) }),
         }
     }
 

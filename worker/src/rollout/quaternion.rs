@@ -34,6 +34,30 @@ impl Quaternion {
         Self([-x, -y, -z, w])
     }
 
+    /// This rotation after another.
+    pub(super) fn times(self, first: Self) -> Self {
+        let ([ax, ay, az, aw], [bx, by, bz, bw]) = (self.0, first.0);
+        let (a, b) = ([ax, ay, az], [bx, by, bz]);
+        let c = cross(a, b);
+        let [x, y, z]: Vector = std::array::from_fn(|i| aw * b[i] + bw * a[i] + c[i]);
+        Self::new([x, y, z, aw * bw - dot(a, b)]).unwrap_or(Self::IDENTITY)
+    }
+
+    /// x, y, z, w.
+    pub(super) fn parts(self) -> [f64; 4] {
+        self.0
+    }
+
+    /// Gradient by the quaternion, along the unit sphere, of what grows by `along · w` as the
+    /// rotation is followed by a small one with the rotation vector w.
+    pub(super) fn turn_gradient(self, along: Vector) -> [f64; 4] {
+        let ([x, y, z, w], g) = (self.0, along);
+        let q = [x, y, z];
+        let c = cross(g, q);
+        let by = |i: usize| 2.0 * (w * g[i] + c[i]);
+        [by(0), by(1), by(2), -2.0 * dot(g, q)]
+    }
+
     /// v + 2 w (q x v) + 2 q x (q x v), with q the vector part.
     pub(super) fn rotate(self, v: Vector) -> Vector {
         let [x, y, z, w] = self.0;

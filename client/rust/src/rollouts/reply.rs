@@ -4,6 +4,7 @@ use bendtwin_core::{Fidelity, Point, ids::WorkerId};
 use bendtwin_proto::v1::{self, RollOutResponse, Tensor, roll_out_response as wire};
 use serde::Serialize;
 
+use super::Grasping;
 use crate::Error;
 
 /// The reply to a rollout, or a part of it.
@@ -30,6 +31,14 @@ pub struct Reply {
     pub final_velocities: Vec<Point>,
     /// Final twists [rad], shape [R, rods].
     pub final_twists: Vec<f32>,
+    /// Final control points [m], shape [R, C].
+    pub final_controls: Vec<Point>,
+    /// What grasps hold in the final states, one after another; none without grasps.
+    pub final_grasping: Option<Grasping>,
+    /// d cost / d actions as the request gave them, [R, K, C, 3] or [R, K, G, 7].
+    pub action_gradients: Vec<f32>,
+    /// Mass of the object; none if it is not known, and forces are per unit mass [kg].
+    pub mass_kg: Option<f64>,
     /// d cost / d control positions, shape [R, F + 1, C].
     pub control_gradients: Vec<Point>,
     /// d cost / d initial positions, shape [R, N]. Of an instance that diverged all gradients are
@@ -189,6 +198,10 @@ impl TryFrom<RollOutResponse> for Reply {
             final_positions: points(wire.final_positions, "final_positions")?,
             final_velocities: points(wire.final_velocities, "final_velocities")?,
             final_twists: floats(wire.final_twists, "final_twists")?,
+            final_controls: points(wire.final_controls, "final_controls")?,
+            final_grasping: wire.final_grasping.map(grasping).transpose()?,
+            action_gradients: floats(wire.action_gradients, "action_gradients")?,
+            mass_kg: wire.mass_kg,
             control_gradients: points(wire.control_gradients, "control_gradients")?,
             initial_position_gradients: points(
                 wire.initial_position_gradients,
@@ -262,6 +275,18 @@ impl From<wire::Divergence> for Divergence {
     fn from(d: wire::Divergence) -> Self {
         Self { instance: d.instance as usize, frame: d.frame as usize, node: d.node as usize }
     }
+}
+
+fn grasping(wire: v1::Grasping) -> Result<Grasping, Error> {
+    let numbers = |tensor: Option<Tensor>, name| -> Result<Vec<u32>, Error> {
+        let tensor = tensor.unwrap_or_default();
+        Ok(tensor.unpack::<u32>(name).map_err(Error::malformed)?.1)
+    };
+    Ok(Grasping {
+        phases: numbers(wire.phases, "phases")?,
+        holders: numbers(wire.holders, "holders")?,
+        places: points(wire.places, "places")?,
+    })
 }
 
 fn values(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<f64>, Error> {

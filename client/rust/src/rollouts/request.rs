@@ -5,13 +5,15 @@ use bendtwin_core::{
     ids::{CaptureId, TwinId},
 };
 use bendtwin_proto::v1::{
-    self, ControlTrajectories, InitialState, Interpolation, Returns, RollOutRequest, Tensor,
-    initial_state::{CaptureFrame, GivenState, State},
+    self, ControlTrajectories, InitialState, Interpolation, KnotTimes, Returns, RollOutRequest,
+    Tensor,
+    initial_state::{CaptureFrame, GivenState, Settled, State as Initial},
+    knot_times::Times,
     returns::Encoding,
     roll_out_request::Actions,
 };
 
-use super::{Cost, Grasp, Statistic, Vary, World};
+use super::{Cost, Grasp, State, Statistic, Vary, World};
 use crate::Error;
 
 /// A batch of rollouts of one twin.
@@ -72,15 +74,55 @@ impl Rollout {
 
     /// Smooth curves through the knots instead of straight lines.
     #[must_use]
-    pub fn cubic(mut self) -> Self {
+    pub fn cubic(self) -> Self {
+        self.interpolated("cubic", Interpolation::Cubic)
+    }
+
+    /// Each knot holds until the next.
+    #[must_use]
+    pub fn zero(self) -> Self {
+        self.interpolated("zero", Interpolation::Zero)
+    }
+
+    fn interpolated(mut self, called: &str, interpolation: Interpolation) -> Self {
         match &mut self.request.actions {
-            Some(Actions::Trajectories(t)) => t.interpolation = Interpolation::Cubic.into(),
-            Some(Actions::Poses(p)) => p.interpolation = Interpolation::Cubic.into(),
+            Some(Actions::Trajectories(t)) => t.interpolation = interpolation.into(),
+            Some(Actions::Poses(p)) => p.interpolation = interpolation.into(),
             None => {
-                self.refuse("cubic() needs actions: call trajectories() or poses() before it");
+                let advice = "needs actions: call trajectories() or poses() before it";
+                self.refuse(&format!("{called}() {advice}"));
             }
         }
         self
+    }
+
+    /// Times of the knots, rising from 0 [s]; the last holds until the end of the horizon, which
+    /// [`Rollout::frames`] says.
+    #[must_use]
+    pub fn at_s(mut self, times: &[f32]) -> Self {
+        let times = Some(Times::AtS(Tensor::pack(&[times.len()], times)));
+        self.request.knot_times = Some(KnotTimes { times });
+        self
+    }
+
+    /// Seconds from knot to knot, whatever the twin's frame rate; the horizon is that of
+    /// [`Rollout::frames`].
+    #[must_use]
+    pub fn period_s(mut self, period: f64) -> Self {
+        self.request.knot_times = Some(KnotTimes { times: Some(Times::PeriodS(period)) });
+        self
+    }
+
+    /// Starts where the twin comes to rest under its gravity.
+    #[must_use]
+    pub fn settled(self) -> Self {
+        self.start(Initial::Settled(Settled {}))
+    }
+
+    /// Starts all instances from a whole state, such as [`Reply::state`](super::Reply::state).
+    #[must_use]
+    pub fn going_on(self, state: &State) -> Self {
+        self.start(Initial::Given(state.into()))
     }
 
     /// Starts where the twin is after following the controls of a capture (its own, if none is
@@ -88,13 +130,13 @@ impl Rollout {
     #[must_use]
     pub fn from_capture_frame(self, capture: Option<CaptureId>, sequence: u32, frame: u32) -> Self {
         let capture = capture.map(|c| c.to_string()).unwrap_or_default();
-        self.start(State::CaptureFrame(CaptureFrame { capture, sequence, frame }))
+        self.start(Initial::CaptureFrame(CaptureFrame { capture, sequence, frame }))
     }
 
     /// Starts all instances from given positions [m] and velocities [m/s], shape [N].
     #[must_use]
     pub fn from_state(self, positions: &[Point], velocities: &[Point]) -> Self {
-        self.start(State::Given(GivenState {
+        self.start(Initial::Given(GivenState {
             positions: Some(Tensor::pack_points(&[positions.len()], positions)),
             velocities: Some(Tensor::pack_points(&[velocities.len()], velocities)),
             twists: None,
@@ -107,7 +149,7 @@ impl Rollout {
     #[must_use]
     pub fn twisted(mut self, twists: &[f32]) -> Self {
         let state = self.request.initial.as_mut().and_then(|i| i.state.as_mut());
-        if let Some(State::Given(given)) = state {
+        if let Some(Initial::Given(given)) = state {
             given.twists = Some(Tensor::pack(&[twists.len()], twists));
         }
         self
@@ -277,6 +319,13 @@ impl Rollout {
         self
     }
 
+    /// Asks for the gradients of the cost with respect to the knots or poses of the request.
+    #[must_use]
+    pub fn action_gradients(mut self) -> Self {
+        self.returns.action_gradients = true;
+        self
+    }
+
     /// The request as it is sent.
     ///
     /// # Errors
@@ -288,7 +337,7 @@ impl Rollout {
         }
     }
 
-    fn start(mut self, state: State) -> Self {
+    fn start(mut self, state: Initial) -> Self {
         self.request.initial = Some(InitialState { state: Some(state) });
         self
     }

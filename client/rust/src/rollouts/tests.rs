@@ -136,3 +136,31 @@ fn a_reply_unpacks() {
     assert_eq!(reply.velocities, [[3.0; 3], [4.0; 3]]);
     assert_eq!((reply.gradient_exploded, reply.frame_costs), (vec![true], vec![0.5, 0.25]));
 }
+
+#[test]
+fn a_state_that_comes_out_goes_in_again() {
+    let twin = TwinShape { nodes: 2, controls: 1, rods: Some(1), ..TwinShape::default() };
+    let row = |x: f32| vec![[x; 3], [x + 0.5; 3]];
+    let wire = RollOutResponse {
+        instances: Some(Tensor::pack(&[2], &[0u32, 1])),
+        final_positions: Some(Tensor::pack_points(&[2, 2], &[row(0.0), row(1.0)].concat())),
+        final_velocities: Some(Tensor::pack_points(&[2, 2], &[row(2.0), row(3.0)].concat())),
+        final_twists: Some(Tensor::pack(&[2, 1], &[0.1f32, 0.2])),
+        final_controls: Some(Tensor::pack_points(&[2, 1], &[[4.0; 3], [5.0; 3]])),
+        ..RollOutResponse::default()
+    };
+    let reply = Reply::try_from(wire).unwrap();
+    let state = reply.state(1).unwrap();
+    assert_eq!((&state.positions, &state.velocities), (&row(1.0), &row(3.0)));
+    assert_eq!((&state.twists[..], &state.controls[..]), (&[0.2][..], &[[5.0; 3]][..]));
+    assert_eq!(reply.state(2), None);
+    let request = Rollout::of(TwinId::generate())
+        .trajectories([2, 3, 1], vec![[0.0; 3]; 6])
+        .zero()
+        .period_s(0.1)
+        .frames(9)
+        .going_on(&state)
+        .into_request()
+        .unwrap();
+    check_for(&request, &twin, &Limits::default(), 0).unwrap();
+}

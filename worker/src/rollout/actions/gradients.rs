@@ -3,8 +3,8 @@
 //! With h = R₀⁻¹ (c₀ - p₀) the place of a control point on its gripper, it is at p + R h at each
 //! frame boundary after the first, so a gradient g there counts as g by p, as that of g · R h by R,
 //! and as R⁻¹ g by h, through which it reaches the first pose. Of a body's pose the columns of the
-//! gradient's matrix count as gradients of the columns of R, the last one as that by p. Gradients by
-//! quaternions are those along the unit sphere.
+//! gradient's matrix count as gradients of the columns of R, the last one as that by p. Rolls of clamps
+//! give gradients by rotation vectors. Gradients by quaternions are those along the unit sphere.
 
 use bendtwin_core::Point;
 use bendtwin_engine::{backend::Gradient, world::Pose};
@@ -12,6 +12,7 @@ use bendtwin_engine::{backend::Gradient, world::Pose};
 use super::{
     Shape, Trajectories,
     poses::{Placed, Poses, unit},
+    rolls,
 };
 use crate::rollout::{
     interpolate::{Place, Schedule},
@@ -75,6 +76,13 @@ impl Poses {
         let held: Vec<Vector> = held.map(|(c, g)| first[*g].local(c.map(f64::from))).collect();
         let mut by_held = vec![[0.0f64; 3]; width];
 
+        let turned = if by.rolls.is_empty() {
+            Vec::new()
+        } else {
+            let placed = self.placed(instance, shape, schedule);
+            let controls = self.controls(instance, shape, schedule, start);
+            rolls::gradient(&self.clamps, &placed, &controls, &by.rolls)
+        };
         for (frame, place) in schedule.places().iter().enumerate() {
             for gripper in 0..grippers {
                 let at = knots.at(place, gripper);
@@ -93,6 +101,10 @@ impl Poses {
                     && let Some(g) = by.poses.get(frame * bodies + gripper)
                 {
                     here.matrix(&at, g);
+                }
+                if let Some(row) = turned.get(frame) {
+                    let rotation = at.rotation.turn_gradient(row[gripper]);
+                    add(&mut here.rotation, rotation, 1.0);
                 }
                 spread(&mut sums, &knots, place, gripper, here);
             }

@@ -9,7 +9,7 @@ use bendtwin_core::Point;
 use bendtwin_engine::world::Pose;
 use bendtwin_proto::v1::GripperPoses;
 
-use super::Shape;
+use super::{Shape, rolls::Clamp};
 use crate::rollout::{
     error::Error,
     interpolate::{Place, Schedule},
@@ -23,6 +23,8 @@ pub(in crate::rollout) struct Poses {
     pub(super) poses: Vec<[f32; 7]>,
     /// Gripper of each control point, shape [C].
     pub(super) gripper_of_control: Vec<usize>,
+    /// Ends of rods in grippers.
+    pub(super) clamps: Vec<Clamp>,
 }
 
 /// A gripper at some time.
@@ -100,7 +102,8 @@ impl Poses {
             }
         };
         let poses = values.as_chunks::<7>().0.to_vec();
-        Ok((Shape { instances, knots }, Self { grippers, poses, gripper_of_control }))
+        let poses = Self { grippers, poses, gripper_of_control, clamps: Vec::new() };
+        Ok((Shape { instances, knots }, poses))
     }
 
     /// Number of grippers G.
@@ -113,6 +116,18 @@ impl Poses {
         let each = shape.knots * self.grippers;
         let rows = &self.poses[instance * each..(instance + 1) * each];
         Knots { grippers: self.grippers, rows }
+    }
+
+    /// The grippers at frame boundaries, shape [F + 1, G].
+    pub(super) fn placed(
+        &self,
+        instance: usize,
+        shape: Shape,
+        schedule: &Schedule,
+    ) -> Vec<Vec<Placed>> {
+        let knots = self.knots(instance, shape);
+        let at = |place| (0..self.grippers).map(|g| knots.at(place, g)).collect();
+        schedule.places().iter().map(at).collect()
     }
 
     pub(super) fn controls(
