@@ -254,7 +254,7 @@ mod tests {
         let frames = request["properties"]["frames"]["description"].as_str().unwrap();
         assert!(frames.contains("Horizon"), "{frames}");
         let when = &of("Cost")["properties"]["when"]["enum"];
-        assert_eq!(when, &json!(["LAST_FRAME", "EVERY_FRAME"]));
+        assert_eq!(when, &json!(["LAST_FRAME", "EVERY_FRAME", "SOFT_MIN"]));
         let kind = of("Cost")["properties"]["keypoints"]["description"].to_string();
         assert!(kind.contains("Only one of target_cloud, keypoints, smoothness"), "{kind}");
         assert!(all.contains_key("RollOutResponse.Timing") && all.contains_key("Tensor"));
