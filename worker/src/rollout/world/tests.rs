@@ -74,7 +74,7 @@ fn bodies_are_the_grippers_and_then_the_paths() {
     assert_eq!((at(0, 0, 2), at(0, 1, 2), at(0, 2, 0)), (0.0, 1.0, 2.0));
     assert!((at(1, 0, 2) - 0.1).abs() < 1e-6 && (at(1, 2, 0) - 2.25).abs() < 1e-6);
     assert!((at(4, 1, 2) - 1.4).abs() < 1e-6 && (at(4, 2, 0) - 3.0).abs() < 1e-6);
-    assert_eq!(motion.closed, []);
+    assert!(motion.closed.is_empty());
 }
 
 #[test]
