@@ -1,8 +1,8 @@
 use bendtwin_core::Problem as _;
 use bendtwin_engine::world::{IDENTITY, Shape};
 use bendtwin_proto::v1::{
-    Collider as WireCollider, Cuboid, GradientOptions, Grasp as WireGrasp, GripperPoses, Plane as
-    WirePlane, Returns, Sphere, World as WireWorld, collider, grasp,
+    Collider as WireCollider, Cuboid, GradientOptions, Grasp as WireGrasp, GripperPoses,
+    Plane as WirePlane, Returns, Sphere, World as WireWorld, collider, grasp,
 };
 
 use super::*;
@@ -38,7 +38,11 @@ fn ball() -> Sphere {
 }
 
 fn collider(carrier: Option<Carrier>) -> WireCollider {
-    WireCollider { shape: Some(collider::Shape::Sphere(ball())), carrier, ..WireCollider::default() }
+    WireCollider {
+        shape: Some(collider::Shape::Sphere(ball())),
+        carrier,
+        ..WireCollider::default()
+    }
 }
 
 fn holding(region: grasp::Region) -> WireGrasp {
@@ -151,10 +155,8 @@ fn gravity_and_ground_take_the_place_of_the_twins() {
         read(request).unwrap().0.environment(Environment::Z_UP)
     };
     let ground = WirePlane { normal: Vec::new(), offset_m: 0.2 };
-    let raised = WireWorld {
-        ground_choice: Some(GroundChoice::Ground(ground)),
-        ..WireWorld::default()
-    };
+    let raised =
+        WireWorld { ground_choice: Some(GroundChoice::Ground(ground)), ..WireWorld::default() };
     let expected = Plane { normal: UP, offset_m: 0.2 };
     assert_eq!(environment(raised).unwrap().ground, Some(expected));
     let none = WireWorld {
@@ -187,9 +189,8 @@ fn friction_varies_and_smoothing_waits_for_gradients() {
     let world = Some(WireWorld { colliders: vec![table], ..WireWorld::default() });
     let gradient = Some(GradientOptions { smoothing_m: 0.001, reach_frames: 0 });
     let mut asking = RollOutRequest { world, gradient, ..request() };
-    let smoothing = |request: &RollOutRequest| {
-        read(request.clone()).unwrap().0.world(Factors::ONE).smoothing_m
-    };
+    let smoothing =
+        |request: &RollOutRequest| read(request.clone()).unwrap().0.world(Factors::ONE).smoothing_m;
     assert_eq!(smoothing(&asking), 0.0);
     asking.returns = Some(Returns { control_gradients: true, ..Returns::default() });
     assert_eq!(smoothing(&asking), 0.001);
