@@ -77,8 +77,12 @@ impl Costs {
         self.shared.clone().unwrap_or_else(|| self.make(action, |_, _| 1.0))
     }
 
-    /// The objective whose gradient is that of the costs, at a rollout of an action.
+    /// The objective whose gradient is that of the costs, at a rollout of an action. There is none
+    /// where it diverged, which the engine finds again.
     pub(super) fn tangent(&self, action: usize, at: &Rollout) -> Objective {
+        if at.diverged.is_some() {
+            return self.objective(action);
+        }
         let shares: Vec<Vec<f64>> = self.costs.iter().map(|cost| self.shares(cost, at)).collect();
         self.make(action, |cost, frame| shares[cost].get(frame - 1).copied().unwrap_or(1.0))
     }
