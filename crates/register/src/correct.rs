@@ -44,7 +44,7 @@ impl Default for CorrectOptions {
             give: 0.03,
             velocity_noise_m_s: 0.2,
             velocity_gain_per_s: 0.0,
-            most_added_strain: 0.2,
+            most_added_strain: 0.5,
             max_residual_m: None,
         }
     }
