@@ -128,9 +128,9 @@ pub fn register(
 
     let (rigid, mut x) = job.best()?;
     job.place_controls(&mut x);
-    let drift_m = job.settle(backend, loaded, &start, &mut x)?;
+    let mut state = start;
+    let drift_m = job.settle(backend, loaded, &mut state, &mut x)?;
     let n = graph.node_count();
-    let mut state = start.clone();
     for ((to, v), x) in state.positions.iter_mut().zip(&mut state.velocities).zip(&x) {
         (*to, *v) = (point(*x), [0.0; 3]);
     }
@@ -309,16 +309,15 @@ impl Job<'_> {
     }
 
     /// Frames of the twin's physics from rest, after each of which the points pull, then one in
-    /// which they do not; mean distance that the nodes moved in that [m].
+    /// which they do not; mean distance that the nodes moved in that [m]. The state keeps the twists.
     fn settle(
         &self,
         backend: &dyn Backend,
         loaded: &Loaded,
-        start: &State,
+        state: &mut State,
         x: &mut [Vector3<f64>],
     ) -> Result<f64, Error> {
         let n = self.graph.node_count();
-        let mut state = start.clone();
         let observation = self.part(USED);
         for frame in 0..=self.options.settle_frames {
             if self.cancel.is_cancelled() {
@@ -327,7 +326,7 @@ impl Job<'_> {
             for ((to, v), x) in state.positions.iter_mut().zip(&mut state.velocities).zip(&*x) {
                 (*to, *v) = (point(*x), [0.0; 3]);
             }
-            let after = self.frame(backend, loaded, &state, &x[n..])?;
+            let after = self.frame(backend, loaded, state, &x[n..])?;
             let moved: Vec<Vector3<f64>> = after.positions.iter().map(|p| vector3(*p)).collect();
             if frame == self.options.settle_frames {
                 let drift = moved.iter().zip(&*x).map(|(a, b)| (a - b).norm()).sum::<f64>();
