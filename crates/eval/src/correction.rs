@@ -10,7 +10,7 @@ use bendtwin_engine::{
     backend::{Instance, Outputs},
     model::State,
 };
-use bendtwin_register::{CorrectOptions, Observation, Skin, correct};
+use bendtwin_register::{CorrectOptions, Observation, Skin, carried, correct};
 
 use crate::{
     Error,
@@ -30,6 +30,9 @@ pub struct CorrectionPlan {
     pub shares: Vec<f64>,
     /// Frames back to which the velocities of points are measured; 0 observes none.
     pub velocity_frames: usize,
+    /// Share of the deformation that the rest shape takes for what follows, 0..=1; 0 leaves the twin
+    /// as it is.
+    pub carry: f64,
     /// Options of the correction.
     pub options: CorrectOptions,
 }
@@ -281,9 +284,17 @@ fn compare(
             Ok(corrected) => {
                 score.residual_mm[0] += each * corrected.before.median_mm;
                 score.residual_mm[1] += each * corrected.after.median_mm;
+                let adapted = match plan.carry > 0.0 {
+                    true => {
+                        let to = &corrected.state;
+                        let params = carried(model, &run.state, to, controls, plan.carry);
+                        backend.with_params(run.loaded, params)?
+                    }
+                    false => run.loaded.clone(),
+                };
                 let end = run.frame + run.after.len();
                 let state = Arc::new(corrected.state);
-                roll(backend, run.loaded, run.sequence, &state, [run.frame, end], cancel)?.0
+                roll(backend, &adapted, run.sequence, &state, [run.frame, end], cancel)?.0
             }
             Err(bendtwin_register::Error::NotExplained { .. }) => {
                 score.refused += 1;

@@ -12,6 +12,7 @@ use crate::{
     Error, Observation, Residual,
     elastic::{Elastic, Match},
     observation::is_place,
+    residual::share_within,
     surface::{Surface, spacing},
 };
 
@@ -44,7 +45,7 @@ impl Default for CorrectOptions {
             give: 0.03,
             velocity_noise_m_s: 0.2,
             velocity_gain_per_s: 0.0,
-            most_added_strain: 0.2,
+            most_added_strain: 0.5,
             max_residual_m: None,
         }
     }
@@ -110,13 +111,15 @@ pub fn correct(
     keep_above_ground(model, &start, &mut x[..n]);
     limit_strain(graph, &start, &mut x, options.most_added_strain);
 
-    let after = Residual::of(&seen.distances(&x)?);
-    let limit_mm = 1e3 * options.max_residual_m.unwrap_or((0.5 * spacing_m).max(0.005));
-    if !(after.median_mm <= limit_mm) || x.iter().flatten().any(|c| !c.is_finite()) {
+    let distances = seen.distances(&x)?;
+    let after = Residual::of(&distances);
+    let limit_m = options.max_residual_m.unwrap_or((0.5 * spacing_m).max(0.005));
+    let fits = after.median_mm <= 1e3 * limit_m;
+    if !fits || x.iter().flatten().any(|c| !c.is_finite()) {
         return Err(Error::NotExplained {
             median_mm: after.median_mm,
-            limit_mm,
-            explained: 1.0,
+            limit_mm: 1e3 * limit_m,
+            explained: share_within(&distances, limit_m),
             least_explained: 0.0,
         });
     }

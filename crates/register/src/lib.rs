@@ -8,18 +8,24 @@
 //!
 //! Captures, cameras and networks are left to others: points arrive in the twin's frame.
 
+mod carry;
 mod correct;
 mod elastic;
 mod error;
 mod observation;
+mod register;
 mod residual;
+mod rigid;
 mod skin;
 mod surface;
+mod visible;
 
+pub use carry::carried;
 pub use correct::{CorrectOptions, Corrected, correct};
 pub use error::Error;
 pub use observation::{MAX_CAMERAS, MAX_POINTS, Observation};
-pub use residual::Residual;
+pub use register::{RegisterOptions, Registered, register};
+pub use residual::{Explained, Residual};
 pub use skin::Skin;
 
 #[cfg(test)]

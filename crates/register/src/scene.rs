@@ -55,8 +55,8 @@ pub(crate) fn model() -> Arc<Model> {
         ..Graph::default()
     };
     let params = Params {
-        spring_stiffness: vec![60.0; lengths.len()],
-        spring_dashpot: vec![2.0; lengths.len()],
+        spring_stiffness: vec![3000.0; lengths.len()],
+        spring_dashpot: vec![20.0; lengths.len()],
         rest_lengths_m: lengths,
         drag: 1.0,
         ..Params::default()
@@ -75,7 +75,7 @@ pub(crate) fn moved(backend: &dyn Backend, frames: usize) -> (State, Vec<Point>)
     let model = model();
     let rest = model.graph.control_rest.clone();
     let at = |f: usize| {
-        let t = f as f32 / frames.max(1) as f32;
+        let t = (f as f32 / frames.max(1) as f32).min(1.0);
         rest.iter().map(move |p| [p[0] - 0.1 * t, p[1] + 0.05 * t, p[2] + 0.15 * t])
     };
     let controls: Vec<Point> = (0..=frames).flat_map(at).collect();

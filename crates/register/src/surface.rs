@@ -1,5 +1,7 @@
 //! The surface between the nodes: triangles of nodes that are near to a point and to each other.
-//! Nodes of a coarse twin stand centimetres apart, so that the nearest node alone says little.
+//! Nodes of a coarse twin stand centimetres apart, so that the nearest node alone says little. In a
+//! body as thin as its nodes are apart, triangles also pass through the inside: points there count
+//! as on the surface, so that a cloud says less of such a body than tracks do.
 
 use bendtwin_core::Point;
 use bendtwin_core::geometry::{point, vector3};

@@ -30,6 +30,9 @@ pub(super) struct CorrectArgs {
     /// Frames over which the velocities of the points are observed as well; 0 for positions alone
     #[arg(long, value_name = "N", default_value_t = 2, requires = "correct_at")]
     velocity_frames: usize,
+    /// Percentage of the deformation that the twin's rest shape takes for what follows
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, requires = "correct_at")]
+    carry: f64,
 }
 
 impl CorrectArgs {
@@ -49,6 +52,7 @@ impl CorrectArgs {
             horizon: self.horizon.max(1),
             shares: self.observe.iter().map(|p| (p / 100.0).clamp(0.0, 1.0)).collect(),
             velocity_frames: self.velocity_frames,
+            carry: (self.carry / 100.0).clamp(0.0, 1.0),
             options: CorrectOptions::default(),
         };
         corrections(backend, twin, capture, &plan, cancel).map_err(failure::failed)

@@ -7,6 +7,7 @@ fn plan(frames: Vec<usize>) -> CorrectionPlan {
         horizon: 5,
         shares: vec![0.5, 1.0],
         velocity_frames: 1,
+        carry: 0.0,
         options: CorrectOptions::default(),
     }
 }
@@ -42,6 +43,15 @@ fn a_corrected_state_predicts_better_and_more_points_correct_more() {
     assert!(scores[0].points < scores[1].points);
     // Motion capture has no clean tracks: the points are their own.
     assert!(scores[0].last_residual.track_m.is_some());
+}
+
+#[test]
+fn a_rest_shape_that_takes_part_keeps_more_of_the_correction() {
+    let whole = |carry| {
+        let plan = CorrectionPlan { carry, shares: vec![1.0], ..plan(vec![12]) };
+        compared(&wandering(), &plan).unwrap()[0].corrected.track_m.unwrap()
+    };
+    assert!(whole(1.0) < whole(0.0), "{} {}", whole(1.0), whole(0.0));
 }
 
 #[test]
