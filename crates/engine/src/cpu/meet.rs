@@ -176,8 +176,7 @@ fn meeting<T: Real>(
             after = add_scaled(after, lack, n);
         }
     }
-    let tau =
-        if hits { (d / -along).at_least(T::ZERO).at_most(dt) } else { T::ZERO };
+    let tau = if hits { (d / -along).at_least(T::ZERO).at_most(dt) } else { T::ZERO };
     (hits | pushes).then_some(Meeting {
         with: Some(obstacle),
         surface,
@@ -231,8 +230,9 @@ impl<T: Real> Scene<'_, T> {
         let mut path = None;
         if let Some((ground, law)) = &self.ground {
             let met = match &self.layer {
-                None => hits_ground(ground, x, v, dt)
-                    .then(|| meeting_ground(ground, *law, dt, x, v)),
+                None => {
+                    hits_ground(ground, x, v, dt).then(|| meeting_ground(ground, *law, dt, x, v))
+                }
                 Some(layer) => smooth_meeting(None, on_ground(ground, x), *law, layer, v),
             };
             if let Some(m) = met {
@@ -297,8 +297,7 @@ impl<T: Real> Scene<'_, T> {
                 let leaves = sub(m.between, s.velocity);
                 s_bar.distance += slope * along;
                 s_bar.velocity = scale(n, along);
-                s_bar.normal =
-                    add_scaled(scale(after_bar, speed - dot(n, leaves)), -along, leaves);
+                s_bar.normal = add_scaled(scale(after_bar, speed - dot(n, leaves)), -along, leaves);
                 between_bar = add_scaled(after_bar, -along, n);
             }
             in_bar = add(in_bar, between_bar);
