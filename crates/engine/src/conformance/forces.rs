@@ -38,7 +38,7 @@ fn chain() -> Scene {
     scene.environment.gravity = [0.0, 0.0, -G as f32];
     (1..4).for_each(|i| scene.spring([i - 1, i], 500.0, 3.0));
     scene.params.drag = 10.0;
-    scene.last(150);
+    scene.last(300);
     scene
 }
 
@@ -49,12 +49,12 @@ pub(super) fn a_chain_hangs_by_its_weight(backend: &dyn Backend) -> Outcome {
     let last = |f: &[Point]| wide(f[f.len() - 1]);
     let mut pinned = chain();
     pinned.fix(0);
-    pinned.last(150);
+    pinned.last(300);
     close("by a pin", last(&pinned.forces(backend)?.controls)[2], weight, 1e-3 * weight)?;
     let mut sprung = chain();
     let control = sprung.control([0.0, 0.0, 0.35]);
     sprung.spring([0, control], 500.0, 3.0);
-    sprung.last(150);
+    sprung.last(300);
     close("by a spring", last(&sprung.forces(backend)?.controls)[2], weight, 1e-3 * weight)?;
     let spring = Attachment::Spring { stiffness: 2e3, damping: 1.0 };
     for attachment in [Attachment::Pin, spring] {

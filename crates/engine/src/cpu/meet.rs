@@ -3,7 +3,8 @@
 //! A node meets the ground first and then the colliders, in their order; the velocity after one is
 //! that before the next. For a collider, the node at `x` is at `q = Aᵀ (x - p)` of its body in the
 //! pose where the substep starts, d(q) is the signed distance and `n = A n(q) / |A n(q)|` the normal
-//! there, and the surface has the velocity w of the body's point q. With `u = v - w`:
+//! there, and the surface has the velocity w of the body's point q, also where the model ignores that
+//! of control points. With `u = v - w`:
 //!
 //! - it hits if `d + dt u . n < 0` and `u . n < -1e-4 m/s`, by the law of [`super::impulse`] for u,
 //!   after `tau = clamp(d / -(u . n), 0, dt)`;
