@@ -176,7 +176,7 @@ fn surrounded_objects_move_alike() {
         let n = model.graph.node_count();
         let each = expected.positions.chunks(n).zip(found.positions.chunks(n));
         let apart: Vec<f64> = each.map(|(a, b)| most(a, b)).collect();
-        println!("{name}: {apart:.1e?} m apart at most");
+        println!("{name}: {apart:?} m apart at most");
         assert!(apart.iter().all(|x| *x < 5e-5), "{name}");
         let [a, b] = [&expected, &found].map(|r| r.final_state.clone().expect("it ended").grasping);
         assert_eq!(a.phases, b.phases, "{name}");
@@ -198,7 +198,7 @@ fn surrounded_objects_move_alike() {
             worst(&flat(&a.ground), &flat(&b.ground)),
             worst(a.colliders.as_flattened(), b.colliders.as_flattened()),
         ];
-        println!("    forces {forces:.1e?} of {size:.1e}");
+        println!("    forces {forces:?} of {size:.1e}");
         assert!(forces.iter().all(|x| *x < 1e-2), "{name}");
     }
 }
