@@ -9,6 +9,13 @@
 #define STRAIN 3
 #define ABOVE 4
 #define WITHIN 5
+#define CLEARANCE 6
+#define FORCE 7
+#define BY_CONTROLS 0
+#define BY_ONE_CONTROL 1
+#define BY_GRASP 2
+#define BY_GROUND 3
+#define BY_COLLIDER 4
 #define ALL_NODES 1
 #define SMOOTH_L1 0
 #define DISTANCE 1
@@ -18,10 +25,10 @@ struct Term {
     u32 kind, frame;
     u32 count;   // targets, or nodes of a region
     u32 first;   // first of them
-    u32 loss;    // of a region: ALL_NODES, or 0 for those counted
-    float beta;  // limit of a strain, offset of a half space
+    u32 loss;    // of a region: ALL_NODES, or 0 for those counted; of a force: what exerts it
+    float beta;  // limit of a strain or force, offset of a half space, margin of a collider
     float weight;
-    u32 unused;
+    u32 part;    // number of the collider, or of what exerts the force
     // Normal of a half space, or corners of a box.
     float low[3], high[3];
 };
@@ -43,7 +50,18 @@ struct ObjectiveArgs {
     u32 cut_every;
     u32 spring_count;         // E
     u32 strained_count;       // springs that a strain is measured of
-    u32 unused;
+    u32 control_count;        // C
+    WorldArgs world;
+    float* force_bars;        // as `WorldArgs::force_bars`, of all frames; may be null
+};
+
+struct SeedForcesArgs {
+    const ObjectiveArgs* objectives;
+};
+
+struct SeedPosesArgs {
+    const ObjectiveArgs* objectives;
+    float* const* outs;       // by instance: d loss / d poses, [frames + 1][B][3][4]
 };
 
 struct ScoreArgs {
@@ -183,6 +201,41 @@ DEVICE double chamfer(const ObjectiveArgs& m, const Term& t) {
     return sum;
 }
 
+// Floats of a frame's forces.
+DEVICE u32 force_stride(const ObjectiveArgs& m) {
+    return 6 * (m.control_count + m.world.grasp_count + m.world.collider_count) + 3;
+}
+
+// Where a force stands among those of a frame.
+DEVICE u32 force_place(const ObjectiveArgs& m, const Term& t) {
+    u32 grasps = 6 * m.control_count, ground = grasps + 6 * m.world.grasp_count;
+    if (t.loss == BY_ONE_CONTROL) return 6 * t.part;
+    if (t.loss == BY_GRASP) return grasps + 6 * t.part;
+    return t.loss == BY_GROUND ? ground : ground + 3 + 6 * t.part;
+}
+
+// The mean force over the frame that ends with a term's; zero before the first.
+DEVICE float3 force_of(const ObjectiveArgs& m, const Term& t) {
+    float3 sum = zero3();
+    if (t.frame == 0) return sum;
+    const float* forces = m.world.forces + (u64)(t.frame - 1) * force_stride(m);
+    if (t.loss != BY_CONTROLS) return load_v3(forces + force_place(m, t));
+    for (u32 c = 0; c < m.control_count; c++) sum = add(sum, load_v3(forces + 6 * c));
+    return sum;
+}
+
+// Pose of a collider at the end of a frame.
+DEVICE Pose collider_pose(const ObjectiveArgs& m, const Collider& c, u32 frame) {
+    if (c.body == NO_BODY) return identity();
+    return load_pose(m.world.poses + ((u64)frame * m.world.body_count + c.body) * 3);
+}
+
+// Distance that a node lacks to a term's collider; `q` is where it is in the body's coordinates.
+DEVICE float lack_of(const ObjectiveArgs& m, const Term& t, float3 q, float3& normal) {
+    const Collider& c = m.world.colliders[t.part];
+    return fmaxf(t.beta - shape_distance(m.world, c, q, 3.4e38f, normal), 0.0f);
+}
+
 // Value of one term of one instance: block (term, instance).
 extern "C" __global__ void __launch_bounds__(THREADS)
 score(const __grid_constant__ ScoreArgs args) {
@@ -206,6 +259,19 @@ score(const __grid_constant__ ScoreArgs args) {
                 double e = excess(t, s);
                 sum += e * e;
             }
+        } else if (t.kind == CLEARANCE) {
+            over = m.node_count;
+            Pose pose = collider_pose(m, m.world.colliders[t.part], t.frame);
+            for (u32 i = threadIdx.x; i < m.node_count; i += THREADS) {
+                float3 normal;
+                double lack = lack_of(m, t, into_body(pose, position(m, t.frame, i)), normal);
+                sum += lack * lack;
+            }
+        } else if (t.kind == FORCE) {
+            over = 1;
+            float3 f = force_of(m, t);
+            double excess = fmax(sqrt((double)dot(f, f)) - (double)t.beta, 0.0);
+            if (threadIdx.x == 0) sum = excess * excess;
         } else if (t.kind == ABOVE || t.kind == WITHIN) {
             over = t.loss == ALL_NODES ? m.node_count : t.count;
             for (u32 i = threadIdx.x; i < over; i += THREADS) {
@@ -273,6 +339,15 @@ extern "C" __global__ void __launch_bounds__(THREADS) seed(const __grid_constant
             sum = add(sum, strain_seed(m, t, frame, i));
             continue;
         }
+        if (t.kind == FORCE) continue;
+        if (t.kind == CLEARANCE) {
+            Pose pose = collider_pose(m, m.world.colliders[t.part], frame);
+            float3 normal;
+            float lack = lack_of(m, t, into_body(pose, here), normal);
+            float w = -2.0f * t.weight / max(m.node_count, 1u);
+            sum = add(sum, turn(pose, scale(normal, w * lack)));
+            continue;
+        }
         const bool region = t.kind == ABOVE || t.kind == WITHIN;
         if (region && t.loss == ALL_NODES) {
             sum = add_scaled(sum, 2.0f * t.weight / max(m.node_count, 1u), beyond(t, here));
@@ -318,4 +393,72 @@ extern "C" __global__ void seed_rest_lengths(const __grid_constant__ SeedRestLen
         sum -= slope * s.length / (s.rest * s.rest);
     }
     args.outs[blockIdx.y][2 * (u64)m.spring_count + spring] += sum;
+}
+
+// Adds to one of a frame's d loss / d forces.
+DEVICE void add_force_bar(float* to, float s, float3 f) {
+    to[0] += s * f.x;
+    to[1] += s * f.y;
+    to[2] += s * f.z;
+}
+
+// d loss / d forces of all frames, which are zero before. Those of control points have what comes
+// through their grasps too. Block (instance).
+extern "C" __global__ void __launch_bounds__(THREADS)
+seed_forces(const __grid_constant__ SeedForcesArgs args) {
+    const ObjectiveArgs& m = args.objectives[blockIdx.x];
+    if (!m.force_bars) return;
+    const u32 grasps = 6 * m.control_count;
+    for (u32 term = 0; term < m.term_count; term++) {
+        const Term t = m.terms[term];
+        if (t.kind != FORCE || t.frame == 0) continue;
+        float3 f = force_of(m, t);
+        float size = sqrtf(dot(f, f)), excess = size - t.beta;
+        if (excess <= 0.0f || size <= 0.0f) continue;
+        float s = 2.0f * t.weight * excess / size;
+        float* bars = m.force_bars + (u64)(t.frame - 1) * force_stride(m);
+        // A thread has the same control points in all terms; the first has all else.
+        for (u32 c = threadIdx.x; c < m.control_count; c += THREADS) {
+            bool through = t.loss == BY_GRASP && m.world.grasp_of &&
+                           m.world.grasp_of[c] == (int)t.part;
+            if (t.loss == BY_CONTROLS || through || (t.loss == BY_ONE_CONTROL && c == t.part))
+                add_force_bar(bars + 6 * c, s, f);
+        }
+        if (threadIdx.x == 0 && t.loss != BY_CONTROLS && t.loss != BY_ONE_CONTROL)
+            add_force_bar(bars + (t.loss == BY_GRASP ? grasps + 6 * t.part : force_place(m, t)), s, f);
+    }
+}
+
+// Adds d loss / d poses by clearances, which depend on them directly. Block (instance).
+extern "C" __global__ void __launch_bounds__(THREADS)
+seed_poses(const __grid_constant__ SeedPosesArgs args) {
+    const ObjectiveArgs& m = args.objectives[blockIdx.x];
+    for (u32 term = 0; term < m.term_count; term++) {
+        const Term t = m.terms[term];
+        if (t.kind != CLEARANCE) continue;
+        const Collider& c = m.world.colliders[t.part];
+        if (c.body == NO_BODY) continue;
+        Pose pose = collider_pose(m, c, t.frame);
+        float w = -2.0f * t.weight / max(m.node_count, 1u);
+        float sums[12];
+        for (u32 k = 0; k < 12; k++) sums[k] = 0.0f;
+        for (u32 i = threadIdx.x; i < m.node_count; i += THREADS) {
+            float3 normal, x = position(m, t.frame, i);
+            float lack = lack_of(m, t, into_body(pose, x), normal);
+            float3 q_bar = scale(normal, w * lack);
+            float3 arm = sub(x, origin(pose)), x_bar = turn(pose, q_bar);
+            const float arms[3] = {arm.x, arm.y, arm.z}, bars[3] = {x_bar.x, x_bar.y, x_bar.z};
+            for (u32 r = 0; r < 3; r++) {
+                sums[4 * r] += arms[r] * q_bar.x;
+                sums[4 * r + 1] += arms[r] * q_bar.y;
+                sums[4 * r + 2] += arms[r] * q_bar.z;
+                sums[4 * r + 3] -= bars[r];
+            }
+        }
+        float* out = args.outs[blockIdx.x] + ((u64)t.frame * m.world.body_count + c.body) * 12;
+        for (u32 k = 0; k < 12; k++) {
+            double sum = block_sum((double)sums[k]);
+            if (threadIdx.x == 0) out[k] += (float)sum;
+        }
+    }
 }

@@ -7,8 +7,8 @@ use super::{
         AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, ChangeGraspsArgs, Checks,
         CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
         FinishGradientArgs, GatherSumsArgs, NormBarsArgs, PackBendsArgs, PackHalfSpringsArgs,
-        RecordArgs, ScoreArgs, SeedArgs, SeedRestLengthsArgs, SquareLengthsArgs, StartArgs,
-        StepAdamArgs, SumForcesArgs, WeighGradientsArgs,
+        RecordArgs, ScoreArgs, SeedArgs, SeedForcesArgs, SeedPosesArgs, SeedRestLengthsArgs,
+        SquareLengthsArgs, StartArgs, StepAdamArgs, SumForcesArgs, WeighGradientsArgs,
     },
     launch::Launch,
     specialization::Source,
@@ -62,6 +62,10 @@ kernels! {
     Loss: seed(SeedArgs);
     /// d loss / d rest lengths by strains: a block for some springs of an instance.
     Loss: seed_rest_lengths(SeedRestLengthsArgs);
+    /// d loss / d forces of all frames: a block for an instance.
+    Loss: seed_forces(SeedForcesArgs);
+    /// d loss / d poses by the terms themselves: a block for an instance.
+    Loss: seed_poses(SeedPosesArgs);
     /// Half-springs from parameters.
     Params: pack_half_springs(PackHalfSpringsArgs);
     /// Triplets from parameters.

@@ -110,6 +110,11 @@ impl Gradients {
         }
         let params: Vec<_> = (0..instances.len()).map(|i| this.params.at(this.starts[i])).collect();
         forward.scores.add_rest_lengths(forward.simulation, &params)?;
+        if request.motion {
+            let poses: Vec<_> =
+                (0..instances.len()).map(|i| this.poses.at(this.pose_starts[i])).collect();
+            forward.scores.add_poses(forward.simulation, &poses)?;
+        }
         Ok(this)
     }
 

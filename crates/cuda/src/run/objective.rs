@@ -5,7 +5,10 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use bendtwin_engine::{Error, Objective, PointLoss, Term, objective::WeightedTerm};
+use bendtwin_engine::{
+    Error, Objective, PointLoss, Term,
+    objective::{ForceBy, WeightedTerm},
+};
 use cudarc::driver::CudaStream;
 
 use crate::device::{
@@ -109,8 +112,18 @@ impl DeviceObjective {
                     (term.kind, term.low, term.high) = (5, *low, *high);
                     region(nodes.as_ref(), &mut term, &mut targets, &mut target_nodes);
                 }
-                other => {
-                    return Err(Error::InvalidInput(format!("no {other:?} on this device")));
+                Term::Clearance { collider, margin_m } => {
+                    (term.kind, term.part, term.beta) = (6, *collider, *margin_m);
+                }
+                Term::Force { by, limit } => {
+                    (term.kind, term.beta) = (7, *limit);
+                    (term.loss, term.part) = match *by {
+                        ForceBy::Controls => (0, 0),
+                        ForceBy::Control(c) => (1, c),
+                        ForceBy::Grasp(g) => (2, g),
+                        ForceBy::Ground => (3, 0),
+                        ForceBy::Collider(k) => (4, k),
+                    };
                 }
             }
             term.count = targets.len() as u32 - first;

@@ -4,13 +4,18 @@
 use std::sync::Arc;
 
 use bendtwin_engine::{
-    Error, Model,
+    Error, Model, Term,
     backend::{Divergence, Instance, Loss},
+    objective::WeightedTerm,
 };
+use cudarc::driver::CudaStream;
 
 use crate::{
     device::{
-        args::{ObjectiveArgs, Pointer, ScoreArgs, SeedArgs, SeedRestLengthsArgs},
+        args::{
+            ObjectiveArgs, Pointer, ScoreArgs, SeedArgs, SeedForcesArgs, SeedPosesArgs,
+            SeedRestLengthsArgs,
+        },
         kernels,
         launch::MOST_BLOCKS,
         memory::{Buffer, end_of},
@@ -20,6 +25,7 @@ use crate::{
     run::{
         objective::{DeviceObjective, Objectives},
         simulation::Simulation,
+        world::force_stride,
     },
 };
 
@@ -32,6 +38,9 @@ pub(crate) struct Scores {
     value_starts: Vec<usize>,
     seeds: Option<Buffer<f32>>,
     seed_starts: Vec<usize>,
+    /// d loss / d forces of instances that have them in their objectives, shape [F, forces].
+    force_bars: Buffer<f32>,
+    force_starts: Vec<usize>,
     /// Keeps alive what the arguments point to.
     _springs: Vec<Arc<NodeSprings>>,
 }
@@ -50,6 +59,22 @@ pub(crate) fn refuse_too_long(instances: &[Instance]) -> Result<(), Error> {
         ))),
         None => Ok(()),
     }
+}
+
+/// Room for d loss / d forces of instances that have them in their objectives, and where each
+/// begins.
+fn force_bars(
+    stream: &Arc<CudaStream>,
+    instances: &[Instance],
+) -> Result<(Buffer<f32>, Vec<usize>), Error> {
+    let mut starts = vec![0];
+    for instance in instances {
+        let is_force = |t: &WeightedTerm| matches!(t.term, Term::Force { .. });
+        let has = instance.objective.terms.iter().any(is_force);
+        let count = if has { instance.frames * force_stride(instance) } else { 0 };
+        starts.push(end_of(&starts) + count);
+    }
+    Ok((Buffer::zeros(stream, end_of(&starts))?, starts))
 }
 
 impl Scores {
@@ -79,6 +104,10 @@ impl Scores {
         let seeds = match cut_every {
             Some(_) => Some(Buffer::empty(stream, end_of(&seed_starts))?),
             None => None,
+        };
+        let (force_bars, force_starts) = match cut_every {
+            Some(_) => force_bars(stream, instances)?,
+            None => (Buffer::empty(stream, 0)?, vec![0; instances.len() + 1]),
         };
         let mut objective_args = Vec::with_capacity(instances.len());
         let mut springs = Vec::new();
@@ -116,6 +145,13 @@ impl Scores {
                     .as_ref()
                     .map_or_else(Pointer::default, |s: &Buffer<f32>| s.at(seed_starts[i])),
                 cut_every: cut_every.unwrap_or(0).min(u32::MAX as usize) as u32,
+                control_count: graph.control_count() as u32,
+                world: simulation.worlds.args(i),
+                force_bars: if force_starts[i + 1] > force_starts[i] {
+                    force_bars.at(force_starts[i])
+                } else {
+                    Pointer::default()
+                },
                 ..own
             });
         }
@@ -129,6 +165,8 @@ impl Scores {
             seeds,
             seed_starts,
             _springs: springs,
+            force_bars,
+            force_starts,
         };
         this.launch(simulation)?;
         Ok(this)
@@ -152,6 +190,11 @@ impl Scores {
             let launch = queue.grid((nodes as u32).div_ceil(THREADS), frames as u32 + 1, count);
             // SAFETY: as above.
             unsafe { kernels::seed(&launch, &SeedArgs { objectives })? };
+            if self.force_bars.len() > 0 {
+                let launch = queue.grid(count, 1, 1);
+                // SAFETY: instances with such terms have forces of all frames, and places for these.
+                unsafe { kernels::seed_forces(&launch, &SeedForcesArgs { objectives })? };
+            }
         }
         Ok(())
     }
@@ -181,6 +224,42 @@ impl Scores {
             unsafe { kernels::seed_rest_lengths(&launch, &args)? };
         }
         Ok(())
+    }
+
+    /// Adds d loss / d poses by the terms themselves to gradients by poses, whose addresses are by
+    /// instance.
+    pub(crate) fn add_poses(
+        &self,
+        simulation: &Simulation<'_>,
+        gradients: &[Pointer<f32>],
+    ) -> Result<(), Error> {
+        let depends = |i: &Instance| {
+            i.objective.terms.iter().any(|t| matches!(t.term, Term::Clearance { .. }))
+        };
+        if !simulation.instances.iter().any(depends) {
+            return Ok(());
+        }
+        let queue = simulation.queue;
+        let outs = Buffer::of(&queue.stream, gradients)?;
+        let args =
+            SeedPosesArgs { objectives: self.objective_args.address(), outs: outs.address() };
+        // SAFETY: each gradient has a place for every pose of its instance.
+        unsafe { kernels::seed_poses(&queue.grid(gradients.len() as u32, 1, 1), &args) }
+    }
+
+    /// Address of d loss / d forces of an instance in a frame, 0-based; null if none are in its
+    /// objective.
+    pub(crate) fn force_bars(
+        &self,
+        simulation: &Simulation<'_>,
+        index: usize,
+        frame: usize,
+    ) -> Pointer<f32> {
+        let at = self.force_starts[index];
+        if self.force_starts[index + 1] == at {
+            return Pointer::default();
+        }
+        self.force_bars.at(at + frame * force_stride(&simulation.instances[index]))
     }
 
     /// Address of d loss / d positions of an instance at the end of a frame.

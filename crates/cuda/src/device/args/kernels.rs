@@ -101,6 +101,21 @@ device_struct! {
 }
 
 device_struct! {
+    /// Parameters of `seed_forces`.
+    SeedForcesArgs {
+        objectives: Pointer<ObjectiveArgs>,
+    }
+}
+
+device_struct! {
+    /// Parameters of `seed_poses`.
+    SeedPosesArgs {
+        objectives: Pointer<ObjectiveArgs>,
+        outs: Pointer<Pointer<f32>>,
+    }
+}
+
+device_struct! {
     /// Parameters of `pack_half_springs`.
     PackHalfSpringsArgs {
         rates: Pointer<[f32; 4]>,

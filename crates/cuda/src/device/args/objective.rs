@@ -34,7 +34,7 @@ device_struct! {
         loss: u32,
         beta: f32,
         weight: f32,
-        unused: u32,
+        part: u32,
         low: [f32; 3],
         high: [f32; 3],
     }
@@ -61,7 +61,9 @@ device_struct! {
         cut_every: u32,
         spring_count: u32,
         strained_count: u32,
-        unused: u32,
+        control_count: u32,
+        world: WorldArgs,
+        force_bars: Pointer<f32>,
     }
 }
 

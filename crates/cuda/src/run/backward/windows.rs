@@ -209,6 +209,8 @@ impl<'a> ConcurrentWindows<'a> {
                 let frame = window.frame(depth);
                 let mut args = *args;
                 args.state.first_frame = frame as u32;
+                let scores = self.backward.forward.scores;
+                args.world.force_bars = scores.force_bars(simulation, window.instance, frame);
                 self.arrays.place(w, depth - from, &mut args);
                 match self.backward.forward.tapes {
                     Some(tapes) => {
