@@ -14,6 +14,7 @@ mod limits;
 mod memory;
 mod parts;
 mod size;
+pub mod split;
 mod surroundings;
 mod twin;
 

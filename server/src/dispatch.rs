@@ -6,6 +6,7 @@ mod line;
 mod registry;
 mod rollout;
 mod route;
+mod spread;
 mod twins;
 mod untaken;
 

@@ -66,11 +66,12 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
     let api = Api { app: app.clone() };
     let limits = app.options.limits.rollout;
     let bytes = |limit: u64| usize::try_from(limit).unwrap_or(usize::MAX);
-    let reflection = tonic_reflection::server::Builder::configure()
-        .register_encoded_file_descriptor_set(DESCRIPTORS)
-        .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
-        .build_v1()
-        .map_err(|e| StartError::Descriptors(e.to_string()))?;
+    let reflection = || {
+        tonic_reflection::server::Builder::configure()
+            .register_encoded_file_descriptor_set(DESCRIPTORS)
+            .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+    };
+    let broken = |e: tonic_reflection::server::Error| StartError::Descriptors(e.to_string());
     let health = ServerHealth::new(app)
         .with::<CaptureServiceServer<Api>>()
         .with::<FitServiceServer<Api>>()
@@ -80,7 +81,9 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
     let mut routes = Routes::builder();
     routes
         .add_service(HealthServer::new(health))
-        .add_service(reflection)
+        .add_service(reflection().build_v1().map_err(broken)?)
+        // The version that grpcio-reflection and older tools speak.
+        .add_service(reflection().build_v1alpha().map_err(broken)?)
         .add_service(CaptureServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(FitServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
         .add_service(TwinServiceServer::new(api.clone()).max_decoding_message_size(MESSAGE))
@@ -115,6 +118,7 @@ pub(crate) fn methods() -> Result<HashSet<String>, StartError> {
         DESCRIPTORS,
         tonic_health::pb::FILE_DESCRIPTOR_SET,
         tonic_reflection::pb::v1::FILE_DESCRIPTOR_SET,
+        tonic_reflection::pb::v1alpha::FILE_DESCRIPTOR_SET,
     ];
     let mut paths = HashSet::new();
     for set in sets {

@@ -1,6 +1,7 @@
 //! `bendtwin demo`: the whole system at work, with the command for each step.
 
 mod candidates;
+mod closed_loop;
 mod server;
 mod steps;
 
@@ -20,7 +21,11 @@ pub(crate) struct Demo {
     /// Picture to write
     #[arg(long, value_name = "FILE", default_value = "bendtwin-demo.png")]
     out: PathBuf,
-    /// Seed of the capture and of the fits
+    /// Show a closed loop instead, in less than half a minute: plan with a twin, move a rope that
+    /// differs from it, and plan again from where that is
+    #[arg(long)]
+    plan: bool,
+    /// Seed of the capture, of the fits and of the plans
     #[arg(long, default_value_t = 0)]
     seed: u64,
     #[command(flatten)]
@@ -33,11 +38,17 @@ pub(crate) async fn run(args: Demo, global: &Global) -> anyhow::Result<()> {
     let mut demo = DemoRun::new(global.json, args.seed, args.out, folder.path().to_owned());
     let mut server = demo.start_server(&args.backend).await?;
     let connection = server.connection.clone();
+    let steps = async {
+        match args.plan {
+            true => demo.run_closed_loop(&connection).await,
+            false => demo.run(&connection).await,
+        }
+    };
     let outcome = tokio::select! {
         // Ctrl-C reaches the server as well: its end is no fault then.
         biased;
         () = shutdown.cancelled() => Err(anyhow::anyhow!("interrupted; everything was stopped")),
-        outcome = demo.run(&connection) => outcome,
+        outcome = steps => outcome,
         fault = server.ended() => Err(fault),
     };
     // In good order whatever happened: no process and no half-written folder stays behind.

@@ -1,16 +1,22 @@
 //! `bendtwin eval`: fits captures on this machine and scores the twins, without a server.
 
+mod corrections;
 mod local;
 
 use std::{path::PathBuf, sync::Arc};
 
 use bendtwin_core::{CancelToken, Quality, Twin};
 use bendtwin_engine::Backend;
-use bendtwin_eval::{EvaluateOptions, TableStyle, evaluate, fast_variant, format_table};
+use bendtwin_eval::{
+    CorrectionScore, EvaluateOptions, TableStyle, evaluate, fast_variant, format_table,
+};
 use clap::Args;
 use serde_json::json;
 
-use self::local::{Fitted, fit};
+use self::{
+    corrections::CorrectArgs,
+    local::{Fitted, fit},
+};
 use crate::{
     backend::BackendArgs,
     failure::{self, Failed, Usage},
@@ -41,6 +47,8 @@ pub(crate) struct Eval {
     /// Include the errors of every frame (with --json)
     #[arg(long)]
     per_frame: bool,
+    #[command(flatten)]
+    correct: CorrectArgs,
 }
 
 pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
@@ -70,6 +78,7 @@ pub(crate) async fn run(args: Eval, global: &Global) -> anyhow::Result<()> {
             "quality": scored.quality,
             "substeps": scored.substeps,
             "fit_s": scored.fit_s,
+            "corrections": corrections::document(&scored.corrections),
         });
         output::print(global, &document, || text(&name, &scored))?;
     }
@@ -82,6 +91,7 @@ struct Scored {
     /// Substeps of the twin [per frame].
     substeps: u32,
     fit_s: Option<f64>,
+    corrections: Vec<CorrectionScore>,
 }
 
 fn score(
@@ -121,7 +131,8 @@ fn score(
         let axial = fitted.axial.as_ref();
         picture::draw(file, &fitted.twin, axial, &capture, &**backend, cancel)?;
     }
-    Ok(Scored { quality, substeps: fitted.twin.timing.substeps, fit_s })
+    let corrections = args.correct.compare(&**backend, &fitted.twin, &capture, cancel)?;
+    Ok(Scored { quality, substeps: fitted.twin.timing.substeps, fit_s, corrections })
 }
 
 fn read_twin(path: &std::path::Path) -> anyhow::Result<Twin> {
@@ -137,6 +148,9 @@ fn text(name: &str, scored: &Scored) -> String {
     }
     if let Some(line) = quality::fast(&scored.quality, scored.substeps) {
         text += &format!("\nFast: {line}.\n");
+    }
+    if !scored.corrections.is_empty() {
+        text += &format!("\n{}", corrections::table(&scored.corrections));
     }
     match scored.fit_s {
         Some(seconds) => text + &format!("\nFitted in {}.\n", output::duration(seconds)),

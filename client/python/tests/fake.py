@@ -225,8 +225,30 @@ class Fake(
             reply.frames.CopyFrom(tensor(np.arange(1, path.shape[1] + 1, dtype=np.uint32)))
         if request.returns.control_gradients:
             reply.control_gradients.CopyFrom(tensor(knots.copy()))
+            reply.gradient_exploded.CopyFrom(tensor(np.arange(count, dtype=np.uint32)))
+        if request.returns.action_gradients:
+            reply.action_gradients.CopyFrom(tensor(knots.copy()))
+        Fake._more(request.returns, reply, knots)
         reply.diverged.add(instance=first, frame=3, node=2)
         return reply
+
+    @staticmethod
+    def _more(asked, reply, knots):
+        """What is rarely asked for: zeros of the right shape, and the controls."""
+        count, frames = knots.shape[:2]
+        terms = len(reply.cost_names)
+        if asked.velocities:
+            reply.velocities.CopyFrom(tensor(np.zeros((count, frames - 1, 3, 3), np.float32)))
+        if asked.frame_costs:
+            reply.frame_costs.CopyFrom(tensor(np.zeros((count, frames, terms))))
+        if asked.controls:
+            reply.controls.CopyFrom(tensor(knots.copy()))
+        if asked.gradient_norms:
+            reply.gradient_norms.CopyFrom(tensor(np.zeros((count, frames))))
+        if asked.initial_gradients:
+            zeros = tensor(np.zeros((count, 3, 3), np.float32))
+            reply.initial_position_gradients.CopyFrom(zeros)
+            reply.initial_velocity_gradients.CopyFrom(zeros)
 
 
 class Recorder(grpc.ServerInterceptor):

@@ -1,16 +1,25 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fake import TWIN
 
 from bendtwin import (
     CaptureFrame,
+    Clearance,
+    ControlPath,
+    ControlSpeed,
+    Force,
     GivenState,
+    Height,
     Keypoints,
     Returns,
     Smoothness,
+    Strain,
     TargetCloud,
+    Within,
 )
-from bendtwin.planners import Cem, GradientDescent, Grippers, Mppi, Task, Together
+from bendtwin.planners import Cem, Grippers, Mppi, Task, Together
 
 
 @pytest.fixture
@@ -72,6 +81,89 @@ def test_everything_asked_for_is_sent(twin, fake):
     assert [c.weight for c in request.costs] == [2.0, 1.0, 0.5]
     assert request.returns.best == 1
     assert list(request.returns.nodes.shape) == [2]
+
+
+def test_every_kind_of_cost_is_sent(twin, fake):
+    twin.rollout(
+        trajectories=actions(2),
+        costs=[
+            Strain(limit=0.1, weight=-1.0),
+            Force(by="controls", limit_n=2.0),
+            Force(by=("grasp", 3)),
+            Height(offset_m=0.02, nodes=[1]),
+            Within(low=[0, 0, 0], high=[1, 1, 1]),
+            Clearance(collider=1, margin_m=0.01),
+            ControlPath(weight=0.0),
+            ControlSpeed(limit_m_s=0.5),
+            TargetCloud(points=np.zeros((3, 5, 3)), when="soft_min", temperature=1e-4),
+            Keypoints(nodes=[0, 2], targets=np.zeros((2, 1, 2, 3))),
+        ],
+    )
+    costs = fake.rollout_request.costs
+    assert [c.WhichOneof("kind") for c in costs] == [
+        "strain",
+        "force",
+        "force",
+        "height",
+        "within",
+        "clearance",
+        "control_path",
+        "control_speed",
+        "target_cloud",
+        "keypoints",
+    ]
+    assert costs[0].weight == -1.0
+    assert costs[1].force.WhichOneof("by") == "controls"
+    assert (costs[2].force.WhichOneof("by"), costs[2].force.grasp) == ("grasp", 3)
+    assert list(costs[3].height.plane.normal) == [0, 0, 1]
+    assert not costs[4].within.HasField("nodes")
+    assert costs[6].HasField("weight")
+    assert (costs[8].when, costs[8].temperature) == (3, 1e-4)
+    assert list(costs[8].target_cloud.points.shape) == [3, 5, 3]
+    assert list(costs[9].keypoints.targets.shape) == [2, 1, 2, 3]
+
+
+def test_wrong_costs_are_refused_before_they_are_sent(twin):
+    wrong = [
+        TargetCloud(points=[0.0, 0.0, 0.0]),
+        Keypoints(nodes=[0], targets=np.zeros((1, 1, 1, 1, 3))),
+        Within(low=[0, 0], high=[1, 1, 1]),
+        Height(normal=[0, 1]),
+        TargetCloud(points=[[np.nan, 0, 0]]),
+    ]
+    for cost in wrong:
+        with pytest.raises(ValueError, match=r"shape|dimensions|finite"):
+            twin.rollout(trajectories=actions(1), costs=[cost])
+
+
+def test_all_arrays_come_back_with_their_shapes(twin, fake):
+    asked = Returns(
+        every_frames=1,
+        velocities=True,
+        frame_costs=True,
+        controls=True,
+        control_gradients=True,
+        initial_gradients=True,
+        gradient_norms=True,
+        diagnostics=True,
+    )
+    result = twin.rollout(trajectories=actions(2), costs=[Smoothness()], returns=asked)
+    sent = fake.rollout_request.returns
+    assert sent.velocities
+    assert sent.frame_costs
+    assert sent.controls
+    assert sent.initial_gradients
+    assert sent.gradient_norms
+    assert result.velocities.shape == result.positions.shape
+    assert result.frame_costs.shape == (2, 4, 1)
+    assert result.controls.shape == (2, 4, 1, 3)
+    assert result.initial_position_gradients.shape == (2, 3, 3)
+    assert result.initial_velocity_gradients.shape == (2, 3, 3)
+    assert result.gradient_norms.shape == (2, 4)
+    np.testing.assert_array_equal(result.gradient_exploded, [0, 1])
+    nothing = twin.rollout(trajectories=actions(2))
+    assert nothing.velocities is None
+    assert nothing.frame_costs is None
 
 
 def test_a_fast_rollout_says_how_far_it_strays(twin):
@@ -137,20 +229,21 @@ def test_the_first_frames_of_a_plan_are_dense(twin, fake):
     space = Together([[0.2, 0.2, 0.2]])
     task = Task(twin=twin, costs=[Smoothness()], space=space, frames=30, interpolation="cubic")
     plan = Mppi(task, knots=4).plan()
-    assert plan.path().shape == (31, 3)
-    few = plan.actions(frames=3)
+    few, all_of_it = plan.actions(frames=3), plan.actions(frames=30)
     assert few["trajectories"].shape == (1, 4, 1, 3)
-    np.testing.assert_allclose(few["trajectories"][0, :, 0], 0.2 + plan.path()[:4], atol=1e-6)
+    assert few["frames"] == 3
+    np.testing.assert_array_equal(few["trajectories"], all_of_it["trajectories"][:, :4])
+    knots = plan.actions()["trajectories"]
+    np.testing.assert_allclose(all_of_it["trajectories"][:, ::10], knots, atol=1e-6)
+    poses = replace(task, space=Grippers.around([[0.2, 0.2, 0.2]]))
+    assert poses.actions(np.zeros((4, 6)), frames=2)["poses"].shape == (1, 3, 1, 7)
     with pytest.raises(ValueError, match="30 frames"):
         plan.actions(frames=31)
 
 
-def test_gradients_by_frame_become_gradients_by_knot(twin, fake):
-    # The server of this test answers with the actions themselves as gradients, in knots.
-    task = Task(twin=twin, costs=[Smoothness()], space=Together([[0.2] * 3]), frames=3)
+def test_gradients_by_actions_become_gradients_by_knots(twin, fake):
+    # The server of this test answers with the actions themselves as gradients.
+    task = Task(twin=twin, costs=[Smoothness()], space=Together([[0.2] * 3] * 2), frames=3)
     found = task.evaluate(np.zeros((1, 4, 3)), None, gradients=True)
-    np.testing.assert_allclose(found.gradients, 0.2, atol=1e-6)
-    assert fake.rollout_request.returns.control_gradients
-    poses = Task(twin=twin, costs=[Smoothness()], space=Grippers.around([[0.2] * 3]), frames=3)
-    with pytest.raises(ValueError, match="another method"):
-        GradientDescent(poses).plan()
+    np.testing.assert_allclose(found.gradients, 0.4, atol=1e-6)
+    assert fake.rollout_request.returns.action_gradients

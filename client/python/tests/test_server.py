@@ -1,5 +1,6 @@
 """Against the real `bendtwin`, named by BENDTWIN_BIN: one server with its own worker."""
 
+import asyncio
 import os
 import subprocess
 import time
@@ -15,7 +16,9 @@ from bendtwin import (
     Client,
     JobState,
     Keypoints,
+    Motion,
     Returns,
+    aio,
 )
 from bendtwin.planners import (
     Bounds,
@@ -81,6 +84,20 @@ def twin(client, folder):
     assert [t.name for t in client.twins(capture.name)] == [twin.name]
     assert twin.info.quality["scores"]
     return twin
+
+
+def test_motion_capture_becomes_an_observation(client):
+    frames, points = 40, 12
+    t = np.linspace(0, 1, frames)[:, None]
+    along = np.linspace(0, 0.3, points)[None, :]
+    rope = np.stack([along + 0 * t, 0.05 * np.sin(3 * along + 4 * t), 0.3 - 0.1 * along * t], 2)
+    rope[5, 3] = np.nan
+    motion = Motion(rope, controls=rope[:, :1], visible=np.isfinite(rope).all(axis=2))
+    edges = [[i, i + 1] for i in range(points - 1)]
+    capture = client.upload_motion([motion, motion], fps=60, display_name="two ropes", edges=edges)
+    assert capture.display_name == "two ropes"
+    assert client.wait_for_capture(capture, timeout_s=120).verdict in ("good", "usable")
+    client.delete_capture(capture.name)
 
 
 def still(twin, client, folder, batch=4, frames=6):
@@ -179,6 +196,29 @@ def test_planning_lowers_the_cost(twin, task, method, interpolation):
     # Rounding of the actions grows in contacts: only the first frames are near enough.
     dense = twin.rollout(**plan.actions(frames=2), returns=Returns(every_frames=1))
     np.testing.assert_allclose(dense.positions, again.positions[:, :2], atol=5e-4)
+
+
+def test_the_client_of_asyncio_gets_the_same(client, twin, folder):
+    actions = still(twin, client, folder, batch=3)
+    expected = twin.rollout(trajectories=actions, returns=Returns(final_state=True))
+
+    async def main():
+        async with aio.Client(client._address) as other:
+            names = [t.name async for t in other.twins(twin.info.capture)]
+            same = await other.twin(names[0])
+            imported = await other.import_twin(folder / "twin.safetensors")
+            await other.delete_twin(imported.name)
+            calls = [
+                same.rollout(trajectories=actions, returns=Returns(final_state=True))
+                for _ in range(3)
+            ]
+            parts = [part async for part in same.stream_rollout(trajectories=actions)]
+            return await asyncio.gather(*calls), sum(len(part.costs) for part in parts)
+
+    results, streamed = asyncio.run(main())
+    for result in results:
+        np.testing.assert_array_equal(result.final_positions, expected.final_positions)
+    assert streamed == 3
 
 
 def test_refusals_carry_the_servers_reason(client, twin):

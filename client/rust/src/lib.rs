@@ -63,7 +63,7 @@ pub use self::{
     page::{Page, PageRequest},
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{
-        Collider, Cost, Deviation, Diagnostics, Divergence, Forces, Grasp, GripperPoses,
+        Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, GripperPoses,
         Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, Statistic, Vary, WirePose,
         World,
     },

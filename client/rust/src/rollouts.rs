@@ -9,7 +9,7 @@ use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
 use futures::{Stream, StreamExt as _};
 
 pub use self::{
-    cost::Cost,
+    cost::{Cost, ForceBy},
     reply::{Deviation, Diagnostics, Divergence, Forces, Implausible, Reply, RolloutTiming},
     request::{GripperPoses, Rollout},
     world::{Collider, Grasp, Shape, Statistic, Vary, WirePose, World},

@@ -19,24 +19,30 @@ DEVICE void fetch_tape(const BlockState& l, const Constants& c, u32 buffer, u32 
         copy_async(l.xs(buffer, 0) + i, xs + at);
         copy_async(l.vs(buffer, 0) + i, vs + at);
     }
-    Path path = path_of(instance, instance.state.first_frame);
     float t = progress(substep, c.substeps);
     // The last threads: their rows are the shortest.
     for (u32 i = THREADS - 1 - threadIdx.x; i < l.controls; i += THREADS)
-        l.put(
-            buffer, 0, l.control_base + i, control_position(path, t, i), control_velocity(path, i)
-        );
+        put_control(l, instance, buffer, 0, i, instance.state.first_frame, t);
 }
 
 // From d loss / d velocity before contact to that before forces acted, and to lambda.
 DEVICE void accelerate_adjoint(
-    const BlockState& l, const Constants& c, const ThreadNode& p, u32 buffer, float3 before,
-    float3 x_bar, float3 v_bar, Sums& sums
+    const BlockState& l, const Constants& c, const ThreadNode& p, const NodeHold& h, u32 buffer,
+    float3 before, float3 x_bar, float3 v_bar, Sums& sums
 ) {
-    if (p.pin >= 0) {
-        if (p.lane == 0)
-            add_path(c.pin_sums, l.instance->topology.pin_count, p.pin, 0.0f, zero3(), v_bar);
-        v_bar = zero3();
+    bool is_held = is_pinned(p, h) || is_carried(h);
+    float3 held_bar = zero3();  // d loss / d the velocity that it would have
+#if FORCES
+    if (is_held) {
+        float mass = l.instance->topology.masses[p.at];
+        float3 seed = scale(held_force_bar(l, p, h), mass / l.instance->step.frame_s);
+        v_bar = add(v_bar, seed);
+        held_bar = scale(seed, -1.0f);
+    }
+#endif
+    if (is_held) {
+        if (p.lane == 0) add_hold_path(l, p, h, 0.0f, zero3(), v_bar);
+        v_bar = held_bar;
     }
     if (p.lane == 0) sums.decay += dot(v_bar, before);
     v_bar = scale(v_bar, c.decay);
@@ -44,7 +50,11 @@ DEVICE void accelerate_adjoint(
         bar_x_of(l)[p.node] = with_w(x_bar, 0.0f);
         bar_v_of(l)[p.node] = with_w(v_bar, 0.0f);
     }
-    float4 lambda = with_w(scale(v_bar, p.inverse_mass * c.dt), 0.0f);
+    float inverse_mass = inverse_mass_of(p, h);
+#if FORCES
+    if (is_held) inverse_mass = 1.0f / l.instance->topology.masses[p.at];
+#endif
+    float4 lambda = with_w(scale(v_bar, inverse_mass * c.dt), 0.0f);
     publish_vector(l, p, buffer, lambda_of(l, buffer), lambda);
 }
 
@@ -64,14 +74,15 @@ DEVICE TapeEntry tape_entry_of(const Constants& c, const ThreadNode& p, u32 tape
 // First half of a substep, `bar` being d loss / d state at its end. With contact it ends before the
 // barrier that `contact_adjoint` needs.
 DEVICE void node_adjoint(
-    const BlockState& l, const Constants& c, const ThreadNode& p, u32 buffer, u32 substep, u32 tape,
-    const TapeEntry& entry, float3 x_bar, float3 v_bar, Sums& sums
+    const BlockState& l, const Constants& c, const ThreadNode& p, const NodeHold& h, u32 buffer,
+    u32 substep, u32 tape, const TapeEntry& entry, float3 x_bar, float3 v_bar, Sums& sums
 ) {
     const InstanceArgs& instance = *l.instance;
     float3 x = entry.x, before = entry.before;
-    if (p.pin >= 0) {
+    bool is_held = is_pinned(p, h) || is_carried(h);
+    if (is_held) {
         float t = progress(substep, c.substeps);
-        if (p.lane == 0) add_path(c.pin_sums, instance.topology.pin_count, p.pin, t, x_bar, v_bar);
+        if (p.lane == 0) add_hold_path(l, p, h, t, x_bar, v_bar);
         x_bar = v_bar = zero3();
     }
     float3 after = before;
@@ -80,12 +91,20 @@ DEVICE void node_adjoint(
     u64 start = (u64)tape * c.nodes;
     TapedNodes nodes = {
         c.tape_x + start, c.tape_b + 3 * start, instance.topology.inverse_mass,
-        instance.tape.slot_of
+        instance.tape.slot_of, &instance
     };
     float contact_count;
     after = collide(instance, nodes, p.at, p.valid, p.lane, contact_count);
 #endif
-#if GROUND
+#if COLLIDERS || FORCES || SMOOTH
+    if (!is_held && p.valid) {
+        float t = __fdiv_rn((float)substep, (float)c.substeps);
+        advance_among_adjoint(
+            instance, instance.state.first_frame, t, p.at, p.lane == 0, x, after, x_bar, v_bar,
+            law_bar
+        );
+    }
+#elif GROUND
     advance_adjoint(c.ground, c.law, c.dt, x, after, x_bar, v_bar, law_bar);
 #else
     v_bar = add_scaled(v_bar, c.dt, x_bar);
@@ -97,25 +116,26 @@ DEVICE void node_adjoint(
     }
 #if CONTACT
     if (p.lane == 0) {
-        float share = contact_count > 0.0f ? -(p.inverse_mass / contact_count) : 0.0f;
+        float share = contact_count > 0.0f ? -(inverse_mass_of(p, h) / contact_count) : 0.0f;
         __stcg(instance.contact.v + p.at, with_w(scale(v_bar, share), 0.0f));
         bar_x_of(l)[p.node] = with_w(x_bar, 0.0f);
         bar_v_of(l)[p.node] = with_w(v_bar, 0.0f);
     }
 #else
-    accelerate_adjoint(l, c, p, buffer, before, x_bar, v_bar, sums);
+    accelerate_adjoint(l, c, p, h, buffer, before, x_bar, v_bar, sums);
 #endif
 }
 
 // The rest of it with contact, after the team's barrier.
 DEVICE void contact_adjoint(
-    const BlockState& l, const Constants& c, const ThreadNode& p, u32 buffer, u32 tape, Sums& sums
+    const BlockState& l, const Constants& c, const ThreadNode& p, const NodeHold& h, u32 buffer,
+    u32 tape, Sums& sums
 ) {
     const InstanceArgs& instance = *l.instance;
     u64 start = (u64)tape * c.nodes;
     TapedNodes nodes = {
         c.tape_x + start, c.tape_b + 3 * start, instance.topology.inverse_mass,
-        instance.tape.slot_of
+        instance.tape.slot_of, &instance
     };
     float3 x_bar = zero3(), v_bar = zero3();
     if (p.valid) {
@@ -126,10 +146,8 @@ DEVICE void contact_adjoint(
     collide_adjoint(
         instance, nodes, p.at, p.valid, p.lane, instance.contact.v, x_bar, v_bar, sums.object
     );
-    float4 x4;
-    float3 before;
-    nodes.load(p.at, x4, before);
-    if (p.valid) accelerate_adjoint(l, c, p, buffer, before, x_bar, v_bar, sums);
+    float3 before = load_v3(c.tape_b + 3 * (start + p.slot));
+    if (p.valid) accelerate_adjoint(l, c, p, h, buffer, before, x_bar, v_bar, sums);
 }
 
 // Adds a block's sum of a thread's value to `to`, in a fixed order.
@@ -184,14 +202,15 @@ DEVICE void store_sums(
 #endif
 
 DEVICE void contact_half(
-    BlockState& l, const Constants& c, const ThreadNode& one, u32 buffer, u32 tape, Sums& sums
+    BlockState& l, const Constants& c, const ThreadNode& one, const NodeHold& hold, u32 buffer,
+    u32 tape, Sums& sums
 ) {
 #if CONTACT
     synchronize_team(l.barrier, l.round);
 #if ONE_ROW
-    contact_adjoint(l, c, one, buffer, tape, sums);
+    contact_adjoint(l, c, one, hold, buffer, tape, sums);
 #else
-    FOR_NODES(p) contact_adjoint(l, c, p, buffer, tape, sums);
+    FOR_NODES(p) contact_adjoint(l, c, p, node_hold_of(l, p), buffer, tape, sums);
 #endif
 #endif
 }
@@ -202,15 +221,27 @@ DEVICE void synchronize_lambda(BlockState& l, const Halo& halo, u32 buffer) {
     fetch_vectors(l, halo, buffer, lambda_of(l, buffer));
 }
 
-DEVICE void
-begin_frame_adjoint(const BlockState& l, const ThreadNode& p, float3& x_bar, float3& v_bar) {
-    if (p.pin >= 0) {
-        if (p.lane == 0)
-            add_path(
-                l.instance->adjoint.pin_sums, l.instance->topology.pin_count, p.pin, 0.0f, x_bar,
-                v_bar
-            );
-        x_bar = v_bar = zero3();
+// Of where held nodes stand when the frame begins; leaves d loss / d what they arrive with.
+DEVICE void begin_frame_adjoint(
+    const BlockState& l, const ThreadNode& p, const NodeHold& h, float3& x_bar, float3& v_bar
+) {
+    if (is_pinned(p, h) || is_carried(h)) {
+        float3 jump = zero3();
+#if FORCES
+        const InstanceArgs& instance = *l.instance;
+        float mass = instance.topology.masses[p.at];
+        jump = scale(held_force_bar(l, p, h), mass / instance.step.frame_s);
+#endif
+        if (p.lane == 0) add_hold_path(l, p, h, 0.0f, x_bar, add(v_bar, jump));
+        x_bar = zero3();
+        v_bar = scale(jump, -1.0f);
+#if FORCES
+        // The first frame's meet the state that the rollout was given.
+        if (instance.state.first_frame == 0 && instance.world.arrive_bars) {
+            if (p.lane == 0) instance.world.arrive_bars[p.at] = with_w(v_bar, 0.0f);
+            v_bar = zero3();
+        }
+#endif
     }
 }
 
@@ -237,7 +268,6 @@ back_frame(const __grid_constant__ BackFrameArgs args) {
         instance.tape.x,
         instance.tape.v,
         instance.tape.before,
-        instance.adjoint.pin_sums,
         instance.adjoint.spring_sums,
         threadIdx.x < l.share.local ? instance.tape.slot_of[l.graph_node(threadIdx.x)] : 0
     };
@@ -253,9 +283,17 @@ back_frame(const __grid_constant__ BackFrameArgs args) {
     Halo halo = halo_of(l);
     Sums sums = {};
     ThreadNode one = thread_node_of(l, threadIdx.x / 32);
+    NodeHold hold = node_hold_of(l, one);
     for (u32 i = threadIdx.x; i < l.controls; i += THREADS) {
-        lambda_of(l, 0)[l.control_base + i] = zero4();
-        lambda_of(l, 1)[l.control_base + i] = zero4();
+        float4 lambda = zero4();
+#if FORCES
+        // A control point exerts minus the force on it.
+        const float* bars = instance.world.force_bars;
+        float share = -instance.step.dt / instance.step.frame_s;
+        if (bars) lambda = with_w(scale(load_v3(bars + 6 * i), share), 0.0f);
+#endif
+        lambda_of(l, 0)[l.control_base + i] = lambda;
+        lambda_of(l, 1)[l.control_base + i] = lambda;
     }
     u32 now = 0;
     fetch_tape(l, c, now, to - 1 - from, to - 1);
@@ -265,15 +303,16 @@ back_frame(const __grid_constant__ BackFrameArgs args) {
     synchronize_team(l.barrier, l.round);
     expect_halo(l.arrivals, now);
 #if ONE_ROW
-    node_adjoint(l, c, one, now, to - 1, to - 1 - from, tape_entry_of(c, one, to - 1 - from),
+    node_adjoint(l, c, one, hold, now, to - 1, to - 1 - from, tape_entry_of(c, one, to - 1 - from),
                  xyz(instance.adjoint.bar_x[one.at]), xyz(instance.adjoint.bar_v[one.at]), sums);
 #else
     FOR_NODES(p) {
-        node_adjoint(l, c, p, now, to - 1, to - 1 - from, tape_entry_of(c, p, to - 1 - from),
+        NodeHold hold = node_hold_of(l, p);
+        node_adjoint(l, c, p, hold, now, to - 1, to - 1 - from, tape_entry_of(c, p, to - 1 - from),
                      xyz(instance.adjoint.bar_x[p.at]), xyz(instance.adjoint.bar_v[p.at]), sums);
     }
 #endif
-    contact_half(l, c, one, now, to - 1 - from, sums);
+    contact_half(l, c, one, hold, now, to - 1 - from, sums);
     synchronize_lambda(l, halo, now);
     for (u32 s = to; s-- > from;) {
         u32 earlier = now ^ 1;
@@ -290,16 +329,17 @@ back_frame(const __grid_constant__ BackFrameArgs args) {
             const ThreadNode& p = one;
 #else
         FOR_NODES(p) {
+            NodeHold hold = node_hold_of(l, p);
 #endif
             float3 x_bar, v_bar;
             // Loaded early: global memory is slow.
             TapeEntry entry = {};
             if (s > from) entry = tape_entry_of(c, p, s - 1 - from);
-            force_adjoint(l, c, p, now, pairs, bends, refs, x_bar, v_bar, sums);
+            force_adjoint(l, c, p, hold, now, s, pairs, bends, refs, x_bar, v_bar, sums);
             if (s > from) {
-                node_adjoint(l, c, p, earlier, s - 1, s - 1 - from, entry, x_bar, v_bar, sums);
+                node_adjoint(l, c, p, hold, earlier, s - 1, s - 1 - from, entry, x_bar, v_bar, sums);
             } else if (p.valid) {
-                if (from == 0) begin_frame_adjoint(l, p, x_bar, v_bar);
+                if (from == 0) begin_frame_adjoint(l, p, hold, x_bar, v_bar);
                 if (p.lane == 0) {
                     instance.adjoint.bar_x[p.at] = with_w(x_bar, 0.0f);
                     instance.adjoint.bar_v[p.at] = with_w(v_bar, 0.0f);
@@ -308,7 +348,7 @@ back_frame(const __grid_constant__ BackFrameArgs args) {
         }
         control_adjoint(l, c, now, s, pairs, bends, refs);
         if (s > from) {
-            contact_half(l, c, one, earlier, s - 1 - from, sums);
+            contact_half(l, c, one, hold, earlier, s - 1 - from, sums);
             synchronize_lambda(l, halo, earlier);
         }
         now = earlier;

@@ -70,6 +70,7 @@ DEVICE void store_rod_bars(const InstanceArgs& instance) {
 DEVICE void rod_adjoints(
     const BlockState& l, const Constants& c, u32 now, float3* out, const HeldRod& first, u32 tape
 ) {
+    const InstanceArgs& instance = *l.instance;
     const float4* lambda = lambda_of(l, now);
     for_rods(l, first, [&](u32 r, const HeldRod& h) {
         u32 lane = threadIdx.x % 32;
@@ -82,7 +83,7 @@ DEVICE void rod_adjoints(
             pull +=
                 along(in.turn, sub(xyz(lambda[in.ends.i]), own), sub(xyz(lambda[in.ends.k]), own));
         }
-        rate = sum_warp(rate);
+        rate = sum_warp(rate) + roll_rate(instance, instance.state.first_frame, r);
         pull = sum_warp(pull);
         float deviation = before + rate * c.dt - h.rest_twist;
         float torque = h.stiffness * deviation + h.damping * rate;
@@ -94,6 +95,7 @@ DEVICE void rod_adjoints(
             rod_sums()[r] -= pull * deviation;
             rod_sums()[RODS + r] -= pull * rate;
             rod_sums()[2 * RODS + r] += pull * h.stiffness;
+            if (ROLLS && instance.world.roll_sums) instance.world.roll_sums[r] += rate_bar;
         }
         for (u32 t = h.first + lane; t < h.end; t += 32) {
             InnerNode in = inner_node_at(l, now, 0, t);
@@ -177,8 +179,9 @@ DEVICE void summed_pair(
 
 // Second half of a substep for a node; leaves d loss / d state at its start in `x_bar`, `v_bar`.
 DEVICE void force_adjoint(
-    const BlockState& l, const Constants& c, const ThreadNode& p, u32 now, const Pairs& pairs,
-    const float3* bends, const u32* refs, float3& x_bar, float3& v_bar, Sums& sums
+    const BlockState& l, const Constants& c, const ThreadNode& p, const NodeHold& h, u32 now,
+    u32 substep, const Pairs& pairs, const float3* bends, const u32* refs, float3& x_bar,
+    float3& v_bar, Sums& sums
 ) {
     float3 x_sum = zero3(), v_sum = zero3();
     Endpoint own = endpoint_of(l, now, p.node);
@@ -221,6 +224,17 @@ DEVICE void force_adjoint(
     if (p.valid) {
         x_bar = add(xyz(bar_x_of(l)[p.node]), x_sum);
         v_bar = add(xyz(bar_v_of(l)[p.node]), v_sum);
+#if GRASPS
+        if (h.of.by == BY_SPRING) {
+            // f = -stiffness (x - place) - damping (v - v_place), seen by the node and measured.
+            float share = c.dt / l.instance->step.frame_s;
+            float3 pull = add_scaled(own.lambda, share, held_force_bar(l, p, h));
+            float3 x = scale(pull, h.of.stiffness), v = scale(pull, h.of.damping);
+            x_bar = sub(x_bar, x);
+            v_bar = sub(v_bar, v);
+            if (p.lane == 0) add_hold_path(l, p, h, progress(substep, c.substeps), x, v);
+        }
+#endif
     }
     __syncwarp();
 }

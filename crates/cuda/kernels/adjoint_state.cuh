@@ -28,7 +28,6 @@ struct Constants {
     const float4* tape_x;
     const float2* tape_v;
     const float* tape_b;
-    float* pin_sums;
     float* sums;
     u32 first_slot;  // on tape, of the thread's first local node
 };
@@ -43,8 +42,64 @@ struct Sums {
 #endif
 };
 
-// Adds to one of the nine components of d loss / d (from, to, velocity); nothing where `sums` is
-// null.
+// What holds a thread's node in the frame.
+struct NodeHold {
+#if GRASPS
+    Held of;
+#endif
+};
+
+DEVICE NodeHold node_hold_of(const BlockState& l, const ThreadNode& p) {
+    NodeHold h;
+#if GRASPS
+    h.of = held_of(*l.instance, l.instance->state.first_frame, p.at, p.valid, p.pin);
+#endif
+    return h;
+}
+
+// True if a control point holds the node.
+DEVICE bool is_pinned(const ThreadNode& p, const NodeHold& h) {
+#if GRASPS
+    return h.of.by == BY_CONTROL;
+#else
+    return p.pin >= 0;
+#endif
+}
+
+// True if a body holds the node by a pin.
+DEVICE bool is_carried(const NodeHold& h) {
+#if GRASPS
+    return h.of.by == BY_PIN;
+#else
+    return false;
+#endif
+}
+
+// Zero where the node is held.
+DEVICE float inverse_mass_of(const ThreadNode& p, const NodeHold& h) {
+#if GRASPS
+    return h.of.inverse_mass;
+#else
+    return p.inverse_mass;
+#endif
+}
+
+// d loss / d the mean force in the frame with which a node is held.
+DEVICE float3 held_force_bar(const BlockState& l, const ThreadNode& p, const NodeHold& h) {
+#if FORCES
+    const InstanceArgs& instance = *l.instance;
+    const float* bars = instance.world.force_bars;
+    if (!bars) return zero3();
+    if (is_pinned(p, h)) return load_v3(bars + 6 * instance.topology.pins[p.pin].control);
+#if GRASPS
+    if (h.of.by == BY_PIN || h.of.by == BY_SPRING)
+        return load_v3(bars + 6 * (instance.topology.control_count + h.of.grasp));
+#endif
+#endif
+    return zero3();
+}
+
+// Adds to the nine components of d loss / d (from, to, velocity); nothing where `sums` is null.
 DEVICE void add_path(float* sums, u32 stride, u32 i, float t, float3 x_bar, float3 v_bar) {
     if (!sums) return;
     float from = 1.0f - t;
@@ -57,4 +112,19 @@ DEVICE void add_path(float* sums, u32 stride, u32 i, float t, float3 x_bar, floa
     sums[6 * stride + i] += v_bar.x;
     sums[7 * stride + i] += v_bar.y;
     sums[8 * stride + i] += v_bar.z;
+}
+
+// Adds to d loss / d the path of what holds a node.
+DEVICE void add_hold_path(
+    const BlockState& l, const ThreadNode& p, const NodeHold& h, float t, float3 x_bar, float3 v_bar
+) {
+    const InstanceArgs& instance = *l.instance;
+    if (is_pinned(p, h)) {
+        add_path(instance.adjoint.pin_sums, instance.topology.pin_count, p.pin, t, x_bar, v_bar);
+#if GRASPS
+    } else {
+        u32 n = instance.topology.node_count;
+        add_path(instance.world.hold_sums, n, p.at, t, x_bar, v_bar);
+#endif
+    }
 }

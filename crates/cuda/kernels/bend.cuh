@@ -69,10 +69,21 @@ DEVICE BendState bend_state(float3 u, float3 w, float rest_bend) {
     return t;
 }
 
+// True if an end is a control point that its grasp has let go of.
+DEVICE bool is_far(float3 u, float3 w) {
+#if GRASPS
+    return dot(u, u) > FAR_SQUARED_M2 || dot(w, w) > FAR_SQUARED_M2;
+#else
+    return false;
+#endif
+}
+
 // Forces on i and k; the centre takes the opposite of their sum.
 DEVICE void bend_force(
     BendParams p, float3 u, float3 w, float3 u_dot, float3 w_dot, float3& f_i, float3& f_k
 ) {
+    f_i = f_k = zero3();
+    if (is_far(u, w)) return;
     BendState t = bend_state(u, w, p.rest_bend);
     float rate = dot(t.a_u, u_dot) + dot(t.a_w, w_dot);
     float inverse = t.ease * t.inverse_m;
@@ -93,10 +104,11 @@ struct BendAdjoint {
 DEVICE BendAdjoint bend_adjoint(
     BendParams p, float3 u, float3 w, float3 u_dot, float3 w_dot, float3 pull_u, float3 pull_w
 ) {
-    BendState t = bend_state(u, w, p.rest_bend);
     BendAdjoint out;
     out.x_i = out.x_k = out.v_i = out.v_k = zero3();
     out.stiffness = out.damping = out.rest = 0.0f;
+    if (is_far(u, w)) return out;
+    BendState t = bend_state(u, w, p.rest_bend);
     if (t.regular) {
         float3 g_u = scale(t.a_u, t.inverse_m), g_w = scale(t.a_w, t.inverse_m);
         float rate = t.ease * (dot(g_u, u_dot) + dot(g_w, w_dot));

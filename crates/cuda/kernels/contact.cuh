@@ -38,10 +38,18 @@ struct TapedNodes {
     const float4* x;
     const float *b, *inverse_mass;
     const u32* slots;
+    const InstanceArgs* instance;
     DEVICE_MEMBER void load(u32 node, float4& x_out, float3& v_out) const {
         u32 slot = slots[node];
-        x_out = with_w(xyz(x[slot]), inverse_mass[node]);
+        float inverse = inverse_mass[node];
         v_out = load_v3(b + 3 * (u64)slot);
+#if GRASPS || FORCES
+        u32 frame = instance->state.first_frame;
+        inverse = inverse_mass_in(*instance, frame, node);
+        // On tape is what held nodes would do if they were not.
+        if (FORCES && inverse == 0.0f) v_out = held_velocity(*instance, frame, node);
+#endif
+        x_out = with_w(xyz(x[slot]), inverse);
     }
 };
 

@@ -51,6 +51,7 @@ struct TopologyArgs {
     const u32* exports;        // per own node: first of its export references
     const u32* export_refs;    // block << 16 | local index there
     const float* inverse_mass; // by graph index; zero where pinned
+    const float* masses;       // by graph index
     const u32* sum_rows;       // as `rows`: pairs with sums before each row
     const u32* triplet_of;     // per triplet of a share: its index in the graph
     const u32* rod_turns;      // [R + 1]: first inner node of each rod among the share's triplets
@@ -147,6 +148,68 @@ struct TeamArgs {
     u32 unused;
 };
 
+// A rigid obstacle: a capsule, or where it has faces the part of space behind all of them.
+struct Collider {
+    float from[3];   // one end of the capsule's axis, in the body's coordinates [m]
+    float radius;
+    float axis[3];   // from there to the other end
+    float friction;
+    float restitution;
+    u32 body;        // NO_BODY: it stands in the world
+    u32 face;        // first of its faces in `WorldArgs::faces`
+    u32 faces;
+};
+
+// A hold on nodes by a body.
+struct Grasp {
+    u32 body;
+    u32 region;      // REGION_*
+    u32 attachment;  // HOLD_*
+    u32 member;      // first of its nodes in `WorldArgs::members`, ascending
+    u32 members;
+    float stiffness, damping;
+    float max_force;
+    float low[3];    // least corner of a box, centre of a sphere [m]
+    float high[3];   // greatest corner; the radius in all three
+};
+
+// What holds a node in a frame.
+struct Hold {
+    float place[3];  // in the coordinates of the grasp's body [m]
+    int grasp;       // -1: none
+};
+
+// What surrounds the object, and the memory that goes with it. A boundary `f` is the start of frame
+// `f`.
+struct WorldArgs {
+    const float4* poses;       // [frames + 1][B][3]: rows of [A | p] at boundaries
+    const Collider* colliders; // [K]
+    const float4* faces;       // normal, offset
+    const Grasp* grasps;       // [G]
+    const u32* members;
+    const int* grasp_of;       // [C]: the grasp that a control point belongs to, or -1; may be null
+    const u32* closed;         // [frames][G]
+    const float* rolls;        // [frames + 1][R]: turns of clamps [rad]; may be null
+    const float* initial;      // [6][N]: the state that the rollout was given
+    Hold* holds;               // [slots][N]: before boundary 0, then in frame f at (f + 1) % slots
+    u32* phases;               // [slots][G]: as `holds`
+    float* impulses;           // [IMPULSES + 6 K][N] of a frame [N s], in the order of `IMPULSE_*`
+    float* control_impulses;   // [blocks][6][C]: by springs of control points
+    float* forces;             // [frames][6 C + 6 G + 3 + 6 K]
+    float* hold_sums;          // [9][N]: d loss / d from, to, velocity of places
+    float* body_sums;          // [B][24][N]: d loss / d poses at both ends of a frame
+    float* roll_sums;          // [R]: d loss / d rates of twists that clamps impose
+    float4* place_bars;        // [N]: d loss / d places
+    float4* arrive_bars;       // [N]: d loss / d velocities that held nodes arrive with
+    const float* force_bars;   // [6 C + 6 G + 3 + 6 K] of a frame: d loss / d its forces; may be null
+    u32 body_count;            // B
+    u32 collider_count;        // K
+    u32 grasp_count;           // G
+    u32 slot_count;
+    float smoothing;           // width of the layer in which ground and colliders act [m]
+    u32 unused;
+};
+
 // One instance to simulate.
 struct InstanceArgs {
     TopologyArgs topology;
@@ -157,6 +220,7 @@ struct InstanceArgs {
     AdjointArgs adjoint;
     ContactArgs contact;
     TeamArgs team;
+    WorldArgs world;
 };
 
 DEVICE float3 load_v3(const float* p) { return v3(p[0], p[1], p[2]); }

@@ -33,9 +33,78 @@ DEVICE u32 frame_of(const InstanceArgs& instance, u32 frame) {
     return instance.state.first_frame + min(frame, max(instance.state.frame_count, 1u) - 1);
 }
 
+// What holds a thread's node in a frame, by instance.
+struct NodeHolds {
+#if GRASPS
+    Held of[INSTANCES];
+#endif
+};
+
+DEVICE NodeHolds node_holds_of(const ThreadNode& p, const InstanceArgs* instances, u32 frame) {
+    NodeHolds h;
+#if GRASPS
+#pragma unroll
+    for (u32 m = 0; m < INSTANCES; m++)
+        h.of[m] = held_of(instances[m], frame_of(instances[m], frame), p.at, p.valid, p.pin);
+#endif
+    return h;
+}
+
+// True if a control point holds the node.
+DEVICE bool is_pinned(const ThreadNode& p, const NodeHolds& holds, u32 m) {
+#if GRASPS
+    return holds.of[m].by == BY_CONTROL;
+#else
+    return p.pin >= 0;
+#endif
+}
+
+// Zero where a node is held.
+DEVICE float inverse_mass_of(const ThreadNode& p, const NodeHolds& holds, u32 m) {
+#if GRASPS
+    return p.valid ? holds.of[m].inverse_mass : 0.0f;
+#else
+    return p.inverse_mass;
+#endif
+}
+
+// A substep of a frame of the rollout, and its place on tape.
+struct Moment {
+    u32 frame;
+    u32 substep, substeps;
+    u32 tape;
+};
+
+// Moves a free node for a substep.
+DEVICE void travel(
+    const InstanceArgs& instance, const Constants& c, const ThreadNode& p, const Moment& at,
+    float3& x, float3& v
+) {
+#if COLLIDERS || FORCES || SMOOTH
+    float3 start = x;
+    float t = __fdiv_rn((float)at.substep, (float)at.substeps);
+    advance_among(instance, at.frame, t, x, v, [&](const Meeting& m) {
+#if FORCES
+        if (!instance.world.impulses || !p.valid || p.lane != 0) return;
+        float3 by = scale(sub(m.after, m.before), instance.topology.masses[p.at]);
+        bool ground = m.with == GROUND_ITSELF;
+        u32 kind = ground ? IMPULSE_GROUND : IMPULSES + 6 * m.with;
+        u32 body = ground ? NO_BODY : instance.world.colliders[m.with].body;
+        add_node_impulse(instance, at.frame, p.at, kind, body, start, by);
+#endif
+    });
+#elif GROUND
+    advance(c.ground, c.law, c.dt, x, v);
+#else
+    x = add_scaled(x, c.dt, v);
+#endif
+}
+
 // Forces of the ends i and k, by triplet and instance.
 DEVICE float3* bend_buffer(const BlockState& l) {
-    u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(l.instance->topology.max_pairs) : 0;
+    const TopologyArgs& topology = l.instance->topology;
+    u32 pairs = FORCES ? topology.max_all_pairs : topology.max_pairs;
+    u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(pairs) : 0;
     return reinterpret_cast<float3*>(BEND_IN_SHARED ? l.after_states(before) : l.spill());
 }
 
@@ -55,8 +124,8 @@ DEVICE void bend_one(const BlockState& l, u32 now, float3* forces, u32 t, const 
 // Moves the rods' twists and leaves what their inner nodes exert on their neighbours where triplets
 // leave theirs.
 DEVICE void rod_forces(
-    const BlockState& l, const Constants& c, const InstanceArgs* instances, u32 now, float3* forces,
-    const HeldRod& first, u32 tape
+    const BlockState& l, const Constants& c, const InstanceArgs* instances, u32 frame, u32 now,
+    float3* forces, const HeldRod& first, u32 tape
 ) {
     for_rods(l, first, [&](u32 r, const HeldRod& h) {
         for (u32 m = 0; m < INSTANCES; m++) {
@@ -66,7 +135,7 @@ DEVICE void rod_forces(
                 InnerNode in = inner_node_at(l, now, m, t);
                 rate += along(in.turn, in.v_before, in.v_after);
             }
-            rate = sum_warp(rate);
+            rate = sum_warp(rate) + roll_rate(instances[m], frame_of(instances[m], frame), r);
             float* kept = rod_twists() + m * RODS + r;
             float before = *kept;
             float twist = before + rate * c.dt;
@@ -137,11 +206,21 @@ DEVICE float3 accelerate(const Constants& c, float inverse_mass, float3 force, f
     return scale(add(v, change), c.decay);
 }
 
+// Puts a node's velocity before contact onto tape.
+DEVICE void record_velocity(const BlockState& l, const ThreadNode& p, u32 tape, float3 before) {
+    u64 at = (u64)tape * l.instance->topology.node_count + l.share.slot + p.node;
+    float* b = l.instance->tape.before + 3 * at;
+    b[0] = before.x;
+    b[1] = before.y;
+    b[2] = before.z;
+}
+
 // Ends a node's substep: from its velocity after contact to its new state, published to all blocks.
 DEVICE void finish_substep(
-    const BlockState& l, const Constants& c, const ThreadNode& p, u32 m, u32 now, State s,
-    float3 before, float3 after, u32 tape
+    const BlockState& l, const Constants& c, const ThreadNode& p, const NodeHolds& holds, u32 m,
+    u32 now, State s, float3 before, float3 after, const Moment& at
 ) {
+    u32 tape = at.tape;
 #if TAPE
     if (p.lane == 0 && tape != NO_TAPE) {
         const InstanceArgs& instance = *l.instance;
@@ -150,33 +229,26 @@ DEVICE void finish_substep(
         u64 at = (u64)tape * instance.topology.node_count + l.share.slot + p.node;
         instance.tape.x[at] = with_w(s.x, s.v.x);
         instance.tape.v[at] = make_float2(s.v.y, s.v.z);
-        float* b = instance.tape.before + 3 * at;
-        b[0] = before.x;
-        b[1] = before.y;
-        b[2] = before.z;
+        // With contact and forces it is there already.
+        if (!(CONTACT && FORCES) || inverse_mass_of(p, holds, m) != 0.0f)
+            record_velocity(l, p, tape, before);
     }
 #endif
     float3 x = s.x, v = after;
-    if (p.pin >= 0) {
+    if (is_pinned(p, holds, m)) {
         State held = l.state(now, m, p.pin_control);
         x = add(held.x, p.pin_offset);
         v = held.v;
-    } else {
-#if GROUND
-        advance(c.ground, c.law, c.dt, x, v);
-#else
-        x = add_scaled(x, c.dt, v);
+#if GRASPS
+    } else if (holds.of[m].by == BY_PIN) {
+        x = place_at(holds.of[m], progress(at.substep, at.substeps));
+        v = holds.of[m].velocity;
 #endif
+    } else {
+        travel(l.instance[m], c, p, at, x, v);
     }
     publish_state(l, p, now ^ 1, m, x, v);
 }
-
-// The half-springs of the one row that a warp has, in registers.
-struct HeldPairs {
-#if HELD > 0
-    Pair pairs[HELD];
-#endif
-};
 
 // A pair of a node's half-springs, `xs` and `vs` being the states that they see.
 DEVICE void spring_forces(
@@ -196,9 +268,100 @@ DEVICE void spring_forces(
     }
 }
 
+#if GRASPS
+// Force of a spring between a node and a body.
+DEVICE float3 hold_force(const InstanceArgs& instance, const ThreadNode& p, const Held& h, State s,
+                         const Moment& at) {
+    float3 place = place_at(h, progress(at.substep, at.substeps));
+    float3 force = scale(sub(s.x, place), -h.stiffness);
+    force = add_scaled(force, -h.damping, sub(s.v, h.velocity));
+#if FORCES
+    if (instance.world.impulses && p.valid && p.lane == 0)
+        add_node_impulse(
+            instance, at.frame, p.at, IMPULSE_HOLD, instance.world.grasps[h.grasp].body, s.x,
+            scale(force, instance.step.dt)
+        );
+#endif
+    return force;
+}
+#endif
+
+#if FORCES
+// Adds the impulse that makes a node move with `held` in spite of `force`.
+DEVICE void measure_held(
+    const InstanceArgs& instance, const Constants& c, const ThreadNode& p, const NodeHolds& holds,
+    State s, float3 held, float3 force, const Moment& at
+) {
+    if (!instance.world.impulses || !p.valid || p.lane != 0) return;
+    u32 kind = IMPULSE_CONTROL, body;
+    if (is_pinned(p, holds, 0)) {
+        body = body_of_control(instance, instance.topology.pins[p.pin].control);
+#if GRASPS
+    } else if (holds.of[0].by == BY_PIN) {
+        kind = IMPULSE_HOLD;
+        body = instance.world.grasps[holds.of[0].grasp].body;
+#endif
+    } else {
+        return;
+    }
+    float mass = instance.topology.masses[p.at];
+    float3 free = add_scaled(scale(add(s.v, c.kick), mass), c.dt, force);
+    float3 by = add_scaled(scale(held, mass), -c.decay, free);
+    add_node_impulse(instance, at.frame, p.at, kind, body, s.x, by);
+}
+
+// Adds what control points exert through springs and triplets on the block's nodes.
+DEVICE void measure_controls(
+    const BlockState& l, const Constants& c, u32 now, const Pairs& pairs, const float3* bends,
+    const u32* refs, const Moment& at
+) {
+    const InstanceArgs& instance = *l.instance;
+    if (!instance.world.impulses) return;
+    const TopologyArgs& t = instance.topology;
+    const u32* rows = t.rows + l.share.row;
+    u32 lane = threadIdx.x % LANES;
+    const float4* xs[1] = {opaque_shared(l.xs(now, 0))};
+    const float2* vs[1] = {opaque_shared(l.vs(now, 0))};
+    for (u32 row = threadIdx.x / 32; row < l.share.control_rows; row += WARPS) {
+        u32 control = row * NODES_A_ROW + threadIdx.x % 32 / LANES;
+        bool valid = control < l.controls;
+        u32 start = rows[l.share.rows + row], end = rows[l.share.rows + row + 1];
+        State s[1] = {l.state(now, 0, l.control_base + (valid ? control : 0))};
+        float3 force[1] = {zero3()};
+        u32 first = (start - rows[0]) * 32 + threadIdx.x % 32;
+        for (u32 k = 0; k < end - start; k++)
+            spring_forces(c, xs, vs, load_pair(pairs, first + k * 32), s, force);
+        float3 sum = force[0];
+        if (valid) {
+            const u32* arms = t.arms + l.share.arm + l.share.own;
+            for (u32 a = arms[control] + lane; BENDING && a < arms[control + 1]; a += LANES) {
+                const float3* f = bends + (refs[a] >> 2) * 2;
+                u32 role = refs[a] & 3;
+                sum = role < 2 ? add(sum, f[role]) : sub(sum, add(f[0], f[1]));
+            }
+        }
+        sum = sum_lanes(sum);
+        if (valid && lane == 0) {
+            float* to = instance.world.control_impulses + (u64)l.rank * 6 * l.controls + control;
+            u32 body = body_of_control(instance, control);
+            float3 arm = sub(s[0].x, origin_of(instance, at.frame, body));
+            add_wrench(to, l.controls, arm, scale(sum, -c.dt));
+        }
+    }
+}
+#endif
+
+// The half-springs of the one row that a warp has, in registers.
+struct HeldPairs {
+#if HELD > 0
+    Pair pairs[HELD];
+#endif
+};
+
 DEVICE void integrate_node(
-    const BlockState& l, const Constants& c, const ThreadNode& p, const HeldPairs& held, u32 now,
-    u32 tape, const Pairs& pairs, const float3* bends, const u32* refs
+    const BlockState& l, const Constants& c, const ThreadNode& p, const NodeHolds& holds,
+    const HeldPairs& held, u32 now, const Moment& at, const Pairs& pairs, const float3* bends,
+    const u32* refs
 ) {
     State s[INSTANCES];
     float3 force[INSTANCES];
@@ -227,28 +390,49 @@ DEVICE void integrate_node(
 #pragma unroll
     for (u32 m = 0; m < INSTANCES; m++) {
         float3 total = sum_lanes(add(force[m], bend_share(p, bends, refs, m)));
-        float3 before = accelerate(c, p.inverse_mass, total, s[m].v);
-        if (p.pin >= 0) before = l.state(now, m, p.pin_control).v;
+        float inverse_mass = inverse_mass_of(p, holds, m);
+#if GRASPS
+        if (holds.of[m].by == BY_SPRING)
+            total = add(total, hold_force(l.instance[m], p, holds.of[m], s[m], at));
+#endif
+        float3 before = accelerate(c, inverse_mass, total, s[m].v);
+        if (is_pinned(p, holds, m)) before = l.state(now, m, p.pin_control).v;
+#if GRASPS
+        if (holds.of[m].by == BY_PIN) before = holds.of[m].velocity;
+#endif
+        float3 recorded = before;
+#if FORCES
+        measure_held(*l.instance, c, p, holds, s[m], before, total, at);
+        // What a held node would do if it were not: what holds it makes up for that.
+        if (p.valid)
+            recorded = accelerate(c, 1.0f / l.instance->topology.masses[p.at], total, s[m].v);
+#if CONTACT && TAPE
+        if (inverse_mass == 0.0f && p.valid && p.lane == 0 && at.tape != NO_TAPE)
+            record_velocity(l, p, at.tape, recorded);
+#endif
+#endif
 #if CONTACT
         if (p.valid && p.lane == 0) {
-            __stcg(l.instance->contact.x + p.at, with_w(s[m].x, p.inverse_mass));
+            __stcg(l.instance->contact.x + p.at, with_w(s[m].x, inverse_mass));
             __stcg(l.instance->contact.v + p.at, with_w(before, 0.0f));
         }
 #else
-        if (p.valid) finish_substep(l, c, p, m, now, s[m], before, before, tape);
+        if (p.valid) finish_substep(l, c, p, holds, m, now, s[m], recorded, before, at);
 #endif
     }
 }
 
 DEVICE void resolve_contact(
-    const BlockState& l, const Constants& c, const ThreadNode& p, u32 now, u32 tape
+    const BlockState& l, const Constants& c, const ThreadNode& p, const NodeHolds& holds, u32 now,
+    const Moment& at
 ) {
     const InstanceArgs& instance = *l.instance;
     float contact_count;
     CurrentNodes nodes = {instance.contact.x, instance.contact.v};
     float3 after = collide(instance, nodes, p.at, p.valid, p.lane, contact_count);
     float3 before = xyz(__ldcg(instance.contact.v + p.at));
-    if (p.valid) finish_substep(l, c, p, 0, now, l.state(now, 0, p.node), before, after, tape);
+    if (p.valid)
+        finish_substep(l, c, p, holds, 0, now, l.state(now, 0, p.node), before, after, at);
 }
 
 // The path of the control point that a thread moves, held in registers. The last threads do it:
@@ -272,6 +456,12 @@ DEVICE ControlPath control_path_of(const BlockState& l, const InstanceArgs* inst
             w.from[m] = load_v3(path.from + 3 * w.control);
             w.to[m] = load_v3(path.to + 3 * w.control);
             w.velocity[m] = control_velocity(path, w.control);
+#if GRASPS
+            if (is_released(instances[m], frame_of(instances[m], frame), w.control)) {
+                w.from[m] = w.to[m] = v3(FAR_M, FAR_M, FAR_M);
+                w.velocity[m] = zero3();
+            }
+#endif
         }
     }
     return w;
@@ -289,14 +479,30 @@ DEVICE void place_controls(
         float3 at = add_scaled(scale(w.from[m], 1.0f - t), t, w.to[m]);
         l.put(buffer, m, l.control_base + w.control, at, w.velocity[m]);
         for (u32 c = w.control + THREADS; c < l.controls; c += THREADS) {
-            Path path = path_of(instances[m], frame_of(instances[m], frame));
-            l.put(buffer, m, l.control_base + c, control_position(path, t, c),
-                  control_velocity(path, c));
+            put_control(l, instances[m], buffer, m, c, frame_of(instances[m], frame), t);
         }
     }
 }
 
-// Pinned nodes stand at the frame's start with its velocity, wherever they are known.
+#if FORCES
+// Adds the impulse that gives a held node its velocity where a frame begins.
+DEVICE void measure_jump(
+    const BlockState& l, u32 now, u32 local, u32 kind, u32 body, u32 frame, float3 x, float3 v
+) {
+    const InstanceArgs& instance = *l.instance;
+    if (!instance.world.impulses || local >= l.share.own) return;
+    u32 node = l.graph_node(local), n = instance.topology.node_count;
+    float3 arrives = l.state(now, 0, local).v;
+    if (frame == 0) {
+        const float* v0 = instance.world.initial + 3 * (u64)n + node;
+        arrives = v3(v0[0], v0[n], v0[2 * (u64)n]);
+    }
+    float3 by = scale(sub(v, arrives), instance.topology.masses[node]);
+    add_node_impulse(instance, frame, node, kind, body, x, by);
+}
+#endif
+
+// Held nodes stand at the frame's start with its velocity, wherever they are known.
 DEVICE void begin_frame(const BlockState& l, const InstanceArgs* instances, u32 now, u32 frame) {
     const TopologyArgs& t = l.instance->topology;
     for (u32 m = 0; m < INSTANCES; m++) {
@@ -304,10 +510,36 @@ DEVICE void begin_frame(const BlockState& l, const InstanceArgs* instances, u32 
         for (u32 i = threadIdx.x; i < l.share.pins; i += THREADS) {
             LocalPin local = t.local_pins[l.share.pin + i];
             Pin pin = t.pins[local.pin];
+#if GRASPS
+            if (is_released(instances[m], frame_of(instances[m], frame), pin.control)) continue;
+#endif
             float3 held = load_v3(path.from + 3 * pin.control);
-            l.put(now, m, local.local, add(held, load_v3(pin.offset)),
-                  control_velocity(path, pin.control));
+            float3 x = add(held, load_v3(pin.offset)), v = control_velocity(path, pin.control);
+#if FORCES
+            measure_jump(
+                l, now, local.local, IMPULSE_CONTROL, body_of_control(instances[m], pin.control),
+                frame_of(instances[m], frame), x, v
+            );
+#endif
+            l.put(now, m, local.local, x, v);
         }
+#if GRASPS
+        u32 of = frame_of(instances[m], frame);
+        const Hold* holds = holds_of(instances[m], of);
+        for (u32 i = threadIdx.x; i < l.share.local; i += THREADS) {
+            const Hold hold = holds[l.graph_node(i)];
+            if (hold.grasp < 0) continue;
+            const Grasp& grasp = instances[m].world.grasps[hold.grasp];
+            if (grasp.attachment != HOLD_PIN) continue;
+            BodyFrame body = body_of(instances[m], of, grasp.body);
+            float3 place = load_v3(hold.place), x = apply(body.from, place), v = zero3();
+            if (instances[m].step.controls_move) v = body_velocity(body, place);
+#if FORCES
+            measure_jump(l, now, i, IMPULSE_HOLD, grasp.body, of, x, v);
+#endif
+            l.put(now, m, i, x, v);
+        }
+#endif
     }
 }
 
@@ -376,7 +608,9 @@ advance_frames(const __grid_constant__ AdvanceFramesArgs args) {
     const u32 first = args.first, end = args.end, from = args.from, to = args.to, keep = args.keep;
     const InstanceArgs* instances = args.instances + (u64)(blockIdx.x / BLOCKS) * INSTANCES;
     BlockState l = block_state_of(instances, blockIdx.x % BLOCKS, sizeof(float4) + sizeof(float2));
-    Pairs pairs = pairs_of(l, l.share.rows, l.after_states(0));
+    // Where forces are measured those of control points are too.
+    u32 rows = l.share.rows + (FORCES ? l.share.control_rows : 0);
+    Pairs pairs = pairs_of(l, rows, l.after_states(0));
     Constants c = constants_of(*instances);
     float3* bends = bend_buffer(l);
     const u32* refs = instances->topology.arm_refs;
@@ -404,29 +638,41 @@ advance_frames(const __grid_constant__ AdvanceFramesArgs args) {
         ControlPath path = control_path_of(l, instances, frame);
         begin_frame(l, instances, now, frame);
         place_controls(l, instances, path, now, frame, 0);
+#if ONE_ROW
+        NodeHolds holds = node_holds_of(p, instances, frame);
+#endif
         __syncthreads();
         u32 last = TAPE ? min(to, path.substeps) : path.substeps;
         for (u32 s = 0; s < last; s++) {
             u32 tape = s >= from ? frame * (last - from) + s - from : NO_TAPE;
+            Moment at = {frame_of(*instances, frame), s, path.substeps, tape};
             expect_halo(l.arrivals, now ^ 1);
             place_controls(l, instances, path, now ^ 1, frame, s + 1);
 #if RODS
-            rod_forces(l, c, instances, now, bends, rod, tape);
+            rod_forces(l, c, instances, frame, now, bends, rod, tape);
 #endif
             bend_forces(l, now, bends, triplet);
 #if ONE_ROW
-            integrate_node(l, c, p, held, now, tape, pairs, bends, refs);
+            integrate_node(l, c, p, holds, held, now, at, pairs, bends, refs);
 #else
-            for (u32 row = threadIdx.x / 32; row < l.share.rows; row += WARPS)
-                integrate_node(l, c, thread_node_of(l, row), held, now, tape, pairs, bends, refs);
+            for (u32 row = threadIdx.x / 32; row < l.share.rows; row += WARPS) {
+                ThreadNode p = thread_node_of(l, row);
+                NodeHolds holds = node_holds_of(p, instances, frame);
+                integrate_node(l, c, p, holds, held, now, at, pairs, bends, refs);
+            }
+#endif
+#if FORCES
+            measure_controls(l, c, now, pairs, bends, refs, at);
 #endif
 #if CONTACT
             synchronize_team(l.barrier, l.round);
 #if ONE_ROW
-            resolve_contact(l, c, p, now, tape);
+            resolve_contact(l, c, p, holds, now, at);
 #else
-            for (u32 row = threadIdx.x / 32; row < l.share.rows; row += WARPS)
-                resolve_contact(l, c, thread_node_of(l, row), now, tape);
+            for (u32 row = threadIdx.x / 32; row < l.share.rows; row += WARPS) {
+                ThreadNode p = thread_node_of(l, row);
+                resolve_contact(l, c, p, node_holds_of(p, instances, frame), now, at);
+            }
 #endif
 #endif
             now ^= 1;

@@ -10,26 +10,39 @@ struct Search {
     const float* state;
     Path path;
     float radius;
+    u32 frame;  // of the rollout
 };
+
+// What holds a node: nothing, unless a control point pins it or a grasp holds it by a pin.
+DEVICE Held held_of(const Search& s, u32 node) {
+    const InstanceArgs& instance = *s.instance;
+    int pin = instance.topology.pin_of[node];
+    Held h;
+    h.by = pin >= 0 ? BY_CONTROL : BY_NOTHING;
+    if (instance.world.grasp_count > 0) h = held_of(instance, s.frame, node, true, pin);
+    return h;
+}
 
 DEVICE float3 position(const Search& s, u32 node) {
     const TopologyArgs& t = s.instance->topology;
-    int pin = t.pin_of[node];
-    if (pin >= 0) {
-        Pin p = t.pins[pin];
+    Held h = held_of(s, node);
+    if (h.by == BY_CONTROL) {
+        Pin p = t.pins[t.pin_of[node]];
         return add(load_v3(s.path.from + 3 * p.control), load_v3(p.offset));
     }
+    if (h.by == BY_PIN) return h.from;
     u32 n = t.node_count;
     return v3(s.state[node], s.state[n + node], s.state[2 * n + node]);
 }
 
 DEVICE float square_speed(const Search& s, u32 node) {
     const TopologyArgs& t = s.instance->topology;
-    int pin = t.pin_of[node];
-    if (pin >= 0) {
-        float3 v = control_velocity(s.path, t.pins[pin].control);
+    Held h = held_of(s, node);
+    if (h.by == BY_CONTROL) {
+        float3 v = control_velocity(s.path, t.pins[t.pin_of[node]].control);
         return dot(v, v);
     }
+    if (h.by == BY_PIN) return dot(h.velocity, h.velocity);
     u32 n = t.node_count;
     float3 v = v3(s.state[3 * n + node], s.state[4 * n + node], s.state[5 * n + node]);
     return dot(v, v);
@@ -117,7 +130,8 @@ find_partners(const __grid_constant__ FindPartnersArgs args) {
     s.instance = &instance;
     s.state = instance.state.states +
               (u64)((instance.state.first_frame + frame) % instance.state.slot_count) * 6 * n;
-    s.path = path_of(instance, instance.state.first_frame + frame);
+    s.frame = instance.state.first_frame + frame;
+    s.path = path_of(instance, s.frame);
 
     float fast = 0.0f;
     for (u32 i = threadIdx.x; i < n; i += THREADS) fast = fmaxf(fast, square_speed(s, i));

@@ -95,6 +95,22 @@ DEVICE BlockState block_state_of(const InstanceArgs* instance, u32 rank, u32 hal
     return l;
 }
 
+// Puts a control point where it is at a share of a frame of the rollout.
+DEVICE void put_control(
+    const BlockState& l, const InstanceArgs& instance, u32 buffer, u32 m, u32 control, u32 frame,
+    float t
+) {
+    Path path = path_of(instance, frame);
+    float3 x = control_position(path, t, control), v = control_velocity(path, control);
+#if GRASPS
+    if (is_released(instance, frame, control)) {
+        x = v3(FAR_M, FAR_M, FAR_M);
+        v = zero3();
+    }
+#endif
+    l.put(buffer, m, l.control_base + control, x, v);
+}
+
 // Float4s that `pairs` pairs of half-springs take.
 DEVICE u32 pairs_size(u32 pairs) {
     u32 floats = UNIFORM_DASHPOT ? 5 : 7;

@@ -77,6 +77,9 @@ DEVICE HalfSpring second_of(const Pair& p, float dashpot) {
 // nothing.
 DEVICE void spring_force(const HalfSpring& s, float3 r, float3 w, float3& force) {
     float square = dot(r, r);
+#if GRASPS
+    if (square > FAR_SQUARED_M2) return;
+#endif
     float inverse = rsqrtf(fmaxf(square, MIN_LENGTH_SQUARED_M2));
     float stretch = fmaf(square, inverse, -s.rest);
     float magnitude = fmaf(s.dashpot * inverse, dot(w, r), s.rate * stretch) * inverse;
@@ -95,6 +98,9 @@ DEVICE void spring_adjoint(
     SpringSums& sums
 ) {
     float square = dot(r, r);
+#if GRASPS
+    if (square > FAR_SQUARED_M2) return;
+#endif
     float inverse = inverse_length(square);
     float stretch = inverse > 0.0f ? fmaf(square, inverse, -s.rest) : 0.0f;
     float3 d = scale(r, inverse);

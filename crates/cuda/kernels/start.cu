@@ -15,12 +15,20 @@ struct InitialArgs {
     u32 rod_count;          // R
     u32 control_count;      // C
     u32 controls_move;      // whether there is a next frame, towards which pinned nodes move
-    u32 unused;
+    u32 frame_count;
+    WorldArgs world;
 };
 
 struct StartArgs {
     const InitialArgs* instances;
 };
+
+// True for a control point that its grasp does not hold when the first frame begins.
+DEVICE bool begins_released(const InitialArgs& s, u32 control) {
+    int grasp = s.world.grasp_of ? s.world.grasp_of[control] : -1;
+    if (grasp < 0) return false;
+    return s.world.phases[grasp] != PHASE_CLOSED || (s.frame_count > 0 && !s.world.closed[grasp]);
+}
 
 // Block (nodes, instance).
 extern "C" __global__ void start(const __grid_constant__ StartArgs args) {
@@ -32,6 +40,7 @@ extern "C" __global__ void start(const __grid_constant__ StartArgs args) {
     float3 x = v3(s.initial[i], s.initial[n + i], s.initial[2 * n + i]);
     float3 v = v3(s.initial[3 * n + i], s.initial[4 * n + i], s.initial[5 * n + i]);
     int pin = s.pin_of[i];
+    if (pin >= 0 && begins_released(s, s.pins[pin].control)) pin = -1;
     if (pin >= 0) {
         Pin held = s.pins[pin];
         Path path = {

@@ -11,6 +11,10 @@ typedef unsigned long long u64;
 // front end.
 #define OFFSET_OF(type, field) __INTADDR__(&((type*)0)->field)
 
+// Control points that a grasp has let go of stand so far away, out of reach of what they hold.
+#define FAR_M 1e18f
+#define FAR_SQUARED_M2 1e30f
+
 DEVICE float3 v3(float x, float y, float z) { return make_float3(x, y, z); }
 DEVICE float3 xyz(float4 a) { return make_float3(a.x, a.y, a.z); }
 DEVICE float4 with_w(float3 a, float w) { return make_float4(a.x, a.y, a.z, w); }

@@ -9,3 +9,4 @@ pub(crate) mod optimizer;
 pub(crate) mod outputs;
 pub(crate) mod scoring;
 pub(crate) mod simulation;
+mod world;

@@ -1,6 +1,9 @@
 //! The device against the CPU, which defines what is correct, on fresh random models: every run
 //! draws its own seed and prints it; `BENDTWIN_SEED` repeats one.
 
+#[path = "against_cpu/surroundings.rs"]
+mod surroundings;
+
 use std::sync::{Arc, OnceLock};
 
 use bendtwin_core::{CancelToken, Params};

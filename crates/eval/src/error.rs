@@ -17,6 +17,9 @@ pub enum Error {
     /// The simulation failed.
     #[error(transparent)]
     Backend(#[from] backend::Error),
+    /// A state could not be corrected.
+    #[error(transparent)]
+    Register(#[from] bendtwin_register::Error),
     /// The picture could not be drawn.
     #[error("the picture could not be drawn: {0}")]
     Picture(String),
@@ -33,6 +36,7 @@ impl Problem for Error {
         match self {
             Self::Mismatch(_) | Self::Inconsistent(_) => Category::InvalidArgument,
             Self::Backend(e) => e.category(),
+            Self::Register(e) => e.category(),
             Self::Picture(_) => Category::Internal,
         }
     }
@@ -42,6 +46,7 @@ impl Problem for Error {
             Self::Mismatch(_) => "TWIN_DOES_NOT_FIT_CAPTURE",
             Self::Inconsistent(_) => "CAPTURE_INCONSISTENT",
             Self::Backend(e) => e.reason(),
+            Self::Register(e) => e.reason(),
             Self::Picture(_) => "PICTURE_FAILED",
         }
     }

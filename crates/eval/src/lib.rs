@@ -3,6 +3,7 @@
 
 mod baselines;
 mod branches;
+mod correction;
 mod distance;
 mod error;
 mod evaluate;
@@ -14,6 +15,7 @@ mod scene;
 mod table;
 mod trajectory;
 
+pub use correction::{CorrectionPlan, CorrectionScore, corrections};
 pub use error::Error;
 pub use evaluate::{EvaluateOptions, evaluate, score};
 pub use fidelity::fast_variant;

@@ -152,6 +152,11 @@ impl Line {
         state.work_up_to(Size::Large) / state.rate.per_second()
     }
 
+    /// Speed of the worker [element substeps / s].
+    pub(super) fn per_second(&self) -> f64 {
+        self.lock().rate.per_second()
+    }
+
     /// Rollouts that are under way or wait.
     pub(super) fn len(&self) -> usize {
         let state = self.lock();

@@ -164,6 +164,20 @@ impl Entry {
         self.worker.registration.id
     }
 
+    /// Instances that it simulates at once.
+    pub(super) fn lanes(&self) -> u32 {
+        self.worker.registration.lanes
+    }
+
+    /// True if the other computes the same way: the same build on the same device.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        let of = |entry: &Self| {
+            let worker = &entry.worker.registration;
+            (worker.backend.clone(), worker.device.clone(), worker.build.clone())
+        };
+        of(self) == of(other)
+    }
+
     /// The connection, and the token to show.
     pub(super) fn client(&self) -> (WorkerRolloutsClient<Channel>, AsciiMetadataValue) {
         (self.client.clone(), self.token.clone())

@@ -54,6 +54,19 @@ pub(crate) struct RollOut {
     pub(crate) memory: Arc<Shares>,
 }
 
+/// A rollout that has passed the check.
+pub(super) struct Prepared {
+    pub(super) twin: TwinId,
+    pub(super) batch: Batch,
+    pub(super) ask: Ask,
+    pub(super) execute: ExecuteRollOutRequest,
+    pub(super) deadline: Instant,
+    /// Size of its reply, or of one part of that.
+    pub(super) reply_bytes: u64,
+    /// Memory of the request, held until workers have all of it.
+    pub(super) memory: Arc<Shares>,
+}
+
 /// Held until a reply has been sent: its memory, and the place in the worker's line.
 #[derive(Clone, Debug)]
 pub(crate) struct Held {
@@ -62,6 +75,11 @@ pub(crate) struct Held {
 }
 
 impl Held {
+    /// Memory of a reply whose workers have done with it.
+    pub(super) fn of(share: Share) -> Self {
+        Self { share: Arc::new(share), place: None }
+    }
+
     /// The memory alone: the next rollout may start while this reply, written already, is sent.
     pub(crate) fn memory(self) -> Self {
         Self { place: None, ..self }
@@ -91,7 +109,7 @@ pub(crate) struct InParts {
 pub(crate) type Parts = Pin<Box<dyn Stream<Item = Result<RollOutResponse>> + Send>>;
 
 /// A reply under way at a worker.
-struct Running {
+pub(super) struct Running {
     replies: Streaming<ExecuteRollOutResponse>,
     entry: Arc<Entry>,
     /// Held until the last part has come.
@@ -115,10 +133,14 @@ impl Drop for Running {
 
 impl Dispatch {
     /// The reply in one part. Workers are asked not to split it: `best` ranks
-    /// the whole batch, and 16-bit positions have one scale.
+    /// the whole batch, and 16-bit positions have one scale. Several may share it.
     pub(crate) async fn roll_out(&self, rollout: RollOut) -> Result<Whole> {
-        let InParts { mut parts, held } =
-            self.parts(RollOut { in_parts: false, ..rollout }).await?;
+        let prepared = self.prepared(RollOut { in_parts: false, ..rollout }).await?;
+        let sharers = self.sharers(&prepared);
+        if sharers.len() > 1 {
+            return self.spread(prepared, sharers).await;
+        }
+        let InParts { mut parts, held } = self.from_one(prepared).await?;
         let response = parts.next().await.ok_or(Error::WorkerEnded)??;
         match parts.next().await {
             None => Ok(Whole { response, held }),
@@ -129,6 +151,12 @@ impl Dispatch {
 
     /// The reply in the parts that the worker sends. The first has come when this returns.
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
+        let prepared = self.prepared(rollout).await?;
+        self.from_one(prepared).await
+    }
+
+    /// Checks a rollout.
+    async fn prepared(&self, rollout: RollOut) -> Result<Prepared> {
         let RollOut { request, timeout, in_parts, as_lists, memory } = rollout;
         let id: TwinId = request.twin.parse().map_err(Error::Name)?;
         let twin = self.twins.get(&self.store, id).await?;
@@ -147,9 +175,15 @@ impl Dispatch {
             request: Some(request),
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
+        Ok(Prepared { twin: id, batch, ask, execute, deadline, reply_bytes, memory })
+    }
+
+    /// The reply of one worker.
+    async fn from_one(&self, prepared: Prepared) -> Result<InParts> {
+        let Prepared { twin, ask, execute, deadline, reply_bytes, memory, .. } = prepared;
         let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
         let share = share.await.map_err(|_| Error::Deadline)??;
-        let started = self.start(id, &ask, execute, deadline);
+        let started = self.start(twin, &ask, execute, deadline, None);
         let (first, running) =
             tokio::time::timeout_at(deadline, started).await.map_err(|_| Error::Deadline)??;
         // The worker has all of the request.
@@ -201,17 +235,19 @@ impl Dispatch {
         checked.map_err(|e| Error::Internal(format!("the check of a rollout: {e}")))?
     }
 
-    /// Gets a worker to send a first part: a second one if the first cannot be reached.
-    async fn start(
+    /// Gets a worker to send a first part, this one if it is given: a second one if the first cannot
+    /// be reached.
+    pub(super) async fn start(
         &self,
         twin: TwinId,
         ask: &Ask,
         execute: ExecuteRollOutRequest,
         deadline: Instant,
+        mut given: Option<Arc<Entry>>,
     ) -> Result<(RollOutResponse, Running)> {
         let mut tried = Vec::new();
         loop {
-            let chosen = self.choose(twin, ask, &tried);
+            let chosen = given.take().map_or_else(|| self.choose(twin, ask, &tried), Ok);
             let entry = match chosen {
                 Err(Error::NoWorker) if !tried.is_empty() => return Err(Error::WorkerLost),
                 chosen => chosen?,
@@ -296,7 +332,7 @@ impl Dispatch {
 
 impl Running {
     /// The next part, within the deadline.
-    async fn next(&mut self) -> Result<Option<RollOutResponse>> {
+    pub(super) async fn next(&mut self) -> Result<Option<RollOutResponse>> {
         let received = tokio::time::timeout_at(self.deadline, self.receive()).await;
         match received.map_err(|_| Error::Deadline)? {
             Ok(part) => Ok(part),

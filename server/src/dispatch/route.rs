@@ -69,6 +69,15 @@ pub(super) fn choose(twin: TwinId, candidates: &[Candidate]) -> Choice {
     chosen.map_or(Choice::AllFull, |(i, _)| Choice::Worker(*i))
 }
 
+/// Workers that have nothing to do, in the order of [`choose`].
+pub(super) fn idle(twin: TwinId, candidates: &[Candidate]) -> Vec<usize> {
+    let idle = candidates.iter().enumerate();
+    let mut idle: Vec<(usize, &Candidate)> =
+        idle.filter(|(_, c)| c.usable && c.has_room && c.weight() == 0).collect();
+    idle.sort_by_key(|(_, c)| (!c.warm, std::cmp::Reverse(score(twin, c.worker))));
+    idle.into_iter().map(|(i, _)| i).collect()
+}
+
 fn score(twin: TwinId, worker: WorkerId) -> [u8; 8] {
     let mut hasher = blake3::Hasher::new();
     hasher.update(twin.uuid().as_bytes()).update(worker.uuid().as_bytes());

@@ -13,6 +13,7 @@ mod operations;
 mod readiness;
 mod results;
 mod rollouts;
+mod sharing;
 mod tus;
 mod twins;
 mod worker;

@@ -91,21 +91,35 @@ async fn health_readiness_metrics_and_reflection() {
         assert_eq!(check(service).await.unwrap(), ServingStatus::Serving);
     }
     assert_eq!(check("bendtwin.v1.NoService").await.unwrap_err().code(), tonic::Code::NotFound);
-    use tonic_reflection::pb::v1::{
-        ServerReflectionRequest, server_reflection_client::ServerReflectionClient,
-        server_reflection_request::MessageRequest, server_reflection_response::MessageResponse,
-    };
-    let list = ServerReflectionRequest {
-        host: String::new(),
-        message_request: Some(MessageRequest::ListServices(String::new())),
-    };
-    let mut reflection = ServerReflectionClient::new(server.channel.clone());
-    let answers = reflection.server_reflection_info(futures::stream::iter([list])).await;
-    let answer = answers.unwrap().into_inner().message().await.unwrap().unwrap();
-    let Some(MessageResponse::ListServicesResponse(services)) = answer.message_response else {
-        panic!("no list of services");
-    };
-    assert!(services.service.iter().any(|s| s.name == "bendtwin.v1.CaptureService"));
+}
+
+/// Lists the services by one version of reflection.
+macro_rules! services {
+    ($version:ident, $server:expr) => {{
+        use tonic_reflection::pb::$version::{
+            ServerReflectionRequest, server_reflection_client::ServerReflectionClient,
+            server_reflection_request::MessageRequest, server_reflection_response::MessageResponse,
+        };
+        let list = ServerReflectionRequest {
+            host: String::new(),
+            message_request: Some(MessageRequest::ListServices(String::new())),
+        };
+        let mut reflection = ServerReflectionClient::new($server.channel.clone());
+        let answers = reflection.server_reflection_info(futures::stream::iter([list])).await;
+        let answer = answers.unwrap().into_inner().message().await.unwrap().unwrap();
+        let Some(MessageResponse::ListServicesResponse(services)) = answer.message_response else {
+            panic!("no list of services");
+        };
+        services.service.into_iter().map(|s| s.name).collect::<Vec<_>>()
+    }};
+}
+
+#[tokio::test]
+async fn reflection_answers_in_both_versions() {
+    let server = Server::start().await;
+    for services in [services!(v1, server), services!(v1alpha, server)] {
+        assert!(services.iter().any(|s| s == "bendtwin.v1.CaptureService"), "{services:?}");
+    }
 }
 
 #[tokio::test]

@@ -82,6 +82,8 @@ pub(crate) struct Device {
     pub(crate) given_up: Arc<Notify>,
     /// Break the connection off instead of answering.
     pub(crate) breaks: Arc<AtomicBool>,
+    /// The cost of an instance is the first number of its actions.
+    pub(crate) echoes: bool,
     /// Costs of every part, where it is to be large.
     pub(crate) part_costs: usize,
 }
@@ -342,7 +344,13 @@ impl WorkerRollouts for Device {
         let Some(Actions::Trajectories(t)) = execute.request.unwrap().actions else {
             return Err(Status::invalid_argument("no trajectories"));
         };
-        let batch = t.positions.unwrap().shape[0] as u32;
+        let (shape, positions) = t.positions.unwrap().unpack::<f32>("positions").unwrap();
+        let batch = shape[0] as u32;
+        let width = positions.len() / shape[0];
+        let cost_of: Vec<f64> = match self.echoes {
+            true => positions.iter().step_by(width).copied().map(f64::from).collect(),
+            false => (0..batch).map(f64::from).collect(),
+        };
         self.begun.notify_one();
         let mut given_up = GivenUp(Some(self.given_up.clone()));
         if let Some(hold) = self.hold.as_ref().filter(|_| batch as usize > self.hold_above) {
@@ -355,7 +363,8 @@ impl WorkerRollouts for Device {
         let size = if execute.part_instances == 0 { batch } else { execute.part_instances };
         let part_costs = self.part_costs;
         let parts = (0..batch).step_by(size as usize).map(move |first| {
-            let mut costs: Vec<f64> = (first..(first + size).min(batch)).map(f64::from).collect();
+            let of = first as usize..(first + size).min(batch) as usize;
+            let mut costs: Vec<f64> = cost_of[of].to_vec();
             costs.resize(costs.len().max(part_costs), 0.0);
             let response = RollOutResponse {
                 first_instance: first,

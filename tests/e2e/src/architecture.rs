@@ -10,7 +10,7 @@ use crate::{rust_code::code_only, workspace};
 /// Crates that talk to a network or wait for one.
 const NETWORK: [&str; 7] = ["tokio", "tonic", "hyper", "axum", "reqwest", "object_store", "quinn"];
 const DATABASE: [&str; 5] = ["sqlx", "sqlx-core", "rusqlite", "libsqlite3-sys", "bendtwin-store"];
-const PHYSICS: [&str; 16] = [
+const PHYSICS: [&str; 17] = [
     "bendtwin-backends",
     "bendtwin-bench",
     "bendtwin-capture",
@@ -25,6 +25,7 @@ const PHYSICS: [&str; 16] = [
     "bendtwin-lift",
     "bendtwin-mesh",
     "bendtwin-picture",
+    "bendtwin-register",
     "bendtwin-study",
     "bendtwin-synth",
 ];
@@ -39,12 +40,16 @@ const CAMERA_SIDE: [&str; 8] = [
     "bendtwin-mesh",
     "bendtwin-picture",
 ];
-const SIMULATION: [&str; 6] = [
+/// Crates that open captures.
+const CAPTURE_READERS: [&str; 4] =
+    ["bendtwin-capture", "bendtwin-ingest", "bendtwin-inspect", "bendtwin-lift"];
+const SIMULATION: [&str; 7] = [
     "bendtwin-backends",
     "bendtwin-cuda",
     "bendtwin-engine",
     "bendtwin-eval",
     "bendtwin-fit",
+    "bendtwin-register",
     "bendtwin-synth",
 ];
 
@@ -55,7 +60,7 @@ struct Rule {
     never: &'static [&'static [&'static str]],
 }
 
-const RULES: [Rule; 8] = [
+const RULES: [Rule; 9] = [
     Rule {
         of: &["bendtwin-server", "bendtwin-store"],
         because: "the control plane knows no physics",
@@ -94,6 +99,11 @@ const RULES: [Rule; 8] = [
         ],
     },
     Rule {
+        of: &["bendtwin-plan"],
+        because: "planners lower an abstract cost",
+        never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "bendtwin-core"]],
+    },
+    Rule {
         of: &["bendtwin-core"],
         because: "the nouns know neither I/O nor any other part",
         never: &[&NETWORK, &DATABASE, &PHYSICS, &["bendtwin-proto", "zip"]],
@@ -102,6 +112,16 @@ const RULES: [Rule; 8] = [
         of: &["bendtwin-proto", "bendtwin-client"],
         because: "the contract and its client know neither physics nor a database",
         never: &[&PHYSICS, &DATABASE, &["bendtwin-server", "bendtwin-worker"]],
+    },
+    Rule {
+        of: &["bendtwin-register"],
+        because: "registration takes points, from wherever they come",
+        never: &[
+            &CAPTURE_READERS,
+            &NETWORK,
+            &DATABASE,
+            &["bendtwin-proto", "bendtwin-server", "bendtwin-worker"],
+        ],
     },
     Rule {
         of: &["bendtwin-eval"],

@@ -40,6 +40,15 @@ struct Simulated {
     extremes: Vec<Extremes>,
     /// With their final states, the control points there [m], shape [instances, C, 3].
     controls: Vec<Point>,
+    /// Control points at all frame boundaries [m] if asked for, shape [instances, F + 1, C, 3].
+    paths: Vec<Point>,
+}
+
+/// Results of a simulation that are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kept {
+    Costs,
+    Arrays,
 }
 
 impl Execution<'_> {
@@ -61,13 +70,11 @@ impl Execution<'_> {
         &self,
         emit: &mut impl FnMut(RollOutResponse) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let outputs = self.plan.returns.outputs();
         for range in self.parts() {
             let indices = self.plan.instances(range);
-            let Simulated { rollouts, extremes, controls } = self.roll_out(&indices, &outputs)?;
-            let mut part = self.summary(&indices, &rollouts, &extremes)?;
-            reply::add_recordings(self.plan, &indices, &rollouts, &controls, &mut part);
-            self.add_gradients(&indices, &mut part)?;
+            let simulated = self.roll_out(&indices, Kept::Arrays)?;
+            let mut part = self.summary(&indices, &simulated.rollouts, &simulated.extremes)?;
+            self.add_arrays(&indices, simulated, &mut part)?;
             emit(self.signed(part))?;
         }
         Ok(())
@@ -80,12 +87,11 @@ impl Execution<'_> {
         best: usize,
         emit: &mut impl FnMut(RollOutResponse) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let outputs = Returns::summary();
         let mut costs = Vec::with_capacity(self.plan.actions());
         let mut held: Option<RollOutResponse> = None;
         for range in self.parts() {
             let indices = self.plan.instances(range);
-            let Simulated { rollouts, extremes, .. } = self.roll_out(&indices, &outputs)?;
+            let Simulated { rollouts, extremes, .. } = self.roll_out(&indices, Kept::Costs)?;
             let part = self.summary(&indices, &rollouts, &extremes)?;
             costs.extend(reply::costs(&part));
             if let Some(previous) = held.replace(part) {
@@ -94,14 +100,31 @@ impl Execution<'_> {
         }
         let Some(mut last) = held else { return Ok(()) };
         let chosen = self.plan.instances(lowest(&costs, best).into_iter());
-        let Simulated { rollouts, controls, .. } = if self.plan.returns.has_recordings() {
-            self.roll_out(&chosen, &self.plan.returns.outputs())?
+        let returns = &self.plan.returns;
+        // Gradients of soft minima begin with costs by frame.
+        let weighs_frames = returns.has_gradients() && self.plan.costs.have_soft_minima();
+        let simulated = if returns.has_recordings() || weighs_frames {
+            self.roll_out(&chosen, Kept::Arrays)?
         } else {
             Simulated::default()
         };
-        reply::add_recordings(self.plan, &chosen, &rollouts, &controls, &mut last);
-        self.add_gradients(&chosen, &mut last)?;
+        self.add_arrays(&chosen, simulated, &mut last)?;
         emit(self.signed(last))
+    }
+
+    /// Recordings and gradients of instances.
+    fn add_arrays(
+        &self,
+        indices: &[usize],
+        simulated: Simulated,
+        part: &mut RollOutResponse,
+    ) -> Result<(), Error> {
+        let Simulated { rollouts, controls, paths, .. } = simulated;
+        reply::add_recordings(self.plan, indices, &rollouts, &controls, part);
+        if self.plan.returns.controls {
+            reply::add_controls(self.plan, indices.len(), &paths, part);
+        }
+        self.add_gradients(indices, &rollouts, part)
     }
 
     fn parts(&self) -> impl Iterator<Item = Range<usize>> + use<> {
@@ -139,14 +162,28 @@ impl Execution<'_> {
         Ok(())
     }
 
-    fn roll_out(&self, indices: &[usize], outputs: &Outputs) -> Result<Simulated, Error> {
+    fn roll_out(&self, indices: &[usize], kept: Kept) -> Result<Simulated, Error> {
+        let (returns, costs) = (&self.plan.returns, &self.plan.costs);
+        let arrays = kept == Kept::Arrays;
+        let asked = if arrays { returns.outputs() } else { Returns::summary() };
+        let frame_costs = asked.frame_costs || costs.have_soft_minima();
+        let outputs = Outputs { frame_costs, ..asked };
+        let keeps_frames = arrays && (returns.frame_costs || returns.has_gradients());
         let mut simulated = Simulated::default();
         let width = self.plan.twin().graph.control_count();
         for run in cut::runs(0..indices.len(), self.plan.prepared) {
             let indices = &indices[run];
             let batch = self.batch(indices);
-            simulated.rollouts.extend(self.backend.roll_out(&batch, outputs, self.cancel)?);
-            for (index, instance) in indices.iter().zip(&batch) {
+            let rollouts = self.backend.roll_out(&batch, &outputs, self.cancel)?;
+            for ((index, instance), mut rollout) in indices.iter().zip(&batch).zip(rollouts) {
+                costs.settle(&mut rollout, &instance.controls);
+                if !keeps_frames {
+                    rollout.frame_costs = Vec::new();
+                }
+                simulated.rollouts.push(rollout);
+                if arrays && returns.controls {
+                    simulated.paths.extend_from_slice(&instance.controls);
+                }
                 simulated.extremes.push(self.plan.extremes(*index, instance, self.starts));
                 if outputs.final_state {
                     let last = &instance.controls[self.plan.frames * width..];
@@ -161,30 +198,51 @@ impl Execution<'_> {
         indices.iter().map(|i| self.plan.instance(*i, self.starts)).collect()
     }
 
-    fn add_gradients(&self, indices: &[usize], part: &mut RollOutResponse) -> Result<(), Error> {
+    /// Gradients of instances, of which rollouts are needed where costs have soft minima.
+    fn add_gradients(
+        &self,
+        indices: &[usize],
+        rollouts: &[Rollout],
+        part: &mut RollOutResponse,
+    ) -> Result<(), Error> {
         let (plan, returns) = (self.plan, &self.plan.returns);
         if !returns.has_gradients() {
             return Ok(());
         }
+        let soft = plan.costs.have_soft_minima();
         let mut gradients = Gradients::default();
         // Those of the members of an action, until all of them are there.
         let mut members = Vec::new();
         for run in cut::runs(0..indices.len(), plan.prepared) {
-            let indices = &indices[run];
-            // Without terms all costs are switched off: nothing depends on the controls.
-            let results = if plan.objective.terms.is_empty() {
+            let indices = &indices[run.clone()];
+            let batch: Vec<Instance> = if soft {
+                let pairs = indices.iter().zip(&rollouts[run.clone()]);
+                pairs.map(|(i, rollout)| plan.tangent(*i, self.starts, rollout)).collect()
+            } else {
+                self.batch(indices)
+            };
+            // Without terms all costs are switched off or of the controls alone: nothing else
+            // depends on anything.
+            let results = if plan.costs.need_no_gradient() {
                 vec![Gradient::default(); indices.len()]
             } else {
-                let batch = self.batch(indices);
                 let request = GradientRequest {
                     cut_every: plan.reach,
                     controls: true,
+                    initial: returns.initial_gradients,
+                    norms: true,
                     motion: returns.action_gradients && batch.iter().any(|i| i.world.bodies > 0),
                     ..GradientRequest::default()
                 };
                 self.backend.gradients(&batch, &request, self.cancel)?
             };
-            for (index, result) in indices.iter().zip(results) {
+            let pairs = run.zip(indices).zip(&batch).zip(results);
+            for (((row, index), instance), mut result) in pairs {
+                plan.costs.add_gradient(&instance.controls, &mut result);
+                if let Some(rollout) = rollouts.get(row) {
+                    // What the engine has is that of its terms alone.
+                    result.loss.total = reply::cost(rollout);
+                }
                 // Per-spring gradients are not returned: let go of them at once.
                 members.push(Gradient { params: Params::default(), ..result });
                 if members.len() < plan.ensemble.members {
@@ -196,7 +254,7 @@ impl Execution<'_> {
                     let start = &self.starts.of(action).controls;
                     gradients.actions.extend(plan.actions.gradient(action, start, &result));
                 }
-                gradients.controls.push(result.controls);
+                gradients.push(result);
             }
         }
         reply::add_gradients(plan, &gradients, part);

@@ -4,13 +4,16 @@
 use std::sync::Arc;
 
 use bendtwin_core::{CancelToken, Point, Twin};
-use bendtwin_engine::{Backend, Objective, backend::Instance};
+use bendtwin_engine::{
+    Backend,
+    backend::{Instance, Rollout},
+};
 use bendtwin_proto::rollout::TwinShape;
 
 use super::{
     actions::{Actions, Horizon},
     checked::Checked,
-    costs,
+    costs::Costs,
     ensemble::Ensemble,
     error::Error,
     initial::{Starts, Wanted},
@@ -18,7 +21,7 @@ use super::{
     returns::Returns,
     serve::Served,
     vary::{Variant, Variants},
-    world::{Surroundings, gripper_of_control},
+    world::{Surroundings, gripper_of_control, newtons_per_unit},
 };
 
 /// Distance between where a control point is and where nodes say that it may be, at most [m].
@@ -29,7 +32,7 @@ pub(super) struct Plan {
     pub(super) served: Served,
     pub(super) actions: Actions,
     pub(super) frames: usize,
-    pub(super) objective: Objective,
+    pub(super) costs: Costs,
     pub(super) returns: Returns,
     /// Number of grasps.
     pub(super) grasps: usize,
@@ -68,7 +71,7 @@ impl Plan {
             Surroundings::read(&mut request, &actions, map, twin, served.loaded.model())?;
         let variants =
             Variants::load(request.vary, &served.loaded, &surroundings, backend, cancel)?;
-        let objective = costs::read(request.costs, frames)?;
+        let costs = Costs::read(request.costs, frames, fps, newtons_per_unit(twin))?;
         let returns = Returns::read(request.returns, instances)?;
         let wanted = Wanted::read(request.initial, graph, instances)?;
 
@@ -77,7 +80,7 @@ impl Plan {
         let plan = Self {
             actions,
             frames,
-            objective,
+            costs,
             returns,
             grasps,
             surroundings,
@@ -124,10 +127,17 @@ impl Plan {
             initial: Arc::clone(&start.state),
             controls: Arc::new(controls),
             frames: self.frames,
-            objective: variant.objective(&self.objective),
+            objective: variant.objective(&self.costs.objective(action)),
             world: Arc::clone(&variant.world),
             motion: Arc::new(self.surroundings.motion(action, &self.actions)),
         }
+    }
+
+    /// An instance whose objective has the gradient of the costs at its rollout.
+    pub(super) fn tangent(&self, index: usize, starts: &Starts, at: &Rollout) -> Instance {
+        let objective = self.costs.tangent(self.action(index), at);
+        let objective = self.variant(index).objective(&objective);
+        Instance { objective, ..self.instance(index, starts) }
     }
 
     /// Model and world of an instance.

@@ -1,6 +1,7 @@
 //! Results of the engine as tensors of a reply.
 
 mod forces;
+mod gradients;
 
 use bendtwin_core::Point;
 use bendtwin_engine::{backend::Rollout, model::State};
@@ -9,6 +10,7 @@ use bendtwin_proto::v1::{
     roll_out_response::{Deviation, Diagnostics, Divergence},
 };
 
+pub(super) use self::gradients::{Gradients, add_gradients};
 use super::{grasping, plan::Plan, plausible::Extremes};
 
 /// The cost of an instance as it is reported: never NaN.
@@ -30,7 +32,7 @@ pub(super) fn summary(
     rollouts: &[Rollout],
     extremes: &[Extremes],
 ) -> RollOutResponse {
-    let names = &plan.objective.groups;
+    let names = &plan.costs.names;
     let costs: Vec<f64> = rollouts.iter().map(cost).collect();
     let terms: Vec<f64> = rollouts
         .iter()
@@ -85,8 +87,9 @@ pub(super) fn summary(
     }
 }
 
-/// Recorded positions and final states, whose control points are `controls`. Frames that a diverged instance did not reach are NaN (with
-/// INT16, which has none, the middle of the extent).
+/// Recorded positions and velocities, costs by frame, and final states, whose control points are
+/// `controls`. Frames that a diverged instance did not reach are NaN (with INT16, which has none, the
+/// middle of the extent).
 pub(super) fn add_recordings(
     plan: &Plan,
     instances: &[usize],
@@ -107,17 +110,27 @@ pub(super) fn add_recordings(
     if returns.every > 0 {
         let (rows, width) = (returns.recorded_frames(plan.frames), returns.recorded_nodes(graph));
         let frames: Vec<u32> = (1..=rows).map(|i| (i * returns.every) as u32).collect();
-        let mut positions = Vec::with_capacity(rollouts.len() * rows * width);
-        for rollout in rollouts {
-            extend_padded(&mut positions, &rollout.positions, rows * width);
-        }
-        let shape = [rollouts.len(), rows, width];
+        let pack = |of: fn(&Rollout) -> &[Point]| {
+            let mut values = Vec::with_capacity(rollouts.len() * rows * width);
+            for rollout in rollouts {
+                extend_padded(&mut values, of(rollout), rows * width);
+            }
+            let shape = [rollouts.len(), rows, width];
+            if returns.int16 {
+                Tensor::pack_points_i16(&shape, &values)
+            } else {
+                Tensor::pack_points(&shape, &values)
+            }
+        };
         part.frames = Some(Tensor::pack(&[rows], &frames));
-        part.positions = Some(if returns.int16 {
-            Tensor::pack_points_i16(&shape, &positions)
-        } else {
-            Tensor::pack_points(&shape, &positions)
-        });
+        part.positions = Some(pack(|r| &r.positions));
+        part.velocities = returns.velocities.then(|| pack(|r| &r.velocities));
+    }
+    if returns.frame_costs {
+        let (rows, width) = (plan.frames + 1, plan.costs.names.len());
+        let values: Vec<f64> =
+            rollouts.iter().flat_map(|r| &r.frame_costs).map(|c| never_nan(*c)).collect();
+        part.frame_costs = Some(Tensor::pack(&[rollouts.len(), rows, width], &values));
     }
     if returns.final_state {
         let n = graph.node_count();
@@ -150,32 +163,10 @@ pub(super) fn add_recordings(
     }
 }
 
-/// Gradients of instances in the same order as the recordings.
-#[derive(Default)]
-pub(super) struct Gradients {
-    /// By control positions, shape [F + 1, C, 3] each; empty: zero.
-    pub(super) controls: Vec<Vec<Point>>,
-    /// By the actions, one instance after another.
-    pub(super) actions: Vec<f32>,
-}
-
-/// Gradients of the instances that recordings are of.
-pub(super) fn add_gradients(plan: &Plan, gradients: &Gradients, part: &mut RollOutResponse) {
-    let count = gradients.controls.len();
-    if plan.returns.control_gradients {
-        let (rows, width) = (plan.frames + 1, plan.twin().graph.control_count());
-        let mut values = Vec::with_capacity(count * rows * width);
-        for gradient in &gradients.controls {
-            // Gradients of a diverged instance are zero.
-            let end = values.len() + rows * width;
-            values.extend(gradient.iter().take(rows * width));
-            values.resize(end, [0.0; 3]);
-        }
-        part.control_gradients = Some(Tensor::pack_points(&[count, rows, width], &values));
-    }
-    if plan.returns.action_gradients {
-        part.action_gradients = Some(plan.actions.pack_gradients(count, &gradients.actions));
-    }
+/// Control points of instances at all frame boundaries, shape [instances, F + 1, C].
+pub(super) fn add_controls(plan: &Plan, count: usize, paths: &[Point], part: &mut RollOutResponse) {
+    let shape = [count, plan.frames + 1, plan.twin().graph.control_count()];
+    part.controls = Some(Tensor::pack_points(&shape, paths));
 }
 
 fn extend_padded(out: &mut Vec<Point>, values: &[Point], len: usize) {

@@ -24,6 +24,11 @@ pub(super) struct Returns {
     pub(super) control_gradients: bool,
     pub(super) action_gradients: bool,
     pub(super) forces: bool,
+    pub(super) initial_gradients: bool,
+    pub(super) gradient_norms: bool,
+    pub(super) velocities: bool,
+    pub(super) frame_costs: bool,
+    pub(super) controls: bool,
 }
 
 impl Returns {
@@ -46,6 +51,11 @@ impl Returns {
             control_gradients: wire.control_gradients,
             action_gradients: wire.action_gradients,
             forces: wire.forces,
+            initial_gradients: wire.initial_gradients,
+            gradient_norms: wire.gradient_norms,
+            velocities: wire.velocities,
+            frame_costs: wire.frame_costs,
+            controls: wire.controls,
         })
     }
 
@@ -66,12 +76,15 @@ impl Returns {
 
     /// True if the arrays need a simulation beside that of the costs.
     pub(super) fn has_recordings(&self) -> bool {
-        self.every > 0 || self.final_state || self.forces
+        self.every > 0 || self.final_state || self.forces || self.frame_costs || self.controls
     }
 
     /// True if the arrays need a run backward.
     pub(super) fn has_gradients(&self) -> bool {
-        self.control_gradients || self.action_gradients
+        self.control_gradients
+            || self.action_gradients
+            || self.initial_gradients
+            || self.gradient_norms
     }
 
     /// Outputs of the engine where arrays are wanted. Diagnostics tell how plausible all of it is.
@@ -83,7 +96,8 @@ impl Returns {
             final_state: self.final_state,
             diagnostics: true,
             forces: self.forces,
-            ..Outputs::NONE
+            velocities: self.velocities,
+            frame_costs: self.frame_costs,
         }
     }
 

@@ -1,5 +1,6 @@
 //! Requests against a small real twin on the CPU.
 
+mod costs;
 mod faults;
 mod fidelity;
 mod gradients;
@@ -383,6 +384,12 @@ fn a_reply_is_no_larger_than_the_check_says() {
                 final_state: true,
                 diagnostics: true,
                 control_gradients: true,
+                action_gradients: true,
+                initial_gradients: true,
+                gradient_norms: true,
+                velocities: true,
+                frame_costs: true,
+                controls: true,
                 ..Returns::default()
             });
             let batch = rollout::check_for(&request, &shape, &limits(), part).unwrap();
@@ -426,9 +433,9 @@ proptest! {
         weight in prop_oneof![Just(f64::INFINITY), -2.0f64..2.0],
         node in 0u32..6,
         target in prop::array::uniform3(prop_oneof![Just(f32::NAN), -1.0f32..1.0]),
-        when in -1i32..4,
+        when in -1i32..5,
         part in 0u32..5,
-        flags in any::<[bool; 4]>(),
+        flags in any::<[bool; 8]>(),
     ) {
         let bench = Bench::new();
         let mut request = request(3);
@@ -436,6 +443,7 @@ proptest! {
         request.costs = vec![Cost {
             weight: Some(weight),
             when,
+            temperature: f64::from(part),
             kind: Some(Kind::Keypoints(Keypoints {
                 nodes: Some(Tensor::pack(&[1], &[node])),
                 targets: Some(Tensor::pack_points(&[1], &[target])),
@@ -449,6 +457,11 @@ proptest! {
             final_state: flags[1],
             control_gradients: flags[2],
             diagnostics: flags[3],
+            velocities: flags[4],
+            frame_costs: flags[5],
+            controls: flags[6],
+            initial_gradients: flags[7],
+            gradient_norms: flags[7],
             ..Returns::default()
         });
         if let Ok(parts) = bench.run(request, part) {

@@ -1,6 +1,6 @@
-//! `bendtwin bench load`: what greedy clients leave to others on a running server. Small rollouts
-//! are timed and a fit's speed is measured, first alone, then beside clients that keep sending
-//! large rollouts.
+//! `bendtwin bench load`: what a fit and greedy clients leave to others on a running server. Small
+//! rollouts are timed one after another, as a closed loop sends them: alone, beside a fit, and beside
+//! the fit and clients that keep sending large rollouts. The fit's speed is measured meanwhile.
 
 use std::time::{Duration, Instant};
 
@@ -12,6 +12,7 @@ use futures::future::join_all;
 use serde::Serialize;
 use tokio_util::sync::CancellationToken;
 
+use super::size::Size;
 use crate::{global::Global, output, signals, table::Table};
 
 /// Pause of a client that was refused. Greedy ones do not wait as long as they are told to.
@@ -23,43 +24,28 @@ const FIT_START: Duration = Duration::from_secs(300);
 #[command(after_help = "\
 It needs a server with a twin, whose capture is fitted beside (the fit is deleted afterwards):
   bendtwin server &
-  bendtwin bench load --clients 64")]
+  bendtwin bench load --clients 64
+A closed loop of one instance and one frame beside a fit, without greedy clients:
+  bendtwin bench load --clients 0 --small 1x1")]
 pub(crate) struct Load {
     /// Twin to roll out [default: the newest that has a capture]
     #[arg(long, value_name = "NAME")]
     twin: Option<TwinId>,
-    /// Number of greedy clients, each with a connection of its own
+    /// Number of greedy clients, each with a connection of its own; 0 leaves them out
     #[arg(long, value_name = "N", default_value_t = 64)]
     clients: usize,
     /// Size of their rollouts: instances x frames
-    #[arg(long, value_name = "BxF", default_value = "4000x200", value_parser = size)]
+    #[arg(long, value_name = "BxF", default_value = "4000x200")]
     large: Size,
     /// Size of the small rollouts, which come one after another
-    #[arg(long, value_name = "BxF", default_value = "16x30", value_parser = size)]
+    #[arg(long, value_name = "BxF", default_value = "16x30")]
     small: Size,
-    /// Time for each of the two measurements [s]
+    /// Time for each measurement [s]
     #[arg(long, value_name = "S", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=3600))]
     seconds: u64,
     /// Leave out the fit
     #[arg(long)]
     no_fit: bool,
-}
-
-/// Size of a batch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-struct Size {
-    instances: usize,
-    frames: u32,
-}
-
-fn size(text: &str) -> Result<Size, String> {
-    let fault = || format!("`{text}` is no size: give instances x frames, 4000x200 say");
-    let (instances, frames) = text.split_once('x').ok_or_else(fault)?;
-    let size = Size {
-        instances: instances.parse().map_err(|_| fault())?,
-        frames: frames.parse().map_err(|_| fault())?,
-    };
-    if size.instances == 0 || size.frames == 0 { Err(fault()) } else { Ok(size) }
 }
 
 /// Results of one measurement.
@@ -80,8 +66,12 @@ struct Report {
     clients: usize,
     large: Size,
     small: Size,
-    idle: Measured,
-    loaded: Measured,
+    /// Small rollouts alone.
+    alone: Measured,
+    /// Beside the fit.
+    fit: Option<Measured>,
+    /// Beside the greedy clients, and the fit if there is one.
+    greedy: Option<Measured>,
     /// Large rollouts that were refused.
     large_refused: usize,
 }
@@ -109,14 +99,12 @@ pub(super) async fn run(args: Load, global: &Global) -> anyhow::Result<()> {
     let file = client.twins().export(twin).await?;
     let controls = Twin::decode(&file).context("the twin cannot be read")?.graph.control_rest;
     let still = Still { twin, controls };
-    let fit = match capture.filter(|_| !args.no_fit) {
-        Some(capture) => Some(start_fit(&client, capture).await?),
-        None => None,
-    };
+    let capture = capture.filter(|_| !args.no_fit);
     let shutdown = signals::shutdown();
+    let mut fit = None;
     let measured = tokio::select! {
         () = shutdown.cancelled() => Err(anyhow::anyhow!("interrupted")),
-        measured = measure(&args, &client, global, &still, fit) => measured,
+        measured = measure(&args, &client, global, &still, capture, &mut fit) => measured,
     };
     if let Some(fit) = fit {
         // Deleting a fit that still runs is refused: it is cancelled first.
@@ -144,8 +132,13 @@ async fn subject(
     }
 }
 
-/// A fit of short generations that does not end by itself in the time of a measurement.
-async fn start_fit(client: &Client, capture: CaptureId) -> anyhow::Result<FitId> {
+/// A fit of short generations that does not end by itself in the time of a measurement; `made` is
+/// set once it is there.
+async fn start_fit(
+    client: &Client,
+    capture: CaptureId,
+    made: &mut Option<FitId>,
+) -> anyhow::Result<()> {
     let mut settings = FitSettings::default();
     settings.search.generations = Some(10_000);
     settings.search.population = 8;
@@ -153,6 +146,7 @@ async fn start_fit(client: &Client, capture: CaptureId) -> anyhow::Result<FitId>
     settings.search.max_frames = 15;
     settings.search.max_sequences = 1;
     let fit = client.fits().create(capture, &settings, 100).await?.name;
+    *made = Some(fit);
     let started = Instant::now();
     while generation(&client.fits().get(fit).await?)? == 0 {
         if started.elapsed() > FIT_START {
@@ -160,7 +154,7 @@ async fn start_fit(client: &Client, capture: CaptureId) -> anyhow::Result<FitId>
         }
         tokio::time::sleep(Duration::from_millis(200)).await;
     }
-    Ok(fit)
+    Ok(())
 }
 
 fn generation(fit: &Fit) -> anyhow::Result<u32> {
@@ -176,25 +170,36 @@ async fn measure(
     client: &Client,
     global: &Global,
     still: &Still,
-    fit: Option<FitId>,
+    capture: Option<CaptureId>,
+    fit: &mut Option<FitId>,
 ) -> anyhow::Result<Report> {
     let time = Duration::from_secs(args.seconds);
     // The first one loads the twin.
     client.rollouts().run(still.rollout(args.small)).await?;
-    let idle = phase(client, still, args.small, fit, time).await?;
+    let alone = phase(client, still, args.small, None, time).await?;
+    let mut beside_fit = None;
+    if let Some(capture) = capture {
+        start_fit(client, capture, fit).await?;
+        beside_fit = Some(phase(client, still, args.small, *fit, time).await?);
+    }
+    let (clients, large, small) = (args.clients, args.large, args.small);
+    let report =
+        Report { clients, large, small, alone, fit: beside_fit, greedy: None, large_refused: 0 };
+    if clients == 0 {
+        return Ok(report);
+    }
     let stop = CancellationToken::new();
-    let greedy = (0..args.clients).map(|_| greedy(global, still, args.large, &stop));
+    let greedy = (0..clients).map(|_| greedy(global, still, large, &stop));
     let loaded = async {
         // The clients come first.
         tokio::time::sleep(Duration::from_secs(2)).await;
-        let loaded = phase(client, still, args.small, fit, time).await;
+        let loaded = phase(client, still, small, *fit, time).await;
         stop.cancel();
         loaded
     };
     let (loaded, refused) = tokio::join!(loaded, join_all(greedy));
     let large_refused = refused.into_iter().sum::<anyhow::Result<usize>>()?;
-    let (clients, large, small) = (args.clients, args.large, args.small);
-    Ok(Report { clients, large, small, idle, loaded: loaded?, large_refused })
+    Ok(Report { greedy: Some(loaded?), large_refused, ..report })
 }
 
 /// Sends large rollouts until it is stopped; returns how many were refused.
@@ -263,43 +268,40 @@ fn percentile(sorted: &[f64], share: f64) -> f64 {
 }
 
 fn text(report: &Report) -> String {
-    let mut table = Table::new(["", "alone", "beside greedy clients", "ratio"]);
-    let (idle, loaded) = (&report.idle, &report.loaded);
-    let ms = |s: f64| format!("{:.1} ms", 1e3 * s);
-    let ratio = |a: f64, b: f64| if a > 0.0 { format!("{:.2}", b / a) } else { "-".to_owned() };
-    let mut row = |name: &str, a: String, b: String, ratio: String| {
-        table.row([name.to_owned(), a, b, ratio]);
+    let columns = [("beside the fit", report.fit), ("beside greedy clients", report.greedy)];
+    let measured: Vec<(&str, Measured)> = std::iter::once(("alone", report.alone))
+        .chain(columns.into_iter().filter_map(|(name, measured)| Some((name, measured?))))
+        .collect();
+    let mut table = Table::new(std::iter::once("").chain(measured.iter().map(|(name, _)| *name)));
+    let mut row = |name: &str, value: &dyn Fn(&Measured) -> String| {
+        let values = measured.iter().map(|(_, m)| value(m));
+        table.row(std::iter::once(name.to_owned()).chain(values).collect::<Vec<_>>());
     };
-    for (name, a, b) in
-        [("small, median", idle.p50_s, loaded.p50_s), ("small, p99", idle.p99_s, loaded.p99_s)]
-    {
-        row(name, ms(a), ms(b), ratio(a, b));
-    }
-    let count = |m: &Measured| format!("{} ({} refused)", m.answered, m.refused);
-    row("small rollouts", count(idle), count(loaded), String::new());
-    if let (Some(a), Some(b)) = (idle.generations_per_s, loaded.generations_per_s) {
-        row("fit, generations/s", format!("{a:.2}"), format!("{b:.2}"), ratio(a, b));
-    }
-    let Size { instances, frames } = report.large;
-    format!(
-        "{}\n{} greedy clients with {instances} x {frames}; {} of their rollouts were refused",
-        table.text(),
-        report.clients,
-        report.large_refused
-    )
+    let alone = &report.alone;
+    let ms = |s: f64, alone_s: f64| match s / alone_s {
+        ratio if ratio.is_finite() => format!("{:.1} ms ({ratio:.2} x)", 1e3 * s),
+        _ => "-".to_owned(),
+    };
+    row("small, median", &|m| ms(m.p50_s, alone.p50_s));
+    row("small, p99", &|m| ms(m.p99_s, alone.p99_s));
+    row("small rollouts", &|m| format!("{} ({} refused)", m.answered, m.refused));
+    row("fit, generations/s", &|m| {
+        m.generations_per_s.map_or_else(|| "-".to_owned(), |g| format!("{g:.2}"))
+    });
+    let (small, large) = (report.small, report.large);
+    let greedy = match report.clients {
+        0 => String::new(),
+        n => format!(
+            "; {n} greedy clients with {large}, {} of whose rollouts were refused",
+            report.large_refused
+        ),
+    };
+    format!("{}\nsmall rollouts of {small}{greedy}", table.text())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sizes_are_instances_times_frames() {
-        assert_eq!(size("4000x200"), Ok(Size { instances: 4000, frames: 200 }));
-        for wrong in ["", "4000", "x", "0x200", "4000x0", "4000x200x3", "-1x2"] {
-            assert!(size(wrong).is_err(), "{wrong}");
-        }
-    }
 
     #[test]
     fn percentiles_are_values_that_were_measured() {

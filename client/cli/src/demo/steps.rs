@@ -26,7 +26,7 @@ const NODES: usize = 60;
 const NEIGHBOURS: usize = 8;
 
 /// The settings of the demo's fits.
-fn settings(seed: u64) -> FitSettings {
+pub(super) fn settings(seed: u64) -> FitSettings {
     let mut settings = FitSettings { seed, ..FitSettings::default() };
     settings.graph.max_nodes = NODES;
     settings.graph.max_neighbours = NEIGHBOURS;
@@ -34,20 +34,20 @@ fn settings(seed: u64) -> FitSettings {
 }
 
 /// The same settings as flags of the command line.
-fn flags() -> String {
+pub(super) fn flags() -> String {
     format!("--set graph.max_nodes={NODES} --set graph.max_neighbours={NEIGHBOURS}")
 }
 
 /// The demo under way.
 pub(super) struct DemoRun {
     quiet: bool,
-    seed: u64,
-    picture: PathBuf,
+    pub(super) seed: u64,
+    pub(super) picture: PathBuf,
     folder: PathBuf,
     started: Instant,
     steps: u32,
     /// The document of `--json`, printed at the end.
-    report: serde_json::Map<String, serde_json::Value>,
+    pub(super) report: serde_json::Map<String, serde_json::Value>,
 }
 
 /// The two fits of the same nodes.
@@ -87,7 +87,10 @@ impl DemoRun {
         self.draw(pair, observed).await
     }
 
-    async fn record(&mut self, connection: &Connection) -> anyhow::Result<(Capture, CaptureId)> {
+    pub(super) async fn record(
+        &mut self,
+        connection: &Connection,
+    ) -> anyhow::Result<(Capture, CaptureId)> {
         self.step(
             "Record a rope that a robot hand moves (simulated far more finely than the twin will be,\n   \
              with noise and occlusion)",
@@ -139,7 +142,7 @@ impl DemoRun {
         })
     }
 
-    async fn one_fit(
+    pub(super) async fn one_fit(
         &mut self,
         connection: &Connection,
         capture: CaptureId,
@@ -272,12 +275,12 @@ impl DemoRun {
         Ok(())
     }
 
-    fn step(&mut self, what: &str, command: &str) {
+    pub(super) fn step(&mut self, what: &str, command: &str) {
         self.steps += 1;
         self.print(&format!("\n{}. {what}\n   $ {command}", self.steps));
     }
 
-    fn print(&self, text: &str) {
+    pub(super) fn print(&self, text: &str) {
         if !self.quiet {
             // A closed standard output is reported at the end, if at all.
             let _ = output::line(text);
@@ -285,7 +288,7 @@ impl DemoRun {
     }
 }
 
-fn farthest(nodes: &[[f32; 3]], from: &[[f32; 3]]) -> Option<usize> {
+pub(super) fn farthest(nodes: &[[f32; 3]], from: &[[f32; 3]]) -> Option<usize> {
     let distance = |node: &[f32; 3]| {
         let squared = from.iter().map(|f| (0..3).map(|i| (node[i] - f[i]).powi(2)).sum::<f32>());
         squared.fold(f32::INFINITY, f32::min)

@@ -11,10 +11,23 @@ with Client("127.0.0.1:7070") as client:
 """
 
 from bendtwin.client import Client
-from bendtwin.costs import Cost, Keypoints, Smoothness, TargetCloud
+from bendtwin.costs import (
+    Clearance,
+    ControlPath,
+    ControlSpeed,
+    Cost,
+    Force,
+    Height,
+    Keypoints,
+    Smoothness,
+    Strain,
+    TargetCloud,
+    Within,
+)
 from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.geometry import Geometry, Ground
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
+from bendtwin.motion import Motion
 from bendtwin.resources import Capture, Fault, Fit, Job, JobState, Progress, TwinInfo, Worker
 from bendtwin.rollout import (
     Deviation,
@@ -57,8 +70,11 @@ __all__ = [
     "Capture",
     "CaptureFrame",
     "Category",
+    "Clearance",
     "Client",
     "Collider",
+    "ControlPath",
+    "ControlSpeed",
     "ConvexMesh",
     "Cost",
     "Cuboid",
@@ -69,6 +85,7 @@ __all__ = [
     "Fault",
     "Fit",
     "FitFailed",
+    "Force",
     "Forces",
     "Geometry",
     "GivenState",
@@ -76,6 +93,7 @@ __all__ = [
     "Grasp",
     "Grasping",
     "Ground",
+    "Height",
     "Implausible",
     "IngestFailed",
     "InitialState",
@@ -83,6 +101,7 @@ __all__ = [
     "Job",
     "JobState",
     "Keypoints",
+    "Motion",
     "Plane",
     "Plausibility",
     "Progress",
@@ -93,11 +112,13 @@ __all__ = [
     "Smoothness",
     "Sphere",
     "State",
+    "Strain",
     "TargetCloud",
     "Timing",
     "Twin",
     "TwinInfo",
     "Vary",
+    "Within",
     "Worker",
     "World",
     "interpolate",

@@ -4,41 +4,24 @@ from __future__ import annotations
 
 import json
 import time
-import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
 
 import grpc
+from numpy.typing import ArrayLike
 
-from bendtwin.archive import archive_of, chunks_of
-from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed, translated
+from bendtwin import calls
+from bendtwin.archive import archive_of
+from bendtwin.errors import BendTwinError, FitFailed, IngestFailed, translated
+from bendtwin.motion import Motion, bundle, bundle_file
 from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
 from bendtwin.token import find_token, with_token
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
-from bendtwin.v1 import (
-    capture_pb2,
-    capture_pb2_grpc,
-    fit_pb2,
-    fit_pb2_grpc,
-    rollout_pb2_grpc,
-    twin_pb2,
-    twin_pb2_grpc,
-    worker_pb2,
-    worker_pb2_grpc,
-)
 
-_CHANNEL_OPTIONS = [
-    # Trajectories of large batches are larger than gRPC's default of 4 MiB.
-    ("grpc.max_receive_message_length", -1),
-    ("grpc.max_send_message_length", -1),
-]
-_RECONNECT_S = 0.2
-
-_Message = TypeVar("_Message")
-_Watched = TypeVar("_Watched")
+_Read = TypeVar("_Read")
 
 
 class Client:
@@ -52,13 +35,8 @@ class Client:
         target = address.removeprefix("http://").rstrip("/")
         self._address = target
         self._token = find_token(target) if token is None else token
-        self._channel = grpc.insecure_channel(target, options=_CHANNEL_OPTIONS)
-        channel = with_token(self._channel, self._token)
-        self._captures = capture_pb2_grpc.CaptureServiceStub(channel)
-        self._fits = fit_pb2_grpc.FitServiceStub(channel)
-        self._twins = twin_pb2_grpc.TwinServiceStub(channel)
-        self._workers = worker_pb2_grpc.WorkerServiceStub(channel)
-        self._rollouts = rollout_pb2_grpc.RolloutServiceStub(channel)
+        self._channel = grpc.insecure_channel(target, options=calls.CHANNEL_OPTIONS)
+        self._services = calls.Services(with_token(self._channel, self._token))
 
     def __enter__(self) -> Client:
         return self
@@ -86,20 +64,47 @@ class Client:
         The same content under the same `request_id` answers with the capture that exists.
         """
         path = Path(path)
-        metadata = capture_pb2.CaptureMetadata(
-            display_name=path.stem if display_name is None else display_name,
-            request_id=request_id or str(uuid.uuid4()),
-            ingest_settings_json=json.dumps(ingest) if ingest else "",
+        name = path.stem if display_name is None else display_name
+        with archive_of(path) as archive:
+            return self._run(calls.create_capture(archive, name, request_id, ingest))
+
+    def upload_motion(
+        self,
+        motions: Motion | Sequence[Motion],
+        *,
+        fps: float,
+        display_name: str = "motion",
+        request_id: str | None = None,
+        ingest: dict[str, Any] | None = None,
+        units: str = "m",
+        up_axis: str = "+z",
+        ground: float | None = 0.0,
+        edges: ArrayLike | None = None,
+        rest_points: ArrayLike | None = None,
+        pins: ArrayLike | None = None,
+    ) -> Capture:
+        """Uploads motion capture: points that were tracked already, as one or several motions.
+
+        `ground` is the ground's height along `up_axis`, in `units`; None if there is none. `edges`
+        [E, 2] says which points are joined, `rest_points` [P, 3] what shape is undeformed, `pins`
+        [H, 2] which point is held by which control point. `request_id` and `ingest` are as in
+        `upload_capture`.
+        """
+        content = bundle(
+            motions,
+            fps=fps,
+            name=display_name,
+            units=units,
+            up_axis=up_axis,
+            ground=ground,
+            edges=edges,
+            rest_points=rest_points,
+            pins=pins,
         )
-
-        def messages(archive: Path) -> Iterator[capture_pb2.CreateCaptureRequest]:
-            yield capture_pb2.CreateCaptureRequest(metadata=metadata)
-            for chunk in chunks_of(archive):
-                yield capture_pb2.CreateCaptureRequest(chunk=chunk)
-
-        with archive_of(path) as archive, translated():
-            reply = self._captures.CreateCapture(messages(archive))
-        return Capture.from_proto(reply.capture)
+        with bundle_file(content) as path:
+            return self.upload_capture(
+                path, display_name=display_name, request_id=request_id, ingest=ingest
+            )
 
     def push_capture(
         self,
@@ -125,19 +130,15 @@ class Client:
 
     def capture(self, name: str) -> Capture:
         """One capture."""
-        with translated():
-            request = capture_pb2.GetCaptureRequest(name=name)
-            return Capture.from_proto(self._captures.GetCapture(request))
+        return self._run(calls.get_capture(name))
 
     def captures(self) -> Iterator[Capture]:
         """All captures, newest first."""
-        pages = _pages(self._captures.ListCaptures, capture_pb2.ListCapturesRequest())
-        return (Capture.from_proto(c) for page in pages for c in page.captures)
+        return self._pages(calls.list_captures())
 
     def delete_capture(self, name: str) -> None:
         """Deletes a capture; its twins stay."""
-        with translated():
-            self._captures.DeleteCapture(capture_pb2.DeleteCaptureRequest(name=name))
+        self._run(calls.delete_capture(name))
 
     # Reading captures
 
@@ -149,19 +150,11 @@ class Client:
         request_id: str | None = None,
     ) -> Capture:
         """Has a capture read again, with other settings say (docs/settings.md)."""
-        request = capture_pb2.IngestCaptureRequest(
-            name=name,
-            settings_json=json.dumps(settings) if settings else "",
-            request_id=request_id or str(uuid.uuid4()),
-        )
-        with translated():
-            return Capture.from_proto(self._captures.IngestCapture(request))
+        return self._run(calls.ingest_capture(name, settings, request_id))
 
     def cancel_ingest(self, name: str) -> Capture:
         """Asks the ingest of a capture to stop; one that has ended is left as it is."""
-        with translated():
-            request = capture_pb2.CancelIngestRequest(name=name)
-            return Capture.from_proto(self._captures.CancelIngest(request))
+        return self._run(calls.cancel_ingest(name))
 
     def watch_capture(self, name: str, *, timeout_s: float | None = None) -> Iterator[Capture]:
         """The capture now and after every change of its ingest, until that has ended.
@@ -169,17 +162,7 @@ class Client:
         Goes on over restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
         `timeout_s`.
         """
-
-        def changes(revision: int, left: float | None) -> Iterator[Capture]:
-            request = capture_pb2.WatchIngestRequest(name=name, after_revision=revision)
-            for message in self._captures.WatchIngest(request, timeout=left):
-                yield Capture.from_proto(message)
-
-        def standing(capture: Capture) -> tuple[int, bool]:
-            ingest = capture.ingest
-            return (0, True) if ingest is None else (ingest.revision, ingest.state.has_ended)
-
-        return _watched(changes, standing, timeout_s)
+        return self._follow(calls.watch_capture(name), timeout_s)
 
     def wait_for_capture(
         self,
@@ -201,26 +184,17 @@ class Client:
 
     def capture_report(self, name: str) -> dict[str, Any]:
         """Report on a capture: verdict, findings and what they rest on."""
-        request = capture_pb2.GetCaptureReportRequest(name=name)
-        with translated():
-            parts = [part.chunk for part in self._captures.GetCaptureReport(request)]
+        parts = list(self._parts(calls.capture_report(name, html=False)))
         report: dict[str, Any] = json.loads(b"".join(parts))
         return report
 
     def save_capture_report(self, name: str, path: str | PathLike[str]) -> None:
         """Writes the report of a capture as a page with pictures, to be opened in a browser."""
-        html = capture_pb2.GetCaptureReportRequest.HTML
-        request = capture_pb2.GetCaptureReportRequest(name=name, format=html)
-        with translated(), open(path, "wb") as file:
-            for part in self._captures.GetCaptureReport(request):
-                file.write(part.chunk)
+        self._save(calls.capture_report(name, html=True), path)
 
     def export_observation(self, name: str, path: str | PathLike[str]) -> None:
         """Writes what fits of a capture work on, tracked points as a bundle (ZIP)."""
-        request = capture_pb2.ExportObservationRequest(name=name)
-        with translated(), open(path, "wb") as file:
-            for part in self._captures.ExportObservation(request):
-                file.write(part.chunk)
+        self._save(calls.export_observation(name), path)
 
     # Fits
 
@@ -233,34 +207,23 @@ class Client:
         request_id: str | None = None,
     ) -> Fit:
         """Starts a fit of a capture. `settings` are those of docs/settings.md."""
-        request = fit_pb2.CreateFitRequest(
-            capture=capture,
-            settings_json=json.dumps(settings) if settings else "",
-            priority=priority,
-            request_id=request_id or str(uuid.uuid4()),
-        )
-        with translated():
-            return Fit.from_proto(self._fits.CreateFit(request))
+        return self._run(calls.create_fit(capture, settings, priority, request_id))
 
     def get_fit(self, name: str) -> Fit:
         """One fit as it stands."""
-        with translated():
-            return Fit.from_proto(self._fits.GetFit(fit_pb2.GetFitRequest(name=name)))
+        return self._run(calls.get_fit(name))
 
     def fits(self, capture: str = "") -> Iterator[Fit]:
         """All fits, or those of one capture, newest first."""
-        pages = _pages(self._fits.ListFits, fit_pb2.ListFitsRequest(capture=capture))
-        return (Fit.from_proto(f) for page in pages for f in page.fits)
+        return self._pages(calls.list_fits(capture))
 
     def cancel_fit(self, name: str) -> Fit:
         """Asks a fit to stop; one that has ended is returned as it is."""
-        with translated():
-            return Fit.from_proto(self._fits.CancelFit(fit_pb2.CancelFitRequest(name=name)))
+        return self._run(calls.cancel_fit(name))
 
     def delete_fit(self, name: str) -> None:
         """Deletes a fit that has ended; its twin stays."""
-        with translated():
-            self._fits.DeleteFit(fit_pb2.DeleteFitRequest(name=name))
+        self._run(calls.delete_fit(name))
 
     def watch(self, name: str, *, timeout_s: float | None = None) -> Iterator[Fit]:
         """The fit now and after every change, until it has ended.
@@ -268,13 +231,7 @@ class Client:
         Goes on over restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
         `timeout_s`.
         """
-
-        def changes(revision: int, left: float | None) -> Iterator[Fit]:
-            request = fit_pb2.WatchFitRequest(name=name, after_revision=revision)
-            for message in self._fits.WatchFit(request, timeout=left):
-                yield Fit.from_proto(message)
-
-        return _watched(changes, lambda fit: (fit.job.revision, fit.state.has_ended), timeout_s)
+        return self._follow(calls.watch_fit(name), timeout_s)
 
     def wait(
         self,
@@ -298,21 +255,15 @@ class Client:
 
     def twin(self, name: str) -> Twin:
         """A twin, ready for rollouts."""
-        with translated():
-            info = TwinInfo.from_proto(self._twins.GetTwin(twin_pb2.GetTwinRequest(name=name)))
-        return Twin(info, self._rollouts, self._twins)
+        return self._twin(self._run(calls.get_twin(name)))
 
     def twins(self, capture: str = "") -> Iterator[Twin]:
         """All twins, or those of one capture, newest first."""
-        pages = _pages(self._twins.ListTwins, twin_pb2.ListTwinsRequest(capture=capture))
-        infos = (TwinInfo.from_proto(t) for page in pages for t in page.twins)
-        return (Twin(info, self._rollouts, self._twins) for info in infos)
+        return map(self._twin, self._pages(calls.list_twins(capture)))
 
     def export_twin(self, name: str, path: str | PathLike[str]) -> None:
         """Writes a twin's file (safetensors, docs/twin-format.md)."""
-        with translated(), open(path, "wb") as file:
-            for part in self._twins.ExportTwin(twin_pb2.ExportTwinRequest(name=name)):
-                file.write(part.chunk)
+        self._save(calls.export_twin(name), path)
 
     def import_twin(
         self,
@@ -322,66 +273,58 @@ class Client:
         request_id: str | None = None,
     ) -> Twin:
         """Stores a twin file that was exported elsewhere."""
-        path = Path(path)
-        metadata = twin_pb2.TwinMetadata(
-            display_name=path.stem if display_name is None else display_name,
-            request_id=request_id or str(uuid.uuid4()),
-        )
-
-        def messages() -> Iterator[twin_pb2.CreateTwinRequest]:
-            yield twin_pb2.CreateTwinRequest(metadata=metadata)
-            for chunk in chunks_of(path):
-                yield twin_pb2.CreateTwinRequest(chunk=chunk)
-
-        with translated():
-            info = TwinInfo.from_proto(self._twins.CreateTwin(messages()))
-        return Twin(info, self._rollouts, self._twins)
+        return self._twin(self._run(calls.create_twin(path, display_name, request_id)))
 
     def delete_twin(self, name: str) -> None:
         """Deletes a twin."""
-        with translated():
-            self._twins.DeleteTwin(twin_pb2.DeleteTwinRequest(name=name))
+        self._run(calls.delete_twin(name))
 
     # Workers
 
     def workers(self) -> Iterator[Worker]:
         """The workers that the server knows."""
-        pages = _pages(self._workers.ListWorkers, worker_pb2.ListWorkersRequest())
-        return (Worker.from_proto(w) for page in pages for w in page.workers)
+        return self._pages(calls.list_workers())
 
+    # Ways to call
 
-def _watched(
-    changes: Callable[[int, float | None], Iterator[_Watched]],
-    standing: Callable[[_Watched], tuple[int, bool]],
-    timeout_s: float | None,
-) -> Iterator[_Watched]:
-    """Follows changes until one is the last, over restarts of the server.
-
-    `changes` are those after a revision; `standing` tells a state's revision, and whether it is the
-    last.
-    """
-    deadline = None if timeout_s is None else time.monotonic() + timeout_s
-    revision = 0
-    while True:
-        left = None if deadline is None else max(0.0, deadline - time.monotonic())
-        try:
-            with translated():
-                for state in changes(revision, left):
-                    revision, ended = standing(state)
-                    yield state
-                    if ended:
-                        return
-        except BendTwinError as error:
-            if error.category is not Category.UNAVAILABLE:
-                raise
-        time.sleep(_RECONNECT_S)
-
-
-def _pages(call: Callable[[Any], Any], request: Any) -> Iterator[Any]:
-    while True:
+    def _run(self, call: calls.Call[_Read]) -> _Read:
         with translated():
-            page = call(request)
-        yield page
-        if not page.next_page_token:
-            return
-        request.page_token = page.next_page_token
+            return call.read(call.method(self._services)(call.request))
+
+    def _parts(self, call: calls.Call[_Read]) -> Iterator[_Read]:
+        with translated():
+            for part in call.method(self._services)(call.request):
+                yield call.read(part)
+
+    def _save(self, call: calls.Call[bytes], path: str | PathLike[str]) -> None:
+        with open(path, "wb") as file:
+            for chunk in self._parts(call):
+                file.write(chunk)
+
+    def _pages(self, pages: calls.Pages[_Read]) -> Iterator[_Read]:
+        request = pages.request
+        while True:
+            with translated():
+                page = pages.method(self._services)(request)
+            yield from pages.read(page)
+            if not page.next_page_token:
+                return
+            request.page_token = page.next_page_token
+
+    def _follow(self, watched: calls.Watched[_Read], timeout_s: float | None) -> Iterator[_Read]:
+        following = calls.Following(watched, timeout_s)
+        method = watched.method(self._services)
+        while True:
+            try:
+                with translated():
+                    for message in method(following.request, timeout=following.left_s):
+                        yield following.take(message)
+                        if following.has_ended:
+                            return
+            except BendTwinError as error:
+                if not following.survives(error):
+                    raise
+            time.sleep(calls.RECONNECT_S)
+
+    def _twin(self, info: TwinInfo) -> Twin:
+        return Twin(info, self._services.rollouts, self._services.twins)

@@ -2,74 +2,204 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
 import numpy.typing as npt
 
 from bendtwin.tensors import pack_floats, pack_indices
-from bendtwin.v1 import rollout_pb2
+from bendtwin.v1 import rollout_pb2, tensor_pb2
 
-When = Literal["last_frame", "every_frame"]
+When = Literal["last_frame", "every_frame", "soft_min"]
 
 _WHEN = {
     "last_frame": rollout_pb2.Cost.LAST_FRAME,
     "every_frame": rollout_pb2.Cost.EVERY_FRAME,
+    "soft_min": rollout_pb2.Cost.SOFT_MIN,
 }
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Term:
-    #: Factor of this term in the sum.
+class Cost(ABC):
+    """A term of the sum that scores an instance."""
+
+    #: Factor of this term in the sum; 0 switches it off, a negative one asks for more of it.
     weight: float = 1.0
-    #: After the last frame, or summed over all frames.
+    #: After the last frame, summed over all frames, or low if it is low in any frame.
     when: When = "last_frame"
+    #: Of "soft_min": the difference of costs, in their own unit, at which a frame counts for
+    #: clearly less.
+    temperature: float = 0.0
     #: Reported under this name; empty means `cost{index}`.
     name: str = ""
 
-    def _base(self) -> rollout_pb2.Cost:
-        return rollout_pb2.Cost(name=self.name, weight=self.weight, when=_WHEN[self.when])
+    def to_proto(self) -> rollout_pb2.Cost:
+        """Makes the wire form."""
+        cost = rollout_pb2.Cost(
+            name=self.name,
+            weight=self.weight,
+            when=_WHEN[self.when],
+            temperature=self.temperature,
+        )
+        self._describe(cost)
+        return cost
+
+    @abstractmethod
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        """Writes what is measured."""
+
+
+def _targets(name: str, values: npt.ArrayLike) -> tensor_pb2.Tensor:
+    """Targets [M, 3] for all, [F, M, 3] by frame, [B, 1, M, 3] by instance or [B, F, M, 3]."""
+    dimensions = np.ndim(values)
+    if dimensions not in (2, 3, 4):
+        raise ValueError(
+            f"{name} has {dimensions} dimensions, not [M, 3], [F, M, 3], [B, 1, M, 3] "
+            "or [B, F, M, 3]"
+        )
+    return pack_floats(name, values, (None,) * (dimensions - 1) + (3,))
+
+
+def _three(name: str, values: npt.ArrayLike) -> list[float]:
+    array = np.asarray(values, dtype=float)
+    if array.shape != (3,):
+        raise ValueError(f"{name} has shape {array.shape}, not [3]")
+    return [float(value) for value in array]
 
 
 @dataclass(frozen=True, kw_only=True)
-class TargetCloud(_Term):
-    """Mean squared distance [m²] of target points [M, 3] to the nearest surface node."""
+class TargetCloud(Cost):
+    """Mean squared distance [m²] of target points to the nearest surface node.
+
+    Points are [M, 3] for all instances and frames, [F, M, 3] by frame (with `when` "every_frame"
+    or "soft_min"), or [B, 1, M, 3] or [B, F, M, 3] by instance.
+    """
 
     points: npt.ArrayLike
 
-    def to_proto(self) -> rollout_pb2.Cost:
-        """Makes the wire form."""
-        cost = self._base()
-        cost.target_cloud.points.CopyFrom(pack_floats("points", self.points, (None, 3)))
-        return cost
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        cost.target_cloud.points.CopyFrom(_targets("points", self.points))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Keypoints(_Term):
-    """Mean distance [m] between nodes [M] and their targets [M, 3], squared [m²] if asked."""
+class Keypoints(Cost):
+    """Mean distance [m] between nodes [M] and their targets, squared [m²] if asked.
+
+    Targets have a shape of `TargetCloud.points`.
+    """
 
     nodes: npt.ArrayLike
     targets: npt.ArrayLike
     squared: bool = False
 
-    def to_proto(self) -> rollout_pb2.Cost:
-        """Makes the wire form."""
-        cost = self._base()
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
         cost.keypoints.nodes.CopyFrom(pack_indices("nodes", self.nodes))
-        cost.keypoints.targets.CopyFrom(pack_floats("targets", self.targets, (None, 3)))
+        cost.keypoints.targets.CopyFrom(_targets("targets", self.targets))
         cost.keypoints.squared = self.squared
-        return cost
 
 
 @dataclass(frozen=True, kw_only=True)
-class Smoothness(_Term):
+class Smoothness(Cost):
     """Mean squared second difference of node positions over three frames [m²]."""
 
-    def to_proto(self) -> rollout_pb2.Cost:
-        """Makes the wire form."""
-        cost = self._base()
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
         cost.smoothness.SetInParent()
-        return cost
 
 
-Cost = TargetCloud | Keypoints | Smoothness
+@dataclass(frozen=True, kw_only=True)
+class Strain(Cost):
+    """Mean over the springs of the material of max(0, |strain| - limit)²."""
+
+    limit: float = 0.0
+
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        cost.strain.limit = self.limit
+        cost.strain.SetInParent()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Force(Cost):
+    """max(0, |f| - limit)² [N²] of the mean force f on the object over a frame.
+
+    Without the object's mass a newton here is one per unit mass: see `RolloutResult.mass_kg`.
+    """
+
+    #: All control points together, the ground, or ("control" | "grasp" | "collider", number).
+    by: Literal["controls", "ground"] | tuple[Literal["control", "grasp", "collider"], int]
+    limit_n: float = 0.0
+
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        cost.force.limit_n = self.limit_n
+        if isinstance(self.by, str):
+            getattr(cost.force, self.by).SetInParent()
+        else:
+            kind, number = self.by
+            setattr(cost.force, kind, number)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Height(Cost):
+    """Mean over nodes of the squared depth [m²] below a plane; level by default."""
+
+    offset_m: float = 0.0
+    #: Of length 1, to the side where nodes cost nothing.
+    normal: npt.ArrayLike = (0.0, 0.0, 1.0)
+    #: Indices [M]; None means all.
+    nodes: npt.ArrayLike | None = None
+
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        cost.height.plane.normal.extend(_three("normal", self.normal))
+        cost.height.plane.offset_m = self.offset_m
+        if self.nodes is not None:
+            cost.height.nodes.CopyFrom(pack_indices("nodes", self.nodes))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Within(Cost):
+    """Mean over nodes of the squared distance [m²] to a box along the axes, zero within."""
+
+    #: Least and greatest corner [3].
+    low: npt.ArrayLike
+    high: npt.ArrayLike
+    #: Indices [M]; None means all.
+    nodes: npt.ArrayLike | None = None
+
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        cost.within.cuboid.low.extend(_three("low", self.low))
+        cost.within.cuboid.high.extend(_three("high", self.high))
+        if self.nodes is not None:
+            cost.within.nodes.CopyFrom(pack_indices("nodes", self.nodes))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clearance(Cost):
+    """Mean over nodes of max(0, margin - distance)² [m²] to a collider of the rollout's world."""
+
+    collider: int
+    margin_m: float
+
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        cost.clearance.collider = self.collider
+        cost.clearance.margin_m = self.margin_m
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControlPath(Cost):
+    """Length [m] of the way of the control points, mean over them, whatever `when` says."""
+
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        cost.control_path.SetInParent()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControlSpeed(Cost):
+    """Mean over control points and frames of max(0, speed - limit)² [m²/s²], whatever `when`
+    says."""
+
+    limit_m_s: float = 0.0
+
+    def _describe(self, cost: rollout_pb2.Cost) -> None:
+        cost.control_speed.limit_m_s = self.limit_m_s
+        cost.control_speed.SetInParent()

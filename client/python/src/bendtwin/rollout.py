@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -49,6 +50,16 @@ class Returns:
     action_gradients: bool = False
     #: Forces by frame.
     forces: bool = False
+    #: d cost / d initial positions and velocities.
+    initial_gradients: bool = False
+    #: Norm of d cost / d positions by frame.
+    gradient_norms: bool = False
+    #: Velocities where positions are recorded.
+    velocities: bool = False
+    #: Costs by frame and by term.
+    frame_costs: bool = False
+    #: Control positions that were simulated, by frame.
+    controls: bool = False
 
     def to_proto(self) -> rollout_pb2.Returns:
         """Makes the wire form."""
@@ -61,6 +72,11 @@ class Returns:
             control_gradients=self.control_gradients,
             action_gradients=self.action_gradients,
             forces=self.forces,
+            initial_gradients=self.initial_gradients,
+            gradient_norms=self.gradient_norms,
+            velocities=self.velocities,
+            frame_costs=self.frame_costs,
+            controls=self.controls,
         )
         if self.nodes is not None:
             message.nodes.CopyFrom(pack_indices("nodes", self.nodes))
@@ -69,13 +85,20 @@ class Returns:
 
 @dataclass(frozen=True)
 class Diagnostics:
-    """Diagnostics of an instance over the whole rollout."""
+    """Diagnostics of an instance over the whole rollout, or up to where it diverged."""
 
+    #: Of springs between nodes.
     max_strain: float
+    #: Of a node, over a frame.
     max_speed_m_s: float
+    #: At the end; NaN where it diverged.
     kinetic_energy: float
     elastic_energy: float
     ground_contacts: int
+    #: Of springs to control points.
+    max_control_strain: float = 0.0
+    #: Deepest that a control point was below the ground or in a fixed collider, metres.
+    control_depth_m: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -177,6 +200,20 @@ class RolloutResult:
     #: d cost / d actions in their shape, [R, K, C, 3] or [R, K, G, 7]; d cost / d quaternion along
     #: the sphere of unit quaternions.
     action_gradients: FloatArray | None = None
+    #: d cost / d initial positions and velocities, [R, N, 3]. All gradients of an instance that
+    #: diverged are NaN.
+    initial_position_gradients: FloatArray | None = None
+    initial_velocity_gradients: FloatArray | None = None
+    #: Norm of d cost / d positions [R, F + 1] by frame.
+    gradient_norms: FloatArray | None = None
+    #: 1 where a gradient [R] grew more than a thousandfold on its way back: it says little.
+    gradient_exploded: IndexArray | None = None
+    #: Velocities [R, T, K, 3], metres per second: means over the frame that ends there.
+    velocities: FloatArray | None = None
+    #: Weighted terms by frame [R, F + 1, terms]; frame 0 is the start.
+    frame_costs: FloatArray | None = None
+    #: Control positions that were simulated [R, F + 1, C, 3], metres.
+    controls: FloatArray | None = None
     #: Final control points [R, C, 3], metres.
     final_controls: FloatArray | None = None
     #: What grasps hold in the final states; None without grasps.
@@ -200,6 +237,19 @@ class RolloutResult:
     substeps: int = 0
     #: How far the fast variant strays; None unless it answered.
     deviation: Deviation | None = None
+
+    def warn_if_implausible(self, stacklevel: int = 2) -> bool:
+        """Warns of what is not plausible, once for all instances; true if there was anything."""
+        if not self.implausible:
+            return False
+        first, others = self.implausible[0], len(self.implausible) - 1
+        more = f", and {others} more in RolloutResult.implausible" if others else ""
+        message = (
+            f"implausible motion: {first.reason} of {first.found:.4g} (limit {first.limit:.4g}) "
+            f"in instance {first.instance}{more}"
+        )
+        warnings.warn(message, RuntimeWarning, stacklevel=stacklevel + 1)
+        return True
 
     def state(self, row: int) -> State:
         """The final state of one of `instances`, to go on from: `twin.rollout(initial=...)`."""
@@ -236,6 +286,13 @@ class RolloutResult:
                 "action_gradients",
                 "final_controls",
                 "member_costs",
+                "initial_position_gradients",
+                "initial_velocity_gradients",
+                "gradient_norms",
+                "gradient_exploded",
+                "velocities",
+                "frame_costs",
+                "controls",
             )
         }
         return cls(
@@ -249,6 +306,8 @@ class RolloutResult:
                     d.kinetic_energy,
                     d.elastic_energy,
                     d.ground_contacts,
+                    d.max_control_strain,
+                    d.control_depth_m,
                 )
                 for d in message.diagnostics
             ],

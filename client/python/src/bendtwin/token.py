@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 import grpc
+import grpc.aio
 
 
 def find_token(target: str) -> str | None:
@@ -99,3 +100,41 @@ class _Credentials(
         self, continuation: Callable[..., Any], client_call_details: Any, request_iterator: Any
     ) -> Any:
         return continuation(self._with_header(client_call_details), request_iterator)
+
+
+def aio_interceptors(token: str | None) -> list[Any]:
+    """What shows the token with every call of an asyncio channel."""
+    kinds = (_AioUnaryUnary, _AioUnaryStream, _AioStreamUnary)
+    return [] if token is None else [kind(token) for kind in kinds]
+
+
+class _AioCredentials:
+    # One class for each kind of call: a channel uses an interceptor for the first kind it has.
+    def __init__(self, token: str) -> None:
+        self._header = ("authorization", f"Bearer {token}")
+
+    def _with_header(self, details: Any) -> Any:
+        metadata = grpc.aio.Metadata(*(details.metadata or ()))
+        metadata.add(*self._header)
+        return details._replace(metadata=metadata)
+
+
+class _AioUnaryUnary(_AioCredentials, grpc.aio.UnaryUnaryClientInterceptor):  # type: ignore[misc]
+    async def intercept_unary_unary(
+        self, continuation: Callable[..., Any], client_call_details: Any, request: Any
+    ) -> Any:
+        return await continuation(self._with_header(client_call_details), request)
+
+
+class _AioUnaryStream(_AioCredentials, grpc.aio.UnaryStreamClientInterceptor):  # type: ignore[misc]
+    async def intercept_unary_stream(
+        self, continuation: Callable[..., Any], client_call_details: Any, request: Any
+    ) -> Any:
+        return await continuation(self._with_header(client_call_details), request)
+
+
+class _AioStreamUnary(_AioCredentials, grpc.aio.StreamUnaryClientInterceptor):  # type: ignore[misc]
+    async def intercept_stream_unary(
+        self, continuation: Callable[..., Any], client_call_details: Any, request_iterator: Any
+    ) -> Any:
+        return await continuation(self._with_header(client_call_details), request_iterator)

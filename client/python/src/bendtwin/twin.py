@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy.typing as npt
 
@@ -34,8 +33,12 @@ _REST = Rest()
 _COSTS_ONLY = Returns()
 
 
-class Twin:
-    """A fitted twin at the server. Get one with `Client.twin`."""
+_Reply = TypeVar("_Reply")
+_Parts = TypeVar("_Parts")
+
+
+class Rollouts(Generic[_Reply, _Parts]):
+    """Rollouts of a fitted twin, whatever the way to wait for a reply."""
 
     def __init__(
         self,
@@ -53,15 +56,6 @@ class Twin:
     def name(self) -> str:
         """twins/{uuid}."""
         return self.info.name
-
-    def geometry(self, *, timeout_s: float | None = None) -> Geometry:
-        """Its nodes, springs and control points; asked for once, as twins never change."""
-        if self._geometry is None:
-            request = twin_pb2.GetTwinGeometryRequest(name=self.name)
-            with translated():
-                reply = self._twins.GetTwinGeometry(request, timeout=timeout_s)
-            self._geometry = Geometry.from_proto(reply)
-        return self._geometry
 
     def rollout(
         self,
@@ -84,7 +78,7 @@ class Twin:
         gradient: GradientOptions | None = None,
         plausibility: Plausibility | None = None,
         timeout_s: float | None = None,
-    ) -> RolloutResult:
+    ) -> _Reply:
         """Predicts what a batch of actions does.
 
         Args:
@@ -139,12 +133,7 @@ class Twin:
                 plausibility=plausibility,
             ),
         )
-        with translated():
-            reply = self._rollouts.RollOut(request, timeout=timeout_s)
-        result = RolloutResult.from_proto(reply)
-        if result.implausible:
-            _warn(result)
-        return result
+        return self._send(request, timeout_s)
 
     def stream_rollout(
         self,
@@ -167,7 +156,7 @@ class Twin:
         gradient: GradientOptions | None = None,
         plausibility: Plausibility | None = None,
         timeout_s: float | None = None,
-    ) -> Iterator[RolloutResult]:
+    ) -> _Parts:
         """The same in parts, as instances finish; see `RolloutResult.first_instance`."""
         request = self._request(
             trajectories,
@@ -189,14 +178,7 @@ class Twin:
                 plausibility=plausibility,
             ),
         )
-        is_warned = False
-        with translated():
-            for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
-                result = RolloutResult.from_proto(part)
-                if result.implausible and not is_warned:
-                    _warn(result)
-                    is_warned = True
-                yield result
+        return self._send_for_parts(request, timeout_s)
 
     def _request(
         self,
@@ -235,13 +217,40 @@ class Twin:
             request.poses.CopyFrom(gripper_poses(poses, gripper_of_control, interpolation))
         return request
 
+    def _send(self, request: rollout_pb2.RollOutRequest, timeout_s: float | None) -> _Reply:
+        raise NotImplementedError
 
-def _warn(result: RolloutResult) -> None:
-    """Warns of what is not plausible, once for all instances."""
-    first, others = result.implausible[0], len(result.implausible) - 1
-    more = f", and {others} more in RolloutResult.implausible" if others else ""
-    message = (
-        f"implausible motion: {first.reason} of {first.found:.4g} (limit {first.limit:.4g}) in "
-        f"instance {first.instance}{more}"
-    )
-    warnings.warn(message, RuntimeWarning, stacklevel=3)
+    def _send_for_parts(
+        self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
+    ) -> _Parts:
+        raise NotImplementedError
+
+
+class Twin(Rollouts[RolloutResult, Iterator[RolloutResult]]):
+    """A fitted twin at the server. Get one with `Client.twin`."""
+
+    def geometry(self, *, timeout_s: float | None = None) -> Geometry:
+        """Its nodes, springs and control points; asked for once, as twins never change."""
+        if self._geometry is None:
+            request = twin_pb2.GetTwinGeometryRequest(name=self.name)
+            with translated():
+                reply = self._twins.GetTwinGeometry(request, timeout=timeout_s)
+            self._geometry = Geometry.from_proto(reply)
+        return self._geometry
+
+    def _send(self, request: rollout_pb2.RollOutRequest, timeout_s: float | None) -> RolloutResult:
+        with translated():
+            reply = self._rollouts.RollOut(request, timeout=timeout_s)
+        result = RolloutResult.from_proto(reply)
+        result.warn_if_implausible(stacklevel=3)
+        return result
+
+    def _send_for_parts(
+        self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
+    ) -> Iterator[RolloutResult]:
+        is_warned = False
+        with translated():
+            for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
+                result = RolloutResult.from_proto(part)
+                is_warned = is_warned or result.warn_if_implausible(stacklevel=3)
+                yield result

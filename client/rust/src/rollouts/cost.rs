@@ -2,11 +2,30 @@
 
 use bendtwin_core::Point;
 use bendtwin_proto::v1::{
-    self, Tensor,
-    cost::{Keypoints, Kind, Smoothness, TargetCloud, When},
+    self, Cuboid, Plane, Tensor,
+    cost::{
+        Clearance, ControlPath, ControlSpeed, Force, Height, Keypoints, Kind, Smoothness, Strain,
+        TargetCloud, When, Within, force,
+    },
 };
 
-/// A weighted cost, counted after the last frame unless [`Cost::every_frame`].
+/// What exerts a force on the object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForceBy {
+    /// All control points together.
+    Controls,
+    /// A control point.
+    Control(u32),
+    /// A grasp of the request.
+    Grasp(u32),
+    /// The ground.
+    Ground,
+    /// A collider of the request.
+    Collider(u32),
+}
+
+/// A weighted cost, counted after the last frame unless [`Cost::every_frame`] or
+/// [`Cost::soft_min`]. A weight of 0 switches it off, a negative one asks for more of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cost(pub(super) v1::Cost);
 
@@ -33,6 +52,80 @@ impl Cost {
         Self::new(name, weight, Kind::Smoothness(Smoothness {})).every_frame()
     }
 
+    /// Mean over the springs of the material of max(0, |strain| - limit)².
+    pub fn strain(name: &str, weight: f64, limit: f32) -> Self {
+        Self::new(name, weight, Kind::Strain(Strain { limit }))
+    }
+
+    /// max(0, |f| - limit)² of the mean force over a frame [N², per unit mass where the object's
+    /// mass is not known].
+    pub fn force(name: &str, weight: f64, by: ForceBy, limit_n: f64) -> Self {
+        let by = Some(match by {
+            ForceBy::Controls => force::By::Controls(force::All {}),
+            ForceBy::Control(control) => force::By::Control(control),
+            ForceBy::Grasp(grasp) => force::By::Grasp(grasp),
+            ForceBy::Ground => force::By::Ground(force::All {}),
+            ForceBy::Collider(collider) => force::By::Collider(collider),
+        });
+        Self::new(name, weight, Kind::Force(Force { by, limit_n }))
+    }
+
+    /// Mean over all nodes of the squared depth below a plane [m²], whose unit normal shows to the
+    /// side where nodes cost nothing.
+    pub fn height(name: &str, weight: f64, normal: Point, offset_m: f32) -> Self {
+        let plane = Some(Plane { normal: normal.to_vec(), offset_m });
+        Self::new(name, weight, Kind::Height(Height { plane, nodes: None }))
+    }
+
+    /// Mean over all nodes of the squared distance to a box along the axes [m²], zero within.
+    pub fn within(name: &str, weight: f64, low: Point, high: Point) -> Self {
+        let cuboid = Some(Cuboid { low: low.to_vec(), high: high.to_vec() });
+        Self::new(name, weight, Kind::Within(Within { cuboid, nodes: None }))
+    }
+
+    /// Mean over nodes of max(0, margin - distance)² to a collider of the request [m²].
+    pub fn clearance(name: &str, weight: f64, collider: u32, margin_m: f32) -> Self {
+        Self::new(name, weight, Kind::Clearance(Clearance { collider, margin_m }))
+    }
+
+    /// Length of the way of the control points, mean over them [m].
+    pub fn control_path(name: &str, weight: f64) -> Self {
+        Self::new(name, weight, Kind::ControlPath(ControlPath {}))
+    }
+
+    /// Mean over control points and frames of max(0, speed - limit)² [m²/s²].
+    pub fn control_speed(name: &str, weight: f64, limit_m_s: f64) -> Self {
+        Self::new(name, weight, Kind::ControlSpeed(ControlSpeed { limit_m_s }))
+    }
+
+    /// Gives targets another shape than [M]: [F, M] by frame, [B, 1, M] by instance or [B, F, M];
+    /// nothing changes for costs without targets. A shape that does not fit is left to the server to
+    /// refuse.
+    #[must_use]
+    pub fn shaped(mut self, shape: &[usize]) -> Self {
+        let targets = match &mut self.0.kind {
+            Some(Kind::TargetCloud(cloud)) => cloud.points.as_mut(),
+            Some(Kind::Keypoints(keypoints)) => keypoints.targets.as_mut(),
+            _ => None,
+        };
+        if let Some(targets) = targets {
+            targets.shape = shape.iter().map(|d| *d as u64).chain([3]).collect();
+        }
+        self
+    }
+
+    /// Only of these nodes, of a height or a box; nothing changes for other costs.
+    #[must_use]
+    pub fn of_nodes(mut self, nodes: &[u32]) -> Self {
+        let nodes = Some(Tensor::pack(&[nodes.len()], nodes));
+        match &mut self.0.kind {
+            Some(Kind::Height(height)) => height.nodes = nodes,
+            Some(Kind::Within(within)) => within.nodes = nodes,
+            _ => {}
+        }
+        self
+    }
+
     /// Keypoint distances squared [m²]; nothing changes for other costs.
     #[must_use]
     pub fn squared(mut self) -> Self {
@@ -46,6 +139,15 @@ impl Cost {
     #[must_use]
     pub fn every_frame(mut self) -> Self {
         self.0.when = When::EveryFrame.into();
+        self
+    }
+
+    /// Low if it is low in any frame: a soft minimum over all of them. The temperature is the
+    /// difference of costs, in their own unit, at which a frame counts for clearly less.
+    #[must_use]
+    pub fn soft_min(mut self, temperature: f64) -> Self {
+        self.0.when = When::SoftMin.into();
+        self.0.temperature = temperature;
         self
     }
 

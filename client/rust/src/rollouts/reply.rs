@@ -32,6 +32,22 @@ pub struct Reply {
     pub final_twists: Vec<f32>,
     /// d cost / d control positions, shape [R, F + 1, C].
     pub control_gradients: Vec<Point>,
+    /// d cost / d initial positions, shape [R, N]. Of an instance that diverged all gradients are
+    /// NaN.
+    pub initial_position_gradients: Vec<Point>,
+    /// d cost / d initial velocities, shape [R, N].
+    pub initial_velocity_gradients: Vec<Point>,
+    /// Norm of d cost / d positions, shape [R, F + 1].
+    pub gradient_norms: Vec<f64>,
+    /// True where a gradient grew more than a thousandfold on its way back, and says little; shape
+    /// [R].
+    pub gradient_exploded: Vec<bool>,
+    /// Mean velocities over the frames that end with the recorded ones [m/s], as `positions`.
+    pub velocities: Vec<Point>,
+    /// Weighted costs by frame and name, shape [R, F + 1, names]; frame 0 is the start.
+    pub frame_costs: Vec<f64>,
+    /// Control positions that were simulated [m], shape [R, F + 1, C].
+    pub controls: Vec<Point>,
     /// One for each instance covered, if asked for.
     pub diagnostics: Vec<Diagnostics>,
     /// Costs of the members of an ensemble, of which `costs` are a statistic, shape [B', E].
@@ -67,16 +83,18 @@ pub struct Deviation {
     pub frames: u32,
 }
 
-/// Physical sanity of an instance.
+/// Physical sanity of an instance, up to where it diverged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Diagnostics {
-    /// Largest |l/l0 - 1| of any spring.
+    /// Largest |l/l0 - 1| of any spring between nodes.
     pub max_strain: f32,
-    /// Largest node speed [m/s].
+    /// The same of springs to control points.
+    pub max_control_strain: f32,
+    /// Largest mean speed of a node over a frame [m/s].
     pub max_speed_m_s: f32,
-    /// At the end [J per unit mass scale].
+    /// At the end [J per unit mass scale]; NaN where it diverged.
     pub kinetic_energy: f32,
-    /// At the end [J per unit mass scale].
+    /// At the end [J per unit mass scale]; NaN where it diverged.
     pub elastic_energy: f32,
     /// Nodes on the ground at the end.
     pub ground_contacts: u32,
@@ -172,6 +190,22 @@ impl TryFrom<RollOutResponse> for Reply {
             final_velocities: points(wire.final_velocities, "final_velocities")?,
             final_twists: floats(wire.final_twists, "final_twists")?,
             control_gradients: points(wire.control_gradients, "control_gradients")?,
+            initial_position_gradients: points(
+                wire.initial_position_gradients,
+                "initial_position_gradients",
+            )?,
+            initial_velocity_gradients: points(
+                wire.initial_velocity_gradients,
+                "initial_velocity_gradients",
+            )?,
+            gradient_norms: values(wire.gradient_norms, "gradient_norms")?,
+            gradient_exploded: indices(wire.gradient_exploded, "gradient_exploded")?
+                .into_iter()
+                .map(|flag| flag != 0)
+                .collect(),
+            velocities: points(wire.velocities, "velocities")?,
+            frame_costs: values(wire.frame_costs, "frame_costs")?,
+            controls: points(wire.controls, "controls")?,
             diagnostics: wire.diagnostics.into_iter().map(Diagnostics::from).collect(),
             member_costs: values(wire.member_costs, "member_costs")?,
             forces: wire.forces.map(Forces::try_from).transpose()?,
@@ -190,6 +224,7 @@ impl From<wire::Diagnostics> for Diagnostics {
     fn from(d: wire::Diagnostics) -> Self {
         Self {
             max_strain: d.max_strain,
+            max_control_strain: d.max_control_strain,
             max_speed_m_s: d.max_speed_m_s,
             kinetic_energy: d.kinetic_energy,
             elastic_energy: d.elastic_energy,

@@ -30,13 +30,26 @@ fn what_the_builder_makes_passes_the_check() {
             .cost(Cost::target_cloud("cloud", 1.0, &points[..2]))
             .cost(Cost::keypoints("tip", 0.0, &[4], &points[..1]).squared())
             .cost(Cost::smoothness("", 0.5))
+            .cost(Cost::strain("strain", -1.0, 0.1).every_frame())
+            .cost(Cost::force("force", 1.0, ForceBy::Control(0), 2.0).soft_min(0.1))
+            .cost(Cost::force("weight", 1.0, ForceBy::Ground, 2.0))
+            .cost(Cost::height("height", 1.0, [0.0, 0.0, 1.0], 0.1).of_nodes(&[1]))
+            .cost(Cost::within("within", 1.0, [0.0; 3], [1.0; 3]))
+            .cost(Cost::control_path("path", 1.0))
+            .cost(Cost::control_speed("speed", 1.0, 0.5))
             .control_gradients()
+            .initial_gradients()
+            .gradient_norms()
+            .frame_costs()
+            .executed_controls()
     };
     let trajectories = Rollout::of(TwinId::generate())
         .trajectories([2, 3, 1], vec![[0.0; 3]; 6])
         .from_state(&points, &points)
         .twisted(&[0.1])
         .record_every(1)
+        .velocities()
+        .cost(Cost::target_cloud("paths", 1.0, &[[0.0; 3]; 12]).shaped(&[2, 2, 3]).every_frame())
         .record_nodes(&[0, 4])
         .int16();
     let poses =
@@ -108,6 +121,9 @@ fn a_reply_unpacks() {
             ..roll_out_response::Implausible::default()
         }],
         positions: Some(Tensor::pack_points(&[1, 2, 1], &[[1.0; 3], [2.0; 3]])),
+        velocities: Some(Tensor::pack_points(&[1, 2, 1], &[[3.0; 3], [4.0; 3]])),
+        gradient_exploded: Some(Tensor::pack(&[1], &[1u32])),
+        frame_costs: Some(Tensor::pack(&[1, 2, 1], &[0.5, 0.25])),
         ..RollOutResponse::default()
     })
     .unwrap();
@@ -117,4 +133,6 @@ fn a_reply_unpacks() {
     assert_eq!(reply.recorded(0, 1), Some(&[[2.0; 3]][..]));
     assert_eq!(reply.recorded(0, 2), None);
     assert_eq!(reply.recorded(1, 0), None);
+    assert_eq!(reply.velocities, [[3.0; 3], [4.0; 3]]);
+    assert_eq!((reply.gradient_exploded, reply.frame_costs), (vec![true], vec![0.5, 0.25]));
 }

@@ -84,14 +84,18 @@ fn dropped(sequence: &Sequence, steps: &[f32], findings: &mut Vec<Finding>) {
     let jumps: Vec<usize> =
         steps.windows(3).enumerate().filter(|(_, w)| is_jump(w)).map(|(i, _)| i + 2).collect();
     if let Some(first) = jumps.first() {
+        let again = match jumps.len() - 1 {
+            0 => String::new(),
+            1 => " (and once more)".to_owned(),
+            n => format!(" (and {n} more times)"),
+        };
         findings.push(Finding::warning(
             "FRAMES_DROPPED",
             format!(
-                "all points of sequence `{}` jump by {:.0} mm at frame {first} (and {} more times) while they move \
+                "all points of sequence `{}` jump by {:.0} mm at frame {first}{again} while they move \
                  slowly before and after: frames are missing there, cut the recording or fill the gap",
                 sequence.name,
                 steps.get(first - 1).copied().unwrap_or(0.0) * 1000.0,
-                jumps.len() - 1
             ),
         ));
     }

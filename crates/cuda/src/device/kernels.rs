@@ -4,10 +4,11 @@ use bendtwin_engine::Error;
 
 use super::{
     args::{
-        AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, Checks, CollectControlsArgs, DeviceType,
-        ExtremesArgs, FindPartnersArgs, FinishGradientArgs, GatherSumsArgs, NormBarsArgs,
-        PackBendsArgs, PackHalfSpringsArgs, RecordArgs, ScoreArgs, SeedArgs, SeedRestLengthsArgs,
-        SquareLengthsArgs, StartArgs, StepAdamArgs, WeighGradientsArgs,
+        AddSeedsArgs, AdvanceFramesArgs, BackFrameArgs, ChangeGraspsArgs, Checks,
+        CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
+        FinishGradientArgs, GatherSumsArgs, NormBarsArgs, PackBendsArgs, PackHalfSpringsArgs,
+        RecordArgs, ScoreArgs, SeedArgs, SeedRestLengthsArgs, SquareLengthsArgs, StartArgs,
+        StepAdamArgs, SumForcesArgs, WeighGradientsArgs,
     },
     launch::Launch,
     specialization::Source,
@@ -49,6 +50,12 @@ kernels! {
     Adjoint: back_frame(BackFrameArgs);
     /// Contact candidates of a frame: a block for an instance.
     Partners: find_partners(FindPartnersArgs);
+    /// Grasps at a frame boundary: a block for an instance.
+    Grasps: change_grasps(ChangeGraspsArgs);
+    /// d loss / d poses and rolls of a frame, and of what grasps take: a block for an instance.
+    Grasps: collect_motion(CollectMotionArgs);
+    /// Forces of a frame: a block for an instance.
+    Forces: sum_forces(SumForcesArgs);
     /// Values of objectives: a block for a term of an instance.
     Loss: score(ScoreArgs);
     /// d loss / d positions at frame ends: a block for some nodes of a frame of an instance.

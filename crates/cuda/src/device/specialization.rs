@@ -18,6 +18,11 @@ const HEADERS: &[(&str, &str)] = &[
     ("impulse.cuh", include_str!("../../kernels/impulse.cuh")),
     ("ground.cuh", include_str!("../../kernels/ground.cuh")),
     ("instance.cuh", include_str!("../../kernels/instance.cuh")),
+    ("body.cuh", include_str!("../../kernels/body.cuh")),
+    ("hold.cuh", include_str!("../../kernels/hold.cuh")),
+    ("force.cuh", include_str!("../../kernels/force.cuh")),
+    ("smooth.cuh", include_str!("../../kernels/smooth.cuh")),
+    ("meet.cuh", include_str!("../../kernels/meet.cuh")),
     ("team.cuh", include_str!("../../kernels/team.cuh")),
     ("contact.cuh", include_str!("../../kernels/contact.cuh")),
     ("share.cuh", include_str!("../../kernels/share.cuh")),
@@ -34,6 +39,10 @@ pub(crate) enum Source {
     Adjoint,
     /// Contact candidates.
     Partners,
+    /// Grasps that open and close.
+    Grasps,
+    /// Forces of a frame.
+    Forces,
     /// Objectives.
     Loss,
     /// Parameters and their gradients.
@@ -45,8 +54,16 @@ pub(crate) enum Source {
 }
 
 impl Source {
-    pub(crate) const SMALL: [Self; 6] =
-        [Self::Start, Self::Partners, Self::Loss, Self::Params, Self::Optimizer, Self::Outputs];
+    pub(crate) const SMALL: [Self; 8] = [
+        Self::Start,
+        Self::Partners,
+        Self::Grasps,
+        Self::Forces,
+        Self::Loss,
+        Self::Params,
+        Self::Optimizer,
+        Self::Outputs,
+    ];
 
     /// True if its kernels keep states in dynamic shared memory.
     pub(crate) fn is_persistent(self) -> bool {
@@ -64,12 +81,27 @@ impl Source {
                 ("adjoint.cu", include_str!("../../kernels/adjoint.cu")),
             ],
             Self::Partners => &[("partners.cu", include_str!("../../kernels/partners.cu"))],
+            Self::Grasps => &[("grasps.cu", include_str!("../../kernels/grasps.cu"))],
+            Self::Forces => &[("forces.cu", include_str!("../../kernels/forces.cu"))],
             Self::Loss => &[("loss.cu", include_str!("../../kernels/loss.cu"))],
             Self::Params => &[("params.cu", include_str!("../../kernels/params.cu"))],
             Self::Optimizer => &[("optimizer.cu", include_str!("../../kernels/optimizer.cu"))],
             Self::Outputs => &[("outputs.cu", include_str!("../../kernels/outputs.cu"))],
         }
     }
+}
+
+/// The parts of an instance's surroundings beside the ground that a kernel has code for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct WorldParts {
+    pub(crate) grasps: bool,
+    pub(crate) colliders: bool,
+    /// Ground and colliders act in a layer of some width.
+    pub(crate) smooth: bool,
+    /// Clamps of rods turn.
+    pub(crate) rolls: bool,
+    /// Forces are measured.
+    pub(crate) forces: bool,
 }
 
 /// Constants that a kernel is compiled with.
@@ -102,6 +134,7 @@ pub(crate) struct Specialization {
     pub(crate) ground: bool,
     pub(crate) contact: bool,
     pub(crate) tape: bool,
+    pub(crate) world: WorldParts,
     pub(crate) half_springs_in_shared: bool,
     pub(crate) bend_in_shared: bool,
 }
@@ -126,6 +159,7 @@ impl Specialization {
             ground: false,
             contact: false,
             tape: false,
+            world: WorldParts::default(),
             half_springs_in_shared: false,
             bend_in_shared: false,
         }
@@ -156,6 +190,11 @@ impl Specialization {
             ("GROUND", self.ground.into()),
             ("CONTACT", self.contact.into()),
             ("TAPE", self.tape.into()),
+            ("GRASPS", self.world.grasps.into()),
+            ("COLLIDERS", self.world.colliders.into()),
+            ("SMOOTH", self.world.smooth.into()),
+            ("ROLLS", self.world.rolls.into()),
+            ("FORCES", self.world.forces.into()),
             ("HALF_SPRINGS_IN_SHARED", self.half_springs_in_shared.into()),
             ("BEND_IN_SHARED", self.bend_in_shared.into()),
         ];
@@ -186,6 +225,10 @@ fn physics() -> String {
         ("MIN_APPROACH_M_S", constants::MIN_APPROACH_M_S),
         ("MIN_APPROACH_M2_S", constants::MIN_APPROACH_M2_S),
         ("MAX_COORDINATE_M", constants::MAX_COORDINATE_M),
+        ("PUSH_S", constants::PUSH_S),
+        ("MAX_PUSH_M", constants::MAX_PUSH_M),
+        ("SMOOTH_STIFFNESS_M_S2", constants::SMOOTH_STIFFNESS_M_S2),
+        ("SMOOTH_RATE_1_S", constants::SMOOTH_RATE_1_S),
     ];
     let mut text = String::new();
     // The shortest digits that are this number: parsed again they are the same.

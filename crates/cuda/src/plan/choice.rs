@@ -7,7 +7,7 @@ use bendtwin_engine::{Error, Model};
 use crate::{
     device::{
         Capabilities,
-        specialization::{Source, Specialization},
+        specialization::{Source, Specialization, WorldParts},
         team::{BLOCK_THREADS, TEAM_THREADS, Team, TeamShape},
     },
     plan::{
@@ -78,6 +78,8 @@ const TRIPLET_END: f64 = 1.5;
 const REGISTERS: u32 = 65_536;
 const WORKING_REGISTERS: u32 = 72;
 const WORKING_REGISTERS_BACKWARD: u32 = 86;
+/// And those for what surrounds the object.
+const WORLD_REGISTERS: u32 = 32;
 
 /// The best team for a batch of so many instances of one graph, of those that fit the device.
 /// `alike` says how many of them share their parameters.
@@ -86,6 +88,7 @@ pub(crate) fn choose(
     resident: &Resident,
     model: &Model,
     purpose: Purpose,
+    world: WorldParts,
     batch: usize,
     alike: usize,
 ) -> Result<LaunchPlan, Error> {
@@ -99,7 +102,7 @@ pub(crate) fn choose(
         candidates.iter_mut().filter(|_| chosen).for_each(|(_, t)| t.keep_together());
         candidates.retain(|(_, t)| t.shape == TeamShape::Block);
     }
-    if has_contact(model) {
+    if has_contact(model) || world.forces {
         candidates.iter_mut().for_each(|(_, t)| t.instances = 1);
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -111,7 +114,7 @@ pub(crate) fn choose(
         if best.is_some_and(|b| b.substep_us <= substep_us) {
             break;
         }
-        match fit(capabilities, resident, model, purpose, team)? {
+        match fit(capabilities, resident, model, purpose, world, team)? {
             // Interleaved instances pay for what does not fit several times.
             Fit::Fits(plan) if wasteful(&plan) => {}
             Fit::Fits(plan) => {
@@ -191,6 +194,7 @@ pub(crate) fn fit(
     resident: &Resident,
     model: &Model,
     purpose: Purpose,
+    world: WorldParts,
     team: Team,
 ) -> Result<Fit, Error> {
     let cut = match resident.graph.cut(&resident.device, Cut::of(&team)) {
@@ -204,7 +208,7 @@ pub(crate) fn fit(
     if states > room {
         return Ok(Fit::TooLarge { bytes: states });
     }
-    let mut specialization = specialization(&cut, resident, model, purpose, team);
+    let mut specialization = specialization(&cut, resident, model, purpose, world, team);
     let mut used = states;
     // Vectors of three floats; float4s.
     let per_triplet = if purpose == Purpose::Backward { 4 } else { 2 * team.instances };
@@ -216,11 +220,13 @@ pub(crate) fn fit(
     let pair_bytes = if specialization.uniform_dashpot { 20 } else { 28 };
     let pairs = match purpose {
         Purpose::Backward => cut.layout.max_all_pairs,
+        _ if world.forces => cut.layout.max_all_pairs,
         _ => cut.layout.max_pairs,
     };
     let half_springs = (u64::from(pairs) * pair_bytes).next_multiple_of(16);
-    let in_registers =
-        purpose != Purpose::Backward && specialization.held >= cut.layout.max_row_pairs;
+    let in_registers = purpose != Purpose::Backward
+        && !world.forces
+        && specialization.held >= cut.layout.max_row_pairs;
     specialization.half_springs_in_shared = !in_registers && used + half_springs <= room;
     if specialization.half_springs_in_shared {
         used += half_springs;
@@ -254,6 +260,7 @@ fn specialization(
     resident: &Resident,
     model: &Model,
     purpose: Purpose,
+    world: WorldParts,
     team: Team,
 ) -> Specialization {
     let layout = &cut.layout;
@@ -265,15 +272,16 @@ fn specialization(
     let even = |pairs: u32| pairs.next_multiple_of(2);
     let registers = (REGISTERS / threads.next_multiple_of(128) / 8 * 8).min(248);
     let uniform_dashpot = resident.dashpot.is_some();
+    let more = if world == WorldParts::default() { 0 } else { WORLD_REGISTERS };
     let (held, held_sums) = match purpose {
         Purpose::Backward => {
-            let room = registers.saturating_sub(WORKING_REGISTERS_BACKWARD) / 6;
+            let room = registers.saturating_sub(WORKING_REGISTERS_BACKWARD + more) / 6;
             let sums = if one_row { room.min(even(layout.max_sum_pairs)) } else { 0 };
             (sums, sums)
         }
         _ if one_row && team.instances == 1 => {
             let a_pair = if uniform_dashpot { 5 } else { 7 };
-            let room = registers.saturating_sub(WORKING_REGISTERS) / a_pair;
+            let room = registers.saturating_sub(WORKING_REGISTERS + more) / a_pair;
             (room.min(even(layout.max_row_pairs)), 0)
         }
         _ => (0, 0),
@@ -298,6 +306,7 @@ fn specialization(
         ground: model.environment.ground.is_some(),
         contact: has_contact(model),
         tape: purpose == Purpose::Tape,
+        world,
         half_springs_in_shared: false,
         bend_in_shared: false,
     }

@@ -35,6 +35,7 @@ pub(crate) struct DeviceGraph {
     pub(crate) graph: Arc<Graph>,
     /// Zero where pinned.
     inverse_mass: Buffer<f32>,
+    masses: Buffer<f32>,
     pins: Buffer<args::Pin>,
     pin_of: Buffer<i32>,
     pub(crate) object_ids: Buffer<u32>,
@@ -108,6 +109,7 @@ impl DeviceGraph {
             .collect();
         Ok(Self {
             inverse_mass: Buffer::of(stream, &inverse_mass)?,
+            masses: Buffer::of(stream, &graph.masses)?,
             pins: Buffer::of(stream, &pins)?,
             pin_of: Buffer::of(stream, &pin_of)?,
             object_ids: Buffer::of(stream, &graph.object_ids)?,
@@ -161,6 +163,7 @@ impl DeviceGraph {
             exports: parts._exports.address(),
             export_refs: parts._export_refs.address(),
             inverse_mass: self.inverse_mass.address(),
+            masses: self.masses.address(),
             sum_rows: parts._sum_rows.address(),
             triplet_of: triplet_of.address(),
             node_count: self.graph.node_count() as u32,

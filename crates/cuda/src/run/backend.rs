@@ -2,7 +2,7 @@
 
 use std::{ops::Range, sync::Arc};
 
-use bendtwin_core::{CancelToken, Environment, Params};
+use bendtwin_core::{CancelToken, Environment, Params, graph::Pin};
 use bendtwin_engine::{
     Backend, Device as Description, Error, Loaded, Model,
     backend::{Divergence, Gradient, GradientRequest, Instance, Loss, Memory, Outputs, Rollout},
@@ -13,7 +13,7 @@ use bendtwin_engine::{
 };
 
 use crate::{
-    device::{Device, queue::Queue},
+    device::{Device, queue::Queue, specialization::WorldParts},
     plan::{
         choice::{Purpose, choose},
         graphs::Graphs,
@@ -27,6 +27,7 @@ use crate::{
         outputs::{RecordedOutputs, retained_states},
         scoring::{Scores, loss, refuse_too_long, unless_diverged},
         simulation::{self, RetainedStates, Simulation},
+        world,
     },
 };
 
@@ -143,7 +144,7 @@ impl CudaBackend {
         let needed =
             batch.iter().map(|i| simulation::bytes_of(i, RetainedStates::All)).sum::<u64>();
         self.refuse_too_large(needed)?;
-        let simulation = Simulation::new(&self.queue, batch, RetainedStates::All)?;
+        let simulation = Simulation::new(&self.queue, batch, RetainedStates::All, false)?;
         let gradients = batch.iter().map(backward::bytes_of).sum::<u64>();
         let mut room = self.room().saturating_sub(needed).saturating_sub(gradients);
         // Tapes that fit are written by the forward pass; others when they are needed.
@@ -168,10 +169,11 @@ impl CudaBackend {
         &'a self,
         batch: &'a [Instance],
         retained: RetainedStates,
+        measured: bool,
         cancel: &CancelToken,
     ) -> Result<SimulatedBatch<'a>, Error> {
         self.refuse_too_large(batch.iter().map(|i| simulation::bytes_of(i, retained)).sum())?;
-        let simulation = Simulation::new(&self.queue, batch, retained)?;
+        let simulation = Simulation::new(&self.queue, batch, retained, measured)?;
         simulation.run(None, cancel)?;
         let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
         let scores =
@@ -194,7 +196,8 @@ impl CudaBackend {
         outputs: &Outputs,
         cancel: &CancelToken,
     ) -> Result<Vec<Rollout>, Error> {
-        let simulated = self.score(batch, retained_states(batch, outputs), cancel)?;
+        let retained = retained_states(batch, outputs);
+        let simulated = self.score(batch, retained, outputs.forces, cancel)?;
         let losses = simulated.losses()?;
         let frame_costs =
             if outputs.frame_costs { simulated.frame_costs()? } else { vec![vec![]; batch.len()] };
@@ -220,6 +223,10 @@ impl CudaBackend {
         let initial_twists =
             if request.initial { self.queue.fetch(&gradients.initial_twists)? } else { Vec::new() };
         let norms = self.queue.fetch(&gradients.norms)?;
+        let poses = self.queue.fetch(&gradients.poses)?;
+        let rolls = self.queue.fetch(&gradients.rolls)?;
+        let places =
+            if request.initial { self.queue.fetch(&gradients.places)? } else { Vec::new() };
         let mut out = Vec::with_capacity(batch.len());
         for (i, (instance, loss)) in batch.iter().zip(simulated.losses()?).enumerate() {
             let model = instance.model.model();
@@ -257,9 +264,9 @@ impl CudaBackend {
                 vec![[0.0; 3]; span.len()]
             };
             // Pinned nodes start on their control points.
-            for pin in &model.graph.pins {
+            let is_held = |pin: &&Pin| !world::begins_released(instance, pin.control);
+            for pin in model.graph.pins.iter().filter(is_held) {
                 let x = std::mem::take(&mut at_start.positions[pin.node as usize]);
-                at_start.velocities[pin.node as usize] = [0.0; 3];
                 if let Some(path) = paths.get_mut(pin.control as usize) {
                     (0..3).for_each(|k| path[k] += x[k]);
                 }
@@ -278,14 +285,31 @@ impl CudaBackend {
             } else {
                 None
             };
+            if let Some(bars) = places.get(gradients.place_starts[i]..gradients.place_starts[i + 1])
+            {
+                at_start.grasping = world::start(instance, |node| match bars.get(node) {
+                    Some(bar) if ended => point(bar),
+                    _ => [0.0; 3],
+                });
+            }
+            let motion = |bars: &[f32]| -> Vec<f32> {
+                bars.iter().map(|&x| if ended { narrow(x) } else { f32::NAN }).collect()
+            };
             let narrowed: Vec<f32> = own.iter().map(|&x| narrow(x)).collect();
             out.push(Gradient {
                 loss,
                 overflowed: own.iter().any(|x| !x.is_finite()),
                 params: gradient_params(model, &narrowed),
                 controls: paths,
-                poses: Vec::new(),
-                rolls: Vec::new(),
+                poses: motion(&poses[gradients.pose_starts[i]..gradients.pose_starts[i + 1]])
+                    .as_chunks()
+                    .0
+                    .iter()
+                    .map(|rows: &[f32; 12]| {
+                        std::array::from_fn(|r| std::array::from_fn(|c| rows[4 * r + c]))
+                    })
+                    .collect(),
+                rolls: motion(&rolls[gradients.roll_starts[i]..gradients.roll_starts[i + 1]]),
                 norms,
                 initial: request.initial.then_some(at_start),
                 final_state,
@@ -373,7 +397,8 @@ impl Backend for CudaBackend {
         let graph = self.graphs.get(&self.device, &model.graph)?;
         let resident = Resident::new(&self.device, &graph, &model.params)?;
         // One shape is made now, so that what cannot run is refused here.
-        choose(&self.device.capabilities, &resident, &model, Purpose::Forward, 1, 1)?;
+        let (device, world) = (&self.device.capabilities, WorldParts::default());
+        choose(device, &resident, &model, Purpose::Forward, world, 1, 1)?;
         crate::device::synchronize(&self.device.normal)?;
         Ok(Loaded::new(model, Arc::new(resident)))
     }
@@ -423,7 +448,7 @@ impl Backend for CudaBackend {
         let bytes = |i: &Instance| simulation::bytes_of(i, retained);
         let mut losses = Vec::with_capacity(batch.len());
         for chunk in Self::chunks(batch, self.room(), bytes) {
-            let done = self.score(&batch[chunk], retained, cancel).and_then(|m| m.losses());
+            let done = self.score(&batch[chunk], retained, false, cancel).and_then(|m| m.losses());
             losses.extend(self.settled(done)?);
         }
         Ok(losses)
@@ -464,7 +489,8 @@ impl Backend for CudaBackend {
     fn plan(&self, model: &Loaded, batch: usize) -> Option<String> {
         let resident = resident(model).ok()?;
         let (capabilities, purpose) = (&self.device.capabilities, Purpose::Forward);
-        let plan = choose(capabilities, resident, model.model(), purpose, batch, batch).ok()?;
+        let (model, world) = (model.model(), WorldParts::default());
+        let plan = choose(capabilities, resident, model, purpose, world, batch, batch).ok()?;
         Some(plan.team.to_string())
     }
 }

@@ -2,6 +2,7 @@
 //! along the tape of each.
 
 mod arrays;
+mod motion;
 mod windows;
 
 use bendtwin_core::{CancelToken, Graph};
@@ -45,6 +46,15 @@ pub(crate) struct Gradients {
     /// Norms of d loss / d positions by instance, shape [F + 1]; empty if not asked for.
     pub(crate) norms: Buffer<f64>,
     pub(crate) norm_starts: Vec<usize>,
+    /// d loss / d poses by instance, shape [F + 1, B, 3, 4]; empty if not asked for.
+    pub(crate) poses: Buffer<f32>,
+    pub(crate) pose_starts: Vec<usize>,
+    /// d loss / d rolls by instance, shape [F + 1, R]; empty if not asked for.
+    pub(crate) rolls: Buffer<f32>,
+    pub(crate) roll_starts: Vec<usize>,
+    /// d loss / d places of holds by instance, shape [N], padded to four; empty without grasps.
+    pub(crate) places: Buffer<[f32; 4]>,
+    pub(crate) place_starts: Vec<usize>,
 }
 
 /// Bytes of device memory that an instance's gradient takes beside one window's tape.
@@ -52,10 +62,9 @@ pub(crate) fn bytes_of(simulated: &bendtwin_engine::backend::Instance) -> u64 {
     let graph = &simulated.model.model().graph;
     let (n, elements) = (graph.node_count() as u64, (graph.springs.len() + hinges(graph)) as u64);
     // The gradient and its sums, what seeds it, and d loss / d initial state.
-    24 * elements
-        + crate::run::scoring::seed_bytes(simulated.frames, n as usize)
-        + 32 * n
-        + 8 * (simulated.frames as u64 + 1)
+    let motion = 48 * simulated.motion.poses.len() + 4 * simulated.motion.rolls.len();
+    let seeds = crate::run::scoring::seed_bytes(simulated.frames, n as usize);
+    24 * elements + seeds + 48 * n + motion as u64 + 8 * (simulated.frames as u64 + 1)
 }
 
 /// Triplets and rods: elements with three parameters each whose gradients are summed as they are.
@@ -90,7 +99,9 @@ impl Gradients {
             let resident = resident(loaded)?;
             let substeps = loaded.model().timing.substeps;
             let graph = std::ptr::from_ref(&*resident.graph) as usize;
-            Ok::<_, Error>((graph, substeps, contact_nodes(loaded.model())))
+            let bodies = instances[i].world.bodies;
+            let world = forward.simulation.worlds.parts(i);
+            Ok::<_, Error>((graph, substeps, contact_nodes(loaded.model()), bodies, world))
         };
         let keys = order.iter().map(|&i| key(i)).collect::<Result<Vec<_>, _>>()?;
         order.sort_by_key(|&i| (keys[i], i));
@@ -106,6 +117,7 @@ impl Gradients {
         let stream = &simulation.queue.stream;
         let (mut starts, mut control_starts, mut initial_starts) = (vec![0], vec![0], vec![0]);
         let (mut initial_twist_starts, mut norm_starts) = (vec![0], vec![0]);
+        let (mut pose_starts, mut roll_starts, mut place_starts) = (vec![0], vec![0], vec![0]);
         for instance in simulation.instances {
             let graph = &instance.model.model().graph;
             let length = 3 * (graph.springs.len() + hinges(graph)) + LAWS;
@@ -116,6 +128,14 @@ impl Gradients {
             initial_twist_starts.push(end_of(&initial_twist_starts) + graph.rods.len());
             let norms = if request.norms { instance.frames + 1 } else { 0 };
             norm_starts.push(end_of(&norm_starts) + norms);
+            let (poses, rolls) = match request.motion {
+                true => (12 * instance.motion.poses.len(), instance.motion.rolls.len()),
+                false => (0, 0),
+            };
+            pose_starts.push(end_of(&pose_starts) + poses);
+            roll_starts.push(end_of(&roll_starts) + rolls);
+            let places = if instance.world.grasps.is_empty() { 0 } else { graph.node_count() };
+            place_starts.push(end_of(&place_starts) + places);
         }
         Ok(Self {
             params: Buffer::zeros(stream, end_of(&starts))?,
@@ -123,11 +143,17 @@ impl Gradients {
             initial: Buffer::zeros(stream, end_of(&initial_starts))?,
             initial_twists: Buffer::zeros(stream, end_of(&initial_twist_starts))?,
             norms: Buffer::zeros(stream, end_of(&norm_starts))?,
+            poses: Buffer::zeros(stream, end_of(&pose_starts))?,
+            rolls: Buffer::zeros(stream, end_of(&roll_starts))?,
+            places: Buffer::zeros(stream, end_of(&place_starts))?,
             starts,
             control_starts,
             initial_starts,
             initial_twist_starts,
             norm_starts,
+            pose_starts,
+            roll_starts,
+            place_starts,
         })
     }
 }

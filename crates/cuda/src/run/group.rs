@@ -168,6 +168,11 @@ impl Group {
         &self.instances
     }
 
+    /// The instances of its members, without those that only fill up a team.
+    pub(crate) fn own(&self, all: InstanceSpan) -> InstanceSpan {
+        InstanceSpan { count: self.members.len(), ..all }
+    }
+
     /// A range of frames forward.
     pub(crate) fn advance(
         &self,

@@ -166,6 +166,14 @@ impl RecordedOutputs {
                 group_costs: loss.groups,
                 final_state: last.filter(|_| ended && outputs.final_state),
                 diagnostics,
+                forces: match outputs.forces {
+                    true => Some(simulation.worlds.forces(
+                        i,
+                        instance,
+                        loss.diverged.map_or(instance.frames, |d| d.frame - 1),
+                    )?),
+                    false => None,
+                },
                 diverged: loss.diverged,
                 ..Rollout::default()
             });

@@ -11,7 +11,6 @@ use bendtwin_engine::{
     backend::{Divergence, Instance},
     constants::MAX_PARTNERS,
     model::State,
-    world::Grasping,
 };
 use cudarc::driver::CudaStream;
 use rayon::prelude::*;
@@ -23,7 +22,7 @@ use crate::{
         launch::{Launch, MOST_BLOCKS},
         memory::{Buffer, end_of},
         queue::Queue,
-        specialization::{Specialization, THREADS},
+        specialization::{Specialization, THREADS, WorldParts},
         throttle::LaunchThrottle,
     },
     plan::{
@@ -32,7 +31,10 @@ use crate::{
         resident::{Packed, has_contact, resident},
         tape::RolloutTapes,
     },
-    run::group::{FrameRange, Group, InstanceSpan},
+    run::{
+        group::{FrameRange, Group, InstanceSpan},
+        world::{self, Worlds},
+    },
 };
 
 /// Longest time of a launch [us]: other requests wait for it, and cancellations.
@@ -62,6 +64,11 @@ pub(crate) struct Simulation<'a> {
     control_starts: Vec<usize>,
     divergence: Buffer<u64>,
     contact: Contact,
+    pub(crate) worlds: Worlds,
+    /// The states that instances were given, as planes.
+    initial: Buffer<f32>,
+    /// Where those of each instance begin, and its twists.
+    initial_places: Vec<(usize, usize)>,
 }
 
 /// Contact's arrays of simulations that run concurrently.
@@ -81,7 +88,8 @@ pub(crate) fn bytes_of(instance: &Instance, retained: RetainedStates) -> u64 {
     let n = model.graph.node_count() as u64;
     let states = (24 * n + 4 * model.graph.rods.len() as u64) * slots(instance, retained) as u64;
     let contact = if has_contact(model) { n * (4 * MAX_PARTNERS as u64 + 40) } else { 0 };
-    states + contact + 12 * instance.controls.len() as u64
+    let world = world::bytes_of(instance, slots(instance, retained), true);
+    states + contact + 12 * instance.controls.len() as u64 + world
 }
 
 fn slots(instance: &Instance, retained: RetainedStates) -> usize {
@@ -92,11 +100,13 @@ fn slots(instance: &Instance, retained: RetainedStates) -> usize {
 }
 
 impl<'a> Simulation<'a> {
-    /// Puts checked instances onto the device, at their initial states.
+    /// Puts checked instances onto the device, at their initial states; `measured` if their forces
+    /// are asked for.
     pub(crate) fn new(
         queue: &'a Queue,
         instances: &'a [Instance],
         retained: RetainedStates,
+        measured: bool,
     ) -> Result<Self, Error> {
         let stream = &queue.stream;
         let (mut state_starts, mut control_starts) = (vec![0], vec![0]);
@@ -111,6 +121,11 @@ impl<'a> Simulation<'a> {
         let all: Vec<Point> = instances.iter().flat_map(|i| i.controls.iter()).copied().collect();
         let divergence = Buffer::empty(stream, instances.len())?;
         divergence.fill(0xff)?;
+        let each_slots: Vec<usize> = instances.iter().map(|i| slots(i, retained)).collect();
+        let keeps_all = retained == RetainedStates::All;
+        let worlds = Worlds::new(queue, instances, measured, &each_slots, keeps_all)?;
+        let each = instances.iter().map(|i| (&*i.initial, i.model.model().graph.rods.len()));
+        let (planes, initial_places) = initial_planes(each);
         let this = Self {
             states: Buffer::empty(stream, end_of(&state_starts))?,
             twists: Buffer::empty(stream, end_of(&twist_starts))?,
@@ -123,6 +138,9 @@ impl<'a> Simulation<'a> {
             retained,
             control_starts,
             divergence,
+            worlds,
+            initial: Buffer::of(stream, &planes)?,
+            initial_places,
         };
         start(&this)?;
         Ok(this)
@@ -179,6 +197,8 @@ impl<'a> Simulation<'a> {
             }
             self.contact.place(index, &mut args);
         }
+        args.world = self.worlds.args(index);
+        args.world.initial = self.initial.at(self.initial_places[index].0);
         Ok(args)
     }
 
@@ -196,6 +216,7 @@ impl<'a> Simulation<'a> {
                 tape.write(index, args);
             }
         }
+        let control_impulses = self.measure(&mut groups)?;
         let longest = self.instances.iter().map(|i| i.frames).max().unwrap_or(0);
         let uploaded: Vec<Buffer<InstanceArgs>> = groups
             .iter()
@@ -208,25 +229,76 @@ impl<'a> Simulation<'a> {
             ((LAUNCH_US / frame_us.max(1e-3)) as usize).clamp(1, longest.max(1))
         };
         let mut throttle = LaunchThrottle::default();
-        for first in (0..longest).step_by(step) {
+        let mut first = 0;
+        while first < longest {
             if cancel.is_cancelled() {
                 self.queue.synchronize()?;
                 return Err(Error::Cancelled);
             }
-            let range = FrameRange::frames(first, first + step);
+            let end = self.worlds.end_of_launch(first, (first + step).min(longest));
+            let range = FrameRange::frames(first, end);
             // Different graphs take different kernels, none of which fills the device: they run
             // concurrently.
             self.queue.launch_concurrently(groups.len(), |k, streams| {
                 let (group, span) = (&groups[k], InstanceSpan::all(&uploaded[k]));
                 let stream = streams.of(k, &group.plan.team);
+                self.change_grasps(group, span, stream, (first, end))?;
                 if group.plan.specialization.contact {
                     self.find_partners(stream, span, first as u32)?;
                 }
-                group.advance(self.queue, stream, span, &range)
+                group.advance(self.queue, stream, span, &range)?;
+                if group.plan.specialization.world.forces {
+                    let (of, blocks) = (group.own(span), group.plan.team.blocks);
+                    self.worlds.sum_forces(self.queue, stream, of, (first, blocks))?;
+                }
+                Ok(())
             })?;
             throttle.step(self.queue)?;
+            first = end;
         }
+        for (group, uploaded) in groups.iter().zip(&uploaded) {
+            let (span, stream) = (InstanceSpan::all(uploaded), &self.queue.stream);
+            self.change_grasps(group, span, stream, (longest, longest))?;
+        }
+        drop(control_impulses);
         Ok(())
+    }
+
+    /// Opens and closes the grasps of a group in front of a launch.
+    fn change_grasps(
+        &self,
+        group: &Group,
+        span: InstanceSpan,
+        stream: &CudaStream,
+        (boundary, end): (usize, usize),
+    ) -> Result<(), Error> {
+        let has_grasps = group.plan.specialization.world.grasps;
+        // What is held in frames is written for all of them at once, launch by launch.
+        if !has_grasps {
+            return Ok(());
+        }
+        self.worlds.change_grasps(self.queue, stream, group.own(span), (boundary, end))
+    }
+
+    /// Lets the instances of groups measure their forces; what their control points exert goes into
+    /// the memory that is returned.
+    fn measure(&self, groups: &mut [Group]) -> Result<Vec<Buffer<f32>>, Error> {
+        let mut all = Vec::new();
+        for group in groups.iter_mut().filter(|g| g.plan.specialization.world.forces) {
+            let blocks = group.plan.team.blocks as usize;
+            let count = |args: &InstanceArgs| 6 * blocks * args.topology.control_count as usize;
+            let mut starts = vec![0];
+            for args in group.instances() {
+                starts.push(end_of(&starts) + count(args));
+            }
+            let impulses = Buffer::zeros(&self.queue.stream, end_of(&starts))?;
+            for (k, (index, args)) in group.members_mut().enumerate() {
+                self.worlds.measure(index, args);
+                args.world.control_impulses = impulses.at(starts[k]);
+            }
+            all.push(impulses);
+        }
+        Ok(all)
     }
 
     fn frame_us(&self, group: &Group) -> f64 {
@@ -256,21 +328,25 @@ impl<'a> Simulation<'a> {
         // Where there are no nodes, nothing moves.
         let moves = |&m: &usize| model(m).model().graph.node_count() > 0;
         let members: Vec<usize> = (0..of.len()).filter(moves).collect();
-        // The first member of each model, and how many it has.
-        let mut alike: HashMap<usize, (usize, usize)> = HashMap::new();
+        // The first member of each model and kind of surroundings, and how many it has.
+        let key = |m: usize| {
+            let resident = std::ptr::from_ref(resident(model(m))?) as usize;
+            Ok::<_, Error>((resident, self.worlds.parts(of[m])))
+        };
+        let mut alike: HashMap<(usize, WorldParts), (usize, usize)> = HashMap::new();
         for &m in &members {
-            let key = std::ptr::from_ref(resident(model(m))?) as usize;
-            alike.entry(key).or_insert((m, 0)).1 += 1;
+            alike.entry(key(m)?).or_insert((m, 0)).1 += 1;
         }
         let firsts: Vec<usize> = alike.values().map(|&(first, _)| first).collect();
         let plans = map_concurrently(self.queue, &firsts, |&m| {
-            let (resident, model) = (resident(model(m))?, model(m).model());
-            let key = std::ptr::from_ref(resident) as usize;
+            let (key, resident, model) = (key(m)?, resident(model(m))?, model(m).model());
             let (batch, alike) = (members.len(), alike[&key].1);
-            let plan = choose(&device.capabilities, resident, model, purpose, batch, alike)?;
+            let device = &device.capabilities;
+            let plan = choose(device, resident, model, purpose, key.1, batch, alike)?;
             Ok((key, (plan, resident.packed(Cut::of(&plan.team))?)))
         })?;
-        let known: HashMap<usize, (LaunchPlan, Arc<Packed>)> = plans.into_iter().collect();
+        let known: HashMap<(usize, WorldParts), (LaunchPlan, Arc<Packed>)> =
+            plans.into_iter().collect();
         let specializations: HashSet<Specialization> =
             known.values().map(|(plan, _)| plan.specialization).collect();
         let specializations: Vec<Specialization> = specializations.into_iter().collect();
@@ -279,7 +355,7 @@ impl<'a> Simulation<'a> {
         })?;
         let mut groups: Vec<Group> = Vec::new();
         for &m in &members {
-            let (plan, packed) = &known[&(std::ptr::from_ref(resident(model(m))?) as usize)];
+            let (plan, packed) = &known[&key(m)?];
             let args = self.instance_args(of[m], packed)?;
             // Instances that are simulated together share their model, and groups of them are full.
             let at = match groups.iter().position(|g| g.takes(plan, packed)) {
@@ -322,7 +398,7 @@ impl<'a> Simulation<'a> {
             positions: (0..n).map(|i| point(0, i)).collect(),
             velocities: (0..n).map(|i| point(3, i)).collect(),
             twists,
-            grasping: Grasping::default(),
+            grasping: self.worlds.grasping(index, &self.instances[index], frame)?,
         })
     }
 }
@@ -344,11 +420,11 @@ fn map_concurrently<T: Sync, U: Send>(
 /// Puts initial states, which instances may share, to where each instance's first frame is.
 fn start(this: &Simulation<'_>) -> Result<(), Error> {
     let stream = &this.queue.stream;
-    let each = this.instances.iter().map(|i| (&*i.initial, i.model.model().graph.rods.len()));
-    let (planes, places) = initial_planes(each);
-    let initial = Buffer::of(stream, &planes)?;
+    let initial = &this.initial;
     let mut starts = Vec::with_capacity(this.instances.len());
-    for ((i, instance), &(at, twists_at)) in this.instances.iter().enumerate().zip(&places) {
+    for ((i, instance), &(at, twists_at)) in
+        this.instances.iter().enumerate().zip(&this.initial_places)
+    {
         let model = instance.model.model();
         let moves = model.control_velocity == ControlVelocity::True && instance.frames > 0;
         let (pin_of, pins) = resident(&instance.model)?.graph.pins();
@@ -365,7 +441,8 @@ fn start(this: &Simulation<'_>) -> Result<(), Error> {
             node_count: model.graph.node_count() as u32,
             control_count: model.graph.control_count() as u32,
             controls_move: u32::from(moves),
-            unused: 0,
+            frame_count: instance.frames as u32,
+            world: this.worlds.args(i),
         });
     }
     let most = starts.iter().map(|s| s.node_count).max().unwrap_or(0);

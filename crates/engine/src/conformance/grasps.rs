@@ -48,7 +48,8 @@ pub(super) fn a_held_node_follows_its_body(backend: &dyn Backend) -> Outcome {
     let rollout = scene.roll_out(backend)?;
     let place = [0.05, 0.02, 0.0];
     for f in 1..=12 {
-        let off = norm(difference(rollout.positions[2 * f], moved(&path(f), place).map(|x| x as f32)));
+        let off =
+            norm(difference(rollout.positions[2 * f], moved(&path(f), place).map(|x| x as f32)));
         close(&format!("distance from its place in frame {f}"), off, 0.0, 1e-6)?;
     }
     let end = scene.end(backend)?;
@@ -202,7 +203,8 @@ pub(super) fn grasps_resume_exactly(backend: &dyn Backend) -> Outcome {
         let states = scene.states(backend)?;
         let end = scene.end(backend)?;
         ensure(states.last() == Some(&end), || format!("scene {seed} resumes differently"))?;
-        ensure(!end.grasping.holds.is_empty(), || format!("scene {seed} holds nothing"))?;
+        let holds = states.iter().any(|s| !s.grasping.holds.is_empty());
+        ensure(holds, || format!("scene {seed} holds nothing"))?;
         batch.push(scene.instance(scene.load(backend)?));
         ends.push(end);
     }
@@ -256,10 +258,13 @@ pub(super) fn a_rolling_clamp_twists_its_rod(backend: &dyn Backend) -> Outcome {
     let states = scene.states(backend)?;
     let end = scene.end(backend)?;
     ensure(states.last() == Some(&end), || "it resumes differently".to_owned())?;
-    // Without stiffness nothing moves the nodes, so the twist is the roll alone.
+    // Without stiffness nothing moves the nodes, so the roll is all that is new.
     scene.params.twist_stiffness[0] = 0.0;
-    let slack = scene.end(backend)?;
-    close("twist without torque", f64::from(slack.twists[0] - still.twists[0]), 1.5, 1e-4)?;
+    let rolled = scene.end(backend)?.twists[0];
+    let mut unrolled = scene.clone();
+    unrolled.motion.rolls.clear();
+    let unrolled = unrolled.end(backend)?.twists[0];
+    close("twist without torque", f64::from(rolled) - f64::from(unrolled), 1.5, 1e-4)?;
     let turned = f64::from(end.twists[0]);
     ensure(turned > 0.5 && turned < 1.6, || format!("twist with torque: {turned}"))?;
     let way = norm(difference(end.positions[4], still.positions[4]));

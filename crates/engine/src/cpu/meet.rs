@@ -230,8 +230,9 @@ impl<T: Real> Scene<'_, T> {
         let mut path = None;
         if let Some((ground, law)) = &self.ground {
             let met = match &self.layer {
-                None => hits_ground(ground, x, v, dt)
-                    .then(|| meeting_ground(ground, *law, dt, x, v)),
+                None => {
+                    hits_ground(ground, x, v, dt).then(|| meeting_ground(ground, *law, dt, x, v))
+                }
                 Some(layer) => smooth_meeting(None, on_ground(ground, x), *law, layer, v),
             };
             if let Some(m) = met {

@@ -1,4 +1,4 @@
-//! Schemas of rollout.proto's messages for the OpenAPI document, from their descriptors and
+//! Schemas of the messages of rollout.proto and world.proto for the OpenAPI document, from their descriptors and
 //! comments.
 
 use std::{borrow::Cow, collections::HashMap};

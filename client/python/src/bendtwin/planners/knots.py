@@ -1,7 +1,6 @@
-"""Knots spread evenly over a horizon, and the curve between them.
+"""Knots spread evenly over a horizon: the same curve from a later time on.
 
-Both curves are linear in the knots, so that a curve is a matrix times the knots, and a gradient by
-the curve becomes one by the knots through its transpose.
+`bendtwin.interpolate` has the curve by frame; here times are any.
 """
 
 from __future__ import annotations
@@ -11,22 +10,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.actions import Interpolation
+from bendtwin.interpolation import Interpolation
 
 Array = npt.NDArray[np.float64]
-
-
-def frame_times(frames: int, knots: int) -> Array:
-    """Times of frames 0..F in units of knot spacing, [F + 1]."""
-    return np.arange(frames + 1) * (knots - 1) / max(frames, 1)
 
 
 def curve_matrix(times: npt.ArrayLike, knots: int, interpolation: Interpolation) -> Array:
     """The matrix [T, K] that turns knots into the points of the curve at `times` [T].
 
     Times are in units of knot spacing; before the first knot and after the last one the curve
-    stays there. "cubic" is Catmull-Rom, continued in a straight line beyond the ends, as the server
-    draws it.
+    stays there. "cubic" is Catmull-Rom, continued in a straight line beyond the ends.
     """
     times = np.clip(np.asarray(times, dtype=np.float64), 0.0, knots - 1)
     matrix = np.zeros((len(times), knots))
@@ -40,8 +33,9 @@ def curve_matrix(times: npt.ArrayLike, knots: int, interpolation: Interpolation)
         matrix[rows, before] += 1.0 - t
         matrix[rows, before + 1] += t
         return matrix
-    if interpolation != "cubic":
-        raise ValueError(f"give 'linear' or 'cubic' as interpolation, not {interpolation!r}")
+    if interpolation == "zero":
+        matrix[rows, np.floor(times).astype(np.int64)] = 1.0
+        return matrix
     weights = (
         (before - 1, 0.5 * (-t + 2 * t**2 - t**3)),
         (before, 1.0 - 2.5 * t**2 + 1.5 * t**3),

@@ -47,9 +47,3 @@ class Plan:
         if not isinstance(self.problem, Task):
             raise TypeError("only a plan for a twin has actions")
         return self.problem.actions(self.knots, frames)
-
-    def path(self) -> Array:
-        """The coordinates in every frame, [F + 1, D]: what a robot is to follow."""
-        if not isinstance(self.problem, Task):
-            raise TypeError("only a plan for a twin has a path")
-        return self.problem.path(self.knots)

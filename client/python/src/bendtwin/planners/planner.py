@@ -14,13 +14,13 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.actions import InitialState
 from bendtwin.errors import BendTwinError, Category
 from bendtwin.planners.bounds import Bounds
 from bendtwin.planners.knots import Array, shifted
 from bendtwin.planners.noise import correlated, deviations
 from bendtwin.planners.plan import Origin, Plan
 from bendtwin.planners.task import Evaluation, Problem
+from bendtwin.state import InitialState
 
 _NO_BOUNDS = Bounds()
 

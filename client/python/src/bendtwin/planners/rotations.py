@@ -36,30 +36,6 @@ def product(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> Array:
     return np.concatenate([vector, scalar], axis=-1)
 
 
-def slerp(a: npt.NDArray[Any], b: npt.NDArray[Any], t: npt.NDArray[Any]) -> Array:
-    """From a to b the short way round, [..., 4]; t [...] runs from 0 to 1."""
-    cosine = (a * b).sum(-1, keepdims=True)
-    b = np.where(cosine < 0, -b, b)
-    angle = np.arccos(np.clip(np.abs(cosine), 0.0, 1.0))
-    t = t[..., None]
-    near = angle < 1e-6
-    sine = np.where(near, 1.0, np.sin(angle))
-    wa = np.where(near, 1.0 - t, np.sin((1.0 - t) * angle) / sine)
-    wb = np.where(near, t, np.sin(t * angle) / sine)
-    mixed = wa * a + wb * b
-    return np.asarray(mixed / np.linalg.norm(mixed, axis=-1, keepdims=True))
-
-
 def _half_sine(angle: npt.NDArray[Any]) -> Array:
     """sin(angle / 2) / angle."""
     return np.asarray(0.5 * np.sinc(angle / (2.0 * np.pi)))
-
-
-def logarithm(quaternions: npt.NDArray[Any]) -> Array:
-    """Rotation vectors [..., 3] of unit quaternions, of at most half a turn."""
-    q = np.where(quaternions[..., 3:] < 0, -quaternions, quaternions)
-    sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
-    angle = 2.0 * np.arctan2(sine, q[..., 3:])
-    near = sine < 1e-9
-    factor = np.where(near, 2.0, angle / np.where(near, 1.0, sine))
-    return np.asarray(factor * q[..., :3])

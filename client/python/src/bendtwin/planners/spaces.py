@@ -13,9 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.actions import Interpolation
 from bendtwin.planners import rotations
-from bendtwin.planners.knots import curve_matrix
 
 Array = npt.NDArray[np.float64]
 
@@ -29,9 +27,6 @@ class ActionSpace(Protocol):
 
     def actions(self, knots: Array) -> dict[str, Any]:
         """Arguments of `Twin.rollout` for knots [B, K, D]."""
-
-    def path(self, knots: Array, times: Array, interpolation: Interpolation) -> Array:
-        """The coordinates [T, D] at times between knots [K, D], as the server moves along them."""
 
     def gradients(self, knots: Array, by_actions: Array) -> Array:
         """d cost / d knots [B, K, D] of the gradient by what `actions` gives, in its shape."""
@@ -53,10 +48,6 @@ class _Trajectories:
     def actions(self, knots: Array) -> dict[str, Any]:
         """Arguments of `Twin.rollout` for knots [B, K, D]."""
         return {"trajectories": (self.start + self._offsets(knots)).astype(np.float32)}
-
-    def path(self, knots: Array, times: Array, interpolation: Interpolation) -> Array:
-        """The coordinates [T, D] at times between knots [K, D]."""
-        return curve_matrix(times, len(knots), interpolation) @ knots
 
 
 class Together(_Trajectories):
@@ -177,23 +168,6 @@ class Grippers:
         if self.gripper_of_control is not None:
             named["gripper_of_control"] = self.gripper_of_control
         return named
-
-    def path(self, knots: Array, times: Array, interpolation: Interpolation) -> Array:
-        """The coordinates [T, D] at times between knots [K, D]; rotations take the short way."""
-        moves = self._split(knots)
-        last = len(knots) - 1
-        times = np.clip(times, 0.0, last)
-        before = np.minimum(times.astype(np.int64), max(last - 1, 0))
-        after = np.minimum(before + 1, last)
-        quaternions = rotations.exponential(moves[..., 3:])
-        share = np.broadcast_to((times - before)[:, None], (len(times), moves.shape[1]))
-        between = rotations.slerp(quaternions[before], quaternions[after], share)
-        flat = moves[..., :3].reshape(len(knots), -1)
-        places = curve_matrix(times, len(knots), interpolation) @ flat
-        path = np.empty((len(times), *moves.shape[1:]))
-        path[..., :3] = places.reshape(*path.shape[:2], 3)
-        path[..., 3:] = rotations.logarithm(between)
-        return path.reshape(len(times), -1)
 
     def gradients(self, knots: Array, by_actions: Array) -> Array:
         """d cost / d knots [B, K, D] from d cost / d poses [B, K, G, 7]."""

@@ -9,11 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from bendtwin.actions import InitialState, Interpolation, Rest
 from bendtwin.costs import Cost
-from bendtwin.planners.knots import Array, curve_matrix, frame_times
-from bendtwin.planners.spaces import ActionSpace, Grippers
+from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
+from bendtwin.planners.knots import Array
+from bendtwin.planners.spaces import ActionSpace
 from bendtwin.rollout import Fidelity, Returns
+from bendtwin.state import InitialState, Rest
 from bendtwin.twin import Twin
 
 
@@ -89,43 +90,34 @@ class Task:
         timeout_s: float | None = None,
     ) -> Evaluation:
         """Simulates knots [B, K, D] from a state, in one call; None is the twin's rest."""
-        if gradients and isinstance(self.space, Grippers):
-            raise ValueError(
-                "a gradient by the rotation of grippers is not to be had: plan with another "
-                "method, or in Together, PerHand or Points"
-            )
         result = self.twin.rollout(
             **self.space.actions(knots),
             frames=self.frames,
             interpolation=self.interpolation,
             initial=Rest() if initial is None else initial,
             costs=self.costs,
-            returns=Returns(control_gradients=gradients),
+            returns=Returns(action_gradients=gradients),
             fidelity=self.fidelity,
             timeout_s=timeout_s,
         )
         costs = np.where(np.isnan(result.costs), np.inf, result.costs)
         if not gradients:
             return Evaluation(costs)
-        by_frame = result.control_gradients
-        if by_frame is None:
+        by_actions = result.action_gradients
+        if by_actions is None:
             raise ValueError("the server returned no gradients: is it older than this client?")
-        count = knots.shape[1]
-        curve = curve_matrix(frame_times(self.frames, count), count, self.interpolation)
-        by_knot = np.einsum("fk,bf...->bk...", curve, by_frame.astype(np.float64))
-        return Evaluation(costs, self.space.gradients(knots, by_knot))
+        return Evaluation(costs, self.space.gradients(knots, by_actions.astype(np.float64)))
 
     def actions(self, knots: Array, frames: int | None = None) -> dict[str, Any]:
         """Arguments of `Twin.rollout` that execute knots [K, D]: all of them, or the first frames,
         then with an action for every frame, so that they are the very motion that was planned."""
+        named = self.space.actions(knots[None])
         if frames is None:
-            named = self.space.actions(knots[None])
             return {**named, "frames": self.frames, "interpolation": self.interpolation}
         if not 1 <= frames <= self.frames:
             raise ValueError(f"the plan has {self.frames} frames: give 1..{self.frames}")
-        path = self.path(knots)[: frames + 1]
-        return {**self.space.actions(path[None]), "frames": frames}
-
-    def path(self, knots: Array) -> Array:
-        """The coordinates in every frame, [F + 1, D]."""
-        return self.space.path(knots, frame_times(self.frames, len(knots)), self.interpolation)
+        curves = {"trajectories": interpolate, "poses": interpolate_poses}
+        for kind in curves.keys() & named.keys():
+            dense = curves[kind](named[kind], self.frames, interpolation=self.interpolation)
+            named[kind] = dense[:, : frames + 1]
+        return {**named, "frames": frames}

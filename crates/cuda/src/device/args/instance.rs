@@ -77,6 +77,7 @@ device_struct! {
         exports: Pointer<u32>,
         export_refs: Pointer<u32>,
         inverse_mass: Pointer<f32>,
+        masses: Pointer<f32>,
         sum_rows: Pointer<u32>,
         triplet_of: Pointer<u32>,
         rod_turns: Pointer<u32>,
@@ -191,6 +192,76 @@ device_struct! {
 }
 
 device_struct! {
+    /// A rigid obstacle.
+    Collider {
+        from: [f32; 3],
+        radius: f32,
+        axis: [f32; 3],
+        friction: f32,
+        restitution: f32,
+        body: u32,
+        face: u32,
+        faces: u32,
+    }
+}
+
+device_struct! {
+    /// A hold on nodes by a body.
+    Grasp {
+        body: u32,
+        region: u32,
+        attachment: u32,
+        member: u32,
+        members: u32,
+        stiffness: f32,
+        damping: f32,
+        max_force: f32,
+        low: [f32; 3],
+        high: [f32; 3],
+    }
+}
+
+device_struct! {
+    /// What holds a node in a frame.
+    Hold {
+        place: [f32; 3],
+        grasp: i32,
+    }
+}
+
+device_struct! {
+    /// What surrounds the object, and the memory that goes with it.
+    WorldArgs {
+        poses: Pointer<[f32; 4]>,
+        colliders: Pointer<Collider>,
+        faces: Pointer<[f32; 4]>,
+        grasps: Pointer<Grasp>,
+        members: Pointer<u32>,
+        grasp_of: Pointer<i32>,
+        closed: Pointer<u32>,
+        rolls: Pointer<f32>,
+        initial: Pointer<f32>,
+        holds: Pointer<Hold>,
+        phases: Pointer<u32>,
+        impulses: Pointer<f32>,
+        control_impulses: Pointer<f32>,
+        forces: Pointer<f32>,
+        hold_sums: Pointer<f32>,
+        body_sums: Pointer<f32>,
+        roll_sums: Pointer<f32>,
+        place_bars: Pointer<[f32; 4]>,
+        arrive_bars: Pointer<[f32; 4]>,
+        force_bars: Pointer<f32>,
+        body_count: u32,
+        collider_count: u32,
+        grasp_count: u32,
+        slot_count: u32,
+        smoothing: f32,
+        unused: u32,
+    }
+}
+
+device_struct! {
     /// One instance to simulate.
     InstanceArgs {
         topology: TopologyArgs,
@@ -201,5 +272,6 @@ device_struct! {
         adjoint: AdjointArgs,
         contact: ContactArgs,
         team: TeamArgs,
+        world: WorldArgs,
     }
 }

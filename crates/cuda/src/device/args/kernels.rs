@@ -42,6 +42,35 @@ device_struct! {
 }
 
 device_struct! {
+    /// Parameters of `change_grasps`.
+    ChangeGraspsArgs {
+        instances: Pointer<InstanceArgs>,
+        boundary: u32,
+        end: u32,
+    }
+}
+
+device_struct! {
+    /// Parameters of `collect_motion`.
+    CollectMotionArgs {
+        instances: Pointer<InstanceArgs>,
+        poses: Pointer<Pointer<f32>>,
+        rolls: Pointer<Pointer<f32>>,
+        starts: u32,
+        unused: u32,
+    }
+}
+
+device_struct! {
+    /// Parameters of `sum_forces`.
+    SumForcesArgs {
+        instances: Pointer<InstanceArgs>,
+        frame: u32,
+        blocks: u32,
+    }
+}
+
+device_struct! {
     /// Parameters of `score`.
     ScoreArgs {
         objectives: Pointer<ObjectiveArgs>,

@@ -3,7 +3,7 @@
 
 use bendtwin_core::Point;
 
-use super::{Pin, Pointer, device_struct};
+use super::{Pin, Pointer, WorldArgs, device_struct};
 
 device_struct! {
     /// Initial state of an instance.
@@ -20,7 +20,8 @@ device_struct! {
         rod_count: u32,
         control_count: u32,
         controls_move: u32,
-        unused: u32,
+        frame_count: u32,
+        world: WorldArgs,
     }
 }
 

@@ -8,6 +8,8 @@ const REQUIRED: &str = "BENDTWIN_NVRTC";
 
 fn specializations() -> Vec<Specialization> {
     let base = Specialization { ground: true, ..Specialization::small(Source::Integrate) };
+    let everything =
+        WorldParts { grasps: true, colliders: true, smooth: true, rolls: true, forces: true };
     let mut specializations: Vec<Specialization> =
         Source::SMALL.map(Specialization::small).to_vec();
     let forward = [
@@ -73,6 +75,40 @@ fn specializations() -> Vec<Specialization> {
             bending: true,
             rods: 16,
             contact: true,
+            ..base
+        },
+        Specialization {
+            threads: 512,
+            lanes: 4,
+            instances: 2,
+            bending: true,
+            held: 2,
+            world: WorldParts { grasps: true, colliders: true, ..WorldParts::default() },
+            ..base
+        },
+        Specialization {
+            threads: 256,
+            one_row: false,
+            bending: true,
+            rods: 2,
+            contact: true,
+            tape: true,
+            half_springs_in_shared: true,
+            world: everything,
+            ..base
+        },
+        Specialization {
+            shape: TeamShape::Cluster,
+            blocks: 4,
+            tape: true,
+            world: WorldParts { forces: true, smooth: true, ..WorldParts::default() },
+            ..base
+        },
+        Specialization {
+            shape: TeamShape::Grid,
+            blocks: 66,
+            ground: false,
+            world: WorldParts { colliders: true, smooth: true, ..everything },
             ..base
         },
     ];

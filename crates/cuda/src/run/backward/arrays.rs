@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use bendtwin_engine::Error;
 
-use super::Backward;
+use super::{Backward, motion};
 use crate::{
-    device::{args::InstanceArgs, launch::MOST_BLOCKS, memory::Buffer},
+    device::{args::InstanceArgs, launch::MOST_BLOCKS, memory::Buffer, specialization::WorldParts},
     plan::{
         resident::LAWS,
         tape::{self, Entries, Tape},
@@ -153,7 +153,12 @@ impl Backward<'_> {
         };
         // A spring has three sums, in rows that are not full.
         let sums = 5 * e + 3 * (t + r) + r + LAWS * blocks;
-        let fixed = (32 * n + 4 * sums + 36 * paths) as u64;
+        let bodies = simulation.instances[instance].world.bodies;
+        let world = match simulation.worlds.parts(instance) == WorldParts::default() {
+            true => 0,
+            false => motion::bytes_of(n, bodies, r),
+        };
+        let fixed = (32 * n + 4 * sums + 36 * paths + world) as u64;
         let contact = CONTACT_BYTES * contact_nodes(model) as u64;
         let substep = tape::NODE_BYTES * n as u64 + tape::ROD_BYTES * r as u64;
         let substeps = u64::from(model.timing.substeps);

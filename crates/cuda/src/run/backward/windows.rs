@@ -4,7 +4,10 @@ use std::ops::Range;
 
 use bendtwin_engine::Error;
 
-use super::{Backward, WindowArrays};
+use super::{
+    Backward, WindowArrays,
+    motion::{MotionOuts, WorldBars},
+};
 use crate::{
     device::{
         args::{
@@ -68,6 +71,7 @@ struct WindowBatch {
     of_springs: usize,
     _control_sums: Buffer<f32>,
     _pin_sums: Buffer<f32>,
+    world_bars: Option<WorldBars>,
 }
 
 /// Arguments of a batch's windows for some frames, ordered by depth.
@@ -79,6 +83,8 @@ struct BatchArgs {
     outs: Buffer<Pointer<[f32; 3]>>,
     /// Output for the norm at the end of each instance's frame; empty if not asked for.
     norms: Buffer<Pointer<f64>>,
+    /// Outputs for d loss / d poses and rolls, of instances with bodies or turning clamps.
+    motion: Option<MotionOuts>,
     /// First instance of each depth, and the end of the last.
     starts: Vec<usize>,
     /// True if an instance has several windows at a depth.
@@ -136,6 +142,7 @@ impl<'a> ConcurrentWindows<'a> {
                 args.adjoint.pin_sums = pin_sums.at(k * 9 * pins);
             }
         }
+        let world_bars = WorldBars::new(stream, &mut group)?;
         Ok(WindowBatch {
             group,
             sums,
@@ -143,6 +150,7 @@ impl<'a> ConcurrentWindows<'a> {
             of_springs,
             _control_sums: control_sums,
             _pin_sums: pin_sums,
+            world_bars: world_bars,
         })
     }
 
@@ -190,6 +198,7 @@ impl<'a> ConcurrentWindows<'a> {
         let (mut all, mut seeds, mut outs) = (Vec::new(), Vec::new(), Vec::new());
         let mut norms = Vec::new();
         let (mut starts, mut shared) = (vec![0], false);
+        let mut motion = Vec::new();
         for depth in depths {
             let mut before = None;
             for (&w, args) in batch.group.members.iter().zip(batch.group.instances()) {
@@ -220,6 +229,7 @@ impl<'a> ConcurrentWindows<'a> {
                     let out = &self.backward.out;
                     outs.push(out.controls.at(out.control_starts[window.instance]));
                 }
+                motion.push(window.instance);
                 shared |= before.replace(window.instance) == Some(window.instance);
             }
             starts.push(all.len());
@@ -230,6 +240,10 @@ impl<'a> ConcurrentWindows<'a> {
             seeds: Buffer::of(stream, &seeds)?,
             outs: Buffer::of(stream, &outs)?,
             norms: Buffer::of(stream, &norms)?,
+            motion: match batch.world_bars {
+                Some(_) => Some(MotionOuts::new(self.backward, &motion)?),
+                None => None,
+            },
             starts,
             shared,
         })
@@ -264,6 +278,15 @@ impl<'a> ConcurrentWindows<'a> {
             }
             for (batch, args) in self.batches.iter().zip(args) {
                 batch.group.back(queue, part(args).1, taped.start, taped.end)?;
+            }
+        }
+        for args in args {
+            let (start, span) = part(args);
+            let Some(motion) = &args.motion else { continue };
+            let at_once = if args.shared { 1 } else { span.count.max(1) };
+            for k in (0..span.count).step_by(at_once) {
+                let some = InstanceSpan::part(&args.instances, start + k, at_once);
+                motion.collect(queue, some, start + k, false)?;
             }
         }
         if self.backward.request.controls {
@@ -358,7 +381,7 @@ impl<'a> ConcurrentWindows<'a> {
     /// windows with so many frames.
     fn store_initials(&self, frames: usize) -> Result<(), Error> {
         let request = self.backward.request;
-        if !(request.initial || request.controls || request.norms) {
+        if !(request.initial || request.controls || request.motion || request.norms) {
             return Ok(());
         }
         let (simulation, arrays) = (self.simulation(), self.arrays);
@@ -394,6 +417,7 @@ impl<'a> ConcurrentWindows<'a> {
                 self.norm_bars(InstanceSpan::all(&uploaded), outs.address())?;
             }
             let out = self.backward.out;
+            self.start_motion(w)?;
             let to = out.initial_starts[window.instance];
             out.initial.copy_from(to, &arrays.bar_x, w * n, n)?;
             out.initial.copy_from(to + n, &arrays.bar_v, w * n, n)?;
@@ -401,6 +425,33 @@ impl<'a> ConcurrentWindows<'a> {
                 let (to, r) = (out.initial_twist_starts[window.instance], arrays.rods);
                 out.initial_twists.copy_from(to, &arrays.twist_bars, w * r, r)?;
             }
+        }
+        Ok(())
+    }
+
+    /// Takes a window back through how its instance's rollout starts: with what grasps hold.
+    fn start_motion(&self, w: usize) -> Result<(), Error> {
+        let (simulation, window) = (self.simulation(), &self.windows[w]);
+        let batch = self.batches.iter().find(|b| b.group.members.contains(&w));
+        let Some(WindowBatch { group, world_bars: Some(_), .. }) = batch else { return Ok(()) };
+        let at = group.members.iter().position(|&m| m == w).unwrap_or(0);
+        let mut args = group.instances()[at];
+        args.state.first_frame = 0;
+        args.state.frame_count = simulation.instances[window.instance].frames.min(1) as u32;
+        let uploaded = Buffer::of(&simulation.queue.stream, &[args])?;
+        let motion = MotionOuts::new(self.backward, &[window.instance])?;
+        motion.collect(simulation.queue, InstanceSpan::all(&uploaded), 0, true)?;
+        let out = self.backward.out;
+        let count = out.place_starts[window.instance + 1] - out.place_starts[window.instance];
+        if let Some(WorldBars { places, place_starts, .. }) =
+            batch.and_then(|b| b.world_bars.as_ref())
+        {
+            out.places.copy_from(
+                out.place_starts[window.instance],
+                places,
+                place_starts[at],
+                count,
+            )?;
         }
         Ok(())
     }

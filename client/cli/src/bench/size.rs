@@ -1,0 +1,45 @@
+//! Sizes of batches, as arguments and in reports.
+
+use std::{fmt, str::FromStr};
+
+use serde::Serialize;
+
+/// Size of a batch: instances x frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub(super) struct Size {
+    pub(super) instances: usize,
+    pub(super) frames: u32,
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} x {}", self.instances, self.frames)
+    }
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let fault = || format!("`{text}` is no size: give instances x frames, 4000x200 say");
+        let (instances, frames) = text.split_once('x').ok_or_else(fault)?;
+        let size = Self {
+            instances: instances.parse().map_err(|_| fault())?,
+            frames: frames.parse().map_err(|_| fault())?,
+        };
+        if size.instances == 0 || size.frames == 0 { Err(fault()) } else { Ok(size) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_instances_times_frames() {
+        assert_eq!("4000x200".parse(), Ok(Size { instances: 4000, frames: 200 }));
+        for wrong in ["", "4000", "x", "0x200", "4000x0", "4000x200x3", "-1x2"] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,324 @@
+"""The client for asyncio: the same methods as `bendtwin.Client`, to be awaited.
+
+from bendtwin import aio
+
+async with aio.Client("127.0.0.1:7070") as client:
+    twin = await client.twin(name)
+    result = await twin.rollout(trajectories=actions)
+    async for part in twin.stream_rollout(trajectories=actions):
+        part.costs
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Callable, Coroutine
+from os import PathLike
+from pathlib import Path
+from typing import Any, TypeVar
+
+import grpc.aio
+
+from bendtwin import calls
+from bendtwin.archive import archive_of
+from bendtwin.errors import BendTwinError, FitFailed, IngestFailed, translated
+from bendtwin.geometry import Geometry
+from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
+from bendtwin.rollout import RolloutResult
+from bendtwin.token import aio_interceptors, find_token
+from bendtwin.twin import Rollouts
+from bendtwin.uploads import Sender
+from bendtwin.v1 import rollout_pb2, twin_pb2
+
+_Read = TypeVar("_Read")
+
+
+class Twin(Rollouts[Coroutine[Any, Any, RolloutResult], AsyncIterator[RolloutResult]]):
+    """A fitted twin at the server. Get one with `Client.twin`; await its rollouts."""
+
+    async def geometry(self, *, timeout_s: float | None = None) -> Geometry:
+        """Its nodes, springs and control points; asked for once, as twins never change."""
+        if self._geometry is None:
+            request = twin_pb2.GetTwinGeometryRequest(name=self.name)
+            with translated():
+                reply = await self._twins.GetTwinGeometry(request, timeout=timeout_s)
+            self._geometry = Geometry.from_proto(reply)
+        return self._geometry
+
+    async def _send(
+        self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
+    ) -> RolloutResult:
+        with translated():
+            reply = await self._rollouts.RollOut(request, timeout=timeout_s)
+        result = RolloutResult.from_proto(reply)
+        result.warn_if_implausible()
+        return result
+
+    async def _send_for_parts(
+        self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
+    ) -> AsyncIterator[RolloutResult]:
+        is_warned = False
+        with translated():
+            async for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
+                result = RolloutResult.from_proto(part)
+                is_warned = is_warned or result.warn_if_implausible()
+                yield result
+
+
+class Client:
+    """A BendTwin server, `host:port`, for one event loop. Close it or use it in `async with`.
+
+    Without `token` it is that of `BENDTWIN_TOKEN`, or the one that a server of the same user on the
+    same machine left.
+    """
+
+    def __init__(self, address: str = "127.0.0.1:7070", *, token: str | None = None) -> None:
+        target = address.removeprefix("http://").rstrip("/")
+        self._address = target
+        self._token = find_token(target) if token is None else token
+        self._channel = grpc.aio.insecure_channel(
+            target, options=calls.CHANNEL_OPTIONS, interceptors=aio_interceptors(self._token)
+        )
+        self._services = calls.Services(self._channel)
+
+    async def __aenter__(self) -> Client:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """Closes the connection."""
+        await self._channel.close()
+
+    # Captures
+
+    async def upload_capture(
+        self,
+        path: str | PathLike[str],
+        *,
+        display_name: str | None = None,
+        request_id: str | None = None,
+        ingest: dict[str, Any] | None = None,
+    ) -> Capture:
+        """Uploads a capture: see `bendtwin.Client.upload_capture`."""
+        path = Path(path)
+        name = path.stem if display_name is None else display_name
+        packed = archive_of(path)
+        archive = await asyncio.to_thread(packed.__enter__)
+        try:
+            return await self._run(calls.create_capture(archive, name, request_id, ingest))
+        finally:
+            packed.__exit__(None, None, None)
+
+    async def push_capture(
+        self,
+        path: str | PathLike[str],
+        *,
+        display_name: str | None = None,
+        request_id: str | None = None,
+        on_progress: Callable[[int, int], None] | None = None,
+    ) -> Capture:
+        """Uploads a capture resumably, in a thread: see `bendtwin.Client.push_capture`."""
+        path = Path(path)
+        if display_name is None:
+            display_name = path.resolve().name if path.is_dir() else path.stem
+
+        def send(display_name: str) -> str:
+            with archive_of(path) as archive:
+                sender = Sender(self._address, archive, display_name, request_id, token=self._token)
+                return sender.send(on_progress)
+
+        return await self.capture(await asyncio.to_thread(send, display_name))
+
+    async def capture(self, name: str) -> Capture:
+        """One capture."""
+        return await self._run(calls.get_capture(name))
+
+    def captures(self) -> AsyncIterator[Capture]:
+        """All captures, newest first."""
+        return self._pages(calls.list_captures())
+
+    async def delete_capture(self, name: str) -> None:
+        """Deletes a capture; its twins stay."""
+        await self._run(calls.delete_capture(name))
+
+    async def ingest_capture(
+        self, name: str, settings: dict[str, Any] | None = None, *, request_id: str | None = None
+    ) -> Capture:
+        """Has a capture read again, with other settings say (docs/settings.md)."""
+        return await self._run(calls.ingest_capture(name, settings, request_id))
+
+    async def cancel_ingest(self, name: str) -> Capture:
+        """Asks the ingest of a capture to stop; one that has ended is left as it is."""
+        return await self._run(calls.cancel_ingest(name))
+
+    def watch_capture(self, name: str, *, timeout_s: float | None = None) -> AsyncIterator[Capture]:
+        """The capture now and after every change of its ingest, until that has ended."""
+        return self._follow(calls.watch_capture(name), timeout_s)
+
+    async def wait_for_capture(
+        self,
+        capture: Capture | str,
+        *,
+        timeout_s: float | None = None,
+        on_progress: Callable[[Capture], None] | None = None,
+    ) -> Capture:
+        """Waits until a capture has been read. Raises IngestFailed if it cannot be fitted."""
+        name = capture if isinstance(capture, str) else capture.name
+        last: Capture | None = None
+        async for last in self.watch_capture(name, timeout_s=timeout_s):
+            if on_progress is not None:
+                on_progress(last)
+        ended = last if last is not None else await self.capture(name)
+        if ended.ingest is not None and ended.ingest.state is not JobState.SUCCEEDED:
+            raise IngestFailed(ended)
+        return ended
+
+    async def capture_report(self, name: str) -> dict[str, Any]:
+        """Report on a capture: verdict, findings and what they rest on."""
+        parts = [part async for part in self._parts(calls.capture_report(name, html=False))]
+        report: dict[str, Any] = json.loads(b"".join(parts))
+        return report
+
+    async def save_capture_report(self, name: str, path: str | PathLike[str]) -> None:
+        """Writes the report of a capture as a page with pictures, to be opened in a browser."""
+        await self._save(calls.capture_report(name, html=True), path)
+
+    async def export_observation(self, name: str, path: str | PathLike[str]) -> None:
+        """Writes what fits of a capture work on, tracked points as a bundle (ZIP)."""
+        await self._save(calls.export_observation(name), path)
+
+    # Fits
+
+    async def fit(
+        self,
+        capture: str,
+        settings: dict[str, Any] | None = None,
+        *,
+        priority: int = 0,
+        request_id: str | None = None,
+    ) -> Fit:
+        """Starts a fit of a capture. `settings` are those of docs/settings.md."""
+        return await self._run(calls.create_fit(capture, settings, priority, request_id))
+
+    async def get_fit(self, name: str) -> Fit:
+        """One fit as it stands."""
+        return await self._run(calls.get_fit(name))
+
+    def fits(self, capture: str = "") -> AsyncIterator[Fit]:
+        """All fits, or those of one capture, newest first."""
+        return self._pages(calls.list_fits(capture))
+
+    async def cancel_fit(self, name: str) -> Fit:
+        """Asks a fit to stop; one that has ended is returned as it is."""
+        return await self._run(calls.cancel_fit(name))
+
+    async def delete_fit(self, name: str) -> None:
+        """Deletes a fit that has ended; its twin stays."""
+        await self._run(calls.delete_fit(name))
+
+    def watch(self, name: str, *, timeout_s: float | None = None) -> AsyncIterator[Fit]:
+        """The fit now and after every change, until it has ended."""
+        return self._follow(calls.watch_fit(name), timeout_s)
+
+    async def wait(
+        self,
+        fit: Fit | str,
+        *,
+        timeout_s: float | None = None,
+        on_progress: Callable[[Fit], None] | None = None,
+    ) -> Fit:
+        """Waits for a fit to succeed. Raises FitFailed if it ends without a twin."""
+        name = fit if isinstance(fit, str) else fit.name
+        last: Fit | None = None
+        async for last in self.watch(name, timeout_s=timeout_s):
+            if on_progress is not None:
+                on_progress(last)
+        ended = last if last is not None else await self.get_fit(name)
+        if ended.state is not JobState.SUCCEEDED:
+            raise FitFailed(ended)
+        return ended
+
+    # Twins
+
+    async def twin(self, name: str) -> Twin:
+        """A twin, ready for rollouts."""
+        return self._twin(await self._run(calls.get_twin(name)))
+
+    async def twins(self, capture: str = "") -> AsyncIterator[Twin]:
+        """All twins, or those of one capture, newest first."""
+        async for info in self._pages(calls.list_twins(capture)):
+            yield self._twin(info)
+
+    async def export_twin(self, name: str, path: str | PathLike[str]) -> None:
+        """Writes a twin's file (safetensors, docs/twin-format.md)."""
+        await self._save(calls.export_twin(name), path)
+
+    async def import_twin(
+        self,
+        path: str | PathLike[str],
+        *,
+        display_name: str | None = None,
+        request_id: str | None = None,
+    ) -> Twin:
+        """Stores a twin file that was exported elsewhere."""
+        return self._twin(await self._run(calls.create_twin(path, display_name, request_id)))
+
+    async def delete_twin(self, name: str) -> None:
+        """Deletes a twin."""
+        await self._run(calls.delete_twin(name))
+
+    # Workers
+
+    def workers(self) -> AsyncIterator[Worker]:
+        """The workers that the server knows."""
+        return self._pages(calls.list_workers())
+
+    # Ways to call
+
+    async def _run(self, call: calls.Call[_Read]) -> _Read:
+        with translated():
+            return call.read(await call.method(self._services)(call.request))
+
+    async def _parts(self, call: calls.Call[_Read]) -> AsyncIterator[_Read]:
+        with translated():
+            async for part in call.method(self._services)(call.request):
+                yield call.read(part)
+
+    async def _save(self, call: calls.Call[bytes], path: str | PathLike[str]) -> None:
+        with open(path, "wb") as file:
+            async for chunk in self._parts(call):
+                file.write(chunk)
+
+    async def _pages(self, pages: calls.Pages[_Read]) -> AsyncIterator[_Read]:
+        request = pages.request
+        while True:
+            with translated():
+                page = await pages.method(self._services)(request)
+            for item in pages.read(page):
+                yield item
+            if not page.next_page_token:
+                return
+            request.page_token = page.next_page_token
+
+    async def _follow(
+        self, watched: calls.Watched[_Read], timeout_s: float | None
+    ) -> AsyncIterator[_Read]:
+        following = calls.Following(watched, timeout_s)
+        method = watched.method(self._services)
+        while True:
+            try:
+                with translated():
+                    async for message in method(following.request, timeout=following.left_s):
+                        yield following.take(message)
+                        if following.has_ended:
+                            return
+            except BendTwinError as error:
+                if not following.survives(error):
+                    raise
+            await asyncio.sleep(calls.RECONNECT_S)
+
+    def _twin(self, info: TwinInfo) -> Twin:
+        return Twin(info, self._services.rollouts, self._services.twins)

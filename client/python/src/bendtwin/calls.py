@@ -1,0 +1,326 @@
+"""Calls of a server as values: what is sent, and how the reply is read.
+
+The synchronous client and that of asyncio make the same calls; how they wait is their own.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from bendtwin.archive import chunks_of
+from bendtwin.errors import BendTwinError, Category
+from bendtwin.resources import Capture, Fit, TwinInfo, Worker
+from bendtwin.v1 import (
+    capture_pb2,
+    capture_pb2_grpc,
+    fit_pb2,
+    fit_pb2_grpc,
+    rollout_pb2_grpc,
+    twin_pb2,
+    twin_pb2_grpc,
+    worker_pb2,
+    worker_pb2_grpc,
+)
+
+CHANNEL_OPTIONS = [
+    # Trajectories of large batches are larger than gRPC's default of 4 MiB.
+    ("grpc.max_receive_message_length", -1),
+    ("grpc.max_send_message_length", -1),
+]
+#: Time before another try where a server restarts.
+RECONNECT_S = 0.2
+
+_Read = TypeVar("_Read")
+_Settings = dict[str, Any] | None
+
+
+class Services:
+    """The services of a server, over a channel of either kind."""
+
+    def __init__(self, channel: Any) -> None:
+        self.captures = capture_pb2_grpc.CaptureServiceStub(channel)
+        self.fits = fit_pb2_grpc.FitServiceStub(channel)
+        self.twins = twin_pb2_grpc.TwinServiceStub(channel)
+        self.workers = worker_pb2_grpc.WorkerServiceStub(channel)
+        self.rollouts = rollout_pb2_grpc.RolloutServiceStub(channel)
+
+
+@dataclass(frozen=True)
+class Call(Generic[_Read]):
+    """One call. `request` is a message, or an iterator of messages for an upload."""
+
+    method: Callable[[Services], Any]
+    request: Any
+    read: Callable[[Any], _Read]
+
+
+@dataclass(frozen=True)
+class Pages(Generic[_Read]):
+    """A list that comes in pages; `read` makes items of a page."""
+
+    method: Callable[[Services], Any]
+    request: Any
+    read: Callable[[Any], list[_Read]]
+
+
+@dataclass(frozen=True)
+class Watched(Generic[_Read]):
+    """A resource to follow: `request` asks for changes after a revision, `standing` tells the
+    revision of a state, and whether it is the last."""
+
+    method: Callable[[Services], Any]
+    request: Callable[[int], Any]
+    read: Callable[[Any], _Read]
+    standing: Callable[[_Read], tuple[int, bool]]
+
+
+class Following(Generic[_Read]):
+    """How far someone follows a resource, over restarts of the server."""
+
+    def __init__(self, watched: Watched[_Read], timeout_s: float | None) -> None:
+        self._watched = watched
+        self._deadline = None if timeout_s is None else time.monotonic() + timeout_s
+        self._revision = 0
+        self.has_ended = False
+
+    @property
+    def request(self) -> Any:
+        """What asks for the changes that were not seen."""
+        return self._watched.request(self._revision)
+
+    @property
+    def left_s(self) -> float | None:
+        """Time left for it."""
+        return None if self._deadline is None else max(0.0, self._deadline - time.monotonic())
+
+    def take(self, message: Any) -> _Read:
+        """Reads a change."""
+        state = self._watched.read(message)
+        self._revision, self.has_ended = self._watched.standing(state)
+        return state
+
+    @staticmethod
+    def survives(error: BendTwinError) -> bool:
+        """True if following goes on after the error."""
+        return error.category is Category.UNAVAILABLE
+
+
+# Captures
+
+
+def create_capture(
+    archive: Path, display_name: str, request_id: str | None, ingest: _Settings
+) -> Call[Capture]:
+    """Uploads a ZIP archive."""
+    metadata = capture_pb2.CaptureMetadata(
+        display_name=display_name,
+        request_id=request_id or str(uuid.uuid4()),
+        ingest_settings_json=_json(ingest),
+    )
+
+    def messages() -> Iterator[capture_pb2.CreateCaptureRequest]:
+        yield capture_pb2.CreateCaptureRequest(metadata=metadata)
+        for chunk in chunks_of(archive):
+            yield capture_pb2.CreateCaptureRequest(chunk=chunk)
+
+    return Call(
+        lambda s: s.captures.CreateCapture,
+        messages(),
+        lambda reply: Capture.from_proto(reply.capture),
+    )
+
+
+def get_capture(name: str) -> Call[Capture]:
+    """One capture."""
+    request = capture_pb2.GetCaptureRequest(name=name)
+    return Call(lambda s: s.captures.GetCapture, request, Capture.from_proto)
+
+
+def list_captures() -> Pages[Capture]:
+    """All captures."""
+    request = capture_pb2.ListCapturesRequest()
+    return Pages(
+        lambda s: s.captures.ListCaptures,
+        request,
+        lambda page: [Capture.from_proto(c) for c in page.captures],
+    )
+
+
+def delete_capture(name: str) -> Call[None]:
+    """Deletes a capture."""
+    request = capture_pb2.DeleteCaptureRequest(name=name)
+    return Call(lambda s: s.captures.DeleteCapture, request, _nothing)
+
+
+def ingest_capture(name: str, settings: _Settings, request_id: str | None) -> Call[Capture]:
+    """Has a capture read again."""
+    request = capture_pb2.IngestCaptureRequest(
+        name=name,
+        settings_json=_json(settings),
+        request_id=request_id or str(uuid.uuid4()),
+    )
+    return Call(lambda s: s.captures.IngestCapture, request, Capture.from_proto)
+
+
+def cancel_ingest(name: str) -> Call[Capture]:
+    """Asks an ingest to stop."""
+    request = capture_pb2.CancelIngestRequest(name=name)
+    return Call(lambda s: s.captures.CancelIngest, request, Capture.from_proto)
+
+
+def watch_capture(name: str) -> Watched[Capture]:
+    """Changes of a capture's ingest."""
+
+    def standing(capture: Capture) -> tuple[int, bool]:
+        ingest = capture.ingest
+        return (0, True) if ingest is None else (ingest.revision, ingest.state.has_ended)
+
+    return Watched(
+        lambda s: s.captures.WatchIngest,
+        lambda revision: capture_pb2.WatchIngestRequest(name=name, after_revision=revision),
+        Capture.from_proto,
+        standing,
+    )
+
+
+def capture_report(name: str, *, html: bool) -> Call[bytes]:
+    """Report on a capture, in chunks."""
+    request = capture_pb2.GetCaptureReportRequest(name=name)
+    if html:
+        request.format = capture_pb2.GetCaptureReportRequest.HTML
+    return Call(lambda s: s.captures.GetCaptureReport, request, _chunk)
+
+
+def export_observation(name: str) -> Call[bytes]:
+    """What fits of a capture work on, in chunks."""
+    request = capture_pb2.ExportObservationRequest(name=name)
+    return Call(lambda s: s.captures.ExportObservation, request, _chunk)
+
+
+# Fits
+
+
+def create_fit(
+    capture: str, settings: _Settings, priority: int, request_id: str | None
+) -> Call[Fit]:
+    """Starts a fit."""
+    request = fit_pb2.CreateFitRequest(
+        capture=capture,
+        settings_json=_json(settings),
+        priority=priority,
+        request_id=request_id or str(uuid.uuid4()),
+    )
+    return Call(lambda s: s.fits.CreateFit, request, Fit.from_proto)
+
+
+def get_fit(name: str) -> Call[Fit]:
+    """One fit."""
+    return Call(lambda s: s.fits.GetFit, fit_pb2.GetFitRequest(name=name), Fit.from_proto)
+
+
+def list_fits(capture: str) -> Pages[Fit]:
+    """All fits, or those of a capture."""
+    request = fit_pb2.ListFitsRequest(capture=capture)
+    return Pages(
+        lambda s: s.fits.ListFits, request, lambda page: [Fit.from_proto(f) for f in page.fits]
+    )
+
+
+def cancel_fit(name: str) -> Call[Fit]:
+    """Asks a fit to stop."""
+    return Call(lambda s: s.fits.CancelFit, fit_pb2.CancelFitRequest(name=name), Fit.from_proto)
+
+
+def delete_fit(name: str) -> Call[None]:
+    """Deletes a fit."""
+    return Call(lambda s: s.fits.DeleteFit, fit_pb2.DeleteFitRequest(name=name), _nothing)
+
+
+def watch_fit(name: str) -> Watched[Fit]:
+    """Changes of a fit."""
+    return Watched(
+        lambda s: s.fits.WatchFit,
+        lambda revision: fit_pb2.WatchFitRequest(name=name, after_revision=revision),
+        Fit.from_proto,
+        lambda fit: (fit.job.revision, fit.state.has_ended),
+    )
+
+
+# Twins
+
+
+def get_twin(name: str) -> Call[TwinInfo]:
+    """One twin."""
+    request = twin_pb2.GetTwinRequest(name=name)
+    return Call(lambda s: s.twins.GetTwin, request, TwinInfo.from_proto)
+
+
+def list_twins(capture: str) -> Pages[TwinInfo]:
+    """All twins, or those of a capture."""
+    request = twin_pb2.ListTwinsRequest(capture=capture)
+    return Pages(
+        lambda s: s.twins.ListTwins,
+        request,
+        lambda page: [TwinInfo.from_proto(t) for t in page.twins],
+    )
+
+
+def export_twin(name: str) -> Call[bytes]:
+    """The file of a twin, in chunks."""
+    request = twin_pb2.ExportTwinRequest(name=name)
+    return Call(lambda s: s.twins.ExportTwin, request, _chunk)
+
+
+def create_twin(
+    path: str | PathLike[str], display_name: str | None, request_id: str | None
+) -> Call[TwinInfo]:
+    """Uploads the file of a twin."""
+    path = Path(path)
+    metadata = twin_pb2.TwinMetadata(
+        display_name=path.stem if display_name is None else display_name,
+        request_id=request_id or str(uuid.uuid4()),
+    )
+
+    def messages() -> Iterator[twin_pb2.CreateTwinRequest]:
+        yield twin_pb2.CreateTwinRequest(metadata=metadata)
+        for chunk in chunks_of(path):
+            yield twin_pb2.CreateTwinRequest(chunk=chunk)
+
+    return Call(lambda s: s.twins.CreateTwin, messages(), TwinInfo.from_proto)
+
+
+def delete_twin(name: str) -> Call[None]:
+    """Deletes a twin."""
+    return Call(lambda s: s.twins.DeleteTwin, twin_pb2.DeleteTwinRequest(name=name), _nothing)
+
+
+# Workers
+
+
+def list_workers() -> Pages[Worker]:
+    """The workers that the server knows."""
+    return Pages(
+        lambda s: s.workers.ListWorkers,
+        worker_pb2.ListWorkersRequest(),
+        lambda page: [Worker.from_proto(w) for w in page.workers],
+    )
+
+
+def _chunk(part: Any) -> bytes:
+    chunk: bytes = part.chunk
+    return chunk
+
+
+def _nothing(_: Any) -> None:
+    return None
+
+
+def _json(settings: _Settings) -> str:
+    return json.dumps(settings) if settings else ""

@@ -1,0 +1,222 @@
+// Grasps at frame boundaries: what they let go of and what they take. All that are told to open, or
+// that were pulled too hard in the frame before, let go first; then those that are told to close
+// take, one after the other, the nodes of their region that nothing holds.
+
+#define MAX_GRASPS 32
+
+struct ChangeGraspsArgs {
+    const InstanceArgs* instances;
+    u32 boundary;
+    u32 end;  // frames from the boundary to before this one begin with the same holds
+};
+
+DEVICE bool is_in(const WorldArgs& w, const Grasp& grasp, u32 node, float3 place) {
+    if (grasp.region == REGION_SPHERE) {
+        float3 r = sub(place, load_v3(grasp.low));
+        return dot(r, r) <= grasp.high[0] * grasp.high[0];
+    }
+    if (grasp.region == REGION_BOX) {
+        return grasp.low[0] <= place.x && place.x <= grasp.high[0] && grasp.low[1] <= place.y &&
+               place.y <= grasp.high[1] && grasp.low[2] <= place.z && place.z <= grasp.high[2];
+    }
+    if (grasp.region != REGION_NODES) return false;
+    u32 low = grasp.member, end = grasp.member + grasp.members, high = end;
+    while (low < high) {
+        u32 middle = (low + high) / 2;
+        if (w.members[middle] < node) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low < end && w.members[low] == node;
+}
+
+// Phase of a grasp behind a boundary, from the one before it.
+DEVICE u32 phase_behind(const InstanceArgs& instance, u32 g, u32 boundary, u32 phase) {
+    const WorldArgs& w = instance.world;
+    const Grasp& grasp = w.grasps[g];
+    if (phase == PHASE_CLOSED && boundary > 0 && isfinite(grasp.max_force)) {
+        u32 c = instance.topology.control_count;
+        u32 stride = 6 * (c + w.grasp_count + w.collider_count) + 3;
+        float3 force = load_v3(w.forces + (u64)(boundary - 1) * stride + 6 * (c + g));
+        if (sqrtf(dot(force, force)) > grasp.max_force) phase = PHASE_SLIPPED;
+    }
+    if (boundary >= instance.state.frame_count) return phase;
+    if (!w.closed[(u64)boundary * w.grasp_count + g]) return PHASE_OPEN;
+    if (phase == PHASE_OPEN && grasp.region != REGION_CONTROLS) return PHASE_CLOSED;
+    return phase;
+}
+
+// Block (instance).
+extern "C" __global__ void __launch_bounds__(THREADS)
+change_grasps(const __grid_constant__ ChangeGraspsArgs args) {
+    __shared__ u32 phases[MAX_GRASPS];
+    __shared__ bool takes[MAX_GRASPS];
+    const InstanceArgs& instance = args.instances[blockIdx.x];
+    const WorldArgs& w = instance.world;
+    const u32 n = instance.topology.node_count, boundary = args.boundary;
+    const u32 frames = instance.state.frame_count, count = w.grasp_count;
+    if (count == 0 || boundary > frames) return;
+    // Slots of the frames that follow; behind the last frame one that nothing happens in.
+    const u32 first = boundary + 1, last = max(first, min(args.end, frames));
+    const u32 used = min(last - first + 1, w.slot_count);
+    const u32 g = threadIdx.x;
+    if (g < count) {
+        u32 before = w.phases[(u64)(boundary % w.slot_count) * count + g];
+        phases[g] = phase_behind(instance, g, boundary, before);
+        takes[g] = before != PHASE_CLOSED && phases[g] == PHASE_CLOSED;
+    }
+    __syncthreads();
+    for (u32 k = 0; g < count && k < used; k++)
+        w.phases[(u64)((first + k) % w.slot_count) * count + g] = phases[g];
+    float* state =
+        instance.state.states + (u64)(boundary % instance.state.slot_count) * 6 * n;
+    for (u32 node = threadIdx.x; node < n; node += THREADS) {
+        Hold hold = w.holds[(u64)(boundary % w.slot_count) * n + node];
+        if (hold.grasp >= 0 && phases[hold.grasp] != PHASE_CLOSED) hold.grasp = -1;
+        int pin = instance.topology.pin_of[node];
+        if (pin >= 0 && w.grasp_of) {
+            int of = w.grasp_of[instance.topology.pins[pin].control];
+            if (of >= 0 && phases[of] != PHASE_CLOSED) pin = -1;
+        }
+        float3 x = v3(state[node], state[n + node], state[2 * n + node]);
+        for (u32 k = 0; k < count && hold.grasp < 0 && pin < 0; k++) {
+            if (!takes[k]) continue;
+            const Grasp& grasp = w.grasps[k];
+            Pose pose = load_pose(w.poses + ((u64)boundary * w.body_count + grasp.body) * 3);
+            float3 place = into_body(pose, x);
+            if (!is_in(w, grasp, node, place)) continue;
+            hold.grasp = (int)k;
+            hold.place[0] = place.x;
+            hold.place[1] = place.y;
+            hold.place[2] = place.z;
+        }
+        for (u32 k = 0; k < used; k++) w.holds[(u64)((first + k) % w.slot_count) * n + node] = hold;
+        if (boundary > 0 || hold.grasp < 0 || pin >= 0) continue;
+        // What is held at the start stands at its place, as it is measured there.
+        const Grasp& grasp = w.grasps[hold.grasp];
+        if (grasp.attachment != HOLD_PIN) continue;
+        BodyFrame body = body_of(instance, 0, grasp.body);
+        float3 place = load_v3(hold.place), at = apply(body.from, place), v = zero3();
+        if (instance.step.controls_move) v = body_velocity(body, place);
+        state[node] = at.x;
+        state[n + node] = at.y;
+        state[2 * n + node] = at.z;
+        state[3 * n + node] = v.x;
+        state[4 * n + node] = v.y;
+        state[5 * n + node] = v.z;
+    }
+}
+
+struct CollectMotionArgs {
+    const InstanceArgs* instances;
+    float* const* poses;  // by instance: d loss / d poses, [frames + 1][B][3][4]; null if not wanted
+    float* const* rolls;  // by instance: d loss / d rolls, [frames + 1][R]
+    u32 starts;           // whether it is the adjoint of how the rollout starts
+    u32 unused;
+};
+
+// Adds `from` and `to` times [o, 1] transposed to those of a node by the poses of a body.
+DEVICE void add_poses(const InstanceArgs& instance, u32 body, u32 node, float3 from, float3 to,
+                      float3 o) {
+    BodySums sums = body_sums_of(instance, body, node);
+    add_outer(sums, from, to, o, 1.0f);
+}
+
+// d loss / d the place of a node, from that of its path in the frame, which goes to the poses too.
+DEVICE float3 place_bar_of(
+    const InstanceArgs& instance, const BodyFrame& body, u32 of, u32 node, float3 place,
+    float3 from, float3 to, float3 velocity
+) {
+    if (instance.step.controls_move) {
+        from = add_scaled(from, -body.rate, velocity);
+        to = add_scaled(to, body.rate, velocity);
+    }
+    add_poses(instance, of, node, from, to, place);
+    return add(turn_back(body.from, from), turn_back(body.to, to));
+}
+
+// A node's part: of the path of its place in the frame, and of taking hold of it.
+DEVICE void collect_node(const InstanceArgs& instance, u32 node, bool starts) {
+    const WorldArgs& w = instance.world;
+    const u32 frame = instance.state.first_frame, n = instance.topology.node_count;
+    float4* bar_x = instance.adjoint.bar_x + node;
+    float4* bar_v = instance.adjoint.bar_v + node;
+    const Hold hold = holds_of(instance, frame)[node];
+    if (hold.grasp < 0) return;
+    const Grasp& grasp = w.grasps[hold.grasp];
+    BodyFrame body = body_of(instance, frame, grasp.body);
+    float3 place = load_v3(hold.place), bar = xyz(w.place_bars[node]);
+    if (!starts) {
+        float sums[9];
+        for (u32 k = 0; k < 9; k++) {
+            sums[k] = w.hold_sums[(u64)k * n + node];
+            w.hold_sums[(u64)k * n + node] = 0.0f;
+        }
+        float3 from = load_v3(sums), to = load_v3(sums + 3), v = load_v3(sums + 6);
+        bar = add(bar, place_bar_of(instance, body, grasp.body, node, place, from, to, v));
+    } else if (grasp.attachment == HOLD_PIN) {
+        float3 x = xyz(*bar_x), v = xyz(*bar_v);
+        bar = add(bar, place_bar_of(instance, body, grasp.body, node, place, x, zero3(), v));
+        *bar_x = *bar_v = zero4();
+    }
+    // A rollout takes what it takes at the start before anything is measured there.
+    bool begins = starts || frame > 0;
+    if (begins && w.holds[(u64)(frame % w.slot_count) * n + node].grasp != hold.grasp) {
+        const float* x = frame == 0 ? w.initial
+                                    : instance.state.states +
+                                          (u64)(frame % instance.state.slot_count) * 6 * n;
+        float3 at = v3(x[node], x[n + node], x[2 * (u64)n + node]);
+        float3 arm = sub(at, origin(body.from)), x_bar = turn(body.from, bar);
+        BodySums sums = body_sums_of(instance, grasp.body, node);
+        add_outer(sums, arm, zero3(), bar, 0.0f);
+        add_outer(sums, scale(x_bar, -1.0f), zero3(), zero3(), 1.0f);
+        *bar_x = with_w(add(xyz(*bar_x), x_bar), 0.0f);
+        bar = zero3();
+    }
+    w.place_bars[node] = with_w(bar, 0.0f);
+}
+
+// Block (instance). The adjoint of a frame's beginning, and of what has come together in the frame:
+// adds to d loss / d poses and rolls and clears their sums.
+extern "C" __global__ void __launch_bounds__(THREADS)
+collect_motion(const __grid_constant__ CollectMotionArgs args) {
+    const InstanceArgs& instance = args.instances[blockIdx.x];
+    const WorldArgs& w = instance.world;
+    const u32 n = instance.topology.node_count, frame = instance.state.first_frame;
+    const u32 end = end_of(instance, frame), lane = threadIdx.x % 32;
+    for (u32 node = threadIdx.x; node < n; node += THREADS) {
+        if (w.grasp_count > 0) collect_node(instance, node, args.starts);
+        if (args.starts && w.arrive_bars) {
+            float4* bar_v = instance.adjoint.bar_v + node;
+            *bar_v = with_w(add(xyz(*bar_v), xyz(w.arrive_bars[node])), 0.0f);
+        }
+    }
+    __syncthreads();
+    float* poses = args.poses ? args.poses[blockIdx.x] : 0;
+    // A warp for one entry of a body's two poses.
+    for (u32 i = threadIdx.x / 32; i < 24 * w.body_count; i += THREADS / 32) {
+        float* from = w.body_sums + (u64)i * n;
+        float sum = 0.0f;
+        for (u32 node = lane; node < n; node += 32) {
+            sum += from[node];
+            from[node] = 0.0f;
+        }
+        sum = sum_warp(sum);
+        u32 body = i / 24, entry = i % 24, row = entry < 12 ? frame : end;
+        // Where nothing moves there is no second boundary.
+        bool has_row = entry < 12 || end > frame;
+        if (lane == 0 && poses && has_row)
+            poses[((u64)row * w.body_count + body) * 12 + entry % 12] += sum;
+    }
+    float* rolls = args.rolls ? args.rolls[blockIdx.x] : 0;
+    u32 rods = instance.topology.rod_count;
+    for (u32 r = threadIdx.x; w.rolls && w.roll_sums && r < rods; r += THREADS) {
+        float bar = w.roll_sums[r] / instance.step.frame_s;
+        w.roll_sums[r] = 0.0f;
+        if (!rolls || end == frame) continue;
+        rolls[(u64)frame * rods + r] -= bar;
+        rolls[(u64)end * rods + r] += bar;
+    }
+}

@@ -1,0 +1,114 @@
+// Holds: what makes a node follow a control point or a body in a frame. A node that a body holds by
+// a pin stands at its place with the place's velocity, as one that is pinned to a control point; a
+// spring acts between a node and its place: f = -stiffness (x - place) - damping (v - v_place).
+
+#define REGION_SPHERE 0
+#define REGION_BOX 1
+#define REGION_NODES 2
+#define REGION_CONTROLS 3
+#define HOLD_PIN 0
+#define HOLD_SPRING 1
+#define PHASE_OPEN 0u
+#define PHASE_CLOSED 1u
+#define PHASE_SLIPPED 2u
+
+#define BY_NOTHING 0
+#define BY_CONTROL 1  // pinned to it
+#define BY_PIN 2      // to a body
+#define BY_SPRING 3
+
+// What holds a node in a frame. `frame` is the frame of the rollout wherever it is asked for.
+struct Held {
+    u32 by;
+    float inverse_mass;
+    u32 grasp;
+    float3 from, to;  // of the place, at both ends of the frame
+    float3 velocity;  // of the place
+    float stiffness, damping;
+};
+
+DEVICE const Hold* holds_of(const InstanceArgs& instance, u32 frame) {
+    const WorldArgs& w = instance.world;
+    return w.holds + (u64)((frame + 1) % w.slot_count) * instance.topology.node_count;
+}
+
+// True for a control point that its grasp has let go of.
+DEVICE bool is_released(const InstanceArgs& instance, u32 frame, u32 control) {
+    const WorldArgs& w = instance.world;
+    if (!w.grasp_of) return false;
+    int grasp = w.grasp_of[control];
+    return grasp >= 0 &&
+           w.phases[(u64)((frame + 1) % w.slot_count) * w.grasp_count + grasp] != PHASE_CLOSED;
+}
+
+// What holds a node that has this pin (-1: none); nothing holds a lane without a node.
+DEVICE Held
+held_of(const InstanceArgs& instance, u32 frame, u32 node, bool valid, int pin) {
+    Held h;
+    h.by = BY_NOTHING;
+    h.inverse_mass = valid ? instance.topology.inverse_mass[node] : 0.0f;
+    h.grasp = 0;
+    h.from = h.to = h.velocity = zero3();
+    h.stiffness = h.damping = 0.0f;
+    if (!valid) return h;
+    if (pin >= 0) {
+        if (!is_released(instance, frame, instance.topology.pins[pin].control)) {
+            h.by = BY_CONTROL;
+            return h;
+        }
+        h.inverse_mass = 1.0f / instance.topology.masses[node];
+    }
+    const Hold hold = holds_of(instance, frame)[node];
+    if (hold.grasp < 0) return h;
+    const Grasp& grasp = instance.world.grasps[hold.grasp];
+    BodyFrame body = body_of(instance, frame, grasp.body);
+    float3 place = load_v3(hold.place);
+    h.grasp = hold.grasp;
+    h.from = apply(body.from, place);
+    h.to = apply(body.to, place);
+    if (instance.step.controls_move) h.velocity = scale(sub(h.to, h.from), body.rate);
+    if (grasp.attachment == HOLD_PIN) {
+        h.by = BY_PIN;
+        h.inverse_mass = 0.0f;
+    } else {
+        h.by = BY_SPRING;
+        h.stiffness = grasp.stiffness;
+        h.damping = grasp.damping;
+    }
+    return h;
+}
+
+// Position of the place at a share of the frame; exact at both ends.
+DEVICE float3 place_at(const Held& h, float t) {
+    return add_scaled(scale(h.from, 1.0f - t), t, h.to);
+}
+
+// Inverse mass of a node in a frame; zero where it is held.
+DEVICE float inverse_mass_in(const InstanceArgs& instance, u32 frame, u32 node) {
+    int pin = instance.topology.pin_of[node];
+    if (pin >= 0 && !is_released(instance, frame, instance.topology.pins[pin].control)) return 0.0f;
+    if (instance.world.grasp_count == 0) return 1.0f / instance.topology.masses[node];
+    int grasp = holds_of(instance, frame)[node].grasp;
+    if (grasp >= 0 && instance.world.grasps[grasp].attachment == HOLD_PIN) return 0.0f;
+    return 1.0f / instance.topology.masses[node];
+}
+
+// Velocity of a held node in a frame.
+DEVICE float3 held_velocity(const InstanceArgs& instance, u32 frame, u32 node) {
+    int pin = instance.topology.pin_of[node];
+    if (pin >= 0 && !is_released(instance, frame, instance.topology.pins[pin].control))
+        return control_velocity(path_of(instance, frame), instance.topology.pins[pin].control);
+    return held_of(instance, frame, node, true, pin).velocity;
+}
+
+// Rate of a rod's twist that its clamps impose [rad/s].
+DEVICE float roll_rate(const InstanceArgs& instance, u32 frame, u32 r) {
+#if ROLLS
+    u32 rods = instance.topology.rod_count;
+    const float* rolls = instance.world.rolls;
+    float to = rolls[(u64)end_of(instance, frame) * rods + r];
+    return (to - rolls[(u64)frame * rods + r]) / instance.step.frame_s;
+#else
+    return 0.0f;
+#endif
+}

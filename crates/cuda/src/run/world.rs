@@ -1,0 +1,335 @@
+//! What surrounds the instances of a batch, on the device: bodies, colliders, grasps and what they
+//! hold, forces.
+
+mod upload;
+
+use std::collections::BTreeSet;
+
+use bendtwin_core::Point;
+use bendtwin_engine::{
+    Error, Term,
+    backend::{Forces, Instance},
+    world::{Grasping, Hold, Phase, Region},
+};
+use cudarc::driver::CudaStream;
+
+use self::upload::{Parts, encode_phase, initial_phases};
+use crate::{
+    device::{
+        args::{self, ChangeGraspsArgs, InstanceArgs, Pointer, SumForcesArgs, WorldArgs},
+        kernels,
+        launch::Launch,
+        memory::{Buffer, end_of},
+        queue::Queue,
+        specialization::WorldParts,
+    },
+    run::group::InstanceSpan,
+};
+
+/// Kinds of impulses of a node beside those by colliders; see `kernels/force.cuh`.
+const IMPULSES: usize = 15;
+
+/// Surroundings of a batch's instances.
+pub(crate) struct Worlds {
+    parts: Vec<WorldParts>,
+    args: Vec<WorldArgs>,
+    /// Frames in front of which grasps may open or close.
+    boundaries: BTreeSet<usize>,
+    uploaded: Parts,
+    holds: Buffer<args::Hold>,
+    hold_starts: Vec<usize>,
+    phases: Buffer<u32>,
+    phase_starts: Vec<usize>,
+    impulses: Buffer<f32>,
+    impulse_starts: Vec<usize>,
+    forces: Buffer<f32>,
+    force_starts: Vec<usize>,
+}
+
+/// The parts of its surroundings that an instance has; `measured` where its forces are asked for.
+pub(crate) fn parts_of(instance: &Instance, measured: bool) -> WorldParts {
+    let (world, model) = (&instance.world, instance.model.model());
+    let colliders = !world.colliders.is_empty();
+    let has_term = || instance.objective.terms.iter().any(|t| matches!(t.term, Term::Force { .. }));
+    WorldParts {
+        grasps: !world.grasps.is_empty(),
+        colliders,
+        smooth: world.smoothing_m > 0.0 && (colliders || model.environment.ground.is_some()),
+        rolls: !instance.motion.rolls.is_empty(),
+        forces: measured || world.grasps.iter().any(|g| g.max_force.is_finite()) || has_term(),
+    }
+}
+
+/// What an instance's grasps hold at its start, with other places, by node.
+pub(crate) fn start(instance: &Instance, place: impl Fn(usize) -> Point) -> Grasping {
+    let given = &instance.initial.grasping.holds;
+    Grasping {
+        phases: initial_phases(instance).into_iter().map(decode_phase).collect(),
+        holds: given.iter().map(|h| Hold { place: place(h.node as usize), ..*h }).collect(),
+    }
+}
+
+/// True for a control point that no grasp holds when the first frame of an instance begins, though
+/// one has it.
+pub(crate) fn begins_released(instance: &Instance, control: u32) -> bool {
+    let phases = initial_phases(instance);
+    let has = |region: &Region| controls_of(region).is_some_and(|c| c.contains(&control));
+    instance.world.grasps.iter().enumerate().any(|(g, grasp)| {
+        let opens = instance.motion.closed.get(g) == Some(&false);
+        has(&grasp.region) && (phases[g] != encode_phase(Phase::Closed) || opens)
+    })
+}
+
+/// Floats of a frame's forces.
+pub(crate) fn force_stride(instance: &Instance) -> usize {
+    let controls = instance.model.model().graph.control_count();
+    let world = &instance.world;
+    6 * (controls + world.grasps.len() + world.colliders.len()) + 3
+}
+
+fn impulse_count(instance: &Instance) -> usize {
+    (IMPULSES + 6 * instance.world.colliders.len()) * instance.model.model().graph.node_count()
+}
+
+/// Slots of what grasps hold, for so many of states: one more, since there is something before the
+/// first frame and behind the last.
+fn hold_slots(state_slots: usize, keeps_all: bool) -> usize {
+    if keeps_all { state_slots + 1 } else { 2 }
+}
+
+/// Bytes that an instance's surroundings take, with so many slots of states.
+pub(crate) fn bytes_of(instance: &Instance, state_slots: usize, measured: bool) -> u64 {
+    let parts = parts_of(instance, measured);
+    if parts == WorldParts::default() {
+        return 0;
+    }
+    let (world, motion) = (&instance.world, &instance.motion);
+    let n = instance.model.model().graph.node_count();
+    let held = if parts.grasps {
+        (state_slots + 1) * (size_of::<args::Hold>() * n + 4 * world.grasps.len())
+    } else {
+        0
+    };
+    let forces = if parts.forces {
+        4 * (impulse_count(instance) + instance.frames * force_stride(instance))
+    } else {
+        0
+    };
+    let moving = 48 * motion.poses.len() + 4 * (motion.closed.len() + motion.rolls.len());
+    (held + forces + moving) as u64
+}
+
+impl Worlds {
+    /// Of instances with so many slots of states each, all of which are kept or the last one.
+    pub(crate) fn new(
+        queue: &Queue,
+        instances: &[Instance],
+        measured: bool,
+        slots: &[usize],
+        keeps_all: bool,
+    ) -> Result<Self, Error> {
+        let stream = &queue.stream;
+        let parts: Vec<WorldParts> = instances.iter().map(|i| parts_of(i, measured)).collect();
+        let (mut hold_starts, mut phase_starts) = (vec![0], vec![0]);
+        let (mut impulse_starts, mut force_starts) = (vec![0], vec![0]);
+        let (mut boundaries, mut phases) = (BTreeSet::new(), Vec::new());
+        for ((instance, parts), &slots) in instances.iter().zip(&parts).zip(slots) {
+            let n = if parts.grasps { instance.model.model().graph.node_count() } else { 0 };
+            let slots = hold_slots(slots, keeps_all);
+            let g = instance.world.grasps.len();
+            hold_starts.push(end_of(&hold_starts) + slots * n);
+            phase_starts.push(end_of(&phase_starts) + slots * g);
+            phases.extend(initial_phases(instance));
+            phases.resize(end_of(&phase_starts), 0);
+            let (impulses, forces) = if parts.forces {
+                (impulse_count(instance), instance.frames * force_stride(instance))
+            } else {
+                (0, 0)
+            };
+            impulse_starts.push(end_of(&impulse_starts) + impulses);
+            force_starts.push(end_of(&force_starts) + forces);
+            if parts.forces {
+                boundaries.extend(0..=instance.frames);
+            } else if parts.grasps {
+                boundaries.extend(changes(instance));
+            }
+        }
+        let uploaded = Parts::new(stream, instances, &parts)?;
+        let holds: Buffer<args::Hold> = Buffer::empty(stream, end_of(&hold_starts))?;
+        // No grasp holds anything.
+        holds.fill(0xff)?;
+        for ((instance, &start), parts) in instances.iter().zip(&hold_starts).zip(&parts) {
+            if parts.grasps && !instance.initial.grasping.holds.is_empty() {
+                holds.write(start, &upload::initial_holds(instance))?;
+            }
+        }
+        let mut this = Self {
+            args: Vec::with_capacity(instances.len()),
+            boundaries,
+            uploaded,
+            holds,
+            phases: Buffer::of(stream, &phases)?,
+            impulses: Buffer::zeros(stream, end_of(&impulse_starts))?,
+            forces: Buffer::zeros(stream, end_of(&force_starts))?,
+            hold_starts,
+            phase_starts,
+            impulse_starts,
+            force_starts,
+            parts,
+        };
+        for (i, instance) in instances.iter().enumerate() {
+            let args = this.make_args(i, instance, hold_slots(slots[i], keeps_all));
+            this.args.push(args);
+        }
+        Ok(this)
+    }
+
+    fn make_args(&self, index: usize, instance: &Instance, slots: usize) -> WorldArgs {
+        let (world, parts) = (&instance.world, self.parts[index]);
+        if parts == WorldParts::default() {
+            return WorldArgs::default();
+        }
+        let forces = if parts.forces {
+            self.forces.at(self.force_starts[index])
+        } else {
+            Pointer::default()
+        };
+        WorldArgs {
+            holds: self.holds.at(self.hold_starts[index]),
+            phases: self.phases.at(self.phase_starts[index]),
+            forces,
+            body_count: world.bodies as u32,
+            collider_count: world.colliders.len() as u32,
+            grasp_count: world.grasps.len() as u32,
+            slot_count: slots as u32,
+            smoothing: world.smoothing_m,
+            ..self.uploaded.args(index)
+        }
+    }
+
+    /// The parts of its surroundings that an instance has.
+    pub(crate) fn parts(&self, index: usize) -> WorldParts {
+        self.parts[index]
+    }
+
+    /// Arguments of an instance's surroundings, without forces being measured.
+    pub(crate) fn args(&self, index: usize) -> WorldArgs {
+        self.args[index]
+    }
+
+    /// Lets an instance measure its forces.
+    pub(crate) fn measure(&self, index: usize, args: &mut InstanceArgs) {
+        if self.parts[index].forces {
+            args.world.impulses = self.impulses.at(self.impulse_starts[index]);
+        }
+    }
+
+    /// End of a launch that begins with a frame and would go on to `end`.
+    pub(crate) fn end_of_launch(&self, first: usize, end: usize) -> usize {
+        self.boundaries.range(first + 1..).next().map_or(end, |&b| b.min(end))
+    }
+
+    /// What an instance's grasps hold behind a frame, which is kept; waits for the device.
+    pub(crate) fn grasping(
+        &self,
+        index: usize,
+        instance: &Instance,
+        frame: usize,
+    ) -> Result<Grasping, Error> {
+        if !self.parts[index].grasps {
+            return Ok(Grasping::default());
+        }
+        let n = instance.model.model().graph.node_count();
+        let g = instance.world.grasps.len();
+        let slot = (frame + 1) % self.args[index].slot_count as usize;
+        let phases = self.phases.read_from(self.phase_starts[index] + slot * g, g)?;
+        let holds = self.holds.read_from(self.hold_starts[index] + slot * n, n)?;
+        let held = holds.iter().enumerate().filter(|(_, h)| h.grasp >= 0);
+        Ok(Grasping {
+            phases: phases.into_iter().map(decode_phase).collect(),
+            holds: held
+                .map(|(node, h)| Hold { node: node as u32, grasp: h.grasp as u32, place: h.place })
+                .collect(),
+        })
+    }
+
+    /// Forces on an instance in its frames before `end`; waits for the device.
+    pub(crate) fn forces(
+        &self,
+        index: usize,
+        instance: &Instance,
+        end: usize,
+    ) -> Result<Forces, Error> {
+        let stride = force_stride(instance);
+        let count = end.min(instance.frames) * stride;
+        let read = self.forces.read_from(self.force_starts[index], count)?;
+        let controls = instance.model.model().graph.control_count();
+        let grasps = instance.world.grasps.len();
+        let mut forces = Forces::default();
+        for frame in read.chunks(stride) {
+            let (by_controls, rest) = frame.split_at(6 * controls);
+            let (by_grasps, rest) = rest.split_at(6 * grasps);
+            let (by_ground, by_colliders) = rest.split_at(3);
+            forces.controls.extend(by_controls.chunks_exact(6).map(|f| [f[0], f[1], f[2]]));
+            forces.grasps.extend(by_grasps.as_chunks().0);
+            forces.ground.push([by_ground[0], by_ground[1], by_ground[2]]);
+            forces.colliders.extend(by_colliders.as_chunks().0);
+        }
+        Ok(forces)
+    }
+
+    /// Opens and closes the grasps of instances at a boundary; frames from there to before `end`
+    /// begin with what they hold then.
+    pub(crate) fn change_grasps(
+        &self,
+        queue: &Queue,
+        stream: &CudaStream,
+        of: InstanceSpan,
+        (boundary, end): (usize, usize),
+    ) -> Result<(), Error> {
+        let args =
+            ChangeGraspsArgs { instances: of.address, boundary: boundary as u32, end: end as u32 };
+        let launch = Launch::new(&queue.device, stream, [of.count as u32, 1, 1]);
+        // SAFETY: instances with grasps have their holds, phases, states and motion.
+        unsafe { kernels::change_grasps(&launch, &args) }
+    }
+
+    /// Adds up the forces of a frame that teams of so many blocks have run.
+    pub(crate) fn sum_forces(
+        &self,
+        queue: &Queue,
+        stream: &CudaStream,
+        of: InstanceSpan,
+        (frame, blocks): (usize, u32),
+    ) -> Result<(), Error> {
+        let args = SumForcesArgs { instances: of.address, frame: frame as u32, blocks };
+        let launch = Launch::new(&queue.device, stream, [of.count as u32, 1, 1]);
+        // SAFETY: instances that measure have their impulses, those of control points by block too.
+        unsafe { kernels::sum_forces(&launch, &args) }
+    }
+}
+
+/// Frames in front of which the grasps of an instance open or close, and the end of the last.
+fn changes(instance: &Instance) -> impl Iterator<Item = usize> + use<'_> {
+    let g = instance.world.grasps.len().max(1);
+    let rows = instance.motion.closed.chunks(g);
+    let pairs = rows.clone().zip(rows.skip(1)).enumerate();
+    let changed = pairs.filter(|(_, (a, b))| a != b).map(|(f, _)| f + 1);
+    [0, instance.frames].into_iter().chain(changed)
+}
+
+fn decode_phase(phase: u32) -> Phase {
+    match phase {
+        p if p == encode_phase(Phase::Closed) => Phase::Closed,
+        p if p == encode_phase(Phase::Slipped) => Phase::Slipped,
+        _ => Phase::Open,
+    }
+}
+
+/// The control points of a grasp that holds as the twin does.
+fn controls_of(region: &Region) -> Option<&[u32]> {
+    match region {
+        Region::Controls(controls) => Some(controls),
+        _ => None,
+    }
+}

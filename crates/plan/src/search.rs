@@ -1,0 +1,214 @@
+//! One plan being made: batches to simulate one after the other, and the best so far. Whoever
+//! simulates calls [`Search::propose`] and [`Search::learn`] in turn, so this works with any clock
+//! and any way to wait.
+
+use std::time::Duration;
+
+use crate::{
+    Knots, Planner,
+    error::Error,
+    method::{Descent, Method, Sampling},
+};
+
+/// What a simulation says about a batch of plans.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Evaluation {
+    /// Cost of each plan; infinite where it diverged.
+    pub costs: Vec<f64>,
+    /// d cost / d knots of each plan, shape [K, D]; only [`Method::Gradient`] needs them.
+    pub gradients: Vec<Knots>,
+}
+
+/// Origin of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The plan that the search began with.
+    Nominal,
+    /// The mean that the method arrived at.
+    Mean,
+    /// A sample.
+    Sample,
+}
+
+/// The best of all plans that were simulated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Its knots, shape [K, D].
+    pub knots: Knots,
+    /// Cost of exactly these knots, as simulated.
+    pub cost: f64,
+    /// Where it comes from.
+    pub origin: Origin,
+    /// Cost of the nominal plan.
+    pub nominal_cost: f64,
+    /// Best of the samples, with its cost; none if none was simulated.
+    pub best_sample: Option<(Knots, f64)>,
+    /// Costs of all that was simulated, batch by batch.
+    pub costs: Vec<Vec<f64>>,
+    /// Iterations that were finished.
+    pub iterations: usize,
+    /// True if there was no time for all iterations.
+    pub met_deadline: bool,
+    /// Time that it took.
+    pub time: Duration,
+}
+
+/// A plan being made.
+#[derive(Debug)]
+pub struct Search<'a> {
+    planner: &'a mut Planner,
+    state: State,
+    batch: Vec<Knots>,
+    is_mean: bool,
+    finished: usize,
+    started: Duration,
+    longest: Duration,
+    best: Option<(Knots, f64, Origin)>,
+    best_sample: Option<(Knots, f64)>,
+    nominal_cost: f64,
+    costs: Vec<Vec<f64>>,
+}
+
+#[derive(Debug)]
+enum State {
+    Sampling(Sampling),
+    Descent(Descent),
+}
+
+impl<'a> Search<'a> {
+    pub(crate) fn begin(planner: &'a mut Planner) -> Self {
+        let nominal = planner.nominal.clone();
+        let state = match planner.settings.method {
+            Method::Gradient { .. } => {
+                State::Descent(Descent::begin(&planner.settings, &nominal, &mut planner.random))
+            }
+            _ => State::Sampling(Sampling::begin(&planner.settings, &nominal)),
+        };
+        Self {
+            planner,
+            state,
+            batch: Vec::new(),
+            is_mean: false,
+            finished: 0,
+            started: Duration::ZERO,
+            longest: Duration::ZERO,
+            best: None,
+            best_sample: None,
+            nominal_cost: f64::INFINITY,
+            costs: Vec::new(),
+        }
+    }
+
+    /// The next plans to simulate, `elapsed` after the search began; none if it has ended, or if
+    /// there is no time for another batch.
+    pub fn propose(&mut self, elapsed: Duration) -> Option<&[Knots]> {
+        let settings = &self.planner.settings;
+        self.is_mean = self.finished == settings.iterations;
+        if self.costs.len() > settings.iterations {
+            return None;
+        }
+        let needs = if self.is_mean { Duration::ZERO } else { self.longest };
+        let is_first = self.costs.is_empty();
+        if !is_first && settings.deadline.is_some_and(|d| elapsed + needs >= d) {
+            return None;
+        }
+        let random = &mut self.planner.random;
+        self.batch = match &mut self.state {
+            State::Sampling(sampling) if self.is_mean => sampling.mean().into_iter().collect(),
+            State::Sampling(sampling) => sampling.propose(settings, random),
+            State::Descent(_) if self.is_mean => Vec::new(),
+            State::Descent(descent) => descent.plans(),
+        };
+        if self.batch.is_empty() {
+            return None;
+        }
+        for plan in &mut self.batch {
+            settings.bounds.project(plan, settings.dims, settings.knot_s());
+        }
+        if is_first && matches!(self.state, State::Sampling(_)) {
+            self.batch.insert(0, self.planner.nominal.clone());
+        }
+        self.started = elapsed;
+        Some(&self.batch)
+    }
+
+    /// Takes in what the simulation of the last batch says, `elapsed` after the search began.
+    ///
+    /// # Errors
+    /// If the evaluation is not one of the batch, or all plans so far diverged.
+    pub fn learn<E>(&mut self, evaluation: Evaluation, elapsed: Duration) -> Result<(), Error<E>> {
+        let Evaluation { mut costs, gradients } = evaluation;
+        let settings = &self.planner.settings;
+        let shape = settings.knots * settings.dims;
+        let right = gradients.iter().filter(|g| g.len() == shape).count();
+        let (plans, needed) = (self.batch.len(), settings.method.needs_gradients());
+        if costs.len() != plans || (needed && right != plans) {
+            return Err(Error::Shape { plans, costs: costs.len(), gradients: right });
+        }
+        for cost in costs.iter_mut().filter(|c| c.is_nan()) {
+            *cost = f64::INFINITY;
+        }
+        self.longest = self.longest.max(elapsed.saturating_sub(self.started));
+        self.note(&costs);
+        let settings = &self.planner.settings;
+        let best = self.best.as_ref().filter(|b| b.1.is_finite());
+        let Some((best, best_cost, _)) = best else { return Err(Error::EveryPlanDiverged) };
+        if !self.is_mean {
+            self.finished += 1;
+            match (&mut self.state, &settings.method) {
+                (State::Descent(descent), Method::Gradient { rate }) => {
+                    descent.learn(settings, rate, &costs, &gradients, best);
+                }
+                (State::Sampling(sampling), method) => {
+                    let plans: Vec<&Knots> = std::iter::once(best).chain(&self.batch).collect();
+                    let known: Vec<f64> =
+                        std::iter::once(*best_cost).chain(costs.iter().copied()).collect();
+                    sampling.learn(method, &plans, &known);
+                }
+                (State::Descent(_), _) => {}
+            }
+        }
+        self.costs.push(costs);
+        Ok(())
+    }
+
+    /// The best plan so far, which the planner keeps for the next time; none before the first batch
+    /// was simulated.
+    pub fn finish(self, elapsed: Duration) -> Option<Plan> {
+        let (knots, cost, origin) = self.best?;
+        self.planner.nominal.clone_from(&knots);
+        Some(Plan {
+            knots,
+            cost,
+            origin,
+            nominal_cost: self.nominal_cost,
+            best_sample: self.best_sample,
+            costs: self.costs,
+            iterations: self.finished,
+            met_deadline: self.finished < self.planner.settings.iterations,
+            time: elapsed,
+        })
+    }
+
+    /// Keeps the best, and the best sample.
+    fn note(&mut self, costs: &[f64]) {
+        let is_first = self.costs.is_empty();
+        for (i, (plan, cost)) in self.batch.iter().zip(costs).enumerate() {
+            let origin = match (is_first && i == 0, self.is_mean) {
+                (true, _) => Origin::Nominal,
+                (false, true) => Origin::Mean,
+                (false, false) => Origin::Sample,
+            };
+            if origin == Origin::Nominal {
+                self.nominal_cost = *cost;
+            }
+            if self.best.as_ref().is_none_or(|b| *cost < b.1) {
+                self.best = Some((plan.clone(), *cost, origin));
+            }
+            let is_better = self.best_sample.as_ref().is_none_or(|b| *cost < b.1);
+            if origin == Origin::Sample && is_better {
+                self.best_sample = Some((plan.clone(), *cost));
+            }
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Settings that all methods have in common.
+
+use std::time::Duration;
+
+use crate::{Knots, bounds::Bounds, curve::Curve, error::Invalid, method::Method};
+
+/// Settings of a planner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Number of knots K, 2 or more.
+    pub knots: usize,
+    /// Number of coordinates D of a knot.
+    pub dims: usize,
+    /// Horizon [frames].
+    pub frames: usize,
+    /// Seconds from frame to frame.
+    pub frame_s: f64,
+    /// Curve between knots.
+    pub curve: Curve,
+    /// Plans that are simulated in an iteration.
+    pub samples: usize,
+    /// Iterations of a plan.
+    pub iterations: usize,
+    /// Standard deviations of samples: one, by coordinate [D], or by knot and coordinate [K, D].
+    pub sigma: Vec<f64>,
+    /// Correlation of neighbouring knots of a sample, 0..1.
+    pub correlation: f64,
+    /// Limits that every plan keeps.
+    pub bounds: Bounds,
+    /// Time for a plan; the first iteration is always finished.
+    pub deadline: Option<Duration>,
+    /// Same seed, same plans.
+    pub seed: u64,
+    /// Way to learn from costs.
+    pub method: Method,
+}
+
+impl Settings {
+    /// Settings with 64 samples of 20 mm, where coordinates are metres, and five knots.
+    pub fn new(method: Method, dims: usize, frames: usize) -> Self {
+        Self {
+            knots: 5,
+            dims,
+            frames,
+            frame_s: 1.0,
+            curve: Curve::Linear,
+            samples: 64,
+            iterations: 1,
+            sigma: vec![0.02],
+            correlation: 0.0,
+            bounds: Bounds::default(),
+            deadline: None,
+            seed: 0,
+            method,
+        }
+    }
+
+    /// Seconds from knot to knot.
+    pub(crate) fn knot_s(&self) -> f64 {
+        self.frames as f64 * self.frame_s / (self.knots - 1) as f64
+    }
+
+    /// Standard deviations, shape [K, D], with zeros in row 0.
+    pub(crate) fn deviations(&self) -> Knots {
+        let (len, given) = (self.knots * self.dims, self.sigma.len().max(1));
+        (0..len).map(|i| if i < self.dims { 0.0 } else { self.sigma[i % given] }).collect()
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Invalid> {
+        let at_least = |field, value: usize, least: usize| match value < least {
+            true => Err(Invalid::new(field, format!("is {value}: give {least} or more"))),
+            false => Ok(()),
+        };
+        at_least("knots", self.knots, 2)?;
+        at_least("dims", self.dims, 1)?;
+        at_least("frames", self.frames, 1)?;
+        at_least("samples", self.samples, 1)?;
+        at_least("iterations", self.iterations, 1)?;
+        let shapes = [1, self.dims, self.knots * self.dims];
+        if !shapes.contains(&self.sigma.len()) {
+            let problem = format!("has {} values: give one of {shapes:?}", self.sigma.len());
+            return Err(Invalid::new("sigma", problem));
+        }
+        if self.sigma.iter().any(|s| !(s.is_finite() && *s >= 0.0)) {
+            return Err(Invalid::new("sigma", "must be finite and not negative"));
+        }
+        if !(0.0..1.0).contains(&self.correlation) {
+            return Err(Invalid::new("correlation", "must be 0 or more, and less than 1"));
+        }
+        if !(self.frame_s.is_finite() && self.frame_s > 0.0) {
+            return Err(Invalid::new("frame_s", "must be above 0"));
+        }
+        self.bounds.check(self.dims)?;
+        self.method.check(self.dims)
+    }
+}

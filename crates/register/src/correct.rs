@@ -1,0 +1,342 @@
+//! Correction of a running state: it moves towards an observation that is small beside the motion
+//! so far, smoothly, without straining the object and without touching what control points hold.
+
+use bendtwin_core::{
+    CancelToken, Graph, Point,
+    geometry::{biweight, median, point, vector3},
+};
+use bendtwin_engine::{Model, model::State};
+use nalgebra::Vector3;
+
+use crate::{
+    Error, Observation, Residual,
+    elastic::{Elastic, Match},
+    observation::is_place,
+    surface::{Surface, spacing},
+};
+
+/// Options of [`correct`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CorrectOptions {
+    /// Deviation of an observed point from its place [m]: noise of the camera, and what a coarse
+    /// twin cannot follow.
+    pub noise_m: f64,
+    /// Deviation of a spring, by its length, in one correction: how far the twin's shape is
+    /// doubted.
+    pub give: f64,
+    /// Deviation of an observed velocity [m/s].
+    pub velocity_noise_m_s: f64,
+    /// Share of the displacement that is added to the velocity, by time [1/s]; for observations
+    /// without velocities. 0 keeps velocities.
+    pub velocity_gain_per_s: f64,
+    /// Largest increase of the strain of any spring between two nodes; beyond it the correction is
+    /// cut in half until it fits.
+    pub most_added_strain: f64,
+    /// Largest median residual that is left, beyond which the correction is refused [m]; `None` is
+    /// half the distance between neighbouring nodes, or 5 mm if that is more.
+    pub max_residual_m: Option<f64>,
+}
+
+impl Default for CorrectOptions {
+    fn default() -> Self {
+        Self {
+            noise_m: 0.005,
+            give: 0.03,
+            velocity_noise_m_s: 0.2,
+            velocity_gain_per_s: 0.0,
+            most_added_strain: 0.2,
+            max_residual_m: None,
+        }
+    }
+}
+
+/// A corrected state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Corrected {
+    /// The state; twists and what grasps hold are as they were.
+    pub state: State,
+    /// Distances before.
+    pub before: Residual,
+    /// Distances after.
+    pub after: Residual,
+    /// Largest displacement of a node [m].
+    pub moved_m: f64,
+}
+
+/// Rounds of matching and reweighting.
+const ROUNDS: usize = 5;
+/// Iterations of the deformation in each.
+const ITERATIONS: usize = 4;
+/// Distance from which a point counts as astray, in deviations and in medians.
+const ASTRAY: [f64; 2] = [6.0, 5.0];
+
+/// Corrects a state whose control points are at `controls` [m], shape [C, 3]; they and the nodes
+/// that they pin stay.
+///
+/// # Errors
+/// If the input does not fit the model, if more than the stated residual is left, or on
+/// cancellation.
+pub fn correct(
+    model: &Model,
+    state: &State,
+    controls: &[Point],
+    observation: &Observation,
+    options: &CorrectOptions,
+    cancel: &CancelToken,
+) -> Result<Corrected, Error> {
+    let graph = &model.graph;
+    observation.check(graph)?;
+    check(graph, state, controls)?;
+    options.check()?;
+    let n = graph.node_count();
+    let start: Vec<Vector3<f64>> =
+        state.positions.iter().chain(controls).map(|p| vector3(*p)).collect();
+    let spacing_m = spacing(&graph.rest_positions[..graph.surface_count()]);
+    let mut fixed = vec![false; start.len()];
+    fixed[n..].fill(true);
+    graph.pins.iter().for_each(|p| fixed[p.node as usize] = true);
+    let elastic = Elastic::new(graph, start.clone(), fixed);
+
+    let seen = Seen { graph, observation, spacing_m };
+    let before = seen.distances(&start)?;
+    let mut x = start.clone();
+    for _ in 0..ROUNDS {
+        if cancel.is_cancelled() {
+            return Err(Error::Cancelled);
+        }
+        let matches = seen.matches(&x, options.noise_m)?;
+        elastic.relax(&mut x, &matches, options.give, ITERATIONS);
+    }
+    keep_above_ground(model, &start, &mut x[..n]);
+    limit_strain(graph, &start, &mut x, options.most_added_strain);
+
+    let after = Residual::of(&seen.distances(&x)?);
+    let limit_mm = 1e3 * options.max_residual_m.unwrap_or((0.5 * spacing_m).max(0.005));
+    if !(after.median_mm <= limit_mm) || x.iter().flatten().any(|c| !c.is_finite()) {
+        return Err(Error::NotExplained {
+            median_mm: after.median_mm,
+            limit_mm,
+            explained: 1.0,
+            least_explained: 0.0,
+        });
+    }
+    let mut corrected = state.clone();
+    for ((to, x), from) in corrected.positions.iter_mut().zip(&x).zip(&start) {
+        if x != from {
+            *to = point(*x);
+        }
+    }
+    let rate = options.velocity_gain_per_s;
+    for ((v, x), from) in corrected.velocities.iter_mut().zip(&x).zip(&start) {
+        *v = point(vector3(*v) + (x - from) * rate);
+    }
+    if let Some(change) = seen.velocity_change(&elastic, &x, &corrected, options) {
+        for (v, change) in corrected.velocities.iter_mut().zip(change) {
+            *v = point(vector3(*v) + change);
+        }
+    }
+    let moved_m = x.iter().zip(&start).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    Ok(Corrected { state: corrected, before: Residual::of(&before), after, moved_m })
+}
+
+impl CorrectOptions {
+    fn check(&self) -> Result<(), Error> {
+        let numbers = [
+            ("noise_m", self.noise_m, 1e-6..=1.0),
+            ("give", self.give, 1e-6..=10.0),
+            ("velocity_noise_m_s", self.velocity_noise_m_s, 1e-6..=1e3),
+            ("velocity_gain_per_s", self.velocity_gain_per_s, 0.0..=1e3),
+            ("most_added_strain", self.most_added_strain, 0.0..=10.0),
+            ("max_residual_m", self.max_residual_m.unwrap_or(0.0), 0.0..=1e3),
+        ];
+        match numbers.into_iter().find(|(_, x, range)| !range.contains(x)) {
+            Some((name, x, range)) => Err(Error::Invalid(format!(
+                "{name} is {x}: give {} to {}",
+                range.start(),
+                range.end()
+            ))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Checks that a state and control points belong to a graph.
+pub(crate) fn check(graph: &Graph, state: &State, controls: &[Point]) -> Result<(), Error> {
+    let (n, c) = (graph.node_count(), graph.control_count());
+    if graph.surface_count() == 0 {
+        return Err(Error::Invalid("the twin has no surface".into()));
+    }
+    if state.positions.len() != n || state.velocities.len() != n || controls.len() != c {
+        return Err(Error::Invalid(format!(
+            "the state has {} positions, {} velocities and {} control points: the twin has {n} nodes and {c} control points",
+            state.positions.len(),
+            state.velocities.len(),
+            controls.len()
+        )));
+    }
+    let all = state.positions.iter().chain(&state.velocities).chain(controls);
+    match all.into_iter().all(is_place) {
+        true => Ok(()),
+        false => Err(Error::Invalid("the state is not finite, or farther than 1 km off".into())),
+    }
+}
+
+/// An observation beside a graph.
+pub(crate) struct Seen<'a> {
+    pub(crate) graph: &'a Graph,
+    pub(crate) observation: &'a Observation,
+    pub(crate) spacing_m: f64,
+}
+
+impl Seen<'_> {
+    /// The observed points with what they should be on, now that endpoints are at `x`: the places
+    /// of tracks, or the nearest points of the surface. Weighted so that points astray of the
+    /// others count little.
+    pub(crate) fn matches(&self, x: &[Vector3<f64>], noise_m: f64) -> Result<Vec<Match>, Error> {
+        let points = &self.observation.points;
+        let (mut matches, mut distances) =
+            (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
+        match &self.observation.tracks {
+            Some(skin) => {
+                for (p, y) in points.iter().enumerate() {
+                    let placed = skin.place(p, x);
+                    distances.push((placed.position(x) - vector3(*y)).norm());
+                    let target = vector3(*y) - placed.offset;
+                    let precision = self.observation.weight(p) / (noise_m * noise_m);
+                    let (nodes, weights) = (placed.nodes, placed.weights);
+                    matches.push(Match { nodes, weights, target, precision });
+                }
+            }
+            None => {
+                let surface = self.surface(x)?;
+                for (p, y) in points.iter().enumerate() {
+                    let foot = surface.foot(*y);
+                    distances.push(foot.distance_m);
+                    let precision = self.observation.weight(p) / (noise_m * noise_m);
+                    let (nodes, weights) = (foot.nodes, foot.weights);
+                    matches.push(Match { nodes, weights, target: vector3(*y), precision });
+                }
+            }
+        }
+        let middle = median(&mut distances.clone()).unwrap_or(0.0);
+        let width = (ASTRAY[0] * noise_m).max(ASTRAY[1] * middle);
+        for (m, d) in matches.iter_mut().zip(&distances) {
+            m.precision *= biweight(d / width);
+        }
+        self.share(&mut matches, noise_m);
+        Ok(matches)
+    }
+
+    /// Lets points that are dense share what they know: their errors are not independent, so that
+    /// all points around a node weigh no more than a few.
+    fn share(&self, matches: &mut [Match], noise_m: f64) {
+        const MOST: f64 = 4.0;
+        let mut load = vec![0.0; self.graph.node_count()];
+        for m in &*matches {
+            for (n, w) in m.nodes.iter().zip(m.weights) {
+                load[*n as usize] += m.precision * w * noise_m * noise_m;
+            }
+        }
+        for m in matches {
+            let around: f64 =
+                m.nodes.iter().zip(m.weights).map(|(n, w)| load[*n as usize] * w).sum();
+            m.precision *= (MOST / around.max(1e-12)).min(1.0);
+        }
+    }
+
+    /// Distances of the observed points [m].
+    pub(crate) fn distances(&self, x: &[Vector3<f64>]) -> Result<Vec<f64>, Error> {
+        let points = &self.observation.points;
+        Ok(match &self.observation.tracks {
+            Some(skin) => (0..points.len())
+                .map(|p| (skin.place(p, x).position(x) - vector3(points[p])).norm())
+                .collect(),
+            None => {
+                let surface = self.surface(x)?;
+                points.iter().map(|p| surface.foot(*p).distance_m).collect()
+            }
+        })
+    }
+
+    /// The surface of endpoints at `x`.
+    pub(crate) fn surface(&self, x: &[Vector3<f64>]) -> Result<Surface, Error> {
+        Surface::new(&x[..self.graph.surface_count()], self.spacing_m)
+            .ok_or_else(|| Error::Invalid("the twin's surface is not finite".into()))
+    }
+
+    /// The change of velocity that the observed velocities ask for [m/s], shape [N + C]; `None`
+    /// without them.
+    fn velocity_change(
+        &self,
+        elastic: &Elastic,
+        x: &[Vector3<f64>],
+        state: &State,
+        options: &CorrectOptions,
+    ) -> Option<Vec<Vector3<f64>>> {
+        let observed = &self.observation.velocities;
+        let skin = self.observation.tracks.as_ref().filter(|_| !observed.is_empty())?;
+        let mut v: Vec<Vector3<f64>> = state.velocities.iter().map(|v| vector3(*v)).collect();
+        v.resize(x.len(), Vector3::zeros());
+        let noise = options.velocity_noise_m_s;
+        let mut matches = Vec::with_capacity(observed.len());
+        let mut sizes = Vec::with_capacity(observed.len());
+        for (p, wanted) in observed.iter().enumerate() {
+            let placed = skin.place(p, x);
+            let target = vector3(*wanted) - placed.blend(&v);
+            sizes.push(target.norm());
+            let precision = self.observation.weight(p) / (noise * noise);
+            let (nodes, weights) = (placed.nodes, placed.weights);
+            matches.push(Match { nodes, weights, target, precision });
+        }
+        let middle = median(&mut sizes.clone()).unwrap_or(0.0);
+        let width = (ASTRAY[0] * noise).max(ASTRAY[1] * middle);
+        for (m, size) in matches.iter_mut().zip(&sizes) {
+            m.precision *= biweight(size / width);
+        }
+        self.share(&mut matches, noise);
+        // The field's springs are in metres: a second turns their deviations into velocities.
+        Some(elastic.field(&matches, options.give * noise / options.noise_m))
+    }
+}
+
+/// Nodes that a deformation took below the ground stay on it.
+fn keep_above_ground(model: &Model, start: &[Vector3<f64>], x: &mut [Vector3<f64>]) {
+    let Some(ground) = model.environment.ground else { return };
+    let normal = vector3(ground.normal);
+    let height = |x: &Vector3<f64>| normal.dot(x) - f64::from(ground.offset_m);
+    for (x, start) in x.iter_mut().zip(start) {
+        let least = height(start).min(0.0);
+        let below = least - height(x);
+        if below > 0.0 {
+            *x += normal * below;
+        }
+    }
+}
+
+/// Cuts the displacement in half until no spring between two nodes is strained much more.
+fn limit_strain(graph: &Graph, start: &[Vector3<f64>], x: &mut [Vector3<f64>], most: f64) {
+    let n = graph.node_count();
+    let length = |x: &[Vector3<f64>], s: &[u32; 2]| (x[s[0] as usize] - x[s[1] as usize]).norm();
+    let within = |x: &[Vector3<f64>]| {
+        graph.springs.iter().filter(|s| (s[1] as usize) < n).all(|s| {
+            let rest =
+                (vector3(graph.rest_endpoint(s[0])) - vector3(graph.rest_endpoint(s[1]))).norm();
+            let strain = |x: &[Vector3<f64>]| (length(x, s) / rest.max(1e-9) - 1.0).abs();
+            strain(x) <= strain(start) + most
+        })
+    };
+    for _ in 0..6 {
+        if within(x) {
+            return;
+        }
+        for (x, start) in x.iter_mut().zip(start) {
+            *x = (*x + *start) * 0.5;
+        }
+    }
+    if !within(x) {
+        x.copy_from_slice(start);
+    }
+}
+
+#[cfg(test)]
+mod tests;

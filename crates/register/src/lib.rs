@@ -1,0 +1,26 @@
+//! States of a twin from observed points: [`register`] finds the state of an object that stands
+//! somewhere, [`correct`] brings the state of a running simulation closer to what is seen.
+//!
+//! Both move the nodes by the same elastic deformation ([`elastic`]): as rigid as possible, held by
+//! the observed points, in place where control points are given. It knows nothing of materials, so
+//! that it cannot explode; force balance is the engine's part, in frames of the twin's own physics
+//! that [`register`] simulates.
+//!
+//! Captures, cameras and networks are left to others: points arrive in the twin's frame.
+
+mod correct;
+mod elastic;
+mod error;
+mod observation;
+mod residual;
+mod skin;
+mod surface;
+
+pub use correct::{CorrectOptions, Corrected, correct};
+pub use error::Error;
+pub use observation::{MAX_CAMERAS, MAX_POINTS, Observation};
+pub use residual::Residual;
+pub use skin::Skin;
+
+#[cfg(test)]
+mod scene;

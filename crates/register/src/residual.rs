@@ -1,0 +1,49 @@
+//! The distances that remain between a state and an observation.
+
+use bendtwin_core::geometry::median;
+
+/// Distances between observed points and the twin: of tracks to their places, of a cloud to the
+/// surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Residual {
+    /// Median [mm].
+    pub median_mm: f64,
+    /// Mean [mm].
+    pub mean_mm: f64,
+    /// 95th percentile [mm].
+    pub p95_mm: f64,
+}
+
+/// Shares of an observation and of the twin that explain each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Explained {
+    /// Share of the observed points that are within reach of the twin, 0..=1.
+    pub points: f64,
+    /// Share of the surface nodes that could have been seen and have a point within reach, 0..=1.
+    /// Tracks say nothing of the rest of the surface: there it is small for few points.
+    pub surface: f64,
+    /// The reach [mm].
+    pub within_mm: f64,
+}
+
+impl Residual {
+    /// Of distances [m]; zeros of none.
+    pub(crate) fn of(distances_m: &[f64]) -> Self {
+        let mut sorted = distances_m.to_vec();
+        let n = sorted.len();
+        if n == 0 {
+            return Self::default();
+        }
+        let mean_mm = 1e3 * sorted.iter().sum::<f64>() / n as f64;
+        let median_mm = 1e3 * median(&mut sorted).unwrap_or(0.0);
+        sorted.sort_by(f64::total_cmp);
+        let p95_mm = 1e3 * sorted[(19 * n / 20).min(n - 1)];
+        Self { median_mm, mean_mm, p95_mm }
+    }
+}
+
+/// Share of distances up to `within_m`.
+pub(crate) fn share_within(distances_m: &[f64], within_m: f64) -> f64 {
+    let near = distances_m.iter().filter(|d| **d <= within_m).count();
+    near as f64 / distances_m.len().max(1) as f64
+}

@@ -1,0 +1,121 @@
+//! An object with a known state, for this crate's tests: an L of foam, held at its foot by two
+//! control points.
+
+use std::sync::Arc;
+
+use bendtwin_core::{
+    CancelToken, Environment, Graph, NodeKind, Params, Point, Timing, environment::ControlVelocity,
+};
+use bendtwin_engine::{
+    Backend, Model, Objective,
+    backend::{Instance, Outputs},
+    model::State,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Distance of neighbouring nodes [m].
+pub(crate) const SPACING_M: f32 = 0.02;
+
+/// The L: 13 nodes long, with a foot to one side, two layers.
+pub(crate) fn model() -> Arc<Model> {
+    let mut rest: Vec<Point> = Vec::new();
+    for z in 0..2 {
+        for x in 0..13 {
+            for y in 0..7 {
+                if y < 2 || x < 3 {
+                    rest.push([x, y, z].map(|i| SPACING_M * i as f32));
+                }
+            }
+        }
+    }
+    let n = rest.len();
+    let control_rest = vec![[0.02, 0.12, 0.05], [0.04, 0.12, 0.05]];
+    let all: Vec<Point> = rest.iter().chain(&control_rest).copied().collect();
+    let length =
+        |a: usize, b: usize| bendtwin_core::geometry::point_distance(all[a], all[b]) as f32;
+    let mut springs = Vec::new();
+    for a in 0..n {
+        for b in a + 1..all.len() {
+            let reach = if b < n { 1.8 } else { 2.2 };
+            if length(a, b) < reach * SPACING_M {
+                springs.push([a as u32, b as u32]);
+            }
+        }
+    }
+    let lengths: Vec<f32> = springs.iter().map(|s| length(s[0] as usize, s[1] as usize)).collect();
+    let graph = Graph {
+        kinds: vec![NodeKind::Observed; n],
+        masses: vec![1.0; n],
+        object_ids: vec![0; n],
+        observed_points: (0..n as u32).collect(),
+        rest_positions: rest,
+        control_rest,
+        springs,
+        ..Graph::default()
+    };
+    let params = Params {
+        spring_stiffness: vec![60.0; lengths.len()],
+        spring_dashpot: vec![2.0; lengths.len()],
+        rest_lengths_m: lengths,
+        drag: 1.0,
+        ..Params::default()
+    };
+    Arc::new(Model {
+        graph: Arc::new(graph),
+        params,
+        environment: Environment { ground: None, ..Environment::Z_UP },
+        timing: Timing { fps: 30.0, substeps: 60 },
+        control_velocity: ControlVelocity::True,
+    })
+}
+
+/// The state, and the control points, after some frames in which the hand moves sideways and up.
+pub(crate) fn moved(backend: &dyn Backend, frames: usize) -> (State, Vec<Point>) {
+    let model = model();
+    let rest = model.graph.control_rest.clone();
+    let at = |f: usize| {
+        let t = f as f32 / frames.max(1) as f32;
+        rest.iter().map(move |p| [p[0] - 0.1 * t, p[1] + 0.05 * t, p[2] + 0.15 * t])
+    };
+    let controls: Vec<Point> = (0..=frames).flat_map(at).collect();
+    let last = controls[controls.len() - rest.len()..].to_vec();
+    (roll(backend, &State::rest(&model.graph), controls, frames), last)
+}
+
+/// The state after some frames.
+pub(crate) fn roll(
+    backend: &dyn Backend,
+    from: &State,
+    controls: Vec<Point>,
+    frames: usize,
+) -> State {
+    let instance = Instance {
+        model: backend.load(model()).unwrap(),
+        initial: Arc::new(from.clone()),
+        controls: Arc::new(controls),
+        frames,
+        objective: Objective::default(),
+        world: Arc::default(),
+        motion: Arc::default(),
+    };
+    let outputs = Outputs { final_state: true, ..Outputs::NONE };
+    let rollouts = backend.roll_out(&[instance], &outputs, &CancelToken::default()).unwrap();
+    rollouts.into_iter().next().unwrap().final_state.unwrap()
+}
+
+/// Noise of a standard deviation per coordinate.
+pub(crate) fn noisy(points: &[Point], deviation_m: f32, seed: u64) -> Vec<Point> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    // The sum of twelve uniform numbers less six is nearly normal.
+    let mut normal = move || (0..12).map(|_| rng.random::<f32>()).sum::<f32>() - 6.0;
+    points.iter().map(|p| p.map(|x| x + deviation_m * normal())).collect()
+}
+
+/// Mean and largest distance of points to others [m].
+pub(crate) fn apart(a: &[Point], b: &[Point]) -> (f64, f64) {
+    assert_eq!(a.len(), b.len());
+    let distances = a.iter().zip(b).map(|(a, b)| bendtwin_core::geometry::point_distance(*a, *b));
+    let (sum, most) = distances.fold((0.0, 0.0_f64), |(sum, most), d| (sum + d, most.max(d)));
+    (sum / a.len() as f64, most)
+}

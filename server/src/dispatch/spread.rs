@@ -1,0 +1,99 @@
+//! One batch on several workers. A batch that takes a while is cut into contiguous parts by
+//! instance, one for each worker that has nothing else to do, and the reply is put together from
+//! theirs. On the CPU the bits are those of one worker; on a GPU the last bits depend on how many
+//! instances are simulated together.
+
+use std::sync::Arc;
+
+use bendtwin_proto::{rollout::split, v1::RollOutResponse, worker::v1::ExecuteRollOutRequest};
+use futures::future::try_join_all;
+
+use super::{
+    Dispatch,
+    line::Ask,
+    registry::Entry,
+    rollout::{Held, Prepared, Whole},
+    route,
+};
+use crate::failure::{Error, Result};
+
+/// Least time of a part at a worker that has the twin loaded, and at one that has to load it [s].
+const WARM_PART_S: f64 = 0.05;
+const COLD_PART_S: f64 = 0.25;
+/// Largest reply that is put together here [bytes]: its parts and the whole are in memory at once.
+pub(super) const MOST_JOINED: u64 = 64 << 20;
+
+impl Dispatch {
+    /// The workers to share a batch: none or one if it is not to be split. All are alike, so that it
+    /// does not matter who simulates what.
+    pub(super) fn sharers(&self, prepared: &Prepared) -> Vec<Arc<Entry>> {
+        let Some(request) = &prepared.execute.request else { return Vec::new() };
+        if prepared.reply_bytes > MOST_JOINED || !split::can_split(request) {
+            return Vec::new();
+        }
+        let entries: Vec<Arc<Entry>> = self.lock().values().cloned().collect();
+        let (fresh, now) = (self.fresh(), self.store.lease_time());
+        let candidates: Vec<route::Candidate> = entries
+            .iter()
+            .map(|e| e.candidate(prepared.twin, &prepared.ask, e.silence(now) <= fresh))
+            .collect();
+        let idle = route::idle(prepared.twin, &candidates);
+        let Some(first) = idle.first().and_then(|i| entries.get(*i)) else { return Vec::new() };
+        let seconds = prepared.ask.work / first.line.per_second();
+        let most_by_instances = prepared.batch.instances / u64::from(first.lanes().max(1));
+        let mut sharers: Vec<Arc<Entry>> = Vec::new();
+        for i in idle {
+            let (Some(entry), Some(candidate)) = (entries.get(i), candidates.get(i)) else { break };
+            let parts = sharers.len() as u64 + 1;
+            let least_s = if candidate.warm { WARM_PART_S } else { COLD_PART_S };
+            let is_worth_it = seconds / parts as f64 >= least_s && parts <= most_by_instances;
+            if parts > 1 && !is_worth_it {
+                break;
+            }
+            if entry.is_like(first) {
+                sharers.push(Arc::clone(entry));
+            }
+        }
+        sharers
+    }
+
+    /// The reply of several workers, each with a part of the batch. If one fails, so does the whole,
+    /// and the others stop.
+    pub(super) async fn spread(
+        &self,
+        prepared: Prepared,
+        sharers: Vec<Arc<Entry>>,
+    ) -> Result<Whole> {
+        let Prepared { twin, batch, ask, execute, deadline, reply_bytes, memory } = prepared;
+        let Some(request) = &execute.request else {
+            return Err(Error::Internal("a rollout without a request".to_owned()));
+        };
+        // The parts, and what is made of them.
+        let share = self.memory.reply(reply_bytes.saturating_mul(2));
+        let share =
+            tokio::time::timeout_at(deadline, share).await.map_err(|_| Error::Deadline)??;
+        let runs = split::runs(batch.instances, sharers.len() as u64);
+        let parts = runs.zip(sharers).map(|(run, worker)| {
+            let share = (run.end - run.start) as f64 / batch.instances.max(1) as f64;
+            let ask = Ask { work: ask.work * share, ..ask.clone() };
+            let request = Some(split::part(request, &batch, run));
+            let execute = ExecuteRollOutRequest { request, ..execute.clone() };
+            async move {
+                let started = self.start(twin, &ask, execute, deadline, Some(worker));
+                let (reply, mut rest) = tokio::time::timeout_at(deadline, started)
+                    .await
+                    .map_err(|_| Error::Deadline)??;
+                match rest.next().await? {
+                    None => Ok::<RollOutResponse, Error>(reply),
+                    Some(_) => Err(Error::Internal("the worker split a reply".to_owned())),
+                }
+            }
+        });
+        let replies = try_join_all(parts).await?;
+        drop(memory);
+        let join = move || split::join(replies).map_err(|e| Error::Internal(e.to_string()));
+        let joined = tokio::task::spawn_blocking(join).await;
+        let response = joined.map_err(|e| Error::Internal(format!("joining replies: {e}")))??;
+        Ok(Whole { response, held: Held::of(share) })
+    }
+}

@@ -1,0 +1,99 @@
+//! Gradients of a reply.
+
+use bendtwin_core::Point;
+use bendtwin_engine::backend::Gradient;
+use bendtwin_proto::v1::{RollOutResponse, Tensor};
+
+use crate::rollout::plan::Plan;
+
+/// Growth of a gradient on its way back beyond which it says little.
+const EXPLODED: f64 = 1000.0;
+
+/// Gradients of instances in the same order as the recordings. What is empty is zero: nothing depends
+/// on it.
+#[derive(Default)]
+pub(in crate::rollout) struct Gradients {
+    /// By control positions, shape [F + 1, C, 3] each.
+    controls: Vec<Vec<Point>>,
+    /// By initial positions and velocities, shape [N, 3] each.
+    positions: Vec<Vec<Point>>,
+    velocities: Vec<Vec<Point>>,
+    /// By frame, shape [F + 1] each.
+    norms: Vec<Vec<f64>>,
+    /// By the actions, one instance after another.
+    pub(in crate::rollout) actions: Vec<f32>,
+}
+
+impl Gradients {
+    /// Adds those of an instance, all but the one by its action.
+    pub(in crate::rollout) fn push(&mut self, gradient: Gradient) {
+        let initial = gradient.initial.unwrap_or_default();
+        self.controls.push(gradient.controls);
+        self.positions.push(initial.positions);
+        self.velocities.push(initial.velocities);
+        self.norms.push(gradient.norms);
+    }
+}
+
+/// Gradients of the instances that recordings are of.
+pub(in crate::rollout) fn add_gradients(
+    plan: &Plan,
+    gradients: &Gradients,
+    part: &mut RollOutResponse,
+) {
+    let (returns, graph) = (&plan.returns, &plan.twin().graph);
+    let (count, rows) = (gradients.controls.len(), plan.frames + 1);
+    let (width, nodes) = (graph.control_count(), graph.node_count());
+    if returns.control_gradients {
+        let values = padded(&gradients.controls, rows * width, [0.0; 3]);
+        part.control_gradients = Some(Tensor::pack_points(&[count, rows, width], &values));
+    }
+    if returns.action_gradients {
+        part.action_gradients = Some(plan.actions.pack_gradients(count, &gradients.actions));
+    }
+    if returns.initial_gradients {
+        let pack = |of| Some(Tensor::pack_points(&[count, nodes], &padded(of, nodes, [0.0; 3])));
+        part.initial_position_gradients = pack(&gradients.positions);
+        part.initial_velocity_gradients = pack(&gradients.velocities);
+    }
+    if returns.gradient_norms {
+        let values = padded(&gradients.norms, rows, 0.0);
+        part.gradient_norms = Some(Tensor::pack(&[count, rows], &values));
+    }
+    let exploded: Vec<u32> = gradients.norms.iter().map(|n| u32::from(has_exploded(n))).collect();
+    part.gradient_exploded = Some(Tensor::pack(&[count], &exploded));
+}
+
+/// True if a norm is more than a thousand times that of the last frame on which the cost depends, or
+/// no number.
+fn has_exploded(norms: &[f64]) -> bool {
+    let Some(last) = norms.iter().rev().copied().find(|norm| *norm != 0.0) else { return false };
+    norms.iter().any(|norm| !norm.is_finite() || *norm > EXPLODED * last)
+}
+
+/// Rows of equal length, filled up.
+fn padded<T: Copy>(rows: &[Vec<T>], len: usize, with: T) -> Vec<T> {
+    let mut values = Vec::with_capacity(rows.len() * len);
+    for row in rows {
+        let end = values.len() + len;
+        values.extend(row.iter().take(len));
+        values.resize(end, with);
+    }
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::has_exploded;
+
+    #[test]
+    fn a_gradient_that_grows_a_thousandfold_has_exploded() {
+        assert!(!has_exploded(&[]));
+        assert!(!has_exploded(&[0.0, 0.0]));
+        // Nothing depends on the frames after the last cost.
+        assert!(!has_exploded(&[999.0, 5.0, 1.0, 0.0, 0.0]));
+        assert!(has_exploded(&[5.0, 1001.0, 1.0, 0.0]));
+        assert!(has_exploded(&[f64::NAN, f64::NAN]));
+        assert!(has_exploded(&[f64::INFINITY, 1.0]));
+    }
+}
