@@ -21,7 +21,7 @@ use super::{
     returns::Returns,
     serve::Served,
     vary::{Variant, Variants},
-    world::{Surroundings, gripper_of_control, newtons_per_unit},
+    world::{Surroundings, gripper_of_control},
 };
 
 /// Distance between where a control point is and where nodes say that it may be, at most [m].
@@ -71,7 +71,7 @@ impl Plan {
             Surroundings::read(&mut request, &actions, map, twin, served.loaded.model())?;
         let variants =
             Variants::load(request.vary, &served.loaded, &surroundings, backend, cancel)?;
-        let costs = Costs::read(request.costs, frames, fps, newtons_per_unit(twin))?;
+        let costs = Costs::read(request.costs, frames, fps, twin.newtons_per_unit())?;
         let returns = Returns::read(request.returns, instances)?;
         let wanted = Wanted::read(request.initial, graph, instances)?;
 
