@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | parts, the messages of a reply | the number of instances that the server asks for | the request's |
 //! | batches, which are prepared at once | memory of their dense controls and gradients | the request's |
-//! | slices, the tasks of the device | estimated work; a round has an instance for each of the device's lanes | by work, largest first |
+//! | slices, the tasks of the device | estimated work (a fit's have no bound where it pauses by itself); a round has an instance for each of the device's lanes | by work, largest first |
 //!
 //! A backend may cut a slice once more, by what fits its memory.
 //!

@@ -23,6 +23,7 @@ use bendtwin_engine::{
     Backend, Device as Description,
     backend::{self, Memory},
 };
+use bendtwin_proto::rollout::split;
 use tokio::sync::mpsc;
 
 pub(crate) use self::queue::Priority;
@@ -40,10 +41,11 @@ use crate::Error;
 /// device with one queue. Rollouts should be answered within 50 ms of their own time; estimates of a
 /// slice's time may be off by half. A single instance that takes longer cannot be cut.
 const SHARED_SLICE: Duration = Duration::from_millis(30);
-/// Work of a rollout's slice on a GPU with a second queue, in element substeps: a fraction of a
-/// second on a large GPU. By work and not by time, because the last bits of a GPU's results depend
-/// on the number of instances in a batch: the same request must be cut alike.
-const URGENT_WORK: f64 = 1e10;
+/// Work of a rollout's slice on a GPU with a second queue, in element substeps. By work and not by
+/// time, because the last bits of a GPU's results depend on the number of instances in a batch: the
+/// same request must be cut alike, and a server that shares a batch among workers cuts it at the
+/// ends of slices.
+const URGENT_WORK: f64 = split::SLICE_WORK;
 /// Kind of the device whose results do not depend on how a batch is cut.
 const CPU: &str = "cpu";
 

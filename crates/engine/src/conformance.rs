@@ -17,6 +17,7 @@ mod contact;
 mod degenerate;
 mod energy;
 mod expect;
+mod forces;
 mod gradients;
 mod grasps;
 mod ground;
@@ -168,6 +169,11 @@ suite! { ($)
         a_moving_wall_gives_momentum,
         capsules_reflect_along_their_normals,
         colliders_push_out;
+    forces:
+        a_chain_hangs_by_its_weight,
+        contact_carries_the_weight,
+        forces_balance_momentum,
+        measuring_changes_nothing;
     conservation:
         energy_of_an_undamped_network,
         momentum_of_a_free_body,

@@ -43,9 +43,9 @@ use bendtwin_core::{CancelToken, Environment, Params};
 use rayon::prelude::*;
 
 use self::{
-    diagnostics::{Observer, pose, state_of},
+    diagnostics::{Observer, hold_of, state_of},
     grasp::Hands,
-    parameters::{Parameters, narrow, saturate},
+    parameters::{Parameters, saturate},
     real::{Quad, Real, quad},
     rollout::{Scorer, Simulation, nodes_of, twists_of},
     surroundings::Surroundings,
@@ -57,7 +57,9 @@ use crate::{
         Backend, Device, Error, Gradient, GradientRequest, Instance, Loaded, Loss, Outputs, Rollout,
     },
     model::State,
+    objective::{Term, WeightedTerm},
     optimizer::{Decay, HostOptimizer, Optimizer, OptimizerInit},
+    world::{Grasping, Hold},
 };
 
 /// Runs on the CPU's cores; clones share the threads. Make one with [`cpu`] or
@@ -128,6 +130,8 @@ fn resident(loaded: &Loaded) -> Result<&Resident, Error> {
 /// The simulation of an instance; `measured` if its forces are asked for.
 fn simulation(instance: &Instance, measured: bool) -> Result<Simulation<'_, f32>, Error> {
     let (world, motion) = (&*instance.world, &*instance.motion);
+    let in_cost = |t: &WeightedTerm| matches!(t.term, Term::Force { .. });
+    let measured = measured || instance.objective.terms.iter().any(in_cost);
     let plain = *world == World::default() && motion.rolls.is_empty() && !measured;
     let surroundings = (!plain).then(|| {
         let start = Hands::new(&instance.initial.grasping, &world.grasps);
@@ -191,7 +195,7 @@ impl Backend for CpuBackend {
             let mut scorer = Scorer::new(simulation);
             let mut observer = Observer::new(simulation, outputs);
             let diverged = simulation.run(cancel, |frame, now| {
-                scorer.see(frame, &now.nodes[..simulation.system.nodes]);
+                scorer.see(frame, now);
                 observer.see(frame, now);
             })?;
             let (loss, frame_costs) = scorer.finish(diverged, simulation.frames);
@@ -215,22 +219,28 @@ impl Backend for CpuBackend {
             // Nothing was differentiated then, and zero would say that nothing matters.
             let unknown = |p: [f32; 3]| if diverged { [f32::NAN; 3] } else { p };
             let controls = g.controls.into_iter().map(|x| unknown(gradient_point(x)));
+            let by_hold = |h: &grasp::Hold<f32>| Hold {
+                place: unknown(gradient_point(h.place)),
+                ..hold_of(h)
+            };
+            let number = |x: f32| if diverged { f32::NAN } else { saturate(x) };
+            let by_pose = |p: &body::Pose<f32>| p.map(|row| row.map(number));
+            let rolls = g.rolls.iter().map(|&x| number(x));
             let initial = || State {
                 positions: g.initial.iter().map(|n| unknown(gradient_point(n.x))).collect(),
                 velocities: g.initial.iter().map(|n| unknown(gradient_point(n.v))).collect(),
                 twists: g.initial_twists.iter().map(|&x| unknown([saturate(x); 3])[0]).collect(),
-                grasping: state_of(&[], &[], &g.initial_hands).grasping,
+                grasping: Grasping {
+                    phases: g.initial_hands.phases.clone(),
+                    holds: g.initial_hands.holds.iter().map(by_hold).collect(),
+                },
             };
-            let unknown_pose =
-                |p: crate::world::Pose| if diverged { [[f32::NAN; 4]; 3] } else { p };
-            let poses = g.poses.iter().map(|p| unknown_pose(pose(p)));
-            let rolls = g.rolls.iter().map(|&x| if diverged { f32::NAN } else { narrow(x) });
             Ok(Gradient {
                 overflowed: !g.parameters.fit_f32(),
                 loss: g.loss,
                 params: g.parameters.into_gradient(),
                 controls: if request.controls { controls.collect() } else { Vec::new() },
-                poses: if request.motion { poses.collect() } else { Vec::new() },
+                poses: if request.motion { g.poses.iter().map(by_pose).collect() } else { Vec::new() },
                 rolls: if request.motion { rolls.collect() } else { Vec::new() },
                 norms: if request.norms { g.norms } else { Vec::new() },
                 initial: request.initial.then(initial),

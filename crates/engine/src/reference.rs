@@ -5,7 +5,7 @@ use bendtwin_core::CancelToken;
 
 pub use crate::cpu::parameters::Parameters;
 use crate::{
-    Model, Objective,
+    Model, Objective, Term,
     backend::{Error, Loss},
     cpu::{
         check,
@@ -17,6 +17,7 @@ use crate::{
         surroundings::Surroundings,
         system::{Layout, System},
     },
+    objective::WeightedTerm,
     world::{Grasping, Motion, World},
 };
 
@@ -171,8 +172,10 @@ impl Reference {
     }
 
     /// What surrounds the object, if anything does.
-    fn surroundings(&self) -> Option<Surroundings<f64>> {
-        if self.world == World::default() && self.rolls.is_empty() {
+    fn surroundings(&self, objective: &Objective) -> Option<Surroundings<f64>> {
+        let in_cost = |t: &WeightedTerm| matches!(t.term, Term::Force { .. });
+        let measured = objective.terms.iter().any(in_cost);
+        if self.world == World::default() && self.rolls.is_empty() && !measured {
             return None;
         }
         let mut start = Hands::new(&self.grasping, &self.world.grasps);
@@ -180,7 +183,7 @@ impl Reference {
             hold.place = quad(*place);
         }
         let motion = Motion { closed: self.closed.clone(), ..Motion::default() };
-        let mut surroundings = Surroundings::new(&self.world, &motion, start, false);
+        let mut surroundings = Surroundings::new(&self.world, &motion, start, measured);
         surroundings.poses.clone_from(&self.poses);
         surroundings.rolls.clone_from(&self.rolls);
         Some(surroundings)
@@ -211,10 +214,12 @@ impl Reference {
             return Err(Error::InvalidInput("a length of the reference was changed".into()));
         }
         check::objective(objective, self.frames, n).map_err(Error::InvalidInput)?;
+        let terms = check::surroundings::terms(objective, &self.world, c);
+        terms.map_err(Error::InvalidInput)?;
         let system = System::new(&self.model, &Layout::new(graph), p.clone());
         let both = self.positions.iter().zip(&self.velocities);
         work(&Simulation {
-            surroundings: self.surroundings(),
+            surroundings: self.surroundings(objective),
             system: &system,
             initial: both.map(|(&x, &v)| Node { x: quad(x), v: quad(v) }).collect(),
             twists: self.twists.clone(),

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use bytes::{Bytes, BytesMut};
 
-use super::Batch;
+use super::{Batch, TwinShape};
 use crate::v1::{
     Grasping, RollOutRequest, RollOutResponse, Tensor,
     cost::Kind,
@@ -30,12 +30,33 @@ pub fn can_split(request: &RollOutRequest) -> bool {
     !whole_returns && !refuses && request.ensemble.is_none()
 }
 
-/// `count` runs of nearly equal length that cover `0..instances`, none of them empty.
-pub fn runs(instances: u64, count: u64) -> impl Iterator<Item = Range<u64>> {
-    let count = count.clamp(1, instances.max(1));
+/// Most work of the instances that a GPU simulates together, in element substeps: a fraction of a
+/// second on a large one.
+pub const SLICE_WORK: f64 = 1e10;
+
+/// Number of instances that a GPU with so many lanes simulates together: whole rounds of them within
+/// [`SLICE_WORK`], at least one. Parts of whole slices have the bits of the whole there.
+pub fn slice_instances(
+    request: &RollOutRequest,
+    batch: &Batch,
+    twin: &TwinShape,
+    lanes: u64,
+) -> u64 {
+    let round = lanes.max(1);
+    let instance = twin.slice_work(request.fidelity(), batch.frames);
+    let rounds = (SLICE_WORK / (instance * round as f64).max(1.0)) as u64;
+    rounds.max(1).saturating_mul(round)
+}
+
+/// At most `count` runs of nearly equal length that cover `0..instances`, none of them empty, cut at
+/// multiples of `unit`.
+pub fn runs(instances: u64, count: u64, unit: u64) -> impl Iterator<Item = Range<u64>> {
+    let unit = unit.max(1);
+    let units = instances.div_ceil(unit);
+    let count = count.clamp(1, units.max(1));
     let edge = move |i: u64| {
-        let edge = u128::from(instances) * u128::from(i) / u128::from(count);
-        u64::try_from(edge).unwrap_or(instances)
+        let edge = u128::from(units) * u128::from(i) / u128::from(count) * u128::from(unit);
+        u64::try_from(edge).unwrap_or(instances).min(instances)
     };
     (0..count).map(move |i| edge(i)..edge(i + 1))
 }
@@ -221,7 +242,7 @@ fn concatenated<'t>(
             && t.offset == first.offset
             && t.checked_shape("").is_ok()
     };
-    if first.shape.is_empty() || !is_alike(&first) || !rest.iter().all(is_alike) {
+    if first.shape.is_empty() || !is_alike(first) || !rest.iter().all(is_alike) {
         return Err(Mismatch("a tensor has another shape in one"));
     }
     let count = tensors.iter().filter_map(|t| t.shape.first()).sum::<u64>();

@@ -27,13 +27,26 @@ impl TwinShape {
     /// Work of one instance over `frames` frames among surroundings that are as much work for each
     /// node as so many elements, in element substeps.
     pub(super) fn work(&self, fidelity: Fidelity, frames: u64, surroundings: u64) -> u128 {
-        let substeps = match fidelity {
-            Fidelity::Fast => self.fast_substeps.unwrap_or(self.substeps),
-            Fidelity::Exact | Fidelity::Unspecified => self.substeps,
-        };
+        let substeps = self.substeps(fidelity);
         let elements = u128::from(self.nodes) * (1 + u128::from(surroundings))
             + u128::from(self.springs)
             + u128::from(self.triplets);
         u128::from(frames) * u128::from(substeps) * elements
+    }
+
+    /// Work of one instance as a worker counts it when it cuts a batch into slices, in element
+    /// substeps.
+    pub(super) fn slice_work(&self, fidelity: Fidelity, frames: u64) -> f64 {
+        let elements =
+            u128::from(self.nodes) + u128::from(self.springs) + 2 * u128::from(self.triplets);
+        let substeps = self.substeps(fidelity);
+        elements.max(1) as f64 * f64::from(substeps) * frames.max(1) as f64
+    }
+
+    fn substeps(&self, fidelity: Fidelity) -> u32 {
+        match fidelity {
+            Fidelity::Fast => self.fast_substeps.unwrap_or(self.substeps),
+            Fidelity::Exact | Fidelity::Unspecified => self.substeps,
+        }
     }
 }

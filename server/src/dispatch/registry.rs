@@ -169,6 +169,11 @@ impl Entry {
         self.worker.registration.lanes
     }
 
+    /// True if its results do not depend on how many instances are simulated together.
+    pub(super) fn is_cpu(&self) -> bool {
+        self.worker.registration.backend == "cpu"
+    }
+
     /// True if the other computes the same way: the same build on the same device.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         let of = |entry: &Self| {

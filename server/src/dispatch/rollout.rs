@@ -57,6 +57,7 @@ pub(crate) struct RollOut {
 /// A rollout that has passed the check.
 pub(super) struct Prepared {
     pub(super) twin: TwinId,
+    pub(super) shape: TwinShape,
     pub(super) batch: Batch,
     pub(super) ask: Ask,
     pub(super) execute: ExecuteRollOutRequest,
@@ -140,7 +141,7 @@ impl Dispatch {
         if sharers.len() > 1 {
             return self.spread(prepared, sharers).await;
         }
-        let InParts { mut parts, held } = self.from_one(prepared).await?;
+        let InParts { mut parts, held } = self.by_one(prepared).await?;
         let response = parts.next().await.ok_or(Error::WorkerEnded)??;
         match parts.next().await {
             None => Ok(Whole { response, held }),
@@ -152,7 +153,7 @@ impl Dispatch {
     /// The reply in the parts that the worker sends. The first has come when this returns.
     pub(crate) async fn parts(&self, rollout: RollOut) -> Result<InParts> {
         let prepared = self.prepared(rollout).await?;
-        self.from_one(prepared).await
+        self.by_one(prepared).await
     }
 
     /// Checks a rollout.
@@ -175,11 +176,12 @@ impl Dispatch {
             request: Some(request),
         };
         let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
-        Ok(Prepared { twin: id, batch, ask, execute, deadline, reply_bytes, memory })
+        let shape = twin.shape;
+        Ok(Prepared { twin: id, shape, batch, ask, execute, deadline, reply_bytes, memory })
     }
 
     /// The reply of one worker.
-    async fn from_one(&self, prepared: Prepared) -> Result<InParts> {
+    async fn by_one(&self, prepared: Prepared) -> Result<InParts> {
         let Prepared { twin, ask, execute, deadline, reply_bytes, memory, .. } = prepared;
         let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
         let share = share.await.map_err(|_| Error::Deadline)??;

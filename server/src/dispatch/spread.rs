@@ -1,11 +1,15 @@
 //! One batch on several workers. A batch that takes a while is cut into contiguous parts by
 //! instance, one for each worker that has nothing else to do, and the reply is put together from
-//! theirs. On the CPU the bits are those of one worker; on a GPU the last bits depend on how many
-//! instances are simulated together.
+//! theirs. The bits are those of one worker: on the CPU wherever it is cut; on a GPU, where the last
+//! bits depend on how many instances are simulated together, it is cut where a worker would cut it.
 
 use std::sync::Arc;
 
-use bendtwin_proto::{rollout::split, v1::RollOutResponse, worker::v1::ExecuteRollOutRequest};
+use bendtwin_proto::{
+    rollout::{self, split},
+    v1::{RollOutRequest, RollOutResponse},
+    worker::v1::ExecuteRollOutRequest,
+};
 use futures::future::try_join_all;
 
 use super::{
@@ -21,7 +25,9 @@ use crate::failure::{Error, Result};
 const WARM_PART_S: f64 = 0.05;
 const COLD_PART_S: f64 = 0.25;
 /// Largest reply that is put together here [bytes]: its parts and the whole are in memory at once.
-pub(super) const MOST_JOINED: u64 = 64 << 20;
+const MOST_JOINED: u64 = 64 << 20;
+/// Memory of prepared instances up to which a GPU's worker cuts a batch by work alone [bytes].
+const MOST_PREPARED: u64 = 128 << 20;
 
 impl Dispatch {
     /// The workers to share a batch: none or one if it is not to be split. All are alike, so that it
@@ -40,7 +46,11 @@ impl Dispatch {
         let idle = route::idle(prepared.twin, &candidates);
         let Some(first) = idle.first().and_then(|i| entries.get(*i)) else { return Vec::new() };
         let seconds = prepared.ask.work / first.line.per_second();
-        let most_by_instances = prepared.batch.instances / u64::from(first.lanes().max(1));
+        let Some(unit) = prepared.unit(first, request) else { return Vec::new() };
+        let most_by_instances = match prepared.batch.instances / u64::from(first.lanes().max(1)) {
+            0 => 1,
+            rounds => rounds.min(prepared.batch.instances.div_ceil(unit)),
+        };
         let mut sharers: Vec<Arc<Entry>> = Vec::new();
         for i in idle {
             let (Some(entry), Some(candidate)) = (entries.get(i), candidates.get(i)) else { break };
@@ -64,15 +74,17 @@ impl Dispatch {
         prepared: Prepared,
         sharers: Vec<Arc<Entry>>,
     ) -> Result<Whole> {
-        let Prepared { twin, batch, ask, execute, deadline, reply_bytes, memory } = prepared;
-        let Some(request) = &execute.request else {
-            return Err(Error::Internal("a rollout without a request".to_owned()));
+        let request = prepared.execute.request.as_ref();
+        let unit = request.zip(sharers.first()).and_then(|(r, first)| prepared.unit(first, r));
+        let Prepared { twin, batch, ask, execute, deadline, reply_bytes, memory, .. } = prepared;
+        let (Some(request), Some(unit)) = (&execute.request, unit) else {
+            return Err(Error::Internal("a rollout that cannot be shared".to_owned()));
         };
         // The parts, and what is made of them.
         let share = self.memory.reply(reply_bytes.saturating_mul(2));
         let share =
             tokio::time::timeout_at(deadline, share).await.map_err(|_| Error::Deadline)??;
-        let runs = split::runs(batch.instances, sharers.len() as u64);
+        let runs = split::runs(batch.instances, sharers.len() as u64, unit);
         let parts = runs.zip(sharers).map(|(run, worker)| {
             let share = (run.end - run.start) as f64 / batch.instances.max(1) as f64;
             let ask = Ask { work: ask.work * share, ..ask.clone() };
@@ -95,5 +107,21 @@ impl Dispatch {
         let joined = tokio::task::spawn_blocking(join).await;
         let response = joined.map_err(|e| Error::Internal(format!("joining replies: {e}")))??;
         Ok(Whole { response, held: Held::of(share) })
+    }
+}
+
+impl Prepared {
+    /// Number of instances at whose multiples the batch may be cut for workers like this one; none
+    /// if it may not be cut.
+    fn unit(&self, worker: &Entry, request: &RollOutRequest) -> Option<u64> {
+        if worker.is_cpu() {
+            return Some(1);
+        }
+        let bytes = rollout::memory(request, &self.batch, &self.shape, 0).prepared;
+        let all = bytes.saturating_mul(self.batch.instances);
+        let lanes = worker.lanes().into();
+        // Beyond that a worker cuts by memory, which is not known here.
+        (all <= MOST_PREPARED)
+            .then(|| split::slice_instances(request, &self.batch, &self.shape, lanes))
     }
 }

@@ -25,7 +25,7 @@ from bendtwin.archive import archive_of
 from bendtwin.errors import BendTwinError, FitFailed, IngestFailed, translated
 from bendtwin.geometry import Geometry
 from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
-from bendtwin.rollout import RolloutResult
+from bendtwin.rollout import RolloutResult, warned
 from bendtwin.token import aio_interceptors, find_token
 from bendtwin.twin import Rollouts
 from bendtwin.uploads import Sender
@@ -51,9 +51,7 @@ class Twin(Rollouts[Coroutine[Any, Any, RolloutResult], AsyncIterator[RolloutRes
     ) -> RolloutResult:
         with translated():
             reply = await self._rollouts.RollOut(request, timeout=timeout_s)
-        result = RolloutResult.from_proto(reply)
-        result.warn_if_implausible()
-        return result
+        return warned(RolloutResult.from_proto(reply))
 
     async def _send_for_parts(
         self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
@@ -62,8 +60,8 @@ class Twin(Rollouts[Coroutine[Any, Any, RolloutResult], AsyncIterator[RolloutRes
         with translated():
             async for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
                 result = RolloutResult.from_proto(part)
-                is_warned = is_warned or result.warn_if_implausible()
-                yield result
+                yield result if is_warned else warned(result)
+                is_warned = is_warned or bool(result.implausible)
 
 
 class Client:

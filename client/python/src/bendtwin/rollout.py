@@ -48,8 +48,6 @@ class Returns:
     control_gradients: bool = False
     #: d cost / d what was given as actions: knots or poses, in their shape.
     action_gradients: bool = False
-    #: Forces by frame.
-    forces: bool = False
     #: d cost / d initial positions and velocities.
     initial_gradients: bool = False
     #: Norm of d cost / d positions by frame.
@@ -60,6 +58,8 @@ class Returns:
     frame_costs: bool = False
     #: Control positions that were simulated, by frame.
     controls: bool = False
+    #: Forces by frame.
+    forces: bool = False
 
     def to_proto(self) -> rollout_pb2.Returns:
         """Makes the wire form."""
@@ -71,12 +71,12 @@ class Returns:
             diagnostics=self.diagnostics,
             control_gradients=self.control_gradients,
             action_gradients=self.action_gradients,
-            forces=self.forces,
             initial_gradients=self.initial_gradients,
             gradient_norms=self.gradient_norms,
             velocities=self.velocities,
             frame_costs=self.frame_costs,
             controls=self.controls,
+            forces=self.forces,
         )
         if self.nodes is not None:
             message.nodes.CopyFrom(pack_indices("nodes", self.nodes))
@@ -168,6 +168,19 @@ class Deviation:
     frames: int
 
 
+def warned(result: RolloutResult) -> RolloutResult:
+    """The same result, after a warning of what is not plausible, one for all instances."""
+    if result.implausible:
+        first, others = result.implausible[0], len(result.implausible) - 1
+        more = f", and {others} more in RolloutResult.implausible" if others else ""
+        message = (
+            f"implausible motion: {first.reason} of {first.found:.4g} (limit {first.limit:.4g}) in "
+            f"instance {first.instance}{more}"
+        )
+        warnings.warn(message, RuntimeWarning, stacklevel=4)
+    return result
+
+
 @dataclass(frozen=True)
 class RolloutResult:
     """The answer to a rollout: B instances, R of which are returned in detail.
@@ -238,19 +251,6 @@ class RolloutResult:
     #: How far the fast variant strays; None unless it answered.
     deviation: Deviation | None = None
 
-    def warn_if_implausible(self, stacklevel: int = 2) -> bool:
-        """Warns of what is not plausible, once for all instances; true if there was anything."""
-        if not self.implausible:
-            return False
-        first, others = self.implausible[0], len(self.implausible) - 1
-        more = f", and {others} more in RolloutResult.implausible" if others else ""
-        message = (
-            f"implausible motion: {first.reason} of {first.found:.4g} (limit {first.limit:.4g}) "
-            f"in instance {first.instance}{more}"
-        )
-        warnings.warn(message, RuntimeWarning, stacklevel=stacklevel + 1)
-        return True
-
     def state(self, row: int) -> State:
         """The final state of one of `instances`, to go on from: `twin.rollout(initial=...)`."""
         return state_of(self.states(), row)
@@ -285,7 +285,6 @@ class RolloutResult:
                 "control_gradients",
                 "action_gradients",
                 "final_controls",
-                "member_costs",
                 "initial_position_gradients",
                 "initial_velocity_gradients",
                 "gradient_norms",
@@ -293,6 +292,7 @@ class RolloutResult:
                 "velocities",
                 "frame_costs",
                 "controls",
+                "member_costs",
             )
         }
         return cls(

@@ -13,7 +13,7 @@ from bendtwin.errors import translated
 from bendtwin.geometry import Geometry
 from bendtwin.interpolation import Interpolation
 from bendtwin.resources import TwinInfo
-from bendtwin.rollout import FIDELITIES, Fidelity, Returns, RolloutResult
+from bendtwin.rollout import FIDELITIES, Fidelity, Returns, RolloutResult, warned
 from bendtwin.state import InitialState, Rest
 from bendtwin.v1 import rollout_pb2, twin_pb2
 from bendtwin.world import (
@@ -241,9 +241,7 @@ class Twin(Rollouts[RolloutResult, Iterator[RolloutResult]]):
     def _send(self, request: rollout_pb2.RollOutRequest, timeout_s: float | None) -> RolloutResult:
         with translated():
             reply = self._rollouts.RollOut(request, timeout=timeout_s)
-        result = RolloutResult.from_proto(reply)
-        result.warn_if_implausible(stacklevel=3)
-        return result
+        return warned(RolloutResult.from_proto(reply))
 
     def _send_for_parts(
         self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
@@ -252,5 +250,5 @@ class Twin(Rollouts[RolloutResult, Iterator[RolloutResult]]):
         with translated():
             for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
                 result = RolloutResult.from_proto(part)
-                is_warned = is_warned or result.warn_if_implausible(stacklevel=3)
-                yield result
+                yield result if is_warned else warned(result)
+                is_warned = is_warned or bool(result.implausible)

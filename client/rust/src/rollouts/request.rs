@@ -189,6 +189,41 @@ impl Rollout {
         self
     }
 
+    /// Asks for the gradients of the cost with respect to the initial positions and velocities.
+    #[must_use]
+    pub fn initial_gradients(mut self) -> Self {
+        self.returns.initial_gradients = true;
+        self
+    }
+
+    /// Asks for the norm of the gradient with respect to positions, by frame.
+    #[must_use]
+    pub fn gradient_norms(mut self) -> Self {
+        self.returns.gradient_norms = true;
+        self
+    }
+
+    /// Asks for velocities where positions are recorded.
+    #[must_use]
+    pub fn velocities(mut self) -> Self {
+        self.returns.velocities = true;
+        self
+    }
+
+    /// Asks for costs by frame and by name.
+    #[must_use]
+    pub fn frame_costs(mut self) -> Self {
+        self.returns.frame_costs = true;
+        self
+    }
+
+    /// Asks for the control positions that were simulated.
+    #[must_use]
+    pub fn executed_controls(mut self) -> Self {
+        self.returns.controls = true;
+        self
+    }
+
     /// Surrounds the object by this.
     #[must_use]
     pub fn world(mut self, world: World) -> Self {
@@ -239,41 +274,6 @@ impl Rollout {
     #[must_use]
     pub fn forces(mut self) -> Self {
         self.returns.forces = true;
-        self
-    }
-
-    /// Asks for the gradients of the cost with respect to the initial positions and velocities.
-    #[must_use]
-    pub fn initial_gradients(mut self) -> Self {
-        self.returns.initial_gradients = true;
-        self
-    }
-
-    /// Asks for the norm of the gradient with respect to positions, by frame.
-    #[must_use]
-    pub fn gradient_norms(mut self) -> Self {
-        self.returns.gradient_norms = true;
-        self
-    }
-
-    /// Asks for velocities where positions are recorded.
-    #[must_use]
-    pub fn velocities(mut self) -> Self {
-        self.returns.velocities = true;
-        self
-    }
-
-    /// Asks for costs by frame and by name.
-    #[must_use]
-    pub fn frame_costs(mut self) -> Self {
-        self.returns.frame_costs = true;
-        self
-    }
-
-    /// Asks for the control positions that were simulated.
-    #[must_use]
-    pub fn executed_controls(mut self) -> Self {
-        self.returns.controls = true;
         self
     }
 

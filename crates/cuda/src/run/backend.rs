@@ -222,11 +222,11 @@ impl CudaBackend {
         };
         let initial_twists =
             if request.initial { self.queue.fetch(&gradients.initial_twists)? } else { Vec::new() };
-        let norms = self.queue.fetch(&gradients.norms)?;
         let poses = self.queue.fetch(&gradients.poses)?;
         let rolls = self.queue.fetch(&gradients.rolls)?;
         let places =
             if request.initial { self.queue.fetch(&gradients.places)? } else { Vec::new() };
+        let norms = self.queue.fetch(&gradients.norms)?;
         let mut out = Vec::with_capacity(batch.len());
         for (i, (instance, loss)) in batch.iter().zip(simulated.losses()?).enumerate() {
             let model = instance.model.model();

@@ -43,9 +43,6 @@ pub(crate) struct Gradients {
     /// d loss / d initial twists by instance.
     pub(crate) initial_twists: Buffer<f32>,
     pub(crate) initial_twist_starts: Vec<usize>,
-    /// Norms of d loss / d positions by instance, shape [F + 1]; empty if not asked for.
-    pub(crate) norms: Buffer<f64>,
-    pub(crate) norm_starts: Vec<usize>,
     /// d loss / d poses by instance, shape [F + 1, B, 3, 4]; empty if not asked for.
     pub(crate) poses: Buffer<f32>,
     pub(crate) pose_starts: Vec<usize>,
@@ -55,6 +52,9 @@ pub(crate) struct Gradients {
     /// d loss / d places of holds by instance, shape [N], padded to four; empty without grasps.
     pub(crate) places: Buffer<[f32; 4]>,
     pub(crate) place_starts: Vec<usize>,
+    /// Norms of d loss / d positions by instance, shape [F + 1]; empty if not asked for.
+    pub(crate) norms: Buffer<f64>,
+    pub(crate) norm_starts: Vec<usize>,
 }
 
 /// Bytes of device memory that an instance's gradient takes beside one window's tape.
@@ -126,8 +126,6 @@ impl Gradients {
             control_starts.push(end_of(&control_starts) + controls);
             initial_starts.push(end_of(&initial_starts) + 2 * graph.node_count());
             initial_twist_starts.push(end_of(&initial_twist_starts) + graph.rods.len());
-            let norms = if request.norms { instance.frames + 1 } else { 0 };
-            norm_starts.push(end_of(&norm_starts) + norms);
             let (poses, rolls) = match request.motion {
                 true => (12 * instance.motion.poses.len(), instance.motion.rolls.len()),
                 false => (0, 0),
@@ -136,24 +134,26 @@ impl Gradients {
             roll_starts.push(end_of(&roll_starts) + rolls);
             let places = if instance.world.grasps.is_empty() { 0 } else { graph.node_count() };
             place_starts.push(end_of(&place_starts) + places);
+            let norms = if request.norms { instance.frames + 1 } else { 0 };
+            norm_starts.push(end_of(&norm_starts) + norms);
         }
         Ok(Self {
             params: Buffer::zeros(stream, end_of(&starts))?,
             controls: Buffer::zeros(stream, end_of(&control_starts))?,
             initial: Buffer::zeros(stream, end_of(&initial_starts))?,
             initial_twists: Buffer::zeros(stream, end_of(&initial_twist_starts))?,
-            norms: Buffer::zeros(stream, end_of(&norm_starts))?,
             poses: Buffer::zeros(stream, end_of(&pose_starts))?,
             rolls: Buffer::zeros(stream, end_of(&roll_starts))?,
             places: Buffer::zeros(stream, end_of(&place_starts))?,
+            norms: Buffer::zeros(stream, end_of(&norm_starts))?,
             starts,
             control_starts,
             initial_starts,
             initial_twist_starts,
-            norm_starts,
             pose_starts,
             roll_starts,
             place_starts,
+            norm_starts,
         })
     }
 }

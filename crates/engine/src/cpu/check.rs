@@ -1,7 +1,7 @@
 //! Everything that a client can get wrong about a model or an instance, found before the simulation
 //! starts.
 
-mod surroundings;
+pub(crate) mod surroundings;
 
 use std::sync::Arc;
 
@@ -132,6 +132,7 @@ pub fn instance(index: usize, instance: &Instance) -> Result<(), Error> {
         return wrong("a control position is not finite".into());
     }
     surroundings::surroundings(instance).or_else(wrong)?;
+    surroundings::terms(&instance.objective, &instance.world, c).or_else(wrong)?;
     objective(&instance.objective, instance.frames, n).or_else(wrong)
 }
 

@@ -7,7 +7,6 @@
 //! impact and not of its motion.
 
 use super::{
-    body::Pose,
     force::{FrameForces, Wrench},
     grasp::{Hands, Hold},
     integrate::Workspace,
@@ -150,25 +149,20 @@ pub(crate) fn point<T: Real>(x: [T; 4]) -> [f32; 3] {
     [narrow(x[0]), narrow(x[1]), narrow(x[2])]
 }
 
-/// To a client's pose.
-pub(crate) fn pose<T: Real>(pose: &Pose<T>) -> world::Pose {
-    pose.map(|row| row.map(narrow))
+/// To a client's hold.
+pub(crate) fn hold_of<T: Real>(h: &Hold<T>) -> world::Hold {
+    world::Hold { node: h.node as u32, grasp: h.grasp as u32, place: point(h.place) }
 }
 
 /// A client's view of nodes, twists and grasps.
 pub(crate) fn state_of<T: Real>(nodes: &[Node<T>], twists: &[T], hands: &Hands<T>) -> State {
-    let hold = |h: &Hold<T>| world::Hold {
-        node: h.node as u32,
-        grasp: h.grasp as u32,
-        place: point(h.place),
-    };
     State {
         positions: nodes.iter().map(|n| point(n.x)).collect(),
         velocities: nodes.iter().map(|n| point(n.v)).collect(),
         twists: twists.iter().map(|&x| narrow(x)).collect(),
         grasping: Grasping {
             phases: hands.phases.clone(),
-            holds: hands.holds.iter().map(hold).collect(),
+            holds: hands.holds.iter().map(hold_of).collect(),
         },
     }
 }

@@ -97,6 +97,28 @@ pub(crate) struct ForceSeeds<T> {
 }
 
 impl<T: Real> ForceSeeds<T> {
+    /// Zero.
+    pub(crate) fn zero(of: &Surroundings<T>, system: &System<T>) -> Self {
+        let zero = |n: usize| vec![[T::ZERO; 4]; n];
+        Self {
+            controls: zero(system.controls),
+            grasps: zero(of.hands.len()),
+            ground: [T::ZERO; 4],
+            colliders: zero(of.colliders.len()),
+        }
+    }
+
+    /// Hands what belongs to grasps of control points on to these; false if all is zero.
+    pub(crate) fn spread(&mut self, of: &Surroundings<T>) -> bool {
+        for (hand, &seed) in of.hands.iter().zip(&self.grasps) {
+            for &c in hand.controls() {
+                self.controls[c as usize] = add(self.controls[c as usize], seed);
+            }
+        }
+        let all = self.controls.iter().chain(&self.grasps).chain(&self.colliders);
+        all.chain([&self.ground]).any(|seed| *seed != [T::ZERO; 4])
+    }
+
     /// Of every prescribed node.
     pub(crate) fn held(
         &self,

@@ -5,6 +5,7 @@
 use super::{
     adjoint::Adjoint,
     body::Pose,
+    force::{ForceSeeds, FrameForces},
     grasp::Hands,
     lanes::Node,
     loss::{Moment, TermBars, Terms},
@@ -39,11 +40,11 @@ pub(crate) struct LossGradient<T> {
     pub(crate) last: Vec<Node<T>>,
     /// Twists after the last frame, shape [R].
     pub(crate) last_twists: Vec<T>,
+    /// What hands hold after the last frame.
+    pub(crate) last_hands: Hands<T>,
     /// Norm of d loss / d positions of the nodes that nothing pins, shape [F + 1]; NaN if it
     /// diverged.
     pub(crate) norms: Vec<f64>,
-    /// What hands hold after the last frame.
-    pub(crate) last_hands: Hands<T>,
 }
 
 /// Loss and gradient; `cut_every` as in [`crate::backend::GradientRequest`].
@@ -58,11 +59,15 @@ pub(crate) fn gradient<T: Real>(
     let mut states: Vec<Vec<Node<T>>> = Vec::new();
     let mut twists: Vec<Vec<T>> = Vec::new();
     let mut hands: Vec<Hands<T>> = Vec::new();
+    let mut forces: Vec<FrameForces<T>> = Vec::new();
     let diverged = simulation.run(cancel, |frame, now| {
-        scorer.see(frame, &now.nodes[..n]);
+        scorer.see(frame, now);
         states.push(now.nodes[..n].to_vec());
         twists.push(now.twists.clone());
         hands.push(now.around.hands.clone());
+        if simulation.measures().is_some() {
+            forces.push(now.around.forces.clone());
+        }
     })?;
     let (loss, _) = scorer.finish(diverged, simulation.frames);
     let around = simulation.surroundings.as_ref();
@@ -75,13 +80,13 @@ pub(crate) fn gradient<T: Real>(
     let mut rest_lengths = vec![T::ZERO; system.parameters.rest_lengths_m.len()];
     let mut norms = vec![f64::NAN; simulation.frames + 1];
     if diverged.is_none() {
-        let terms = Terms::new(simulation.objective);
         let mut backward = Backward {
             simulation,
             states: &states,
             twists: &twists,
             hands: &hands,
-            terms,
+            forces: &forces,
+            terms: Terms::new(simulation.objective),
             rest_lengths: &mut rest_lengths,
             norms: &mut norms,
         };
@@ -107,8 +112,8 @@ pub(crate) fn gradient<T: Real>(
         rolls: prescribed.rolls,
         last: states.pop().unwrap_or_default(),
         last_twists: twists.pop().unwrap_or_default(),
-        norms,
         last_hands: hands.pop().unwrap_or_default(),
+        norms,
     })
 }
 
@@ -123,6 +128,12 @@ struct Prescribed<T> {
 }
 
 impl<T: Real> Prescribed<T> {
+    /// Of the bodies at a frame's end.
+    fn poses_at(&mut self, frame: usize, simulation: &Simulation<'_, T>) -> &mut [Pose<T>] {
+        let bodies = simulation.surroundings.as_ref().map_or(0, |of| of.bodies);
+        &mut self.poses[frame * bodies..(frame + 1) * bodies]
+    }
+
     /// Adds what a frame's adjoint, 0-based, has gathered; after the last frame there is no row for
     /// what stands still.
     fn gather(&mut self, adjoint: &Adjoint<T>, frame: usize, frame_s: f64) {
@@ -155,6 +166,8 @@ struct Backward<'a, T> {
     twists: &'a [Vec<T>],
     /// What hands hold at frames' ends, shape [F + 1].
     hands: &'a [Hands<T>],
+    /// Frames' forces, shape [F + 1], or empty.
+    forces: &'a [FrameForces<T>],
     terms: Terms<'a>,
     /// d loss / d rest lengths by terms that depend on them directly, shape [E].
     rest_lengths: &'a mut [T],
@@ -183,9 +196,13 @@ impl<T: Real> Backward<'_, T> {
                 adjoint.around.places.fill([T::ZERO; 4]);
                 arriving.clear();
             }
-            if let Some(moment) = moment(self.states, frame, simulation.system) {
+            let mut seeds = simulation.measures().map(|of| ForceSeeds::zero(of, simulation.system));
+            if let Some(moment) = moment(simulation, self.states, self.forces, frame) {
                 let rest_lengths = &mut *self.rest_lengths;
-                let mut bars = TermBars { nodes: &mut adjoint.bar, rest_lengths };
+                let nodes = &mut adjoint.bar;
+                let poses = prescribed.poses_at(frame, simulation);
+                let forces = seeds.as_mut();
+                let mut bars = TermBars { nodes, rest_lengths, poses, forces };
                 self.terms.add_gradient(frame, moment, &mut bars);
             }
             self.norms[frame] = norm(simulation.system, &adjoint.bar);
@@ -198,7 +215,11 @@ impl<T: Real> Backward<'_, T> {
             workspace.nodes[..simulation.system.nodes].copy_from_slice(&self.states[frame - 1]);
             workspace.twists.copy_from_slice(&self.twists[frame - 1]);
             workspace.around.hands.clone_from(&self.hands[frame - 1]);
-            let around = simulation.around(frame - 1).map(|at| (at, None));
+            let around = simulation.around(frame - 1).map(|at| {
+                // No term asks for a force: then nothing is measured again.
+                let matter = seeds.as_mut().is_some_and(|s| s.spread(at.of));
+                (at, seeds.as_ref().filter(|_| matter))
+            });
             let controls = simulation.controls_of(frame - 1);
             arriving = adjoint.back_frame(simulation.system, controls, around, &mut workspace);
             prescribed.gather(adjoint, frame - 1, frame_s);
@@ -228,26 +249,17 @@ impl<T: Real> Backward<'_, T> {
             return;
         }
         for back in [1, 2] {
-            let system = self.simulation.system;
-            if let Some(moment) = moment(self.states, frame + back, system) {
+            if let Some(moment) = moment(self.simulation, self.states, self.forces, frame + back) {
                 self.terms.add_gradient_back(frame + back, back, moment, bar);
             }
         }
     }
 }
 
-/// A frame's end, with the two before it; `None` after the last.
-fn moment<'a, T>(
-    states: &'a [Vec<Node<T>>],
-    frame: usize,
-    system: &'a System<T>,
-) -> Option<Moment<'a, T>> {
-    let now = states.get(frame)?;
-    let earlier = match frame.checked_sub(2) {
-        Some(two) => Some([&*states[frame - 1], &*states[two]]),
-        None => None,
-    };
-    Some(Moment { now, earlier, system })
+fn add_velocities<T: Real>(bar: &mut [Node<T>], velocities: &[(usize, Quad<T>)]) {
+    for &(node, v) in velocities {
+        bar[node].v = add(bar[node].v, v);
+    }
 }
 
 /// Norm of d loss / d positions; what is pinned does not move by itself.
@@ -257,8 +269,19 @@ fn norm<T: Real>(system: &System<T>, bar: &[Node<T>]) -> f64 {
     free.map(|(bar, _)| square(bar.x)).sum::<f64>().sqrt()
 }
 
-fn add_velocities<T: Real>(bar: &mut [Node<T>], velocities: &[(usize, Quad<T>)]) {
-    for &(node, v) in velocities {
-        bar[node].v = add(bar[node].v, v);
-    }
+/// A frame's end, with the two before it; `None` after the last.
+fn moment<'a, T>(
+    simulation: &'a Simulation<'_, T>,
+    states: &'a [Vec<Node<T>>],
+    forces: &'a [FrameForces<T>],
+    frame: usize,
+) -> Option<Moment<'a, T>> {
+    let now = states.get(frame)?;
+    let earlier = match frame.checked_sub(2) {
+        Some(two) => Some([&*states[frame - 1], &*states[two]]),
+        None => None,
+    };
+    let forces = if frame > 0 { forces.get(frame) } else { None };
+    let (system, around) = (simulation.system, simulation.surroundings.as_ref());
+    Some(Moment { frame, now, earlier, system, around, forces })
 }

@@ -1,14 +1,19 @@
 //! Values and exact gradients of an objective's terms. The nearest node of a
 //! Chamfer target counts as fixed in the gradient, which is exact almost everywhere.
 
+mod clearance;
+mod force;
 mod region;
 mod strain;
 
 use self::region::Region;
 use super::{
+    body::Pose,
+    force::{ForceSeeds, FrameForces},
     lanes::Node,
     nearest::nearest,
     real::{Quad, Real, add, add_scaled, dot, quad, scale, sub},
+    surroundings::Surroundings,
     system::System,
 };
 use crate::objective::{Objective, PointLoss, Term, WeightedTerm};
@@ -16,11 +21,16 @@ use crate::objective::{Objective, PointLoss, Term, WeightedTerm};
 /// Node states at a frame and at the two before it.
 #[derive(Clone, Copy)]
 pub(crate) struct Moment<'a, T> {
+    pub(crate) frame: usize,
     /// Shape [N].
     pub(crate) now: &'a [Node<T>],
     /// One and two frames earlier, if there were any.
     pub(crate) earlier: Option<[&'a [Node<T>]; 2]>,
     pub(crate) system: &'a System<T>,
+    /// What surrounds the object beside the ground.
+    pub(crate) around: Option<&'a Surroundings<T>>,
+    /// Mean forces of the frame that ends here, if they were measured.
+    pub(crate) forces: Option<&'a FrameForces<T>>,
 }
 
 /// d loss / d what the terms of a frame depend on.
@@ -30,6 +40,10 @@ pub(crate) struct TermBars<'a, T> {
     pub(crate) nodes: &'a mut [Node<T>],
     /// Rest lengths, shape [E].
     pub(crate) rest_lengths: &'a mut [T],
+    /// Poses of bodies at the frame's end, shape [B].
+    pub(crate) poses: &'a mut [Pose<T>],
+    /// The frame's mean forces, if they are measured.
+    pub(crate) forces: Option<&'a mut ForceSeeds<T>>,
 }
 
 /// The terms of an objective, found by frame.
@@ -130,7 +144,12 @@ fn value<T: Real>(term: &Term, at: Moment<'_, T>) -> f64 {
         Term::Within { nodes, low, high } => {
             Region::Within { low: *low, high: *high }.value(nodes.as_ref(), at.now)
         }
-        Term::Clearance { .. } | Term::Force { .. } => f64::NAN,
+        Term::Clearance { collider, margin_m } => {
+            clearance::value(at, *collider as usize, *margin_m)
+        }
+        Term::Force { by, limit } => {
+            at.forces.map_or(0.0, |forces| force::value(forces, *by, *limit))
+        }
         Term::Acceleration => {
             let Some([one, two]) = at.earlier else { return 0.0 };
             let sum: f64 =
@@ -195,7 +214,15 @@ fn add_term_gradient<T: Real>(
             let region = Region::Within { low: *low, high: *high };
             region.add_gradient(nodes.as_ref(), at.now, weight, bar);
         }
-        Term::Clearance { .. } | Term::Force { .. } => {}
+        Term::Clearance { collider, margin_m } => {
+            let poses = &mut *bars.poses;
+            clearance::add_gradient(at, *collider as usize, *margin_m, weight, bar, poses);
+        }
+        Term::Force { by, limit } => {
+            if let (Some(forces), Some(seeds)) = (at.forces, &mut bars.forces) {
+                force::add_gradient(forces, *by, *limit, weight, seeds);
+            }
+        }
     }
 }
 

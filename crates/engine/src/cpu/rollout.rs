@@ -63,6 +63,11 @@ impl<T: Real> Simulation<'_, T> {
         self.surroundings.as_ref().map(|of| Frame { of, frame, frames: self.frames })
     }
 
+    /// The surroundings, if their forces are measured.
+    pub(crate) fn measures(&self) -> Option<&Surroundings<T>> {
+        self.surroundings.as_ref().filter(|of| of.measured)
+    }
+
     /// A workspace at the initial state, pinned nodes on their control points; hands have opened and
     /// closed for the first frame.
     pub(crate) fn start(&self) -> Workspace<T> {
@@ -124,27 +129,31 @@ pub(crate) struct Scorer<'a, T> {
     /// By frame, shape [frames seen, groups].
     frames: Vec<f64>,
     groups: usize,
-    system: &'a System<T>,
+    simulation: &'a Simulation<'a, T>,
     /// The two latest frames, newest last, if a term looks back.
     recent: Vec<Vec<Node<T>>>,
 }
 
 impl<'a, T: Real> Scorer<'a, T> {
-    pub(crate) fn new(simulation: &Simulation<'a, T>) -> Self {
-        let (objective, system) = (simulation.objective, simulation.system);
+    pub(crate) fn new(simulation: &'a Simulation<'_, T>) -> Self {
+        let objective = simulation.objective;
         let frames = Vec::with_capacity(objective.groups.len() * (simulation.frames + 1));
         let groups = objective.groups.len();
-        Self { terms: Terms::new(objective), frames, groups, system, recent: Vec::new() }
+        Self { terms: Terms::new(objective), frames, groups, simulation, recent: Vec::new() }
     }
 
-    pub(crate) fn see(&mut self, frame: usize, now: &[Node<T>]) {
+    pub(crate) fn see(&mut self, frame: usize, workspace: &Workspace<T>) {
+        let system = self.simulation.system;
+        let now = &workspace.nodes[..system.nodes];
         let earlier = match &*self.recent {
             [two, one] => Some([&**one, &**two]),
             _ => None,
         };
         let start = self.frames.len();
         self.frames.resize(start + self.groups, 0.0);
-        let moment = Moment { now, earlier, system: self.system };
+        let around = self.simulation.surroundings.as_ref();
+        let forces = around.filter(|of| of.measured && frame > 0).map(|_| &workspace.around.forces);
+        let moment = Moment { frame, now, earlier, system, around, forces };
         self.terms.score(frame, moment, &mut self.frames[start..]);
         if self.terms.look_back() {
             if self.recent.len() == 2 {
@@ -179,7 +188,6 @@ pub(crate) fn losses<T: Real>(
     cancel: &CancelToken,
 ) -> Result<Loss, Error> {
     let mut scorer = Scorer::new(simulation);
-    let diverged = simulation
-        .run(cancel, |frame, now| scorer.see(frame, &now.nodes[..simulation.system.nodes]))?;
+    let diverged = simulation.run(cancel, |frame, now| scorer.see(frame, now))?;
     Ok(scorer.finish(diverged, simulation.frames).0)
 }

@@ -133,7 +133,7 @@ proptest! {
     #[test]
     fn parts_see_what_the_whole_sees_and_their_replies_are_the_reply(b in 1usize..20, n in 1u64..9) {
         let whole = request(b);
-        let replies: Vec<RollOutResponse> = runs(b as u64, n)
+        let replies: Vec<RollOutResponse> = runs(b as u64, n, 1)
             .map(|run| {
                 let count = (run.end - run.start) as usize;
                 let part = part(&whole, &batch(b), run.clone());
@@ -147,14 +147,36 @@ proptest! {
     }
 
     #[test]
-    fn runs_cover_everything_with_nearly_equal_lengths(instances in 1u64..1_000_000, n in 0u64..40) {
-        let all: Vec<_> = runs(instances, n).collect();
-        prop_assert_eq!(all.len() as u64, n.clamp(1, instances));
+    fn runs_cover_everything_with_nearly_equal_lengths_of_whole_units(
+        instances in 1u64..1_000_000, n in 0u64..40, unit in 0u64..200,
+    ) {
+        let all: Vec<_> = runs(instances, n, unit).collect();
+        let unit = unit.max(1);
+        let units = instances.div_ceil(unit);
+        prop_assert_eq!(all.len() as u64, n.clamp(1, units));
         prop_assert_eq!((all[0].start, all[all.len() - 1].end), (0, instances));
         prop_assert!(all.windows(2).all(|w| w[0].end == w[1].start));
-        let lengths = || all.iter().map(|r| r.end - r.start);
+        prop_assert!(all.iter().all(|r| r.start % unit == 0 && r.start < r.end));
+        let lengths = || all.iter().map(|r| (r.end - r.start).div_ceil(unit));
         prop_assert!(lengths().max().unwrap() - lengths().min().unwrap() <= 1);
     }
+}
+
+#[test]
+fn a_slice_is_whole_rounds_of_lanes_within_its_work() {
+    let twin = TwinShape {
+        nodes: 100,
+        springs: 700,
+        triplets: 100,
+        substeps: 100,
+        ..TwinShape::default()
+    };
+    let of =
+        |frames, lanes| slice_instances(&request(1), &Batch { frames, ..batch(1) }, &twin, lanes);
+    // A frame of an instance is 1e5 element substeps.
+    assert_eq!((of(10, 100), of(10, 132)), (10_000, 75 * 132));
+    assert_eq!((of(1_000, 132), of(1_000_000, 132)), (132, 132));
+    assert_eq!(of(100_000, 0), 1);
 }
 
 #[test]

@@ -81,10 +81,10 @@ struct BatchArgs {
     seeds: Buffer<Pointer<f32>>,
     /// Output for d loss / d controls of each instance.
     outs: Buffer<Pointer<[f32; 3]>>,
-    /// Output for the norm at the end of each instance's frame; empty if not asked for.
-    norms: Buffer<Pointer<f64>>,
     /// Outputs for d loss / d poses and rolls, of instances with bodies or turning clamps.
     motion: Option<MotionOuts>,
+    /// Output for the norm at the end of each instance's frame; empty if not asked for.
+    norms: Buffer<Pointer<f64>>,
     /// First instance of each depth, and the end of the last.
     starts: Vec<usize>,
     /// True if an instance has several windows at a depth.
@@ -239,11 +239,11 @@ impl<'a> ConcurrentWindows<'a> {
             instances: Buffer::of(stream, &all)?,
             seeds: Buffer::of(stream, &seeds)?,
             outs: Buffer::of(stream, &outs)?,
-            norms: Buffer::of(stream, &norms)?,
             motion: match batch.world_bars {
                 Some(_) => Some(MotionOuts::new(self.backward, &motion)?),
                 None => None,
             },
+            norms: Buffer::of(stream, &norms)?,
             starts,
             shared,
         })

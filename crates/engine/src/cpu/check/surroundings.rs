@@ -6,6 +6,7 @@ use crate::{
     Model,
     backend::Instance,
     model::State,
+    objective::{ForceBy, Objective, Term},
     world::{
         Attachment, Collider, Face, Grasp, MAX_FACES, MAX_PARTS, Motion, Phase, Pose, Region,
         Shape, World, spring_share,
@@ -48,6 +49,38 @@ pub(super) fn surroundings(instance: &Instance) -> Check {
         checked.map_err(|e| format!("grasp {g}: {e}"))?;
     }
     grasping(&instance.initial, world, model, &owners)
+}
+
+/// Checks the terms of an objective that name a part of the surroundings.
+///
+/// # Errors
+/// The first fault, as a sentence.
+pub(crate) fn terms(objective: &Objective, world: &World, controls: usize) -> Check {
+    for (t, weighted) in objective.terms.iter().enumerate() {
+        let exists = |what: &str, i: u32, n: usize| {
+            ensure((i as usize) < n, || format!("objective term {t}: {what} {i} of {n}"))
+        };
+        let limit = match &weighted.term {
+            Term::Force { by, limit } => {
+                match *by {
+                    ForceBy::Control(c) => exists("control point", c, controls)?,
+                    ForceBy::Grasp(g) => exists("grasp", g, world.grasps.len())?,
+                    ForceBy::Collider(k) => exists("collider", k, world.colliders.len())?,
+                    ForceBy::Controls | ForceBy::Ground => (),
+                }
+                *limit
+            }
+            Term::Clearance { collider, margin_m } => {
+                exists("collider", *collider, world.colliders.len())?;
+                *margin_m
+            }
+            _ => continue,
+        };
+        ensure(limit.is_finite() && limit >= 0.0, || {
+            format!("objective term {t}: a limit of {limit}: it must be finite and not negative")
+        })?;
+    }
+    Ok(())
 }
 
 fn ensure(ok: bool, message: impl FnOnce() -> String) -> Check {

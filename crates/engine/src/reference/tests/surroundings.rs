@@ -1,6 +1,7 @@
 //! Grasps, colliders and rolling clamps.
 
 use super::*;
+use crate::objective::ForceBy;
 use crate::world::{Attachment, Collider, Face, Grasp, Hold, Phase, Region, Shape};
 
 /// A body that starts at `at`, and in every frame moves by `by` and turns about z by an angle.
@@ -73,10 +74,8 @@ fn gradients_through_grasps_match_finite_differences() {
     }
 }
 
-/// Capsules and a box on bodies that move and turn, over the ground, with nodes flung at them:
-/// piecewise smooth, so small steps, which cost digits: 1e-5.
-#[test]
-fn gradients_through_colliders_match_finite_differences() {
+/// Capsules and a box on bodies that move and turn, over the ground, with nodes flung at them.
+fn flung() -> (Model, Reference) {
     let mut model = body(6);
     model.environment.ground = Some(Plane { normal: [0.6, 0.0, 0.8], offset_m: 0.0 });
     model.params.contact.between_objects = false;
@@ -103,6 +102,13 @@ fn gradients_through_colliders_match_finite_differences() {
     ]);
     r.velocities.iter_mut().for_each(|v| v[1] -= 0.3);
     r.velocities[8..].iter_mut().for_each(|v| v[2] += 0.5);
+    (model, r)
+}
+
+/// Impacts are piecewise smooth, so steps are small, which costs digits: 1e-5.
+#[test]
+fn gradients_through_colliders_match_finite_differences() {
+    let (model, r) = flung();
     let all = r.loss(&objective(&model, 3)).unwrap().total;
     for k in 0..3 {
         let mut without = r.clone();
@@ -110,6 +116,48 @@ fn gradients_through_colliders_match_finite_differences() {
         let loss = without.loss(&objective(&model, 3)).unwrap().total;
         assert_ne!(loss, all, "collider {k} touches nothing");
     }
-    let errors = errors(&r, &objective(&model, 3), 1e-7);
+    let mut with_forces = objective(&model, 3);
+    let by = [ForceBy::Ground, ForceBy::Collider(0), ForceBy::Collider(1), ForceBy::Collider(2)];
+    terms_of_forces(&mut with_forces, 3, &by, 3);
+    for objective in [objective(&model, 3), with_forces] {
+        let errors = errors(&r, &objective, 1e-7);
+        assert_small(&errors, 1e-5, &CONTACT[2..]);
+    }
+}
+
+/// A layer makes contact smooth.
+#[test]
+fn gradients_through_smooth_contact_match_finite_differences() {
+    let (model, mut r) = flung();
+    r.world.smoothing_m = 4e-3;
+    let mut objective = objective(&model, 3);
+    let by = [ForceBy::Ground, ForceBy::Collider(0), ForceBy::Collider(1)];
+    terms_of_forces(&mut objective, 3, &by, 3);
+    let errors = errors(&r, &objective, 1e-6);
     assert_small(&errors, 1e-5, &CONTACT[2..]);
+}
+
+/// Terms by force and clearance, over every frame.
+fn terms_of_forces(objective: &mut Objective, frames: usize, by: &[ForceBy], colliders: u32) {
+    let terms = Arc::make_mut(&mut objective.terms);
+    for frame in 1..=frames {
+        let forces = by.iter().map(|&by| Term::Force { by, limit: 0.5 });
+        let gaps = (0..colliders).map(|collider| Term::Clearance { collider, margin_m: 0.06 });
+        let all = forces.map(|t| (1e-4, t)).chain(gaps.map(|t| (50.0, t)));
+        let weighted =
+            all.map(|(weight, term)| WeightedTerm { frame, weight, group: 0, term });
+        terms.extend(weighted);
+    }
+}
+
+/// Forces by control points, pins, springs and hands of either kind: relative 1e-6.
+#[test]
+fn gradients_of_forces_by_grasps_match_finite_differences() {
+    let (model, r) = grasped(7);
+    let mut objective = objective(&model, 4);
+    let by = [ForceBy::Controls, ForceBy::Control(1), ForceBy::Grasp(0), ForceBy::Grasp(1)];
+    let by = [&by[..], &[ForceBy::Grasp(2), ForceBy::Grasp(3)]].concat();
+    terms_of_forces(&mut objective, 4, &by, 0);
+    let errors = errors(&r, &objective, 1e-5);
+    assert_small(&errors, 1e-6, &CONTACT);
 }
