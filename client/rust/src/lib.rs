@@ -66,8 +66,8 @@ pub use self::{
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{
         Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,
-        GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State, Statistic,
-        Vary, WirePose, World,
+        GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,
+        Statistic, Vary, WirePose, World,
     },
     twins::Twins,
     watch::Watch,

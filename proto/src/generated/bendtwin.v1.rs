@@ -3720,7 +3720,7 @@ pub struct GradientOptions {
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Plausibility {
     /// Largest distance between the initial state's control points and row 0 of the actions; default
-    /// 0.005. Control points of a given state are judged where it says where they are.
+    /// 0.005. Where a given state leaves out where they are, 0.02 more.
     #[prost(double, optional, tag = "1")]
     pub start_gap_m: ::core::option::Option<f64>,
     /// Fastest control point; default 5.

@@ -130,6 +130,7 @@ impl Bench {
             cancel: &cancel,
             arrived: Instant::now(),
             worker: "w",
+            keeps_states: false,
         };
         let mut parts = Vec::new();
         execution.run(|part| {
