@@ -192,7 +192,6 @@ suite! { ($)
         gradients_of_a_twisting_rod,
         gradients_of_a_rolling_clamp,
         gradients_through_grasps,
-        gradients_through_smooth_contact,
         gradients_through_ground_contact,
         gradients_through_object_contact,
         gradients_of_every_term,

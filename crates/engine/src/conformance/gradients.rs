@@ -12,14 +12,13 @@ use super::{
     expect::{Outcome, close, ensure},
     grasps::grasping,
     random::{RandomOptions, random_model, random_motion, random_objective},
-    scene::{Scene, pose},
+    scene::Scene,
     twist::{branched_cable, cable},
 };
 use crate::{
     Backend, Objective, PointLoss, Term,
     backend::GradientRequest,
     objective::{ForceBy, WeightedTerm},
-    world::{Collider, Shape},
 };
 
 /// A random scene with terms of one kind only, tracks by default.
@@ -205,34 +204,6 @@ fn in_the_air(seed: u64) -> Scene {
     scene.environment.gravity = [0.0, 0.0, -2.0];
     keep(&mut scene.objective, |t| matches!(t, Term::Track { .. }));
     scene
-}
-
-/// Through the layer of smooth contact, of ground and of colliders that move, and by the forces with
-/// which they push: to 2 %. (Here steps may cross impacts.)
-pub(super) fn gradients_through_smooth_contact(backend: &dyn Backend) -> Outcome {
-    for seed in 0..2 {
-        let options = RandomOptions { ground: true, pins: 0, ..RandomOptions::default() };
-        let mut scene = tracked(seed, &options, 4);
-        scene.world.smoothing_m = 0.02;
-        let body = scene.body(|f| pose([0.03, 0.03, 0.1 - 0.002 * f as f64], 0.03 * f as f64));
-        let shape =
-            Shape::Capsule { from: [-0.05, 0.0, 0.0], to: [0.05, 0.0, 0.0], radius_m: 0.02 };
-        let capsule = Collider { body: Some(body), shape, friction: 0.4, restitution: 0.2 };
-        scene.world.colliders.push(capsule);
-        let terms = Arc::make_mut(&mut scene.objective.terms);
-        let by = [ForceBy::Ground, ForceBy::Collider(0)];
-        terms.extend(by.map(|by| WeightedTerm {
-            frame: 3,
-            weight: 1e-5,
-            group: 0,
-            term: Term::Force { by, limit: 1.0 },
-        }));
-        let term = Term::Clearance { collider: 0, margin_m: 0.05 };
-        terms.push(WeightedTerm { frame: 4, weight: 1.0, group: 0, term });
-        let must_matter = &["poses", "ground friction", "initial positions", "initial velocities"];
-        matches_differences(backend, &scene, &Check { seed, tolerance: 2e-2, must_matter })?;
-    }
-    Ok(())
 }
 
 /// Through impacts on the ground in the middle of the first substep, however the variables are
