@@ -224,10 +224,9 @@ pub(crate) fn fit(
         _ => cut.layout.max_pairs,
     };
     let half_springs = (u64::from(pairs) * pair_bytes).next_multiple_of(16);
-    let in_registers =
-        purpose != Purpose::Backward
-            && !world.forces
-            && specialization.held >= cut.layout.max_row_pairs;
+    let in_registers = purpose != Purpose::Backward
+        && !world.forces
+        && specialization.held >= cut.layout.max_row_pairs;
     specialization.half_springs_in_shared = !in_registers && used + half_springs <= room;
     if specialization.half_springs_in_shared {
         used += half_springs;

@@ -285,7 +285,8 @@ impl CudaBackend {
             } else {
                 None
             };
-            if let Some(bars) = places.get(gradients.place_starts[i]..gradients.place_starts[i + 1]) {
+            if let Some(bars) = places.get(gradients.place_starts[i]..gradients.place_starts[i + 1])
+            {
                 at_start.grasping = world::start(instance, |node| match bars.get(node) {
                     Some(bar) if ended => point(bar),
                     _ => [0.0; 3],
@@ -304,7 +305,9 @@ impl CudaBackend {
                     .as_chunks()
                     .0
                     .iter()
-                    .map(|rows: &[f32; 12]| std::array::from_fn(|r| std::array::from_fn(|c| rows[4 * r + c])))
+                    .map(|rows: &[f32; 12]| {
+                        std::array::from_fn(|r| std::array::from_fn(|c| rows[4 * r + c]))
+                    })
                     .collect(),
                 rolls: motion(&rolls[gradients.roll_starts[i]..gradients.roll_starts[i + 1]]),
                 norms,

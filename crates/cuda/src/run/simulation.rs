@@ -345,7 +345,8 @@ impl<'a> Simulation<'a> {
             let plan = choose(device, resident, model, purpose, key.1, batch, alike)?;
             Ok((key, (plan, resident.packed(Cut::of(&plan.team))?)))
         })?;
-        let known: HashMap<(usize, WorldParts), (LaunchPlan, Arc<Packed>)> = plans.into_iter().collect();
+        let known: HashMap<(usize, WorldParts), (LaunchPlan, Arc<Packed>)> =
+            plans.into_iter().collect();
         let specializations: HashSet<Specialization> =
             known.values().map(|(plan, _)| plan.specialization).collect();
         let specializations: Vec<Specialization> = specializations.into_iter().collect();
@@ -421,7 +422,9 @@ fn start(this: &Simulation<'_>) -> Result<(), Error> {
     let stream = &this.queue.stream;
     let initial = &this.initial;
     let mut starts = Vec::with_capacity(this.instances.len());
-    for ((i, instance), &(at, twists_at)) in this.instances.iter().enumerate().zip(&this.initial_places) {
+    for ((i, instance), &(at, twists_at)) in
+        this.instances.iter().enumerate().zip(&this.initial_places)
+    {
         let model = instance.model.model();
         let moves = model.control_velocity == ControlVelocity::True && instance.frames > 0;
         let (pin_of, pins) = resident(&instance.model)?.graph.pins();

@@ -248,11 +248,7 @@ impl Worlds {
         Ok(Grasping {
             phases: phases.into_iter().map(decode_phase).collect(),
             holds: held
-                .map(|(node, h)| Hold {
-                    node: node as u32,
-                    grasp: h.grasp as u32,
-                    place: h.place,
-                })
+                .map(|(node, h)| Hold { node: node as u32, grasp: h.grasp as u32, place: h.place })
                 .collect(),
         })
     }
@@ -291,11 +287,8 @@ impl Worlds {
         of: InstanceSpan,
         (boundary, end): (usize, usize),
     ) -> Result<(), Error> {
-        let args = ChangeGraspsArgs {
-            instances: of.address,
-            boundary: boundary as u32,
-            end: end as u32,
-        };
+        let args =
+            ChangeGraspsArgs { instances: of.address, boundary: boundary as u32, end: end as u32 };
         let launch = Launch::new(&queue.device, stream, [of.count as u32, 1, 1]);
         // SAFETY: instances with grasps have their holds, phases, states and motion.
         unsafe { kernels::change_grasps(&launch, &args) }

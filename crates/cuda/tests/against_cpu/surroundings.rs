@@ -21,7 +21,8 @@ struct Numbers(u64);
 
 impl Numbers {
     fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1_u64 << 24) as f32
     }
 
@@ -78,11 +79,20 @@ fn surround(seed: u64, model: &Model, positions: &[Point], with: With) -> (World
     if with.grasps {
         let max_force = with.max_force.unwrap_or(f32::INFINITY);
         let some: Vec<u32> = (0..3).map(|_| numbers.node(positions) as u32).collect();
-        let spring = Attachment::Spring { stiffness: 0.3 * largest_stiffness(model), damping: 0.02 };
+        let spring =
+            Attachment::Spring { stiffness: 0.3 * largest_stiffness(model), damping: 0.02 };
         let mut grasps = vec![
-            (Region::Sphere { center: [0.0; 3], radius_m: 0.035 }, Attachment::Pin, [true, true, false]),
+            (
+                Region::Sphere { center: [0.0; 3], radius_m: 0.035 },
+                Attachment::Pin,
+                [true, true, false],
+            ),
             (Region::Nodes(Arc::new(some)), spring, [false, true, true]),
-            (Region::Box { low: [-0.02; 3], high: [0.03; 3] }, Attachment::Pin, [false, false, true]),
+            (
+                Region::Box { low: [-0.02; 3], high: [0.03; 3] },
+                Attachment::Pin,
+                [false, false, true],
+            ),
         ];
         if model.graph.control_count() > 0 {
             let all = Region::Controls(Arc::new(vec![0]));
@@ -96,15 +106,19 @@ fn surround(seed: u64, model: &Model, positions: &[Point], with: With) -> (World
     }
     if with.colliders {
         let aside = |x: Point| [x[0] + 0.015, x[1] - 0.01, x[2]];
-        let capsule = Shape::Capsule { from: [0.01, 0.0, -0.03], to: [0.02, 0.0, 0.03], radius_m: 0.008 };
+        let capsule =
+            Shape::Capsule { from: [0.01, 0.0, -0.03], to: [0.02, 0.0, 0.03], radius_m: 0.008 };
         let parts = [
             (Some(1), capsule),
             (Some(0), cuboid(0.012)),
-            (None, Shape::Capsule {
-                from: aside(positions[0]),
-                to: aside(positions[0]),
-                radius_m: 0.012,
-            }),
+            (
+                None,
+                Shape::Capsule {
+                    from: aside(positions[0]),
+                    to: aside(positions[0]),
+                    radius_m: 0.012,
+                },
+            ),
         ];
         world.colliders = parts
             .into_iter()
@@ -206,12 +220,8 @@ fn surrounded_objects_move_alike() {
 #[test]
 #[ignore = "needs a CUDA device"]
 fn surrounded_objects_have_alike_gradients() {
-    let request = GradientRequest {
-        controls: true,
-        initial: true,
-        motion: true,
-        ..GradientRequest::PARAMS
-    };
+    let request =
+        GradientRequest { controls: true, initial: true, motion: true, ..GradientRequest::PARAMS };
     for (name, model, with) in cases() {
         let [expected, found] = both(&model, seed(), FRAMES).map(|(b, i)| {
             let instance = surrounded(i, &model, with);
@@ -225,7 +235,8 @@ fn surrounded_objects_have_alike_gradients() {
         worst = worst.max(relative(&name, "controls", &a, &b));
         let [a, b] = [&expected, &found].map(|g| g.initial.clone().expect("it was asked for"));
         worst = worst.max(relative(&name, "positions", &flat(&a.positions), &flat(&b.positions)));
-        worst = worst.max(relative(&name, "velocities", &flat(&a.velocities), &flat(&b.velocities)));
+        worst =
+            worst.max(relative(&name, "velocities", &flat(&a.velocities), &flat(&b.velocities)));
         let [a, b] = [&expected.params, &found.params].map(|p| p.spring_stiffness.clone());
         worst = worst.max(relative(&name, "stiffness", &a, &b));
         println!("{name}: {worst:.1e}");

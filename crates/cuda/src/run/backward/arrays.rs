@@ -7,9 +7,7 @@ use bendtwin_engine::Error;
 
 use super::{Backward, motion};
 use crate::{
-    device::{
-        args::InstanceArgs, launch::MOST_BLOCKS, memory::Buffer, specialization::WorldParts,
-    },
+    device::{args::InstanceArgs, launch::MOST_BLOCKS, memory::Buffer, specialization::WorldParts},
     plan::{
         resident::LAWS,
         tape::{self, Entries, Tape},

@@ -445,9 +445,15 @@ impl<'a> ConcurrentWindows<'a> {
         motion.collect(simulation.queue, InstanceSpan::all(&uploaded), 0, true)?;
         let out = self.backward.out;
         let count = out.place_starts[window.instance + 1] - out.place_starts[window.instance];
-        if let Some(WorldBars { places, place_starts, .. }) = batch.and_then(|b| b.world_bars.as_ref())
+        if let Some(WorldBars { places, place_starts, .. }) =
+            batch.and_then(|b| b.world_bars.as_ref())
         {
-            out.places.copy_from(out.place_starts[window.instance], places, place_starts[at], count)?;
+            out.places.copy_from(
+                out.place_starts[window.instance],
+                places,
+                place_starts[at],
+                count,
+            )?;
         }
         Ok(())
     }
