@@ -182,8 +182,8 @@ impl Outputs {
 }
 
 /// Forces on the object at unit node mass, each the mean over a frame [N], which is its impulse by
-/// the frame's length. Of pinned nodes it is the force that makes them follow; what starts a
-/// rollout away from its control points is not in it. F is the number of frames that were recorded
+/// the frame's length. Of pinned nodes it is the force that makes them follow, from the velocity
+/// that they have in the initial state on; that they start away from their places is not in it. F is the number of frames that were recorded
 /// with `forces`: all of them, whatever [`Outputs::every`] says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forces {

@@ -147,6 +147,7 @@ suite! { ($)
         bouncing_node_loses_restitution_squared,
         sliding_node_stops_by_coulomb_friction,
         friction_holds_on_a_slope,
+        smooth_contact_is_near_the_hard_one,
         what_lies_still_reports_no_speed;
     contact:
         colliding_objects_exchange_momentum,
@@ -189,6 +190,8 @@ suite! { ($)
         gradients_match_finite_differences,
         gradients_of_a_straight_rod,
         gradients_of_a_twisting_rod,
+        gradients_of_a_rolling_clamp,
+        gradients_through_grasps,
         gradients_through_ground_contact,
         gradients_through_object_contact,
         gradients_of_every_term,
@@ -217,5 +220,6 @@ suite! { ($)
     refusals:
         unstable_substeps_are_refused,
         wrong_models_are_refused,
-        wrong_inputs_are_refused;
+        wrong_inputs_are_refused,
+        wrong_surroundings_are_refused;
 }

@@ -240,7 +240,11 @@ impl Backend for CpuBackend {
                 loss: g.loss,
                 params: g.parameters.into_gradient(),
                 controls: if request.controls { controls.collect() } else { Vec::new() },
-                poses: if request.motion { g.poses.iter().map(by_pose).collect() } else { Vec::new() },
+                poses: if request.motion {
+                    g.poses.iter().map(by_pose).collect()
+                } else {
+                    Vec::new()
+                },
                 rolls: if request.motion { rolls.collect() } else { Vec::new() },
                 norms: if request.norms { g.norms } else { Vec::new() },
                 initial: request.initial.then(initial),

@@ -10,12 +10,15 @@ use rand_chacha::ChaCha8Rng;
 use self::differences::{Check, REQUEST, kinds, matches_differences};
 use super::{
     expect::{Outcome, close, ensure},
+    grasps::grasping,
     random::{RandomOptions, random_model, random_motion, random_objective},
     scene::Scene,
     twist::{branched_cable, cable},
 };
 use crate::{
-    Backend, Objective, PointLoss, Term, backend::GradientRequest, objective::WeightedTerm,
+    Backend, Objective, PointLoss, Term,
+    backend::GradientRequest,
+    objective::{ForceBy, WeightedTerm},
 };
 
 /// A random scene with terms of one kind only, tracks by default.
@@ -133,6 +136,74 @@ pub(super) fn gradients_of_a_twisting_rod(backend: &dyn Backend) -> Outcome {
         matches_differences(backend, &scene, &Check { seed, tolerance: 1e-2, must_matter })?;
     }
     Ok(())
+}
+
+/// By rolls of the clamps of a rod that bends and twists: to 1 %.
+pub(super) fn gradients_of_a_rolling_clamp(backend: &dyn Backend) -> Outcome {
+    let mut scene = cable();
+    scene.params.twist_stiffness[0] = 0.3;
+    scene.params.twist_damping[0] = 3e-2;
+    scene.params.spring_dashpot.fill(1.0);
+    scene.params.drag = 1.0;
+    scene.last(12);
+    scene.motion.rolls = (0..=12).map(|f| 0.2 * f as f32).collect();
+    let targets = scene.graph.rest_positions.iter().map(|p| [p[0] + 0.08, p[1], p[2] - 0.05]);
+    let track = Term::Track {
+        nodes: (0..scene.graph.node_count() as u32).collect(),
+        targets: targets.collect(),
+        loss: PointLoss::SquaredDistance,
+    };
+    scene.objective.groups = vec!["track".into()];
+    scene.objective.terms =
+        Arc::new(vec![WeightedTerm { frame: 12, weight: 1.0, group: 0, term: track }]);
+    let must_matter = &["rolls", "twist stiffness"];
+    matches_differences(backend, &scene, &Check { seed: 0, tolerance: 1e-2, must_matter })
+}
+
+/// Through hands that close, hold and open, by pins, springs and control points, and by the forces
+/// with which they pull: to 1 %.
+pub(super) fn gradients_through_grasps(backend: &dyn Backend) -> Outcome {
+    for seed in [0, 2] {
+        let whole = in_the_air(seed);
+        let states = whole.states(backend)?;
+        // From a frame on in which they hold something.
+        let mut scene = whole.clone();
+        let c = scene.graph.control_count();
+        scene.frames -= 1;
+        scene.initial = states[1].clone();
+        scene.controls.drain(..c);
+        scene.motion = whole.motion_of(1, scene.frames);
+        let terms = Arc::make_mut(&mut scene.objective.terms);
+        terms.retain(|t| t.frame > 1);
+        terms.iter_mut().for_each(|t| t.frame -= 1);
+        let by = [ForceBy::Controls, ForceBy::Grasp(0), ForceBy::Grasp(1)];
+        terms.extend(by.map(|by| WeightedTerm {
+            frame: 3,
+            weight: 1e-5,
+            group: 0,
+            term: Term::Force { by, limit: 1.0 },
+        }));
+        ensure(!scene.initial.grasping.holds.is_empty(), || "nothing is held".into())?;
+        let must_matter = &[
+            "poses",
+            "initial places",
+            "initial positions",
+            "initial velocities",
+            "controls",
+            "spring stiffness",
+        ];
+        matches_differences(backend, &scene, &Check { seed, tolerance: 1e-2, must_matter })?;
+    }
+    Ok(())
+}
+
+/// A scene with hands, without ground, and with tracks only.
+fn in_the_air(seed: u64) -> Scene {
+    let mut scene = grasping(seed, 5);
+    scene.environment.ground = None;
+    scene.environment.gravity = [0.0, 0.0, -2.0];
+    keep(&mut scene.objective, |t| matches!(t, Term::Track { .. }));
+    scene
 }
 
 /// Through impacts on the ground in the middle of the first substep, however the variables are

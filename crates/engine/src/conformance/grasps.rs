@@ -48,7 +48,8 @@ pub(super) fn a_held_node_follows_its_body(backend: &dyn Backend) -> Outcome {
     let rollout = scene.roll_out(backend)?;
     let place = [0.05, 0.02, 0.0];
     for f in 1..=12 {
-        let off = norm(difference(rollout.positions[2 * f], moved(&path(f), place).map(|x| x as f32)));
+        let off =
+            norm(difference(rollout.positions[2 * f], moved(&path(f), place).map(|x| x as f32)));
         close(&format!("distance from its place in frame {f}"), off, 0.0, 1e-6)?;
     }
     let end = scene.end(backend)?;

@@ -117,3 +117,23 @@ pub(super) fn what_lies_still_reports_no_speed(backend: &dyn Backend) -> Outcome
     let reported = rollout.diagnostics.map_or(f64::NAN, |d| f64::from(d.max_speed_m_s));
     close("the largest speed", reported, 0.0, 1e-4)
 }
+
+/// In a layer of smooth contact a node comes to rest half the width deep, to 5 % of the width, and
+/// one that slides stops after v0²/(2 mu g), to 3 %.
+pub(super) fn smooth_contact_is_near_the_hard_one(backend: &dyn Backend) -> Outcome {
+    let (width, v0, mu) = (1e-3_f32, 1.0_f64, 0.3_f64);
+    let mut scene = Scene::of(&[[0.0, 0.0, 0.03], [1.0, 0.0, -0.5 * width]]);
+    scene.environment.gravity[2] = -G as f32;
+    scene.ground([0.0, 0.0, 1.0], 0.0, 0.0, mu as f32);
+    scene.timing = Timing { fps: 100.0, substeps: 100 };
+    scene.world.smoothing_m = width;
+    scene.initial.velocities[1] = [0.6, 0.8, 0.0];
+    scene.last(60);
+    let end = scene.end(backend)?;
+    let w = f64::from(width);
+    close("depth", f64::from(end.positions[0][2]), -0.5 * w, 0.05 * w)?;
+    let way = difference(end.positions[1], scene.initial.positions[1]);
+    let way = dot([way[0], way[1], 0.0], [0.6, 0.8, 0.0]);
+    let expected = v0 * v0 / (2.0 * mu * G);
+    close("way", way, expected, 0.03 * expected)
+}

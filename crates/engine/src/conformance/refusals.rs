@@ -13,6 +13,10 @@ use crate::{
     Backend, Error, Loaded, PointLoss, Term,
     backend::{GradientRequest, Instance, Outputs},
     objective::WeightedTerm,
+    world::{
+        Attachment, Collider, Face, Grasp, Hold, IDENTITY, MAX_FACES, MAX_PARTS, Phase, Region,
+        Shape,
+    },
 };
 
 fn scene() -> Scene {
@@ -228,6 +232,108 @@ pub(super) fn wrong_inputs_are_refused(backend: &dyn Backend) -> Outcome {
             })?;
         }
         backend.losses(&[good], &cancel).map_err(|e| format!("after {what}: {e}"))?;
+    }
+    Ok(())
+}
+
+/// [`scene`] with a body that carries a hand and a collider.
+fn surrounded() -> Scene {
+    let mut scene = scene();
+    let body = scene.body(|_| IDENTITY);
+    let region = Region::Sphere { center: [0.0; 3], radius_m: 0.01 };
+    let attachment = Attachment::Spring { stiffness: 100.0, damping: 1.0 };
+    scene.grasp(Grasp { body, region, attachment, max_force: 100.0 }, |_| true);
+    let face = Face { normal: [0.0, 0.0, -1.0], offset_m: 1.0 };
+    let shape = Shape::Convex(Arc::new(vec![face]));
+    scene.world.colliders.push(Collider {
+        body: Some(body),
+        shape,
+        friction: 0.5,
+        restitution: 0.0,
+    });
+    scene
+}
+
+fn hold(scene: &mut Scene, node: u32, grasp: u32, place: [f32; 3]) {
+    scene.initial.grasping.phases = vec![Phase::Closed];
+    scene.initial.grasping.holds.push(Hold { node, grasp, place });
+}
+
+fn convex(scene: &mut Scene, normal: [f32; 3], count: usize) {
+    let faces = vec![Face { normal, offset_m: 1.0 }; count];
+    scene.world.colliders[0].shape = Shape::Convex(Arc::new(faces));
+}
+
+/// Everything about surroundings that cannot be is InvalidInput.
+pub(super) fn wrong_surroundings_are_refused(backend: &dyn Backend) -> Outcome {
+    let breaks: [Break<Scene>; 29] = [
+        ("a pose too few", |s| {
+            s.motion.poses.pop();
+        }),
+        ("a pose that is no number", |s| s.motion.poses[1][0][3] = f32::NAN),
+        ("a pose that shears", |s| s.motion.poses[1][0][1] = 0.1),
+        ("a pose that mirrors", |s| s.motion.poses[0][2][2] = -1.0),
+        ("an entry of closed too many", |s| s.motion.closed.push(true)),
+        ("a roll too many", |s| s.motion.rolls = vec![0.0; 99]),
+        ("a roll that is no number", |s| s.motion.rolls = vec![f32::NAN; 3]),
+        ("a collider on no body", |s| s.world.colliders[0].body = Some(7)),
+        ("friction above 2", |s| s.world.colliders[0].friction = 2.5),
+        ("a negative restitution", |s| s.world.colliders[0].restitution = -0.1),
+        ("a normal that is no unit vector", |s| convex(s, [0.0, 0.0, 2.0], 1)),
+        ("too many faces", |s| convex(s, [0.0, 0.0, -1.0], MAX_FACES + 1)),
+        ("no face", |s| convex(s, [0.0, 0.0, -1.0], 0)),
+        ("a capsule without radius", |s| {
+            let (from, to) = ([0.0; 3], [1.0; 3]);
+            s.world.colliders[0].shape = Shape::Capsule { from, to, radius_m: 0.0 };
+        }),
+        ("too many colliders", |s| {
+            s.world.colliders = vec![s.world.colliders[0].clone(); MAX_PARTS + 1];
+        }),
+        ("a grasp of no body", |s| s.world.grasps[0].body = 1),
+        ("a largest force of zero", |s| s.world.grasps[0].max_force = 0.0),
+        ("a spring that is not stable", |s| {
+            s.world.grasps[0].attachment = Attachment::Spring { stiffness: 1e9, damping: 0.0 };
+        }),
+        ("a region of no node", |s| {
+            s.world.grasps[0].region = Region::Nodes(Arc::new(vec![9999]));
+        }),
+        ("a region of no control point", |s| {
+            s.world.grasps[0].region = Region::Controls(Arc::new(vec![9999]));
+        }),
+        ("a hand that clamps a rod", |s| {
+            let controls = (0..s.graph.control_count() as u32).collect();
+            s.world.grasps[0].region = Region::Controls(Arc::new(controls));
+        }),
+        ("a box with nothing in it", |s| {
+            s.world.grasps[0].region = Region::Box { low: [1.0; 3], high: [0.0; 3] };
+        }),
+        ("a negative width of contact", |s| s.world.smoothing_m = -1e-3),
+        ("a phase too many", |s| s.initial.grasping.phases = vec![Phase::Open; 2]),
+        ("a hold of no node", |s| hold(s, 9999, 0, [0.0; 3])),
+        ("a hold of no grasp", |s| hold(s, 5, 3, [0.0; 3])),
+        ("a hold twice", |s| {
+            hold(s, 5, 0, [0.0; 3]);
+            hold(s, 5, 0, [0.0; 3]);
+        }),
+        ("a hold in an open hand", |s| {
+            hold(s, 5, 0, [0.0; 3]);
+            s.initial.grasping.phases = vec![Phase::Open];
+        }),
+        ("a hold of a pinned node", |s| {
+            let node = s.graph.pins[0].node;
+            hold(s, node, 0, [0.0; 3]);
+        }),
+    ];
+    let cancel = CancelToken::default();
+    surrounded().loss(backend)?;
+    for (what, break_it) in breaks {
+        let mut scene = surrounded();
+        break_it(&mut scene);
+        let batch = [scene.instance(scene.load(backend)?)];
+        let error = backend.losses(&batch, &cancel).err();
+        ensure(matches!(error, Some(Error::InvalidInput(_))), || {
+            format!("{what}: {error:?}, expected InvalidInput")
+        })?;
     }
     Ok(())
 }

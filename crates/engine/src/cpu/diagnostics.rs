@@ -43,10 +43,7 @@ impl<'a, T: Real> Observer<'a, T> {
             system: simulation.system,
             outputs,
             frames: simulation.frames,
-            rollout: Rollout {
-                forces: outputs.forces.then(Forces::default),
-                ..Rollout::default()
-            },
+            rollout: Rollout { forces: outputs.forces.then(Forces::default), ..Rollout::default() },
             sanity: Diagnostics {
                 kinetic_energy: f32::NAN,
                 elastic_energy: f32::NAN,

@@ -184,7 +184,8 @@ impl<T: Real> Around<T> {
             self.by_control(of, control, nodes[endpoint].x, impulse);
         }
         let need = |node: usize, held: Quad<T>| {
-            let free = scale(free_momentum(system, node, nodes[node].v, forces[node]), system.decay);
+            let free =
+                scale(free_momentum(system, node, nodes[node].v, forces[node]), system.decay);
             sub(scale(held, system.masses[node]), free)
         };
         for pin in &system.pins {

@@ -371,14 +371,11 @@ impl<T: Real> AroundAdjoint<T> {
     }
 
     /// Adjoint of taking nodes at the beginning of the frame.
-    pub(crate) fn taken(
-        &mut self,
-        of: &Surroundings<T>,
-        around: &Around<T>,
-        bar: &mut [Node<T>],
-    ) {
+    pub(crate) fn taken(&mut self, of: &Surroundings<T>, around: &Around<T>, bar: &mut [Node<T>]) {
         for &(node, x) in &around.taken {
-            let Ok(h) = around.hands.holds.binary_search_by_key(&node, |h| h.node) else { continue };
+            let Ok(h) = around.hands.holds.binary_search_by_key(&node, |h| h.node) else {
+                continue;
+            };
             let b = of.hands[around.hands.holds[h].grasp].body;
             let place_bar = std::mem::take(&mut self.places[node]);
             let from = &around.bodies[b].from;

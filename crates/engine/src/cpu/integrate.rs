@@ -14,7 +14,7 @@ use super::{
     real::{Quad, Real, add, add_scaled, scale},
     rod::rod_forces,
     spring::spring_forces,
-    surrounded::{Frame, SurroundedSubsteps, self},
+    surrounded::{self, Frame, SurroundedSubsteps},
     surroundings::Around,
     system::System,
 };

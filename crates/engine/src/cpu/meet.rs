@@ -3,7 +3,8 @@
 //! A node meets the ground first and then the colliders, in their order; the velocity after one is
 //! that before the next. For a collider, the node at `x` is at `q = Aᵀ (x - p)` of its body in the
 //! pose where the substep starts, d(q) is the signed distance and `n = A n(q) / |A n(q)|` the normal
-//! there, and the surface has the velocity w of the body's point q. With `u = v - w`:
+//! there, and the surface has the velocity w of the body's point q, also where the model ignores that
+//! of control points. With `u = v - w`:
 //!
 //! - it hits if `d + dt u . n < 0` and `u . n < -1e-4 m/s`, by the law of [`super::impulse`] for u,
 //!   after `tau = clamp(d / -(u . n), 0, dt)`;
@@ -176,8 +177,7 @@ fn meeting<T: Real>(
             after = add_scaled(after, lack, n);
         }
     }
-    let tau =
-        if hits { (d / -along).at_least(T::ZERO).at_most(dt) } else { T::ZERO };
+    let tau = if hits { (d / -along).at_least(T::ZERO).at_most(dt) } else { T::ZERO };
     (hits | pushes).then_some(Meeting {
         with: Some(obstacle),
         surface,
@@ -231,8 +231,9 @@ impl<T: Real> Scene<'_, T> {
         let mut path = None;
         if let Some((ground, law)) = &self.ground {
             let met = match &self.layer {
-                None => hits_ground(ground, x, v, dt)
-                    .then(|| meeting_ground(ground, *law, dt, x, v)),
+                None => {
+                    hits_ground(ground, x, v, dt).then(|| meeting_ground(ground, *law, dt, x, v))
+                }
                 Some(layer) => smooth_meeting(None, on_ground(ground, x), *law, layer, v),
             };
             if let Some(m) = met {
@@ -297,8 +298,7 @@ impl<T: Real> Scene<'_, T> {
                 let leaves = sub(m.between, s.velocity);
                 s_bar.distance += slope * along;
                 s_bar.velocity = scale(n, along);
-                s_bar.normal =
-                    add_scaled(scale(after_bar, speed - dot(n, leaves)), -along, leaves);
+                s_bar.normal = add_scaled(scale(after_bar, speed - dot(n, leaves)), -along, leaves);
                 between_bar = add_scaled(after_bar, -along, n);
             }
             in_bar = add(in_bar, between_bar);

@@ -115,16 +115,14 @@ impl<T: Real> Layer<T> {
         let brake_bar = -dot(u_t, bar);
         // brake = most / speed, by most and by u_t.
         let most_bar = brake_bar * inverse * (T::ONE - brake * brake);
-        let u_t_bar =
-            add_scaled(scale(bar, -brake), -(brake_bar * brake * inverse * inverse), u_t);
+        let u_t_bar = add_scaled(scale(bar, -brake), -(brake_bar * brake * inverse * inverse), u_t);
         let j_bar = dot(n, bar) + law.friction * most_bar;
         // j = dt/2 (y + root) / p.
         let q = T::from_f64(0.5) * self.dt / at.p;
         let root_inverse = if at.root > T::ZERO { T::ONE / at.root } else { T::ZERO };
         let y_bar = j_bar * q * (T::ONE + at.y * root_inverse);
         let b_bar = y_bar + j_bar * q * at.p * at.b * root_inverse;
-        let p_bar = j_bar
-            * (q * T::from_f64(0.5) * at.b * at.b * root_inverse - at.j / at.p);
+        let p_bar = j_bar * (q * T::from_f64(0.5) * at.b * at.b * root_inverse - at.j / at.p);
         let gamma_bar = self.dt * p_bar - u_n * y_bar;
         let share_bar = gamma_bar * (at.damping + self.dt * self.stiffness);
         let h_bar = share_bar * at.share_slope - b_bar * self.stiffness * at.share;

@@ -124,6 +124,27 @@ pub(super) fn kinds() -> Vec<Kind> {
             derivatives: |g| g.initial.as_ref().map_or(Vec::new(), |s| s.twists.clone()),
             largest_step: |_| 0.3,
         },
+        Kind {
+            name: "initial places",
+            variables: |s| s.initial.grasping.holds.iter_mut().flat_map(|h| &mut h.place).collect(),
+            derivatives: |g| {
+                let holds = g.initial.iter().flat_map(|s| &s.grasping.holds);
+                holds.flat_map(|h| h.place).collect()
+            },
+            largest_step: |_| 1e-4,
+        },
+        Kind {
+            name: "poses",
+            variables: |s| s.motion.poses.iter_mut().flatten().flatten().collect(),
+            derivatives: |g| g.poses.iter().flatten().flatten().copied().collect(),
+            largest_step: |_| 1e-4,
+        },
+        Kind {
+            name: "rolls",
+            variables: |s| s.motion.rolls.iter_mut().collect(),
+            derivatives: |g| g.rolls.clone(),
+            largest_step: |_| 0.03,
+        },
     ]
 }
 
@@ -137,6 +158,7 @@ pub(super) const REQUEST: GradientRequest = GradientRequest {
     controls: true,
     initial: true,
     final_state: false,
+    motion: true,
     ..GradientRequest::PARAMS
 };
 

@@ -213,9 +213,8 @@ fn grasp(grasp: &Grasp, bodies: usize, model: &Model) -> Check {
 /// A rod's clamps cannot be opened: its twist would have no meaning.
 fn clamps_no_rod(controls: &[u32], model: &Model) -> Check {
     let graph = &model.graph;
-    let clamps = |node: &u32| {
-        graph.pins.iter().any(|p| p.node == *node && controls.contains(&p.control))
-    };
+    let clamps =
+        |node: &u32| graph.pins.iter().any(|p| p.node == *node && controls.contains(&p.control));
     let rod = graph.rods.iter().position(|rod| rod.iter().any(clamps));
     ensure(rod.is_none(), || {
         format!("its control points clamp rod {}, which always holds", rod.unwrap_or_default())

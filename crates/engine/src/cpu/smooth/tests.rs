@@ -22,8 +22,15 @@ fn the_adjoint_matches_differences() {
             let at = [u[0], u[1], u[2], n[0], n[1], n[2], h, LAW.restitution, LAW.friction];
             let (a, h_bar) = layer().change_adjoint(LAW, h, u, n, bar);
             let got = [
-                a.v[0], a.v[1], a.v[2], a.normal[0], a.normal[1], a.normal[2], h_bar,
-                a.restitution, a.friction,
+                a.v[0],
+                a.v[1],
+                a.v[2],
+                a.normal[0],
+                a.normal[1],
+                a.normal[2],
+                h_bar,
+                a.restitution,
+                a.friction,
             ];
             for (i, got) in got.into_iter().enumerate() {
                 let step = if i == 6 { 1e-9 } else { 1e-6 };

@@ -1,6 +1,6 @@
 //! The adjoint of a surrounded frame, substep by substep from the tape in exactly the reverse order.
 
-use super::{scene, Frame};
+use super::{Frame, scene};
 use crate::cpu::{
     adjoint::{Adjoint, BackSubsteps, accelerate_adjoint},
     bend::{bend_adjoint, bend_forces},
@@ -75,7 +75,8 @@ impl<T: Real> Work<T> for BackSurrounded<'_, T> {
             a.controls.pin_velocities(system, &mut a.bar);
             a.drag += accelerate_adjoint(system, before, &mut a.bar, &mut a.lambda);
             if let Some(seeds) = seeds {
-                a.drag += seed_held(m, seeds, of, system, (nodes, twists), w, &mut a.bar, &mut a.lambda);
+                a.drag +=
+                    seed_held(m, seeds, of, system, (nodes, twists), w, &mut a.bar, &mut a.lambda);
                 for (lambda, &seed) in a.lambda[n..].iter_mut().zip(&seeds.controls) {
                     *lambda = scale(seed, -share);
                 }
