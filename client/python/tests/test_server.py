@@ -278,3 +278,44 @@ def test_fits_are_cancelled_and_workers_are_listed(client, twin):
     assert states[-1] is JobState.CANCELLED
     client.delete_fit(fit.name)
     assert fit.name not in [f.name for f in client.fits(twin.info.capture)]
+
+
+def test_a_session_is_advanced_and_planned_from(twin, client):
+    rest = twin.geometry().controls
+    path = rest[None] + np.arange(7)[:, None, None] * np.array([0, 0, 0.002])
+    whole = twin.rollout(trajectories=path[None], returns=Returns(final_state=True))
+    with client.open_session(twin, slots=3, idle_timeout_s=60) as session:
+        for first in (0, 3):
+            part = path[None, first : first + 4]
+            session.advance(trajectories=part, returns=Returns(final_state=True))
+        state = session.states([0])[0]
+        np.testing.assert_array_equal(state.positions, whole.final_positions[0])
+        assert session.refresh().frames == (6, 0, 0)
+        # From there, as from the state itself; and nothing has moved.
+        ahead = np.stack(
+            [path[6] + np.arange(4)[:, None, None] * np.array([0.003 * b, 0, 0]) for b in (1, 2)]
+        )
+        returns = Returns(final_state=True)
+        planned = session.rollout(trajectories=ahead, returns=returns)
+        given = twin.rollout(trajectories=ahead, initial=state, returns=returns)
+        np.testing.assert_array_equal(planned.final_positions, given.final_positions)
+        session.fork(0)
+        several = session.advance(trajectories=ahead, slots=[2, 1], returns=returns)
+        states = session.states()
+        np.testing.assert_array_equal(states[2].positions, several.final_positions[0])
+        np.testing.assert_array_equal(states[1].positions, several.final_positions[1])
+        np.testing.assert_array_equal(states[0].positions, state.positions)
+        # Frame by frame over one connection.
+        steps = ({"trajectories": ahead[:1, f : f + 2]} for f in range(3))
+        assert len(list(session.control(steps))) == 3
+        np.testing.assert_array_equal(session.states([0])[0].positions, states[2].positions)
+        session.reset()
+        np.testing.assert_array_equal(
+            session.states([1])[0].positions, twin.geometry().rest_positions
+        )
+        with pytest.raises(BendTwinError) as refused:
+            session.advance(trajectories=ahead, slots=[0])
+        assert refused.value.category is Category.INVALID_ARGUMENT
+    with pytest.raises(BendTwinError) as lost:
+        session.refresh()
+    assert lost.value.reason == "SESSION_LOST"

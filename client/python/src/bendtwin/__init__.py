@@ -39,12 +39,14 @@ from bendtwin.rollout import (
     RolloutResult,
     Timing,
 )
+from bendtwin.session import Session, SessionInfo
 from bendtwin.state import (
     CaptureFrame,
     GivenState,
     Grasping,
     InitialState,
     Rest,
+    SessionSlots,
     Settled,
     State,
 )
@@ -108,6 +110,9 @@ __all__ = [
     "Rest",
     "Returns",
     "RolloutResult",
+    "Session",
+    "SessionInfo",
+    "SessionSlots",
     "Settled",
     "Smoothness",
     "Sphere",

@@ -13,23 +13,28 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Callable, Coroutine
+from collections.abc import AsyncIterable, AsyncIterator, Callable, Coroutine, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
 
 import grpc.aio
+from numpy.typing import ArrayLike
 
 from bendtwin import calls
 from bendtwin.archive import archive_of
 from bendtwin.errors import BendTwinError, FitFailed, IngestFailed, translated
 from bendtwin.geometry import Geometry
+from bendtwin.motion import Motion, bundle, bundle_file
 from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
-from bendtwin.rollout import RolloutResult, warned
+from bendtwin.rollout import Fidelity, RolloutResult, warned
+from bendtwin.session import SessionInfo, advance_request, open_request, read_states
+from bendtwin.state import InitialState, SessionSlots, State
 from bendtwin.token import aio_interceptors, find_token
 from bendtwin.twin import Rollouts
 from bendtwin.uploads import Sender
-from bendtwin.v1 import rollout_pb2, twin_pb2
+from bendtwin.v1 import rollout_pb2, session_pb2, twin_pb2
+from bendtwin.world import Grasp, World
 
 _Read = TypeVar("_Read")
 
@@ -62,6 +67,84 @@ class Twin(Rollouts[Coroutine[Any, Any, RolloutResult], AsyncIterator[RolloutRes
                 result = RolloutResult.from_proto(part)
                 yield result if is_warned else warned(result)
                 is_warned = is_warned or bool(result.implausible)
+
+
+class Session:
+    """`bendtwin.Session` for asyncio. Close it, or use it in `async with`."""
+
+    def __init__(self, services: calls.Services, twin: Twin, info: SessionInfo) -> None:
+        #: What the server said when it was opened.
+        self.info = info
+        self.twin = twin
+        self._sessions = services.sessions
+
+    @property
+    def name(self) -> str:
+        """sessions/{uuid}."""
+        return self.info.name
+
+    async def __aenter__(self) -> Session:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    async def rollout(self, *, slots: Sequence[int] = (), **arguments: Any) -> RolloutResult:
+        """A batch from where the session is, which stays there."""
+        return await self.twin.rollout(initial=SessionSlots(self.name, tuple(slots)), **arguments)
+
+    async def advance(
+        self, *, slots: Sequence[int] = (), timeout_s: float | None = None, **arguments: Any
+    ) -> RolloutResult:
+        """Applies actions and leaves the slots where they end."""
+        request = advance_request(self.name, self.twin, slots, arguments)
+        with translated():
+            reply = await self._sessions.AdvanceSession(request, timeout=timeout_s)
+        return warned(RolloutResult.from_proto(reply))
+
+    async def control(
+        self, actions: AsyncIterable[dict[str, Any]], *, slots: Sequence[int] = ()
+    ) -> AsyncIterator[RolloutResult]:
+        """Advances by one set of actions after another over one connection."""
+
+        async def messages() -> AsyncIterator[session_pb2.AdvanceSessionRequest]:
+            async for arguments in actions:
+                yield advance_request(self.name, self.twin, slots, arguments)
+
+        with translated():
+            async for reply in self._sessions.ControlSession(messages()):
+                yield RolloutResult.from_proto(reply)
+
+    async def states(self, slots: Sequence[int] = ()) -> list[State]:
+        """The states of slots, or of all of them."""
+        request = session_pb2.GetSessionStatesRequest(name=self.name, slots=slots)
+        with translated():
+            return read_states(await self._sessions.GetSessionStates(request))
+
+    async def refresh(self) -> SessionInfo:
+        """What the server says of it now."""
+        request = session_pb2.GetSessionRequest(name=self.name)
+        with translated():
+            return SessionInfo.from_proto(await self._sessions.GetSession(request))
+
+    async def fork(self, source: int, to: Sequence[int] = ()) -> None:
+        """Copies the state of a slot to others, or to all others."""
+        request = session_pb2.ForkSessionRequest(name=self.name, to=to, **{"from": source})
+        with translated():
+            await self._sessions.ForkSession(request)
+
+    async def reset(self, slots: Sequence[int] = (), initial: InitialState | None = None) -> None:
+        """Sets slots, or all, back to the session's first state, or to a given one."""
+        request = session_pb2.ResetSessionRequest(name=self.name, slots=slots)
+        if initial is not None:
+            request.initial.CopyFrom(initial.to_proto())
+        with translated():
+            await self._sessions.ResetSession(request)
+
+    async def close(self) -> None:
+        """Ends it; it is no error if it has ended."""
+        with translated():
+            await self._sessions.CloseSession(session_pb2.CloseSessionRequest(name=self.name))
 
 
 class Client:
@@ -109,6 +192,56 @@ class Client:
             return await self._run(calls.create_capture(archive, name, request_id, ingest))
         finally:
             packed.__exit__(None, None, None)
+
+    async def upload_motion(
+        self,
+        motions: Motion | Sequence[Motion],
+        *,
+        fps: float,
+        display_name: str = "motion",
+        request_id: str | None = None,
+        ingest: dict[str, Any] | None = None,
+        units: str = "m",
+        up_axis: str = "+z",
+        ground: float | None = 0.0,
+        edges: ArrayLike | None = None,
+        rest_points: ArrayLike | None = None,
+        pins: ArrayLike | None = None,
+    ) -> Capture:
+        """Uploads motion capture: see `bendtwin.Client.upload_motion`."""
+        content = bundle(
+            motions,
+            fps=fps,
+            name=display_name,
+            units=units,
+            up_axis=up_axis,
+            ground=ground,
+            edges=edges,
+            rest_points=rest_points,
+            pins=pins,
+        )
+        with bundle_file(content) as path:
+            return await self.upload_capture(
+                path, display_name=display_name, request_id=request_id, ingest=ingest
+            )
+
+    async def open_session(
+        self,
+        twin: Twin | str,
+        *,
+        initial: InitialState | None = None,
+        slots: int = 1,
+        world: World | None = None,
+        grasps: Sequence[Grasp] = (),
+        fidelity: Fidelity = "exact",
+        idle_timeout_s: float = 0.0,
+    ) -> Session:
+        """Opens simulations of a twin that stay: see `bendtwin.Client.open_session`."""
+        of = await self.twin(twin) if isinstance(twin, str) else twin
+        request = open_request(of.name, initial, slots, world, grasps, fidelity, idle_timeout_s)
+        with translated():
+            reply = await self._services.sessions.OpenSession(request)
+        return Session(self._services, of, SessionInfo.from_proto(reply))
 
     async def push_capture(
         self,

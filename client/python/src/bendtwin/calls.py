@@ -23,6 +23,7 @@ from bendtwin.v1 import (
     fit_pb2,
     fit_pb2_grpc,
     rollout_pb2_grpc,
+    session_pb2_grpc,
     twin_pb2,
     twin_pb2_grpc,
     worker_pb2,
@@ -50,6 +51,7 @@ class Services:
         self.twins = twin_pb2_grpc.TwinServiceStub(channel)
         self.workers = worker_pb2_grpc.WorkerServiceStub(channel)
         self.rollouts = rollout_pb2_grpc.RolloutServiceStub(channel)
+        self.sessions = session_pb2_grpc.SessionServiceStub(channel)
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,13 @@ from bendtwin.archive import archive_of
 from bendtwin.errors import BendTwinError, FitFailed, IngestFailed, translated
 from bendtwin.motion import Motion, bundle, bundle_file
 from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
+from bendtwin.rollout import Fidelity
+from bendtwin.session import Session, SessionInfo, open_request
+from bendtwin.state import InitialState
 from bendtwin.token import find_token, with_token
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
+from bendtwin.world import Grasp, World
 
 _Read = TypeVar("_Read")
 
@@ -256,6 +260,29 @@ class Client:
     def twin(self, name: str) -> Twin:
         """A twin, ready for rollouts."""
         return self._twin(self._run(calls.get_twin(name)))
+
+    def open_session(
+        self,
+        twin: Twin | str,
+        *,
+        initial: InitialState | None = None,
+        slots: int = 1,
+        world: World | None = None,
+        grasps: Sequence[Grasp] = (),
+        fidelity: Fidelity = "exact",
+        idle_timeout_s: float = 0.0,
+    ) -> Session:
+        """Opens simulations of a twin that stay at a worker between calls.
+
+        They begin in `initial` (default: at rest; a batch of given states has one for each slot).
+        `world` and `grasps` are those of every rollout from there that names none itself. It ends
+        when nobody has used it for `idle_timeout_s` (0: five minutes).
+        """
+        of = self.twin(twin) if isinstance(twin, str) else twin
+        request = open_request(of.name, initial, slots, world, grasps, fidelity, idle_timeout_s)
+        with translated():
+            reply = self._services.sessions.OpenSession(request)
+        return Session(self._services, of, SessionInfo.from_proto(reply))
 
     def twins(self, capture: str = "") -> Iterator[Twin]:
         """All twins, or those of one capture, newest first."""

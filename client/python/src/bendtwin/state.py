@@ -129,7 +129,23 @@ class State:
 #: The name of a given state in the wire format.
 GivenState = State
 
-InitialState = Rest | Settled | CaptureFrame | State
+
+@dataclass(frozen=True)
+class SessionSlots:
+    """Where a session is: see `Session.rollout`."""
+
+    #: sessions/{uuid}.
+    session: str
+    #: One for all instances, or one for each; empty: slot 0 for all.
+    slots: tuple[int, ...] = ()
+
+    def to_proto(self) -> rollout_pb2.InitialState:
+        """Makes the wire form."""
+        slots = rollout_pb2.InitialState.SessionSlots(session=self.session, slots=self.slots)
+        return rollout_pb2.InitialState(session=slots)
+
+
+InitialState = Rest | Settled | CaptureFrame | State | SessionSlots
 
 
 def state_of(states: State, row: int) -> State:

@@ -180,6 +180,49 @@ class Rollouts(Generic[_Reply, _Parts]):
         )
         return self._send_for_parts(request, timeout_s)
 
+    def rollout_request(
+        self,
+        *,
+        trajectories: npt.ArrayLike | None = None,
+        poses: npt.ArrayLike | None = None,
+        gripper_of_control: npt.ArrayLike | None = None,
+        interpolation: Interpolation = "linear",
+        at_s: npt.ArrayLike | None = None,
+        period_s: float | None = None,
+        initial: InitialState = _REST,
+        frames: int = 0,
+        costs: Iterable[Cost] = (),
+        returns: Returns = _COSTS_ONLY,
+        fidelity: Fidelity = "exact",
+        world: World | None = None,
+        grasps: Sequence[Grasp] = (),
+        vary: Vary | None = None,
+        ensemble: Ensemble | None = None,
+        gradient: GradientOptions | None = None,
+        plausibility: Plausibility | None = None,
+    ) -> rollout_pb2.RollOutRequest:
+        """The message of `rollout` with the same arguments."""
+        return self._request(
+            trajectories,
+            poses,
+            gripper_of_control,
+            interpolation,
+            knot_times(at_s, period_s),
+            initial,
+            frames,
+            costs,
+            returns,
+            fidelity,
+            Surroundings(
+                world=world,
+                grasps=grasps,
+                vary=vary,
+                ensemble=ensemble,
+                gradient=gradient,
+                plausibility=plausibility,
+            ),
+        )
+
     def _request(
         self,
         trajectories: npt.ArrayLike | None,

@@ -132,13 +132,20 @@ class GripperPoses(_message.Message):
     def __init__(self, poses: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., gripper_of_control: _Optional[_Union[_tensor_pb2.Tensor, _Mapping]] = ..., interpolation: _Optional[_Union[Interpolation, str]] = ...) -> None: ...
 
 class InitialState(_message.Message):
-    __slots__ = ("rest", "capture_frame", "given", "settled")
+    __slots__ = ("rest", "capture_frame", "given", "settled", "session")
     class Rest(_message.Message):
         __slots__ = ()
         def __init__(self) -> None: ...
     class Settled(_message.Message):
         __slots__ = ()
         def __init__(self) -> None: ...
+    class SessionSlots(_message.Message):
+        __slots__ = ("session", "slots")
+        SESSION_FIELD_NUMBER: _ClassVar[int]
+        SLOTS_FIELD_NUMBER: _ClassVar[int]
+        session: str
+        slots: _containers.RepeatedScalarFieldContainer[int]
+        def __init__(self, session: _Optional[str] = ..., slots: _Optional[_Iterable[int]] = ...) -> None: ...
     class CaptureFrame(_message.Message):
         __slots__ = ("capture", "sequence", "frame")
         CAPTURE_FIELD_NUMBER: _ClassVar[int]
@@ -165,11 +172,13 @@ class InitialState(_message.Message):
     CAPTURE_FRAME_FIELD_NUMBER: _ClassVar[int]
     GIVEN_FIELD_NUMBER: _ClassVar[int]
     SETTLED_FIELD_NUMBER: _ClassVar[int]
+    SESSION_FIELD_NUMBER: _ClassVar[int]
     rest: InitialState.Rest
     capture_frame: InitialState.CaptureFrame
     given: InitialState.GivenState
     settled: InitialState.Settled
-    def __init__(self, rest: _Optional[_Union[InitialState.Rest, _Mapping]] = ..., capture_frame: _Optional[_Union[InitialState.CaptureFrame, _Mapping]] = ..., given: _Optional[_Union[InitialState.GivenState, _Mapping]] = ..., settled: _Optional[_Union[InitialState.Settled, _Mapping]] = ...) -> None: ...
+    session: InitialState.SessionSlots
+    def __init__(self, rest: _Optional[_Union[InitialState.Rest, _Mapping]] = ..., capture_frame: _Optional[_Union[InitialState.CaptureFrame, _Mapping]] = ..., given: _Optional[_Union[InitialState.GivenState, _Mapping]] = ..., settled: _Optional[_Union[InitialState.Settled, _Mapping]] = ..., session: _Optional[_Union[InitialState.SessionSlots, _Mapping]] = ...) -> None: ...
 
 class Cost(_message.Message):
     __slots__ = ("name", "weight", "when", "target_cloud", "keypoints", "smoothness", "strain", "force", "height", "within", "clearance", "control_path", "control_speed", "temperature")

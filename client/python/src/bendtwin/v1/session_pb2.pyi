@@ -1,0 +1,108 @@
+from bendtwin.v1 import rollout_pb2 as _rollout_pb2
+from bendtwin.v1 import world_pb2 as _world_pb2
+from google.protobuf.internal import containers as _containers
+from google.protobuf import descriptor as _descriptor
+from google.protobuf import message as _message
+from collections.abc import Iterable as _Iterable, Mapping as _Mapping
+from typing import ClassVar as _ClassVar, Optional as _Optional, Union as _Union
+
+DESCRIPTOR: _descriptor.FileDescriptor
+
+class Session(_message.Message):
+    __slots__ = ("name", "twin", "slots", "frames", "idle_timeout_s", "worker", "fidelity")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    TWIN_FIELD_NUMBER: _ClassVar[int]
+    SLOTS_FIELD_NUMBER: _ClassVar[int]
+    FRAMES_FIELD_NUMBER: _ClassVar[int]
+    IDLE_TIMEOUT_S_FIELD_NUMBER: _ClassVar[int]
+    WORKER_FIELD_NUMBER: _ClassVar[int]
+    FIDELITY_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    twin: str
+    slots: int
+    frames: _containers.RepeatedScalarFieldContainer[int]
+    idle_timeout_s: float
+    worker: str
+    fidelity: _rollout_pb2.Fidelity
+    def __init__(self, name: _Optional[str] = ..., twin: _Optional[str] = ..., slots: _Optional[int] = ..., frames: _Optional[_Iterable[int]] = ..., idle_timeout_s: _Optional[float] = ..., worker: _Optional[str] = ..., fidelity: _Optional[_Union[_rollout_pb2.Fidelity, str]] = ...) -> None: ...
+
+class OpenSessionRequest(_message.Message):
+    __slots__ = ("twin", "initial", "slots", "world", "grasps", "fidelity", "idle_timeout_s")
+    TWIN_FIELD_NUMBER: _ClassVar[int]
+    INITIAL_FIELD_NUMBER: _ClassVar[int]
+    SLOTS_FIELD_NUMBER: _ClassVar[int]
+    WORLD_FIELD_NUMBER: _ClassVar[int]
+    GRASPS_FIELD_NUMBER: _ClassVar[int]
+    FIDELITY_FIELD_NUMBER: _ClassVar[int]
+    IDLE_TIMEOUT_S_FIELD_NUMBER: _ClassVar[int]
+    twin: str
+    initial: _rollout_pb2.InitialState
+    slots: int
+    world: _world_pb2.World
+    grasps: _containers.RepeatedCompositeFieldContainer[_world_pb2.Grasp]
+    fidelity: _rollout_pb2.Fidelity
+    idle_timeout_s: float
+    def __init__(self, twin: _Optional[str] = ..., initial: _Optional[_Union[_rollout_pb2.InitialState, _Mapping]] = ..., slots: _Optional[int] = ..., world: _Optional[_Union[_world_pb2.World, _Mapping]] = ..., grasps: _Optional[_Iterable[_Union[_world_pb2.Grasp, _Mapping]]] = ..., fidelity: _Optional[_Union[_rollout_pb2.Fidelity, str]] = ..., idle_timeout_s: _Optional[float] = ...) -> None: ...
+
+class GetSessionRequest(_message.Message):
+    __slots__ = ("name",)
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    def __init__(self, name: _Optional[str] = ...) -> None: ...
+
+class GetSessionStatesRequest(_message.Message):
+    __slots__ = ("name", "slots")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    SLOTS_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    slots: _containers.RepeatedScalarFieldContainer[int]
+    def __init__(self, name: _Optional[str] = ..., slots: _Optional[_Iterable[int]] = ...) -> None: ...
+
+class SessionStates(_message.Message):
+    __slots__ = ("states", "slots", "frames")
+    STATES_FIELD_NUMBER: _ClassVar[int]
+    SLOTS_FIELD_NUMBER: _ClassVar[int]
+    FRAMES_FIELD_NUMBER: _ClassVar[int]
+    states: _rollout_pb2.InitialState.GivenState
+    slots: _containers.RepeatedScalarFieldContainer[int]
+    frames: _containers.RepeatedScalarFieldContainer[int]
+    def __init__(self, states: _Optional[_Union[_rollout_pb2.InitialState.GivenState, _Mapping]] = ..., slots: _Optional[_Iterable[int]] = ..., frames: _Optional[_Iterable[int]] = ...) -> None: ...
+
+class AdvanceSessionRequest(_message.Message):
+    __slots__ = ("name", "slots", "rollout")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    SLOTS_FIELD_NUMBER: _ClassVar[int]
+    ROLLOUT_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    slots: _containers.RepeatedScalarFieldContainer[int]
+    rollout: _rollout_pb2.RollOutRequest
+    def __init__(self, name: _Optional[str] = ..., slots: _Optional[_Iterable[int]] = ..., rollout: _Optional[_Union[_rollout_pb2.RollOutRequest, _Mapping]] = ...) -> None: ...
+
+class ForkSessionRequest(_message.Message):
+    __slots__ = ("name", "to")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    FROM_FIELD_NUMBER: _ClassVar[int]
+    TO_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    to: _containers.RepeatedScalarFieldContainer[int]
+    def __init__(self, name: _Optional[str] = ..., to: _Optional[_Iterable[int]] = ..., **kwargs) -> None: ...
+
+class ResetSessionRequest(_message.Message):
+    __slots__ = ("name", "slots", "initial")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    SLOTS_FIELD_NUMBER: _ClassVar[int]
+    INITIAL_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    slots: _containers.RepeatedScalarFieldContainer[int]
+    initial: _rollout_pb2.InitialState
+    def __init__(self, name: _Optional[str] = ..., slots: _Optional[_Iterable[int]] = ..., initial: _Optional[_Union[_rollout_pb2.InitialState, _Mapping]] = ...) -> None: ...
+
+class CloseSessionRequest(_message.Message):
+    __slots__ = ("name",)
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    def __init__(self, name: _Optional[str] = ...) -> None: ...
+
+class CloseSessionResponse(_message.Message):
+    __slots__ = ()
+    def __init__(self) -> None: ...
