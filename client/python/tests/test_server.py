@@ -223,6 +223,17 @@ def test_knots_are_executed_as_interpolated_here(twin):
             np.testing.assert_allclose(result.final_controls, expected[:, -1], atol=1e-7)
 
 
+@pytest.mark.parametrize(
+    "method",
+    [
+        lambda task, **s: Mppi(task, samples=16, iterations=3, **s),
+        lambda task, **s: Cem(task, samples=16, elites=4, iterations=3, **s),
+        lambda task, **s: PredictiveSampling(task, samples=16, iterations=3, **s),
+        lambda task, **s: GradientDescent(task, iterations=8, rate=0.005, **s),
+    ],
+    ids=["mppi", "cem", "predictive sampling", "gradient"],
+)
+@pytest.mark.parametrize("interpolation", ["linear", "cubic"])
 def test_planning_lowers_the_cost(twin, task, method, interpolation):
     task = replace(task, interpolation=interpolation)
     planner = method(task, knots=3, sigma=0.02, bounds=Bounds(low=-0.2, high=0.2))
@@ -319,3 +330,28 @@ def test_a_session_is_advanced_and_planned_from(twin, client):
     with pytest.raises(BendTwinError) as lost:
         session.refresh()
     assert lost.value.reason == "SESSION_LOST"
+
+
+def test_sessions_of_asyncio_do_the_same(client, twin):
+    rest = twin.geometry().controls
+    path = rest[None] + np.arange(4)[:, None, None] * np.array([0.002, 0, 0])
+    expected = twin.rollout(trajectories=path[None], returns=Returns(final_state=True))
+
+    async def steps():
+        for f in range(3):
+            yield {"trajectories": path[None, f : f + 2]}
+
+    async def run():
+        async with aio.Client(client._address) as other:
+            of = await other.twin(twin.name)
+            async with await other.open_session(of, slots=2) as session:
+                replies = [reply async for reply in session.control(steps())]
+                await session.fork(0)
+                ahead = await session.rollout(trajectories=path[None, 3:].repeat(2, axis=1))
+                return len(replies), await session.states(), ahead
+
+    count, states, ahead = asyncio.run(run())
+    assert count == 3
+    assert np.isfinite(ahead.costs).all()
+    for state in states:
+        np.testing.assert_array_equal(state.positions, expected.final_positions[0])

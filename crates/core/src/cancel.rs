@@ -73,7 +73,7 @@ mod tests {
         let pausing = plain.with_pause(counted.clone());
         assert!(!pausing.is_cancelled() && !plain.is_cancelled());
         plain.cancel();
-        assert!(pausing.clone().is_cancelled());
+        assert!(pausing.is_cancelled());
         assert_eq!(counted.0.load(Ordering::Relaxed), 2);
     }
 }

@@ -390,7 +390,7 @@ async fn a_body_that_never_fits_is_refused_with_what_would() {
     let call = server.http.post(server.url(&path)).header("content-type", "application/x-protobuf");
     let (status, problem) = read(call.body(large.encode_to_vec()).send().await.unwrap()).await;
     assert_eq!((status, &problem["reason"]), (400, &json!("MEMORY_TOO_SMALL")), "{problem}");
-    server.rollouts().roll_out(request(&twin, 60_000)).await.unwrap();
+    server.rollouts().roll_out(request(&twin, 30_000)).await.unwrap();
 }
 
 #[tokio::test]

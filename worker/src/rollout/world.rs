@@ -168,14 +168,16 @@ impl Surroundings {
         }
         let grippers = if self.grippers > 0 { actions.bodies(instance) } else { Vec::new() };
         let paths = self.world.bodies - self.grippers;
-        let poses = if paths == 0 {
-            grippers
-        } else {
-            let row = |frame: usize| {
-                let own = grippers.iter().skip(frame * self.grippers).take(self.grippers);
-                own.chain(&self.paths[frame * paths..(frame + 1) * paths]).copied()
-            };
-            (0..self.paths.len() / paths).flat_map(row).collect()
+        let rows = self.paths.len().checked_div(paths);
+        let poses = match rows {
+            None => grippers,
+            Some(rows) => {
+                let row = |frame: usize| {
+                    let own = grippers.iter().skip(frame * self.grippers).take(self.grippers);
+                    own.chain(&self.paths[frame * paths..(frame + 1) * paths]).copied()
+                };
+                (0..rows).flat_map(row).collect()
+            }
         };
         // During a frame that holds which the knot at or before its start says.
         let frames = self.knots.len().saturating_sub(1);

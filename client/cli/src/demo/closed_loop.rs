@@ -109,7 +109,7 @@ impl DemoRun {
         for step in 1..=STEPS {
             let started = Instant::now();
             let ask = |plans: &[Knots]| {
-                rope.from_here(twin, plans, HORIZON).cost(
+                rope.ahead(twin, plans, HORIZON).cost(
                     Cost::keypoints("end of the rope", 1.0 / HORIZON as f64, &[rope.end], &[goal])
                         .every_frame(),
                 )

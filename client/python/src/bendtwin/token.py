@@ -72,6 +72,7 @@ class _Credentials(
     grpc.UnaryUnaryClientInterceptor,  # type: ignore[misc]
     grpc.UnaryStreamClientInterceptor,  # type: ignore[misc]
     grpc.StreamUnaryClientInterceptor,  # type: ignore[misc]
+    grpc.StreamStreamClientInterceptor,  # type: ignore[misc]
 ):
     def __init__(self, token: str) -> None:
         self._header = ("authorization", f"Bearer {token}")
@@ -101,10 +102,15 @@ class _Credentials(
     ) -> Any:
         return continuation(self._with_header(client_call_details), request_iterator)
 
+    def intercept_stream_stream(
+        self, continuation: Callable[..., Any], client_call_details: Any, request_iterator: Any
+    ) -> Any:
+        return continuation(self._with_header(client_call_details), request_iterator)
+
 
 def aio_interceptors(token: str | None) -> list[Any]:
     """What shows the token with every call of an asyncio channel."""
-    kinds = (_AioUnaryUnary, _AioUnaryStream, _AioStreamUnary)
+    kinds = (_AioUnaryUnary, _AioUnaryStream, _AioStreamUnary, _AioStreamStream)
     return [] if token is None else [kind(token) for kind in kinds]
 
 
@@ -135,6 +141,13 @@ class _AioUnaryStream(_AioCredentials, grpc.aio.UnaryStreamClientInterceptor):  
 
 class _AioStreamUnary(_AioCredentials, grpc.aio.StreamUnaryClientInterceptor):  # type: ignore[misc]
     async def intercept_stream_unary(
+        self, continuation: Callable[..., Any], client_call_details: Any, request_iterator: Any
+    ) -> Any:
+        return await continuation(self._with_header(client_call_details), request_iterator)
+
+
+class _AioStreamStream(_AioCredentials, grpc.aio.StreamStreamClientInterceptor):  # type: ignore[misc]
+    async def intercept_stream_stream(
         self, continuation: Callable[..., Any], client_call_details: Any, request_iterator: Any
     ) -> Any:
         return await continuation(self._with_header(client_call_details), request_iterator)

@@ -175,7 +175,6 @@ impl RecordedOutputs {
                     false => None,
                 },
                 diverged: loss.diverged,
-                ..Rollout::default()
             });
         }
         Ok(rollouts)

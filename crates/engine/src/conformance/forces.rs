@@ -183,8 +183,8 @@ pub(super) fn measuring_changes_nothing(backend: &dyn Backend) -> Outcome {
     let forces = scene.forces(backend)?;
     for (f, wrench) in forces.grasps.iter().enumerate() {
         let of = sum(&forces.controls[2 * f..2 * f + 2]);
-        for c in 0..3 {
-            close("force of the hand", force_of(wrench)[c], of[c], 1e-4 * (1.0 + of[c].abs()))?;
+        for (found, expected) in force_of(wrench).into_iter().zip(of) {
+            close("force of the hand", found, expected, 1e-4 * (1.0 + expected.abs()))?;
         }
     }
     Ok(())

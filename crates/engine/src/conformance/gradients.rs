@@ -328,7 +328,7 @@ pub(super) fn norms_are_those_of_restarts(backend: &dyn Backend) -> Outcome {
         ensure(norms.len() == 6, || format!("{} norms of 5 frames", norms.len()))?;
         for (start, &got) in norms.iter().enumerate() {
             // A boundary belongs to the window that ends there.
-            let windows = |f: usize| if cut == 0 { 0 } else { f.saturating_sub(1) / cut };
+            let windows = |f: usize| f.saturating_sub(1).checked_div(cut).unwrap_or(0);
             let mut rest = scene.clone();
             rest.frames = scene.frames - start;
             rest.initial = states[start].clone();

@@ -87,7 +87,9 @@ impl<T: Real> Collider<T> {
         let r = sub(sub(q, *from), scale(*axis, s));
         let square = dot(r, r);
         let length = square.sqrt();
-        if !(length > T::from_f64(MIN_RADIUS_M)) {
+        // Also where it is no number.
+        let is_outside = length > T::from_f64(MIN_RADIUS_M);
+        if !is_outside {
             return [T::ZERO; 4];
         }
         let mut across = add_scaled(by, -(dot(r, by) / square), r);

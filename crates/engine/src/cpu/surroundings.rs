@@ -172,7 +172,8 @@ impl<T: Real> Around<T> {
             let moved = dot(sub(to, from), sub(to, from)).to_f64().sqrt() + radius * turned;
             let gap = collider.distance(from).0.to_f64() - reach - moved;
             // Also where it is no number: then the frame ends as diverged.
-            if !(gap > 0.0) {
+            let is_far = gap > 0.0;
+            if !is_far {
                 self.near.push(k);
             }
         }

@@ -64,7 +64,7 @@ pub(super) fn malformed(good: &RollOutRequest, twin: &TwinShape) -> Vec<Case> {
         add(what, "`gradient.smoothing_m`", RollOutRequest { gradient, ..good.clone() });
     }
     let plausibility = Some(Plausibility { strain: Some(f64::NAN), ..Plausibility::default() });
-    let strained = RollOutRequest { plausibility, ..good.clone() };
+    let strained = RollOutRequest { plausibility, ..good };
     add("a limit that is NaN", "`plausibility.strain`", strained);
     cases
 }

@@ -81,7 +81,7 @@ fn costs_by_frame_make_up_those_of_whole_rollouts() {
             };
             let found = terms[b * 6 + t];
             assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{b} {t}: {found}");
-            assert!(t == 3 && b == 0 || t == 4 && b == 0 || found != 0.0, "{b} {t} is zero");
+            assert!(b == 0 && (t == 3 || t == 4) || found != 0.0, "{b} {t} is zero");
         }
         let sum: f64 = terms[b * 6..(b + 1) * 6].iter().sum();
         assert!((costs[b] - sum).abs() < 1e-12);

@@ -113,9 +113,9 @@ fn stiffest(model: &Model, damping: impl Fn(f32) -> f32) -> f32 {
         // Between their orders of magnitude once there is one.
         let middle = if low > 0.0 { f32::midpoint(low, high) } else { high / 16.0 };
         if spring_share(model, middle, damping(middle)) <= 1.0 {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     low

@@ -61,14 +61,14 @@ impl Rope {
     pub(super) async fn after(&self, moved: Point) -> anyhow::Result<Point> {
         let [x, y, z] = moved.map(f64::from);
         let there = vec![0.0, 0.0, 0.0, x, y, z, x, y, z];
-        let request = self.from_here(self.twin, &[there], 2 * SETTLE as usize);
+        let request = self.ahead(self.twin, &[there], 2 * SETTLE as usize);
         let reply = self.rollouts.run(request.final_state()).await?;
         let end = reply.final_positions.get(self.end as usize).copied();
         end.context("the reply has no final state")
     }
 
     /// A batch of plans, offsets of all control points [m], from where the rope is.
-    pub(super) fn from_here(&self, twin: TwinId, plans: &[Knots], frames: usize) -> Rollout {
+    pub(super) fn ahead(&self, twin: TwinId, plans: &[Knots], frames: usize) -> Rollout {
         let knots = plans.first().map_or(0, |plan| plan.len() / 3);
         let positions = plans.iter().flat_map(|plan| self.controls(plan)).collect();
         let shape = [plans.len(), knots, self.start.len()];
@@ -80,7 +80,7 @@ impl Rope {
     /// Moves the hands along offsets by frame, shape [F + 1, 3].
     pub(super) async fn follow(&mut self, path: &[f64]) -> anyhow::Result<()> {
         let frames = (path.len() / 3).saturating_sub(1);
-        let request = self.from_here(self.twin, &[path.to_vec()], frames);
+        let request = self.ahead(self.twin, &[path.to_vec()], frames);
         let reply = self.rollouts.run(request.final_state()).await?;
         self.take(reply)
     }

@@ -150,7 +150,7 @@ impl<'a> ConcurrentWindows<'a> {
             of_springs,
             _control_sums: control_sums,
             _pin_sums: pin_sums,
-            world_bars: world_bars,
+            world_bars,
         })
     }
 

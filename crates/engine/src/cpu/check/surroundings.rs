@@ -186,10 +186,11 @@ fn grasp(grasp: &Grasp, bodies: usize, model: &Model) -> Check {
                 format!("a box from {low:?} to {high:?}")
             })?;
         }
-        Region::Nodes(of) => match outside(of, nodes) {
-            Some(node) => return Err(format!("node {node} of {nodes} nodes")),
-            None => (),
-        },
+        Region::Nodes(of) => {
+            if let Some(node) = outside(of, nodes) {
+                return Err(format!("node {node} of {nodes} nodes"));
+            }
+        }
         Region::Controls(of) => match outside(of, controls) {
             Some(control) => return Err(format!("control point {control} of {controls}")),
             // They hold by what the twin has for them.

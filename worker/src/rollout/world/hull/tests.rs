@@ -102,7 +102,7 @@ proptest! {
     fn grids_are_boxes(
         counts in prop::array::uniform3(2usize..6),
         size in prop::array::uniform3(0.01f32..0.5),
-        turn in 0.0f32..6.28,
+        turn in 0.0f32..std::f32::consts::TAU,
     ) {
         let (sine, cosine) = turn.sin_cos();
         let mut points = Vec::new();
