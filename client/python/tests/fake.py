@@ -234,7 +234,7 @@ class Fake(
 
     @staticmethod
     def _more(asked, reply, knots):
-        """What is rarely asked for: zeros of the right shape, and the controls."""
+        """Rarely asked for arrays: zeros of the right shape, and the controls."""
         count, frames = knots.shape[:2]
         terms = len(reply.cost_names)
         if asked.velocities:

@@ -2,9 +2,11 @@
 
 import asyncio
 import os
+import signal
 import subprocess
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -54,6 +56,7 @@ def client(folder):
     command = [BINARY, "server", "--listen", "127.0.0.1:0", "--port-file", port_file]
     with (folder / "log").open("w") as log:
         server = subprocess.Popen([*command, "--data-dir", folder / "data"], stdout=log, stderr=log)
+    (folder / "pid").write_text(str(server.pid))
     try:
         deadline = time.monotonic() + START_S
         while not port_file.exists():
@@ -355,3 +358,49 @@ def test_sessions_of_asyncio_do_the_same(client, twin):
     assert np.isfinite(ahead.costs).all()
     for state in states:
         np.testing.assert_array_equal(state.positions, expected.final_positions[0])
+
+
+def workers_of(server):
+    """Process ids of the workers of a server, as Linux tells."""
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            pid, _, rest = status.read_text().partition(" ")
+        except OSError:
+            continue
+        if int(rest.rpartition(")")[2].split()[1]) == server:
+            yield int(pid)
+
+
+@pytest.mark.skipif(not Path("/proc").exists(), reason="processes are found as on Linux")
+def test_a_session_is_lost_with_its_worker_and_opened_again(client, twin, folder):
+    rest = twin.geometry().controls
+    path = rest[None] + np.arange(4)[:, None, None] * np.array([0.002, 0, 0])
+    session = client.open_session(twin)
+    session.advance(trajectories=path[None])
+    state = session.states()[0]
+    workers = list(workers_of(int((folder / "pid").read_text())))
+    assert workers
+    for worker in workers:
+        os.kill(worker, signal.SIGKILL)
+    deadline = time.monotonic() + START_S
+    while True:
+        try:
+            session.advance(trajectories=path[None, 2:])
+            pytest.fail("the session outlived its worker")
+        except BendTwinError as error:
+            # The connection breaks first; then it is known that nobody has the session.
+            if error.reason == "SESSION_LOST":
+                break
+            assert error.category is Category.UNAVAILABLE, error
+        assert time.monotonic() < deadline, "nobody says that the session is lost"
+        time.sleep(0.05)
+    while True:
+        try:
+            again = client.open_session(twin, initial=state)
+            break
+        except BendTwinError as error:
+            assert error.category is Category.UNAVAILABLE, error
+            assert time.monotonic() < deadline, "no worker comes back"
+            time.sleep(0.1)
+    with again:
+        np.testing.assert_array_equal(again.states()[0].positions, state.positions)

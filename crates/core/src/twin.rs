@@ -43,7 +43,7 @@ impl Twin {
         self.mass_kg.map_or(1.0, |mass| mass / units)
     }
 
-    /// The hand of each control point, shape [C], counted from 0. Where the capture does not say,
+    /// The hand of each control point, shape [C], counted from 0. If the capture does not say,
     /// control points linked by steps of at most [`HAND_LINK_M`] at rest are one hand, in the order
     /// of their first.
     pub fn hands(&self) -> Vec<u32> {

@@ -137,9 +137,9 @@ pub struct Instance {
     pub frames: usize,
     /// Terms to measure.
     pub objective: Objective,
-    /// What surrounds the object; empty for the ground alone.
+    /// Surroundings of the object; empty for the ground alone.
     pub world: Arc<World>,
-    /// How that moves.
+    /// Their motion.
     pub motion: Arc<Motion>,
 }
 

@@ -46,7 +46,7 @@ pub struct State {
     /// clamps included. It may be empty at the start of a rollout: no rod is twisted. States that a
     /// backend returns have all of them.
     pub twists: Vec<f32>,
-    /// What grasps hold. It belongs to the [`World`](crate::World) of the rollout that it came from.
+    /// Phases and holds of grasps. It belongs to the [`World`](crate::World) of the rollout that it came from.
     pub grasping: Grasping,
 }
 

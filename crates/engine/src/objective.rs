@@ -81,7 +81,7 @@ pub enum Term {
     },
 }
 
-/// What exerts a force on the object.
+/// Source of a force on the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForceBy {
     /// All control points together.

@@ -42,7 +42,7 @@ pub struct Reference {
     pub twists: Vec<f64>,
     /// Control positions at frame boundaries [m], shape [F + 1, C, 3]; start at rest.
     pub controls: Vec<Point64>,
-    /// What surrounds the object; starts as nothing.
+    /// Surroundings of the object; none at first.
     pub world: World,
     /// Poses of bodies at frame boundaries, shape [F + 1, B].
     pub poses: Vec<Pose64>,
@@ -50,7 +50,7 @@ pub struct Reference {
     pub closed: Vec<bool>,
     /// As in [`crate::Motion::rolls`] [rad], shape [F + 1, R], or empty.
     pub rolls: Vec<f64>,
-    /// What grasps hold at the start; starts as nothing.
+    /// Holds of grasps at the start; none at first.
     pub grasping: Grasping,
     /// Places of the holds of `grasping` [m], in place of theirs.
     pub places: Vec<Point64>,

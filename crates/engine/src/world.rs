@@ -112,9 +112,9 @@ pub enum Attachment {
 pub struct Grasp {
     /// The body that carries it.
     pub body: u32,
-    /// What it takes hold of.
+    /// Region of which it takes hold.
     pub region: Region,
-    /// How it holds.
+    /// Kind of its holds.
     pub attachment: Attachment,
     /// Mean force over a frame beyond which it lets go at the end of that frame [N at unit node
     /// mass]; infinite for never. It stays open until it was told to open and to close again.
@@ -159,7 +159,7 @@ pub struct World {
 pub struct Motion {
     /// Poses of bodies at frame boundaries, shape [F + 1, B].
     pub poses: Vec<Pose>,
-    /// Whether a grasp is closed during a frame, shape [F, G].
+    /// True if a grasp is closed during a frame, shape [F, G].
     pub closed: Vec<bool>,
     /// Turn of the near clamp of each rod against its far one about the rod's ends, by the right hand
     /// along the rod, since the start [rad], shape [F + 1, R]; empty if no clamp turns: a rod that is

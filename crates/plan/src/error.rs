@@ -6,7 +6,7 @@
 pub struct Invalid {
     /// Name of the setting.
     pub field: &'static str,
-    /// What is wrong with it, and what to give instead.
+    /// The fault, and what to give instead.
     pub problem: String,
 }
 

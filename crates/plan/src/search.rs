@@ -10,7 +10,7 @@ use crate::{
     method::{Descent, Method, Sampling},
 };
 
-/// What a simulation says about a batch of plans.
+/// Result of simulating a batch of plans.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Evaluation {
     /// Cost of each plan; infinite where it diverged.
@@ -37,7 +37,7 @@ pub struct Plan {
     pub knots: Knots,
     /// Cost of exactly these knots, as simulated.
     pub cost: f64,
-    /// Where it comes from.
+    /// Its source.
     pub origin: Origin,
     /// Cost of the nominal plan.
     pub nominal_cost: f64,

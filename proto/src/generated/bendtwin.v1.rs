@@ -236,7 +236,7 @@ pub struct Grasp {
     /// Mean force over a frame beyond which it lets go, newtons; absent: never.
     #[prost(double, optional, tag = "10")]
     pub max_force_n: ::core::option::Option<f64>,
-    /// What it takes hold of when it closes. Nodes that something else holds stay there.
+    /// Nodes that it takes hold of when it closes. Nodes that something else holds stay there.
     #[prost(oneof = "grasp::Region", tags = "2, 3, 4, 5")]
     pub region: ::core::option::Option<grasp::Region>,
 }
@@ -288,7 +288,7 @@ pub mod grasp {
             }
         }
     }
-    /// What it takes hold of when it closes. Nodes that something else holds stay there.
+    /// Nodes that it takes hold of when it closes. Nodes that something else holds stay there.
     #[derive(Clone, PartialEq, ::prost::Oneof)]
     pub enum Region {
         /// In the coordinates of the gripper.
@@ -305,7 +305,7 @@ pub mod grasp {
         Hand(CaptureHand),
     }
 }
-/// What grasps hold in a state: of G grasps and N nodes. All for one state, or with \[B\] in front.
+/// Holds of grasps in a state: of G grasps and N nodes. All for one state, or with \[B\] in front.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Grasping {
     /// UINT32 \[G\]: 0 open, 1 closed, 2 slipped.
@@ -2686,7 +2686,7 @@ pub mod twin_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.TwinService", "ExportTwin"));
             self.inner.server_streaming(req, path, codec).await
         }
-        /// What planners need to know of a twin, without reading its file.
+        /// Facts of a twin that planners need, without its file.
         pub async fn get_twin_geometry(
             &mut self,
             request: impl tonic::IntoRequest<super::GetTwinGeometryRequest>,
@@ -2757,7 +2757,7 @@ pub mod twin_service_server {
             &self,
             request: tonic::Request<super::ExportTwinRequest>,
         ) -> std::result::Result<tonic::Response<Self::ExportTwinStream>, tonic::Status>;
-        /// What planners need to know of a twin, without reading its file.
+        /// Facts of a twin that planners need, without its file.
         async fn get_twin_geometry(
             &self,
             request: tonic::Request<super::GetTwinGeometryRequest>,
@@ -3714,13 +3714,13 @@ pub struct GradientOptions {
     #[prost(double, tag = "2")]
     pub smoothing_m: f64,
 }
-/// What is held to be possible. A reply flags instances beyond; with `refuse` it is an error instead
+/// Limits of what is held to be possible. A reply flags instances beyond; with `refuse` it is an error instead
 /// (FAILED_PRECONDITION, reason IMPLAUSIBLE_MOTION), before anything is simulated where the actions
 /// alone tell.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Plausibility {
     /// Largest distance between the initial state's control points and row 0 of the actions; default
-    /// 0.005. Where a given state leaves out where they are, 0.02 more.
+    /// 0.005. It is 0.02 more if a given state does not say where they are.
     #[prost(double, optional, tag = "1")]
     pub start_gap_m: ::core::option::Option<f64>,
     /// Fastest control point; default 5.
@@ -3822,7 +3822,7 @@ pub mod initial_state {
         /// The twin's shape where it comes to rest under gravity, held by its control points at rest.
         #[prost(message, tag = "4")]
         Settled(Settled),
-        /// Where a session is.
+        /// The states of slots of a session.
         #[prost(message, tag = "5")]
         Session(SessionSlots),
     }
@@ -4769,7 +4769,7 @@ pub struct OpenSessionRequest {
     /// twins/{uuid}
     #[prost(string, tag = "1")]
     pub twin: ::prost::alloc::string::String,
-    /// Where it begins; default: the rest shape. A batch of given states has one for each slot.
+    /// First state; default: the rest shape. A batch of given states has one for each slot.
     #[prost(message, optional, tag = "2")]
     pub initial: ::core::option::Option<InitialState>,
     /// Number of simulations, 1..4096; 0 means 1.

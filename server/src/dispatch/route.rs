@@ -1,7 +1,7 @@
 //! The choice of the worker that answers: a calm one if there is any, first those that have the twin
 //! loaded, then in the twin's own order of workers (rendezvous hashing), so that a twin is loaded in
 //! few places and a lost worker moves only its own. A worker is calm if it runs no fit and is at so
-//! few rollouts that one more need not wait. Where none is, the one with the fewest rollouts is
+//! few rollouts that one more need not wait. If none is, the one with the fewest rollouts is
 //! asked; a fit counts for some.
 //! The work ahead is bounded by the average of all workers, so that one popular twin spreads.
 

@@ -1,4 +1,4 @@
-//! What grasps hold, as part of a state: the arrays of a message, and the engine's list of holds.
+//! Holds of grasps, as part of a state: the arrays of a message, and the engine's list of holds.
 
 use bendtwin_engine::{
     model::State,

@@ -158,9 +158,6 @@ fn time(budget: Duration, mut call: impl FnMut() -> anyhow::Result<()>) -> anyho
     call()?;
     let first = began.elapsed();
     let mut times = Vec::new();
-    if first > budget {
-        times.push(first.as_secs_f64());
-    }
     let began = Instant::now();
     while times.is_empty() || (began.elapsed() + first < budget && times.len() < MOST_REPEATS) {
         let started = Instant::now();

@@ -122,7 +122,7 @@ class Session:
             return read_states(await self._sessions.GetSessionStates(request))
 
     async def refresh(self) -> SessionInfo:
-        """What the server says of it now."""
+        """The session as the server sees it now."""
         request = session_pb2.GetSessionRequest(name=self.name)
         with translated():
             return SessionInfo.from_proto(await self._sessions.GetSession(request))

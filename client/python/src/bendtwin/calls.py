@@ -84,7 +84,7 @@ class Watched(Generic[_Read]):
 
 
 class Following(Generic[_Read]):
-    """How far someone follows a resource, over restarts of the server."""
+    """State of following a resource, over restarts of the server."""
 
     def __init__(self, watched: Watched[_Read], timeout_s: float | None) -> None:
         self._watched = watched
@@ -94,7 +94,7 @@ class Following(Generic[_Read]):
 
     @property
     def request(self) -> Any:
-        """What asks for the changes that were not seen."""
+        """The message that asks for the changes that were not seen."""
         return self._watched.request(self._revision)
 
     @property
@@ -201,7 +201,7 @@ def capture_report(name: str, *, html: bool) -> Call[bytes]:
 
 
 def export_observation(name: str) -> Call[bytes]:
-    """What fits of a capture work on, in chunks."""
+    """The observation that fits of a capture work on, in chunks."""
     request = capture_pb2.ExportObservationRequest(name=name)
     return Call(lambda s: s.captures.ExportObservation, request, _chunk)
 

@@ -1,4 +1,4 @@
-"""What lies between the knots of actions, as the server computes it.
+"""Values between the knots of actions, as the server computes them.
 
 With t_k the knots' times, i the last knot at or before t, h = t_(i+1) - t_i and s = (t - t_i) / h:
 

@@ -18,7 +18,7 @@ from bendtwin.world import Grasp, Surroundings, World
 
 @dataclass(frozen=True)
 class SessionInfo:
-    """What the server says about a session."""
+    """Facts of a session."""
 
     #: sessions/{uuid}.
     name: str
@@ -111,7 +111,7 @@ class Session:
         return read_states(reply)
 
     def refresh(self) -> SessionInfo:
-        """What the server says of it now."""
+        """The session as the server sees it now."""
         with translated():
             reply = self._sessions.GetSession(session_pb2.GetSessionRequest(name=self.name))
         return SessionInfo.from_proto(reply)

@@ -50,7 +50,7 @@ class CaptureFrame:
 
 @dataclass(frozen=True)
 class Grasping:
-    """What grasps hold: of G grasps and N nodes. All for one state, or with [B] in front."""
+    """Holds of G grasps on N nodes. All for one state, or with [B] in front."""
 
     #: 0 open, 1 closed, 2 slipped, [G].
     phases: npt.ArrayLike
@@ -132,7 +132,7 @@ GivenState = State
 
 @dataclass(frozen=True)
 class SessionSlots:
-    """Where a session is: see `Session.rollout`."""
+    """The states of slots of a session: see `Session.rollout`."""
 
     #: sessions/{uuid}.
     session: str

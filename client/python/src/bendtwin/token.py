@@ -109,7 +109,7 @@ class _Credentials(
 
 
 def aio_interceptors(token: str | None) -> list[Any]:
-    """What shows the token with every call of an asyncio channel."""
+    """Interceptors that show the token with every call of an asyncio channel."""
     kinds = (_AioUnaryUnary, _AioUnaryStream, _AioStreamUnary, _AioStreamStream)
     return [] if token is None else [kind(token) for kind in kinds]
 

@@ -128,7 +128,7 @@ class Plane:
 
 @dataclass(frozen=True, kw_only=True)
 class World:
-    """What is around the object. What is left out is as in the twin."""
+    """Surroundings of the object. Fields that are left out are as in the twin."""
 
     colliders: Sequence[Collider] = ()
     #: [3], m/s².

@@ -9,7 +9,7 @@ use bendtwin_proto::v1::{
     },
 };
 
-/// What exerts a force on the object.
+/// Source of a force on the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForceBy {
     /// All control points together.

@@ -33,7 +33,7 @@ pub struct Reply {
     pub final_twists: Vec<f32>,
     /// Final control points [m], shape [R, C].
     pub final_controls: Vec<Point>,
-    /// What grasps hold in the final states, one after another; none without grasps.
+    /// Holds of grasps in the final states, one after another; none without grasps.
     pub final_grasping: Option<Grasping>,
     /// d cost / d actions as the request gave them, [R, K, C, 3] or [R, K, G, 7].
     pub action_gradients: Vec<f32>,

@@ -17,11 +17,11 @@ pub struct State {
     pub twists: Vec<f32>,
     /// Control points [m], shape [C]; empty: where pins say, others at rest.
     pub controls: Vec<Point>,
-    /// What grasps hold; none without grasps.
+    /// Holds of grasps; none without grasps.
     pub grasping: Option<Grasping>,
 }
 
-/// What G grasps hold in a state.
+/// Holds of G grasps in a state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grasping {
     /// 0 open, 1 closed, 2 slipped; shape [G].

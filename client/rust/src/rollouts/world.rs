@@ -89,7 +89,7 @@ impl Collider {
     }
 }
 
-/// What is around the object; the rest is as in the twin.
+/// Surroundings of the object; the rest is as in the twin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct World(pub(super) v1::World);
 

@@ -74,7 +74,10 @@ impl Source {
     fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Self::Start => &[("start.cu", include_str!("../../kernels/start.cu"))],
-            Self::Integrate => &[("integrate.cu", include_str!("../../kernels/integrate.cu"))],
+            Self::Integrate => &[
+                ("integrate_forces.cuh", include_str!("../../kernels/integrate_forces.cuh")),
+                ("integrate.cu", include_str!("../../kernels/integrate.cu")),
+            ],
             Self::Adjoint => &[
                 ("adjoint_state.cuh", include_str!("../../kernels/adjoint_state.cuh")),
                 ("adjoint_forces.cuh", include_str!("../../kernels/adjoint_forces.cuh")),

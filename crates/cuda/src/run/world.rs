@@ -1,4 +1,4 @@
-//! What surrounds the instances of a batch, on the device: bodies, colliders, grasps and what they
+//! Surroundings of the instances of a batch, on the device: bodies, colliders, grasps and what they
 //! hold, forces.
 
 mod upload;

@@ -1,7 +1,7 @@
 //! Forces on the object by what surrounds it, as impulses that are added up over a frame.
 //!
-//! A control point exerts minus the force that springs and triplets exert on it. What makes a node
-//! follow a control point or a body is, in every substep, the impulse
+//! A control point exerts minus the force that springs and triplets exert on it. A node
+//! follows a control point or a body by the impulse, in every substep,
 //! `m (v_held - (v + (f/m + g) dt) exp(-dt drag))`, with f the force of springs, triplets and rods on
 //! the node, and at a frame's beginning `m (v_new - v)`. Ground and colliders exert
 //! `m (v_after - v_before)` by each meeting. Impulses between nodes that touch are within the object.

@@ -3,7 +3,7 @@
 //! At the beginning of a frame all hands that are told to open let go first, then those that are
 //! told to close take, one after the other, the nodes of their region that no control point pins and
 //! nothing holds: so one gripper can hand over to another at one boundary. A place is `Aᵀ (x - p)`
-//! at that boundary's pose. What a hand holds by a pin stands at its place with the place's velocity
+//! at that boundary's pose. A node that a hand holds by a pin stands at its place with the place's velocity
 //! and has no inverse mass, as a pinned node; a spring acts in every substep where control springs
 //! do. Places have no velocity where the model ignores that of control points.
 

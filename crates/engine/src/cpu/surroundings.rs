@@ -1,4 +1,4 @@
-//! What surrounds an object, in the simulation's scalar: the constant part of an instance
+//! Surroundings of an object, in the simulation's scalar: the constant part of an instance
 //! ([`Surroundings`]) and the part that changes from frame to frame ([`Around`]).
 
 use std::sync::Arc;

@@ -4,7 +4,7 @@
 //! A clamp is a pair of neighbouring pinned nodes at an end of a rod, both held by control points of
 //! one gripper, with the direction d from the first to the second along the rod. From one frame to
 //! the next the gripper turns by Q = R' R⁻¹, while parallel transport turns what belongs to d by the
-//! smallest rotation M from d to d'. What is left, the twist of M⁻¹ Q about d, is the clamp's roll in
+//! smallest rotation M from d to d'. The rest, the twist of M⁻¹ Q about d, is the clamp's roll in
 //! that frame, between -π and π, positive by the right hand along the rod; a rod's is the sum over
 //! frames for its near clamp less that for its far one, and 0 in the first row. That is the sign of
 //! the twist that nodes tell (docs/twin-format.md): when grippers turn a bent cable as one body, the

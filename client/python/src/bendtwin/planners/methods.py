@@ -45,7 +45,7 @@ class Mppi(_Sampling):
         """Takes the settings of `Planner`.
 
         Args:
-            problem: What to minimize.
+            problem: Task to minimize.
             temperature: As a share of the costs' spread: small ones follow the best sample, large
                 ones average.
             settings: Those of `Planner`.
@@ -78,8 +78,8 @@ class Cem(_Sampling):
         """Takes the settings of `Planner`; it needs several iterations to be worth it.
 
         Args:
-            problem: What to minimize.
-            elites: How many of the best samples the next iteration is made from.
+            problem: Task to minimize.
+            elites: Number of best samples that the next iteration is made from.
             memory: Share of the old mean and spread in the new ones.
             smallest: Spread below which it does not shrink, as a share of sigma.
             settings: Those of `Planner`.
@@ -132,7 +132,7 @@ class GradientDescent(Planner):
         """Takes the settings of `Planner`.
 
         Args:
-            problem: What to minimize.
+            problem: Task to minimize.
             rate: Largest step of an iteration, a number or by coordinate [D]: metres, radians.
             samples: Plans that are followed at once; the others begin sigma away.
             iterations: Of one call of `plan`.

@@ -1,4 +1,4 @@
-"""What a planner returns."""
+"""Results of planners."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Plan:
 
     @property
     def diverged(self) -> int:
-        """How many of the plans that were simulated diverged."""
+        """Number of the simulated plans that diverged."""
         return int(sum(np.isinf(costs).sum() for costs in self.costs))
 
     def actions(self, frames: int | None = None) -> dict[str, Any]:

@@ -60,7 +60,7 @@ class Planner(ABC):
         """Sets what all methods have in common.
 
         Args:
-            problem: What to minimize: a `Task` for a twin.
+            problem: Task to minimize: a `Task` for a twin.
             knots: Number of knots K; row 0 is where things are.
             samples: Plans that are simulated in an iteration.
             iterations: Of one call of `plan`.
@@ -95,7 +95,7 @@ class Planner(ABC):
         """Lowers the cost of the nominal plan from a state; None is the twin's rest.
 
         The nominal plan is that of the call before, shifted, unless one is given: knots [K, D].
-        Where it is outside of the bounds it is moved inside first.
+        Outside of the bounds it is moved inside first.
 
         Raises:
             EveryPlanDiverged: If no plan of the first iteration could be simulated.
@@ -173,7 +173,7 @@ class Planner(ABC):
 
 
 class _Search:
-    """What one call of `plan` has seen."""
+    """Record of one call of `plan`."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""What a planner minimizes: the cost of knots, as a twin simulates them."""
+"""Tasks, which planners minimize: the cost of knots, as a twin simulates them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from bendtwin.twin import Twin
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What a simulation says about a batch of plans."""
+    """Result of simulating a batch of plans."""
 
     #: [B]; +inf where an instance diverged.
     costs: npt.NDArray[np.float64]

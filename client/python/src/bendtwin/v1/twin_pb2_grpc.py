@@ -104,7 +104,7 @@ class TwinServiceServicer(object):
         raise NotImplementedError('Method not implemented!')
 
     def GetTwinGeometry(self, request, context):
-        """What planners need to know of a twin, without reading its file.
+        """Facts of a twin that planners need, without its file.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')

@@ -1,4 +1,4 @@
-//! What a client can get wrong about the surroundings of an object.
+//! Faults that a client can make in the surroundings of an object.
 
 use bendtwin_core::Point;
 
