@@ -25,7 +25,7 @@ use crate::{failure, table::Table};
 /// Most repeats of one measurement.
 const MOST_REPEATS: usize = 200;
 
-/// What is measured, and for how long.
+/// Measurements to take, and their durations.
 pub(super) struct Plan {
     pub(super) sizes: Vec<Size>,
     /// Repeats of one measurement end after this.

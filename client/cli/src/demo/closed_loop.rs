@@ -27,7 +27,7 @@ const STEPS: usize = 20;
 /// A fit in a hurry.
 const GENERATIONS: u32 = 6;
 const PASSES: u32 = 3;
-/// Where the hands go to make a goal that the rope can reach [m].
+/// Way of the hands that makes a goal within the reach of the rope [m].
 const DETOUR: Point = [0.12, 0.06, 0.06];
 
 impl DemoRun {

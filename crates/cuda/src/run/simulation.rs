@@ -67,7 +67,7 @@ pub(crate) struct Simulation<'a> {
     pub(crate) worlds: Worlds,
     /// The states that instances were given, as planes.
     initial: Buffer<f32>,
-    /// Where those of each instance begin, and its twists.
+    /// Starts of those of each instance, and of its twists.
     initial_places: Vec<(usize, usize)>,
 }
 
@@ -273,7 +273,7 @@ impl<'a> Simulation<'a> {
         (boundary, end): (usize, usize),
     ) -> Result<(), Error> {
         let has_grasps = group.plan.specialization.world.grasps;
-        // What is held in frames is written for all of them at once, launch by launch.
+        // Holds of frames are written for all of them at once, launch by launch.
         if !has_grasps {
             return Ok(());
         }

@@ -60,7 +60,7 @@ pub(crate) fn parts_of(instance: &Instance, measured: bool) -> WorldParts {
     }
 }
 
-/// What an instance's grasps hold at its start, with other places, by node.
+/// Holds of an instance's grasps at its start, with other places, by node.
 pub(crate) fn start(instance: &Instance, place: impl Fn(usize) -> Point) -> Grasping {
     let given = &instance.initial.grasping.holds;
     Grasping {
@@ -229,7 +229,7 @@ impl Worlds {
         self.boundaries.range(first + 1..).next().map_or(end, |&b| b.min(end))
     }
 
-    /// What an instance's grasps hold behind a frame, which is kept; waits for the device.
+    /// Holds of an instance's grasps behind a frame, which is kept; waits for the device.
     pub(crate) fn grasping(
         &self,
         index: usize,

@@ -18,7 +18,7 @@ const ROPE: Color = Color(0, 114, 178);
 const WAY: Color = Color(213, 94, 0);
 const GOAL: Color = Color(0, 158, 115);
 
-/// What the picture shows.
+/// Content of the picture.
 pub(super) struct Scene {
     springs: Vec<[u32; 2]>,
     gravity: Point,

@@ -222,7 +222,7 @@ device_struct! {
 }
 
 device_struct! {
-    /// What holds a node in a frame.
+    /// Hold of a node in a frame.
     Hold {
         place: [f32; 3],
         grasp: i32,
@@ -230,7 +230,7 @@ device_struct! {
 }
 
 device_struct! {
-    /// What surrounds the object, and the memory that goes with it.
+    /// Surroundings of the object, and the memory that goes with them.
     WorldArgs {
         poses: Pointer<[f32; 4]>,
         colliders: Pointer<Collider>,
