@@ -83,6 +83,8 @@ pub struct Registered {
     pub state: State,
     /// Control points [m], shape [C, 3].
     pub controls: Vec<Point>,
+    /// Distances of the observed points from the start.
+    pub before: Residual,
     /// Distances of the observed points.
     pub residual: Residual,
     /// Shares that explain each other.
@@ -126,6 +128,7 @@ pub fn register(
     let spacing_m = spacing(&graph.rest_positions[..graph.surface_count()]);
     let job = Job { graph, shape, observation, options, spacing_m, cancel };
 
+    let before = Residual::of(&job.seen(observation).distances(&job.shape)?);
     let (rigid, mut x) = job.best()?;
     job.place_controls(&mut x);
     let mut state = start;
@@ -153,7 +156,8 @@ pub fn register(
             least_explained: options.least_explained,
         });
     }
-    Ok(Registered { state, controls, residual, explained, rigid, drift_mm: 1e3 * drift_m })
+    let drift_mm = 1e3 * drift_m;
+    Ok(Registered { state, controls, before, residual, explained, rigid, drift_mm })
 }
 
 impl RegisterOptions {
