@@ -109,7 +109,7 @@ impl Client {
         Workers::new(WorkerServiceClient::new(self.channel.clone()))
     }
 
-    /// Where objects are.
+    /// Registrations: states from what was seen.
     pub fn registrations(&self) -> Registrations {
         let service = RegistrationServiceClient::new(self.channel.clone());
         Registrations::new(service.max_decoding_message_size(MAX_MESSAGE))
