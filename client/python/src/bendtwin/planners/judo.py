@@ -59,7 +59,7 @@ class TwinTask(JudoTask[TwinTaskConfig]):
         #: Where the object is; None is the twin's rest.
         self.initial: InitialState | None = None
         self.config = TwinTaskConfig()
-        xml = model_xml(task.dims, task.frame_s, fastest, self.nodes)
+        xml = model_xml(task.dims, task.frame_s, fastest, self.nodes, has_sensors=True)
         self.spec = mujoco.MjSpec.from_string(xml)
         self.model = self.sim_model = self.spec.compile()
         self.data = mujoco.MjData(self.model)

@@ -65,7 +65,12 @@ def simulate(
 
 
 def model_xml(
-    dims: int, frame_s: float, fastest: npt.ArrayLike, sensors: Sequence[int] = ()
+    dims: int,
+    frame_s: float,
+    fastest: npt.ArrayLike,
+    nodes: Sequence[int] = (),
+    *,
+    has_sensors: bool = False,
 ) -> str:
     """MJCF with a slide joint and a velocity actuator for each coordinate.
 
@@ -73,8 +78,8 @@ def model_xml(
         dims: Number of coordinates D.
         frame_s: Its time step [s].
         fastest: Limits of the velocities: a number or [D], per second.
-        sensors: Nodes that have a site, and a sensor of its position, called "trace_{node}"; after
-            those comes a sensor called "cost".
+        nodes: Nodes that have a site, "node_{node}".
+        has_sensors: With sensors of the sites' positions, "trace_{node}", and of a "cost".
     """
     limits = np.broadcast_to(np.asarray(fastest, dtype=np.float64), (dims,))
     if not (np.isfinite(limits).all() and (limits > 0).all()):
@@ -88,12 +93,12 @@ def model_xml(
         f'<velocity joint="c{d}" kv="1" ctrllimited="true" ctrlrange="{-limit} {limit}"/>'
         for d, limit in enumerate(limits)
     )
-    sites = "".join(f'<site name="node_{node}"/>' for node in sensors)
+    sites = "".join(f'<site name="node_{node}"/>' for node in nodes)
     traces = "".join(
-        f'<framepos name="trace_{node}" objtype="site" objname="node_{node}"/>' for node in sensors
+        f'<framepos name="trace_{node}" objtype="site" objname="node_{node}"/>' for node in nodes
     )
+    sensors = f'<sensor>{traces}<user name="cost" dim="1"/></sensor>' if has_sensors else ""
     return (
         f'<mujoco model="coordinates of a twin"><option timestep="{frame_s!r}" gravity="0 0 0"/>'
-        f"<worldbody>{sites}{bodies}</worldbody><actuator>{actuators}</actuator>"
-        f'<sensor>{traces}<user name="cost" dim="1"/></sensor></mujoco>'
+        f"<worldbody>{sites}{bodies}</worldbody><actuator>{actuators}</actuator>{sensors}</mujoco>"
     )
