@@ -30,7 +30,7 @@ use crate::{
 use line::Ask;
 pub(crate) use line::Size;
 use registry::{Entry, Now};
-pub(crate) use registry::{FitRoom, Heartbeat, Memory, WorkerView};
+pub(crate) use registry::{FitRoom, Heartbeat, HeldSession, Memory, WorkerView};
 pub(crate) use rollout::{Held, InParts, RollOut, Whole};
 use twins::Twins;
 

@@ -112,11 +112,7 @@ impl Rollouts {
 
     /// The sessions that live here.
     pub(crate) fn sessions(&self) -> Vec<HeldSession> {
-        let held = self.0.sessions.list().into_iter().map(|(session, twin)| HeldSession {
-            session: session.to_string(),
-            twin: twin.to_string(),
-        });
-        held.collect()
+        self.0.sessions.list()
     }
 
     /// Rollouts that are under way.
@@ -240,18 +236,25 @@ impl WorkerRollouts for Rollouts {
         &self,
         mut request: Request<ManageSessionRequest>,
     ) -> Result<Response<ManageSessionResponse>, Status> {
-        let _held = request.extensions_mut().remove::<Held>();
+        let held = request.extensions_mut().remove::<Held>().unwrap_or_default();
         let limit = self.0.most;
         let _slot = Arc::clone(&self.0.slots)
             .try_acquire_owned()
             .map_err(|_| fault::status(&Error::Busy { limit }.fault()))?;
         let request = request.into_inner();
         let request_id = request.request_id.clone();
-        self.0.manage(request).await.map(Response::new).map_err(|error| {
-            let fault = error.fault();
-            tracing::info!(request_id, reason = fault.reason, "session refused: {fault}");
-            fault::status(&fault)
-        })
+        match self.0.manage(request).await {
+            Ok((reply, share)) => {
+                // It is held until the reply has been sent; nothing else sets it.
+                let _ = share.map(|share| held.rollout.set(share));
+                Ok(Response::new(reply))
+            }
+            Err(error) => {
+                let fault = error.fault();
+                tracing::info!(request_id, reason = fault.reason, "session refused: {fault}");
+                Err(fault::status(&fault))
+            }
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Schemas of the messages of rollout.proto and world.proto for the OpenAPI document, from their descriptors and
+//! Schemas of the messages of rollout.proto, session.proto and world.proto for the OpenAPI document, from their descriptors and
 //! comments.
 
 use std::{borrow::Cow, collections::HashMap};
@@ -17,9 +17,10 @@ use utoipa::{
 };
 
 /// The files whose messages are described, all or some of them.
-const FILES: [(&str, Option<&str>); 3] = [
+const FILES: [(&str, Option<&str>); 4] = [
     ("bendtwin/v1/world.proto", None),
     ("bendtwin/v1/rollout.proto", None),
+    ("bendtwin/v1/session.proto", None),
     ("bendtwin/v1/twin.proto", Some("TwinGeometry")),
 ];
 const PACKAGE: &str = ".bendtwin.v1.";
@@ -29,61 +30,40 @@ const MESSAGE: i32 = 4;
 const FIELD: i32 = 2;
 const NESTED: i32 = 3;
 
-/// The body of a rollout request.
-pub(super) struct RollOutRequest;
+/// Schemas by the names of messages.
+macro_rules! described {
+    ($($message:ident)*) => {$(
+        #[doc = concat!("`bendtwin.v1.", stringify!($message), "` as JSON.")]
+        pub(in crate::http) struct $message;
 
-/// The body of a rollout's reply.
-pub(super) struct RollOutResponse;
+        impl PartialSchema for $message {
+            fn schema() -> RefOr<Schema> {
+                schema(stringify!($message))
+            }
+        }
 
-impl PartialSchema for RollOutRequest {
-    fn schema() -> RefOr<Schema> {
-        schema("RollOutRequest")
-    }
+        impl ToSchema for $message {
+            fn name() -> Cow<'static, str> {
+                Cow::Borrowed(stringify!($message))
+            }
+
+            fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
+                found.extend(all());
+            }
+        }
+    )*};
 }
 
-impl PartialSchema for RollOutResponse {
-    fn schema() -> RefOr<Schema> {
-        schema("RollOutResponse")
-    }
-}
-
-/// The geometry of a twin.
-pub(in crate::http) struct TwinGeometry;
-
-impl PartialSchema for TwinGeometry {
-    fn schema() -> RefOr<Schema> {
-        schema("TwinGeometry")
-    }
-}
-
-impl ToSchema for TwinGeometry {
-    fn name() -> Cow<'static, str> {
-        Cow::Borrowed("TwinGeometry")
-    }
-
-    fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
-        found.extend(all());
-    }
-}
-
-impl ToSchema for RollOutRequest {
-    fn name() -> Cow<'static, str> {
-        Cow::Borrowed("RollOutRequest")
-    }
-
-    fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
-        found.extend(all());
-    }
-}
-
-impl ToSchema for RollOutResponse {
-    fn name() -> Cow<'static, str> {
-        Cow::Borrowed("RollOutResponse")
-    }
-
-    fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
-        found.extend(all());
-    }
+described! {
+    AdvanceSessionRequest
+    ForkSessionRequest
+    OpenSessionRequest
+    ResetSessionRequest
+    RollOutRequest
+    RollOutResponse
+    Session
+    SessionStates
+    TwinGeometry
 }
 
 fn schema(name: &str) -> RefOr<Schema> {
@@ -196,7 +176,9 @@ impl Messages {
             Type::Enum => json!({"type": "string", "enum": self.words.get(field.type_name())}),
             Type::String => json!({"type": "string"}),
             Type::Bool => json!({"type": "boolean"}),
-            Type::Uint32 => json!({"type": "integer", "format": "int64", "minimum": 0}),
+            Type::Uint32 | Type::Uint64 => {
+                json!({"type": "integer", "format": "int64", "minimum": 0})
+            }
             Type::Float => json!({"type": "number", "format": "float"}),
             _ => json!({"type": "number", "format": "double"}),
         };
