@@ -53,6 +53,29 @@ impl From<&State> for GivenState {
     }
 }
 
+impl State {
+    /// One of `rows` states whose arrays stand one after another here.
+    pub(crate) fn row(&self, rows: usize, row: usize) -> Self {
+        Self {
+            positions: one(&self.positions, rows, row),
+            velocities: one(&self.velocities, rows, row),
+            twists: one(&self.twists, rows, row),
+            controls: one(&self.controls, rows, row),
+            grasping: self.grasping.as_ref().map(|all| all.row(rows, row)),
+        }
+    }
+}
+
+impl Grasping {
+    fn row(&self, rows: usize, row: usize) -> Self {
+        Self {
+            phases: one(&self.phases, rows, row),
+            holders: one(&self.holders, rows, row),
+            places: one(&self.places, rows, row),
+        }
+    }
+}
+
 impl Reply {
     /// The final state of the `row`-th of `instances`; none if final states were not asked for, or
     /// there is no such row.
@@ -61,11 +84,7 @@ impl Reply {
         if row >= rows || self.final_positions.is_empty() {
             return None;
         }
-        let grasping = self.final_grasping.as_ref().map(|all| Grasping {
-            phases: one(&all.phases, rows, row),
-            holders: one(&all.holders, rows, row),
-            places: one(&all.places, rows, row),
-        });
+        let grasping = self.final_grasping.as_ref().map(|all| all.row(rows, row));
         Some(State {
             positions: one(&self.final_positions, rows, row),
             velocities: one(&self.final_velocities, rows, row),

@@ -91,7 +91,7 @@ impl Collider {
 
 /// Surroundings of the object; the rest is as in the twin.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct World(pub(super) v1::World);
+pub struct World(pub(crate) v1::World);
 
 impl World {
     /// Adds a collider.
@@ -133,7 +133,7 @@ impl World {
 
 /// A hold of a gripper on the object.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grasp(pub(super) v1::Grasp);
+pub struct Grasp(pub(crate) v1::Grasp);
 
 impl Grasp {
     /// Takes the nodes in a sphere in the coordinates of a gripper [m].
