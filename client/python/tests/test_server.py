@@ -319,9 +319,19 @@ def test_a_session_is_advanced_and_planned_from(twin, client):
         np.testing.assert_array_equal(states[2].positions, several.final_positions[0])
         np.testing.assert_array_equal(states[1].positions, several.final_positions[1])
         np.testing.assert_array_equal(states[0].positions, state.positions)
-        # Frame by frame over one connection.
-        steps = ({"trajectories": ahead[:1, f : f + 2]} for f in range(3))
-        assert len(list(session.control(steps))) == 3
+        # Frame by frame over one connection, each when the one before has been answered.
+        taken, asked = [], []
+
+        def steps():
+            for f in range(3):
+                asked.append(len(taken))
+                yield {"trajectories": ahead[:1, f : f + 2]}
+
+        for reply in session.control(steps()):
+            taken.append(reply)
+        assert asked == [0, 1, 2]
+        with pytest.raises(ValueError, match="give either trajectories or poses"):
+            list(session.control([{"frames": 2}]))
         np.testing.assert_array_equal(session.states([0])[0].positions, states[2].positions)
         session.reset()
         np.testing.assert_array_equal(
@@ -455,18 +465,19 @@ def workers_of(server):
 @pytest.mark.skipif(not Path("/proc").exists(), reason="processes are found as on Linux")
 def test_a_session_is_lost_with_its_worker_and_opened_again(client, twin, folder):
     rest = twin.geometry().controls
-    path = rest[None] + np.arange(4)[:, None, None] * np.array([0.002, 0, 0])
-    session = client.open_session(twin)
-    session.advance(trajectories=path[None])
-    state = session.states()[0]
-    workers = list(workers_of(int((folder / "pid").read_text())))
-    assert workers
-    for worker in workers:
+    path = rest[None] + np.arange(7)[:, None, None] * np.array([0.002, 0, 0.002])
+    returns = Returns(final_state=True)
+    whole = twin.rollout(trajectories=path[None], returns=returns)
+    session = client.open_session(twin, slots=3)
+    name = session.name
+    session.advance(trajectories=path[None, :4], slots=[2], returns=returns)
+    session.advance(trajectories=path[None, :3], slots=[1])
+    for worker in workers_of(int((folder / "pid").read_text())):
         os.kill(worker, signal.SIGKILL)
     deadline = time.monotonic() + START_S
     while True:
         try:
-            session.advance(trajectories=path[None, 2:])
+            session.advance(trajectories=path[None, 3:], slots=[2])
             pytest.fail("the session outlived its worker")
         except BendTwinError as error:
             # The connection breaks first; then it is known that nobody has the session.
@@ -478,12 +489,18 @@ def test_a_session_is_lost_with_its_worker_and_opened_again(client, twin, folder
         time.sleep(0.05)
     while True:
         try:
-            again = client.open_session(twin, initial=state)
+            behind = session.reopen()
             break
         except BendTwinError as error:
             if error.category is not Category.UNAVAILABLE:
                 raise
             assert time.monotonic() < deadline, "no worker comes back"
             time.sleep(0.1)
-    with again:
-        np.testing.assert_array_equal(again.states()[0].positions, state.positions)
+    with session:
+        # Nobody was told where slot 1 was after its two frames.
+        assert (behind, session.name != name) == ([0, 2, 0], True)
+        end = session.advance(trajectories=path[None, 3:], slots=[2], returns=returns)
+        np.testing.assert_array_equal(end.final_positions, whole.final_positions)
+        np.testing.assert_array_equal(
+            session.states([1])[0].positions, twin.geometry().rest_positions
+        )
