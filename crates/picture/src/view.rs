@@ -33,17 +33,7 @@ impl View {
 
     /// The same from the side on which `eye` is, if there is an up.
     pub fn from_side(points: Vec<Point>, gravity: Point, eye: Option<Point>) -> Option<Self> {
-        let count = points.len() as f32;
-        let first = *points.first()?;
-        let sum = points.iter().fold([0.0; 3], |s: Vector, p| std::array::from_fn(|a| s[a] + p[a]));
-        let mean = sum.map(|x| x / count);
-        let mut spread = [[0.0; 3]; 3];
-        for p in &points {
-            let d: Vector = std::array::from_fn(|a| p[a] - mean[a]);
-            for (row, x) in spread.iter_mut().zip(d) {
-                row.iter_mut().zip(d).for_each(|(s, y)| *s += x * y);
-            }
-        }
+        let (mean, spread) = mean_and_spread(&points);
         let (right, up) = match unit(gravity.map(|g| -g)) {
             Some(up) => {
                 let mut right = widest(&spread, &[up]);
@@ -62,6 +52,19 @@ impl View {
                 (right, widest(&spread, &[right]))
             }
         };
+        Self::along(&points, right, up)
+    }
+
+    /// A view of all the points from straight above, with the widest direction across; `None` if
+    /// there are none, or no up.
+    pub fn from_above(points: &[Point], gravity: Point) -> Option<Self> {
+        let up = unit(gravity.map(|g| -g))?;
+        let right = widest(&mean_and_spread(points).1, &[up]);
+        Self::along(points, right, cross(up, right))
+    }
+
+    fn along(points: &[Point], right: Vector, up: Vector) -> Option<Self> {
+        let first = *points.first()?;
         let flat = |p: &Point| [dot(*p, right), dot(*p, up)];
         let (mut low, mut high) = (flat(&first), flat(&first));
         for p in points.iter().map(flat) {
@@ -98,6 +101,20 @@ impl View {
     }
 }
 
+/// Mean of points, and the sums of products of their differences from it.
+fn mean_and_spread(points: &[Point]) -> (Point, [Vector; 3]) {
+    let sum = points.iter().fold([0.0; 3], |s: Vector, p| std::array::from_fn(|a| s[a] + p[a]));
+    let mean = sum.map(|x| x / points.len().max(1) as f32);
+    let mut spread = [[0.0; 3]; 3];
+    for p in points {
+        let d: Vector = std::array::from_fn(|a| p[a] - mean[a]);
+        for (row, x) in spread.iter_mut().zip(d) {
+            row.iter_mut().zip(d).for_each(|(s, y)| *s += x * y);
+        }
+    }
+    (mean, spread)
+}
+
 /// The direction of largest spread among those normal to `excluded`, by power iteration; its
 /// largest component is positive, so that the view does not flip.
 fn widest(spread: &[Vector; 3], excluded: &[Vector]) -> Vector {
@@ -126,4 +143,22 @@ fn widest(spread: &[Vector; 3], excluded: &[Vector]) -> Vector {
 fn unit(v: Vector) -> Option<Vector> {
     let length = dot(v, v).sqrt();
     (length > 1e-12).then(|| v.map(|x| x / length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn from_above_heights_are_not_seen_and_sides_are() {
+        let points = [[-2.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let gravity = [0.0, 0.0, -9.81];
+        let panel = Rect { x: 0.0, y: 0.0, width: 100.0, height: 100.0 };
+        let view = View::from_above(&points, gravity).unwrap();
+        let [low, high, beside] = [[0.0; 3], points[3], points[2]].map(|p| view.place(p, panel));
+        assert_eq!(low, high);
+        assert!(beside[1] < low[1] - 1.0, "{beside:?} is not above {low:?}");
+        assert!(View::from_above(&points, [0.0; 3]).is_none());
+        assert!(View::from_above(&[], gravity).is_none());
+    }
 }

@@ -171,11 +171,11 @@ class Deviation:
 def warned(result: RolloutResult) -> RolloutResult:
     """The same result, after a warning of what is not plausible, one for all instances."""
     if result.implausible:
-        first, others = result.implausible[0], len(result.implausible) - 1
-        more = f", and {others} more in RolloutResult.implausible" if others else ""
+        reasons = ", ".join(sorted({i.reason for i in result.implausible}))
+        # Without numbers, so that a loop is not warned of the same again and again.
         message = (
-            f"implausible motion: {first.reason} of {first.found:.4g} (limit {first.limit:.4g}) in "
-            f"instance {first.instance}{more}"
+            f"implausible motion ({reasons}): RolloutResult.implausible has what was found, the "
+            "limits and the instances"
         )
         warnings.warn(message, RuntimeWarning, stacklevel=5)
     return result

@@ -63,15 +63,20 @@ impl Scene {
     pub(super) fn to_png(&self) -> Result<Vec<u8>, Error> {
         let shown = self.shapes.iter().flatten().chain([&self.goal]).copied();
         let points: Vec<Point> = shown.filter(|p| p.iter().all(|x| x.is_finite())).collect();
-        let view = View::of(points, self.gravity).ok_or(Error::Size { width: 0.0, height: 0.0 })?;
-        let width = WIDTH - 2.0 * MARGIN;
-        let panel = Rect {
-            x: MARGIN,
-            y: HEADER,
-            width,
-            height: (width * view.aspect()).clamp(200.0, 480.0),
-        };
-        let chart = Rect { y: panel.y + panel.height + 3.0 * MARGIN, height: CHART, ..panel };
+        let empty = || Error::Size { width: 0.0, height: 0.0 };
+        let above = View::from_above(&points, self.gravity);
+        let side = View::of(points, self.gravity).ok_or_else(empty)?;
+        let (mut views, mut y) = (Vec::new(), HEADER);
+        // Either view alone hides a distance; from above there is none without gravity.
+        let both = [Some(("from the side", side)), above.map(|view| ("from above", view))];
+        for (from, view) in both.into_iter().flatten() {
+            let width = WIDTH - 2.0 * MARGIN;
+            let height = (width * view.aspect()).clamp(140.0, 400.0);
+            views.push((from, view, Rect { x: MARGIN, y, width, height }));
+            y += height + MARGIN;
+        }
+        let chart =
+            Rect { x: MARGIN, y: y + 2.0 * MARGIN, width: WIDTH - 2.0 * MARGIN, height: CHART };
         let mut canvas = Canvas::new(WIDTH, chart.y + chart.height + 2.0 * MARGIN, BACKGROUND)?;
         canvas.bold(MARGIN, 18.0, INK, "A rope's end on its way to a goal");
         canvas.text(
@@ -81,8 +86,11 @@ impl Scene {
             "goal: green   way of the end: orange",
             Align::Right,
         );
-        canvas.fill(panel, PANEL);
-        self.draw_rope(&mut canvas, &view, panel);
+        for (from, view, panel) in &views {
+            canvas.fill(*panel, PANEL);
+            self.draw_rope(&mut canvas, view, *panel);
+            canvas.text(panel.x + 6.0, panel.y + 4.0, FAINT, from, Align::Left);
+        }
         self.draw_distances(&mut canvas, chart);
         canvas.to_png()
     }
