@@ -1,10 +1,13 @@
 """Against the real `bendtwin`, named by BENDTWIN_BIN: one server with its own worker."""
 
 import asyncio
+import json
 import os
 import signal
 import subprocess
 import time
+import urllib.error
+import urllib.request
 from dataclasses import replace
 from pathlib import Path
 
@@ -115,7 +118,6 @@ def still(twin, client, folder, batch=4, frames=6):
 
 def rest_controls(file):
     """Reads one array of the file as docs/twin-format.md says."""
-    import json
 
     length = int.from_bytes(file[:8], "little")
     entry = json.loads(file[8 : 8 + length])["controls.rest_position"]
@@ -424,6 +426,31 @@ def test_a_session_is_corrected_by_what_is_seen(twin, client, seen):
                 return await session.correct(points, nodes=nodes)
 
     assert asyncio.run(same())[0].after.mean_mm < 20
+
+
+def test_http_finds_and_corrects_too(twin, client, seen):
+    def post(path, body):
+        request = urllib.request.Request(
+            f"http://{client._address}/v1/{path}",
+            json.dumps(body).encode(),
+            {"content-type": "application/json", "authorization": f"Bearer {client._token}"},
+        )
+        with urllib.request.urlopen(request, timeout=60) as reply:
+            return json.load(reply)
+
+    observation = {"points": seen.positions.tolist(), "nodes": list(range(len(seen.positions)))}
+    found = post(f"{twin.name}/register", {"observation": observation})
+    assert found["after"]["median_mm"] < 5
+    given = {"twin": twin.name, "initial": {"given": found["state"]}}
+    session = post("sessions", given)["name"]
+    corrected = post(f"{session}/correct", {"observation": observation})
+    [correction] = corrected["corrections"]
+    assert correction["after"]["mean_mm"] <= correction["before"]["mean_mm"]
+    assert corrected["session"]["name"] == session
+    with pytest.raises(urllib.error.HTTPError) as refused:
+        post(f"{session}/correct", {"observation": {"points": [[0, 1]]}})
+    assert refused.value.code == 400
+    assert json.load(refused.value)["reason"] == "INVALID_OBSERVATION"
 
 
 def test_sessions_of_asyncio_do_the_same(client, twin):

@@ -13,7 +13,6 @@ use bendtwin_proto::{
     v1::{
         AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, ForkSessionRequest,
         GetSessionRequest, GetSessionStatesRequest, OpenSessionRequest, ResetSessionRequest,
-        Session,
     },
     worker::v1::manage_session_request::Call,
 };

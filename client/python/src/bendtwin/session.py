@@ -185,7 +185,8 @@ class Session(SessionCalls[Caller, Twin]):
 
         They move smoothly, without touching what control points and grasps hold. All of the slots
         are corrected, or none if the points are too far from one of them: BendTwinError with the
-        reason OBSERVATION_NOT_EXPLAINED. The other arguments are in `CorrectArguments`.
+        reason OBSERVATION_NOT_EXPLAINED. The other arguments are in `CorrectArguments`. The reply
+        brings no states: ask for `states` if `reopen` is to know the corrected ones.
         """
         call = correct_session(self.name, slots, points, arguments)
         return self._caller.run(call, timeout_s)
