@@ -3,8 +3,9 @@
 use std::{f32::consts::TAU, sync::Arc};
 
 use bendtwin_core::{CancelToken, Point};
+use bendtwin_cuda::{Options, cuda};
 use bendtwin_engine::{
-    Model,
+    Model, Objective,
     backend::{GradientRequest, Instance, Outputs, Rollout},
     conformance::{RandomOptions, random_model},
     world::{
@@ -12,7 +13,7 @@ use bendtwin_engine::{
     },
 };
 
-use super::{both, relative, seed};
+use super::{both, instance, relative, seed};
 
 const FRAMES: usize = 3;
 
@@ -214,6 +215,50 @@ fn surrounded_objects_move_alike() {
         ];
         println!("    forces {forces:?} of {size:.1e}");
         assert!(forces.iter().all(|x| *x < 1e-2), "{name}");
+    }
+}
+
+/// The first frames of an instance.
+fn shortened(instance: &Instance, frames: usize) -> Instance {
+    let graph = &instance.model.model().graph;
+    let (motion, world) = (&instance.motion, &instance.world);
+    let terms = instance.objective.terms.iter().filter(|t| t.frame <= frames).cloned();
+    Instance {
+        frames,
+        controls: Arc::new(instance.controls[..(frames + 1) * graph.control_count()].to_vec()),
+        motion: Arc::new(Motion {
+            poses: motion.poses[..(frames + 1) * world.bodies].to_vec(),
+            closed: motion.closed[..frames * world.grasps.len()].to_vec(),
+            rolls: motion.rolls.iter().take((frames + 1) * graph.rods.len()).copied().collect(),
+        }),
+        objective: Objective {
+            terms: Arc::new(terms.collect()),
+            ..Objective::clone(&instance.objective)
+        },
+        ..instance.clone()
+    }
+}
+
+#[test]
+#[ignore = "needs a CUDA device"]
+fn surrounded_objects_do_not_see_what_is_simulated_beside_them() {
+    let outputs = Outputs { every: 1, forces: true, ..Outputs::default() };
+    for team in ["block4", "cluster4"] {
+        let options = Options { team: Some(team.into()), ..Options::default() };
+        let backend = cuda(&options).expect("a CUDA device");
+        let all = cases().into_iter();
+        for (name, model, with) in all.filter(|(_, model, _)| model.graph.node_count() == 120) {
+            let whole = surrounded(instance(&*backend, &model, seed(), FRAMES), &model, with);
+            let batch = [1, FRAMES, 2, FRAMES, 1].map(|frames| shortened(&whole, frames));
+            let run = |b: &[Instance]| {
+                backend.roll_out(b, &outputs, &CancelToken::default()).expect("valid")
+            };
+            for (beside, one) in run(&batch).into_iter().zip(&batch) {
+                let alone = run(std::slice::from_ref(one)).remove(0);
+                assert_eq!(beside.positions, alone.positions, "{name}, {team}");
+                assert_eq!(beside.forces, alone.forces, "{name}, {team}");
+            }
+        }
     }
 }
 
