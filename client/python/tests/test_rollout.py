@@ -212,6 +212,11 @@ def test_wrong_actions_are_refused_before_sending(twin, arguments):
         twin.rollout(**arguments)
 
 
+def test_an_argument_that_a_rollout_lacks_is_named(twin):
+    with pytest.raises(TypeError, match=r"no argument 'trajectory'; it has .*trajectories"):
+        twin.rollout(trajectory=np.zeros((1, 2, 1, 3)))
+
+
 def test_planners_walk_downhill_on_a_twin(twin):
     start = np.array([[0.2, 0.2, 0.2]])
     task = Task(twin=twin, costs=[Smoothness()], space=Together(start), frames=30)

@@ -330,6 +330,8 @@ def test_a_session_is_advanced_and_planned_from(twin, client):
         with pytest.raises(BendTwinError) as refused:
             session.advance(trajectories=ahead, slots=[0])
         assert refused.value.category is Category.INVALID_ARGUMENT
+        with pytest.raises(TypeError, match="initial is that of the session"):
+            session.advance(trajectories=ahead, initial=state)
     with pytest.raises(BendTwinError) as lost:
         session.refresh()
     assert lost.value.reason == "SESSION_LOST"

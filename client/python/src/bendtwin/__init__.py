@@ -10,6 +10,7 @@ with Client("127.0.0.1:7070") as client:
     result.positions  # [B, T, N, 3], metres
 """
 
+from bendtwin.arguments import RolloutArguments
 from bendtwin.client import Client
 from bendtwin.costs import (
     Clearance,
@@ -28,7 +29,17 @@ from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.geometry import Geometry, Ground
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.motion import Motion
-from bendtwin.resources import Capture, Fault, Fit, Job, JobState, Progress, TwinInfo, Worker
+from bendtwin.resources import (
+    Capture,
+    Fault,
+    Fit,
+    Job,
+    JobState,
+    Progress,
+    SessionInfo,
+    TwinInfo,
+    Worker,
+)
 from bendtwin.rollout import (
     Deviation,
     Diagnostics,
@@ -39,7 +50,7 @@ from bendtwin.rollout import (
     RolloutResult,
     Timing,
 )
-from bendtwin.session import Session, SessionInfo
+from bendtwin.session import Session
 from bendtwin.state import (
     CaptureFrame,
     GivenState,
@@ -109,6 +120,7 @@ __all__ = [
     "Progress",
     "Rest",
     "Returns",
+    "RolloutArguments",
     "RolloutResult",
     "Session",
     "SessionInfo",

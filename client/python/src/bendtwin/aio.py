@@ -13,75 +13,60 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterable, AsyncIterator, Callable, Coroutine, Sequence
+from collections.abc import AsyncIterable, AsyncIterator, Callable, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import grpc.aio
 from numpy.typing import ArrayLike
 
-from bendtwin import calls
+from bendtwin import calls, session_calls
 from bendtwin.archive import archive_of
-from bendtwin.errors import BendTwinError, FitFailed, IngestFailed, translated
+from bendtwin.arguments import RolloutArguments
+from bendtwin.caller import AsyncCaller
+from bendtwin.errors import FitFailed, IngestFailed
 from bendtwin.geometry import Geometry
 from bendtwin.motion import Motion, bundle, bundle_file
-from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
-from bendtwin.rollout import Fidelity, RolloutResult, warned
-from bendtwin.session import SessionInfo, advance_request, open_request, read_states
-from bendtwin.state import InitialState, SessionSlots, State
+from bendtwin.resources import Capture, Fit, JobState, SessionInfo, TwinInfo, Worker
+from bendtwin.rollout import Fidelity, RolloutResult
+from bendtwin.session import SessionFacts
+from bendtwin.state import InitialState, State
 from bendtwin.token import aio_interceptors, find_token
-from bendtwin.twin import Rollouts
+from bendtwin.twin import TwinFacts
 from bendtwin.uploads import Sender
-from bendtwin.v1 import rollout_pb2, session_pb2, twin_pb2
 from bendtwin.world import Grasp, World
 
-_Read = TypeVar("_Read")
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
-class Twin(Rollouts[Coroutine[Any, Any, RolloutResult], AsyncIterator[RolloutResult]]):
+class Twin(TwinFacts[AsyncCaller]):
     """A fitted twin at the server. Get one with `Client.twin`; await its rollouts."""
 
     async def geometry(self, *, timeout_s: float | None = None) -> Geometry:
         """Its nodes, springs and control points; asked for once, as twins never change."""
         if self._geometry is None:
-            request = twin_pb2.GetTwinGeometryRequest(name=self.name)
-            with translated():
-                reply = await self._twins.GetTwinGeometry(request, timeout=timeout_s)
-            self._geometry = Geometry.from_proto(reply)
+            self._geometry = await self._caller.run(calls.twin_geometry(self.name), timeout_s)
         return self._geometry
 
-    async def _send(
-        self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
+    async def rollout(
+        self, *, timeout_s: float | None = None, **arguments: Unpack[RolloutArguments]
     ) -> RolloutResult:
-        with translated():
-            reply = await self._rollouts.RollOut(request, timeout=timeout_s)
-        return warned(RolloutResult.from_proto(reply))
+        """Predicts what a batch of actions does: see `bendtwin.Twin.rollout`."""
+        call = calls.roll_out(self.rollout_request(**arguments))
+        return await self._caller.run(call, timeout_s)
 
-    async def _send_for_parts(
-        self, request: rollout_pb2.RollOutRequest, timeout_s: float | None
+    def stream_rollout(
+        self, *, timeout_s: float | None = None, **arguments: Unpack[RolloutArguments]
     ) -> AsyncIterator[RolloutResult]:
-        is_warned = False
-        with translated():
-            async for part in self._rollouts.StreamRollOut(request, timeout=timeout_s):
-                result = RolloutResult.from_proto(part)
-                yield result if is_warned else warned(result)
-                is_warned = is_warned or bool(result.implausible)
+        """The same in parts, as instances finish; see `RolloutResult.first_instance`."""
+        call = calls.stream_roll_out(self.rollout_request(**arguments))
+        return self._caller.parts(call, timeout_s)
 
 
-class Session:
+class Session(SessionFacts[AsyncCaller, Twin]):
     """`bendtwin.Session` for asyncio. Close it, or use it in `async with`."""
-
-    def __init__(self, services: calls.Services, twin: Twin, info: SessionInfo) -> None:
-        #: What the server said when it was opened.
-        self.info = info
-        self.twin = twin
-        self._sessions = services.sessions
-
-    @property
-    def name(self) -> str:
-        """sessions/{uuid}."""
-        return self.info.name
 
     async def __aenter__(self) -> Session:
         return self
@@ -89,62 +74,54 @@ class Session:
     async def __aexit__(self, *_: object) -> None:
         await self.close()
 
-    async def rollout(self, *, slots: Sequence[int] = (), **arguments: Any) -> RolloutResult:
+    async def rollout(
+        self,
+        *,
+        slots: Sequence[int] = (),
+        timeout_s: float | None = None,
+        **arguments: Unpack[RolloutArguments],
+    ) -> RolloutResult:
         """A batch from where the session is, which stays there."""
-        return await self.twin.rollout(initial=SessionSlots(self.name, tuple(slots)), **arguments)
+        call = calls.roll_out(self._rollout_request(slots, arguments))
+        return await self._caller.run(call, timeout_s)
 
     async def advance(
-        self, *, slots: Sequence[int] = (), timeout_s: float | None = None, **arguments: Any
+        self,
+        *,
+        slots: Sequence[int] = (),
+        timeout_s: float | None = None,
+        **arguments: Unpack[RolloutArguments],
     ) -> RolloutResult:
         """Applies actions and leaves the slots where they end."""
-        request = advance_request(self.name, self.twin, slots, arguments)
-        with translated():
-            reply = await self._sessions.AdvanceSession(request, timeout=timeout_s)
-        return warned(RolloutResult.from_proto(reply))
+        call = session_calls.advance_session(self._advance_request(slots, arguments))
+        return await self._caller.run(call, timeout_s)
 
-    async def control(
-        self, actions: AsyncIterable[dict[str, Any]], *, slots: Sequence[int] = ()
+    def control(
+        self, actions: AsyncIterable[RolloutArguments], *, slots: Sequence[int] = ()
     ) -> AsyncIterator[RolloutResult]:
         """Advances by one set of actions after another over one connection."""
-
-        async def messages() -> AsyncIterator[session_pb2.AdvanceSessionRequest]:
-            async for arguments in actions:
-                yield advance_request(self.name, self.twin, slots, arguments)
-
-        with translated():
-            async for reply in self._sessions.ControlSession(messages()):
-                yield RolloutResult.from_proto(reply)
+        requests = (self._advance_request(slots, arguments) async for arguments in actions)
+        return self._caller.parts(session_calls.control_session(requests))
 
     async def states(self, slots: Sequence[int] = ()) -> list[State]:
         """The states of slots, or of all of them."""
-        request = session_pb2.GetSessionStatesRequest(name=self.name, slots=slots)
-        with translated():
-            return read_states(await self._sessions.GetSessionStates(request))
+        return await self._caller.run(session_calls.session_states(self.name, slots))
 
     async def refresh(self) -> SessionInfo:
         """The session as the server sees it now."""
-        request = session_pb2.GetSessionRequest(name=self.name)
-        with translated():
-            return SessionInfo.from_proto(await self._sessions.GetSession(request))
+        return await self._caller.run(session_calls.get_session(self.name))
 
     async def fork(self, source: int, to: Sequence[int] = ()) -> None:
         """Copies the state of a slot to others, or to all others."""
-        request = session_pb2.ForkSessionRequest(name=self.name, to=to, **{"from": source})
-        with translated():
-            await self._sessions.ForkSession(request)
+        await self._caller.run(session_calls.fork_session(self.name, source, to))
 
     async def reset(self, slots: Sequence[int] = (), initial: InitialState | None = None) -> None:
         """Sets slots, or all, back to the session's first state, or to a given one."""
-        request = session_pb2.ResetSessionRequest(name=self.name, slots=slots)
-        if initial is not None:
-            request.initial.CopyFrom(initial.to_proto())
-        with translated():
-            await self._sessions.ResetSession(request)
+        await self._caller.run(session_calls.reset_session(self.name, slots, initial))
 
     async def close(self) -> None:
         """Ends it; it is no error if it has ended."""
-        with translated():
-            await self._sessions.CloseSession(session_pb2.CloseSessionRequest(name=self.name))
+        await self._caller.run(session_calls.close_session(self.name))
 
 
 class Client:
@@ -161,7 +138,7 @@ class Client:
         self._channel = grpc.aio.insecure_channel(
             target, options=calls.CHANNEL_OPTIONS, interceptors=aio_interceptors(self._token)
         )
-        self._services = calls.Services(self._channel)
+        self._caller = AsyncCaller(calls.Services(self._channel))
 
     async def __aenter__(self) -> Client:
         return self
@@ -189,7 +166,7 @@ class Client:
         packed = archive_of(path)
         archive = await asyncio.to_thread(packed.__enter__)
         try:
-            return await self._run(calls.create_capture(archive, name, request_id, ingest))
+            return await self._caller.run(calls.create_capture(archive, name, request_id, ingest))
         finally:
             packed.__exit__(None, None, None)
 
@@ -238,10 +215,11 @@ class Client:
     ) -> Session:
         """Opens simulations of a twin that stay: see `bendtwin.Client.open_session`."""
         of = await self.twin(twin) if isinstance(twin, str) else twin
-        request = open_request(of.name, initial, slots, world, grasps, fidelity, idle_timeout_s)
-        with translated():
-            reply = await self._services.sessions.OpenSession(request)
-        return Session(self._services, of, SessionInfo.from_proto(reply))
+        request = session_calls.open_request(
+            of.name, initial, slots, world, grasps, fidelity, idle_timeout_s
+        )
+        info = await self._caller.run(session_calls.open_session(request))
+        return Session(self._caller, of, info)
 
     async def push_capture(
         self,
@@ -265,29 +243,29 @@ class Client:
 
     async def capture(self, name: str) -> Capture:
         """One capture."""
-        return await self._run(calls.get_capture(name))
+        return await self._caller.run(calls.get_capture(name))
 
     def captures(self) -> AsyncIterator[Capture]:
         """All captures, newest first."""
-        return self._pages(calls.list_captures())
+        return self._caller.pages(calls.list_captures())
 
     async def delete_capture(self, name: str) -> None:
         """Deletes a capture; its twins stay."""
-        await self._run(calls.delete_capture(name))
+        await self._caller.run(calls.delete_capture(name))
 
     async def ingest_capture(
         self, name: str, settings: dict[str, Any] | None = None, *, request_id: str | None = None
     ) -> Capture:
         """Has a capture read again, with other settings say (docs/settings.md)."""
-        return await self._run(calls.ingest_capture(name, settings, request_id))
+        return await self._caller.run(calls.ingest_capture(name, settings, request_id))
 
     async def cancel_ingest(self, name: str) -> Capture:
         """Asks the ingest of a capture to stop; one that has ended is left as it is."""
-        return await self._run(calls.cancel_ingest(name))
+        return await self._caller.run(calls.cancel_ingest(name))
 
     def watch_capture(self, name: str, *, timeout_s: float | None = None) -> AsyncIterator[Capture]:
         """The capture now and after every change of its ingest, until that has ended."""
-        return self._follow(calls.watch_capture(name), timeout_s)
+        return self._caller.follow(calls.watch_capture(name), timeout_s)
 
     async def wait_for_capture(
         self,
@@ -309,17 +287,17 @@ class Client:
 
     async def capture_report(self, name: str) -> dict[str, Any]:
         """Report on a capture: verdict, findings and what they rest on."""
-        parts = [part async for part in self._parts(calls.capture_report(name, html=False))]
+        parts = [part async for part in self._caller.parts(calls.capture_report(name, html=False))]
         report: dict[str, Any] = json.loads(b"".join(parts))
         return report
 
     async def save_capture_report(self, name: str, path: str | PathLike[str]) -> None:
         """Writes the report of a capture as a page with pictures, to be opened in a browser."""
-        await self._save(calls.capture_report(name, html=True), path)
+        await self._caller.save(calls.capture_report(name, html=True), path)
 
     async def export_observation(self, name: str, path: str | PathLike[str]) -> None:
         """Writes what fits of a capture work on, tracked points as a bundle (ZIP)."""
-        await self._save(calls.export_observation(name), path)
+        await self._caller.save(calls.export_observation(name), path)
 
     # Fits
 
@@ -332,27 +310,27 @@ class Client:
         request_id: str | None = None,
     ) -> Fit:
         """Starts a fit of a capture. `settings` are those of docs/settings.md."""
-        return await self._run(calls.create_fit(capture, settings, priority, request_id))
+        return await self._caller.run(calls.create_fit(capture, settings, priority, request_id))
 
     async def get_fit(self, name: str) -> Fit:
         """One fit as it stands."""
-        return await self._run(calls.get_fit(name))
+        return await self._caller.run(calls.get_fit(name))
 
     def fits(self, capture: str = "") -> AsyncIterator[Fit]:
         """All fits, or those of one capture, newest first."""
-        return self._pages(calls.list_fits(capture))
+        return self._caller.pages(calls.list_fits(capture))
 
     async def cancel_fit(self, name: str) -> Fit:
         """Asks a fit to stop; one that has ended is returned as it is."""
-        return await self._run(calls.cancel_fit(name))
+        return await self._caller.run(calls.cancel_fit(name))
 
     async def delete_fit(self, name: str) -> None:
         """Deletes a fit that has ended; its twin stays."""
-        await self._run(calls.delete_fit(name))
+        await self._caller.run(calls.delete_fit(name))
 
     def watch(self, name: str, *, timeout_s: float | None = None) -> AsyncIterator[Fit]:
         """The fit now and after every change, until it has ended."""
-        return self._follow(calls.watch_fit(name), timeout_s)
+        return self._caller.follow(calls.watch_fit(name), timeout_s)
 
     async def wait(
         self,
@@ -376,16 +354,16 @@ class Client:
 
     async def twin(self, name: str) -> Twin:
         """A twin, ready for rollouts."""
-        return self._twin(await self._run(calls.get_twin(name)))
+        return self._twin(await self._caller.run(calls.get_twin(name)))
 
     async def twins(self, capture: str = "") -> AsyncIterator[Twin]:
         """All twins, or those of one capture, newest first."""
-        async for info in self._pages(calls.list_twins(capture)):
+        async for info in self._caller.pages(calls.list_twins(capture)):
             yield self._twin(info)
 
     async def export_twin(self, name: str, path: str | PathLike[str]) -> None:
         """Writes a twin's file (safetensors, docs/twin-format.md)."""
-        await self._save(calls.export_twin(name), path)
+        await self._caller.save(calls.export_twin(name), path)
 
     async def import_twin(
         self,
@@ -395,61 +373,17 @@ class Client:
         request_id: str | None = None,
     ) -> Twin:
         """Stores a twin file that was exported elsewhere."""
-        return self._twin(await self._run(calls.create_twin(path, display_name, request_id)))
+        return self._twin(await self._caller.run(calls.create_twin(path, display_name, request_id)))
 
     async def delete_twin(self, name: str) -> None:
         """Deletes a twin."""
-        await self._run(calls.delete_twin(name))
+        await self._caller.run(calls.delete_twin(name))
 
     # Workers
 
     def workers(self) -> AsyncIterator[Worker]:
         """The workers that the server knows."""
-        return self._pages(calls.list_workers())
-
-    # Ways to call
-
-    async def _run(self, call: calls.Call[_Read]) -> _Read:
-        with translated():
-            return call.read(await call.method(self._services)(call.request))
-
-    async def _parts(self, call: calls.Call[_Read]) -> AsyncIterator[_Read]:
-        with translated():
-            async for part in call.method(self._services)(call.request):
-                yield call.read(part)
-
-    async def _save(self, call: calls.Call[bytes], path: str | PathLike[str]) -> None:
-        with open(path, "wb") as file:
-            async for chunk in self._parts(call):
-                file.write(chunk)
-
-    async def _pages(self, pages: calls.Pages[_Read]) -> AsyncIterator[_Read]:
-        request = pages.request
-        while True:
-            with translated():
-                page = await pages.method(self._services)(request)
-            for item in pages.read(page):
-                yield item
-            if not page.next_page_token:
-                return
-            request.page_token = page.next_page_token
-
-    async def _follow(
-        self, watched: calls.Watched[_Read], timeout_s: float | None
-    ) -> AsyncIterator[_Read]:
-        following = calls.Following(watched, timeout_s)
-        method = watched.method(self._services)
-        while True:
-            try:
-                with translated():
-                    async for message in method(following.request, timeout=following.left_s):
-                        yield following.take(message)
-                        if following.has_ended:
-                            return
-            except BendTwinError as error:
-                if not following.survives(error):
-                    raise
-            await asyncio.sleep(calls.RECONNECT_S)
+        return self._caller.pages(calls.list_workers())
 
     def _twin(self, info: TwinInfo) -> Twin:
-        return Twin(info, self._services.rollouts, self._services.twins)
+        return Twin(info, self._caller)

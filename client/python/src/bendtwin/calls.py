@@ -16,12 +16,15 @@ from typing import Any, Generic, TypeVar
 
 from bendtwin.archive import chunks_of
 from bendtwin.errors import BendTwinError, Category
+from bendtwin.geometry import Geometry
 from bendtwin.resources import Capture, Fit, TwinInfo, Worker
+from bendtwin.rollout import RolloutResult, warned
 from bendtwin.v1 import (
     capture_pb2,
     capture_pb2_grpc,
     fit_pb2,
     fit_pb2_grpc,
+    rollout_pb2,
     rollout_pb2_grpc,
     session_pb2_grpc,
     twin_pb2,
@@ -301,6 +304,40 @@ def create_twin(
 def delete_twin(name: str) -> Call[None]:
     """Deletes a twin."""
     return Call(lambda s: s.twins.DeleteTwin, twin_pb2.DeleteTwinRequest(name=name), _nothing)
+
+
+def twin_geometry(name: str) -> Call[Geometry]:
+    """Nodes, springs and control points of a twin."""
+    request = twin_pb2.GetTwinGeometryRequest(name=name)
+    return Call(lambda s: s.twins.GetTwinGeometry, request, Geometry.from_proto)
+
+
+# Rollouts
+
+
+def roll_out(request: rollout_pb2.RollOutRequest) -> Call[RolloutResult]:
+    """A rollout."""
+    return Call(lambda s: s.rollouts.RollOut, request, read_rollout)
+
+
+def stream_roll_out(request: rollout_pb2.RollOutRequest) -> Call[RolloutResult]:
+    """A rollout in parts; the first part that is implausible warns."""
+    is_warned = False
+
+    def read(part: Any) -> RolloutResult:
+        nonlocal is_warned
+        result = RolloutResult.from_proto(part)
+        if is_warned:
+            return result
+        is_warned = bool(result.implausible)
+        return warned(result)
+
+    return Call(lambda s: s.rollouts.StreamRollOut, request, read)
+
+
+def read_rollout(reply: Any) -> RolloutResult:
+    """A result, after a warning of what is implausible."""
+    return warned(RolloutResult.from_proto(reply))
 
 
 # Workers

@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import grpc
 from numpy.typing import ArrayLike
 
-from bendtwin import calls
+from bendtwin import calls, session_calls
 from bendtwin.archive import archive_of
-from bendtwin.errors import BendTwinError, FitFailed, IngestFailed, translated
+from bendtwin.caller import Caller
+from bendtwin.errors import FitFailed, IngestFailed
 from bendtwin.motion import Motion, bundle, bundle_file
 from bendtwin.resources import Capture, Fit, JobState, TwinInfo, Worker
 from bendtwin.rollout import Fidelity
-from bendtwin.session import Session, SessionInfo, open_request
+from bendtwin.session import Session
 from bendtwin.state import InitialState
 from bendtwin.token import find_token, with_token
 from bendtwin.twin import Twin
 from bendtwin.uploads import Sender
 from bendtwin.world import Grasp, World
-
-_Read = TypeVar("_Read")
 
 
 class Client:
@@ -40,7 +38,7 @@ class Client:
         self._address = target
         self._token = find_token(target) if token is None else token
         self._channel = grpc.insecure_channel(target, options=calls.CHANNEL_OPTIONS)
-        self._services = calls.Services(with_token(self._channel, self._token))
+        self._caller = Caller(calls.Services(with_token(self._channel, self._token)))
 
     def __enter__(self) -> Client:
         return self
@@ -70,7 +68,7 @@ class Client:
         path = Path(path)
         name = path.stem if display_name is None else display_name
         with archive_of(path) as archive:
-            return self._run(calls.create_capture(archive, name, request_id, ingest))
+            return self._caller.run(calls.create_capture(archive, name, request_id, ingest))
 
     def upload_motion(
         self,
@@ -134,15 +132,15 @@ class Client:
 
     def capture(self, name: str) -> Capture:
         """One capture."""
-        return self._run(calls.get_capture(name))
+        return self._caller.run(calls.get_capture(name))
 
     def captures(self) -> Iterator[Capture]:
         """All captures, newest first."""
-        return self._pages(calls.list_captures())
+        return self._caller.pages(calls.list_captures())
 
     def delete_capture(self, name: str) -> None:
         """Deletes a capture; its twins stay."""
-        self._run(calls.delete_capture(name))
+        self._caller.run(calls.delete_capture(name))
 
     # Reading captures
 
@@ -154,11 +152,11 @@ class Client:
         request_id: str | None = None,
     ) -> Capture:
         """Has a capture read again, with other settings say (docs/settings.md)."""
-        return self._run(calls.ingest_capture(name, settings, request_id))
+        return self._caller.run(calls.ingest_capture(name, settings, request_id))
 
     def cancel_ingest(self, name: str) -> Capture:
         """Asks the ingest of a capture to stop; one that has ended is left as it is."""
-        return self._run(calls.cancel_ingest(name))
+        return self._caller.run(calls.cancel_ingest(name))
 
     def watch_capture(self, name: str, *, timeout_s: float | None = None) -> Iterator[Capture]:
         """The capture now and after every change of its ingest, until that has ended.
@@ -166,7 +164,7 @@ class Client:
         Goes on over restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
         `timeout_s`.
         """
-        return self._follow(calls.watch_capture(name), timeout_s)
+        return self._caller.follow(calls.watch_capture(name), timeout_s)
 
     def wait_for_capture(
         self,
@@ -188,17 +186,17 @@ class Client:
 
     def capture_report(self, name: str) -> dict[str, Any]:
         """Report on a capture: verdict, findings and what they rest on."""
-        parts = list(self._parts(calls.capture_report(name, html=False)))
+        parts = list(self._caller.parts(calls.capture_report(name, html=False)))
         report: dict[str, Any] = json.loads(b"".join(parts))
         return report
 
     def save_capture_report(self, name: str, path: str | PathLike[str]) -> None:
         """Writes the report of a capture as a page with pictures, to be opened in a browser."""
-        self._save(calls.capture_report(name, html=True), path)
+        self._caller.save(calls.capture_report(name, html=True), path)
 
     def export_observation(self, name: str, path: str | PathLike[str]) -> None:
         """Writes what fits of a capture work on, tracked points as a bundle (ZIP)."""
-        self._save(calls.export_observation(name), path)
+        self._caller.save(calls.export_observation(name), path)
 
     # Fits
 
@@ -211,23 +209,23 @@ class Client:
         request_id: str | None = None,
     ) -> Fit:
         """Starts a fit of a capture. `settings` are those of docs/settings.md."""
-        return self._run(calls.create_fit(capture, settings, priority, request_id))
+        return self._caller.run(calls.create_fit(capture, settings, priority, request_id))
 
     def get_fit(self, name: str) -> Fit:
         """One fit as it stands."""
-        return self._run(calls.get_fit(name))
+        return self._caller.run(calls.get_fit(name))
 
     def fits(self, capture: str = "") -> Iterator[Fit]:
         """All fits, or those of one capture, newest first."""
-        return self._pages(calls.list_fits(capture))
+        return self._caller.pages(calls.list_fits(capture))
 
     def cancel_fit(self, name: str) -> Fit:
         """Asks a fit to stop; one that has ended is returned as it is."""
-        return self._run(calls.cancel_fit(name))
+        return self._caller.run(calls.cancel_fit(name))
 
     def delete_fit(self, name: str) -> None:
         """Deletes a fit that has ended; its twin stays."""
-        self._run(calls.delete_fit(name))
+        self._caller.run(calls.delete_fit(name))
 
     def watch(self, name: str, *, timeout_s: float | None = None) -> Iterator[Fit]:
         """The fit now and after every change, until it has ended.
@@ -235,7 +233,7 @@ class Client:
         Goes on over restarts of the server. Raises BendTwinError (DEADLINE_EXCEEDED) after
         `timeout_s`.
         """
-        return self._follow(calls.watch_fit(name), timeout_s)
+        return self._caller.follow(calls.watch_fit(name), timeout_s)
 
     def wait(
         self,
@@ -259,7 +257,7 @@ class Client:
 
     def twin(self, name: str) -> Twin:
         """A twin, ready for rollouts."""
-        return self._twin(self._run(calls.get_twin(name)))
+        return self._twin(self._caller.run(calls.get_twin(name)))
 
     def open_session(
         self,
@@ -279,18 +277,19 @@ class Client:
         when nobody has used it for `idle_timeout_s` (0: five minutes).
         """
         of = self.twin(twin) if isinstance(twin, str) else twin
-        request = open_request(of.name, initial, slots, world, grasps, fidelity, idle_timeout_s)
-        with translated():
-            reply = self._services.sessions.OpenSession(request)
-        return Session(self._services, of, SessionInfo.from_proto(reply))
+        request = session_calls.open_request(
+            of.name, initial, slots, world, grasps, fidelity, idle_timeout_s
+        )
+        info = self._caller.run(session_calls.open_session(request))
+        return Session(self._caller, of, info)
 
     def twins(self, capture: str = "") -> Iterator[Twin]:
         """All twins, or those of one capture, newest first."""
-        return map(self._twin, self._pages(calls.list_twins(capture)))
+        return map(self._twin, self._caller.pages(calls.list_twins(capture)))
 
     def export_twin(self, name: str, path: str | PathLike[str]) -> None:
         """Writes a twin's file (safetensors, docs/twin-format.md)."""
-        self._save(calls.export_twin(name), path)
+        self._caller.save(calls.export_twin(name), path)
 
     def import_twin(
         self,
@@ -300,58 +299,17 @@ class Client:
         request_id: str | None = None,
     ) -> Twin:
         """Stores a twin file that was exported elsewhere."""
-        return self._twin(self._run(calls.create_twin(path, display_name, request_id)))
+        return self._twin(self._caller.run(calls.create_twin(path, display_name, request_id)))
 
     def delete_twin(self, name: str) -> None:
         """Deletes a twin."""
-        self._run(calls.delete_twin(name))
+        self._caller.run(calls.delete_twin(name))
 
     # Workers
 
     def workers(self) -> Iterator[Worker]:
         """The workers that the server knows."""
-        return self._pages(calls.list_workers())
-
-    # Ways to call
-
-    def _run(self, call: calls.Call[_Read]) -> _Read:
-        with translated():
-            return call.read(call.method(self._services)(call.request))
-
-    def _parts(self, call: calls.Call[_Read]) -> Iterator[_Read]:
-        with translated():
-            for part in call.method(self._services)(call.request):
-                yield call.read(part)
-
-    def _save(self, call: calls.Call[bytes], path: str | PathLike[str]) -> None:
-        with open(path, "wb") as file:
-            for chunk in self._parts(call):
-                file.write(chunk)
-
-    def _pages(self, pages: calls.Pages[_Read]) -> Iterator[_Read]:
-        request = pages.request
-        while True:
-            with translated():
-                page = pages.method(self._services)(request)
-            yield from pages.read(page)
-            if not page.next_page_token:
-                return
-            request.page_token = page.next_page_token
-
-    def _follow(self, watched: calls.Watched[_Read], timeout_s: float | None) -> Iterator[_Read]:
-        following = calls.Following(watched, timeout_s)
-        method = watched.method(self._services)
-        while True:
-            try:
-                with translated():
-                    for message in method(following.request, timeout=following.left_s):
-                        yield following.take(message)
-                        if following.has_ended:
-                            return
-            except BendTwinError as error:
-                if not following.survives(error):
-                    raise
-            time.sleep(calls.RECONNECT_S)
+        return self._caller.pages(calls.list_workers())
 
     def _twin(self, info: TwinInfo) -> Twin:
-        return Twin(info, self._services.rollouts, self._services.twins)
+        return Twin(info, self._caller)

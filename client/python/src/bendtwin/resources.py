@@ -1,4 +1,4 @@
-"""Resources of a server as plain values: captures, fits, twins, workers."""
+"""Resources of a server as plain values: captures, fits, twins, sessions, workers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from datetime import datetime, timezone
 from typing import Any
 
 from bendtwin.errors import Category, category_named
-from bendtwin.v1 import capture_pb2, fault_pb2, fit_pb2, job_pb2, twin_pb2, worker_pb2
+from bendtwin.v1 import capture_pb2, fault_pb2, fit_pb2, job_pb2, session_pb2, twin_pb2, worker_pb2
 
 
 class JobState(enum.Enum):
@@ -264,6 +264,35 @@ class Worker:
             message.memory_used_bytes,
             message.memory_total_bytes,
             message.ingest,
+        )
+
+
+@dataclass(frozen=True)
+class SessionInfo:
+    """Facts of a session."""
+
+    #: sessions/{uuid}.
+    name: str
+    #: twins/{uuid}.
+    twin: str
+    slots: int
+    #: Frames by which each slot has been advanced since its first state [slots].
+    frames: tuple[int, ...]
+    #: The session ends when nobody has used it for so long.
+    idle_timeout_s: float
+    #: workers/{uuid}.
+    worker: str
+
+    @classmethod
+    def from_proto(cls, message: session_pb2.Session) -> SessionInfo:
+        """Reads the wire form."""
+        return cls(
+            name=message.name,
+            twin=message.twin,
+            slots=message.slots,
+            frames=tuple(message.frames),
+            idle_timeout_s=message.idle_timeout_s,
+            worker=message.worker,
         )
 
 

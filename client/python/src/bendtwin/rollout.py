@@ -177,7 +177,7 @@ def warned(result: RolloutResult) -> RolloutResult:
             f"implausible motion: {first.reason} of {first.found:.4g} (limit {first.limit:.4g}) in "
             f"instance {first.instance}{more}"
         )
-        warnings.warn(message, RuntimeWarning, stacklevel=4)
+        warnings.warn(message, RuntimeWarning, stacklevel=5)
     return result
 
 
