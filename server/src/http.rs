@@ -8,8 +8,10 @@ mod download;
 mod events;
 mod extract;
 mod fits;
+mod message;
 mod operations;
 pub(crate) mod origin;
+mod registrations;
 mod resource;
 mod rollouts;
 pub(crate) mod root_service;
@@ -98,6 +100,7 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(twins::content))
         .routes(routes!(twins::geometry))
         .routes(routes!(rollouts::create))
+        .routes(routes!(registrations::create))
         .routes(routes!(workers::list))
         .routes(routes!(workers::get))
         .routes(routes!(operations::healthz))

@@ -42,6 +42,7 @@ mod fits;
 mod geometry;
 mod page;
 mod problem;
+mod registrations;
 mod resources;
 mod rollouts;
 pub mod token;
@@ -63,6 +64,7 @@ pub use self::{
     fits::Fits,
     geometry::Geometry,
     page::{Page, PageRequest},
+    registrations::{Observation, Registered, Registration, Registrations, Residual},
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{
         Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,

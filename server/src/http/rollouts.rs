@@ -4,39 +4,27 @@
 pub(super) mod document;
 pub(super) mod schema;
 
-use std::{sync::Arc, time::Duration};
+use std::time::Duration;
 
 use axum::{
     extract::{Request, State},
-    http::header,
-    response::{IntoResponse, Response},
+    response::Response,
 };
-use bendtwin_proto::{
-    json::{Read, TensorFormat},
-    rollout,
-    v1::RollOutRequest,
-};
-use bytes::Bytes;
-use prost::Message;
+use bendtwin_core::ids::TwinId;
+use bendtwin_proto::{json::TensorFormat, rollout::Encoded, v1::RollOutRequest};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
 use super::{
     Result,
-    extract::{self, Id, Params},
+    extract::{Id, Params},
+    message::Body,
 };
 use crate::{
     app::{self, App, Error},
     dispatch::{RollOut, Whole},
-    error::{ProblemDocument, Refusal},
-    memory::{Kind, Shares},
+    error::ProblemDocument,
 };
-use bendtwin_core::ids::TwinId;
-
-/// Texts beyond this size are read beside the tasks of the runtime [bytes].
-const SMALL_TEXT: usize = 16 << 10;
-
-const PROTOBUF: &str = "application/x-protobuf";
 
 /// Form of the reply, and the time for it.
 #[derive(Deserialize, IntoParams)]
@@ -49,6 +37,20 @@ pub(super) struct ReplyParams {
     tensors: TensorFormat,
     /// Give up after so many seconds.
     timeout_s: Option<f64>,
+}
+
+impl ReplyParams {
+    /// The form of tensors.
+    pub(super) fn tensors(&self) -> TensorFormat {
+        self.tensors
+    }
+
+    /// The time that the caller allows, if it said.
+    pub(super) fn timeout(&self) -> Result<Option<Duration>> {
+        let timeout = self.timeout_s.map(Duration::try_from_secs_f64).transpose();
+        let fault = "is negative, too large or not a number";
+        Ok(timeout.map_err(|_| Error::invalid("timeout_s", fault))?)
+    }
 }
 
 /// Roll out
@@ -69,64 +71,17 @@ pub(super) async fn create(
     request: Request,
 ) -> Result<Response> {
     let twin: TwinId = app::name(&id)?;
-    extract::expect_type(request.headers(), &["application/json", PROTOBUF])?;
-    let wants_protobuf = names_protobuf(&request, header::ACCEPT);
-    let sends_protobuf = names_protobuf(&request, header::CONTENT_TYPE);
-    let limits = app.options.limits.rollout;
-    let (kind, most) = if sends_protobuf {
-        (Kind::Protobuf, limits.request_bytes)
-    } else {
-        (Kind::Json, limits.json_bytes)
-    };
-    let received = extract::whole(&app, request, kind, most).await?;
-    let message = if sends_protobuf {
-        rollout::check_encoded(rollout::Encoded::RollOut, &received.bytes, &limits)
-            .map_err(Error::Rollout)?;
-        RollOutRequest::decode(received.bytes)
-            .map_err(|e| Error::invalid("body", format!("is no RollOutRequest: {e}")))?
-    } else {
-        read_json(received.bytes, &received.memory).await?
-    };
-    let timeout = params
-        .timeout_s
-        .map(Duration::try_from_secs_f64)
-        .transpose()
-        .map_err(|_| Error::invalid("timeout_s", "is negative, too large or not a number"))?;
+    let body: Body<RollOutRequest> =
+        Body::read(&app, request, Encoded::RollOut, params.tensors()).await?;
+    let Body { message, memory, form } = body;
     if !message.twin.is_empty() && message.twin != twin.to_string() {
         let fault = format!("is {}, the path names {twin}: leave it out", message.twin);
         return Err(Error::invalid("twin", fault).into());
     }
     let request = RollOutRequest { twin: twin.to_string(), ..message };
-    let as_protobuf = wants_protobuf || sends_protobuf;
-    let as_lists = !as_protobuf && params.tensors == TensorFormat::Lists;
-    let memory = received.memory;
-    let commit_slots = Vec::new();
+    let (commit_slots, timeout) = (Vec::new(), params.timeout()?);
+    let as_lists = form.is_lists();
     let rollout = RollOut { request, timeout, in_parts: false, as_lists, commit_slots, memory };
     let Whole { response, held } = app.dispatch.roll_out(rollout).await?;
-    if as_protobuf {
-        let body = bendtwin_budget::held(response.encode_to_vec().into(), held.memory());
-        return Ok(([(header::CONTENT_TYPE, PROTOBUF)], body).into_response());
-    }
-    Ok(document::answer(response, held, params.tensors)?)
-}
-
-/// Reads a request. `memory` is held until that has ended, also when nobody waits any more.
-async fn read_json(text: Bytes, memory: &Arc<Shares>) -> Result<RollOutRequest> {
-    if text.len() <= SMALL_TEXT {
-        return Ok(extract::json::<Read<RollOutRequest>>(&text)?.0);
-    }
-    let memory = Arc::clone(memory);
-    let read = tokio::task::spawn_blocking(move || {
-        let read = extract::json::<Read<RollOutRequest>>(&text)?;
-        drop(text);
-        memory.decoded(read.0.encoded_len());
-        Ok::<_, Refusal>(read)
-    });
-    let read = read.await.map_err(|e| Error::Internal(format!("reading a rollout: {e}")))?;
-    Ok(read?.0)
-}
-
-fn names_protobuf(request: &Request, name: header::HeaderName) -> bool {
-    let value = request.headers().get(name).and_then(|v| v.to_str().ok());
-    value.is_some_and(|v| v.trim().starts_with(PROTOBUF))
+    form.answer(response, held)
 }

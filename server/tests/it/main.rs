@@ -11,6 +11,7 @@ mod leases;
 mod malformed;
 mod operations;
 mod readiness;
+mod registrations;
 mod results;
 mod rollouts;
 mod sharing;

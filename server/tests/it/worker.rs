@@ -13,14 +13,15 @@ use bendtwin_core::ids::WorkerId;
 use bendtwin_proto::{
     rollout::Limits,
     v1::{
-        Fault, Progress, RollOutResponse, Tensor, roll_out_request::Actions,
-        roll_out_response::Timing,
+        Fault, Progress, RegisteredState, RollOutResponse, Tensor, initial_state::GivenState,
+        roll_out_request::Actions, roll_out_response::Timing,
     },
     worker::v1::{
-        CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteRollOutRequest,
-        ExecuteRollOutResponse, FailJobRequest, HeartbeatRequest, HeartbeatResponse, IngestWrite,
-        JobWrite, Lease, LeaseJobRequest, ManageSessionRequest, ManageSessionResponse,
-        RegisterRequest, ReportJobRequest, SaveCheckpointRequest, TwinWrite, complete_fit_request,
+        CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteRegisterStateRequest,
+        ExecuteRegisterStateResponse, ExecuteRollOutRequest, ExecuteRollOutResponse,
+        FailJobRequest, HeartbeatRequest, HeartbeatResponse, IngestWrite, JobWrite, Lease,
+        LeaseJobRequest, ManageSessionRequest, ManageSessionResponse, RegisterRequest,
+        ReportJobRequest, SaveCheckpointRequest, TwinWrite, complete_fit_request,
         end_ingest_request,
         fail_job_request::End,
         lease_job_request::Kind,
@@ -337,6 +338,26 @@ impl WorkerRollouts for Device {
         _: Request<ManageSessionRequest>,
     ) -> Result<Response<ManageSessionResponse>, Status> {
         Err(Status::unavailable("this worker has no sessions"))
+    }
+
+    /// The points come back as the state.
+    async fn register_state(
+        &self,
+        request: Request<ExecuteRegisterStateRequest>,
+    ) -> Result<Response<ExecuteRegisterStateResponse>, Status> {
+        self.begun.notify_one();
+        let mut given_up = GivenUp(Some(self.given_up.clone()));
+        if let Some(hold) = &self.hold {
+            hold.notified().await;
+        }
+        given_up.0 = None;
+        if self.breaks.load(Ordering::SeqCst) {
+            return Err(Status::unavailable("gone"));
+        }
+        let observation = request.into_inner().request.unwrap().observation.unwrap();
+        let state = GivenState { positions: observation.points, ..GivenState::default() };
+        let registered = RegisteredState { state: Some(state), ..RegisteredState::default() };
+        Ok(Response::new(ExecuteRegisterStateResponse { registered: Some(registered) }))
     }
 
     type RollOutStream = Pin<Box<dyn Stream<Item = Result<ExecuteRollOutResponse, Status>> + Send>>;

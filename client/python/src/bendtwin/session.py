@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Generic, TypeVar
 
+import numpy.typing as npt
+
 from bendtwin import calls, session_calls
 from bendtwin.arguments import RolloutArguments, rollout_request
 from bendtwin.caller import Caller
+from bendtwin.registration import CorrectArguments, Correction, correct_session
 from bendtwin.resources import SessionInfo
 from bendtwin.rollout import RolloutResult
 from bendtwin.state import InitialState, SessionSlots, State
@@ -102,6 +105,23 @@ class Session(SessionFacts[Caller, Twin]):
         """
         requests = (self._advance_request(slots, arguments) for arguments in actions)
         return self._caller.parts(session_calls.control_session(requests))
+
+    def correct(
+        self,
+        points: npt.ArrayLike,
+        *,
+        slots: Sequence[int] = (),
+        timeout_s: float | None = None,
+        **arguments: Unpack[CorrectArguments],
+    ) -> list[Correction]:
+        """Brings the states of slots (default: 0) closer to points [M, 3], metres, that were seen.
+
+        They move smoothly, without touching what control points and grasps hold. All of the slots
+        are corrected, or none if the points are too far from one of them: BendTwinError with the
+        reason OBSERVATION_NOT_EXPLAINED. The other arguments are in `CorrectArguments`.
+        """
+        call = correct_session(self.name, slots, points, arguments)
+        return self._caller.run(call, timeout_s)
 
     def states(self, slots: Sequence[int] = ()) -> list[State]:
         """The states of slots, or of all of them; each can be an initial state anywhere."""

@@ -91,7 +91,7 @@ impl Collider {
 
 /// Surroundings of the object; the rest is as in the twin.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct World(pub(super) v1::World);
+pub struct World(pub(crate) v1::World);
 
 impl World {
     /// Adds a collider.

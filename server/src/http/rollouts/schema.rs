@@ -1,5 +1,5 @@
-//! Schemas of the messages of rollout.proto and world.proto for the OpenAPI document, from their descriptors and
-//! comments.
+//! Schemas of the messages that HTTP has as bodies, for the OpenAPI document, from their descriptors
+//! and comments.
 
 use std::{borrow::Cow, collections::HashMap};
 
@@ -17,9 +17,10 @@ use utoipa::{
 };
 
 /// The files whose messages are described, all or some of them.
-const FILES: [(&str, Option<&str>); 3] = [
+const FILES: [(&str, Option<&str>); 4] = [
     ("bendtwin/v1/world.proto", None),
     ("bendtwin/v1/rollout.proto", None),
+    ("bendtwin/v1/registration.proto", None),
     ("bendtwin/v1/twin.proto", Some("TwinGeometry")),
 ];
 const PACKAGE: &str = ".bendtwin.v1.";
@@ -29,62 +30,31 @@ const MESSAGE: i32 = 4;
 const FIELD: i32 = 2;
 const NESTED: i32 = 3;
 
-/// The body of a rollout request.
-pub(super) struct RollOutRequest;
+/// Messages that are bodies of requests or replies.
+macro_rules! bodies {
+    ($($name:ident),+) => {$(
+        /// The message of this name.
+        pub(in crate::http) struct $name;
 
-/// The body of a rollout's reply.
-pub(super) struct RollOutResponse;
+        impl PartialSchema for $name {
+            fn schema() -> RefOr<Schema> {
+                schema(stringify!($name))
+            }
+        }
 
-impl PartialSchema for RollOutRequest {
-    fn schema() -> RefOr<Schema> {
-        schema("RollOutRequest")
-    }
+        impl ToSchema for $name {
+            fn name() -> Cow<'static, str> {
+                Cow::Borrowed(stringify!($name))
+            }
+
+            fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
+                found.extend(all());
+            }
+        }
+    )+};
 }
 
-impl PartialSchema for RollOutResponse {
-    fn schema() -> RefOr<Schema> {
-        schema("RollOutResponse")
-    }
-}
-
-/// The geometry of a twin.
-pub(in crate::http) struct TwinGeometry;
-
-impl PartialSchema for TwinGeometry {
-    fn schema() -> RefOr<Schema> {
-        schema("TwinGeometry")
-    }
-}
-
-impl ToSchema for TwinGeometry {
-    fn name() -> Cow<'static, str> {
-        Cow::Borrowed("TwinGeometry")
-    }
-
-    fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
-        found.extend(all());
-    }
-}
-
-impl ToSchema for RollOutRequest {
-    fn name() -> Cow<'static, str> {
-        Cow::Borrowed("RollOutRequest")
-    }
-
-    fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
-        found.extend(all());
-    }
-}
-
-impl ToSchema for RollOutResponse {
-    fn name() -> Cow<'static, str> {
-        Cow::Borrowed("RollOutResponse")
-    }
-
-    fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
-        found.extend(all());
-    }
-}
+bodies!(RollOutRequest, RollOutResponse, RegisterStateRequest, RegisteredState, TwinGeometry);
 
 fn schema(name: &str) -> RefOr<Schema> {
     let found = all().into_iter().find(|(n, _)| n == name);

@@ -1,8 +1,13 @@
 //! Malformed requests over gRPC.
 
-use bendtwin_proto::v1::{
-    CaptureMetadata, CreateCaptureRequest, CreateFitRequest, CreateTwinRequest, GetTwinRequest,
-    ListFitsRequest, TwinMetadata, create_capture_request, create_twin_request,
+use bendtwin_proto::{
+    registration,
+    rollout::TwinShape,
+    v1::{
+        CaptureMetadata, CreateCaptureRequest, CreateFitRequest, CreateTwinRequest, GetTwinRequest,
+        ListFitsRequest, RegisterStateRequest, Twin, TwinMetadata, create_capture_request,
+        create_twin_request,
+    },
 };
 use bytes::Bytes;
 use prost::Message;
@@ -33,6 +38,7 @@ async fn malformed_calls_are_refused_with_their_code() {
         calls.push((what.clone(), "RolloutService/RollOut", vec![message.clone()]));
         calls.push((what, "RolloutService/StreamRollOut", vec![message]));
     }
+    calls.extend(registrations(&fixture.twin));
     assert!(calls.len() >= 200, "only {} calls", calls.len());
 
     let channel = fixture.server.api().channel;
@@ -72,7 +78,7 @@ fn call(what: impl Into<String>, method: &'static str, message: &impl Message) -
 
 /// Every method that takes a name, with every bad name.
 fn names() -> Vec<Call> {
-    const METHODS: [(&str, &str); 11] = [
+    const METHODS: [(&str, &str); 12] = [
         ("captures", "CaptureService/GetCapture"),
         ("captures", "CaptureService/DeleteCapture"),
         ("fits", "FitService/GetFit"),
@@ -82,6 +88,7 @@ fn names() -> Vec<Call> {
         ("twins", "TwinService/GetTwin"),
         ("twins", "TwinService/DeleteTwin"),
         ("twins", "TwinService/ExportTwin"),
+        ("twins", "RegistrationService/RegisterState"),
         ("workers", "WorkerService/GetWorker"),
         ("captures", "FitService/CreateFit"),
     ];
@@ -93,6 +100,19 @@ fn names() -> Vec<Call> {
         }
     }
     calls
+}
+
+fn registrations(twin: &Twin) -> Vec<Call> {
+    let shape = TwinShape {
+        nodes: u64::from(twin.node_count),
+        controls: u64::from(twin.control_count),
+        ..TwinShape::default()
+    };
+    let call = |case: registration::cases::Case| {
+        let request = RegisterStateRequest { twin: twin.name.clone(), ..case.request };
+        call(case.what, "RegistrationService/RegisterState", &request)
+    };
+    registration::cases::malformed(&shape).into_iter().map(call).collect()
 }
 
 fn lists() -> Vec<Call> {

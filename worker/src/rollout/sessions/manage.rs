@@ -19,7 +19,7 @@ use crate::{
         grasping,
         initial::{Simulated, Start, Starts, Wanted},
         plan::shape,
-        service::Inner,
+        service::{Inner, Unary},
         warm::Warm,
     },
 };
@@ -32,17 +32,18 @@ impl Inner {
     pub(in crate::rollout) async fn manage(
         self: &Arc<Self>,
         request: ManageSessionRequest,
+        under_way: &Unary,
     ) -> Result<ManageSessionResponse, Error> {
         let call = request.call.ok_or_else(|| Error::field("call", "is missing"))?;
         let session = match call {
-            Call::Open(open) => self.open(open, request.capture).await?,
+            Call::Open(open) => self.open(open, request.capture, under_way.cancel()).await?,
             Call::Get(get) => self.sessions.get(&get.name)?,
             Call::States(asked) => {
                 let session = self.sessions.get(&asked.name)?;
                 let slots = session.chosen(&asked.slots, 0..session.slots())?;
                 let twin = self.twins.get(session.setup.twin).await?;
                 let states = Some(pack(&session, &twin, &slots));
-                return Ok(ManageSessionResponse { session: None, states });
+                return Ok(ManageSessionResponse { states, ..Default::default() });
             }
             Call::Fork(fork) => {
                 let session = self.sessions.get(&fork.name)?;
@@ -67,12 +68,16 @@ impl Inner {
                             ..session.setup.as_request()
                         };
                         let capture = session.setup.capture.clone();
-                        Some(self.first_states(&warm, &open, &capture).await?)
+                        Some(self.first_states(&warm, &open, &capture, under_way.cancel()).await?)
                     }
                 };
                 let _turn = session.begin_advance().await;
                 session.reset(&slots, states);
                 session
+            }
+            Call::Correct(correct) => {
+                let corrected = Some(self.correct(correct, under_way).await?);
+                return Ok(ManageSessionResponse { corrected, ..Default::default() });
             }
             Call::Close(close) => {
                 if let Ok(session) = self.sessions.get(&close.name) {
@@ -82,13 +87,14 @@ impl Inner {
             }
         };
         let session = Some(session.describe(&self.worker));
-        Ok(ManageSessionResponse { session, states: None })
+        Ok(ManageSessionResponse { session, ..Default::default() })
     }
 
     async fn open(
         self: &Arc<Self>,
         open: OpenSessionRequest,
         capture: String,
+        cancel: &CancelToken,
     ) -> Result<Arc<Session>, Error> {
         let twin: TwinId = open
             .twin
@@ -96,7 +102,7 @@ impl Inner {
             .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
         let idle = idle(open.idle_timeout_s)?;
         let warm = self.twins.get(twin).await?;
-        let first = self.first_states(&warm, &open, &capture).await?;
+        let first = self.first_states(&warm, &open, &capture, cancel).await?;
         let bytes = first.iter().map(Start::bytes).sum::<u64>().saturating_mul(STATES);
         let share = budget::take(
             &self.memory.sessions,
@@ -118,16 +124,17 @@ impl Inner {
     }
 
     /// The states in which slots begin, one each.
-    async fn first_states(
+    pub(in crate::rollout) async fn first_states(
         self: &Arc<Self>,
         warm: &Arc<Warm>,
         open: &OpenSessionRequest,
         capture: &str,
+        cancel: &CancelToken,
     ) -> Result<Vec<Start>, Error> {
         let limits = self.limits();
         rollout::check_session(open, &shape(&warm.twin, !capture.is_empty()), &limits)?;
         let slots = rollout::slots(open)? as usize;
-        let simulated = self.simulated(warm, open.initial.as_ref(), capture).await?;
+        let simulated = self.simulated(warm, open.initial.as_ref(), capture, cancel).await?;
         let wanted = Wanted::read(open.initial.clone(), &warm.twin.graph, slots)?;
         Ok(match (wanted, simulated) {
             (Wanted::Ready(Starts::Each(starts)), _) => starts,
@@ -144,16 +151,17 @@ impl Inner {
         warm: &Arc<Warm>,
         initial: Option<&InitialState>,
         capture: &str,
+        cancel: &CancelToken,
     ) -> Result<Option<Start>, Error> {
         let backend = Arc::new(self.device.backend(Priority::Interactive));
-        let (cancel, work) = (CancelToken::default(), self.limits().work);
+        let work = self.limits().work;
         Ok(match Simulated::wanted(initial, capture)? {
             None => None,
             Some(Simulated::Frame(at)) => {
-                Some(self.replays.start(warm, at, &backend, &cancel, work).await?)
+                Some(self.replays.start(warm, at, &backend, cancel, work).await?)
             }
             Some(Simulated::Settled) => {
-                Some(self.replays.settled(warm, &backend, &cancel, work).await?)
+                Some(self.replays.settled(warm, &backend, cancel, work).await?)
             }
         })
     }
