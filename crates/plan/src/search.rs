@@ -5,7 +5,7 @@
 use std::{borrow::BorrowMut, time::Duration};
 
 use crate::{
-    Knots, Planner,
+    Knots, Planner, Settings,
     error::Error,
     method::{Descent, Method, Sampling},
 };
@@ -197,6 +197,16 @@ impl<P: BorrowMut<Planner>> Search<P> {
         }
         self.costs.push(costs);
         Ok(place)
+    }
+
+    /// Settings of the planner.
+    pub fn settings(&self) -> &Settings {
+        &self.planner.borrow().settings
+    }
+
+    /// The plans that were proposed last.
+    pub fn batch(&self) -> &[Knots] {
+        &self.batch
     }
 
     /// The best so far; none before the first batch was simulated.
