@@ -11,6 +11,7 @@ mod fits;
 mod message;
 mod operations;
 pub(crate) mod origin;
+mod plans;
 mod registrations;
 mod resource;
 mod rollouts;
@@ -41,6 +42,7 @@ type Result<T, E = Refusal> = std::result::Result<T, E>;
         (name = "fits", description = "Fit jobs: capture in, twin out"),
         (name = "twins", description = "Fitted twins"),
         (name = "rollouts", description = "Predictions"),
+        (name = "plans", description = "Actions that lower the costs of a rollout"),
         (name = "workers", description = "Worker processes"),
         (name = "operations", description = "Health and metrics"),
     )
@@ -100,6 +102,7 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(twins::content))
         .routes(routes!(twins::geometry))
         .routes(routes!(rollouts::create))
+        .routes(routes!(plans::create))
         .routes(routes!(registrations::create))
         .routes(routes!(workers::list))
         .routes(routes!(workers::get))

@@ -17,9 +17,10 @@ use utoipa::{
 };
 
 /// The files whose messages are described, all or some of them.
-const FILES: [(&str, Option<&str>); 4] = [
+const FILES: [(&str, Option<&str>); 5] = [
     ("bendtwin/v1/world.proto", None),
     ("bendtwin/v1/rollout.proto", None),
+    ("bendtwin/v1/planning.proto", None),
     ("bendtwin/v1/registration.proto", None),
     ("bendtwin/v1/twin.proto", Some("TwinGeometry")),
 ];
@@ -54,7 +55,15 @@ macro_rules! bodies {
     )+};
 }
 
-bodies!(RollOutRequest, RollOutResponse, RegisterStateRequest, RegisteredState, TwinGeometry);
+bodies!(
+    PlanRequest,
+    PlanUpdate,
+    RegisterStateRequest,
+    RegisteredState,
+    RollOutRequest,
+    RollOutResponse,
+    TwinGeometry
+);
 
 fn schema(name: &str) -> RefOr<Schema> {
     let found = all().into_iter().find(|(n, _)| n == name);
@@ -166,7 +175,9 @@ impl Messages {
             Type::Enum => json!({"type": "string", "enum": self.words.get(field.type_name())}),
             Type::String => json!({"type": "string"}),
             Type::Bool => json!({"type": "boolean"}),
-            Type::Uint32 => json!({"type": "integer", "format": "int64", "minimum": 0}),
+            Type::Uint32 | Type::Uint64 => {
+                json!({"type": "integer", "format": "int64", "minimum": 0})
+            }
             Type::Float => json!({"type": "number", "format": "float"}),
             _ => json!({"type": "number", "format": "double"}),
         };
