@@ -41,6 +41,7 @@ mod error;
 mod fits;
 mod geometry;
 mod page;
+mod plans;
 mod problem;
 mod registrations;
 mod resources;
@@ -56,6 +57,7 @@ pub use bendtwin_core::{
     Category, FastVariant, Fault, Fidelity, FitSettings, Point, Quality, Twin as TwinModel,
     ids::{CaptureId, FitId, TwinId, WorkerId},
 };
+pub use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
 
 pub use self::{
     captures::Captures,
@@ -64,6 +66,7 @@ pub use self::{
     fits::Fits,
     geometry::Geometry,
     page::{Page, PageRequest},
+    plans::{PlanUpdate, Planning, Plans},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{
