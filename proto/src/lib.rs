@@ -1,11 +1,13 @@
 //! The wire contract: `bendtwin.v1` is public, `bendtwin.worker.v1` private
 //! between server and workers. Generated types, plus the one place where
-//! tensors and faults are packed and unpacked, and where rollouts and registrations are checked.
+//! tensors and faults are packed and unpacked, and where rollouts, plans and
+//! registrations are checked.
 
 pub mod deadline;
 pub mod fault;
 mod job;
 pub mod json;
+pub mod plan;
 pub mod registration;
 pub mod rollout;
 pub mod tensor;

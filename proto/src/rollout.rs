@@ -25,9 +25,9 @@ pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
 /// Most dimensions of a tensor.
 pub const MOST_DIMENSIONS: usize = 8;
 
-pub(crate) use self::check::tensors;
+pub(crate) use self::check::{SHORTEST_QUATERNION, sizes, tensors, within};
 pub use self::{
-    check::{Batch, check, check_for, fidelity, members, too_much_memory, work},
+    check::{Batch, check, check_for, fidelity, has_gradients, members, too_much_memory, work},
     encoded::{Encoded, check_encoded},
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},

@@ -14,7 +14,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use prost::Message as _;
 
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/world.proto",
@@ -24,6 +24,7 @@ const FILES: [&str; 12] = [
     "bendtwin/v1/twin.proto",
     "bendtwin/v1/worker.proto",
     "bendtwin/v1/rollout.proto",
+    "bendtwin/v1/planning.proto",
     "bendtwin/v1/registration.proto",
     "bendtwin/v1/session.proto",
     "bendtwin/worker/v1/worker_link.proto",
@@ -63,6 +64,7 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
     let in_json = [
         "bendtwin/v1/world.proto",
         "bendtwin/v1/rollout.proto",
+        "bendtwin/v1/planning.proto",
         "bendtwin/v1/registration.proto",
         "bendtwin/v1/session.proto",
     ];

@@ -3,6 +3,7 @@
 
 mod executing;
 mod line;
+mod plan;
 mod registrations;
 mod registry;
 mod rollout;
@@ -30,6 +31,7 @@ use crate::{
 
 use line::Ask;
 pub(crate) use line::Size;
+pub(crate) use plan::Plan;
 pub(crate) use registrations::{Register, Registered};
 use registry::{Entry, Now};
 pub(crate) use registry::{FitRoom, Heartbeat, HeldSession, Memory, WorkerView};

@@ -136,22 +136,29 @@ impl From<Refusal> for Status {
     }
 }
 
-impl IntoResponse for Refusal {
-    fn into_response(self) -> Response {
-        let request_id = Context::current().request_id;
-        let fault = context::redact(self.fault, &request_id);
-        let document = ProblemDocument {
+impl Refusal {
+    /// The HTTP form, for the request of that context.
+    pub(crate) fn document(self, context: &Context) -> ProblemDocument {
+        let fault = context::redact(self.fault, &context.request_id);
+        ProblemDocument {
             kind: format!("urn:bendtwin:error:{}", fault.reason),
             title: category_name(fault.category).to_owned(),
             status: self.status.as_u16(),
             detail: fault.message,
             reason: fault.reason,
-            request_id,
-        };
-        let mut response = (self.status, axum::Json(document)).into_response();
+            request_id: context.request_id.clone(),
+        }
+    }
+}
+
+impl IntoResponse for Refusal {
+    fn into_response(self) -> Response {
+        let (status, retry_after) = (self.status, self.retry_after);
+        let document = self.document(&Context::current());
+        let mut response = (status, axum::Json(document)).into_response();
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
-        if let Some(delay) = self.retry_after {
+        if let Some(delay) = retry_after {
             // Whole seconds, rounded up: never earlier than asked.
             let seconds = delay.as_secs() + u64::from(delay.subsec_nanos() > 0);
             headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));

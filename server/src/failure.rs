@@ -24,6 +24,13 @@ pub(crate) enum Error {
     Rollout(#[from] bendtwin_proto::rollout::Error),
     #[error(transparent)]
     Registration(#[from] bendtwin_proto::registration::Error),
+    #[error(transparent)]
+    Plan(#[from] bendtwin_proto::plan::Error),
+    #[error(
+        "every plan diverged, the nominal one too: lower sigma, bound the speed or shorten the \
+         horizon, and see that row 0 is where the control points are"
+    )]
+    EveryPlanDiverged,
     #[error("the settings are not accepted: {}", .0.join("; "))]
     Settings(Vec<String>),
     /// No worker has the memory for a fit.
@@ -124,6 +131,8 @@ impl Problem for Error {
             Self::TwinFile(error) => error.category(),
             Self::Rollout(error) => error.category(),
             Self::Registration(error) => error.category(),
+            Self::Plan(error) => error.category(),
+            Self::EveryPlanDiverged => Category::FailedPrecondition,
             Self::Worker(fault) => fault.category,
             Self::Name(_)
             | Self::Invalid { .. }
@@ -159,6 +168,8 @@ impl Problem for Error {
             Self::TwinFile(error) => error.reason(),
             Self::Rollout(error) => error.reason(),
             Self::Registration(error) => error.reason(),
+            Self::Plan(error) => error.reason(),
+            Self::EveryPlanDiverged => "EVERY_PLAN_DIVERGED",
             Self::Name(_) => "INVALID_NAME",
             Self::Invalid { .. } => "INVALID_FIELD",
             Self::Settings(_) => "INVALID_SETTINGS",

@@ -7,6 +7,7 @@ mod counted;
 mod fits;
 mod health;
 mod link;
+mod plans;
 mod registrations;
 mod rollouts;
 mod screened;
@@ -22,6 +23,7 @@ use bendtwin_proto::{
     DESCRIPTORS,
     v1::{
         capture_service_server::CaptureServiceServer, fit_service_server::FitServiceServer,
+        planning_service_server::PlanningServiceServer,
         registration_service_server::RegistrationServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
         twin_service_server::TwinServiceServer, worker_service_server::WorkerServiceServer,
@@ -82,8 +84,9 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<TwinServiceServer<Api>>()
         .with::<WorkerServiceServer<Api>>()
         .with::<RolloutServiceServer<Api>>()
-        .with::<RegistrationServiceServer<Api>>()
-        .with::<SessionServiceServer<Api>>();
+        .with::<SessionServiceServer<Api>>()
+        .with::<PlanningServiceServer<Api>>()
+        .with::<RegistrationServiceServer<Api>>();
     let mut routes = Routes::builder();
     routes
         .add_service(HealthServer::new(health))
@@ -99,6 +102,15 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
             inner: RolloutServiceServer::new(api.clone())
                 .max_decoding_message_size(bytes(limits.request_bytes))
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
+        })
+        .add_service(Counted {
+            app: app.clone(),
+            inner: PlanningServiceServer::new(api.clone())
+                .max_decoding_message_size(bytes(limits.request_bytes))
+                // An update may have the reply to a rollout beside knots as large as the request's.
+                .max_encoding_message_size(bytes(
+                    limits.reply_bytes.saturating_add(limits.request_bytes),
+                )),
         })
         .add_service(Counted {
             app: app.clone(),

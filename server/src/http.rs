@@ -11,6 +11,7 @@ mod fits;
 mod message;
 mod operations;
 pub(crate) mod origin;
+mod plans;
 mod registrations;
 mod resource;
 mod rollouts;
@@ -42,6 +43,7 @@ type Result<T, E = Refusal> = std::result::Result<T, E>;
         (name = "fits", description = "Fit jobs: capture in, twin out"),
         (name = "twins", description = "Fitted twins"),
         (name = "rollouts", description = "Predictions"),
+        (name = "plans", description = "Actions that lower the costs of a rollout"),
         (name = "sessions", description = "Simulations that stay between calls"),
         (name = "workers", description = "Worker processes"),
         (name = "operations", description = "Health and metrics"),
@@ -102,6 +104,7 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(twins::content))
         .routes(routes!(twins::geometry))
         .routes(routes!(rollouts::create))
+        .routes(routes!(plans::create))
         .routes(routes!(registrations::register))
         .routes(routes!(sessions::open))
         .routes(routes!(sessions::get, sessions::close))

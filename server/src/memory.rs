@@ -81,6 +81,13 @@ impl Memory {
         self.take(&self.replies, bytes, "the reply: ask for fewer frames, nodes or instances").await
     }
 
+    /// Memory of the plans that are simulated for one, of so many bytes: at once or not at all, as who
+    /// asks for it holds a body already.
+    pub(crate) fn plan(&self, bytes: u64) -> Result<Share> {
+        let purpose = "the plans of a batch: use fewer samples or knots";
+        self.bodies.try_take(bytes).map_err(|exhausted| Error::Memory { purpose, exhausted })
+    }
+
     /// Memory of an upload that streams to disk.
     pub(crate) async fn upload(&self) -> Result<Share> {
         self.take(&self.uploads, UPLOAD, "the upload: send fewer at once").await

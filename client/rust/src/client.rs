@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,
+    planning_service_client::PlanningServiceClient,
     registration_service_client::RegistrationServiceClient,
     rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
     twin_service_client::TwinServiceClient, worker_service_client::WorkerServiceClient,
@@ -12,7 +13,7 @@ use reqwest::header::{AUTHORIZATION, HeaderMap, HeaderValue};
 use tonic::transport::Endpoint;
 
 use crate::{
-    Captures, Error, Fits, Registrations, Rollouts, Sessions, Twins, Workers,
+    Captures, Error, Fits, Plans, Registrations, Rollouts, Sessions, Twins, Workers,
     channel::{Channel, Credentials},
     token,
 };
@@ -125,6 +126,12 @@ impl Client {
     pub fn sessions(&self) -> Sessions {
         let service = SessionServiceClient::new(self.channel.clone());
         Sessions::new(service.max_decoding_message_size(MAX_MESSAGE))
+    }
+
+    /// Plans made at the server.
+    pub fn plans(&self) -> Plans {
+        let service = PlanningServiceClient::new(self.channel.clone());
+        Plans::new(service.max_decoding_message_size(MAX_MESSAGE))
     }
 }
 

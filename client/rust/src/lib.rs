@@ -70,6 +70,7 @@ mod error;
 mod fits;
 mod geometry;
 mod page;
+mod plans;
 mod problem;
 mod registrations;
 mod resources;
@@ -86,6 +87,7 @@ pub use bendtwin_core::{
     Category, FastVariant, Fault, Fidelity, FitSettings, Point, Quality, Twin as TwinModel,
     ids::{CaptureId, FitId, SessionId, TwinId, WorkerId},
 };
+pub use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
 
 pub use self::{
     captures::Captures,
@@ -94,6 +96,7 @@ pub use self::{
     fits::Fits,
     geometry::Geometry,
     page::{Page, PageRequest},
+    plans::{PlanUpdate, Planning, Plans},
     registrations::{Observation, Registered, Registration, Registrations, Residual},
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{

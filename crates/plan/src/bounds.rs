@@ -68,14 +68,14 @@ impl Bounds {
         Ok(())
     }
 
-    /// The plan within the limits, with knots `knot_s` seconds apart. Knots are moved one after the
+    /// The plan within the limits, with knots at times `at` [s]. Knots are moved one after the
     /// other: the speed limit holds even where it keeps a plan that begins outside of the others
     /// from coming back at once.
-    pub(crate) fn project(&self, plan: &mut Knots, dims: usize, knot_s: f64) {
+    pub(crate) fn project(&self, plan: &mut Knots, dims: usize, at: &[f64]) {
         for i in dims..plan.len() {
-            let (d, last) = (i % dims, plan[i - dims]);
+            let (k, d, last) = (i / dims, i % dims, plan[i - dims]);
             let (low, high) = (self.low.of(d, f64::NEG_INFINITY), self.high.of(d, f64::INFINITY));
-            let step = self.speed.of(d, f64::INFINITY) * knot_s;
+            let step = self.speed.of(d, f64::INFINITY) * (at[k] - at[k - 1]);
             plan[i] = plan[i].max(low).min(high).max(last - step).min(last + step);
         }
     }
@@ -95,7 +95,7 @@ mod tests {
         bounds.check(2).unwrap();
         // x begins beyond its bound and comes back no faster than it may.
         let mut plan = vec![3.0, 0.5, 0.0, -2.0, 0.0, 2.0];
-        bounds.project(&mut plan, 2, 2.0);
+        bounds.project(&mut plan, 2, &[0.0, 2.0, 4.0]);
         assert_eq!(plan, [3.0, 0.5, 2.0, 0.0, 1.0, 1.0]);
     }
 

@@ -15,8 +15,10 @@ mod error;
 mod method;
 mod noise;
 mod planner;
+mod rotation;
 mod search;
 mod settings;
+mod space;
 
 pub use self::{
     bounds::{Bounds, Limit},
@@ -24,8 +26,9 @@ pub use self::{
     error::{Error, Invalid},
     method::Method,
     planner::{Evaluate, Planner},
-    search::{Evaluation, Origin, Plan, Search},
+    search::{Evaluation, Origin, Plan, Progress, Search},
     settings::Settings,
+    space::{Movement, Space},
 };
 
 /// Knots of a plan, shape [K, D], row-major.

@@ -42,7 +42,7 @@ impl Planner {
         settings.check()?;
         let random = ChaCha12Rng::seed_from_u64(settings.seed);
         let mut nominal = vec![0.0; settings.knots * settings.dims];
-        settings.bounds.project(&mut nominal, settings.dims, settings.knot_s());
+        settings.project(&mut nominal);
         Ok(Self { settings, random, nominal })
     }
 
@@ -66,7 +66,7 @@ impl Planner {
             let problem = format!("give {knots} x {dims} finite values");
             return Err(Invalid::new("nominal", problem));
         }
-        self.settings.bounds.project(&mut nominal, dims, self.settings.knot_s());
+        self.settings.project(&mut nominal);
         self.nominal = nominal;
         Ok(())
     }
@@ -74,13 +74,17 @@ impl Planner {
     /// Moves the nominal plan on by frames that were executed; at its end it stands still.
     pub fn shift(&mut self, frames: f64) {
         let s = &self.settings;
-        let time = frames * (s.knots - 1) as f64 / s.frames as f64;
-        self.nominal = s.curve.shifted(&self.nominal, s.dims, time);
-        s.bounds.project(&mut self.nominal, s.dims, s.knot_s());
+        self.nominal = s.shifted(&self.nominal, s.dims, frames);
+        s.project(&mut self.nominal);
     }
 
     /// Begins to better the nominal plan, batch by batch.
-    pub fn search(&mut self) -> Search<'_> {
+    pub fn search(&mut self) -> Search<&mut Self> {
+        Search::begin(self)
+    }
+
+    /// The same, with the planner inside of it.
+    pub fn into_search(self) -> Search<Self> {
         Search::begin(self)
     }
 

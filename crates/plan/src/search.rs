@@ -2,10 +2,10 @@
 //! simulates calls [`Search::propose`] and [`Search::learn`] in turn, so this works with any clock
 //! and any way to wait.
 
-use std::time::Duration;
+use std::{borrow::BorrowMut, time::Duration};
 
 use crate::{
-    Knots, Planner,
+    Knots, Planner, Settings,
     error::Error,
     method::{Descent, Method, Sampling},
 };
@@ -53,10 +53,29 @@ pub struct Plan {
     pub time: Duration,
 }
 
-/// A plan being made.
+/// The best so far, while a plan is being made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress<'s> {
+    /// Its knots, shape [K, D].
+    pub knots: &'s Knots,
+    /// Cost of exactly these knots, as simulated.
+    pub cost: f64,
+    /// Its source.
+    pub origin: Origin,
+    /// Cost of the nominal plan.
+    pub nominal_cost: f64,
+    /// Iterations that were finished.
+    pub iterations: usize,
+    /// Plans that were simulated.
+    pub simulated: usize,
+    /// Those of them that diverged.
+    pub diverged: usize,
+}
+
+/// A plan being made. The planner is in it, or borrowed.
 #[derive(Debug)]
-pub struct Search<'a> {
-    planner: &'a mut Planner,
+pub struct Search<P> {
+    planner: P,
     state: State,
     batch: Vec<Knots>,
     is_mean: bool,
@@ -67,6 +86,8 @@ pub struct Search<'a> {
     best_sample: Option<(Knots, f64)>,
     nominal_cost: f64,
     costs: Vec<Vec<f64>>,
+    simulated: usize,
+    diverged: usize,
 }
 
 #[derive(Debug)]
@@ -75,14 +96,12 @@ enum State {
     Descent(Descent),
 }
 
-impl<'a> Search<'a> {
-    pub(crate) fn begin(planner: &'a mut Planner) -> Self {
-        let nominal = planner.nominal.clone();
-        let state = match planner.settings.method {
-            Method::Gradient { .. } => {
-                State::Descent(Descent::begin(&planner.settings, &nominal, &mut planner.random))
-            }
-            _ => State::Sampling(Sampling::begin(&planner.settings, &nominal)),
+impl<P: BorrowMut<Planner>> Search<P> {
+    pub(crate) fn begin(mut planner: P) -> Self {
+        let Planner { settings, random, nominal } = planner.borrow_mut();
+        let state = match settings.method {
+            Method::Gradient { .. } => State::Descent(Descent::begin(settings, nominal, random)),
+            _ => State::Sampling(Sampling::begin(settings, nominal)),
         };
         Self {
             planner,
@@ -96,13 +115,15 @@ impl<'a> Search<'a> {
             best_sample: None,
             nominal_cost: f64::INFINITY,
             costs: Vec::new(),
+            simulated: 0,
+            diverged: 0,
         }
     }
 
     /// The next plans to simulate, `elapsed` after the search began; none if it has ended, or if
     /// there is no time for another batch.
     pub fn propose(&mut self, elapsed: Duration) -> Option<&[Knots]> {
-        let settings = &self.planner.settings;
+        let Planner { settings, random, nominal } = self.planner.borrow_mut();
         self.is_mean = self.finished == settings.iterations;
         if self.costs.len() > settings.iterations {
             return None;
@@ -112,7 +133,6 @@ impl<'a> Search<'a> {
         if !is_first && settings.deadline.is_some_and(|d| elapsed + needs >= d) {
             return None;
         }
-        let random = &mut self.planner.random;
         self.batch = match &mut self.state {
             State::Sampling(sampling) if self.is_mean => sampling.mean().into_iter().collect(),
             State::Sampling(sampling) => sampling.propose(settings, random),
@@ -123,22 +143,27 @@ impl<'a> Search<'a> {
             return None;
         }
         for plan in &mut self.batch {
-            settings.bounds.project(plan, settings.dims, settings.knot_s());
+            settings.project(plan);
         }
         if is_first && matches!(self.state, State::Sampling(_)) {
-            self.batch.insert(0, self.planner.nominal.clone());
+            self.batch.insert(0, nominal.clone());
         }
         self.started = elapsed;
         Some(&self.batch)
     }
 
-    /// Takes in what the simulation of the last batch says, `elapsed` after the search began.
+    /// Takes in what the simulation of the last batch says, `elapsed` after the search began. Returns
+    /// the place in the batch of the best so far, if it is there.
     ///
     /// # Errors
     /// If the evaluation is not one of the batch, or all plans so far diverged.
-    pub fn learn<E>(&mut self, evaluation: Evaluation, elapsed: Duration) -> Result<(), Error<E>> {
+    pub fn learn<E>(
+        &mut self,
+        evaluation: Evaluation,
+        elapsed: Duration,
+    ) -> Result<Option<usize>, Error<E>> {
         let Evaluation { mut costs, gradients } = evaluation;
-        let settings = &self.planner.settings;
+        let settings = &self.planner.borrow().settings;
         let shape = settings.knots * settings.dims;
         let right = gradients.iter().filter(|g| g.len() == shape).count();
         let (plans, needed) = (self.batch.len(), settings.method.needs_gradients());
@@ -149,8 +174,10 @@ impl<'a> Search<'a> {
             *cost = f64::INFINITY;
         }
         self.longest = self.longest.max(elapsed.saturating_sub(self.started));
-        self.note(&costs);
-        let settings = &self.planner.settings;
+        self.simulated += plans;
+        self.diverged += costs.iter().filter(|c| c.is_infinite()).count();
+        let place = self.note(&costs);
+        let settings = &self.planner.borrow().settings;
         let best = self.best.as_ref().filter(|b| b.1.is_finite());
         let Some((best, best_cost, _)) = best else { return Err(Error::EveryPlanDiverged) };
         if !self.is_mean {
@@ -169,14 +196,39 @@ impl<'a> Search<'a> {
             }
         }
         self.costs.push(costs);
-        Ok(())
+        Ok(place)
+    }
+
+    /// Settings of the planner.
+    pub fn settings(&self) -> &Settings {
+        &self.planner.borrow().settings
+    }
+
+    /// The plans that were proposed last.
+    pub fn batch(&self) -> &[Knots] {
+        &self.batch
+    }
+
+    /// The best so far; none before the first batch was simulated.
+    pub fn progress(&self) -> Option<Progress<'_>> {
+        let (knots, cost, origin) = self.best.as_ref()?;
+        Some(Progress {
+            knots,
+            cost: *cost,
+            origin: *origin,
+            nominal_cost: self.nominal_cost,
+            iterations: self.finished,
+            simulated: self.simulated,
+            diverged: self.diverged,
+        })
     }
 
     /// The best plan so far, which the planner keeps for the next time; none before the first batch
     /// was simulated.
-    pub fn finish(self, elapsed: Duration) -> Option<Plan> {
+    pub fn finish(mut self, elapsed: Duration) -> Option<Plan> {
         let (knots, cost, origin) = self.best?;
-        self.planner.nominal.clone_from(&knots);
+        let planner = self.planner.borrow_mut();
+        planner.nominal.clone_from(&knots);
         Some(Plan {
             knots,
             cost,
@@ -185,13 +237,14 @@ impl<'a> Search<'a> {
             best_sample: self.best_sample,
             costs: self.costs,
             iterations: self.finished,
-            met_deadline: self.finished < self.planner.settings.iterations,
+            met_deadline: self.finished < planner.settings.iterations,
             time: elapsed,
         })
     }
 
-    /// Keeps the best, and the best sample.
-    fn note(&mut self, costs: &[f64]) {
+    /// Keeps the best, whose place it returns if it is new, and the best sample.
+    fn note(&mut self, costs: &[f64]) -> Option<usize> {
+        let mut place = None;
         let is_first = self.costs.is_empty();
         for (i, (plan, cost)) in self.batch.iter().zip(costs).enumerate() {
             let origin = match (is_first && i == 0, self.is_mean) {
@@ -204,11 +257,13 @@ impl<'a> Search<'a> {
             }
             if self.best.as_ref().is_none_or(|b| *cost < b.1) {
                 self.best = Some((plan.clone(), *cost, origin));
+                place = Some(i);
             }
             let is_better = self.best_sample.as_ref().is_none_or(|b| *cost < b.1);
             if origin == Origin::Sample && is_better {
                 self.best_sample = Some((plan.clone(), *cost));
             }
         }
+        place
     }
 }

@@ -2,7 +2,13 @@
 
 use std::time::Duration;
 
-use crate::{Knots, bounds::Bounds, curve::Curve, error::Invalid, method::Method};
+use crate::{
+    Knots,
+    bounds::Bounds,
+    curve::{Curve, even},
+    error::Invalid,
+    method::Method,
+};
 
 /// Settings of a planner.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +21,8 @@ pub struct Settings {
     pub frames: usize,
     /// Seconds from frame to frame.
     pub frame_s: f64,
+    /// Times of the knots [s], rising from 0; empty: spread evenly over the horizon.
+    pub knot_times: Vec<f64>,
     /// Curve between knots.
     pub curve: Curve,
     /// Plans that are simulated in an iteration.
@@ -47,6 +55,7 @@ impl Settings {
             dims,
             frames,
             frame_s: 1.0,
+            knot_times: Vec::new(),
             curve: Curve::Linear,
             samples: 64,
             iterations: 1,
@@ -63,9 +72,22 @@ impl Settings {
         }
     }
 
-    /// Seconds from knot to knot.
-    pub(crate) fn knot_s(&self) -> f64 {
-        self.frames as f64 * self.frame_s / (self.knots - 1) as f64
+    /// Times of the knots [s], shape [K].
+    pub(crate) fn times(&self) -> Vec<f64> {
+        match self.knot_times.is_empty() {
+            true => even(self.knots, self.frames as f64 * self.frame_s),
+            false => self.knot_times.clone(),
+        }
+    }
+
+    /// Knots, shape [K, `width`], of the same curve from some frames on; at its end it stands still.
+    pub fn shifted(&self, knots: &[f64], width: usize, frames: f64) -> Knots {
+        self.curve.shifted(knots, width, frames * self.frame_s, &self.times())
+    }
+
+    /// Moves a plan within the bounds.
+    pub(crate) fn project(&self, plan: &mut Knots) {
+        self.bounds.project(plan, self.dims, &self.times());
     }
 
     /// Standard deviations, shape [K, D], with zeros in row 0.
@@ -80,7 +102,11 @@ impl Settings {
         (0..count).map(move |i| finest.powf(i as f64 / last))
     }
 
-    pub(crate) fn check(&self) -> Result<(), Invalid> {
+    /// Checks all of them.
+    ///
+    /// # Errors
+    /// At the first that is out of its range.
+    pub fn check(&self) -> Result<(), Invalid> {
         let at_least = |field, value: usize, least: usize| match value < least {
             true => Err(Invalid::new(field, format!("is {value}: give {least} or more"))),
             false => Ok(()),
@@ -106,6 +132,11 @@ impl Settings {
         }
         if !(self.frame_s.is_finite() && self.frame_s > 0.0) {
             return Err(Invalid::new("frame_s", "must be above 0"));
+        }
+        let times = &self.knot_times;
+        let rises = times.first() == Some(&0.0) && times.windows(2).all(|t| t[0] < t[1]);
+        if !times.is_empty() && !(rises && times.len() == self.knots) {
+            return Err(Invalid::new("knot_times", "give a time for each knot, rising from 0"));
         }
         self.bounds.check(self.dims)?;
         self.method.check(self.dims)

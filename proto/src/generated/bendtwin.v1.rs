@@ -4742,6 +4742,588 @@ pub mod rollout_service_server {
         const NAME: &'static str = SERVICE_NAME;
     }
 }
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PlanRequest {
+    /// What to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of one
+    /// instance, are the nominal plan, which the first iteration begins with; knots that came back can be
+    /// sent as they are. Row 0 is where things are, and stays: where the initial state tells the control
+    /// points (a session, or given controls), row 0 of trajectories is taken from there. With
+    /// `plausibility.refuse` a plan beyond the limits counts as one that diverges. `returns` are those of
+    /// one more rollout, of the best plan alone; without any there is none.
+    #[prost(message, optional, tag = "1")]
+    pub rollout: ::core::option::Option<RollOutRequest>,
+    #[prost(message, optional, tag = "2")]
+    pub space: ::core::option::Option<ActionSpace>,
+    #[prost(message, optional, tag = "3")]
+    pub method: ::core::option::Option<PlanMethod>,
+    /// Plans that are simulated in an iteration; 0 means 64, and 1 with a gradient.
+    #[prost(uint32, tag = "4")]
+    pub samples: u32,
+    /// 0 means 1, and 20 with a gradient. At most 1,000,000 plans are simulated in all.
+    #[prost(uint32, tag = "5")]
+    pub iterations: u32,
+    /// FLOAT32 \[1\], by coordinate \[D\], or by knot and coordinate \[K, D\]: standard deviations of samples,
+    /// metres or radians; absent: 0.02.
+    #[prost(message, optional, tag = "6")]
+    pub sigma: ::core::option::Option<Tensor>,
+    /// Of neighbouring knots of a sample, 0 or more and less than 1: larger is smoother.
+    #[prost(double, tag = "7")]
+    pub correlation: f64,
+    /// Samples have sigma times a factor, evenly spread in its logarithm from 1 to this, above 0 and at
+    /// most 1; absent: 0.1, and 1 for methods that shrink their samples themselves.
+    #[prost(double, optional, tag = "12")]
+    pub finest: ::core::option::Option<f64>,
+    #[prost(message, optional, tag = "8")]
+    pub bounds: ::core::option::Option<PlanBounds>,
+    /// Same seed, same plan, if no deadline stops it.
+    #[prost(uint64, tag = "9")]
+    pub seed: u64,
+    /// Time for the iterations, seconds; the best so far comes back then, the first iteration is always
+    /// finished. 0 means as long as it takes.
+    #[prost(double, tag = "10")]
+    pub deadline_s: f64,
+    /// Frames that were executed since the nominal plan was made: its actions are moved on by them, and
+    /// stand still at their end. Closings of grasps and paths of colliders are taken as they are given.
+    #[prost(double, tag = "11")]
+    pub shift_frames: f64,
+}
+/// What the coordinates of a plan move. Motion of the nominal plan that no coordinate has stays in
+/// every plan.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct ActionSpace {
+    #[prost(enumeration = "action_space::Coordinates", tag = "1")]
+    pub coordinates: i32,
+    /// With PER_GROUP. UINT32 \[C\]: the group of each control point, of a hand say.
+    #[prost(message, optional, tag = "2")]
+    pub group_of_control: ::core::option::Option<Tensor>,
+    /// Where coordinates are counted from, which bounds are limits of: FLOAT32 \[C, 3\] of trajectories,
+    /// \[G, 7\] of poses; absent: row 0 of the nominal plan.
+    #[prost(message, optional, tag = "3")]
+    pub start: ::core::option::Option<Tensor>,
+}
+/// Nested message and enum types in `ActionSpace`.
+pub mod action_space {
+    #[derive(
+        Clone,
+        Copy,
+        Debug,
+        PartialEq,
+        Eq,
+        Hash,
+        PartialOrd,
+        Ord,
+        ::prost::Enumeration
+    )]
+    #[repr(i32)]
+    pub enum Coordinates {
+        /// TOGETHER for trajectories, RIGID for poses.
+        Unspecified = 0,
+        /// D = 3: x, y, z of all control points together.
+        Together = 1,
+        /// D = 3 for each group of control points.
+        PerGroup = 2,
+        /// D = 3 for each control point.
+        Points = 3,
+        /// D = 3 for each gripper.
+        Translation = 4,
+        /// D = 6 for each gripper: x, y, z and a rotation vector, radians along the world's axes.
+        Rigid = 5,
+    }
+    impl Coordinates {
+        /// String value of the enum field names used in the ProtoBuf definition.
+        ///
+        /// The values are not transformed in any way and thus are considered stable
+        /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+        pub fn as_str_name(&self) -> &'static str {
+            match self {
+                Self::Unspecified => "COORDINATES_UNSPECIFIED",
+                Self::Together => "TOGETHER",
+                Self::PerGroup => "PER_GROUP",
+                Self::Points => "POINTS",
+                Self::Translation => "TRANSLATION",
+                Self::Rigid => "RIGID",
+            }
+        }
+        /// Creates an enum from field names used in the ProtoBuf definition.
+        pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+            match value {
+                "COORDINATES_UNSPECIFIED" => Some(Self::Unspecified),
+                "TOGETHER" => Some(Self::Together),
+                "PER_GROUP" => Some(Self::PerGroup),
+                "POINTS" => Some(Self::Points),
+                "TRANSLATION" => Some(Self::Translation),
+                "RIGID" => Some(Self::Rigid),
+                _ => None,
+            }
+        }
+    }
+}
+/// Way to propose plans and to learn from their costs.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PlanMethod {
+    /// Absent: mppi.
+    #[prost(oneof = "plan_method::Method", tags = "1, 2, 3, 4")]
+    pub method: ::core::option::Option<plan_method::Method>,
+}
+/// Nested message and enum types in `PlanMethod`.
+pub mod plan_method {
+    /// Model-predictive path integral control: the mean of all samples, weighted by their costs.
+    #[derive(Clone, Copy, PartialEq, ::prost::Message)]
+    pub struct Mppi {
+        /// As a share of the costs' spread; 0 means 0.1.
+        #[prost(double, tag = "1")]
+        pub temperature: f64,
+    }
+    /// Cross-entropy: mean and spread of the best samples, iteration by iteration.
+    #[derive(Clone, Copy, PartialEq, ::prost::Message)]
+    pub struct Cem {
+        /// 0 means 8.
+        #[prost(uint32, tag = "1")]
+        pub elites: u32,
+        /// Share of the old mean and spread in the new ones, less than 1; absent: 0.1.
+        #[prost(double, optional, tag = "2")]
+        pub memory: ::core::option::Option<f64>,
+        /// Spread below which it does not shrink, as a share of sigma; absent: 0.05.
+        #[prost(double, optional, tag = "3")]
+        pub smallest: ::core::option::Option<f64>,
+    }
+    /// The best sample around the best plan so far.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
+    pub struct PredictiveSampling {}
+    /// Adam along the gradient, from the nominal plan and others that begin sigma away.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Gradient {
+        /// FLOAT32 \[1\] or \[D\]: largest step of an iteration, metres or radians; absent: 0.005.
+        #[prost(message, optional, tag = "1")]
+        pub rate: ::core::option::Option<super::Tensor>,
+    }
+    /// Absent: mppi.
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Method {
+        #[prost(message, tag = "1")]
+        Mppi(Mppi),
+        #[prost(message, tag = "2")]
+        Cem(Cem),
+        #[prost(message, tag = "3")]
+        PredictiveSampling(PredictiveSampling),
+        #[prost(message, tag = "4")]
+        Gradient(Gradient),
+    }
+}
+/// Limits that every plan keeps, FLOAT32 \[1\] or by coordinate \[D\], absent: none. They hold at the knots,
+/// and between them as well along straight lines.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PlanBounds {
+    /// Smallest and largest value of a coordinate, metres or radians from the start of the space.
+    #[prost(message, optional, tag = "1")]
+    pub low: ::core::option::Option<Tensor>,
+    #[prost(message, optional, tag = "2")]
+    pub high: ::core::option::Option<Tensor>,
+    /// Fastest change of a coordinate, per second.
+    #[prost(message, optional, tag = "3")]
+    pub speed: ::core::option::Option<Tensor>,
+}
+/// The best plan so far.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PlanUpdate {
+    /// FLOAT32, in the shape of the request's actions: \[1, K, C, 3\] or \[1, K, G, 7\].
+    #[prost(message, optional, tag = "1")]
+    pub knots: ::core::option::Option<Tensor>,
+    /// FLOAT64 \[K, D\]: the same in the coordinates of the space.
+    #[prost(message, optional, tag = "2")]
+    pub coordinates: ::core::option::Option<Tensor>,
+    /// Cost of exactly these knots, as simulated.
+    #[prost(double, tag = "3")]
+    pub cost: f64,
+    #[prost(string, repeated, tag = "4")]
+    pub cost_names: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+    /// FLOAT64 \[terms\], weighted.
+    #[prost(message, optional, tag = "5")]
+    pub cost_terms: ::core::option::Option<Tensor>,
+    #[prost(enumeration = "plan_update::Origin", tag = "6")]
+    pub origin: i32,
+    /// +inf if the nominal plan diverges.
+    #[prost(double, tag = "7")]
+    pub nominal_cost: f64,
+    /// Iterations that were finished.
+    #[prost(uint32, tag = "8")]
+    pub iterations: u32,
+    /// Plans that were simulated, and those of them that diverged.
+    #[prost(uint32, tag = "9")]
+    pub simulated: u32,
+    #[prost(uint32, tag = "10")]
+    pub diverged: u32,
+    /// True if there was no time for all iterations.
+    #[prost(bool, tag = "11")]
+    pub met_deadline: bool,
+    /// Since planning began, seconds.
+    #[prost(double, tag = "12")]
+    pub time_s: f64,
+    /// True for the last update.
+    #[prost(bool, tag = "13")]
+    pub last: bool,
+    /// In the last update, if returns were asked for: the rollout of the best plan.
+    #[prost(message, optional, tag = "14")]
+    pub rollout: ::core::option::Option<RollOutResponse>,
+}
+/// Nested message and enum types in `PlanUpdate`.
+pub mod plan_update {
+    #[derive(
+        Clone,
+        Copy,
+        Debug,
+        PartialEq,
+        Eq,
+        Hash,
+        PartialOrd,
+        Ord,
+        ::prost::Enumeration
+    )]
+    #[repr(i32)]
+    pub enum Origin {
+        Unspecified = 0,
+        /// The plan that the search began with.
+        Nominal = 1,
+        /// The mean that the method arrived at.
+        Mean = 2,
+        Sample = 3,
+    }
+    impl Origin {
+        /// String value of the enum field names used in the ProtoBuf definition.
+        ///
+        /// The values are not transformed in any way and thus are considered stable
+        /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+        pub fn as_str_name(&self) -> &'static str {
+            match self {
+                Self::Unspecified => "ORIGIN_UNSPECIFIED",
+                Self::Nominal => "NOMINAL",
+                Self::Mean => "MEAN",
+                Self::Sample => "SAMPLE",
+            }
+        }
+        /// Creates an enum from field names used in the ProtoBuf definition.
+        pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+            match value {
+                "ORIGIN_UNSPECIFIED" => Some(Self::Unspecified),
+                "NOMINAL" => Some(Self::Nominal),
+                "MEAN" => Some(Self::Mean),
+                "SAMPLE" => Some(Self::Sample),
+                _ => None,
+            }
+        }
+    }
+}
+/// Generated client implementations.
+pub mod planning_service_client {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    use tonic::codegen::http::Uri;
+    /// Plans: actions that lower the costs of a rollout, found at the server. Batch after batch of samples is
+    /// simulated, as rollouts are; dropping the stream stops the work.
+    #[derive(Debug, Clone)]
+    pub struct PlanningServiceClient<T> {
+        inner: tonic::client::Grpc<T>,
+    }
+    impl PlanningServiceClient<tonic::transport::Channel> {
+        /// Attempt to create a new client by connecting to a given endpoint.
+        pub async fn connect<D>(dst: D) -> Result<Self, tonic::transport::Error>
+        where
+            D: TryInto<tonic::transport::Endpoint>,
+            D::Error: Into<StdError>,
+        {
+            let conn = tonic::transport::Endpoint::new(dst)?.connect().await?;
+            Ok(Self::new(conn))
+        }
+    }
+    impl<T> PlanningServiceClient<T>
+    where
+        T: tonic::client::GrpcService<tonic::body::Body>,
+        T::Error: Into<StdError>,
+        T::ResponseBody: Body<Data = Bytes> + std::marker::Send + 'static,
+        <T::ResponseBody as Body>::Error: Into<StdError> + std::marker::Send,
+    {
+        pub fn new(inner: T) -> Self {
+            let inner = tonic::client::Grpc::new(inner);
+            Self { inner }
+        }
+        pub fn with_origin(inner: T, origin: Uri) -> Self {
+            let inner = tonic::client::Grpc::with_origin(inner, origin);
+            Self { inner }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> PlanningServiceClient<InterceptedService<T, F>>
+        where
+            F: tonic::service::Interceptor,
+            T::ResponseBody: Default,
+            T: tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+                Response = http::Response<
+                    <T as tonic::client::GrpcService<tonic::body::Body>>::ResponseBody,
+                >,
+            >,
+            <T as tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+            >>::Error: Into<StdError> + std::marker::Send + std::marker::Sync,
+        {
+            PlanningServiceClient::new(InterceptedService::new(inner, interceptor))
+        }
+        /// Compress requests with the given encoding.
+        ///
+        /// This requires the server to support it otherwise it might respond with an
+        /// error.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.send_compressed(encoding);
+            self
+        }
+        /// Enable decompressing responses.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.accept_compressed(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_decoding_message_size(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_encoding_message_size(limit);
+            self
+        }
+        /// One update after each iteration with the best so far, and a last one. The best is never worse than
+        /// the nominal plan: whatever comes back was simulated, with that cost.
+        pub async fn plan(
+            &mut self,
+            request: impl tonic::IntoRequest<super::PlanRequest>,
+        ) -> std::result::Result<
+            tonic::Response<tonic::codec::Streaming<super::PlanUpdate>>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.PlanningService/Plan",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.PlanningService", "Plan"));
+            self.inner.server_streaming(req, path, codec).await
+        }
+    }
+}
+/// Generated server implementations.
+pub mod planning_service_server {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    /// Generated trait containing gRPC methods that should be implemented for use with PlanningServiceServer.
+    #[async_trait]
+    pub trait PlanningService: std::marker::Send + std::marker::Sync + 'static {
+        /// Server streaming response type for the Plan method.
+        type PlanStream: tonic::codegen::tokio_stream::Stream<
+                Item = std::result::Result<super::PlanUpdate, tonic::Status>,
+            >
+            + std::marker::Send
+            + 'static;
+        /// One update after each iteration with the best so far, and a last one. The best is never worse than
+        /// the nominal plan: whatever comes back was simulated, with that cost.
+        async fn plan(
+            &self,
+            request: tonic::Request<super::PlanRequest>,
+        ) -> std::result::Result<tonic::Response<Self::PlanStream>, tonic::Status>;
+    }
+    /// Plans: actions that lower the costs of a rollout, found at the server. Batch after batch of samples is
+    /// simulated, as rollouts are; dropping the stream stops the work.
+    #[derive(Debug)]
+    pub struct PlanningServiceServer<T> {
+        inner: Arc<T>,
+        accept_compression_encodings: EnabledCompressionEncodings,
+        send_compression_encodings: EnabledCompressionEncodings,
+        max_decoding_message_size: Option<usize>,
+        max_encoding_message_size: Option<usize>,
+    }
+    impl<T> PlanningServiceServer<T> {
+        pub fn new(inner: T) -> Self {
+            Self::from_arc(Arc::new(inner))
+        }
+        pub fn from_arc(inner: Arc<T>) -> Self {
+            Self {
+                inner,
+                accept_compression_encodings: Default::default(),
+                send_compression_encodings: Default::default(),
+                max_decoding_message_size: None,
+                max_encoding_message_size: None,
+            }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> InterceptedService<Self, F>
+        where
+            F: tonic::service::Interceptor,
+        {
+            InterceptedService::new(Self::new(inner), interceptor)
+        }
+        /// Enable decompressing requests with the given encoding.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.accept_compression_encodings.enable(encoding);
+            self
+        }
+        /// Compress responses with the given encoding, if the client supports it.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.send_compression_encodings.enable(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.max_decoding_message_size = Some(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.max_encoding_message_size = Some(limit);
+            self
+        }
+    }
+    impl<T, B> tonic::codegen::Service<http::Request<B>> for PlanningServiceServer<T>
+    where
+        T: PlanningService,
+        B: Body + std::marker::Send + 'static,
+        B::Error: Into<StdError> + std::marker::Send + 'static,
+    {
+        type Response = http::Response<tonic::body::Body>;
+        type Error = std::convert::Infallible;
+        type Future = BoxFuture<Self::Response, Self::Error>;
+        fn poll_ready(
+            &mut self,
+            _cx: &mut Context<'_>,
+        ) -> Poll<std::result::Result<(), Self::Error>> {
+            Poll::Ready(Ok(()))
+        }
+        fn call(&mut self, req: http::Request<B>) -> Self::Future {
+            match req.uri().path() {
+                "/bendtwin.v1.PlanningService/Plan" => {
+                    #[allow(non_camel_case_types)]
+                    struct PlanSvc<T: PlanningService>(pub Arc<T>);
+                    impl<
+                        T: PlanningService,
+                    > tonic::server::ServerStreamingService<super::PlanRequest>
+                    for PlanSvc<T> {
+                        type Response = super::PlanUpdate;
+                        type ResponseStream = T::PlanStream;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::ResponseStream>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::PlanRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as PlanningService>::plan(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = PlanSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.server_streaming(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                _ => {
+                    Box::pin(async move {
+                        let mut response = http::Response::new(
+                            tonic::body::Body::default(),
+                        );
+                        let headers = response.headers_mut();
+                        headers
+                            .insert(
+                                tonic::Status::GRPC_STATUS,
+                                (tonic::Code::Unimplemented as i32).into(),
+                            );
+                        headers
+                            .insert(
+                                http::header::CONTENT_TYPE,
+                                tonic::metadata::GRPC_CONTENT_TYPE,
+                            );
+                        Ok(response)
+                    })
+                }
+            }
+        }
+    }
+    impl<T> Clone for PlanningServiceServer<T> {
+        fn clone(&self) -> Self {
+            let inner = self.inner.clone();
+            Self {
+                inner,
+                accept_compression_encodings: self.accept_compression_encodings,
+                send_compression_encodings: self.send_compression_encodings,
+                max_decoding_message_size: self.max_decoding_message_size,
+                max_encoding_message_size: self.max_encoding_message_size,
+            }
+        }
+    }
+    /// Generated gRPC service name
+    pub const SERVICE_NAME: &str = "bendtwin.v1.PlanningService";
+    impl<T> tonic::server::NamedService for PlanningServiceServer<T> {
+        const NAME: &'static str = SERVICE_NAME;
+    }
+}
 /// Points on the surface of an object at one time, in the twin's coordinates. Points that were not seen
 /// are left out.
 #[derive(Clone, PartialEq, ::prost::Message)]

@@ -1263,6 +1263,270 @@ impl Words for crate::v1::Interpolation {
     }
 }
 
+impl Fields for crate::v1::PlanRequest {
+    const NAME: &'static str = "PlanRequest";
+    const FIELDS: &'static [&'static str] = &["rollout", "space", "method", "samples", "iterations", "sigma", "correlation", "finest", "bounds", "seed", "deadline_s", "shift_frames"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.rollout = message(map)?; }
+1 => { self.space = message(map)?; }
+2 => { self.method = message(map)?; }
+3 => { self.samples = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.iterations = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.sigma = tensor(map, Dtype::Float32)?; }
+6 => { self.correlation = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.finest = map.next_value()?; }
+8 => { self.bounds = message(map)?; }
+9 => { self.seed = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.deadline_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+11 => { self.shift_frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "rollout", self.rollout.as_ref(), tensors)?;
+write_message(map, "space", self.space.as_ref(), tensors)?;
+write_message(map, "method", self.method.as_ref(), tensors)?;
+map.serialize_entry("samples", &self.samples)?;
+map.serialize_entry("iterations", &self.iterations)?;
+write_tensor(map, "sigma", self.sigma.as_ref(), tensors)?;
+map.serialize_entry("correlation", &self.correlation)?;
+if let Some(value) = &self.finest { map.serialize_entry("finest", value)?; }
+write_message(map, "bounds", self.bounds.as_ref(), tensors)?;
+map.serialize_entry("seed", &self.seed)?;
+map.serialize_entry("deadline_s", &self.deadline_s)?;
+map.serialize_entry("shift_frames", &self.shift_frames)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ActionSpace {
+    const NAME: &'static str = "ActionSpace";
+    const FIELDS: &'static [&'static str] = &["coordinates", "group_of_control", "start"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.coordinates = word::<crate::v1::action_space::Coordinates, A>(map)?; }
+1 => { self.group_of_control = tensor(map, Dtype::Uint32)?; }
+2 => { self.start = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_word::<crate::v1::action_space::Coordinates, M>(map, "coordinates", self.coordinates)?;
+write_tensor(map, "group_of_control", self.group_of_control.as_ref(), tensors)?;
+write_tensor(map, "start", self.start.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Words for crate::v1::action_space::Coordinates {
+    const KNOWN: &'static [&'static str] = &["TOGETHER", "PER_GROUP", "POINTS", "TRANSLATION", "RIGID"];
+    fn number(word: &str) -> Option<i32> {
+        Self::from_str_name(word).map(Into::into)
+    }
+    fn word(number: i32) -> Option<&'static str> {
+        Self::try_from(number).ok().map(|value| value.as_str_name())
+    }
+}
+
+impl Fields for crate::v1::PlanMethod {
+    const NAME: &'static str = "PlanMethod";
+    const FIELDS: &'static [&'static str] = &["mppi", "cem", "predictive_sampling", "gradient"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { only_one(&mut self.method, message(map)?.map(crate::v1::plan_method::Method::Mppi))?; }
+1 => { only_one(&mut self.method, message(map)?.map(crate::v1::plan_method::Method::Cem))?; }
+2 => { only_one(&mut self.method, message(map)?.map(crate::v1::plan_method::Method::PredictiveSampling))?; }
+3 => { only_one(&mut self.method, message(map)?.map(crate::v1::plan_method::Method::Gradient))?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        if let Some(crate::v1::plan_method::Method::Mppi(value)) = &self.method { write_message(map, "mppi", Some(value), tensors)?; }
+if let Some(crate::v1::plan_method::Method::Cem(value)) = &self.method { write_message(map, "cem", Some(value), tensors)?; }
+if let Some(crate::v1::plan_method::Method::PredictiveSampling(value)) = &self.method { write_message(map, "predictive_sampling", Some(value), tensors)?; }
+if let Some(crate::v1::plan_method::Method::Gradient(value)) = &self.method { write_message(map, "gradient", Some(value), tensors)?; }
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::plan_method::Mppi {
+    const NAME: &'static str = "Mppi";
+    const FIELDS: &'static [&'static str] = &["temperature"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.temperature = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("temperature", &self.temperature)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::plan_method::Cem {
+    const NAME: &'static str = "Cem";
+    const FIELDS: &'static [&'static str] = &["elites", "memory", "smallest"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.elites = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.memory = map.next_value()?; }
+2 => { self.smallest = map.next_value()?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("elites", &self.elites)?;
+if let Some(value) = &self.memory { map.serialize_entry("memory", value)?; }
+if let Some(value) = &self.smallest { map.serialize_entry("smallest", value)?; }
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::plan_method::PredictiveSampling {
+    const NAME: &'static str = "PredictiveSampling";
+    const FIELDS: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::plan_method::Gradient {
+    const NAME: &'static str = "Gradient";
+    const FIELDS: &'static [&'static str] = &["rate"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.rate = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "rate", self.rate.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::PlanBounds {
+    const NAME: &'static str = "PlanBounds";
+    const FIELDS: &'static [&'static str] = &["low", "high", "speed"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.low = tensor(map, Dtype::Float32)?; }
+1 => { self.high = tensor(map, Dtype::Float32)?; }
+2 => { self.speed = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "low", self.low.as_ref(), tensors)?;
+write_tensor(map, "high", self.high.as_ref(), tensors)?;
+write_tensor(map, "speed", self.speed.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::PlanUpdate {
+    const NAME: &'static str = "PlanUpdate";
+    const FIELDS: &'static [&'static str] = &["knots", "coordinates", "cost", "cost_names", "cost_terms", "origin", "nominal_cost", "iterations", "simulated", "diverged", "met_deadline", "time_s", "last", "rollout"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.knots = tensor(map, Dtype::Float32)?; }
+1 => { self.coordinates = tensor(map, Dtype::Float32)?; }
+2 => { self.cost = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.cost_names = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.cost_terms = tensor(map, Dtype::Float32)?; }
+5 => { self.origin = word::<crate::v1::plan_update::Origin, A>(map)?; }
+6 => { self.nominal_cost = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+7 => { self.iterations = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+8 => { self.simulated = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+9 => { self.diverged = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+10 => { self.met_deadline = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+11 => { self.time_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+12 => { self.last = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+13 => { self.rollout = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "knots", self.knots.as_ref(), tensors)?;
+write_tensor(map, "coordinates", self.coordinates.as_ref(), tensors)?;
+map.serialize_entry("cost", &self.cost)?;
+map.serialize_entry("cost_names", &self.cost_names)?;
+write_tensor(map, "cost_terms", self.cost_terms.as_ref(), tensors)?;
+write_word::<crate::v1::plan_update::Origin, M>(map, "origin", self.origin)?;
+map.serialize_entry("nominal_cost", &self.nominal_cost)?;
+map.serialize_entry("iterations", &self.iterations)?;
+map.serialize_entry("simulated", &self.simulated)?;
+map.serialize_entry("diverged", &self.diverged)?;
+map.serialize_entry("met_deadline", &self.met_deadline)?;
+map.serialize_entry("time_s", &self.time_s)?;
+map.serialize_entry("last", &self.last)?;
+write_message(map, "rollout", self.rollout.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Words for crate::v1::plan_update::Origin {
+    const KNOWN: &'static [&'static str] = &["NOMINAL", "MEAN", "SAMPLE"];
+    fn number(word: &str) -> Option<i32> {
+        Self::from_str_name(word).map(Into::into)
+    }
+    fn word(number: i32) -> Option<&'static str> {
+        Self::try_from(number).ok().map(|value| value.as_str_name())
+    }
+}
+
 impl Fields for crate::v1::Observation {
     const NAME: &'static str = "Observation";
     const FIELDS: &'static [&'static str] = &["points", "nodes", "places", "weights", "velocities", "cameras"];

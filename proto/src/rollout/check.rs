@@ -16,13 +16,13 @@ mod world;
 
 use prost::Message as _;
 
-pub use self::vary::members;
+pub(crate) use self::numbers::SHORTEST_QUATERNION;
 pub(super) use self::{
     costs::{own_targets, targets},
-    returns::has_gradients,
     vary::sets,
     world::{bodies_of, parts},
 };
+pub use self::{returns::has_gradients, vary::members};
 use super::{Error, Limits, TwinShape, memory, size};
 use crate::v1::{Fidelity, OpenSessionRequest, RollOutRequest};
 
@@ -110,23 +110,36 @@ pub fn check_for(
     initial::check_for(request.initial.as_ref(), batch.instances, twin, grasps.len())?;
     grasps::check_for(grasps, twin)?;
     has_variant(request.fidelity(), &request.twin, twin)?;
+    sizes(request, &batch, twin, limits, part_instances)?;
+    Ok(batch)
+}
+
+/// Checks the work of a checked request, the size of its reply and its memory, for a batch that may be
+/// larger than the request's own.
+pub(crate) fn sizes(
+    request: &RollOutRequest,
+    batch: &Batch,
+    twin: &TwinShape,
+    limits: &Limits,
+    part_instances: u32,
+) -> Result<(), Error> {
     within(
         "the work (instances x frames x substeps x (nodes + springs + triplets))",
-        work(request, &batch, twin),
+        work(request, batch, twin),
         limits.work,
         "send fewer instances or a shorter horizon, or use a coarser twin",
     )?;
     within(
         "the size of the reply in bytes",
-        u128::from(size::reply_bytes(request, &batch, twin, part_instances)),
+        u128::from(size::reply_bytes(request, batch, twin, part_instances)),
         limits.reply_bytes,
         "ask for fewer nodes (returns.nodes), every k-th frame (returns.every_frames) or the best few (returns.best), or stream it",
     )?;
-    let least = memory::memory(request, &batch, twin, part_instances).least();
+    let least = memory::memory(request, batch, twin, part_instances).least();
     if least > limits.memory_bytes {
         return Err(too_much_memory(least, limits.memory_bytes));
     }
-    Ok(batch)
+    Ok(())
 }
 
 /// Checks what the slots of a session begin with, as far as that is known before their actions.
@@ -186,7 +199,12 @@ pub fn fidelity(wire: i32) -> Result<bendtwin_core::Fidelity, Error> {
 }
 
 /// Refuses a quantity beyond its limit.
-fn within(what: &'static str, asked: u128, limit: u64, advice: &'static str) -> Result<(), Error> {
+pub(crate) fn within(
+    what: &'static str,
+    asked: u128,
+    limit: u64,
+    advice: &'static str,
+) -> Result<(), Error> {
     if asked > u128::from(limit) {
         let asked = u64::try_from(asked).unwrap_or(u64::MAX);
         return Err(Error::TooLarge { what, asked, limit, advice });

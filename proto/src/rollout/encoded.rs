@@ -61,6 +61,12 @@ static REQUEST: Message = Message(&[
 static ADVANCE: Message = Message(&[(3, &REQUEST)]);
 static OPEN: Message = Message(&[(2, &INITIAL), (4, &WORLD), (OPEN_GRASPS, &GRASP)]);
 static RESET: Message = Message(&[(3, &INITIAL)]);
+static PLAN: Message =
+    Message(&[(1, &REQUEST), (2, &SPACE), (3, &METHOD), (5, &TENSOR), (8, &BOUNDS)]);
+static SPACE: Message = Message(&[(2, &TENSOR), (3, &TENSOR)]);
+static METHOD: Message = Message(&[(4, &GRADIENT)]);
+static GRADIENT: Message = Message(&[(1, &TENSOR)]);
+static BOUNDS: Message = Message(&[(1, &TENSOR), (2, &TENSOR), (3, &TENSOR)]);
 static PLACES: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
 static OBSERVATION: Message =
     Message(&[(1, &TENSOR), (2, &TENSOR), (3, &PLACES), (4, &TENSOR), (5, &TENSOR), (6, &TENSOR)]);
@@ -79,6 +85,8 @@ pub enum Encoded {
     Open,
     /// [`ResetSessionRequest`](crate::v1::ResetSessionRequest).
     Reset,
+    /// [`PlanRequest`](crate::v1::PlanRequest).
+    Plan,
     /// [`RegisterStateRequest`](crate::v1::RegisterStateRequest).
     Register,
     /// [`CorrectSessionRequest`](crate::v1::CorrectSessionRequest).
@@ -94,6 +102,7 @@ impl Encoded {
             Self::Advance => &ADVANCE,
             Self::Open => &OPEN,
             Self::Reset => &RESET,
+            Self::Plan => &PLAN,
             Self::Register => &REGISTER,
             Self::Correct => &CORRECT,
             Self::Other => &OTHER,

@@ -76,28 +76,35 @@ pub fn part(request: &RollOutRequest, batch: &Batch, of: Range<u64>) -> RollOutR
         None => {}
     }
     // Knots are those of the actions: a part has as many.
-    if let Some(State::Given(given)) = part.initial.as_mut().and_then(|i| i.state.as_mut()) {
-        cut(given.positions.as_mut(), 3);
-        cut(given.velocities.as_mut(), 3);
-        cut(given.twists.as_mut(), 2);
-        cut(given.controls.as_mut(), 3);
+    by_instance(&mut part, cut);
+    part
+}
+
+/// Shows the tensors beside the actions that may have a row for each instance, with the rank that
+/// they have then.
+pub(crate) fn by_instance(request: &mut RollOutRequest, see: impl Fn(Option<&mut Tensor>, usize)) {
+    if let Some(State::Given(given)) = request.initial.as_mut().and_then(|i| i.state.as_mut()) {
+        see(given.positions.as_mut(), 3);
+        see(given.velocities.as_mut(), 3);
+        see(given.twists.as_mut(), 2);
+        see(given.controls.as_mut(), 3);
         if let Some(grasping) = &mut given.grasping {
-            cut(grasping.phases.as_mut(), 2);
-            cut(grasping.holders.as_mut(), 2);
-            cut(grasping.places.as_mut(), 3);
+            see(grasping.phases.as_mut(), 2);
+            see(grasping.holders.as_mut(), 2);
+            see(grasping.places.as_mut(), 3);
         }
     }
-    for cost in &mut part.costs {
+    for cost in &mut request.costs {
         match &mut cost.kind {
-            Some(Kind::TargetCloud(cloud)) => cut(cloud.points.as_mut(), 4),
-            Some(Kind::Keypoints(keypoints)) => cut(keypoints.targets.as_mut(), 4),
+            Some(Kind::TargetCloud(cloud)) => see(cloud.points.as_mut(), 4),
+            Some(Kind::Keypoints(keypoints)) => see(keypoints.targets.as_mut(), 4),
             _ => {}
         }
     }
-    for grasp in &mut part.grasps {
-        cut(grasp.closed.as_mut(), 2);
+    for grasp in &mut request.grasps {
+        see(grasp.closed.as_mut(), 2);
     }
-    if let Some(vary) = &mut part.vary {
+    if let Some(vary) = &mut request.vary {
         for factors in [
             &mut vary.stiffness,
             &mut vary.damping,
@@ -105,10 +112,9 @@ pub fn part(request: &RollOutRequest, batch: &Batch, of: Range<u64>) -> RollOutR
             &mut vary.friction,
             &mut vary.mass,
         ] {
-            cut(factors.as_mut(), 1);
+            see(factors.as_mut(), 1);
         }
     }
-    part
 }
 
 /// Keeps some of the rows of a tensor that has so many.

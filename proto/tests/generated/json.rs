@@ -9,8 +9,9 @@ use prost_types::{
 };
 
 /// Tensors whose lists in JSON are of UINT32; all others are of FLOAT32.
-const INDICES: [&str; 7] = [
+const INDICES: [&str; 8] = [
     "gripper_of_control",
+    "group_of_control",
     "nodes",
     "instances",
     "closed",

@@ -39,7 +39,7 @@ const LARGE: usize = 1 << 20;
 /// Cost of a gradient beside that of a rollout.
 const GRADIENT_COST: f64 = 3.0;
 /// Longest that a rollout without a deadline of its own may take.
-const LONGEST: Duration = Duration::from_secs(3600);
+pub(super) const LONGEST: Duration = Duration::from_secs(3600);
 
 /// A rollout to be routed.
 pub(crate) struct RollOut {
@@ -399,7 +399,7 @@ impl Running {
 
 /// Passes through a batch: gradients follow the rollouts, of all instances or of the best.
 fn passes(request: &RollOutRequest, batch: &Batch) -> f64 {
-    let Some(returns) = request.returns.as_ref().filter(|r| r.control_gradients) else {
+    let Some(returns) = request.returns.as_ref().filter(|r| rollout::has_gradients(r)) else {
         return 1.0;
     };
     let share = match returns.best {

@@ -21,6 +21,8 @@ pub(super) struct Known {
     /// The capture that it was fitted to, unless it was imported.
     pub(super) capture: Option<CaptureId>,
     pub(super) shape: TwinShape,
+    /// Seconds from frame to frame.
+    pub(super) frame_s: f64,
 }
 
 /// The twins that were asked for lately. Clones share them.
@@ -64,7 +66,7 @@ impl From<&Twin> for Known {
             fast_substeps: fast_substeps(&facts.quality),
             has_capture: twin.capture.is_some(),
         };
-        Self { capture: twin.capture, shape }
+        Self { capture: twin.capture, shape, frame_s: facts.fps.recip() }
     }
 }
 

@@ -99,6 +99,7 @@ enum Message {
 fn encoded(path: &str) -> Message {
     match path.rsplit('/').next() {
         Some("RollOut" | "StreamRollOut") => Message::One(Encoded::RollOut),
+        Some("Plan") => Message::One(Encoded::Plan),
         Some("AdvanceSession") => Message::One(Encoded::Advance),
         Some("OpenSession") => Message::One(Encoded::Open),
         Some("ResetSession") => Message::One(Encoded::Reset),

@@ -2,7 +2,8 @@
 
 use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,
-    rollout_service_client::RolloutServiceClient, twin_service_client::TwinServiceClient,
+    planning_service_client::PlanningServiceClient, rollout_service_client::RolloutServiceClient,
+    twin_service_client::TwinServiceClient,
 };
 use bendtwin_server::{ClientTokenPolicy, Handle, Options, Service};
 use serde_json::Value;
@@ -100,6 +101,10 @@ impl Server {
 
     pub(crate) fn rollouts(&self) -> RolloutServiceClient<Channel> {
         RolloutServiceClient::new(self.channel.clone())
+    }
+
+    pub(crate) fn planning(&self) -> PlanningServiceClient<Channel> {
+        PlanningServiceClient::new(self.channel.clone())
     }
 
     /// Removes the file of a blob behind the server's back. False if there is none.

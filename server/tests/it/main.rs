@@ -10,6 +10,7 @@ mod ingests;
 mod leases;
 mod malformed;
 mod operations;
+mod plans;
 mod readiness;
 mod registrations;
 mod results;

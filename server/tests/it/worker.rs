@@ -86,6 +86,9 @@ pub(crate) struct Device {
     pub(crate) breaks: Arc<AtomicBool>,
     /// The cost of an instance is the first number of its actions.
     pub(crate) echoes: bool,
+    /// The cost of an instance is the sum of the squares of its actions, infinite if they are all
+    /// zero; gradients come if they are asked for.
+    pub(crate) bowl: bool,
     /// Costs of every part, where it is to be large.
     pub(crate) part_costs: usize,
 }
@@ -370,13 +373,18 @@ impl WorkerRollouts for Device {
         let token = request.metadata().get("authorization").unwrap().to_str().unwrap();
         assert_eq!(token, format!("Bearer {TOKEN}"));
         let execute = request.into_inner();
-        let Some(Actions::Trajectories(t)) = execute.request.unwrap().actions else {
+        let asked = execute.request.unwrap();
+        let has_gradients = asked.returns.is_some_and(|r| r.action_gradients);
+        let Some(Actions::Trajectories(t)) = asked.actions else {
             return Err(Status::invalid_argument("no trajectories"));
         };
         let (shape, positions) = t.positions.unwrap().unpack::<f32>("positions").unwrap();
         let batch = shape[0] as u32;
         let width = positions.len() / shape[0];
+        let squares = |row: &[f32]| row.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>();
+        let bowl = |row: &[f32]| Some(squares(row)).filter(|c| *c > 0.0).unwrap_or(f64::INFINITY);
         let cost_of: Vec<f64> = match self.echoes {
+            _ if self.bowl => positions.chunks(width).map(bowl).collect(),
             true => positions.iter().step_by(width).copied().map(f64::from).collect(),
             false => (0..batch).map(f64::from).collect(),
         };
@@ -391,6 +399,8 @@ impl WorkerRollouts for Device {
         }
         let size = if execute.part_instances == 0 { batch } else { execute.part_instances };
         let part_costs = self.part_costs;
+        let slopes: Vec<f32> = positions.iter().map(|x| 2.0 * x).collect();
+        let slopes = has_gradients.then(|| Tensor::pack(&shape, &slopes));
         let parts = (0..batch).step_by(size as usize).map(move |first| {
             let of = first as usize..(first + size).min(batch) as usize;
             let mut costs: Vec<f64> = cost_of[of].to_vec();
@@ -399,6 +409,7 @@ impl WorkerRollouts for Device {
                 first_instance: first,
                 costs: Some(Tensor::pack(&[costs.len()], &costs)),
                 timing: Some(Timing { queue_s: 0.0, compute_s: 0.5 }),
+                action_gradients: slopes.clone(),
                 ..RollOutResponse::default()
             };
             Ok(ExecuteRollOutResponse { response: Some(response) })

@@ -11,6 +11,7 @@ with Client("127.0.0.1:7070") as client:
 """
 
 from bendtwin.arguments import RolloutArguments
+from bendtwin.bounds import Bounds
 from bendtwin.client import Client
 from bendtwin.costs import (
     Clearance,
@@ -29,6 +30,7 @@ from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.geometry import Geometry, Ground
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.motion import Motion
+from bendtwin.plan import PlanUpdate, Search
 from bendtwin.registration import Correction, Registration, Residual
 from bendtwin.resources import (
     Capture,
@@ -80,6 +82,7 @@ from bendtwin.world import (
 
 __all__ = [
     "BendTwinError",
+    "Bounds",
     "Capsule",
     "Capture",
     "CaptureFrame",
@@ -117,6 +120,8 @@ __all__ = [
     "JobState",
     "Keypoints",
     "Motion",
+    "PlanArguments",
+    "PlanUpdate",
     "Plane",
     "Plausibility",
     "Progress",
@@ -126,6 +131,7 @@ __all__ = [
     "Returns",
     "RolloutArguments",
     "RolloutResult",
+    "Search",
     "Session",
     "SessionInfo",
     "SessionSlots",

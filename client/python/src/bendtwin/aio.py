@@ -29,6 +29,7 @@ from bendtwin.caller import AsyncCaller
 from bendtwin.errors import FitFailed, IngestFailed
 from bendtwin.geometry import Geometry
 from bendtwin.motion import Motion, bundle, bundle_file
+from bendtwin.plan import PlanArguments, PlanUpdate, plan_request, whole
 from bendtwin.registration import (
     CorrectArguments,
     Correction,
@@ -85,6 +86,26 @@ class Twin(TwinFacts[AsyncCaller]):
         call = register_state(self.name, points, arguments)
         return await self._caller.run(call, timeout_s)
 
+    async def plan(
+        self,
+        *,
+        timeout_s: float | None = None,
+        **arguments: Unpack[PlanArguments],
+    ) -> PlanUpdate:
+        """Has the server look for actions that lower the costs: see `bendtwin.Twin.plan`."""
+        request = plan_request(self.name, arguments)
+        return await _last_of(self._caller.parts(calls.plan(request), timeout_s))
+
+    def stream_plan(
+        self,
+        *,
+        timeout_s: float | None = None,
+        **arguments: Unpack[PlanArguments],
+    ) -> AsyncIterator[PlanUpdate]:
+        """The best so far after each iteration of `plan`; closing the iterator ends the search."""
+        request = plan_request(self.name, arguments)
+        return self._caller.parts(calls.plan(request), timeout_s)
+
 
 class Session(SessionCalls[AsyncCaller, Twin]):
     """`bendtwin.Session` for asyncio. Close it, or use it in `async with`."""
@@ -104,6 +125,28 @@ class Session(SessionCalls[AsyncCaller, Twin]):
     ) -> RolloutResult:
         """A batch from where the session is, which stays there."""
         return await self._caller.run(self._roll_out(slots, arguments), timeout_s)
+
+    async def plan(
+        self,
+        *,
+        slot: int = 0,
+        timeout_s: float | None = None,
+        **arguments: Unpack[PlanArguments],
+    ) -> PlanUpdate:
+        """A plan from where a slot is: see `bendtwin.Session.plan`."""
+        request = self._plan_request(slot, arguments)
+        return await _last_of(self._caller.parts(calls.plan(request), timeout_s))
+
+    def stream_plan(
+        self,
+        *,
+        slot: int = 0,
+        timeout_s: float | None = None,
+        **arguments: Unpack[PlanArguments],
+    ) -> AsyncIterator[PlanUpdate]:
+        """The best so far after each iteration of `plan`; closing the iterator ends the search."""
+        request = self._plan_request(slot, arguments)
+        return self._caller.parts(calls.plan(request), timeout_s)
 
     async def advance(
         self,
@@ -431,3 +474,10 @@ class Client:
 
     def _twin(self, info: TwinInfo) -> Twin:
         return Twin(info, self._caller)
+
+
+async def _last_of(updates: AsyncIterator[PlanUpdate]) -> PlanUpdate:
+    last = None
+    async for update in updates:
+        last = update
+    return whole(last)

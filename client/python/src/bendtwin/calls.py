@@ -17,6 +17,7 @@ from typing import Any, Generic, TypeVar
 from bendtwin.archive import chunks_of
 from bendtwin.errors import BendTwinError, Category
 from bendtwin.geometry import Geometry
+from bendtwin.plan import PlanUpdate
 from bendtwin.resources import Capture, Fit, TwinInfo, Worker
 from bendtwin.rollout import RolloutResult, warned
 from bendtwin.v1 import (
@@ -24,6 +25,8 @@ from bendtwin.v1 import (
     capture_pb2_grpc,
     fit_pb2,
     fit_pb2_grpc,
+    planning_pb2,
+    planning_pb2_grpc,
     registration_pb2_grpc,
     rollout_pb2,
     rollout_pb2_grpc,
@@ -57,6 +60,7 @@ class Services:
         self.rollouts = rollout_pb2_grpc.RolloutServiceStub(channel)
         self.registrations = registration_pb2_grpc.RegistrationServiceStub(channel)
         self.sessions = session_pb2_grpc.SessionServiceStub(channel)
+        self.planning = planning_pb2_grpc.PlanningServiceStub(channel)
 
 
 @dataclass(frozen=True)
@@ -340,6 +344,11 @@ def stream_roll_out(request: rollout_pb2.RollOutRequest) -> Call[RolloutResult]:
 def read_rollout(reply: Any) -> RolloutResult:
     """A result, after a warning of what is implausible."""
     return warned(RolloutResult.from_proto(reply))
+
+
+def plan(request: planning_pb2.PlanRequest) -> Call[PlanUpdate]:
+    """A plan, in updates."""
+    return Call(lambda s: s.planning.Plan, request, PlanUpdate.from_proto)
 
 
 # Workers

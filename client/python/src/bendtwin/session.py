@@ -13,12 +13,13 @@ from bendtwin import calls, session_calls
 from bendtwin.arguments import RolloutArguments, rollout_request
 from bendtwin.caller import Caller
 from bendtwin.kept import Kept
+from bendtwin.plan import PlanArguments, PlanUpdate, last_of, plan_request
 from bendtwin.registration import CorrectArguments, Correction, correct_session
 from bendtwin.resources import SessionInfo
 from bendtwin.rollout import RolloutResult
 from bendtwin.state import InitialState, SessionSlots, State
 from bendtwin.twin import Twin
-from bendtwin.v1 import session_pb2
+from bendtwin.v1 import planning_pb2, session_pb2
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -114,6 +115,11 @@ class SessionCalls(Generic[_Caller, _Twin]):
         behind, self._kept.behind = self._kept.behind, [0] * opened.slots
         return behind
 
+    def _plan_request(self, slot: int, arguments: PlanArguments) -> planning_pb2.PlanRequest:
+        _refuse(arguments, "initial")
+        initial = SessionSlots(self.name, (slot,))
+        return plan_request(self.info.twin, {**arguments, "initial": initial})
+
 
 class Session(SessionCalls[Caller, Twin]):
     """One or several simulations of a twin that stay where they are between calls.
@@ -141,6 +147,31 @@ class Session(SessionCalls[Caller, Twin]):
         those of `Twin.rollout` without `initial`.
         """
         return self._caller.run(self._roll_out(slots, arguments), timeout_s)
+
+    def plan(
+        self,
+        *,
+        slot: int = 0,
+        timeout_s: float | None = None,
+        **arguments: Unpack[PlanArguments],
+    ) -> PlanUpdate:
+        """A plan from where a slot is: see `Twin.plan`. Do not advance the slot meanwhile.
+
+        Row 0 of trajectories is taken from the session.
+        """
+        request = self._plan_request(slot, arguments)
+        return last_of(self._caller.parts(calls.plan(request), timeout_s))
+
+    def stream_plan(
+        self,
+        *,
+        slot: int = 0,
+        timeout_s: float | None = None,
+        **arguments: Unpack[PlanArguments],
+    ) -> Iterator[PlanUpdate]:
+        """The best so far after each iteration of `plan`; closing the iterator ends the search."""
+        request = self._plan_request(slot, arguments)
+        return self._caller.parts(calls.plan(request), timeout_s)
 
     def advance(
         self,

@@ -11,6 +11,7 @@ from bendtwin import calls
 from bendtwin.arguments import RolloutArguments, rollout_request
 from bendtwin.caller import Caller
 from bendtwin.geometry import Geometry
+from bendtwin.plan import PlanArguments, PlanUpdate, last_of, plan_request
 from bendtwin.registration import RegisterArguments, Registration, register_state
 from bendtwin.resources import TwinInfo
 from bendtwin.rollout import RolloutResult
@@ -98,3 +99,35 @@ class Twin(TwinFacts[Caller]):
         """
         call = register_state(self.name, points, arguments)
         return self._caller.run(call, timeout_s)
+
+    def plan(
+        self,
+        *,
+        timeout_s: float | None = None,
+        **arguments: Unpack[PlanArguments],
+    ) -> PlanUpdate:
+        """Has the server look for actions that lower the costs: the best that it found.
+
+        It is never worse than the nominal plan, which are the actions, of one instance: row 0 is
+        where things are, and stays. `update.knots` are the next nominal plan.
+
+        Args:
+            timeout_s: Deadline of the call, after which there is no plan.
+            arguments: Those of `PlanArguments`: search, space and shift_frames, beside those of
+                `rollout`.
+
+        Raises:
+            BendTwinError: With the server's reason.
+        """
+        request = plan_request(self.name, arguments)
+        return last_of(self._caller.parts(calls.plan(request), timeout_s))
+
+    def stream_plan(
+        self,
+        *,
+        timeout_s: float | None = None,
+        **arguments: Unpack[PlanArguments],
+    ) -> Iterator[PlanUpdate]:
+        """The best so far after each iteration of `plan`; closing the iterator ends the search."""
+        request = plan_request(self.name, arguments)
+        return self._caller.parts(calls.plan(request), timeout_s)

@@ -26,14 +26,28 @@ fn cubic_curves_are_those_of_rollouts() {
 
 #[test]
 fn a_shift_by_whole_knots_drops_them() {
-    for curve in [Curve::Linear, Curve::Cubic] {
-        let shifted = curve.shifted(&PLAN, 1, 2.0);
+    let at = even(PLAN.len(), 4.0);
+    for curve in [Curve::Linear, Curve::Cubic, Curve::Hold] {
+        let shifted = curve.shifted(&PLAN, 1, 2.0, &at);
         for (s, e) in shifted.iter().zip([0.7, 0.1, 0.4, 0.4, 0.4]) {
             assert!((s - e).abs() < 1e-12);
         }
     }
-    let half = Curve::Linear.shifted(&PLAN, 1, 0.5);
+    let half = Curve::Linear.shifted(&PLAN, 1, 0.5, &at);
     assert!((half[0] - 0.05).abs() < 1e-12);
+}
+
+#[test]
+fn knots_may_be_at_any_times() {
+    let at = [0.0, 1.0, 4.0];
+    let plan = [0.0, 1.0, 4.0];
+    // All on one line: every curve but the one that holds is that line.
+    for curve in [Curve::Linear, Curve::Cubic] {
+        for (s, e) in curve.shifted(&plan, 1, 0.5, &at).iter().zip([0.5, 1.5, 4.0]) {
+            assert!((s - e).abs() < 1e-12, "{curve:?}: {s} {e}");
+        }
+    }
+    assert_eq!(Curve::Hold.shifted(&plan, 1, 1.5, &at), [1.0, 1.0, 4.0]);
 }
 
 #[test]
@@ -42,7 +56,7 @@ fn gradients_by_knots_agree_with_finite_differences() {
     let cost = |plan: &[f64], curve: Curve| -> f64 {
         curve.path(plan, 1, 7).iter().zip(&by_frame).map(|(x, g)| x * g).sum()
     };
-    for curve in [Curve::Linear, Curve::Cubic] {
+    for curve in [Curve::Linear, Curve::Cubic, Curve::Hold] {
         let gradient = curve.gradient_by_knots(&by_frame, 1, PLAN.len());
         for (k, g) in gradient.iter().enumerate() {
             let (mut there, mut back) = (PLAN, PLAN);

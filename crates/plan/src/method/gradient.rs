@@ -25,7 +25,7 @@ impl Descent {
             for ((x, n), s) in plan.iter_mut().zip(nominal).zip(&sigma) {
                 *x = n + s * *x;
             }
-            settings.bounds.project(&mut plan, settings.dims, settings.knot_s());
+            settings.project(&mut plan);
             plans.push(plan);
         }
         let zeros = vec![vec![0.0; nominal.len()]; plans.len()];
@@ -64,7 +64,7 @@ impl Descent {
                     plan[i] -= rate[i % rate.len()] * (*first / bias1) / scale;
                 }
             }
-            settings.bounds.project(plan, settings.dims, settings.knot_s());
+            settings.project(plan);
         }
     }
 }

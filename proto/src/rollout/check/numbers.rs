@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use super::Error;
 
 /// Shortest quaternion that has a direction, by its largest component.
-pub(super) const SHORTEST_QUATERNION: f32 = 1e-6;
+pub(crate) const SHORTEST_QUATERNION: f32 = 1e-6;
 
 /// Three finite numbers, none larger than `most`.
 pub(super) fn vector(values: &[f32], field: &str, most: f32) -> Result<[f32; 3], Error> {

@@ -37,7 +37,7 @@ pub(super) fn check(request: &RollOutRequest) -> Result<(), Error> {
 }
 
 /// True if a reply needs a run backward.
-pub(in crate::rollout) fn has_gradients(returns: &Returns) -> bool {
+pub fn has_gradients(returns: &Returns) -> bool {
     returns.control_gradients
         || returns.action_gradients
         || returns.initial_gradients

@@ -29,12 +29,12 @@ pub(crate) fn floats(tensor: &Tensor) -> impl ExactSizeIterator<Item = f32> + '_
 }
 
 /// Values of a checked UINT32 tensor.
-pub(super) fn indices(tensor: &Tensor) -> impl ExactSizeIterator<Item = u32> + '_ {
+pub(crate) fn indices(tensor: &Tensor) -> impl ExactSizeIterator<Item = u32> + '_ {
     tensor.data.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b))
 }
 
 /// Refuses the first value that is not finite.
-pub(super) fn finite(tensor: &Tensor, field: &str) -> Result<(), Error> {
+pub(crate) fn finite(tensor: &Tensor, field: &str) -> Result<(), Error> {
     match floats(tensor).enumerate().find(|(_, v)| !v.is_finite()) {
         Some((i, value)) => {
             let fault = format!("value {i} (row-major) is {value}: all must be finite");

@@ -17,9 +17,10 @@ use utoipa::{
 };
 
 /// The files whose messages are described, all or some of them.
-const FILES: [(&str, Option<&str>); 5] = [
+const FILES: [(&str, Option<&str>); 6] = [
     ("bendtwin/v1/world.proto", None),
     ("bendtwin/v1/rollout.proto", None),
+    ("bendtwin/v1/planning.proto", None),
     ("bendtwin/v1/registration.proto", None),
     ("bendtwin/v1/session.proto", None),
     ("bendtwin/v1/twin.proto", Some("TwinGeometry")),
@@ -61,6 +62,8 @@ described! {
     CorrectedSession
     ForkSessionRequest
     OpenSessionRequest
+    PlanRequest
+    PlanUpdate
     RegisterStateRequest
     RegisteredState
     ResetSessionRequest

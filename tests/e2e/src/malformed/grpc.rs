@@ -5,8 +5,8 @@ use bendtwin_proto::{
     rollout::TwinShape,
     v1::{
         CaptureMetadata, CreateCaptureRequest, CreateFitRequest, CreateTwinRequest, GetTwinRequest,
-        ListFitsRequest, RegisterStateRequest, Twin, TwinMetadata, create_capture_request,
-        create_twin_request,
+        ListFitsRequest, PlanRequest, RegisterStateRequest, Twin, TwinMetadata,
+        create_capture_request, create_twin_request,
     },
 };
 use bytes::Bytes;
@@ -36,7 +36,9 @@ async fn malformed_calls_are_refused_with_their_code() {
     for (what, request) in rollouts::requests(&fixture.twin, &fixture.file) {
         let message = Bytes::from(request.encode_to_vec());
         calls.push((what.clone(), "RolloutService/RollOut", vec![message.clone()]));
-        calls.push((what, "RolloutService/StreamRollOut", vec![message]));
+        calls.push((what.clone(), "RolloutService/StreamRollOut", vec![message]));
+        let plan = PlanRequest { rollout: Some(request), ..PlanRequest::default() };
+        calls.push((what, "PlanningService/Plan", vec![plan.encode_to_vec().into()]));
     }
     calls.extend(registrations(&fixture.twin));
     assert!(calls.len() >= 200, "only {} calls", calls.len());

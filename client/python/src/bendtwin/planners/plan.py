@@ -14,8 +14,8 @@ from bendtwin.planners.task import Problem, Task
 Origin = Literal["nominal", "mean", "sample"]
 
 
-@dataclass(frozen=True)
-class Plan:
+@dataclass(frozen=True, kw_only=True)
+class Planned:
     """The best of all knots that were simulated, never worse than the nominal ones."""
 
     #: Knots [K, D] in the coordinates of the action space.
@@ -25,25 +25,42 @@ class Plan:
     #: The nominal plan, the mean that the method arrived at, or one of its samples.
     origin: Origin
     nominal_cost: float
-    #: Best of the samples, and its cost; the nominal plan where no sample was simulated.
-    best_sample: Array
-    best_sample_cost: float
-    #: Costs of all that was simulated, an array for each call; +inf for what diverged.
-    costs: list[npt.NDArray[np.float64]]
     #: Iterations that were finished.
     iterations: int
     time_s: float
     #: "deadline" if there was no time for all iterations.
     stopped: Literal["iterations", "deadline"]
-    problem: Problem = field(repr=False)
-
-    @property
-    def diverged(self) -> int:
-        """Number of the simulated plans that diverged."""
-        return int(sum(np.isinf(costs).sum() for costs in self.costs))
+    problem: Problem | Task = field(repr=False)
 
     def actions(self, frames: int | None = None) -> dict[str, Any]:
         """Arguments of `Twin.rollout` that execute the plan: all of it, or its first frames."""
         if not isinstance(self.problem, Task):
             raise TypeError("only a plan for a twin has actions")
         return self.problem.actions(self.knots, frames)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan(Planned):
+    """A plan that a planner of this package made."""
+
+    #: Best of the samples, and its cost; the nominal plan where no sample was simulated.
+    best_sample: Array
+    best_sample_cost: float
+    #: Costs of all that was simulated, an array for each call; +inf for what diverged.
+    costs: list[npt.NDArray[np.float64]]
+
+    @property
+    def diverged(self) -> int:
+        """Number of the simulated plans that diverged."""
+        return int(sum(np.isinf(costs).sum() for costs in self.costs))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ServerPlan(Planned):
+    """A plan that the server made."""
+
+    #: Weighted terms of the cost by name.
+    cost_terms: dict[str, float]
+    #: Number of the simulated plans, and of those of them that diverged.
+    simulated: int
+    diverged: int

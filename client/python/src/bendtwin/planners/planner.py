@@ -14,8 +14,8 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from bendtwin.bounds import Bounds
 from bendtwin.errors import BendTwinError, Category
-from bendtwin.planners.bounds import Bounds
 from bendtwin.planners.knots import Array, shifted
 from bendtwin.planners.noise import correlated, deviations
 from bendtwin.planners.plan import Origin, Plan

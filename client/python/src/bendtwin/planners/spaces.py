@@ -8,12 +8,14 @@ begins. It does not move with the loop; row 0 of a plan says where they are now.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from bendtwin.planners import rotations
+from bendtwin.tensors import pack_floats, pack_indices
+from bendtwin.v1 import planning_pb2
 
 Array = npt.NDArray[np.float64]
 
@@ -36,6 +38,7 @@ class _Trajectories:
     """Spaces in which control points follow the coordinates linearly."""
 
     start: Array
+    _coordinates: ClassVar[planning_pb2.ActionSpace.Coordinates]
 
     @property
     def dims(self) -> int:
@@ -49,9 +52,16 @@ class _Trajectories:
         """Arguments of `Twin.rollout` for knots [B, K, D]."""
         return {"trajectories": (self.start + self._offsets(knots)).astype(np.float32)}
 
+    def to_proto(self) -> planning_pb2.ActionSpace:
+        """The same space at the server."""
+        start = pack_floats("start", self.start, (None, 3))
+        return planning_pb2.ActionSpace(coordinates=self._coordinates, start=start)
+
 
 class Together(_Trajectories):
     """All control points move by the same offset, as one gripper that does not turn: D = 3."""
+
+    _coordinates = planning_pb2.ActionSpace.TOGETHER
 
     def __init__(self, start: npt.ArrayLike) -> None:
         """`start`: control points [C, 3] in metres."""
@@ -72,6 +82,8 @@ class Together(_Trajectories):
 
 class PerHand(_Trajectories):
     """Each hand moves its control points by an offset of its own: D = 3 H."""
+
+    _coordinates = planning_pb2.ActionSpace.PER_GROUP
 
     def __init__(self, start: npt.ArrayLike, hand_of_control: npt.ArrayLike) -> None:
         """`start`: control points [C, 3] in metres; `hand_of_control`: the hand of each, [C]."""
@@ -94,9 +106,18 @@ class PerHand(_Trajectories):
             sums[:, :, hand] = by_actions[:, :, self.hand_of_control == hand].sum(axis=2)
         return sums.reshape(knots.shape)
 
+    def to_proto(self) -> planning_pb2.ActionSpace:
+        """The same space at the server."""
+        space = super().to_proto()
+        groups = pack_indices("hand_of_control", self.hand_of_control)
+        space.group_of_control.CopyFrom(groups)
+        return space
+
 
 class Points(_Trajectories):
     """Every control point moves by an offset of its own: D = 3 C."""
+
+    _coordinates = planning_pb2.ActionSpace.POINTS
 
     def __init__(self, start: npt.ArrayLike) -> None:
         """`start`: control points [C, 3] in metres."""
@@ -180,6 +201,11 @@ class Grippers:
         by_vector = np.einsum("...u,...uv->...v", by_exponential, jacobian)
         joined = np.concatenate([by_actions[..., :3], by_vector], axis=-1)
         return np.asarray(joined, dtype=np.float64).reshape(knots.shape)
+
+    def to_proto(self) -> planning_pb2.ActionSpace:
+        """The same space at the server; the actions say which control points a gripper has."""
+        start = pack_floats("start", self.start, (None, 7))
+        return planning_pb2.ActionSpace(coordinates=planning_pb2.ActionSpace.RIGID, start=start)
 
     def _split(self, knots: Array) -> Array:
         return knots.reshape(*knots.shape[:-1], len(np.asarray(self.start)), 6)

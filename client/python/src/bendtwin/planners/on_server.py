@@ -1,0 +1,101 @@
+"""The planner of the server, with the interface of those in this package."""
+
+from __future__ import annotations
+
+import time
+from typing import cast
+
+import numpy as np
+import numpy.typing as npt
+
+from bendtwin.errors import BendTwinError
+from bendtwin.plan import PlanUpdate, Search, ServerSpace
+from bendtwin.planners.knots import Array, shifted
+from bendtwin.planners.plan import ServerPlan
+from bendtwin.planners.planner import EveryPlanDiverged
+from bendtwin.planners.task import Task
+from bendtwin.state import InitialState, Rest
+
+_SEARCH = Search()
+
+
+class OnServer:
+    """A planner with a warm start whose search is done by the server, in one call a plan.
+
+    What goes over the wire is one plan instead of a batch of them in every iteration, and the
+    server spreads batches over its workers. The space of the task is one of this package.
+    """
+
+    def __init__(self, task: Task, *, knots: int = 5, search: Search = _SEARCH) -> None:
+        """Plans for a task with K knots; `search` says how."""
+        if knots < 2:
+            raise ValueError("a planner needs two knots or more")
+        if not hasattr(task.space, "to_proto"):
+            raise TypeError("the server does not know this action space: plan with Mppi, say")
+        self.task, self.knots, self.search = task, knots, search
+        #: The plan that the next call begins with.
+        self.nominal: Array = np.zeros((knots, task.dims))
+
+    def plan(
+        self, initial: InitialState | None = None, *, nominal: npt.ArrayLike | None = None
+    ) -> ServerPlan:
+        """Lowers the cost of the nominal plan from a state; None is the twin's rest.
+
+        The nominal plan is that of the call before, shifted, unless one is given: knots [K, D].
+        A state of a session stays at the server: `SessionSlots`.
+
+        Raises:
+            EveryPlanDiverged: If no plan of the first iteration could be simulated.
+            BendTwinError: If the server refuses; see docs/errors.md.
+        """
+        task, began = self.task, time.monotonic()
+        start = self.nominal if nominal is None else self._checked(nominal)
+        try:
+            found = task.twin.plan(
+                **task.space.actions(start[None]),
+                frames=task.frames,
+                interpolation=task.interpolation,
+                initial=Rest() if initial is None else initial,
+                costs=task.costs,
+                fidelity=task.fidelity,
+                search=self.search,
+                space=cast(ServerSpace, task.space),
+            )
+        except BendTwinError as error:
+            if error.reason == "EVERY_PLAN_DIVERGED":
+                raise EveryPlanDiverged from error
+            raise
+        self.nominal = np.array(found.coordinates)
+        return self._planned(found, time.monotonic() - began)
+
+    def shift(self, frames: float) -> None:
+        """Moves the nominal plan on by frames that were executed; at its end it stands still."""
+        self.nominal = shifted(self.nominal, frames, self.task.frames, self.task.interpolation)
+
+    def reset(self, nominal: npt.ArrayLike | None = None) -> None:
+        """Forgets the plan before: the next one begins with these knots, or with staying still at
+        the start of the action space."""
+        shape = (self.knots, self.task.dims)
+        self.nominal = np.zeros(shape) if nominal is None else self._checked(nominal)
+
+    def _checked(self, nominal: npt.ArrayLike) -> Array:
+        array = np.array(nominal, dtype=np.float64)
+        shape = (self.knots, self.task.dims)
+        if array.shape != shape or not np.isfinite(array).all():
+            raise ValueError(f"nominal has shape {array.shape}: give finite knots {list(shape)}")
+        return array
+
+    def _planned(self, found: PlanUpdate, time_s: float) -> ServerPlan:
+        return ServerPlan(
+            knots=self.nominal,
+            cost=found.cost,
+            origin=found.origin,
+            nominal_cost=found.nominal_cost,
+            iterations=found.iterations,
+            time_s=time_s,
+            stopped="deadline" if found.met_deadline else "iterations",
+            problem=self.task,
+            cost_terms=found.cost_terms,
+            simulated=found.simulated,
+            diverged=found.diverged,
+        )

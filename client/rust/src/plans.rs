@@ -1,0 +1,262 @@
+//! Plans made at the server: actions that lower the costs of a rollout.
+
+use std::time::Duration;
+
+use bendtwin_plan::{Bounds, Limit, Method, Movement, Origin};
+use bendtwin_proto::v1::{
+    self, ActionSpace, PlanBounds, PlanMethod, PlanRequest, Tensor, action_space::Coordinates,
+    plan_method, planning_service_client::PlanningServiceClient,
+};
+use futures::{Stream, StreamExt as _};
+
+use crate::{Error, Reply, Rollout, channel::Channel};
+
+/// Calls for plans.
+#[derive(Clone, Debug)]
+pub struct Plans {
+    service: PlanningServiceClient<Channel>,
+}
+
+/// A plan to be made: the rollout whose costs are to be lowered, and how to search. The actions of
+/// the rollout, of one instance, are the nominal plan.
+#[derive(Clone, Debug)]
+pub struct Planning {
+    rollout: Rollout,
+    request: PlanRequest,
+}
+
+/// The best plan so far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanUpdate {
+    /// Its knots: control points or poses one after the other, shape [K, C, 3] or [K, G, 7].
+    pub knots: Vec<f32>,
+    /// The same in the coordinates of the action space, shape [K, D].
+    pub coordinates: Vec<f64>,
+    /// Cost of exactly these knots, as simulated.
+    pub cost: f64,
+    /// Weighted terms of the cost by name.
+    pub cost_terms: Vec<(String, f64)>,
+    /// Its source.
+    pub origin: Origin,
+    /// Cost of the nominal plan; infinite if it diverges.
+    pub nominal_cost: f64,
+    /// Iterations that were finished.
+    pub iterations: usize,
+    /// Plans that were simulated.
+    pub simulated: usize,
+    /// Those of them that diverged.
+    pub diverged: usize,
+    /// True if there was no time for all iterations.
+    pub met_deadline: bool,
+    /// Time since planning began at the server.
+    pub time: Duration,
+    /// True for the last update.
+    pub last: bool,
+    /// The rollout of the best plan, in the last update, if the rollout asked for returns.
+    pub rollout: Option<Reply>,
+}
+
+impl Plans {
+    pub(crate) fn new(service: PlanningServiceClient<Channel>) -> Self {
+        Self { service }
+    }
+
+    /// Has the server search to the end. Dropping the future stops the work.
+    ///
+    /// # Errors
+    /// If the request is wrong or too large, every plan diverges, or the server cannot be asked.
+    pub async fn run(&self, planning: Planning) -> Result<PlanUpdate, Error> {
+        let mut updates = std::pin::pin!(self.stream(planning).await?);
+        while let Some(update) = updates.next().await {
+            let update = update?;
+            if update.last {
+                return Ok(update);
+            }
+        }
+        Err(Error::malformed("a plan without a last update"))
+    }
+
+    /// The best so far after each iteration. Dropping the stream stops the work.
+    ///
+    /// # Errors
+    /// As [`Plans::run`].
+    pub async fn stream(
+        &self,
+        planning: Planning,
+    ) -> Result<impl Stream<Item = Result<PlanUpdate, Error>> + use<>, Error> {
+        let request = planning.into_request()?;
+        let updates = self.service.clone().plan(request).await?.into_inner();
+        Ok(updates.map(|update| PlanUpdate::try_from(update?)))
+    }
+}
+
+impl Planning {
+    /// Path integral control with the server's settings.
+    pub fn of(rollout: Rollout) -> Self {
+        Self { rollout, request: PlanRequest::default() }
+    }
+
+    /// Another method.
+    #[must_use]
+    pub fn method(mut self, method: &Method) -> Self {
+        use plan_method::Method as Wire;
+        let method = match method {
+            Method::Mppi { temperature } => {
+                Wire::Mppi(plan_method::Mppi { temperature: *temperature })
+            }
+            Method::Cem { elites, memory, smallest } => Wire::Cem(plan_method::Cem {
+                elites: count(*elites),
+                memory: Some(*memory),
+                smallest: Some(*smallest),
+            }),
+            Method::PredictiveSampling => {
+                Wire::PredictiveSampling(plan_method::PredictiveSampling {})
+            }
+            Method::Gradient { rate } => {
+                Wire::Gradient(plan_method::Gradient { rate: Some(numbers(rate)) })
+            }
+        };
+        self.request.method = Some(PlanMethod { method: Some(method) });
+        self
+    }
+
+    /// Plans that are simulated in an iteration, and iterations.
+    #[must_use]
+    pub fn samples(mut self, samples: usize, iterations: usize) -> Self {
+        (self.request.samples, self.request.iterations) = (count(samples), count(iterations));
+        self
+    }
+
+    /// Standard deviations of samples [m or rad]: one, by coordinate [D], or by knot and coordinate
+    /// [K, D]; and the correlation of neighbouring knots, 0..1.
+    #[must_use]
+    pub fn sigma(mut self, sigma: &[f64], correlation: f64) -> Self {
+        (self.request.sigma, self.request.correlation) = (Some(numbers(sigma)), correlation);
+        self
+    }
+
+    /// Samples have sigma times a factor from 1 to this, above 0 and at most 1.
+    #[must_use]
+    pub fn finest(mut self, finest: f64) -> Self {
+        self.request.finest = Some(finest);
+        self
+    }
+
+    /// Limits that every plan keeps, counted from the start of the space.
+    #[must_use]
+    pub fn bounds(mut self, bounds: &Bounds) -> Self {
+        let limit = |limit: &Limit| match limit {
+            Limit::None => None,
+            Limit::All(all) => Some(numbers(&[*all])),
+            Limit::Each(each) => Some(numbers(each)),
+        };
+        self.request.bounds = Some(PlanBounds {
+            low: limit(&bounds.low),
+            high: limit(&bounds.high),
+            speed: limit(&bounds.speed),
+        });
+        self
+    }
+
+    /// What the coordinates of the plan move; without it all control points together, or rigid
+    /// grippers.
+    #[must_use]
+    pub fn moving(mut self, movement: &Movement) -> Self {
+        let space = self.request.space.get_or_insert_default();
+        space.group_of_control = None;
+        let coordinates = match movement {
+            Movement::Points(groups) => {
+                let groups: Vec<u32> = groups.iter().map(|group| count(*group)).collect();
+                space.group_of_control = Some(Tensor::pack(&[groups.len()], &groups));
+                Coordinates::PerGroup
+            }
+            Movement::Translation => Coordinates::Translation,
+            Movement::Rigid => Coordinates::Rigid,
+        };
+        space.coordinates = coordinates.into();
+        self
+    }
+
+    /// Where coordinates are counted from: control points, shape [C, 3], or poses, shape [G, 7], one
+    /// row after the other. Without it row 0 of the nominal plan.
+    #[must_use]
+    pub fn starting_at<const N: usize>(mut self, rows: &[[f32; N]]) -> Self {
+        let start = Tensor::pack(&[rows.len(), N], rows.as_flattened());
+        let space = self.request.space.get_or_insert_default();
+        *space = ActionSpace { start: Some(start), ..space.clone() };
+        self
+    }
+
+    /// Moves the nominal plan on by frames that were executed since it was made.
+    #[must_use]
+    pub fn shifted(mut self, frames: f64) -> Self {
+        self.request.shift_frames = frames;
+        self
+    }
+
+    /// Same seed, same plan.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.request.seed = seed;
+        self
+    }
+
+    /// Time for the iterations, after which the best so far comes back.
+    #[must_use]
+    pub fn deadline(mut self, deadline: Duration) -> Self {
+        self.request.deadline_s = deadline.as_secs_f64();
+        self
+    }
+
+    /// The message.
+    ///
+    /// # Errors
+    /// If an argument of the rollout cannot be sent.
+    pub fn into_request(self) -> Result<PlanRequest, Error> {
+        Ok(PlanRequest { rollout: Some(self.rollout.into_request()?), ..self.request })
+    }
+}
+
+impl TryFrom<v1::PlanUpdate> for PlanUpdate {
+    type Error = Error;
+    fn try_from(wire: v1::PlanUpdate) -> Result<Self, Error> {
+        let origin = match wire.origin() {
+            v1::plan_update::Origin::Mean => Origin::Mean,
+            v1::plan_update::Origin::Sample => Origin::Sample,
+            _ => Origin::Nominal,
+        };
+        let terms: Vec<f64> = values(wire.cost_terms, "cost_terms")?;
+        Ok(Self {
+            knots: values(wire.knots, "knots")?,
+            coordinates: values(wire.coordinates, "coordinates")?,
+            cost: wire.cost,
+            cost_terms: wire.cost_names.into_iter().zip(terms).collect(),
+            origin,
+            nominal_cost: wire.nominal_cost,
+            iterations: wire.iterations as usize,
+            simulated: wire.simulated as usize,
+            diverged: wire.diverged as usize,
+            met_deadline: wire.met_deadline,
+            time: Duration::try_from_secs_f64(wire.time_s).map_err(Error::malformed)?,
+            last: wire.last,
+            rollout: wire.rollout.map(Reply::try_from).transpose()?,
+        })
+    }
+}
+
+fn values<T: bendtwin_proto::tensor::Element>(
+    tensor: Option<Tensor>,
+    name: &str,
+) -> Result<Vec<T>, Error> {
+    let read = tensor.unwrap_or_default().unpack::<T>(name);
+    read.map(|(_, values)| values).map_err(Error::malformed)
+}
+
+fn numbers(values: &[f64]) -> Tensor {
+    let values: Vec<f32> = values.iter().map(|x| *x as f32).collect();
+    Tensor::pack(&[values.len()], &values)
+}
+
+fn count(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}

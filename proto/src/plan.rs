@@ -1,0 +1,18 @@
+//! Rules of a plan that server and clients share: the check of a request against the limits of
+//! rollouts and a twin's shape, which leaves what a planner needs. A plan is bounded by the same
+//! limits: its largest batch as one rollout, and all its batches together by the work of one.
+
+// Not behind a feature, as those of rollouts.
+#[doc(hidden)]
+pub mod cases;
+mod check;
+mod error;
+mod settings;
+mod space;
+mod template;
+
+pub use self::{
+    check::{Checked, MOST_PLANS, check},
+    error::Error,
+    template::Template,
+};

@@ -1,0 +1,221 @@
+//! A plan under way.
+
+use std::{convert::Infallible, sync::Arc, time::Duration};
+
+use bendtwin_budget::Share;
+use bendtwin_plan::{Origin, Progress};
+use bendtwin_proto::v1::{
+    PlanUpdate, RollOutRequest, RollOutResponse, Tensor, plan_update::Origin as WireOrigin,
+};
+use tokio::time::Instant;
+use tokio_util::sync::CancellationToken;
+
+use super::{beside::beside, evaluation::Costs, start::Parts};
+use crate::{
+    context::Context,
+    dispatch::{Dispatch, Held, RollOut, Whole},
+    failure::{Error, Result},
+    memory::Shares,
+};
+
+/// A plan under way: everything that the next update needs.
+pub(super) struct Run {
+    dispatch: Dispatch,
+    context: Context,
+    parts: Parts,
+    began: Instant,
+    /// The end of the call.
+    deadline: Instant,
+    stopping: CancellationToken,
+    /// Names of the cost terms, and their values for the best plan so far.
+    names: Vec<String>,
+    terms: Vec<f64>,
+    is_first: bool,
+    /// The next batch; none once there is no other.
+    next: Option<RollOutRequest>,
+    /// Memory of the request, of the plans, and of the reply for the best, until all was sent.
+    _request: Arc<Shares>,
+    _plans: Share,
+    held: Option<Held>,
+    has_ended: bool,
+}
+
+/// An update, and the plan if it goes on.
+type Step = (Result<PlanUpdate>, Option<Run>);
+
+impl Run {
+    pub(super) fn new(
+        dispatch: Dispatch,
+        parts: Parts,
+        deadline: Instant,
+        stopping: CancellationToken,
+        request: Arc<Shares>,
+        plans: Share,
+    ) -> Self {
+        Self {
+            dispatch,
+            context: Context::current(),
+            parts,
+            began: Instant::now(),
+            deadline,
+            stopping,
+            names: Vec::new(),
+            terms: Vec::new(),
+            is_first: true,
+            next: None,
+            _request: request,
+            _plans: plans,
+            held: None,
+            has_ended: false,
+        }
+    }
+
+    /// The next update.
+    pub(super) async fn update(self) -> Option<Step> {
+        if self.has_ended {
+            return None;
+        }
+        let stopping = self.stopping.clone();
+        let made = tokio::select! {
+            biased;
+            () = stopping.cancelled() => Err(Error::Stopping),
+            made = self.iteration() => made,
+        };
+        Some(match made {
+            Ok((update, run)) => (Ok(update), Some(run)),
+            Err(error) => (Err(error), None),
+        })
+    }
+
+    /// Simulates a batch, and proposes the next one.
+    async fn iteration(mut self) -> Result<(PlanUpdate, Self)> {
+        if self.is_first {
+            self = self.proposed().await?;
+        }
+        if let Some(request) = self.next.take() {
+            let left = self.left();
+            match self.simulate(request, left).await {
+                Ok(Whole { response, .. }) => {
+                    self = self.learned(response).await?.proposed().await?
+                }
+                // What was found until then.
+                Err(Error::Deadline) if !self.is_first && Instant::now() < self.deadline => {}
+                Err(error) => return Err(error),
+            }
+            self.is_first = false;
+        }
+        let is_last = self.next.is_none();
+        let mut update = self.best()?;
+        if is_last {
+            self.has_ended = true;
+            update.last = true;
+            update.rollout = self.last().await?;
+        }
+        Ok((update, self))
+    }
+
+    /// Time for the next batch: to the end of the call, or of the plan once there is one.
+    fn left(&self) -> Duration {
+        let left = self.deadline.saturating_duration_since(Instant::now());
+        match self.parts.search.settings().deadline.filter(|_| !self.is_first) {
+            Some(deadline) => left.min(deadline.saturating_sub(self.began.elapsed())),
+            None => left,
+        }
+    }
+
+    async fn simulate(&self, request: RollOutRequest, left: Duration) -> Result<Whole> {
+        let rollout = RollOut {
+            request,
+            timeout: Some(left),
+            in_parts: false,
+            as_lists: false,
+            commit_slots: Vec::new(),
+            // That of the plans is held here.
+            memory: Arc::default(),
+        };
+        // On the heap, as the future of a rollout is large and this one is part of others.
+        Box::pin(self.context.clone().scope(self.dispatch.roll_out(rollout))).await
+    }
+
+    /// Takes in the reply to a batch.
+    async fn learned(mut self, reply: RollOutResponse) -> Result<Self> {
+        let (bytes, elapsed) = (self.parts.bytes, self.began.elapsed());
+        let work = move || {
+            let Parts { search, space, template, .. } = &mut self.parts;
+            let gradients = search.settings().method.needs_gradients();
+            let costs = Costs::read(reply, search.batch(), space, gradients, template.refuses())?;
+            let place = search.learn(costs.evaluation.clone(), elapsed).map_err(failed)?;
+            if let Some(place) = place {
+                self.terms = costs.of(place);
+                self.names = costs.names;
+            }
+            Ok(self)
+        };
+        beside(bytes, work).await?
+    }
+
+    /// Proposes the next batch, if there is another.
+    async fn proposed(mut self) -> Result<Self> {
+        let (bytes, elapsed) = (self.parts.bytes, self.began.elapsed());
+        let work = move || {
+            let Parts { search, space, template, .. } = &mut self.parts;
+            let gradients = search.settings().method.needs_gradients();
+            let plans = search.propose(elapsed);
+            let actions: Option<Vec<_>> =
+                plans.map(|plans| plans.iter().map(|knots| space.actions(knots)).collect());
+            self.next = actions.map(|actions| template.batch(&actions, gradients));
+            self
+        };
+        beside(bytes, work).await
+    }
+
+    /// The best so far.
+    fn best(&self) -> Result<PlanUpdate> {
+        let Parts { search, space, template, .. } = &self.parts;
+        let best = search.progress().ok_or(Error::EveryPlanDiverged)?;
+        let settings = search.settings();
+        let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+        Ok(PlanUpdate {
+            knots: Some(template.actions(&space.actions(best.knots))),
+            coordinates: Some(Tensor::pack(&[settings.knots, settings.dims], best.knots)),
+            cost: best.cost,
+            cost_names: self.names.clone(),
+            cost_terms: Some(Tensor::pack(&[self.terms.len()], &self.terms)),
+            origin: origin(&best).into(),
+            nominal_cost: best.nominal_cost,
+            iterations: count(best.iterations),
+            simulated: count(best.simulated),
+            diverged: count(best.diverged),
+            met_deadline: self.next.is_none() && best.iterations < settings.iterations,
+            time_s: self.began.elapsed().as_secs_f64(),
+            last: false,
+            rollout: None,
+        })
+    }
+
+    /// The rollout of the best plan, if returns were asked for.
+    async fn last(&mut self) -> Result<Option<RollOutResponse>> {
+        let Parts { search, space, template, .. } = &self.parts;
+        let best = search.progress().ok_or(Error::EveryPlanDiverged)?;
+        let Some(request) = template.last(&space.actions(best.knots)) else { return Ok(None) };
+        let left = self.deadline.saturating_duration_since(Instant::now());
+        let Whole { response, held } = self.simulate(request, left).await?;
+        self.held = Some(held.memory());
+        Ok(Some(response))
+    }
+}
+
+fn origin(best: &Progress<'_>) -> WireOrigin {
+    match best.origin {
+        Origin::Nominal => WireOrigin::Nominal,
+        Origin::Mean => WireOrigin::Mean,
+        Origin::Sample => WireOrigin::Sample,
+    }
+}
+
+fn failed(error: bendtwin_plan::Error<Infallible>) -> Error {
+    match error {
+        bendtwin_plan::Error::EveryPlanDiverged => Error::EveryPlanDiverged,
+        other => Error::Internal(format!("a worker's reply to plans: {other}")),
+    }
+}

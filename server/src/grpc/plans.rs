@@ -1,0 +1,26 @@
+//! `bendtwin.v1.PlanningService`.
+
+use bendtwin_proto::{
+    deadline::timeout,
+    v1::{PlanRequest, PlanUpdate, planning_service_server::PlanningService},
+};
+use tonic::{Request, Response, Status};
+
+use super::{Api, Reply, counted::memory_of, reply};
+use crate::dispatch::Plan;
+
+#[tonic::async_trait]
+impl PlanningService for Api {
+    type PlanStream = Reply<PlanUpdate>;
+
+    async fn plan(
+        &self,
+        request: Request<PlanRequest>,
+    ) -> Result<Response<Self::PlanStream>, Status> {
+        let (timeout, memory) = (timeout(request.metadata()), memory_of(&request));
+        let (stopping, as_lists) = (self.app.stopping.clone(), false);
+        let plan = Plan { request: request.into_inner(), timeout, as_lists, memory, stopping };
+        let updates = self.app.dispatch.plan(plan).await?;
+        Ok(Response::new(reply(updates, |update| update)))
+    }
+}
