@@ -40,7 +40,7 @@ pub struct Settings {
 
 impl Settings {
     /// Settings with 64 samples of 20 mm, where coordinates are metres, and five knots. Samples
-    /// become finer by ten, unless the method shrinks them itself.
+    /// become finer, to 0.6 mm, unless the method shrinks them itself.
     pub fn new(method: Method, dims: usize, frames: usize) -> Self {
         Self {
             knots: 5,
@@ -53,7 +53,7 @@ impl Settings {
             sigma: vec![0.02],
             correlation: 0.0,
             finest: match method {
-                Method::Mppi { .. } | Method::PredictiveSampling => 0.1,
+                Method::Mppi { .. } | Method::PredictiveSampling => 0.03,
                 Method::Cem { .. } | Method::Gradient { .. } => 1.0,
             },
             bounds: Bounds::default(),

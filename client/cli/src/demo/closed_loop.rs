@@ -100,6 +100,7 @@ impl DemoRun {
         settings.frame_s = model.timing.frame_s();
         settings.knots = 4;
         settings.samples = 48;
+        settings.sigma = vec![0.06];
         settings.correlation = 0.5;
         settings.bounds = Bounds { speed: Limit::All(1.0), ..Bounds::default() };
         settings.seed = self.seed;

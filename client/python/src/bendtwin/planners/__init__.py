@@ -3,7 +3,7 @@
 from bendtwin.planners import Bounds, Mppi, Task, Together
 
 task = Task(twin=twin, costs=costs, space=Together(controls), frames=20)
-planner = Mppi(task, samples=64, sigma=0.02, bounds=Bounds(speed=0.5))
+planner = Mppi(task, samples=64, sigma=0.06, bounds=Bounds(speed=0.5))
 plan = planner.plan(state)
 result = twin.rollout(**plan.actions(frames=3), initial=state)
 planner.shift(frames=3)

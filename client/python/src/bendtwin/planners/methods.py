@@ -47,7 +47,7 @@ class _Sampling(Planner):
 class Mppi(_Sampling):
     """Model-predictive path integral control: the mean of all samples, weighted by their costs."""
 
-    _finest: ClassVar[float] = 0.1
+    _finest: ClassVar[float] = 0.03
 
     def __init__(self, problem: Problem, *, temperature: float = 0.1, **settings: Any) -> None:
         """Takes the settings of `Planner`.
@@ -113,7 +113,7 @@ class Cem(_Sampling):
 class PredictiveSampling(_Sampling):
     """The best sample around the best plan so far: the simplest method, and a strong one."""
 
-    _finest: ClassVar[float] = 0.1
+    _finest: ClassVar[float] = 0.03
 
     def _learn(
         self, candidates: Array, evaluation: Evaluation, best: Array, best_cost: float

@@ -71,7 +71,7 @@ class Planner(ABC):
                 coordinate [K, D]; metres, radians for rotations.
             correlation: Between neighbouring knots of a sample, 0..1: larger is smoother.
             finest: Samples have sigma times a factor, evenly spread in its logarithm from 1 to
-                this, 0..1: large ones find ways, small ones the goal. None: 0.1, and 1 for methods
+                this, 0..1: large ones find ways, small ones the goal. None: 0.03, and 1 for methods
                 that shrink their samples themselves.
             bounds: Limits that every plan keeps.
             deadline_s: Time for one call of `plan`, which then returns the best so far. The first
