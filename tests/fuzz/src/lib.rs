@@ -39,6 +39,11 @@ pub const TARGETS: &[Target] = &[
     Target { name: "pickle", run: archives::pickle, seeds: seeds::pickle },
     Target { name: "ply", run: meshes::ply, seeds: seeds::ply },
     Target { name: "png", run: images::png, seeds: seeds::png },
+    Target {
+        name: "registration_message",
+        run: requests::registration_message,
+        seeds: seeds::registration_message,
+    },
     Target { name: "report", run: requests::report, seeds: seeds::report },
     Target { name: "rollout_json", run: requests::rollout_json, seeds: seeds::rollout_json },
     Target {

@@ -1,4 +1,4 @@
-//! Requests: rollouts as JSON and as messages, settings, headers of uploads, and the report that
+//! Requests: rollouts as JSON and as messages, registrations, settings, headers of uploads, and the report that
 //! the reader of a capture hands to its worker.
 
 use bendtwin_core::{
@@ -8,8 +8,9 @@ use bendtwin_core::{
 use bendtwin_inspect::Report;
 use bendtwin_proto::{
     json::{Read, TensorFormat, Write},
+    registration::{check_registration, memory_bytes, registration_work},
     rollout::{Limits, TwinShape, check_for},
-    v1::RollOutRequest,
+    v1::{RegisterStateRequest, RollOutRequest},
 };
 use prost::Message as _;
 
@@ -45,6 +46,18 @@ pub fn rollout_message(data: &[u8]) {
     expect_checked(&request);
     let again = RollOutRequest::decode(request.encode_to_vec().as_slice());
     // Compared as bytes, because NaN is no equal of itself.
+    assert_eq!(again.map(|again| again.encode_to_vec()), Ok(request.encode_to_vec()));
+}
+
+/// A registration as a message.
+pub fn registration_message(data: &[u8]) {
+    let Ok(request) = RegisterStateRequest::decode(data) else { return };
+    let limits = Limits { memory_bytes: 64 << 20, ..Limits::default() };
+    if check_registration(&request, &SHAPE, &limits).is_ok() {
+        assert!(memory_bytes(request.observation.as_ref(), &SHAPE) <= limits.memory_bytes);
+        assert!(registration_work(&request, &SHAPE) <= limits.work);
+    }
+    let again = RegisterStateRequest::decode(request.encode_to_vec().as_slice());
     assert_eq!(again.map(|again| again.encode_to_vec()), Ok(request.encode_to_vec()));
 }
 

@@ -5,7 +5,7 @@ use bendtwin_hostile::{
     Fault, Rng, arrays, damage, documents, images, meshes, pickles, recordings, requests, samples,
     twin_files,
 };
-use bendtwin_proto::{json::Read, rollout::cases, v1::RollOutRequest};
+use bendtwin_proto::{json::Read, registration, rollout::cases, v1::RollOutRequest};
 use prost::Message as _;
 use rand::SeedableRng as _;
 
@@ -144,6 +144,12 @@ pub(crate) fn rollout_message() -> Vec<Vec<u8>> {
         all.chain(malformed).map(|request| request.encode_to_vec()).collect();
     all.retain(|seed| seed.len() <= MOST_BYTES);
     all
+}
+
+pub(crate) fn registration_message() -> Vec<Vec<u8>> {
+    let malformed = registration::cases::malformed(&SHAPE).into_iter().map(|case| case.request);
+    let all = malformed.chain([registration::cases::sound()]);
+    all.map(|request| request.encode_to_vec()).filter(|seed| seed.len() <= MOST_BYTES).collect()
 }
 
 pub(crate) fn settings() -> Vec<Vec<u8>> {

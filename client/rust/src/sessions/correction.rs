@@ -74,3 +74,6 @@ impl From<Wire> for Corrected {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
