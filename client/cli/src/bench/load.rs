@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use bendtwin_client::{
-    CaptureId, Client, Fidelity, Fit, FitId, FitSettings, Point, Rollout, TwinId,
+    CaptureId, Client, Cost, Fidelity, Fit, FitId, FitSettings, Point, Rollout, TwinId,
 };
 use bendtwin_core::Twin;
 use clap::Args;
@@ -30,7 +30,7 @@ It needs a server with a twin, whose capture is fitted beside (the fit is delete
 A closed loop of one instance and one frame beside a fit, without greedy clients:
   bendtwin bench load --clients 0 --small 1x1
 A planner's step:
-  bendtwin bench load --clients 0 --small 128x20 --fidelity fast")]
+  bendtwin bench load --clients 0 --small 128x20 --fidelity fast --costs")]
 pub(crate) struct Load {
     /// Twin to roll out [default: the newest that has a capture]
     #[arg(long, value_name = "NAME")]
@@ -47,6 +47,9 @@ pub(crate) struct Load {
     /// Model that computes the small rollouts
     #[arg(long, value_enum, default_value_t = Mode::Exact)]
     fidelity: Mode,
+    /// Ask for a cost of the small rollouts, as planners do, and for no positions
+    #[arg(long)]
+    costs: bool,
     /// Time for each measurement [s]
     #[arg(long, value_name = "S", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=3600))]
     seconds: u64,
@@ -88,6 +91,8 @@ struct Report {
 struct Still {
     twin: TwinId,
     fidelity: Fidelity,
+    /// Whether a cost comes back instead of positions.
+    costs: bool,
     controls: Vec<Point>,
 }
 
@@ -98,7 +103,12 @@ impl Still {
             std::iter::repeat_n(&self.controls, knots).flatten().copied().collect::<Vec<_>>();
         let shape = [size.instances, 2, self.controls.len()];
         let rollout = Rollout::of(self.twin).trajectories(shape, positions);
-        rollout.fidelity(self.fidelity).frames(size.frames)
+        let rollout = rollout.fidelity(self.fidelity).frames(size.frames);
+        if !self.costs {
+            return rollout;
+        }
+        let cost = Cost::keypoints("distance", 1.0, &[0], &self.controls[..1]);
+        rollout.cost(cost).record_every(0)
     }
 }
 
@@ -107,7 +117,7 @@ pub(super) async fn run(args: Load, global: &Global) -> anyhow::Result<()> {
     let (twin, capture) = subject(&client, args.twin).await?;
     let file = client.twins().export(twin).await?;
     let controls = Twin::decode(&file).context("the twin cannot be read")?.graph.control_rest;
-    let still = Still { twin, fidelity: args.fidelity.into(), controls };
+    let still = Still { twin, fidelity: args.fidelity.into(), costs: args.costs, controls };
     let capture = capture.filter(|_| !args.no_fit);
     let shutdown = signals::shutdown();
     let mut fit = None;
