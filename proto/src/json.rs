@@ -1,4 +1,4 @@
-//! Rollouts as JSON: requests and replies with the fields of the messages, by their names in the
+//! Rollouts and sessions as JSON: requests and replies with the fields of the messages, by their names in the
 //! .proto files. The fields of a message are generated from its descriptor; by hand are tensors and
 //! the words of enums. An unknown field is refused, a field that is null or left out has its
 //! default.

@@ -33,7 +33,7 @@ pub use self::{
     limits::{ENVELOPE_BYTES, Limits},
     memory::{Memory, memory, request_bytes},
     parts::{STREAMED_PART, part_instances},
-    session::{MOST_SLOTS, check_session, slots},
+    session::{MOST_SLOTS, check_session, slots, states_bytes},
     size::reply_bytes,
     twin::TwinShape,
 };

@@ -60,8 +60,12 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
     let descriptors = protox::compile(FILES, [root]).unwrap();
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("descriptors.bin"), descriptors.encode_to_vec()).unwrap();
-    let in_json =
-        ["bendtwin/v1/world.proto", "bendtwin/v1/rollout.proto", "bendtwin/v1/registration.proto"];
+    let in_json = [
+        "bendtwin/v1/world.proto",
+        "bendtwin/v1/rollout.proto",
+        "bendtwin/v1/registration.proto",
+        "bendtwin/v1/session.proto",
+    ];
     // Of twins only their geometry has tensors.
     let mut geometry = descriptors.file.iter().find(|f| f.name() == TWINS).unwrap().clone();
     geometry.message_type.retain(|message| message.name() == "TwinGeometry");

@@ -32,7 +32,7 @@ use line::Ask;
 pub(crate) use line::Size;
 pub(crate) use registrations::{Register, Registered};
 use registry::{Entry, Now};
-pub(crate) use registry::{FitRoom, Heartbeat, Memory, WorkerView};
+pub(crate) use registry::{FitRoom, Heartbeat, HeldSession, Memory, WorkerView};
 pub(crate) use rollout::{Held, InParts, RollOut, Whole};
 use twins::Twins;
 

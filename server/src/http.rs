@@ -15,6 +15,7 @@ mod registrations;
 mod resource;
 mod rollouts;
 pub(crate) mod root_service;
+mod sessions;
 mod twins;
 pub(crate) mod uploads;
 mod workers;
@@ -41,6 +42,7 @@ type Result<T, E = Refusal> = std::result::Result<T, E>;
         (name = "fits", description = "Fit jobs: capture in, twin out"),
         (name = "twins", description = "Fitted twins"),
         (name = "rollouts", description = "Predictions"),
+        (name = "sessions", description = "Simulations that stay between calls"),
         (name = "workers", description = "Worker processes"),
         (name = "operations", description = "Health and metrics"),
     )
@@ -100,7 +102,14 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(twins::content))
         .routes(routes!(twins::geometry))
         .routes(routes!(rollouts::create))
-        .routes(routes!(registrations::create))
+        .routes(routes!(registrations::register))
+        .routes(routes!(sessions::open))
+        .routes(routes!(sessions::get, sessions::close))
+        .routes(routes!(sessions::states))
+        .routes(routes!(sessions::advance))
+        .routes(routes!(sessions::correct))
+        .routes(routes!(sessions::fork))
+        .routes(routes!(sessions::reset))
         .routes(routes!(workers::list))
         .routes(routes!(workers::get))
         .routes(routes!(operations::healthz))

@@ -63,7 +63,7 @@ pub(crate) struct Rollout {
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Mode {
+pub(crate) enum Mode {
     Exact,
     Fast,
 }

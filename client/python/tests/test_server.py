@@ -1,10 +1,13 @@
 """Against the real `bendtwin`, named by BENDTWIN_BIN: one server with its own worker."""
 
 import asyncio
+import json
 import os
 import signal
 import subprocess
 import time
+import urllib.error
+import urllib.request
 from dataclasses import replace
 from pathlib import Path
 
@@ -115,7 +118,6 @@ def still(twin, client, folder, batch=4, frames=6):
 
 def rest_controls(file):
     """Reads one array of the file as docs/twin-format.md says."""
-    import json
 
     length = int.from_bytes(file[:8], "little")
     entry = json.loads(file[8 : 8 + length])["controls.rest_position"]
@@ -319,9 +321,19 @@ def test_a_session_is_advanced_and_planned_from(twin, client):
         np.testing.assert_array_equal(states[2].positions, several.final_positions[0])
         np.testing.assert_array_equal(states[1].positions, several.final_positions[1])
         np.testing.assert_array_equal(states[0].positions, state.positions)
-        # Frame by frame over one connection.
-        steps = ({"trajectories": ahead[:1, f : f + 2]} for f in range(3))
-        assert len(list(session.control(steps))) == 3
+        # Frame by frame over one connection, each when the one before has been answered.
+        taken, asked = [], []
+
+        def steps():
+            for f in range(3):
+                asked.append(len(taken))
+                yield {"trajectories": ahead[:1, f : f + 2]}
+
+        for reply in session.control(steps()):
+            taken.append(reply)
+        assert asked == [0, 1, 2]
+        with pytest.raises(ValueError, match="give either trajectories or poses"):
+            list(session.control([{"frames": 2}]))
         np.testing.assert_array_equal(session.states([0])[0].positions, states[2].positions)
         session.reset()
         np.testing.assert_array_equal(
@@ -416,6 +428,31 @@ def test_a_session_is_corrected_by_what_is_seen(twin, client, seen):
     assert asyncio.run(same())[0].after.mean_mm < 20
 
 
+def test_http_finds_and_corrects_too(twin, client, seen):
+    def post(path, body):
+        request = urllib.request.Request(
+            f"http://{client._address}/v1/{path}",
+            json.dumps(body).encode(),
+            {"content-type": "application/json", "authorization": f"Bearer {client._token}"},
+        )
+        with urllib.request.urlopen(request, timeout=60) as reply:
+            return json.load(reply)
+
+    observation = {"points": seen.positions.tolist(), "nodes": list(range(len(seen.positions)))}
+    found = post(f"{twin.name}/register", {"observation": observation})
+    assert found["after"]["median_mm"] < 5
+    given = {"twin": twin.name, "initial": {"given": found["state"]}}
+    session = post("sessions", given)["name"]
+    corrected = post(f"{session}/correct", {"observation": observation})
+    [correction] = corrected["corrections"]
+    assert correction["after"]["mean_mm"] <= correction["before"]["mean_mm"]
+    assert corrected["session"]["name"] == session
+    with pytest.raises(urllib.error.HTTPError) as refused:
+        post(f"{session}/correct", {"observation": {"points": [[0, 1]]}})
+    assert refused.value.code == 400
+    assert json.load(refused.value)["reason"] == "INVALID_OBSERVATION"
+
+
 def test_sessions_of_asyncio_do_the_same(client, twin):
     rest = twin.geometry().controls
     path = rest[None] + np.arange(4)[:, None, None] * np.array([0.002, 0, 0])
@@ -455,18 +492,19 @@ def workers_of(server):
 @pytest.mark.skipif(not Path("/proc").exists(), reason="processes are found as on Linux")
 def test_a_session_is_lost_with_its_worker_and_opened_again(client, twin, folder):
     rest = twin.geometry().controls
-    path = rest[None] + np.arange(4)[:, None, None] * np.array([0.002, 0, 0])
-    session = client.open_session(twin)
-    session.advance(trajectories=path[None])
-    state = session.states()[0]
-    workers = list(workers_of(int((folder / "pid").read_text())))
-    assert workers
-    for worker in workers:
+    path = rest[None] + np.arange(7)[:, None, None] * np.array([0.002, 0, 0.002])
+    returns = Returns(final_state=True)
+    whole = twin.rollout(trajectories=path[None], returns=returns)
+    session = client.open_session(twin, slots=3)
+    name = session.name
+    session.advance(trajectories=path[None, :4], slots=[2], returns=returns)
+    session.advance(trajectories=path[None, :3], slots=[1])
+    for worker in workers_of(int((folder / "pid").read_text())):
         os.kill(worker, signal.SIGKILL)
     deadline = time.monotonic() + START_S
     while True:
         try:
-            session.advance(trajectories=path[None, 2:])
+            session.advance(trajectories=path[None, 3:], slots=[2])
             pytest.fail("the session outlived its worker")
         except BendTwinError as error:
             # The connection breaks first; then it is known that nobody has the session.
@@ -478,12 +516,18 @@ def test_a_session_is_lost_with_its_worker_and_opened_again(client, twin, folder
         time.sleep(0.05)
     while True:
         try:
-            again = client.open_session(twin, initial=state)
+            behind = session.reopen()
             break
         except BendTwinError as error:
             if error.category is not Category.UNAVAILABLE:
                 raise
             assert time.monotonic() < deadline, "no worker comes back"
             time.sleep(0.1)
-    with again:
-        np.testing.assert_array_equal(again.states()[0].positions, state.positions)
+    with session:
+        # Nobody was told where slot 1 was after its two frames.
+        assert (behind, session.name != name) == ([0, 2, 0], True)
+        end = session.advance(trajectories=path[None, 3:], slots=[2], returns=returns)
+        np.testing.assert_array_equal(end.final_positions, whole.final_positions)
+        np.testing.assert_array_equal(
+            session.states([1])[0].positions, twin.geometry().rest_positions
+        )

@@ -5,14 +5,14 @@ use std::time::Duration;
 use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,
     registration_service_client::RegistrationServiceClient,
-    rollout_service_client::RolloutServiceClient, twin_service_client::TwinServiceClient,
-    worker_service_client::WorkerServiceClient,
+    rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
+    twin_service_client::TwinServiceClient, worker_service_client::WorkerServiceClient,
 };
 use reqwest::header::{AUTHORIZATION, HeaderMap, HeaderValue};
 use tonic::transport::Endpoint;
 
 use crate::{
-    Captures, Error, Fits, Registrations, Rollouts, Twins, Workers,
+    Captures, Error, Fits, Registrations, Rollouts, Sessions, Twins, Workers,
     channel::{Channel, Credentials},
     token,
 };
@@ -109,7 +109,7 @@ impl Client {
         Workers::new(WorkerServiceClient::new(self.channel.clone()))
     }
 
-    /// Where objects are.
+    /// Registrations: states from what was seen.
     pub fn registrations(&self) -> Registrations {
         let service = RegistrationServiceClient::new(self.channel.clone());
         Registrations::new(service.max_decoding_message_size(MAX_MESSAGE))
@@ -119,6 +119,12 @@ impl Client {
     pub fn rollouts(&self) -> Rollouts {
         let service = RolloutServiceClient::new(self.channel.clone());
         Rollouts::new(service.max_decoding_message_size(MAX_MESSAGE))
+    }
+
+    /// Simulations that stay at a worker between calls.
+    pub fn sessions(&self) -> Sessions {
+        let service = SessionServiceClient::new(self.channel.clone());
+        Sessions::new(service.max_decoding_message_size(MAX_MESSAGE))
     }
 }
 

@@ -28,6 +28,35 @@
 //! # }
 //! ```
 //!
+//! A session keeps simulations at a worker, so that a closed loop sends no states to and fro:
+//!
+//! ```no_run
+//! use bendtwin_client::{Client, Cost, NewSession, Point, Rollout, TwinId};
+//!
+//! # async fn example(client: Client, twin: TwinId, done: Vec<Point>, plans: Vec<Point>)
+//! # -> Result<(), bendtwin_client::Error> {
+//! let sessions = client.sessions();
+//! let session = sessions.open(NewSession::of(twin).settled()).await?;
+//!
+//! // What the robot did: two knots of one control point. The session stays where it ends.
+//! let moved = Rollout::of(twin).trajectories([1, 2, 1], done).frames(3).final_state();
+//! let reply = sessions.advance(session.name, &[], moved).await?;
+//! // From here a lost session goes on: `NewSession::of(twin).going_on(&state)`.
+//! let state = reply.state(0);
+//!
+//! // 64 plans from there, which leave the session where it is.
+//! let rollout = Rollout::of(twin)
+//!     .from_session(session.name, &[])
+//!     .trajectories([64, 2, 1], plans)
+//!     .frames(30)
+//!     .cost(Cost::keypoints("tip", 1.0, &[0], &[[0.1, 0.0, 0.2]]));
+//! let reply = client.rollouts().run(rollout).await?;
+//! println!("plan {:?} is best from {state:?}", reply.best());
+//! sessions.close(session.name).await?;
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! Captures travel over HTTP, streamed from disk, large ones resumably
 //! ([`Captures::upload_resumable`]); everything else is gRPC over
 //! one connection. The token of a server of the same user on the same machine is found by itself
@@ -45,6 +74,7 @@ mod problem;
 mod registrations;
 mod resources;
 mod rollouts;
+mod sessions;
 pub mod token;
 mod twins;
 mod uploads;
@@ -54,7 +84,7 @@ mod workers;
 pub use bendtwin_core::settings::ingest::IngestSettings;
 pub use bendtwin_core::{
     Category, FastVariant, Fault, Fidelity, FitSettings, Point, Quality, Twin as TwinModel,
-    ids::{CaptureId, FitId, TwinId, WorkerId},
+    ids::{CaptureId, FitId, SessionId, TwinId, WorkerId},
 };
 
 pub use self::{
@@ -71,6 +101,7 @@ pub use self::{
         GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,
         Statistic, Vary, WirePose, World,
     },
+    sessions::{Corrected, Correction, NewSession, Session, Sessions},
     twins::Twins,
     watch::Watch,
     workers::Workers,

@@ -1,4 +1,4 @@
-//! Where an object is: from points that were seen of it to a state of its twin.
+//! Registration: from points that were seen of an object to a state of its twin.
 
 mod observation;
 

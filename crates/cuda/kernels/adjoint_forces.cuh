@@ -114,8 +114,9 @@ DEVICE void rod_adjoints(
 #endif
 
 // Adds what an endpoint gets from a triplet.
-DEVICE void add_bend(const float3* in, u32 triplet, u32 role, float3& x_bar, float3& v_bar) {
-    const float3* t = in + 4 * triplet;
+DEVICE void add_bend(const float3* in, u32 ref, float3& x_bar, float3& v_bar) {
+    const float3* t = in + 4 * triplet_of(ref);
+    u32 role = role_of(ref);
     if (role < 2) {
         x_bar = add(x_bar, t[role]);
         v_bar = add(v_bar, t[2 + role]);
@@ -215,7 +216,7 @@ DEVICE void force_adjoint(
     synchronize_bends();
 #endif
 #if BENDING
-    for_arms(p, refs, [&](u32 t, u32 role) { add_bend(bends, t, role, x_sum, v_sum); });
+    for_arms(p, refs, [&](u32 ref) { add_bend(bends, ref, x_sum, v_sum); });
 #endif
     x_sum = sum_lanes(x_sum);
     v_sum = sum_lanes(v_sum);
@@ -262,11 +263,7 @@ DEVICE void control_adjoint(
             half_spring_adjoint(l, own, first_of(pair, c.dashpot), x_bar, v_bar, unwanted);
             half_spring_adjoint(l, own, second_of(pair, c.dashpot), x_bar, v_bar, unwanted);
         }
-        if (valid) {
-            const u32* arms = t.arms + l.share.arm + l.share.own;
-            for (u32 a = arms[control] + lane; BENDING && a < arms[control + 1]; a += LANES)
-                add_bend(bends, refs[a] >> 2, refs[a] & 3, x_bar, v_bar);
-        }
+        for_control_arms(l, row, refs, [&](u32 ref) { add_bend(bends, ref, x_bar, v_bar); });
         x_bar = sum_lanes(x_bar);
         v_bar = sum_lanes(v_bar);
         if (valid && lane == 0) {

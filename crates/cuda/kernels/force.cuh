@@ -1,4 +1,4 @@
-// Impulses by what surrounds an object, added up by node over a frame (`forces.cu` adds up the
+// Impulses by what surrounds an object, added up by node over a frame (`measure.cuh` adds up the
 // nodes). Moments are about the origin of the body where it is at the frame's end.
 
 #define IMPULSE_GROUND 0

@@ -27,9 +27,17 @@ struct Held {
     float stiffness, damping;
 };
 
+// Holds and phases of frames that have not begun when a launch begins are written in it, by one block
+// for all.
 DEVICE const Hold* holds_of(const InstanceArgs& instance, u32 frame) {
     const WorldArgs& w = instance.world;
     return w.holds + (u64)((frame + 1) % w.slot_count) * instance.topology.node_count;
+}
+
+DEVICE Hold load_hold(const Hold* from) {
+    float4 packed = __ldcg(reinterpret_cast<const float4*>(from));
+    Hold h = {{packed.x, packed.y, packed.z}, __float_as_int(packed.w)};
+    return h;
 }
 
 // True for a control point that its grasp has let go of.
@@ -38,7 +46,8 @@ DEVICE bool is_released(const InstanceArgs& instance, u32 frame, u32 control) {
     if (!w.grasp_of) return false;
     int grasp = w.grasp_of[control];
     return grasp >= 0 &&
-           w.phases[(u64)((frame + 1) % w.slot_count) * w.grasp_count + grasp] != PHASE_CLOSED;
+           __ldcg(w.phases + (u64)((frame + 1) % w.slot_count) * w.grasp_count + grasp) !=
+               PHASE_CLOSED;
 }
 
 // What holds a node that has this pin (-1: none); nothing holds a lane without a node.
@@ -58,7 +67,7 @@ held_of(const InstanceArgs& instance, u32 frame, u32 node, bool valid, int pin) 
         }
         h.inverse_mass = 1.0f / instance.topology.masses[node];
     }
-    const Hold hold = holds_of(instance, frame)[node];
+    const Hold hold = load_hold(holds_of(instance, frame) + node);
     if (hold.grasp < 0) return h;
     const Grasp& grasp = instance.world.grasps[hold.grasp];
     BodyFrame body = body_of(instance, frame, grasp.body);

@@ -14,7 +14,6 @@ struct Share {
     u32 row;             // first of its rows + control_rows + 1 row starts in `TopologyArgs::rows`
     u32 triplets;        // triplets with an end among its own nodes
     u32 triplet;         // first of them in `TopologyArgs::triplets`
-    u32 arm;             // first of its own + controls + 1 arm starts in `TopologyArgs::arms`
     u32 pins;            // pinned nodes among its local ones
     u32 pin;             // first of them in `TopologyArgs::local_pins`
     u32 export_start;    // first of its own + 1 export starts in `TopologyArgs::exports`
@@ -43,8 +42,8 @@ struct TopologyArgs {
     const u32* nodes;          // graph index of each local node
     const u32* rows;           // first pair of slots of each row; a slot is 32 half-springs
     const Triplet* triplets;
-    const u32* arms;           // per own node and control point: first of its arm references
-    const u32* arm_refs;       // triplet * 4 + role (0: i, 1: k, 2: j)
+    const u32* arm_rows;       // as `rows`: first slot of each row's references to triplets
+    const u32* arm_refs;       // [slots][32]: as `arm_ref` says, or NO_ARM
     const LocalPin* local_pins;
     const Pin* pins;           // as in the graph
     const int* pin_of;         // by graph index: the node's pin, -1 if it has none

@@ -56,24 +56,6 @@ DEVICE void finish_substep(
     publish_state(l, p, now ^ 1, m, x, v);
 }
 
-// A pair of a node's half-springs, `xs` and `vs` being the states that they see.
-DEVICE void spring_forces(
-    const Constants& c, const float4* const* xs, const float2* const* vs, const Pair& pair,
-    const State* s, float3* force
-) {
-    HalfSpring one = first_of(pair, c.dashpot), two = second_of(pair, c.dashpot);
-#pragma unroll
-    for (u32 m = 0; m < INSTANCES; m++) {
-        float4 ax = xs[m][one.other], bx = xs[m][two.other];
-        float2 av = vs[m][one.other], bv = vs[m][two.other];
-        float3 r = sub(xyz(ax), s[m].x), w = sub(v3(ax.w, av.x, av.y), s[m].v);
-        spring_force(one, r, w, force[m]);
-        r = sub(xyz(bx), s[m].x);
-        w = sub(v3(bx.w, bv.x, bv.y), s[m].v);
-        spring_force(two, r, w, force[m]);
-    }
-}
-
 #if GRASPS
 // Force of a spring between a node and a body.
 DEVICE float3 hold_force(const InstanceArgs& instance, const ThreadNode& p, const Held& h, State s,
@@ -84,76 +66,11 @@ DEVICE float3 hold_force(const InstanceArgs& instance, const ThreadNode& p, cons
 #if FORCES
     if (instance.world.impulses && p.valid && p.lane == 0)
         add_node_impulse(
-            instance, at.frame, p.at, IMPULSE_HOLD, instance.world.grasps[h.grasp].body, s.x,
-            scale(force, instance.step.dt)
+            instance, frame_of(instance, at.frame), p.at, IMPULSE_HOLD,
+            instance.world.grasps[h.grasp].body, s.x, scale(force, instance.step.dt)
         );
 #endif
     return force;
-}
-#endif
-
-#if FORCES
-// Adds the impulse that makes a node move with `held` in spite of `force`.
-DEVICE void measure_held(
-    const InstanceArgs& instance, const Constants& c, const ThreadNode& p, const NodeHolds& holds,
-    State s, float3 held, float3 force, const Moment& at
-) {
-    if (!instance.world.impulses || !p.valid || p.lane != 0) return;
-    u32 kind = IMPULSE_CONTROL, body;
-    if (is_pinned(p, holds, 0)) {
-        body = body_of_control(instance, instance.topology.pins[p.pin].control);
-#if GRASPS
-    } else if (holds.of[0].by == BY_PIN) {
-        kind = IMPULSE_HOLD;
-        body = instance.world.grasps[holds.of[0].grasp].body;
-#endif
-    } else {
-        return;
-    }
-    float mass = instance.topology.masses[p.at];
-    float3 free = add_scaled(scale(add(s.v, c.kick), mass), c.dt, force);
-    float3 by = add_scaled(scale(held, mass), -c.decay, free);
-    add_node_impulse(instance, at.frame, p.at, kind, body, s.x, by);
-}
-
-// Adds what control points exert through springs and triplets on the block's nodes.
-DEVICE void measure_controls(
-    const BlockState& l, const Constants& c, u32 now, const Pairs& pairs, const float3* bends,
-    const u32* refs, const Moment& at
-) {
-    const InstanceArgs& instance = *l.instance;
-    if (!instance.world.impulses) return;
-    const TopologyArgs& t = instance.topology;
-    const u32* rows = t.rows + l.share.row;
-    u32 lane = threadIdx.x % LANES;
-    const float4* xs[1] = {opaque_shared(l.xs(now, 0))};
-    const float2* vs[1] = {opaque_shared(l.vs(now, 0))};
-    for (u32 row = threadIdx.x / 32; row < l.share.control_rows; row += WARPS) {
-        u32 control = row * NODES_A_ROW + threadIdx.x % 32 / LANES;
-        bool valid = control < l.controls;
-        u32 start = rows[l.share.rows + row], end = rows[l.share.rows + row + 1];
-        State s[1] = {l.state(now, 0, l.control_base + (valid ? control : 0))};
-        float3 force[1] = {zero3()};
-        u32 first = (start - rows[0]) * 32 + threadIdx.x % 32;
-        for (u32 k = 0; k < end - start; k++)
-            spring_forces(c, xs, vs, load_pair(pairs, first + k * 32), s, force);
-        float3 sum = force[0];
-        if (valid) {
-            const u32* arms = t.arms + l.share.arm + l.share.own;
-            for (u32 a = arms[control] + lane; BENDING && a < arms[control + 1]; a += LANES) {
-                const float3* f = bends + (refs[a] >> 2) * 2;
-                u32 role = refs[a] & 3;
-                sum = role < 2 ? add(sum, f[role]) : sub(sum, add(f[0], f[1]));
-            }
-        }
-        sum = sum_lanes(sum);
-        if (valid && lane == 0) {
-            float* to = instance.world.control_impulses + (u64)l.rank * 6 * l.controls + control;
-            u32 body = body_of_control(instance, control);
-            float3 arm = sub(s[0].x, origin_of(instance, at.frame, body));
-            add_wrench(to, l.controls, arm, scale(sum, -c.dt));
-        }
-    }
 }
 #endif
 
@@ -166,7 +83,7 @@ struct HeldPairs {
 
 DEVICE void integrate_node(
     const BlockState& l, const Constants& c, const ThreadNode& p, const NodeHolds& holds,
-    const HeldPairs& held, u32 now, const Moment& at, const Pairs& pairs, const float3* bends,
+    const HeldPairs& held, u32 now, const Moment& at, const Pairs& pairs, const Bends& bends,
     const u32* refs
 ) {
     State s[INSTANCES];
@@ -187,9 +104,10 @@ DEVICE void integrate_node(
         if (k < HELD_ALWAYS || k < p.pairs) spring_forces(c, xs, vs, held.pairs[k], s, force);
     }
 #endif
+    Pairs rest = pairs_from(pairs, p.first + HELD * 32);
 #pragma unroll 2
-    for (u32 k = HELD; k < p.pairs; k++)
-        spring_forces(c, xs, vs, load_pair(pairs, p.first + k * 32), s, force);
+    for (u32 k = HELD; k < p.pairs; k++, next_pair(rest))
+        spring_forces(c, xs, vs, load_pair(rest, 0), s, force);
 #if ONE_ROW
     synchronize_bends();
 #endif
@@ -208,7 +126,7 @@ DEVICE void integrate_node(
 #endif
         float3 recorded = before;
 #if FORCES
-        measure_held(*l.instance, c, p, holds, s[m], before, total, at);
+        measure_held(l.instance[m], c, p, holds, m, s[m], before, total, at);
         // What a held node would do if it were not: what holds it makes up for that.
         if (p.valid)
             recorded = accelerate(c, 1.0f / l.instance->topology.masses[p.at], total, s[m].v);
@@ -290,24 +208,6 @@ DEVICE void place_controls(
     }
 }
 
-#if FORCES
-// Adds the impulse that gives a held node its velocity where a frame begins.
-DEVICE void measure_jump(
-    const BlockState& l, u32 now, u32 local, u32 kind, u32 body, u32 frame, float3 x, float3 v
-) {
-    const InstanceArgs& instance = *l.instance;
-    if (!instance.world.impulses || local >= l.share.own) return;
-    u32 node = l.graph_node(local), n = instance.topology.node_count;
-    float3 arrives = l.state(now, 0, local).v;
-    if (frame == 0) {
-        const float* v0 = instance.world.initial + 3 * (u64)n + node;
-        arrives = v3(v0[0], v0[n], v0[2 * (u64)n]);
-    }
-    float3 by = scale(sub(v, arrives), instance.topology.masses[node]);
-    add_node_impulse(instance, frame, node, kind, body, x, by);
-}
-#endif
-
 // Held nodes stand at the frame's start with its velocity, wherever they are known.
 DEVICE void begin_frame(const BlockState& l, const InstanceArgs* instances, u32 now, u32 frame) {
     const TopologyArgs& t = l.instance->topology;
@@ -323,7 +223,7 @@ DEVICE void begin_frame(const BlockState& l, const InstanceArgs* instances, u32 
             float3 x = add(held, load_v3(pin.offset)), v = control_velocity(path, pin.control);
 #if FORCES
             measure_jump(
-                l, now, local.local, IMPULSE_CONTROL, body_of_control(instances[m], pin.control),
+                l, m, now, local.local, IMPULSE_CONTROL, body_of_control(instances[m], pin.control),
                 frame_of(instances[m], frame), x, v
             );
 #endif
@@ -333,7 +233,7 @@ DEVICE void begin_frame(const BlockState& l, const InstanceArgs* instances, u32 
         u32 of = frame_of(instances[m], frame);
         const Hold* holds = holds_of(instances[m], of);
         for (u32 i = threadIdx.x; i < l.share.local; i += THREADS) {
-            const Hold hold = holds[l.graph_node(i)];
+            const Hold hold = load_hold(holds + l.graph_node(i));
             if (hold.grasp < 0) continue;
             const Grasp& grasp = instances[m].world.grasps[hold.grasp];
             if (grasp.attachment != HOLD_PIN) continue;
@@ -341,7 +241,7 @@ DEVICE void begin_frame(const BlockState& l, const InstanceArgs* instances, u32 
             float3 place = load_v3(hold.place), x = apply(body.from, place), v = zero3();
             if (instances[m].step.controls_move) v = body_velocity(body, place);
 #if FORCES
-            measure_jump(l, now, i, IMPULSE_HOLD, grasp.body, of, x, v);
+            measure_jump(l, m, now, i, IMPULSE_HOLD, grasp.body, of, x, v);
 #endif
             l.put(now, m, i, x, v);
         }
@@ -418,7 +318,7 @@ advance_frames(const __grid_constant__ AdvanceFramesArgs args) {
     u32 rows = l.share.rows + (FORCES ? l.share.control_rows : 0);
     Pairs pairs = pairs_of(l, rows, l.after_states(0));
     Constants c = constants_of(*instances);
-    float3* bends = bend_buffer(l);
+    Bends bends = bends_of(l);
     const u32* refs = instances->topology.arm_refs;
     HeldTriplet triplet = triplet_at(l, first_triplet());
 #if RODS
@@ -451,7 +351,7 @@ advance_frames(const __grid_constant__ AdvanceFramesArgs args) {
         u32 last = TAPE ? min(to, path.substeps) : path.substeps;
         for (u32 s = 0; s < last; s++) {
             u32 tape = s >= from ? frame * (last - from) + s - from : NO_TAPE;
-            Moment at = {frame_of(*instances, frame), s, path.substeps, tape};
+            Moment at = {frame, s, path.substeps, tape};
             expect_halo(l.arrivals, now ^ 1);
             place_controls(l, instances, path, now ^ 1, frame, s + 1);
 #if RODS
@@ -485,10 +385,16 @@ advance_frames(const __grid_constant__ AdvanceFramesArgs args) {
             synchronize_halo(l.arrivals, now, l.barrier, l.round);
             fetch_states(l, halo, now);
         }
+#if FORCES
+        end_measuring(l, instances, frame);
+#endif
 #if RODS
         if (keep) store_twists(instances, frame);
 #endif
         if (keep) store_states(l, instances, now, frame);
+#if GRASPS && FORCES
+        if (keep) end_holds(l, instances, frame);
+#endif
     }
     // None may end while another still writes into it.
     synchronize_team(l.barrier, l.round);

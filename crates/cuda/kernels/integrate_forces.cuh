@@ -63,7 +63,7 @@ DEVICE float inverse_mass_of(const ThreadNode& p, const NodeHolds& holds, u32 m)
 #endif
 }
 
-// A substep of a frame of the rollout, and its place on tape.
+// A substep of a frame of the launch, and its place on tape.
 struct Moment {
     u32 frame;
     u32 substep, substeps;
@@ -78,14 +78,15 @@ DEVICE void travel(
 #if COLLIDERS || FORCES || SMOOTH
     float3 start = x;
     float t = __fdiv_rn((float)at.substep, (float)at.substeps);
-    advance_among(instance, at.frame, t, x, v, [&](const Meeting& m) {
+    u32 frame = frame_of(instance, at.frame);
+    advance_among(instance, frame, t, x, v, [&](const Meeting& m) {
 #if FORCES
         if (!instance.world.impulses || !p.valid || p.lane != 0) return;
         float3 by = scale(sub(m.after, m.before), instance.topology.masses[p.at]);
         bool ground = m.with == GROUND_ITSELF;
         u32 kind = ground ? IMPULSE_GROUND : IMPULSES + 6 * m.with;
         u32 body = ground ? NO_BODY : instance.world.colliders[m.with].body;
-        add_node_impulse(instance, at.frame, p.at, kind, body, start, by);
+        add_node_impulse(instance, frame, p.at, kind, body, start, by);
 #endif
     });
 #elif GROUND
@@ -95,23 +96,70 @@ DEVICE void travel(
 #endif
 }
 
-// Forces of the ends i and k, by triplet and instance.
-DEVICE float3* bend_buffer(const BlockState& l) {
+// A pair of a node's half-springs, `xs` and `vs` being the states that they see.
+DEVICE void spring_forces(
+    const Constants& c, const float4* const* xs, const float2* const* vs, const Pair& pair,
+    const State* s, float3* force
+) {
+    HalfSpring one = first_of(pair, c.dashpot), two = second_of(pair, c.dashpot);
+#pragma unroll
+    for (u32 m = 0; m < INSTANCES; m++) {
+        float4 ax = xs[m][one.other], bx = xs[m][two.other];
+        float2 av = vs[m][one.other], bv = vs[m][two.other];
+        float3 r = sub(xyz(ax), s[m].x), w = sub(v3(ax.w, av.x, av.y), s[m].v);
+        spring_force(one, r, w, force[m]);
+        r = sub(xyz(bx), s[m].x);
+        w = sub(v3(bx.w, bv.x, bv.y), s[m].v);
+        spring_force(two, r, w, force[m]);
+    }
+}
+
+// Forces of triplets on their ends, as references to them say; those of instances in turn. Outside
+// shared memory a force's components stand together.
+struct Bends {
+    float* at;
+
+    DEVICE_MEMBER float* first(u32 ref, u32 m) const {
+        u32 shared = INSTANCES * (ref & ~31u) + (ref & 31u) + m * VECTORS;
+        u32 spilled = ((triplet_of(ref) * ROLES + role_of(ref)) * INSTANCES + m) * 3;
+        return at + (BEND_IN_SHARED ? shared : spilled);
+    }
+    static constexpr u32 APART = BEND_IN_SHARED ? 32 : 1;
+    DEVICE_MEMBER float3 load(u32 ref, u32 m) const {
+        const float* f = first(ref, m);
+        return v3(f[0], f[APART], f[2 * APART]);
+    }
+    DEVICE_MEMBER void store(u32 t, u32 role, u32 m, float3 force) const {
+        float* f = first(arm_ref(t, role), m);
+        f[0] = force.x;
+        f[APART] = force.y;
+        f[2 * APART] = force.z;
+    }
+    // The forces on i and k; the centre takes the opposite of their sum.
+    DEVICE_MEMBER void store(u32 t, u32 m, float3 f_i, float3 f_k) const {
+        store(t, ROLE_I, m, f_i);
+        store(t, ROLE_K, m, f_k);
+        store(t, ROLE_J, m, scale(add(f_i, f_k), -1.0f));
+    }
+};
+
+DEVICE Bends bends_of(const BlockState& l) {
     const TopologyArgs& topology = l.instance->topology;
     u32 pairs = FORCES ? topology.max_all_pairs : topology.max_pairs;
     u32 before = HALF_SPRINGS_IN_SHARED ? pairs_size(pairs) : 0;
-    return reinterpret_cast<float3*>(BEND_IN_SHARED ? l.after_states(before) : l.spill());
+    Bends b;
+    b.at = reinterpret_cast<float*>(BEND_IN_SHARED ? l.after_states(before) : l.spill());
+    return b;
 }
 
-DEVICE void bend_one(const BlockState& l, u32 now, float3* forces, u32 t, const HeldTriplet& h) {
+DEVICE void bend_one(const BlockState& l, u32 now, const Bends& bends, u32 t, const HeldTriplet& h) {
 #pragma unroll
     for (u32 m = 0; m < INSTANCES; m++) {
         State i = l.state(now, m, h.ends.i), j = l.state(now, m, h.ends.j);
         State k = l.state(now, m, h.ends.k);
         float3 f_i, f_k;
         bend_force(h.params, sub(i.x, j.x), sub(k.x, j.x), sub(i.v, j.v), sub(k.v, j.v), f_i, f_k);
-        forces[(t * INSTANCES + m) * 2] = f_i;
-        forces[(t * INSTANCES + m) * 2 + 1] = f_k;
+        bends.store(t, m, f_i, f_k);
     }
 }
 
@@ -120,7 +168,7 @@ DEVICE void bend_one(const BlockState& l, u32 now, float3* forces, u32 t, const 
 // leave theirs.
 DEVICE void rod_forces(
     const BlockState& l, const Constants& c, const InstanceArgs* instances, u32 frame, u32 now,
-    float3* forces, const HeldRod& first, u32 tape
+    const Bends& bends, const HeldRod& first, u32 tape
 ) {
     for_rods(l, first, [&](u32 r, const HeldRod& h) {
         for (u32 m = 0; m < INSTANCES; m++) {
@@ -144,8 +192,7 @@ DEVICE void rod_forces(
             float torque = h.stiffness * (twist - h.rest_twist) + h.damping * rate;
             for (u32 t = h.first + lane; t < h.end; t += 32) {
                 Turn turn = inner_node_at(l, now, m, t).turn;
-                forces[(t * INSTANCES + m) * 2] = scale(turn.a, -torque);
-                forces[(t * INSTANCES + m) * 2 + 1] = scale(turn.c, -torque);
+                bends.store(t, m, scale(turn.a, -torque), scale(turn.c, -torque));
             }
             __syncwarp();
         }
@@ -172,11 +219,12 @@ DEVICE void store_twists(const InstanceArgs* instances, u32 frame) {
 }
 #endif
 
-DEVICE void bend_forces(const BlockState& l, u32 now, float3* forces, const HeldTriplet& first) {
+DEVICE void
+bend_forces(const BlockState& l, u32 now, const Bends& bends, const HeldTriplet& first) {
 #if BENDING
-    if (first.has) bend_one(l, now, forces, first_triplet(), first);
+    if (first.has) bend_one(l, now, bends, first_triplet(), first);
     for (u32 t = first_triplet() + THREADS; t < l.share.triplets; t += THREADS)
-        bend_one(l, now, forces, t, triplet_at(l, t));
+        bend_one(l, now, bends, t, triplet_at(l, t));
 #if !ONE_ROW
     synchronize_bends();
 #endif
@@ -184,13 +232,10 @@ DEVICE void bend_forces(const BlockState& l, u32 now, float3* forces, const Held
 }
 
 // A lane's part of the forces of its node's triplets.
-DEVICE float3 bend_share(const ThreadNode& p, const float3* forces, const u32* refs, u32 m) {
+DEVICE float3 bend_share(const ThreadNode& p, const Bends& bends, const u32* refs, u32 m) {
     float3 sum = zero3();
 #if BENDING
-    for_arms(p, refs, [&](u32 triplet, u32 role) {
-        const float3* f = forces + (triplet * INSTANCES + m) * 2;
-        sum = role < 2 ? add(sum, f[role]) : sub(sum, add(f[0], f[1]));
-    });
+    for_arms(p, refs, [&](u32 ref) { sum = add(sum, bends.load(ref, m)); });
 #endif
     return sum;
 }

@@ -14,6 +14,16 @@
 // References to its node's triplets that a lane holds in registers.
 #define HELD_ARMS 4
 #define NO_ARM 0xffffffffu
+// Roles of an endpoint in a triplet, and the reference to what triplet t exerts on it: 32 triplets
+// stand together, for each role 32 numbers of each component.
+#define ROLE_I 0
+#define ROLE_K 1
+#define ROLE_J 2
+#define ROLES 3
+#define VECTORS (3 * 32)  // numbers of 32 vectors
+DEVICE u32 arm_ref(u32 t, u32 role) { return (t / 32 * ROLES + role) * VECTORS + t % 32; }
+DEVICE u32 triplet_of(u32 ref) { return ref / (ROLES * VECTORS) * 32 + ref % 32; }
+DEVICE u32 role_of(u32 ref) { return ref % (ROLES * VECTORS) / VECTORS; }
 
 struct State {
     float3 x, v;
@@ -156,7 +166,7 @@ struct ThreadNode {
     float inverse_mass;
     u32 first, pairs;     // its half-springs: every 32nd pair from `first` on
     u32 summed, sums;     // how many of them, from the first on, have sums, and where
-    u32 arm, arms;        // its arm references that the lane does not hold: every LANES-th
+    u32 arm, arms;        // its references to triplets: every 32nd from `arm` on, so many slots
     u32 held_arms[HELD_ARMS];
     u32 export_from, exports; // its export references; the first of them:
     u32 refs[HELD_EXPORTS];
@@ -186,19 +196,18 @@ DEVICE ThreadNode thread_node_of(const BlockState& l, u32 row) {
     const u32* sums = t.sum_rows + l.share.row;
     p.summed = has_row ? sums[row + 1] - sums[row] : 0;
     p.sums = has_row ? sums[row] * PAIR_SUMS + threadIdx.x % 32 : 0;
-    p.arm = p.arms = p.export_from = p.exports = 0;
+    const u32* arm_rows = t.arm_rows + l.share.row;
+    p.arm = has_row ? arm_rows[row] * 32 + threadIdx.x % 32 : 0;
+    p.arms = has_row ? arm_rows[row + 1] - arm_rows[row] : 0;
+    p.export_from = p.exports = 0;
     if (p.valid) {
-        p.arm = t.arms[l.share.arm + p.node] + p.lane;
-        p.arms = t.arms[l.share.arm + p.node + 1];
         p.export_from = t.exports[l.share.export_start + p.node] + p.lane;
         p.exports = t.exports[l.share.export_start + p.node + 1];
     }
 #if BENDING
 #pragma unroll
-    for (u32 k = 0; k < HELD_ARMS; k++) {
-        p.held_arms[k] = p.arm < p.arms ? t.arm_refs[p.arm] : NO_ARM;
-        p.arm = min(p.arm + LANES, p.arms);
-    }
+    for (u32 k = 0; k < HELD_ARMS; k++)
+        p.held_arms[k] = k < p.arms ? t.arm_refs[p.arm + k * 32] : NO_ARM;
 #endif
 #if SHAPE == SHAPE_CLUSTER
 #pragma unroll
@@ -317,15 +326,28 @@ DEVICE void fetch_vectors(const BlockState& l, const Halo& h, u32 next, float4* 
 #endif
 }
 
-// Calls `add(triplet, role)` for a lane's share of its node's triplets.
+// Calls `add(reference)` for a lane's share of its node's triplets.
 template <class Add>
 DEVICE void for_arms(const ThreadNode& p, const u32* refs, Add add) {
 #pragma unroll
     for (u32 k = 0; k < HELD_ARMS; k++) {
-        if (p.held_arms[k] != NO_ARM) add(p.held_arms[k] >> 2, p.held_arms[k] & 3);
+        if (p.held_arms[k] != NO_ARM) add(p.held_arms[k]);
     }
 #pragma unroll 4
-    for (u32 a = p.arm; a < p.arms; a += LANES) add(refs[a] >> 2, refs[a] & 3);
+    for (u32 k = HELD_ARMS; k < p.arms; k++) {
+        u32 ref = refs[p.arm + k * 32];
+        if (ref != NO_ARM) add(ref);
+    }
+}
+
+// The same for a lane of a control point, which has these rows of references behind the nodes'.
+template <class Add>
+DEVICE void for_control_arms(const BlockState& l, u32 row, const u32* refs, Add add) {
+    const u32* rows = l.instance->topology.arm_rows + l.share.row + l.share.rows + row;
+    for (u32 k = rows[0]; BENDING && k < rows[1]; k++) {
+        u32 ref = refs[k * 32 + threadIdx.x % 32];
+        if (ref != NO_ARM) add(ref);
+    }
 }
 
 // The first triplet of a thread. The last threads have the shortest rows, so they begin.

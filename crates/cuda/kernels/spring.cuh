@@ -38,6 +38,17 @@ DEVICE Pair load_pair(const Pairs& from, u32 at) {
     return p;
 }
 
+// Those of a lane from `at` on: every 32nd.
+DEVICE Pairs pairs_from(const Pairs& from, u32 at) {
+    Pairs p = {from.rates + at, from.others + at, from.dashpots + at};
+    return p;
+}
+DEVICE void next_pair(Pairs& of) {
+    of.rates += 32;
+    of.others += 32;
+    of.dashpots += 32;
+}
+
 // Joins a node with itself, without stiffness.
 DEVICE Pair no_pair(u32 self) {
     Pair p;

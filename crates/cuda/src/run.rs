@@ -3,10 +3,12 @@
 
 pub(crate) mod backend;
 pub(crate) mod backward;
+mod contact;
 pub(crate) mod group;
 pub(crate) mod objective;
 pub(crate) mod optimizer;
 pub(crate) mod outputs;
 pub(crate) mod scoring;
 pub(crate) mod simulation;
+mod start;
 mod world;

@@ -132,6 +132,11 @@ fn positions_after_a_frame_agree() {
 }
 
 fn relative(name: &str, what: &str, expected: &[f32], found: &[f32]) -> f64 {
+    relative_within(1e-3, name, what, expected, found)
+}
+
+/// Norm of the difference by that of what is expected, which is to be at most `within`.
+fn relative_within(within: f64, name: &str, what: &str, expected: &[f32], found: &[f32]) -> f64 {
     let square = |v: f64| v * v;
     let size: f64 = expected.iter().map(|&x| square(f64::from(x))).sum::<f64>().sqrt();
     let apart: f64 = expected
@@ -142,7 +147,7 @@ fn relative(name: &str, what: &str, expected: &[f32], found: &[f32]) -> f64 {
         .sqrt();
     assert_eq!(expected.len(), found.len(), "{name}, {what}");
     let relative = if apart == 0.0 { 0.0 } else { apart / size };
-    assert!(relative < 1e-3, "{name}, {what}: {relative:.2e} relative to {size:.2e}");
+    assert!(relative < within, "{name}, {what}: {relative:.2e} relative to {size:.2e}");
     relative
 }
 

@@ -26,12 +26,16 @@ mod optimizer;
 mod random;
 mod refusals;
 mod scene;
+mod smooth;
 mod springs;
 mod twist;
 
 use crate::Backend;
 
-pub use self::random::{RandomOptions, random_model, random_motion};
+pub use self::random::{
+    RandomOptions, random_model, random_motion,
+    world::{WorldOptions, count_forces, random_world},
+};
 
 /// One named case.
 #[derive(Clone, Copy, Debug)]
@@ -197,6 +201,10 @@ suite! { ($)
         gradients_of_every_term,
         norms_are_those_of_restarts,
         cut_gradients_are_sums_of_windows;
+    smooth:
+        gradients_through_smooth_ground,
+        gradients_through_smooth_colliders,
+        gradients_of_a_hand_over_the_ground;
     batches:
         batch_equals_one_by_one,
         repeats_are_identical,
@@ -214,6 +222,7 @@ suite! { ($)
         overflowing_gradients_say_so;
     degenerate:
         random_graphs_stay_finite,
+        random_worlds_stay_finite,
         degenerate_geometry_stays_finite,
         empty_and_lonely_graphs_work,
         divergence_says_where;

@@ -4759,7 +4759,8 @@ pub struct Observation {
     /// surface could have been seen. Absent: all of it.
     #[prost(message, optional, tag = "6")]
     pub cameras: ::core::option::Option<Tensor>,
-    /// What the points are, if it is known. Neither: a cloud, which is matched to the surface.
+    /// Places of the points on the object, if they are known. Neither: a cloud, which is matched to the
+    /// surface.
     #[prost(oneof = "observation::Tracks", tags = "2, 3")]
     pub tracks: ::core::option::Option<observation::Tracks>,
 }
@@ -4775,7 +4776,8 @@ pub mod observation {
         #[prost(message, optional, tag = "2")]
         pub node_positions: ::core::option::Option<super::Tensor>,
     }
-    /// What the points are, if it is known. Neither: a cloud, which is matched to the surface.
+    /// Places of the points on the object, if they are known. Neither: a cloud, which is matched to the
+    /// surface.
     #[derive(Clone, PartialEq, ::prost::Oneof)]
     pub enum Tracks {
         /// UINT32 \[M\]: nodes of the twin.
@@ -4914,7 +4916,7 @@ pub mod registration_service_client {
     )]
     use tonic::codegen::*;
     use tonic::codegen::http::Uri;
-    /// Where an object is: from points that were seen of it to a state of its twin. A running session is
+    /// Registration: from points that were seen of an object to a state of its twin. A running session is
     /// corrected by SessionService.CorrectSession instead.
     #[derive(Debug, Clone)]
     pub struct RegistrationServiceClient<T> {
@@ -5048,7 +5050,7 @@ pub mod registration_service_server {
             request: tonic::Request<super::RegisterStateRequest>,
         ) -> std::result::Result<tonic::Response<super::RegisteredState>, tonic::Status>;
     }
-    /// Where an object is: from points that were seen of it to a state of its twin. A running session is
+    /// Registration: from points that were seen of an object to a state of its twin. A running session is
     /// corrected by SessionService.CorrectSession instead.
     #[derive(Debug)]
     pub struct RegistrationServiceServer<T> {

@@ -139,6 +139,10 @@ pub struct HeldSession {
     /// twins/{uuid}
     #[prost(string, tag = "2")]
     pub twin: ::prost::alloc::string::String,
+    #[prost(uint32, tag = "3")]
+    pub slots: u32,
+    #[prost(uint32, tag = "4")]
+    pub grasps: u32,
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct HeartbeatResponse {

@@ -1485,6 +1485,320 @@ if let Some(value) = &self.max_residual_m { map.serialize_entry("max_residual_m"
     }
 }
 
+impl Fields for crate::v1::Session {
+    const NAME: &'static str = "Session";
+    const FIELDS: &'static [&'static str] = &["name", "twin", "slots", "frames", "idle_timeout_s", "worker", "fidelity"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.twin = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+4 => { self.idle_timeout_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.worker = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.fidelity = word::<crate::v1::Fidelity, A>(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("twin", &self.twin)?;
+map.serialize_entry("slots", &self.slots)?;
+map.serialize_entry("frames", &self.frames)?;
+map.serialize_entry("idle_timeout_s", &self.idle_timeout_s)?;
+map.serialize_entry("worker", &self.worker)?;
+write_word::<crate::v1::Fidelity, M>(map, "fidelity", self.fidelity)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::OpenSessionRequest {
+    const NAME: &'static str = "OpenSessionRequest";
+    const FIELDS: &'static [&'static str] = &["twin", "initial", "slots", "world", "grasps", "fidelity", "idle_timeout_s"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.twin = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.initial = message(map)?; }
+2 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+3 => { self.world = message(map)?; }
+4 => { self.grasps = messages(map)?; }
+5 => { self.fidelity = word::<crate::v1::Fidelity, A>(map)?; }
+6 => { self.idle_timeout_s = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("twin", &self.twin)?;
+write_message(map, "initial", self.initial.as_ref(), tensors)?;
+map.serialize_entry("slots", &self.slots)?;
+write_message(map, "world", self.world.as_ref(), tensors)?;
+write_messages(map, "grasps", &self.grasps, tensors)?;
+write_word::<crate::v1::Fidelity, M>(map, "fidelity", self.fidelity)?;
+map.serialize_entry("idle_timeout_s", &self.idle_timeout_s)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::GetSessionRequest {
+    const NAME: &'static str = "GetSessionRequest";
+    const FIELDS: &'static [&'static str] = &["name"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::GetSessionStatesRequest {
+    const NAME: &'static str = "GetSessionStatesRequest";
+    const FIELDS: &'static [&'static str] = &["name", "slots"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("slots", &self.slots)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::SessionStates {
+    const NAME: &'static str = "SessionStates";
+    const FIELDS: &'static [&'static str] = &["states", "slots", "frames"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.states = message(map)?; }
+1 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.frames = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "states", self.states.as_ref(), tensors)?;
+map.serialize_entry("slots", &self.slots)?;
+map.serialize_entry("frames", &self.frames)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::AdvanceSessionRequest {
+    const NAME: &'static str = "AdvanceSessionRequest";
+    const FIELDS: &'static [&'static str] = &["name", "slots", "rollout"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.rollout = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("slots", &self.slots)?;
+write_message(map, "rollout", self.rollout.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ForkSessionRequest {
+    const NAME: &'static str = "ForkSessionRequest";
+    const FIELDS: &'static [&'static str] = &["name", "from", "to"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.from = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.to = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("from", &self.from)?;
+map.serialize_entry("to", &self.to)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::ResetSessionRequest {
+    const NAME: &'static str = "ResetSessionRequest";
+    const FIELDS: &'static [&'static str] = &["name", "slots", "initial"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.initial = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("slots", &self.slots)?;
+write_message(map, "initial", self.initial.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CorrectSessionRequest {
+    const NAME: &'static str = "CorrectSessionRequest";
+    const FIELDS: &'static [&'static str] = &["name", "slots", "observation", "options"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.observation = message(map)?; }
+3 => { self.options = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("slots", &self.slots)?;
+write_message(map, "observation", self.observation.as_ref(), tensors)?;
+write_message(map, "options", self.options.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CorrectedSession {
+    const NAME: &'static str = "CorrectedSession";
+    const FIELDS: &'static [&'static str] = &["session", "corrections"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.session = message(map)?; }
+1 => { self.corrections = messages(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "session", self.session.as_ref(), tensors)?;
+write_messages(map, "corrections", &self.corrections, tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::corrected_session::Correction {
+    const NAME: &'static str = "Correction";
+    const FIELDS: &'static [&'static str] = &["slot", "before", "after", "moved_mm"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.slot = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.before = message(map)?; }
+2 => { self.after = message(map)?; }
+3 => { self.moved_mm = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("slot", &self.slot)?;
+write_message(map, "before", self.before.as_ref(), tensors)?;
+write_message(map, "after", self.after.as_ref(), tensors)?;
+map.serialize_entry("moved_mm", &self.moved_mm)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CloseSessionRequest {
+    const NAME: &'static str = "CloseSessionRequest";
+    const FIELDS: &'static [&'static str] = &["name"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CloseSessionResponse {
+    const NAME: &'static str = "CloseSessionResponse";
+    const FIELDS: &'static [&'static str] = &[];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        
+        Ok(())
+    }
+}
+
 impl Fields for crate::v1::TwinGeometry {
     const NAME: &'static str = "TwinGeometry";
     const FIELDS: &'static [&'static str] = &["rest_positions", "kinds", "edges", "rest_lengths", "triplets", "masses", "controls", "hands", "pins", "surface_count", "rod_count", "fps", "substeps", "gravity", "ground", "ground_friction", "ground_restitution", "mass_kg", "spacing_m", "rod_starts", "rod_nodes"];

@@ -55,11 +55,6 @@ pub fn check_correction(
     twin: &TwinShape,
     limits: &Limits,
 ) -> Result<(), Error> {
-    let mut slots = request.slots.clone();
-    slots.sort_unstable();
-    if slots.windows(2).any(|pair| pair[0] == pair[1]) {
-        return Err(rollout::Error::field("slots", "names a slot twice").into());
-    }
     observation(request.observation.as_ref(), twin, limits)
 }
 

@@ -24,7 +24,7 @@ pub(super) use self::{
     world::{bodies_of, parts},
 };
 use super::{Error, Limits, TwinShape, memory, size};
-use crate::v1::{Fidelity, RollOutRequest};
+use crate::v1::{Fidelity, OpenSessionRequest, RollOutRequest};
 
 /// Size of the batch of a checked request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +35,25 @@ pub struct Batch {
     pub knots: u64,
     /// Horizon F [frames].
     pub frames: u64,
+}
+
+/// What the surroundings of a rollout are checked against of its actions.
+#[derive(Clone, Copy)]
+struct Moves {
+    instances: u64,
+    /// None: the actions come later.
+    knots: Option<u64>,
+    grippers: Grippers,
+}
+
+/// The grippers of actions.
+#[derive(Clone, Copy)]
+enum Grippers {
+    /// Actions that move control points themselves.
+    None,
+    Count(u64),
+    /// The actions come later.
+    Later,
 }
 
 /// Checks what can be checked without the twin.
@@ -62,9 +81,11 @@ pub fn check(request: &RollOutRequest, limits: &Limits) -> Result<Batch, Error> 
     fidelity(request.fidelity)?;
     costs::check(request, &batch, limits)?;
     returns::check(request)?;
-    initial::check(request.initial.as_ref(), &batch)?;
-    world::check(request, knots, limits)?;
-    grasps::check(request, &batch)?;
+    initial::check(request.initial.as_ref(), instances)?;
+    let grippers = world::grippers(request.actions.as_ref());
+    let moves = Moves { instances, knots: Some(knots), grippers };
+    world::check(request.world.as_ref(), &request.grasps, &moves, limits)?;
+    grasps::check(&request.grasps, &moves)?;
     vary::check(request, &batch, limits)?;
     plausibility::check(request)?;
     Ok(batch)
@@ -85,11 +106,10 @@ pub fn check_for(
     actions::check_for(request.actions.as_ref(), twin)?;
     costs::check_for(&request.costs, twin)?;
     returns::check_for(request.returns.as_ref(), twin)?;
-    initial::check_for(request.initial.as_ref(), &batch, twin, request.grasps.len())?;
-    grasps::check_for(request, twin)?;
-    if request.fidelity() == Fidelity::Fast && twin.fast_substeps.is_none() {
-        return Err(Error::NoFastVariant { twin: request.twin.clone() });
-    }
+    let grasps = &request.grasps;
+    initial::check_for(request.initial.as_ref(), batch.instances, twin, grasps.len())?;
+    grasps::check_for(grasps, twin)?;
+    has_variant(request.fidelity(), &request.twin, twin)?;
     within(
         "the work (instances x frames x substeps x (nodes + springs + triplets))",
         work(request, &batch, twin),
@@ -107,6 +127,30 @@ pub fn check_for(
         return Err(too_much_memory(least, limits.memory_bytes));
     }
     Ok(batch)
+}
+
+/// Checks what the slots of a session begin with, as far as that is known before their actions.
+pub(super) fn check_open(
+    request: &OpenSessionRequest,
+    slots: u64,
+    twin: &TwinShape,
+    limits: &Limits,
+) -> Result<(), Error> {
+    fidelity(request.fidelity)?;
+    initial::check(request.initial.as_ref(), slots)?;
+    let moves = Moves { instances: slots, knots: None, grippers: Grippers::Later };
+    world::check(request.world.as_ref(), &request.grasps, &moves, limits)?;
+    grasps::check(&request.grasps, &moves)?;
+    initial::check_for(request.initial.as_ref(), slots, twin, request.grasps.len())?;
+    grasps::check_for(&request.grasps, twin)?;
+    has_variant(request.fidelity(), &request.twin, twin)
+}
+
+fn has_variant(fidelity: Fidelity, name: &str, twin: &TwinShape) -> Result<(), Error> {
+    if fidelity == Fidelity::Fast && twin.fast_substeps.is_none() {
+        return Err(Error::NoFastVariant { twin: name.to_owned() });
+    }
+    Ok(())
 }
 
 /// The refusal of a rollout that takes too much memory.

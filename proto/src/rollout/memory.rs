@@ -138,6 +138,9 @@ pub fn memory(
         sum(&[mul(&[CONTROL, boundaries, twin.controls]), mul(&[2, names]), INSTANCE]);
     prepared = sum(&[prepared, mul(&[TARGET, own]), frame_costs]);
     prepared = sum(&[prepared, surroundings::prepared_bytes(request, batch)]);
+    // What grasps hold at the end says which nodes they took.
+    let end = if request.grasps.is_empty() { 0 } else { state };
+    prepared = sum(&[prepared, end]);
     let mut running = sum(&[
         mul(&[CONTROL_READ, boundaries, twin.controls]),
         mul(&[NODE, endpoints]),

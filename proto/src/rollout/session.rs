@@ -1,10 +1,7 @@
-//! The check of what a session begins with: that of a rollout that begins there.
+//! The check of what a session begins with, and the size of its states.
 
-use super::{Error, Limits, TwinShape, check_for};
-use crate::v1::{
-    ControlTrajectories, GripperPoses, OpenSessionRequest, RollOutRequest, Tensor,
-    initial_state::State, roll_out_request::Actions,
-};
+use super::{Error, Limits, TwinShape, check::check_open, size::Sum};
+use crate::v1::{OpenSessionRequest, initial_state::State};
 
 /// Most slots of a session.
 pub const MOST_SLOTS: u32 = 4096;
@@ -26,7 +23,8 @@ pub fn slots(request: &OpenSessionRequest) -> Result<u32, Error> {
     }
 }
 
-/// Checks initial state, surroundings and fidelity of a session.
+/// Checks initial state, surroundings and fidelity of a session. What hangs on the actions, such as
+/// their number of knots, is checked with each rollout.
 ///
 /// # Errors
 /// The first fault that is found.
@@ -35,53 +33,51 @@ pub fn check_session(
     twin: &TwinShape,
     limits: &Limits,
 ) -> Result<(), Error> {
-    let slots = slots(request)? as usize;
+    let slots = slots(request)?;
     let state = request.initial.as_ref().and_then(|i| i.state.as_ref());
     if matches!(state, Some(State::Session(_))) {
         let fault = "is another session: fork that, or give its state";
         return Err(Error::field("initial.session", fault));
     }
-    let is_each = matches!(state, Some(State::Given(given))
-        if given.positions.as_ref().is_some_and(|t| t.shape.len() == 3));
-    // One instance stands for all where they begin alike.
-    let slots = if is_each { slots } else { 1 };
-    let limits = Limits { work: u64::MAX, ..*limits };
-    check_for(&first_rollout(request, twin, slots), twin, &limits, 1).map(drop)
+    check_open(request, u64::from(slots), twin, limits)
 }
 
-/// A rollout of one frame in which nothing is moved.
-fn first_rollout(request: &OpenSessionRequest, twin: &TwinShape, slots: usize) -> RollOutRequest {
-    let grippers = request.grasps.iter().map(|g| u64::from(g.gripper) + 1);
-    let carriers =
-        request.world.iter().flat_map(|w| &w.colliders).filter_map(|c| match c.carrier {
-            Some(crate::v1::collider::Carrier::Gripper(g)) => Some(u64::from(g) + 1),
-            _ => None,
-        });
-    let grippers = grippers.chain(carriers).max().unwrap_or(0).min(u64::from(MOST_SLOTS)) as usize;
-    let actions = if grippers == 0 {
-        let count = 2 * slots * twin.controls as usize;
-        let shape = [slots, 2, twin.controls as usize];
-        Actions::Trajectories(ControlTrajectories {
-            positions: Some(Tensor::pack_points(&shape, &vec![[0.0; 3]; count])),
-            interpolation: 0,
-        })
-    } else {
-        // No gripper is anywhere; their rotations must be some.
-        let pose = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0f32];
-        let poses = pose.repeat(2 * slots * grippers);
-        Actions::Poses(GripperPoses {
-            poses: Some(Tensor::pack(&[slots, 2, grippers, 7], &poses)),
-            ..GripperPoses::default()
-        })
-    };
-    RollOutRequest {
-        twin: request.twin.clone(),
-        actions: Some(actions),
-        initial: request.initial.clone(),
-        frames: 1,
-        fidelity: request.fidelity,
-        world: request.world.clone(),
-        grasps: request.grasps.clone(),
-        ..RollOutRequest::default()
+/// Size of the reply that holds the states of so many slots with so many grasps, at most [bytes].
+///
+/// # Errors
+/// If it is larger than a reply may be.
+pub fn states_bytes(
+    slots: u64,
+    grasps: u64,
+    twin: &TwinShape,
+    limits: &Limits,
+) -> Result<u64, Error> {
+    let (n, c) = (twin.nodes, twin.controls);
+    let mut grasping = Sum(0);
+    for width in [grasps, n, n.saturating_mul(3)] {
+        grasping.tensor(1, 4, &[slots, width]);
     }
+    let mut given = Sum(0);
+    // Rods have nodes of their own.
+    let rods = twin.rods.unwrap_or(n);
+    for width in [n.saturating_mul(3), n.saturating_mul(3), rods, c.saturating_mul(3)] {
+        given.tensor(1, 4, &[slots, width]);
+    }
+    given.message(1, &grasping);
+    let mut reply = Sum(0);
+    reply.message(1, &given);
+    // Numbers of slots and of frames.
+    reply.add(slots.saturating_mul(5 + 10).saturating_add(32));
+    if reply.0 > limits.reply_bytes {
+        return Err(Error::TooLarge {
+            what: "the size of the states in bytes",
+            asked: reply.0,
+            limit: limits.reply_bytes,
+            advice: "ask for fewer slots at once",
+        });
+    }
+    Ok(reply.0)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,15 +1,14 @@
-//! The way of registrations and corrections. A registration goes where a rollout would, to a worker
-//! that has the twin loaded and time for it, and waits in its line; a correction goes to the worker
-//! that has the session.
+//! The way of registrations: as of rollouts, to a worker that has the twin loaded and time for it, in
+//! whose line they wait.
 
 use std::{sync::Arc, time::Duration};
 
-use bendtwin_core::ids::{SessionId, TwinId};
+use bendtwin_core::ids::TwinId;
 use bendtwin_proto::{
     registration,
     rollout::{REQUEST_BYTES, TwinShape},
-    v1::{CorrectSessionRequest, CorrectedSession, RegisterStateRequest, RegisteredState},
-    worker::v1::{ExecuteRegisterStateRequest, manage_session_request::Call},
+    v1::{RegisterStateRequest, RegisteredState},
+    worker::v1::ExecuteRegisterStateRequest,
 };
 use prost::Message as _;
 use tokio::time::Instant;
@@ -91,22 +90,6 @@ impl Dispatch {
             Ok(request)
         });
         checked.await.map_err(|e| Error::Internal(format!("the check of a registration: {e}")))?
-    }
-
-    /// Brings slots of a session closer to what is seen.
-    pub(crate) async fn correct_session(
-        &self,
-        request: CorrectSessionRequest,
-        timeout: Option<Duration>,
-    ) -> Result<CorrectedSession> {
-        let session: SessionId = request.name.parse().map_err(Error::Name)?;
-        let (_, twin) = self.session(session)?;
-        let known = self.twins.get(&self.store, twin).await?;
-        registration::check_correction(&request, &known.shape, &self.limits.rollout)?;
-        let name = request.name.clone();
-        let reply = self.manage_session(&name, Call::Correct(request), timeout).await?;
-        let missing = || Error::Internal("a worker's reply has no correction".to_owned());
-        reply.corrected.ok_or_else(missing)
     }
 }
 

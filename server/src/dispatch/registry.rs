@@ -34,6 +34,8 @@ use crate::{
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 /// Time for which a worker that broke a connection is left alone.
 const BROKEN_FOR: Duration = Duration::from_secs(2);
+/// Longest that a heartbeat is under way.
+const UNDER_WAY: Duration = Duration::from_secs(10);
 /// Replies of many megabytes should not wait for window updates.
 const WINDOW: u32 = 16 << 20;
 
@@ -65,8 +67,10 @@ pub(super) struct Live {
     last_sign: Duration,
     last_seen: Timestamp,
     warm: Vec<TwinId>,
-    /// Sessions that live there, with their twins.
-    sessions: HashMap<SessionId, TwinId>,
+    /// Sessions that live there.
+    sessions: HashMap<SessionId, HeldSession>,
+    /// When those were opened that a heartbeat may not tell of yet.
+    opened: HashMap<SessionId, Instant>,
     in_flight: u32,
     memory: Option<Memory>,
     fit_bytes: u64,
@@ -93,12 +97,20 @@ pub(crate) struct WorkerView {
 pub(crate) struct Heartbeat {
     /// The twins that it has loaded.
     pub(crate) warm: Vec<TwinId>,
-    /// The sessions that live there, with their twins.
-    pub(crate) sessions: HashMap<SessionId, TwinId>,
+    /// The sessions that live there.
+    pub(crate) sessions: HashMap<SessionId, HeldSession>,
     pub(crate) in_flight: u32,
     pub(crate) memory: Option<Memory>,
     /// Memory that a fit may take [bytes]; zero if it takes no fits.
     pub(crate) fit_bytes: u64,
+}
+
+/// Facts of a session that lives at a worker.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HeldSession {
+    pub(crate) twin: TwinId,
+    pub(crate) slots: u32,
+    pub(crate) grasps: u32,
 }
 
 /// Room for a fit at a worker.
@@ -115,6 +127,17 @@ pub(crate) struct Memory {
     /// In use, by whomever.
     pub(crate) used: u64,
     pub(crate) total: u64,
+}
+
+impl Live {
+    /// Takes over the sessions that a heartbeat tells of. It may have been sent before a session was
+    /// opened, so that a new one stays whatever it says.
+    fn told(&mut self, mut sessions: HashMap<SessionId, HeldSession>) {
+        self.opened.retain(|_, opened| opened.elapsed() < UNDER_WAY);
+        let new = self.sessions.iter().filter(|(id, _)| self.opened.contains_key(id));
+        sessions.extend(new.map(|(id, held)| (*id, *held)));
+        self.sessions = sessions;
+    }
 }
 
 impl Entry {
@@ -148,6 +171,7 @@ impl Entry {
             last_seen: now.day,
             warm: Vec::new(),
             sessions: HashMap::new(),
+            opened: HashMap::new(),
             in_flight: 0,
             memory: None,
             fit_bytes: 0,
@@ -203,7 +227,7 @@ impl Entry {
         self.seen(now);
         let mut live = self.live();
         live.warm = heartbeat.warm;
-        live.sessions = heartbeat.sessions;
+        live.told(heartbeat.sessions);
         live.in_flight = heartbeat.in_flight;
         live.memory = heartbeat.memory;
         live.fit_bytes = heartbeat.fit_bytes;
@@ -223,19 +247,23 @@ impl Entry {
         }
     }
 
-    /// The twin of a session that lives there.
-    pub(super) fn session(&self, session: SessionId) -> Option<TwinId> {
+    /// A session that lives there.
+    pub(super) fn session(&self, session: SessionId) -> Option<HeldSession> {
         self.live().sessions.get(&session).copied()
     }
 
     /// Notes a session that has begun there.
-    pub(super) fn opened(&self, session: SessionId, twin: TwinId) {
-        self.live().sessions.insert(session, twin);
+    pub(super) fn opened(&self, session: SessionId, held: HeldSession) {
+        let mut live = self.live();
+        live.opened.insert(session, Instant::now());
+        live.sessions.insert(session, held);
     }
 
     /// Notes that a session is not there, or no longer.
     pub(super) fn closed(&self, session: SessionId) {
-        self.live().sessions.remove(&session);
+        let mut live = self.live();
+        live.opened.remove(&session);
+        live.sessions.remove(&session);
     }
 
     /// The connection broke: leave the worker alone for a while.

@@ -6,9 +6,12 @@ use std::{sync::Arc, time::Duration};
 
 use bendtwin_core::ids::{SessionId, TwinId};
 use bendtwin_proto::{
+    registration,
     rollout::{self, REQUEST_BYTES},
     v1::{
-        AdvanceSessionRequest, InitialState, OpenSessionRequest, RollOutRequest, RollOutResponse,
+        AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, CorrectedSession,
+        GetSessionStatesRequest, InitialState, OpenSessionRequest, RollOutRequest, RollOutResponse,
+        Session, SessionStates,
         initial_state::{SessionSlots, State},
     },
     worker::v1::{
@@ -23,8 +26,8 @@ use tonic::Request;
 use super::{
     Dispatch,
     line::Ask,
-    registry::Entry,
-    rollout::{RollOut, Running, Whole, failure, is_late, late},
+    registry::{Entry, HeldSession},
+    rollout::{Held, RollOut, Running, Whole, failure, is_late, late},
     untaken::was_not_taken,
 };
 use crate::{
@@ -37,8 +40,8 @@ use crate::{
 const LONGEST: Duration = Duration::from_secs(600);
 
 impl Dispatch {
-    /// The worker that has a session, and the session's twin.
-    pub(super) fn session(&self, session: SessionId) -> Result<(Arc<Entry>, TwinId)> {
+    /// The worker that has a session, and what is known of it.
+    pub(super) fn session(&self, session: SessionId) -> Result<(Arc<Entry>, HeldSession)> {
         let workers = self.lock();
         let found = workers.values().find_map(|e| Some((Arc::clone(e), e.session(session)?)));
         found.ok_or_else(|| Error::SessionLost(session.to_string()))
@@ -53,7 +56,7 @@ impl Dispatch {
         let state = request.initial.as_ref().and_then(|i| i.state.as_ref());
         let Some(State::Session(SessionSlots { session, .. })) = state else { return Ok(None) };
         let id: SessionId = session.parse().map_err(Error::Name)?;
-        let (entry, twin) = self.session(id)?;
+        let (entry, HeldSession { twin, .. }) = self.session(id)?;
         if !request.twin.is_empty() && request.twin.parse() != Ok(twin) {
             let fault = format!("is {}: the session is of {twin}", request.twin);
             return Err(Error::invalid("twin", fault));
@@ -85,11 +88,13 @@ impl Dispatch {
         }
     }
 
-    /// Simulates a rollout from where slots of a session are, and leaves them where it ends.
+    /// Simulates a rollout from where slots of a session are, and leaves them where it ends;
+    /// `as_lists` if the reply is to be written as nested lists of JSON.
     pub(crate) async fn advance_session(
         &self,
         advance: AdvanceSessionRequest,
         timeout: Option<Duration>,
+        as_lists: bool,
         memory: Arc<Shares>,
     ) -> Result<Whole> {
         let missing = || Error::invalid("rollout", "is missing");
@@ -101,8 +106,7 @@ impl Dispatch {
         let commit_slots = if advance.slots.is_empty() { vec![0] } else { advance.slots };
         let slots = SessionSlots { session: advance.name, slots: commit_slots.clone() };
         request.initial = Some(InitialState { state: Some(State::Session(slots)) });
-        let (in_parts, as_lists) = (false, false);
-        let rollout = RollOut { request, timeout, in_parts, as_lists, commit_slots, memory };
+        let rollout = RollOut { request, timeout, in_parts: false, as_lists, commit_slots, memory };
         self.roll_out(rollout).await
     }
 
@@ -111,40 +115,108 @@ impl Dispatch {
         &self,
         open: OpenSessionRequest,
         timeout: Option<Duration>,
-    ) -> Result<ManageSessionResponse> {
+    ) -> Result<Session> {
         let twin: TwinId = open.twin.parse().map_err(Error::Name)?;
         let known = self.twins.get(&self.store, twin).await?;
         rollout::check_session(&open, &known.shape, &self.limits.rollout)?;
         let ask = Ask { client: Context::current().client, work: 0.0 };
         let entry = self.choose(twin, &ask, &[])?;
         let capture = known.capture.map(|c| c.to_string()).unwrap_or_default();
+        let grasps = open.grasps.len() as u32;
         let reply = self.manage(&entry, Call::Open(open), capture, timeout).await?;
-        let session = reply.session.as_ref().and_then(|s| s.name.parse().ok());
-        let session = session.ok_or(Error::WorkerEnded)?;
-        entry.opened(session, twin);
+        let session = described(reply)?;
+        let id: SessionId = session.name.parse().map_err(|_| Error::WorkerEnded)?;
+        entry.opened(id, HeldSession { twin, slots: session.slots, grasps });
         entry.warmed(twin);
-        Ok(reply)
+        Ok(session)
     }
 
-    /// Passes a call on to the session's worker.
-    pub(crate) async fn manage_session(
+    /// Passes a call that tells how the session is on to its worker.
+    pub(crate) async fn session_call(
         &self,
         session: &str,
         call: Call,
         timeout: Option<Duration>,
-    ) -> Result<ManageSessionResponse> {
-        let session: SessionId = session.parse().map_err(Error::Name)?;
-        let closes = matches!(call, Call::Close(_));
-        let (entry, twin) = match self.session(session) {
-            // It has ended already.
-            Err(Error::SessionLost(_)) if closes => return Ok(ManageSessionResponse::default()),
-            found => found?,
+    ) -> Result<Session> {
+        let (id, entry, held) = self.named(session)?;
+        described(self.manage_known(id, &entry, held.twin, call, timeout).await?)
+    }
+
+    /// States of slots, and their memory; `as_lists` if they are to be written as nested lists of
+    /// JSON.
+    pub(crate) async fn session_states(
+        &self,
+        asked: GetSessionStatesRequest,
+        timeout: Option<Duration>,
+        as_lists: bool,
+    ) -> Result<(SessionStates, Held)> {
+        let (id, entry, held) = self.named(&asked.name)?;
+        let known = self.twins.get(&self.store, held.twin).await?;
+        let slots = match asked.slots.len() {
+            0 => held.slots as usize,
+            asked => asked,
         };
+        let mut limits = self.limits.rollout;
+        if as_lists {
+            limits.reply_bytes = limits.json_reply_bytes;
+        }
+        let grasps = u64::from(held.grasps);
+        let bytes = rollout::states_bytes(slots as u64, grasps, &known.shape, &limits)?;
+        let share = self.memory.reply(bytes).await?;
+        let reply = self.manage_known(id, &entry, held.twin, Call::States(asked), timeout).await?;
+        Ok((reply.states.unwrap_or_default(), Held::of(share)))
+    }
+
+    /// Brings slots of a session closer to what is seen.
+    pub(crate) async fn correct_session(
+        &self,
+        correct: CorrectSessionRequest,
+        timeout: Option<Duration>,
+    ) -> Result<CorrectedSession> {
+        let (id, entry, held) = self.named(&correct.name)?;
+        let known = self.twins.get(&self.store, held.twin).await?;
+        registration::check_correction(&correct, &known.shape, &self.limits.rollout)?;
+        let call = Call::Correct(correct);
+        let reply = self.manage_known(id, &entry, held.twin, call, timeout).await?;
+        let missing = || Error::Internal("a worker's reply has no correction".to_owned());
+        reply.corrected.ok_or_else(missing)
+    }
+
+    /// Ends a session; it is no error if it has ended.
+    pub(crate) async fn close_session(
+        &self,
+        close: CloseSessionRequest,
+        timeout: Option<Duration>,
+    ) -> Result<()> {
+        match self.named(&close.name) {
+            Err(Error::SessionLost(_)) => Ok(()),
+            Err(error) => Err(error),
+            Ok((id, entry, held)) => {
+                self.manage_known(id, &entry, held.twin, Call::Close(close), timeout).await?;
+                entry.closed(id);
+                Ok(())
+            }
+        }
+    }
+
+    fn named(&self, session: &str) -> Result<(SessionId, Arc<Entry>, HeldSession)> {
+        let id = session.parse().map_err(Error::Name)?;
+        let (entry, held) = self.session(id)?;
+        Ok((id, entry, held))
+    }
+
+    async fn manage_known(
+        &self,
+        session: SessionId,
+        entry: &Arc<Entry>,
+        twin: TwinId,
+        call: Call,
+        timeout: Option<Duration>,
+    ) -> Result<ManageSessionResponse> {
         let known = self.twins.get(&self.store, twin).await?;
         let capture = known.capture.map(|c| c.to_string()).unwrap_or_default();
-        let reply = self.manage(&entry, call, capture, timeout).await;
-        let is_gone = matches!(&reply, Err(Error::Worker(f)) if f.reason == "SESSION_LOST");
-        if closes || is_gone {
+        let reply = self.manage(entry, call, capture, timeout).await;
+        if matches!(&reply, Err(Error::Worker(f)) if f.reason == "SESSION_LOST") {
             entry.closed(session);
         }
         reply
@@ -176,4 +248,9 @@ impl Dispatch {
             Err(status) => Err(failure(&status)),
         }
     }
+}
+
+fn described(reply: ManageSessionResponse) -> Result<Session> {
+    let missing = || Error::Internal("a worker's reply has no session".to_owned());
+    reply.session.ok_or_else(missing)
 }

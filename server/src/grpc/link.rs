@@ -8,10 +8,11 @@ use bendtwin_core::{Category, Fault};
 use bendtwin_proto::worker::v1::{
     CompleteFitRequest, CompleteFitResponse, DownloadRequest, DownloadResponse, EndIngestRequest,
     EndIngestResponse, FailJobRequest, FailJobResponse, HeartbeatRequest, HeartbeatResponse,
-    HeldSession, JobWrite, Lease as LeaseMessage, LeaseJobRequest, LeaseJobResponse,
-    RegisterRequest, RegisterResponse, ReportJobRequest, ReportJobResponse, SaveCheckpointRequest,
-    SaveCheckpointResponse, complete_fit_request, end_ingest_request, fail_job_request::End,
-    lease_job_request, save_checkpoint_request, worker_link_server::WorkerLink,
+    HeldSession as SessionMessage, JobWrite, Lease as LeaseMessage, LeaseJobRequest,
+    LeaseJobResponse, RegisterRequest, RegisterResponse, ReportJobRequest, ReportJobResponse,
+    SaveCheckpointRequest, SaveCheckpointResponse, complete_fit_request, end_ingest_request,
+    fail_job_request::End, lease_job_request, save_checkpoint_request,
+    worker_link_server::WorkerLink,
 };
 use bendtwin_store::{AttemptEnd, Kind, Lease, NewWorker, TwinFacts};
 use futures::StreamExt;
@@ -24,7 +25,7 @@ use super::{
 };
 use crate::{
     app::{self, Attempt, Error, IngestPart, IngestUpload, Leased},
-    dispatch::{Heartbeat, Memory},
+    dispatch::{Heartbeat, HeldSession, Memory},
     tokens::Bearer,
 };
 
@@ -90,7 +91,10 @@ impl WorkerLink for Api {
         let r = request.into_inner();
         let worker = shown.worker(&r.worker)?;
         let warm = r.warm_twins.iter().map(|t| app::name(t)).collect::<app::Result<_>>()?;
-        let session = |s: &HeldSession| Ok((app::name(&s.session)?, app::name(&s.twin)?));
+        let session = |s: &SessionMessage| {
+            let held = HeldSession { twin: app::name(&s.twin)?, slots: s.slots, grasps: s.grasps };
+            Ok((app::name(&s.session)?, held))
+        };
         let sessions = r.sessions.iter().map(session).collect::<app::Result<_>>()?;
         let memory = (r.memory_total_bytes > 0)
             .then_some(Memory { used: r.memory_used_bytes, total: r.memory_total_bytes });

@@ -16,11 +16,7 @@ use futures::StreamExt as _;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::{Api, Reply, counted::memory_of};
-use crate::{
-    app::{Error, Result},
-    context::Context,
-    error::Refusal,
-};
+use crate::{context::Context, dispatch::Held, error::Refusal};
 
 #[tonic::async_trait]
 impl SessionService for Api {
@@ -29,8 +25,10 @@ impl SessionService for Api {
         request: Request<OpenSessionRequest>,
     ) -> Result<Response<Session>, Status> {
         let timeout = timeout(request.metadata());
-        let reply = self.app.dispatch.open_session(request.into_inner(), timeout).await?;
-        Ok(Response::new(session(reply.session)?))
+        // Held until the worker has the request.
+        let _memory = memory_of(&request);
+        let session = self.app.dispatch.open_session(request.into_inner(), timeout).await?;
+        Ok(Response::new(session))
     }
 
     async fn get_session(
@@ -40,8 +38,8 @@ impl SessionService for Api {
         let timeout = timeout(request.metadata());
         let call = request.into_inner();
         let name = call.name.clone();
-        let reply = self.app.dispatch.manage_session(&name, Call::Get(call), timeout).await?;
-        Ok(Response::new(session(reply.session)?))
+        let session = self.app.dispatch.session_call(&name, Call::Get(call), timeout).await?;
+        Ok(Response::new(session))
     }
 
     async fn get_session_states(
@@ -49,10 +47,11 @@ impl SessionService for Api {
         request: Request<GetSessionStatesRequest>,
     ) -> Result<Response<SessionStates>, Status> {
         let timeout = timeout(request.metadata());
-        let call = request.into_inner();
-        let name = call.name.clone();
-        let reply = self.app.dispatch.manage_session(&name, Call::States(call), timeout).await?;
-        Ok(Response::new(reply.states.unwrap_or_default()))
+        let asked = request.into_inner();
+        let (states, held) = self.app.dispatch.session_states(asked, timeout, false).await?;
+        let mut response = Response::new(states);
+        response.extensions_mut().insert(held);
+        Ok(response)
     }
 
     async fn advance_session(
@@ -62,7 +61,7 @@ impl SessionService for Api {
         let timeout = timeout(request.metadata());
         let memory = memory_of(&request);
         let advance = request.into_inner();
-        let advanced = self.app.dispatch.advance_session(advance, timeout, memory).await?;
+        let advanced = self.app.dispatch.advance_session(advance, timeout, false, memory).await?;
         let mut response = Response::new(advanced.response);
         response.extensions_mut().insert(advanced.held.memory());
         Ok(response)
@@ -83,12 +82,13 @@ impl SessionService for Api {
             let (dispatch, context) = (dispatch.clone(), context.clone());
             let of = context.clone();
             of.scope(async move {
-                let advanced = dispatch.advance_session(message?, None, Arc::default()).await;
-                let advanced = advanced.map_err(|e| Refusal::from(e).into_status(&context))?;
-                Ok(advanced.response)
+                let advance = dispatch.advance_session(message?, None, false, Arc::default());
+                let refused = |e| Refusal::from(e).into_status(&context);
+                let advanced = advance.await.map_err(refused)?;
+                Ok((advanced.response, advanced.held.memory()))
             })
         });
-        Ok(Response::new(until_error(replies).boxed()))
+        Ok(Response::new(one_by_one(replies).boxed()))
     }
 
     async fn fork_session(
@@ -98,8 +98,8 @@ impl SessionService for Api {
         let timeout = timeout(request.metadata());
         let call = request.into_inner();
         let name = call.name.clone();
-        let reply = self.app.dispatch.manage_session(&name, Call::Fork(call), timeout).await?;
-        Ok(Response::new(session(reply.session)?))
+        let session = self.app.dispatch.session_call(&name, Call::Fork(call), timeout).await?;
+        Ok(Response::new(session))
     }
 
     async fn reset_session(
@@ -107,10 +107,12 @@ impl SessionService for Api {
         request: Request<ResetSessionRequest>,
     ) -> Result<Response<Session>, Status> {
         let timeout = timeout(request.metadata());
+        // Held until the worker has the request.
+        let _memory = memory_of(&request);
         let call = request.into_inner();
         let name = call.name.clone();
-        let reply = self.app.dispatch.manage_session(&name, Call::Reset(call), timeout).await?;
-        Ok(Response::new(session(reply.session)?))
+        let session = self.app.dispatch.session_call(&name, Call::Reset(call), timeout).await?;
+        Ok(Response::new(session))
     }
 
     async fn correct_session(
@@ -118,6 +120,8 @@ impl SessionService for Api {
         request: Request<CorrectSessionRequest>,
     ) -> Result<Response<CorrectedSession>, Status> {
         let timeout = timeout(request.metadata());
+        // Held until the worker has the request.
+        let _memory = memory_of(&request);
         let corrected = self.app.dispatch.correct_session(request.into_inner(), timeout).await?;
         Ok(Response::new(corrected))
     }
@@ -127,23 +131,23 @@ impl SessionService for Api {
         request: Request<CloseSessionRequest>,
     ) -> Result<Response<CloseSessionResponse>, Status> {
         let timeout = timeout(request.metadata());
-        let call = request.into_inner();
-        let name = call.name.clone();
-        self.app.dispatch.manage_session(&name, Call::Close(call), timeout).await?;
+        self.app.dispatch.close_session(request.into_inner(), timeout).await?;
         Ok(Response::new(CloseSessionResponse {}))
     }
 }
 
-fn session(session: Option<Session>) -> Result<Session> {
-    session.ok_or_else(|| Error::Internal("a worker's reply has no session".to_owned()))
-}
-
-/// A stream that ends after its first error.
-fn until_error<T: Send>(
-    items: impl futures::Stream<Item = Result<T, Status>> + Send,
+/// A stream that ends after its first error. The memory of a reply is held until the next one is
+/// there.
+fn one_by_one<T: Send>(
+    replies: impl futures::Stream<Item = Result<(T, Held), Status>> + Send,
 ) -> impl futures::Stream<Item = Result<T, Status>> + Send {
-    items.scan(false, |has_failed, item| {
-        let ends = std::mem::replace(has_failed, item.is_err());
-        std::future::ready((!ends).then_some(item))
+    let begin = (false, None);
+    replies.scan(begin, |(has_failed, last), reply| {
+        let ends = std::mem::replace(has_failed, reply.is_err());
+        let reply = reply.map(|(reply, held)| {
+            *last = Some(held);
+            reply
+        });
+        std::future::ready((!ends).then_some(reply))
     })
 }

@@ -30,7 +30,7 @@ use crate::{
     request_body(content((schema::RegisterStateRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
     responses((status = 200, content((schema::RegisteredState = "application/json"), (Vec<u8> = "application/x-protobuf"))),
         (status = "default", body = ProblemDocument)))]
-pub(super) async fn create(
+pub(super) async fn register(
     State(app): State<App>,
     Id(id): Id,
     Params(params): Params<ReplyParams>,

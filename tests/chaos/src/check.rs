@@ -48,6 +48,7 @@ pub(crate) async fn check(run: &Run, memory: MemoryLimits) -> anyhow::Result<()>
         load::rollouts::over_grpc(run, number).await;
         load::rollouts::as_json(run, number).await;
     }
+    load::sessions::walk(run).await;
     quiet(run).await;
     for (row, limit) in [(watch::SERVER, memory.server), (watch::WORKER, memory.worker)] {
         let peak = run.tally.largest(row);

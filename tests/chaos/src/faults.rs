@@ -9,7 +9,9 @@ mod silent;
 use std::{net::IpAddr, sync::Arc, time::Duration};
 
 use anyhow::Context as _;
-use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
+use bendtwin_proto::v1::{
+    rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
+};
 use tokio::{task::JoinSet, time::Instant};
 use tonic::transport::{Channel, Endpoint};
 
@@ -80,9 +82,18 @@ fn step(run: &Run, step_s: i64) -> anyhow::Result<()> {
 
 /// A client of rollouts with an address of its own.
 async fn rollouts(run: &Run, from: IpAddr) -> anyhow::Result<RolloutServiceClient<Channel>> {
+    let client = RolloutServiceClient::new(channel(run, from).await?);
+    Ok(client.max_decoding_message_size(1 << 30))
+}
+
+/// A client of sessions with an address of its own.
+async fn sessions(run: &Run, from: IpAddr) -> anyhow::Result<SessionServiceClient<Channel>> {
+    Ok(SessionServiceClient::new(channel(run, from).await?))
+}
+
+async fn channel(run: &Run, from: IpAddr) -> anyhow::Result<Channel> {
     let endpoint = Endpoint::from_shared(run.server.url())?.local_address(Some(from));
-    let channel = endpoint.connect_timeout(Duration::from_secs(10)).connect().await?;
-    Ok(RolloutServiceClient::new(channel).max_decoding_message_size(1 << 30))
+    Ok(endpoint.connect_timeout(Duration::from_secs(10)).connect().await?)
 }
 
 /// An HTTP client with an address of its own.

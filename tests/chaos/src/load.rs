@@ -3,6 +3,7 @@
 mod captures;
 mod fits;
 pub(crate) mod rollouts;
+pub(crate) mod sessions;
 pub(crate) mod uploads;
 
 use std::sync::Arc;
@@ -26,6 +27,7 @@ pub(crate) fn start(run: &Arc<Run>) -> JoinSet<()> {
     clients.spawn_local(fits::client(run.clone(), 3));
     clients.spawn_local(rollouts::grpc_client(run.clone(), 4));
     clients.spawn_local(rollouts::json_client(run.clone(), 5));
+    clients.spawn_local(sessions::client(run.clone(), 6));
     clients
 }
 

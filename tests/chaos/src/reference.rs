@@ -1,7 +1,7 @@
 //! Answers of an undisturbed server of the same binary: twins of some captures, and rollouts of one
 //! of these twins. Everything that the disturbed server answers is compared with it.
 
-use std::{path::Path, time::Duration};
+use std::{ops::RangeInclusive, path::Path, time::Duration};
 
 use bendtwin_harness::{
     Api, Isolation, Setup, TestCluster, command::run_ok, http::Http, reference::FIT,
@@ -10,7 +10,7 @@ use bendtwin_proto::{
     json::{TensorFormat, Write},
     v1::{
         ControlTrajectories, Cost, Returns, RollOutRequest, RollOutResponse, Tensor, cost,
-        roll_out_request::Actions,
+        initial_state::GivenState, roll_out_request::Actions,
     },
 };
 use bytes::Bytes;
@@ -34,6 +34,8 @@ const CAPTURES: [&[&str]; 5] = [
 ];
 const FITTED: usize = 3;
 const FRAMES: usize = 10;
+/// Slots of sessions.
+const SLOTS: usize = 3;
 
 /// An archive of a capture.
 #[derive(Clone, Debug)]
@@ -68,12 +70,22 @@ pub(crate) struct Rollout {
     pub(crate) document: Value,
 }
 
+/// A rollout in steps of a frame, and the state that it ends in as a whole.
+#[derive(Clone, Debug)]
+pub(crate) struct Walk {
+    /// Requests without a twin, with an instance for each slot.
+    pub(crate) steps: Vec<RollOutRequest>,
+    pub(crate) slots: u32,
+    pub(crate) end: GivenState,
+}
+
 /// Results of an undisturbed server.
 #[derive(Clone, Debug)]
 pub(crate) struct References {
     pub(crate) archives: Vec<Archive>,
     pub(crate) works: Vec<Work>,
     pub(crate) rollouts: Vec<Rollout>,
+    pub(crate) walk: Walk,
     /// Rest positions of the control points of the twin [m], shape [control, 3].
     controls: Vec<[f32; 3]>,
 }
@@ -108,7 +120,8 @@ impl References {
         }
         let controls = bendtwin_core::Twin::decode(&works[1].twin)?.graph.control_rest;
         let rollouts = rollouts(&api, &cluster.http(), &works[1].twin, &controls).await?;
-        Ok(Self { archives, works, rollouts, controls })
+        let walk = walk(&api, &works[1].twin, &controls).await?;
+        Ok(Self { archives, works, rollouts, walk, controls })
     }
 
     /// A batch of any size for the twin.
@@ -155,6 +168,42 @@ async fn rollouts(
         rollouts.push(Rollout { request, reply, body, document });
     }
     Ok(rollouts)
+}
+
+async fn walk(api: &Api, file: &Bytes, controls: &[[f32; 3]]) -> anyhow::Result<Walk> {
+    let twin = api.import(file).await?.name;
+    let whole = api.roll_out(RollOutRequest { twin, ..way(controls, 0..=FRAMES) }).await?;
+    let steps = (0..FRAMES).map(|frame| way(controls, frame..=frame + 1)).collect();
+    Ok(Walk { steps, slots: SLOTS as u32, end: end(whole) })
+}
+
+/// A way of all control points by frames, each instance another one.
+fn way(rest: &[[f32; 3]], frames: RangeInclusive<usize>) -> RollOutRequest {
+    let mut positions = Vec::new();
+    for instance in 0..SLOTS {
+        for frame in frames.clone() {
+            let along = 1e-3 * frame as f32 * (1 + instance) as f32;
+            positions.extend(rest.iter().map(|p| [p[0] + along, p[1], p[2] + along]));
+        }
+    }
+    let shape = [SLOTS, frames.count(), rest.len()];
+    let positions = Some(Tensor::pack_points(&shape, &positions));
+    RollOutRequest {
+        actions: Some(Actions::Trajectories(ControlTrajectories { positions, interpolation: 0 })),
+        returns: Some(Returns { final_state: true, ..Returns::default() }),
+        ..RollOutRequest::default()
+    }
+}
+
+/// The state that a rollout ends in, as one to begin in.
+pub(crate) fn end(reply: RollOutResponse) -> GivenState {
+    GivenState {
+        positions: reply.final_positions,
+        velocities: reply.final_velocities,
+        twists: reply.final_twists,
+        controls: reply.final_controls,
+        grasping: reply.final_grasping,
+    }
 }
 
 /// Batches of a few sizes, with every kind of result.

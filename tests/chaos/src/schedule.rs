@@ -70,6 +70,8 @@ pub(crate) enum Silence {
     NoBodies,
     /// Streams of rollouts that are not read.
     UnreadStreams,
+    /// Streams of controls of a session that say nothing, or send what is none.
+    Controls,
 }
 
 /// Wish of a greedy client.
@@ -83,6 +85,8 @@ pub(crate) enum Greed {
     LargeReply,
     /// Uploads that are begun and left.
     Uploads,
+    /// Sessions of as many slots as there may be, which are opened and left.
+    Sessions,
 }
 
 /// A fault.
@@ -168,11 +172,22 @@ fn fault(class: Class, number: u32, random: &mut ChaCha8Rng) -> Fault {
         Class::Silent => {
             // Longer than an honest client waits: whom the silent shut out is found.
             let held = seconds(70.0, 100.0);
-            let kinds = [Silence::UnreadStreams, Silence::HalfPrefaces, Silence::NoBodies];
+            let kinds = [
+                Silence::UnreadStreams,
+                Silence::HalfPrefaces,
+                Silence::NoBodies,
+                Silence::Controls,
+            ];
             Fault::Silent(kinds[number as usize % kinds.len()], held)
         }
         Class::Greedy => {
-            let kinds = [Greed::Batches, Greed::LargeJson, Greed::LargeReply, Greed::Uploads];
+            let kinds = [
+                Greed::Batches,
+                Greed::LargeJson,
+                Greed::LargeReply,
+                Greed::Uploads,
+                Greed::Sessions,
+            ];
             Fault::Greedy(kinds[number as usize % kinds.len()])
         }
     }

@@ -36,6 +36,8 @@ mod rust_code;
 #[cfg(test)]
 mod sentences;
 #[cfg(test)]
+mod sessions;
+#[cfg(test)]
 mod stores;
 #[cfg(test)]
 mod suites;

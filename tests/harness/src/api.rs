@@ -8,8 +8,8 @@ use bendtwin_proto::v1::{
     ListFitsRequest, ListTwinsRequest, ListWorkersRequest, RollOutRequest, RollOutResponse, Twin,
     TwinMetadata, Worker, capture_service_client::CaptureServiceClient, create_capture_request,
     create_twin_request, fit_service_client::FitServiceClient, job::State,
-    rollout_service_client::RolloutServiceClient, twin_service_client::TwinServiceClient,
-    worker_service_client::WorkerServiceClient,
+    rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
+    twin_service_client::TwinServiceClient, worker_service_client::WorkerServiceClient,
 };
 use bytes::Bytes;
 use tonic::{
@@ -55,6 +55,11 @@ impl Api {
         RolloutServiceClient::new(self.channel.clone())
             .max_decoding_message_size(1 << 30)
             .max_encoding_message_size(1 << 30)
+    }
+
+    /// Sessions, with states of up to a gibibyte.
+    pub fn sessions(&self) -> SessionServiceClient<Channel> {
+        SessionServiceClient::new(self.channel.clone()).max_decoding_message_size(1 << 30)
     }
 
     /// Workers.

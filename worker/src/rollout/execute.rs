@@ -174,7 +174,7 @@ impl Execution<'_> {
             }
             let index = action * plan.ensemble.members;
             let instance = plan.instance(index, self.starts);
-            let extremes = plan.extremes(index, &instance, self.starts);
+            let extremes = plan.extremes(index, &instance, self.starts, None);
             plan.plausibility.refuse(&plan.plausibility.judge(index, &extremes, None))?;
         }
         Ok(())
@@ -185,7 +185,9 @@ impl Execution<'_> {
         let arrays = kept == Kept::Arrays;
         let asked = if arrays { returns.outputs() } else { Returns::summary() };
         let frame_costs = asked.frame_costs || costs.have_soft_minima();
-        let final_state = asked.final_state || arrays && self.keeps_states;
+        let keeps_states = asked.final_state || arrays && self.keeps_states;
+        // Which nodes grasps have taken on the way is known from what they hold at the end.
+        let final_state = keeps_states || self.plan.surroundings.has_pins();
         let outputs = Outputs { frame_costs, final_state, ..asked };
         let keeps_frames = arrays && (returns.frame_costs || returns.has_gradients());
         let mut simulated = Simulated::default();
@@ -196,6 +198,12 @@ impl Execution<'_> {
             let rollouts = self.backend.roll_out(&batch, &outputs, self.cancel)?;
             for ((index, instance), mut rollout) in indices.iter().zip(&batch).zip(rollouts) {
                 costs.settle(&mut rollout, &instance.controls);
+                let end = rollout.final_state.as_ref();
+                let extremes = self.plan.extremes(*index, instance, self.starts, end);
+                simulated.extremes.push(extremes);
+                if !keeps_states {
+                    rollout.final_state = None;
+                }
                 if !keeps_frames {
                     rollout.frame_costs = Vec::new();
                 }
@@ -203,8 +211,7 @@ impl Execution<'_> {
                 if arrays && returns.controls {
                     simulated.paths.extend_from_slice(&instance.controls);
                 }
-                simulated.extremes.push(self.plan.extremes(*index, instance, self.starts));
-                if outputs.final_state {
+                if keeps_states {
                     let last = &instance.controls[self.plan.frames * width..];
                     simulated.controls.extend_from_slice(last);
                 }

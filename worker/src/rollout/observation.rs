@@ -58,16 +58,19 @@ pub(super) fn points(tensor: Option<Tensor>, field: &str) -> Result<Vec<Point>, 
 /// Options of a correction.
 pub(super) fn correct_options(wire: Option<v1::CorrectOptions>) -> CorrectOptions {
     let wire = wire.unwrap_or_default();
-    let default = CorrectOptions::default();
-    CorrectOptions {
-        noise_m: wire.noise_m.unwrap_or(default.noise_m),
-        give: wire.give.unwrap_or(default.give),
-        velocity_noise_m_s: wire.velocity_noise_m_s.unwrap_or(default.velocity_noise_m_s),
-        velocity_gain_per_s: wire.velocity_gain_per_s.unwrap_or(default.velocity_gain_per_s),
-        most_added_strain: wire.most_added_strain.unwrap_or(default.most_added_strain),
-        max_residual_m: wire.max_residual_m,
-        ..default
+    let mut options = CorrectOptions::default();
+    let given = [
+        (&mut options.noise_m, wire.noise_m),
+        (&mut options.give, wire.give),
+        (&mut options.velocity_noise_m_s, wire.velocity_noise_m_s),
+        (&mut options.velocity_gain_per_s, wire.velocity_gain_per_s),
+        (&mut options.most_added_strain, wire.most_added_strain),
+    ];
+    for (option, given) in given {
+        *option = given.unwrap_or(*option);
     }
+    options.max_residual_m = wire.max_residual_m;
+    options
 }
 
 /// Distances as a message.

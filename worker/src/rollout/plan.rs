@@ -7,6 +7,7 @@ use bendtwin_core::{CancelToken, Point, Twin};
 use bendtwin_engine::{
     Backend, Motion,
     backend::{Instance, Rollout},
+    model::State,
 };
 use bendtwin_proto::rollout::TwinShape;
 
@@ -17,7 +18,7 @@ use super::{
     ensemble::Ensemble,
     error::Error,
     initial::{Starts, Wanted},
-    plausible::{self, Extremes, Plausibility},
+    plausible::{self, Extremes, Plausibility, Prescribed},
     returns::Returns,
     serve::Served,
     vary::{Variant, Variants},
@@ -150,19 +151,26 @@ impl Plan {
         self.variants.of(if members > 1 { index % members } else { index })
     }
 
-    /// Extremes of what is prescribed to an instance.
-    pub(super) fn extremes(&self, index: usize, instance: &Instance, starts: &Starts) -> Extremes {
+    /// Extremes of what is prescribed to an instance; `end` is its last state, if that is known.
+    pub(super) fn extremes(
+        &self,
+        index: usize,
+        instance: &Instance,
+        starts: &Starts,
+        end: Option<&State>,
+    ) -> Extremes {
         let start = starts.of(self.action(index));
         let controls = &instance.controls;
         let first = &controls[..controls.len() / (self.frames + 1)];
         let model = instance.model.model();
         let obstacles = self.surroundings.obstacles(&model.environment);
         let middles = self.surroundings.middles(&instance.motion);
-        let points = [controls.as_slice(), &middles];
+        let held = self.surroundings.held_paths(instance, end);
+        let of = Prescribed { controls, middles: &middles, held: &held };
         // Where control points are not known, what nodes say of them is not exact.
         let slack = if start.likely.is_some() { UNKNOWN_SLACK_M } else { 0.0 };
         let gap = (start.gap_m(first) - slack).max(0.0);
-        plausible::extremes(gap, points, self.frames, model.timing.fps, &obstacles)
+        plausible::extremes(gap, of, self.frames, model.timing.fps, &obstacles)
     }
 }
 

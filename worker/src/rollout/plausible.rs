@@ -8,7 +8,7 @@ use bendtwin_core::{
 use bendtwin_engine::{backend::Rollout, world::Shape};
 use bendtwin_proto::v1::{Plausibility as Wire, roll_out_response::Implausible};
 
-use super::error::Error;
+use super::{error::Error, world::Path};
 
 /// Limits of what is plausible.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +28,19 @@ pub(super) struct Extremes {
     pub(super) start_gap_m: f32,
     /// Of the fastest control point [m/s], and its frame.
     speed: (f32, usize),
-    /// Of the control point that is deepest in an obstacle [m], and its frame.
+    /// Of what is prescribed and deepest in an obstacle [m], and its frame.
     pub(super) depth: (f32, usize),
+}
+
+/// Positions that are prescribed to an instance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Prescribed<'a> {
+    /// Control points at frame boundaries [m], shape [F + 1, C].
+    pub(super) controls: &'a [Point],
+    /// Middles of grasps [m], as many at each frame boundary.
+    pub(super) middles: &'a [Point],
+    /// Nodes that grasps hold.
+    pub(super) held: &'a [Path],
 }
 
 /// Obstacles that stand still.
@@ -101,15 +112,15 @@ impl Plausibility {
     }
 }
 
-/// Extremes of control positions at frame boundaries [m], shape [F + 1, C], and of other points
-/// that are not to enter obstacles, as many in each frame; the gap at the start is known already.
+/// Extremes of what is prescribed; the gap at the start is known already.
 pub(super) fn extremes(
     start_gap_m: f32,
-    [controls, others]: [&[Point]; 2],
+    of: Prescribed<'_>,
     frames: usize,
     fps: f64,
     obstacles: &Obstacles,
 ) -> Extremes {
+    let Prescribed { controls, middles, held } = of;
     let width = controls.len() / (frames + 1);
     let mut found = Extremes { start_gap_m, ..Extremes::default() };
     let mut speed = 0.0f32;
@@ -120,15 +131,25 @@ pub(super) fn extremes(
             found.speed = ((f64::from(way) * fps) as f32, i / width + 1);
         }
     }
-    if obstacles.ground.is_some() || !obstacles.shapes.is_empty() {
-        for points in [controls, others] {
-            let width = points.len() / (frames + 1);
-            for (i, point) in points.iter().enumerate() {
-                let depth = obstacles.depth(*point);
-                if depth > found.depth.0 {
-                    found.depth = (depth, i / width);
-                }
-            }
+    if obstacles.ground.is_none() && obstacles.shapes.is_empty() {
+        return found;
+    }
+    let mut see = |depth: f32, frame: usize| {
+        if depth > found.depth.0 {
+            found.depth = (depth, frame);
+        }
+    };
+    for points in [controls, middles] {
+        let width = points.len() / (frames + 1);
+        for (i, point) in points.iter().enumerate() {
+            see(obstacles.depth(*point), i / width);
+        }
+    }
+    for path in held {
+        // A node that was deep already, as noise may have it, counts by how much deeper it gets.
+        let first = path.points.first().map_or(0.0, |p| obstacles.depth(*p).max(0.0));
+        for (point, frame) in path.points.iter().zip(path.from..) {
+            see(obstacles.depth(*point) - first, frame);
         }
     }
     found
@@ -175,7 +196,7 @@ fn describe(what: &Implausible) -> String {
             "the material of instance {instance} is strained by {found:.2} (limit {limit}): pull less, or raise plausibility.strain"
         ),
         _ => format!(
-            "a control point or grasp of instance {instance} is {:.1} mm deep in the ground or a collider in frame {frame} (limit {:.1} mm): lift its path, or raise plausibility.control_depth_m",
+            "a control point, grasp or held node of instance {instance} is {:.1} mm deep in the ground or a collider in frame {frame} (limit {:.1} mm): lift its path, or raise plausibility.control_depth_m",
             1e3 * found,
             1e3 * limit
         ),

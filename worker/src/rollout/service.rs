@@ -115,11 +115,7 @@ impl Rollouts {
 
     /// The sessions that live here.
     pub(crate) fn sessions(&self) -> Vec<HeldSession> {
-        let held = self.0.sessions.list().into_iter().map(|(session, twin)| HeldSession {
-            session: session.to_string(),
-            twin: twin.to_string(),
-        });
-        held.collect()
+        self.0.sessions.list()
     }
 
     /// A place among the calls under way.
@@ -256,8 +252,11 @@ impl WorkerRollouts for Rollouts {
         let call = self.unary(&mut request)?;
         let request = request.into_inner();
         let request_id = request.request_id.clone();
-        let reply = self.0.manage(request, &call).await;
-        reply.map(Response::new).map_err(|error| refused("session", &request_id, &error))
+        let managed = self.0.manage(request, &call).await;
+        let (reply, share) = managed.map_err(|e| refused("session", &request_id, &e))?;
+        // It is held until the reply has been sent; nothing else sets it.
+        let _ = share.map(|share| call.held.rollout.set(share));
+        Ok(Response::new(reply))
     }
 
     async fn register_state(

@@ -14,7 +14,7 @@ use std::{
 
 use bendtwin_budget::Share;
 use bendtwin_core::ids::{SessionId, TwinId};
-use bendtwin_proto::v1;
+use bendtwin_proto::{v1, worker::v1::HeldSession};
 
 pub(super) use self::begun::Begun;
 use super::{error::Error, initial::Start};
@@ -92,6 +92,20 @@ impl Session {
     /// Number of slots.
     pub(super) fn slots(&self) -> usize {
         self.first.len()
+    }
+
+    /// Checks numbers of slots, each named once; none means those of `default`.
+    pub(super) fn distinct(
+        &self,
+        slots: &[u32],
+        default: impl IntoIterator<Item = usize>,
+    ) -> Result<Vec<usize>, Error> {
+        let mut seen = vec![false; self.slots()];
+        let chosen = self.chosen(slots, default)?;
+        match chosen.iter().find(|&&slot| std::mem::replace(&mut seen[slot], true)) {
+            Some(slot) => Err(Error::field("slots", format!("names slot {slot} twice"))),
+            None => Ok(chosen),
+        }
     }
 
     /// Checks numbers of slots; none means those of `default`.
@@ -216,11 +230,17 @@ impl Sessions {
         lock(&self.0).remove(&id);
     }
 
-    /// The sessions that are here, with their twins.
-    pub(super) fn list(&self) -> Vec<(SessionId, TwinId)> {
+    /// The sessions that are here, as the server is told.
+    pub(super) fn list(&self) -> Vec<HeldSession> {
         let mut sessions = lock(&self.0);
         end_idle(&mut sessions);
-        sessions.values().map(|s| (s.id, s.setup.twin)).collect()
+        let held = sessions.values().map(|session| HeldSession {
+            session: session.id.to_string(),
+            twin: session.setup.twin.to_string(),
+            slots: session.slots() as u32,
+            grasps: session.setup.grasps.len() as u32,
+        });
+        held.collect()
     }
 }
 

@@ -4,6 +4,7 @@
 //! are none if nothing is carried.
 
 mod grasps;
+mod holds;
 mod hull;
 mod shapes;
 
@@ -20,6 +21,7 @@ use bendtwin_proto::v1::{
     world::GroundChoice,
 };
 
+pub(super) use self::holds::Path;
 use self::{grasps::Held, shapes::three};
 use super::{actions::Actions, error::Error, plausible::Obstacles, vary::Factors};
 

@@ -5,7 +5,9 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
-use bendtwin_client::{CaptureId, Client, Fit, FitId, FitSettings, Point, Rollout, TwinId};
+use bendtwin_client::{
+    CaptureId, Client, Fidelity, Fit, FitId, FitSettings, Point, Rollout, TwinId,
+};
 use bendtwin_core::Twin;
 use clap::Args;
 use futures::future::join_all;
@@ -13,7 +15,7 @@ use serde::Serialize;
 use tokio_util::sync::CancellationToken;
 
 use super::size::Size;
-use crate::{global::Global, output, signals, table::Table};
+use crate::{global::Global, output, rollout::Mode, signals, table::Table};
 
 /// Pause of a client that was refused. Greedy ones do not wait as long as they are told to.
 const PAUSE: Duration = Duration::from_secs(1);
@@ -26,7 +28,9 @@ It needs a server with a twin, whose capture is fitted beside (the fit is delete
   bendtwin server &
   bendtwin bench load --clients 64
 A closed loop of one instance and one frame beside a fit, without greedy clients:
-  bendtwin bench load --clients 0 --small 1x1")]
+  bendtwin bench load --clients 0 --small 1x1
+A planner's step:
+  bendtwin bench load --clients 0 --small 128x20 --fidelity fast")]
 pub(crate) struct Load {
     /// Twin to roll out [default: the newest that has a capture]
     #[arg(long, value_name = "NAME")]
@@ -40,6 +44,9 @@ pub(crate) struct Load {
     /// Size of the small rollouts, which come one after another
     #[arg(long, value_name = "BxF", default_value = "16x30")]
     small: Size,
+    /// Model that computes the small rollouts
+    #[arg(long, value_enum, default_value_t = Mode::Exact)]
+    fidelity: Mode,
     /// Time for each measurement [s]
     #[arg(long, value_name = "S", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=3600))]
     seconds: u64,
@@ -80,6 +87,7 @@ struct Report {
 #[derive(Clone)]
 struct Still {
     twin: TwinId,
+    fidelity: Fidelity,
     controls: Vec<Point>,
 }
 
@@ -89,7 +97,8 @@ impl Still {
         let positions =
             std::iter::repeat_n(&self.controls, knots).flatten().copied().collect::<Vec<_>>();
         let shape = [size.instances, 2, self.controls.len()];
-        Rollout::of(self.twin).trajectories(shape, positions).frames(size.frames)
+        let rollout = Rollout::of(self.twin).trajectories(shape, positions);
+        rollout.fidelity(self.fidelity).frames(size.frames)
     }
 }
 
@@ -98,7 +107,7 @@ pub(super) async fn run(args: Load, global: &Global) -> anyhow::Result<()> {
     let (twin, capture) = subject(&client, args.twin).await?;
     let file = client.twins().export(twin).await?;
     let controls = Twin::decode(&file).context("the twin cannot be read")?.graph.control_rest;
-    let still = Still { twin, controls };
+    let still = Still { twin, fidelity: args.fidelity.into(), controls };
     let capture = capture.filter(|_| !args.no_fit);
     let shutdown = signals::shutdown();
     let mut fit = None;

@@ -11,8 +11,8 @@ use crate::failure;
 
 #[derive(Clone, Debug, Args)]
 pub(super) struct CorrectArgs {
-    /// Also predict from states that are corrected at these frames by the points seen in them, for
-    /// example 30,60,70
+    /// Also predict from these frames, for example 30,60,70, with states that are corrected by the
+    /// points seen up to there
     #[arg(long, value_name = "FRAMES", value_delimiter = ',')]
     correct_at: Vec<usize>,
     /// Frames to predict from each corrected state
@@ -27,11 +27,15 @@ pub(super) struct CorrectArgs {
         requires = "correct_at"
     )]
     observe: Vec<f64>,
+    /// Frames between corrections, in the frames before those; 0 for one correction in each alone
+    #[arg(long, value_name = "N", default_value_t = 5, requires = "correct_at")]
+    correct_every: usize,
     /// Frames over which the velocities of the points are observed as well; 0 for positions alone
     #[arg(long, value_name = "N", default_value_t = 2, requires = "correct_at")]
     velocity_frames: usize,
-    /// Percentage of the deformation that the twin's rest shape takes for what follows
-    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, requires = "correct_at")]
+    /// Percentage of each correction that the twin's rest shape takes for what follows, less where
+    /// the points are within their noise
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0, requires = "correct_at")]
     carry: f64,
 }
 
@@ -51,6 +55,7 @@ impl CorrectArgs {
             frames: self.correct_at.clone(),
             horizon: self.horizon.max(1),
             shares: self.observe.iter().map(|p| (p / 100.0).clamp(0.0, 1.0)).collect(),
+            every: self.correct_every,
             velocity_frames: self.velocity_frames,
             carry: (self.carry / 100.0).clamp(0.0, 1.0),
             options: CorrectOptions::default(),

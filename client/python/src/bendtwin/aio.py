@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from collections import deque
 from collections.abc import AsyncIterable, AsyncIterator, Callable, Sequence
 from os import PathLike
 from pathlib import Path
@@ -38,11 +39,12 @@ from bendtwin.registration import (
 )
 from bendtwin.resources import Capture, Fit, JobState, SessionInfo, TwinInfo, Worker
 from bendtwin.rollout import Fidelity, RolloutResult
-from bendtwin.session import SessionFacts
+from bendtwin.session import SessionCalls
 from bendtwin.state import InitialState, State
 from bendtwin.token import aio_interceptors, find_token
 from bendtwin.twin import TwinFacts
 from bendtwin.uploads import Sender
+from bendtwin.v1 import session_pb2
 from bendtwin.world import Grasp, World
 
 if TYPE_CHECKING:
@@ -84,7 +86,7 @@ class Twin(TwinFacts[AsyncCaller]):
         return await self._caller.run(call, timeout_s)
 
 
-class Session(SessionFacts[AsyncCaller, Twin]):
+class Session(SessionCalls[AsyncCaller, Twin]):
     """`bendtwin.Session` for asyncio. Close it, or use it in `async with`."""
 
     async def __aenter__(self) -> Session:
@@ -101,8 +103,7 @@ class Session(SessionFacts[AsyncCaller, Twin]):
         **arguments: Unpack[RolloutArguments],
     ) -> RolloutResult:
         """A batch from where the session is, which stays there."""
-        call = calls.roll_out(self._rollout_request(slots, arguments))
-        return await self._caller.run(call, timeout_s)
+        return await self._caller.run(self._roll_out(slots, arguments), timeout_s)
 
     async def advance(
         self,
@@ -112,15 +113,20 @@ class Session(SessionFacts[AsyncCaller, Twin]):
         **arguments: Unpack[RolloutArguments],
     ) -> RolloutResult:
         """Applies actions and leaves the slots where they end."""
-        call = session_calls.advance_session(self._advance_request(slots, arguments))
-        return await self._caller.run(call, timeout_s)
+        return await self._caller.run(self._advance(slots, arguments), timeout_s)
 
     def control(
         self, actions: AsyncIterable[RolloutArguments], *, slots: Sequence[int] = ()
     ) -> AsyncIterator[RolloutResult]:
         """Advances by one set of actions after another over one connection."""
-        requests = (self._advance_request(slots, arguments) async for arguments in actions)
-        return self._caller.parts(session_calls.control_session(requests))
+        sent: deque[session_pb2.AdvanceSessionRequest] = deque()
+
+        async def requests() -> AsyncIterator[session_pb2.AdvanceSessionRequest]:
+            async for arguments in actions:
+                sent.append(self._advance_request(slots, arguments))
+                yield sent[-1]
+
+        return self._caller.exchange(self._control(sent, requests()))
 
     async def correct(
         self,
@@ -136,7 +142,7 @@ class Session(SessionFacts[AsyncCaller, Twin]):
 
     async def states(self, slots: Sequence[int] = ()) -> list[State]:
         """The states of slots, or of all of them."""
-        return await self._caller.run(session_calls.session_states(self.name, slots))
+        return await self._caller.run(self._states(slots))
 
     async def refresh(self) -> SessionInfo:
         """The session as the server sees it now."""
@@ -144,11 +150,18 @@ class Session(SessionFacts[AsyncCaller, Twin]):
 
     async def fork(self, source: int, to: Sequence[int] = ()) -> None:
         """Copies the state of a slot to others, or to all others."""
-        await self._caller.run(session_calls.fork_session(self.name, source, to))
+        await self._caller.run(self._fork(source, to))
 
     async def reset(self, slots: Sequence[int] = (), initial: InitialState | None = None) -> None:
         """Sets slots, or all, back to the session's first state, or to a given one."""
-        await self._caller.run(session_calls.reset_session(self.name, slots, initial))
+        await self._caller.run(self._reset(slots, initial))
+
+    async def reopen(self) -> list[int]:
+        """Opens it again after it was lost: see `bendtwin.Session.reopen`."""
+        opened = await self._caller.run(session_calls.open_session(self._opening))
+        for call in self._resets(opened):
+            await self._caller.run(call)
+        return self._goes_on(opened)
 
     async def close(self) -> None:
         """Ends it; it is no error if it has ended."""
@@ -250,7 +263,7 @@ class Client:
             of.name, initial, slots, world, grasps, fidelity, idle_timeout_s
         )
         info = await self._caller.run(session_calls.open_session(request))
-        return Session(self._caller, of, info)
+        return Session(self._caller, of, request, info)
 
     async def push_capture(
         self,

@@ -6,10 +6,11 @@ All that differs between the two clients is here; what they send and read is in 
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from collections.abc import AsyncIterator, Iterator
 from os import PathLike
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from bendtwin import calls
 from bendtwin.errors import BendTwinError, translated
@@ -34,6 +35,36 @@ class Caller:
         with translated():
             for part in call.method(self._services)(call.request, timeout=timeout_s):
                 yield call.read(part)
+
+    def exchange(self, call: calls.Call[_Read]) -> Iterator[_Read]:
+        """The answers to messages of an iterator, each of which is taken when the answer to the one
+        before has been."""
+        turn, has_ended, faults = threading.Semaphore(), threading.Event(), list[Exception]()
+
+        def requests() -> Iterator[Any]:
+            iterator = iter(call.request)
+            # gRPC asks ahead, on a thread of its own.
+            while turn.acquire() and not has_ended.is_set():
+                try:
+                    yield next(iterator)
+                except StopIteration:
+                    return
+                except Exception as fault:
+                    faults.append(fault)
+                    return
+
+        stream = call.method(self._services)(requests())
+        try:
+            with translated():
+                for reply in stream:
+                    yield call.read(reply)
+                    turn.release()
+        finally:
+            has_ended.set()
+            turn.release()
+            stream.cancel()
+        if faults:
+            raise faults[0]
 
     def save(self, call: calls.Call[bytes], path: str | PathLike[str]) -> None:
         """Writes an answer that comes in chunks to a file."""
@@ -88,6 +119,33 @@ class AsyncCaller:
         with translated():
             async for part in call.method(self._services)(call.request, timeout=timeout_s):
                 yield call.read(part)
+
+    async def exchange(self, call: calls.Call[_Read]) -> AsyncIterator[_Read]:
+        """The answers to messages of an iterator, each of which is taken when the answer to the one
+        before has been."""
+        turn, faults = asyncio.Semaphore(), list[Exception]()
+
+        async def requests() -> AsyncIterator[Any]:
+            iterator = aiter(call.request)
+            while await turn.acquire():
+                try:
+                    yield await anext(iterator)
+                except StopAsyncIteration:
+                    return
+                except Exception as fault:
+                    faults.append(fault)
+                    return
+
+        stream = call.method(self._services)(requests())
+        try:
+            with translated():
+                async for reply in stream:
+                    yield call.read(reply)
+                    turn.release()
+        finally:
+            stream.cancel()
+        if faults:
+            raise faults[0]
 
     async def save(self, call: calls.Call[bytes], path: str | PathLike[str]) -> None:
         """Writes an answer that comes in chunks to a file."""

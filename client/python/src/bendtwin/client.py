@@ -281,7 +281,7 @@ class Client:
             of.name, initial, slots, world, grasps, fidelity, idle_timeout_s
         )
         info = self._caller.run(session_calls.open_session(request))
-        return Session(self._caller, of, info)
+        return Session(self._caller, of, request, info)
 
     def twins(self, capture: str = "") -> Iterator[Twin]:
         """All twins, or those of one capture, newest first."""

@@ -1,4 +1,4 @@
-"""Where an object is: points that were seen of it, and what a twin makes of them."""
+"""Registration: from points that were seen of an object to a state of its twin."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from bendtwin.world import World
 
 
 class ObservationArguments(TypedDict, total=False):
-    """What is known of the points that were seen, [M, 3]. Those that are not finite were not seen:
-    they are left out, with all that belongs to them."""
+    """Knowledge of the points that were seen, [M, 3]. Those that are not finite were not seen: they
+    are left out, with all that belongs to them."""
 
     #: The nodes of the twin that the points are [M]. Without these and `places` they are a cloud,
     #: which is matched to the surface.

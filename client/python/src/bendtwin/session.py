@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Generic, TypeVar
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy.typing as npt
 
 from bendtwin import calls, session_calls
 from bendtwin.arguments import RolloutArguments, rollout_request
 from bendtwin.caller import Caller
+from bendtwin.kept import Kept
 from bendtwin.registration import CorrectArguments, Correction, correct_session
 from bendtwin.resources import SessionInfo
 from bendtwin.rollout import RolloutResult
 from bendtwin.state import InitialState, SessionSlots, State
 from bendtwin.twin import Twin
-from bendtwin.v1 import rollout_pb2, session_pb2
+from bendtwin.v1 import session_pb2
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -24,19 +27,35 @@ _Caller = TypeVar("_Caller")
 _Twin = TypeVar("_Twin")
 
 
-class SessionFacts(Generic[_Caller, _Twin]):
-    """What a session is, whatever the way to wait for a reply."""
+class SessionCalls(Generic[_Caller, _Twin]):
+    """The calls of a session as values, whatever the way to wait for a reply. What replies say is
+    kept when they are read."""
 
-    def __init__(self, caller: _Caller, twin: _Twin, info: SessionInfo) -> None:
+    def __init__(
+        self,
+        caller: _Caller,
+        twin: _Twin,
+        opening: session_pb2.OpenSessionRequest,
+        info: SessionInfo,
+    ) -> None:
         #: What the server said when it was opened.
         self.info = info
         self.twin = twin
         self._caller = caller
+        self._opening = opening
+        self._kept = Kept(info.slots)
 
     @property
     def name(self) -> str:
         """sessions/{uuid}."""
         return self.info.name
+
+    def _roll_out(
+        self, slots: Sequence[int], arguments: RolloutArguments
+    ) -> calls.Call[RolloutResult]:
+        _refuse(arguments, "initial")
+        initial = SessionSlots(self.name, tuple(slots))
+        return calls.roll_out(rollout_request(self.info.twin, {**arguments, "initial": initial}))
 
     def _advance_request(
         self, slots: Sequence[int], arguments: RolloutArguments
@@ -44,20 +63,63 @@ class SessionFacts(Generic[_Caller, _Twin]):
         _refuse(arguments, "initial", "fidelity")
         return session_calls.advance_request(self.name, slots, arguments)
 
-    def _rollout_request(
+    def _advance(
         self, slots: Sequence[int], arguments: RolloutArguments
-    ) -> rollout_pb2.RollOutRequest:
-        _refuse(arguments, "initial")
-        initial = SessionSlots(self.name, tuple(slots))
-        return rollout_request(self.info.twin, {**arguments, "initial": initial})
+    ) -> calls.Call[RolloutResult]:
+        request = self._advance_request(slots, arguments)
+        call = session_calls.advance_session(request)
+        return replace(call, read=lambda reply: self._advanced(request, call.read(reply)))
+
+    def _control(
+        self, sent: deque[session_pb2.AdvanceSessionRequest], requests: Any
+    ) -> calls.Call[RolloutResult]:
+        """Requests as they are taken from an iterator are to be in `sent` until they are
+        answered."""
+        call = session_calls.control_session(requests)
+        return replace(call, read=lambda r: self._advanced(sent.popleft(), call.read(r)))
+
+    def _advanced(
+        self, request: session_pb2.AdvanceSessionRequest, result: RolloutResult
+    ) -> RolloutResult:
+        self._kept.advanced(request.slots, request.rollout, result)
+        return result
+
+    def _states(self, slots: Sequence[int]) -> calls.Call[list[State]]:
+        call = session_calls.session_states(self.name, slots)
+
+        def read(reply: Any) -> list[State]:
+            states = call.read(reply)
+            self._kept.told(slots, states)
+            return states
+
+        return replace(call, read=read)
+
+    def _fork(self, source: int, to: Sequence[int]) -> calls.Call[None]:
+        call = session_calls.fork_session(self.name, source, to)
+        return replace(call, read=lambda _: self._kept.forked(source, to))
+
+    def _reset(self, slots: Sequence[int], initial: InitialState | None) -> calls.Call[None]:
+        call = session_calls.reset_session(self.name, slots, initial)
+        return replace(call, read=lambda _: self._kept.reset(slots, initial))
+
+    def _resets(self, opened: SessionInfo) -> list[calls.Call[None]]:
+        """The calls that bring a session that was opened again where this one was."""
+        return [
+            session_calls.reset_session(opened.name, slots, state)
+            for state, slots in self._kept.resets()
+        ]
+
+    def _goes_on(self, opened: SessionInfo) -> list[int]:
+        self.info = opened
+        behind, self._kept.behind = self._kept.behind, [0] * opened.slots
+        return behind
 
 
-class Session(SessionFacts[Caller, Twin]):
+class Session(SessionCalls[Caller, Twin]):
     """One or several simulations of a twin that stay where they are between calls.
 
     Get one with `Client.open_session`, and close it or use it in `with`. If its worker is lost, or
-    nobody uses it for a while, calls raise BendTwinError with the reason SESSION_LOST: open another
-    from the last state that you have.
+    nobody uses it for a while, calls raise BendTwinError with the reason SESSION_LOST: `reopen` it.
     """
 
     def __enter__(self) -> Session:
@@ -78,8 +140,7 @@ class Session(SessionFacts[Caller, Twin]):
         `slots` are one for all instances (default: 0) or one for each; the other arguments are
         those of `Twin.rollout` without `initial`.
         """
-        call = calls.roll_out(self._rollout_request(slots, arguments))
-        return self._caller.run(call, timeout_s)
+        return self._caller.run(self._roll_out(slots, arguments), timeout_s)
 
     def advance(
         self,
@@ -93,18 +154,24 @@ class Session(SessionFacts[Caller, Twin]):
         The other arguments are those of `Twin.rollout` without `initial` and `fidelity`. Nothing
         changes if it fails or an instance diverges.
         """
-        call = session_calls.advance_session(self._advance_request(slots, arguments))
-        return self._caller.run(call, timeout_s)
+        return self._caller.run(self._advance(slots, arguments), timeout_s)
 
     def control(
         self, actions: Iterable[RolloutArguments], *, slots: Sequence[int] = ()
     ) -> Iterator[RolloutResult]:
         """Advances by one set of actions after another over one connection: teleoperation.
 
-        Each is a dict of arguments of `advance`, and is answered before the next is asked for.
+        Each is a dict of arguments of `advance`. The next is asked for when the reply to the one
+        before has been taken, so that it may follow from it.
         """
-        requests = (self._advance_request(slots, arguments) for arguments in actions)
-        return self._caller.parts(session_calls.control_session(requests))
+        sent: deque[session_pb2.AdvanceSessionRequest] = deque()
+
+        def requests() -> Iterator[session_pb2.AdvanceSessionRequest]:
+            for arguments in actions:
+                sent.append(self._advance_request(slots, arguments))
+                yield sent[-1]
+
+        return self._caller.exchange(self._control(sent, requests()))
 
     def correct(
         self,
@@ -118,14 +185,15 @@ class Session(SessionFacts[Caller, Twin]):
 
         They move smoothly, without touching what control points and grasps hold. All of the slots
         are corrected, or none if the points are too far from one of them: BendTwinError with the
-        reason OBSERVATION_NOT_EXPLAINED. The other arguments are in `CorrectArguments`.
+        reason OBSERVATION_NOT_EXPLAINED. The other arguments are in `CorrectArguments`. The reply
+        brings no states: ask for `states` if `reopen` is to know the corrected ones.
         """
         call = correct_session(self.name, slots, points, arguments)
         return self._caller.run(call, timeout_s)
 
     def states(self, slots: Sequence[int] = ()) -> list[State]:
         """The states of slots, or of all of them; each can be an initial state anywhere."""
-        return self._caller.run(session_calls.session_states(self.name, slots))
+        return self._caller.run(self._states(slots))
 
     def refresh(self) -> SessionInfo:
         """The session as the server sees it now."""
@@ -133,11 +201,24 @@ class Session(SessionFacts[Caller, Twin]):
 
     def fork(self, source: int, to: Sequence[int] = ()) -> None:
         """Copies the state of a slot to others, or to all others."""
-        self._caller.run(session_calls.fork_session(self.name, source, to))
+        self._caller.run(self._fork(source, to))
 
     def reset(self, slots: Sequence[int] = (), initial: InitialState | None = None) -> None:
         """Sets slots, or all, back to the session's first state, or to a given one."""
-        self._caller.run(session_calls.reset_session(self.name, slots, initial))
+        self._caller.run(self._reset(slots, initial))
+
+    def reopen(self) -> list[int]:
+        """Opens it again after it was lost, under a new name: each slot is in the last state that a
+        reply brought, from `advance` with `Returns(final_state=True)` or from `states`, and goes on
+        from there to the bit.
+
+        Returns by how many frames each slot is behind where it was: 0 if every advance brought its
+        final state. Raises BendTwinError (UNAVAILABLE) while no worker is there: try again.
+        """
+        opened = self._caller.run(session_calls.open_session(self._opening))
+        for call in self._resets(opened):
+            self._caller.run(call)
+        return self._goes_on(opened)
 
     def close(self) -> None:
         """Ends it; it is no error if it has ended."""

@@ -76,20 +76,18 @@ def control_session(requests: Any) -> Call[RolloutResult]:
     return Call(lambda s: s.sessions.ControlSession, requests, RolloutResult.from_proto)
 
 
-def fork_session(name: str, source: int, to: Sequence[int]) -> Call[SessionInfo]:
+def fork_session(name: str, source: int, to: Sequence[int]) -> Call[None]:
     """Copies the state of a slot to others, or to all others."""
     request = session_pb2.ForkSessionRequest(name=name, to=to, **{"from": source})
-    return Call(lambda s: s.sessions.ForkSession, request, SessionInfo.from_proto)
+    return Call(lambda s: s.sessions.ForkSession, request, lambda _: None)
 
 
-def reset_session(
-    name: str, slots: Sequence[int], initial: InitialState | None
-) -> Call[SessionInfo]:
+def reset_session(name: str, slots: Sequence[int], initial: InitialState | None) -> Call[None]:
     """Sets slots, or all, back to the first state, or to a given one."""
     request = session_pb2.ResetSessionRequest(name=name, slots=slots)
     if initial is not None:
         request.initial.CopyFrom(initial.to_proto())
-    return Call(lambda s: s.sessions.ResetSession, request, SessionInfo.from_proto)
+    return Call(lambda s: s.sessions.ResetSession, request, lambda _: None)
 
 
 def close_session(name: str) -> Call[None]:

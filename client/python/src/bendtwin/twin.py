@@ -87,9 +87,9 @@ class Twin(TwinFacts[Caller]):
         arguments are in `RegisterArguments`.
 
         Args:
-            points: What was seen, in the twin's coordinates. Rows that are not finite are left out.
+            points: Positions in the twin's coordinates. Rows that are not finite are left out.
             timeout_s: Deadline of the call.
-            arguments: What is known of the points, and options.
+            arguments: Knowledge of the points, and options.
 
         Raises:
             BendTwinError: With the reason OBSERVATION_NOT_EXPLAINED if too much is left between the

@@ -1,4 +1,4 @@
-//! What was seen of an object.
+//! Observations: points that were seen of an object.
 
 use bendtwin_core::Point;
 use bendtwin_proto::v1::{

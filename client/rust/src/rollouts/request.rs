@@ -2,12 +2,12 @@
 
 use bendtwin_core::{
     Fidelity, Point,
-    ids::{CaptureId, TwinId},
+    ids::{CaptureId, SessionId, TwinId},
 };
 use bendtwin_proto::v1::{
     self, ControlTrajectories, InitialState, Interpolation, KnotTimes, Returns, RollOutRequest,
     Tensor,
-    initial_state::{CaptureFrame, GivenState, Settled, State as Initial},
+    initial_state::{CaptureFrame, GivenState, SessionSlots, Settled, State as Initial},
     knot_times::Times,
     returns::Encoding,
     roll_out_request::Actions,
@@ -131,6 +131,14 @@ impl Rollout {
     pub fn from_capture_frame(self, capture: Option<CaptureId>, sequence: u32, frame: u32) -> Self {
         let capture = capture.map(|c| c.to_string()).unwrap_or_default();
         self.start(Initial::CaptureFrame(CaptureFrame { capture, sequence, frame }))
+    }
+
+    /// Starts where slots of a session are, which stay there: one slot for all instances (none: slot
+    /// 0), or one for each.
+    #[must_use]
+    pub fn from_session(self, session: SessionId, slots: &[u32]) -> Self {
+        let session = session.to_string();
+        self.start(Initial::Session(SessionSlots { session, slots: slots.to_vec() }))
     }
 
     /// Starts all instances from given positions [m] and velocities [m/s], shape [N].

@@ -3,7 +3,10 @@
 use bendtwin_core::Point;
 use bendtwin_proto::v1::{self, Tensor, initial_state::GivenState};
 
-use super::Reply;
+use super::{
+    Reply,
+    reply::{floats, grasping, points},
+};
 use crate::Error;
 
 /// A state of a twin with N nodes and C control points. A rollout that starts from the state in
@@ -57,31 +60,36 @@ impl From<&State> for GivenState {
 impl TryFrom<GivenState> for State {
     type Error = Error;
     fn try_from(wire: GivenState) -> Result<Self, Error> {
-        let points = |tensor: Option<Tensor>, name| -> Result<Vec<Point>, Error> {
-            match tensor.filter(|t| !t.is_absent()) {
-                None => Ok(Vec::new()),
-                Some(tensor) => Ok(tensor.unpack_points(name).map_err(Error::malformed)?.1),
-            }
-        };
-        let twists = wire.twists.filter(|t| !t.is_absent());
-        let twists = twists.map(|t| t.unpack("twists").map_err(Error::malformed)).transpose()?;
-        let numbers = |tensor: Option<Tensor>, name| -> Result<Vec<u32>, Error> {
-            Ok(tensor.unwrap_or_default().unpack(name).map_err(Error::malformed)?.1)
-        };
-        let grasping = |g: v1::Grasping| -> Result<Grasping, Error> {
-            Ok(Grasping {
-                phases: numbers(g.phases, "phases")?,
-                holders: numbers(g.holders, "holders")?,
-                places: points(g.places, "places")?,
-            })
-        };
         Ok(Self {
             positions: points(wire.positions, "positions")?,
             velocities: points(wire.velocities, "velocities")?,
-            twists: twists.map(|(_, twists)| twists).unwrap_or_default(),
+            twists: floats(wire.twists, "twists")?,
             controls: points(wire.controls, "controls")?,
             grasping: wire.grasping.map(grasping).transpose()?,
         })
+    }
+}
+
+impl State {
+    /// One of `rows` states whose arrays stand one after another here.
+    pub(crate) fn row(&self, rows: usize, row: usize) -> Self {
+        Self {
+            positions: one(&self.positions, rows, row),
+            velocities: one(&self.velocities, rows, row),
+            twists: one(&self.twists, rows, row),
+            controls: one(&self.controls, rows, row),
+            grasping: self.grasping.as_ref().map(|all| all.row(rows, row)),
+        }
+    }
+}
+
+impl Grasping {
+    fn row(&self, rows: usize, row: usize) -> Self {
+        Self {
+            phases: one(&self.phases, rows, row),
+            holders: one(&self.holders, rows, row),
+            places: one(&self.places, rows, row),
+        }
     }
 }
 
@@ -93,11 +101,7 @@ impl Reply {
         if row >= rows || self.final_positions.is_empty() {
             return None;
         }
-        let grasping = self.final_grasping.as_ref().map(|all| Grasping {
-            phases: one(&all.phases, rows, row),
-            holders: one(&all.holders, rows, row),
-            places: one(&all.places, rows, row),
-        });
+        let grasping = self.final_grasping.as_ref().map(|all| all.row(rows, row));
         Some(State {
             positions: one(&self.final_positions, rows, row),
             velocities: one(&self.final_velocities, rows, row),

@@ -133,7 +133,7 @@ impl World {
 
 /// A hold of a gripper on the object.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grasp(pub(super) v1::Grasp);
+pub struct Grasp(pub(crate) v1::Grasp);
 
 impl Grasp {
     /// Takes the nodes in a sphere in the coordinates of a gripper [m].

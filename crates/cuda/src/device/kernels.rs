@@ -8,7 +8,7 @@ use super::{
         CollectControlsArgs, CollectMotionArgs, DeviceType, ExtremesArgs, FindPartnersArgs,
         FinishGradientArgs, GatherSumsArgs, NormBarsArgs, PackBendsArgs, PackHalfSpringsArgs,
         RecordArgs, ScoreArgs, SeedArgs, SeedForcesArgs, SeedPosesArgs, SeedRestLengthsArgs,
-        SquareLengthsArgs, StartArgs, StepAdamArgs, SumForcesArgs, WeighGradientsArgs,
+        SquareLengthsArgs, StartArgs, StepAdamArgs, WeighGradientsArgs,
     },
     launch::Launch,
     specialization::Source,
@@ -54,8 +54,6 @@ kernels! {
     Grasps: change_grasps(ChangeGraspsArgs);
     /// d loss / d poses and rolls of a frame, and of what grasps take: a block for an instance.
     Grasps: collect_motion(CollectMotionArgs);
-    /// Forces of a frame: a block for an instance.
-    Forces: sum_forces(SumForcesArgs);
     /// Values of objectives: a block for a term of an instance.
     Loss: score(ScoreArgs);
     /// d loss / d positions at frame ends: a block for some nodes of a frame of an instance.

@@ -13,6 +13,12 @@ use super::{
     team::{Team, TeamShape},
 };
 
+/// Times after which the host lets others have their turn [us]. What waits for a fit waits for two of
+/// its stretches at most: one that runs, one that is launched. Rollouts pause for fits alone, which
+/// can wait longer.
+const STRETCH_US: f64 = 1_000.0;
+const URGENT_STRETCH_US: f64 = 10_000.0;
+
 /// One of a device's two queues.
 pub(crate) struct Queue {
     pub(crate) device: Arc<Device>,
@@ -98,6 +104,12 @@ impl Queue {
     /// A grid for a kernel without specialization, behind all that has been launched.
     pub(crate) fn grid(&self, x: u32, y: u32, z: u32) -> Launch<'_> {
         Launch::new(&self.device, &self.stream, [x, y, z])
+    }
+
+    /// Longest time of a launch, as far as it can be cut, and of what is launched between two waits
+    /// [us].
+    pub(crate) fn stretch_us(&self) -> f64 {
+        if self.is_urgent { URGENT_STRETCH_US } else { STRETCH_US }
     }
 
     /// Waits for all work.

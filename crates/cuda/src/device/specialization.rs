@@ -41,8 +41,6 @@ pub(crate) enum Source {
     Partners,
     /// Grasps that open and close.
     Grasps,
-    /// Forces of a frame.
-    Forces,
     /// Objectives.
     Loss,
     /// Parameters and their gradients.
@@ -54,11 +52,10 @@ pub(crate) enum Source {
 }
 
 impl Source {
-    pub(crate) const SMALL: [Self; 8] = [
+    pub(crate) const SMALL: [Self; 7] = [
         Self::Start,
         Self::Partners,
         Self::Grasps,
-        Self::Forces,
         Self::Loss,
         Self::Params,
         Self::Optimizer,
@@ -76,6 +73,8 @@ impl Source {
             Self::Start => &[("start.cu", include_str!("../../kernels/start.cu"))],
             Self::Integrate => &[
                 ("integrate_forces.cuh", include_str!("../../kernels/integrate_forces.cuh")),
+                ("grasp.cuh", include_str!("../../kernels/grasp.cuh")),
+                ("measure.cuh", include_str!("../../kernels/measure.cuh")),
                 ("integrate.cu", include_str!("../../kernels/integrate.cu")),
             ],
             Self::Adjoint => &[
@@ -84,8 +83,10 @@ impl Source {
                 ("adjoint.cu", include_str!("../../kernels/adjoint.cu")),
             ],
             Self::Partners => &[("partners.cu", include_str!("../../kernels/partners.cu"))],
-            Self::Grasps => &[("grasps.cu", include_str!("../../kernels/grasps.cu"))],
-            Self::Forces => &[("forces.cu", include_str!("../../kernels/forces.cu"))],
+            Self::Grasps => &[
+                ("grasp.cuh", include_str!("../../kernels/grasp.cuh")),
+                ("grasps.cu", include_str!("../../kernels/grasps.cu")),
+            ],
             Self::Loss => &[("loss.cu", include_str!("../../kernels/loss.cu"))],
             Self::Params => &[("params.cu", include_str!("../../kernels/params.cu"))],
             Self::Optimizer => &[("optimizer.cu", include_str!("../../kernels/optimizer.cu"))],

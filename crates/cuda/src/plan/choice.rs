@@ -102,7 +102,7 @@ pub(crate) fn choose(
         candidates.iter_mut().filter(|_| chosen).for_each(|(_, t)| t.keep_together());
         candidates.retain(|(_, t)| t.shape == TeamShape::Block);
     }
-    if has_contact(model) || world.forces {
+    if has_contact(model) {
         candidates.iter_mut().for_each(|(_, t)| t.instances = 1);
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -210,9 +210,7 @@ pub(crate) fn fit(
     }
     let mut specialization = specialization(&cut, resident, model, purpose, world, team);
     let mut used = states;
-    // Vectors of three floats; float4s.
-    let per_triplet = if purpose == Purpose::Backward { 4 } else { 2 * team.instances };
-    let bend = (u64::from(cut.layout.max_triplets) * u64::from(per_triplet) * 3).div_ceil(4);
+    let bend = bend_float4s(&cut, purpose, team.instances);
     specialization.bend_in_shared = used + 16 * bend <= room;
     if specialization.bend_in_shared {
         used += 16 * bend;
@@ -253,6 +251,17 @@ fn state_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
         Purpose::Backward => 5 * stride + 2 * u64::from(cut.layout.control_base),
         _ => 3 * stride * u64::from(instances),
     }
+}
+
+/// Float4s of what a block's triplets leave for their ends.
+fn bend_float4s(cut: &CutGraph, purpose: Purpose, instances: u32) -> u64 {
+    let triplets = u64::from(cut.layout.max_triplets);
+    // Vectors of three floats, forward those of 32 triplets together.
+    let vectors = match purpose {
+        Purpose::Backward => triplets * 4,
+        _ => triplets.next_multiple_of(32) * 3 * u64::from(instances),
+    };
+    (vectors * 3).div_ceil(4)
 }
 
 fn specialization(

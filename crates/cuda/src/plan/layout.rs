@@ -1,7 +1,9 @@
 //! A graph as the blocks of a team see it: each block's nodes and halo by local index, half-springs
 //! in rows for its warps, triplets, pins, and the halos that a node's new state goes to.
 
+mod arms;
 mod banks;
+mod order;
 mod reporters;
 mod rows;
 
@@ -23,6 +25,8 @@ pub(crate) const SUMS_APART: u32 = 32;
 pub(crate) const PAIR_SUMS: u32 = 6 * SUMS_APART;
 /// No spring: a slot that fills up a row.
 pub(crate) const NONE: u32 = u32::MAX;
+/// No triplet: a lane without a reference in a slot.
+pub(crate) const NO_ARM: u32 = u32::MAX;
 /// Marks control points while the number of local nodes is not known yet.
 const CONTROL: u32 = 1 << 31;
 /// Local indices have 16 bits.
@@ -50,7 +54,9 @@ pub(crate) struct Layout {
     /// First of each rod's inner nodes among the triplets, behind the graph's, and their end; shape
     /// [R + 1]. Only where one block has all nodes.
     pub(crate) rod_turns: Vec<u32>,
-    pub(crate) arms: Vec<u32>,
+    /// First slot of references to triplets of each row, by the same index as `rows`.
+    pub(crate) arm_rows: Vec<u32>,
+    /// References, [`NO_ARM`] where a lane has none; shape [slots, 32].
     pub(crate) arm_refs: Vec<u32>,
     pub(crate) local_pins: Vec<LocalPin>,
     pub(crate) exports: Vec<u32>,
@@ -131,12 +137,11 @@ impl Layout {
             nodes: self.nodes.len() as u32,
             row: self.rows.len() as u32,
             triplet: self.triplets.len() as u32,
-            arm: self.arms.len() as u32,
             pin: self.local_pins.len() as u32,
             slot: self.shares.last().map_or(0, |s| s.slot + s.own),
             ..Share::default()
         };
-        let triplets = triplets_of(graph, incidence, part);
+        let mut triplets = triplets_of(graph, incidence, part);
         let halo = halo_of(graph, incidence, owner, block, part, &triplets);
         for (at, &i) in part.iter().chain(&halo).enumerate() {
             local[i as usize] = at as u32;
@@ -144,6 +149,9 @@ impl Layout {
         let find =
             |e: u32| if (e as usize) < n { local[e as usize] } else { CONTROL | (e - n as u32) };
         share.local = (part.len() + halo.len()) as u32;
+        // The mark of control points is a multiple of the banks.
+        let ends: Vec<_> = triplets.iter().map(|&t| graph.triplets[t as usize].map(find)).collect();
+        triplets = order::arrange(&ends).into_iter().map(|at| triplets[at]).collect();
 
         let mut rows = Rows { lanes: self.lanes as usize, layout: self };
         let before = rows.pairs();
@@ -171,17 +179,17 @@ impl Layout {
         self.max_all_pairs = self.max_all_pairs.max(all_pairs);
         self.max_rows = self.max_rows.max(share.rows);
 
-        let mut arms: Vec<Vec<u32>> = vec![Vec::new(); part.len() + graph.control_count()];
+        let mut of_ends: Vec<Vec<u32>> = vec![Vec::new(); part.len() + graph.control_count()];
         for (at, &t) in triplets.iter().enumerate() {
             let ends = graph.triplets[t as usize];
             let owned = reporter(graph, owner, ends) == Some(block);
             let [i, j, k] = ends;
             for (role, end) in [(0, i), (1, k), (2, j)] {
-                let reference = (at as u32) << 2 | role;
+                let reference = arms::reference(at as u32, role);
                 if own(end) {
-                    arms[local[end as usize] as usize].push(reference);
+                    of_ends[local[end as usize] as usize].push(reference);
                 } else if end as usize >= n && owned {
-                    arms[part.len() + end as usize - n].push(reference);
+                    of_ends[part.len() + end as usize - n].push(reference);
                 }
             }
             self.triplet_of.push(t);
@@ -190,13 +198,13 @@ impl Layout {
         share.triplets = triplets.len() as u32;
         // Otherwise a rod's nodes would be in several blocks.
         let is_whole = part.len() == n;
+        let mut turns_of = vec![Vec::new(); of_ends.len()];
         let turns =
-            if is_whole { self.add_rods(graph, share.triplets, local, &mut arms) } else { 0 };
-        for refs in &arms {
-            self.arms.push(self.arm_refs.len() as u32);
-            self.arm_refs.extend(refs);
-        }
-        self.arms.push(self.arm_refs.len() as u32);
+            if is_whole { self.add_rods(graph, share.triplets, local, &mut turns_of) } else { 0 };
+        let (nodes, controls) = of_ends.split_at(part.len());
+        self.add_arms(nodes, &turns_of[..part.len()]);
+        self.add_arms(controls, &turns_of[part.len()..]);
+        self.end_arms();
 
         for (p, pin) in graph.pins.iter().enumerate() {
             let at = local[pin.node as usize];
@@ -221,7 +229,7 @@ impl Layout {
         graph: &Graph,
         before: u32,
         local: &[u32],
-        arms: &mut [Vec<u32>],
+        turns_of: &mut [Vec<u32>],
     ) -> u32 {
         let mut at = before;
         self.rod_turns.push(at);
@@ -231,7 +239,7 @@ impl Layout {
                 let is_arm = arm == Some(place);
                 let ends = ends.map(|e| local[e as usize]);
                 for (role, end) in [(0, ends[0]), (1, ends[2]), (2, ends[1])] {
-                    arms[end as usize].push(at << 2 | role);
+                    turns_of[end as usize].push(arms::reference(at, role));
                 }
                 // It has no parameters of a triplet: any triplet's will do.
                 self.triplet_of.push(0);
@@ -241,6 +249,25 @@ impl Layout {
             self.rod_turns.push(at);
         }
         at - before
+    }
+
+    /// Adds the references of endpoints to triplets and to turns of rods, in rows as their
+    /// half-springs. Turns come behind: without stiffness they change nothing, not even the order of
+    /// sums.
+    fn add_arms(&mut self, of_triplets: &[Vec<u32>], of_turns: &[Vec<u32>]) {
+        let lanes = self.lanes as usize;
+        let a_row = rows::WARP / lanes;
+        for (triplets, turns) in of_triplets.chunks(a_row).zip(of_turns.chunks(a_row)) {
+            self.end_arms();
+            for refs in [triplets, turns] {
+                let slots = arms::arrange(lanes, refs.to_vec());
+                self.arm_refs.extend(slots.as_flattened());
+            }
+        }
+    }
+
+    fn end_arms(&mut self) {
+        self.arm_rows.push((self.arm_refs.len() / rows::WARP) as u32);
     }
 
     fn fewest_pairs(&self) -> u32 {

@@ -120,7 +120,8 @@ impl CudaBackend {
     /// Parts of a batch whose gradients fit; half of the room is for tapes.
     pub(crate) fn gradient_chunks(&self, batch: &[Instance]) -> Vec<Range<usize>> {
         let bytes = |i: &Instance| {
-            simulation::bytes_of(i, RetainedStates::All).saturating_add(backward::bytes_of(i))
+            simulation::bytes_of(i, RetainedStates::All, false)
+                .saturating_add(backward::bytes_of(i))
         };
         Self::chunks(batch, self.room() / 2, bytes)
     }
@@ -142,7 +143,7 @@ impl CudaBackend {
     ) -> Result<(SimulatedBatch<'a>, Gradients), Error> {
         refuse_too_long(batch)?;
         let needed =
-            batch.iter().map(|i| simulation::bytes_of(i, RetainedStates::All)).sum::<u64>();
+            batch.iter().map(|i| simulation::bytes_of(i, RetainedStates::All, false)).sum::<u64>();
         self.refuse_too_large(needed)?;
         let simulation = Simulation::new(&self.queue, batch, RetainedStates::All, false)?;
         let gradients = batch.iter().map(backward::bytes_of).sum::<u64>();
@@ -172,7 +173,8 @@ impl CudaBackend {
         measured: bool,
         cancel: &CancelToken,
     ) -> Result<SimulatedBatch<'a>, Error> {
-        self.refuse_too_large(batch.iter().map(|i| simulation::bytes_of(i, retained)).sum())?;
+        let bytes = |i| simulation::bytes_of(i, retained, measured);
+        self.refuse_too_large(batch.iter().map(bytes).sum())?;
         let simulation = Simulation::new(&self.queue, batch, retained, measured)?;
         simulation.run(None, cancel)?;
         let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
@@ -432,7 +434,8 @@ impl Backend for CudaBackend {
             check::outputs(index, instance, outputs)?;
         }
         let retained = retained_states(batch, outputs);
-        let bytes = |i: &Instance| simulation::bytes_of(i, retained).saturating_mul(2);
+        let bytes =
+            |i: &Instance| simulation::bytes_of(i, retained, outputs.forces).saturating_mul(2);
         let mut rollouts = Vec::with_capacity(batch.len());
         for chunk in Self::chunks(batch, self.room(), bytes) {
             let done = self.roll_out_chunk(&batch[chunk], outputs, cancel);
@@ -445,7 +448,7 @@ impl Backend for CudaBackend {
         self.check(batch)?;
         let scored = batch.iter().any(|i| !i.objective.terms.is_empty());
         let retained = if scored { RetainedStates::All } else { RetainedStates::Last };
-        let bytes = |i: &Instance| simulation::bytes_of(i, retained);
+        let bytes = |i: &Instance| simulation::bytes_of(i, retained, false);
         let mut losses = Vec::with_capacity(batch.len());
         for chunk in Self::chunks(batch, self.room(), bytes) {
             let done = self.score(&batch[chunk], retained, false, cancel).and_then(|m| m.losses());

@@ -23,10 +23,7 @@ use crate::{
         resident::{LAWS, resident},
         tape::RolloutTapes,
     },
-    run::{
-        scoring::Scores,
-        simulation::{Simulation, contact_nodes},
-    },
+    run::{contact::contact_nodes, scoring::Scores, simulation::Simulation},
 };
 
 /// Gradients of a simulation's instances, on the device.

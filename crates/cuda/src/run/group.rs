@@ -168,6 +168,11 @@ impl Group {
         &self.instances
     }
 
+    /// Estimated time in which a frame of so many substeps runs [us].
+    pub(crate) fn frame_us(&self, substeps: u32) -> f64 {
+        self.plan.substep_us * f64::from(substeps)
+    }
+
     /// The instances of its members, without those that only fill up a team.
     pub(crate) fn own(&self, all: InstanceSpan) -> InstanceSpan {
         InstanceSpan { count: self.members.len(), ..all }

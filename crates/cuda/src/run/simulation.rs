@@ -1,13 +1,13 @@
-//! Instances under way on the device: where they start, and frames forward.
+//! Instances under way on the device: their memory, their groups, and frames forward.
 
 use std::{
     collections::{HashMap, HashSet},
     sync::Arc,
 };
 
-use bendtwin_core::{CancelToken, Point, environment::ControlVelocity};
+use bendtwin_core::{CancelToken, Point};
 use bendtwin_engine::{
-    Error, Model,
+    Error,
     backend::{Divergence, Instance},
     constants::MAX_PARTNERS,
     model::State,
@@ -17,12 +17,12 @@ use rayon::prelude::*;
 
 use crate::{
     device::{
-        args::{FindPartnersArgs, InitialArgs, InstanceArgs, Pointer, StartArgs, StateArgs},
+        args::{FindPartnersArgs, InstanceArgs, Pointer, StateArgs},
         kernels,
-        launch::{Launch, MOST_BLOCKS},
+        launch::Launch,
         memory::{Buffer, end_of},
         queue::Queue,
-        specialization::{Specialization, THREADS, WorldParts},
+        specialization::{Specialization, WorldParts},
         throttle::LaunchThrottle,
     },
     plan::{
@@ -32,13 +32,12 @@ use crate::{
         tape::RolloutTapes,
     },
     run::{
+        contact::{Contact, contact_nodes},
         group::{FrameRange, Group, InstanceSpan},
+        start::{InitialStates, start},
         world::{self, Worlds},
     },
 };
-
-/// Longest time of a launch [us]: other requests wait for it, and cancellations.
-const LAUNCH_US: f64 = 15_000.0;
 
 /// Frames whose states are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,30 +64,17 @@ pub(crate) struct Simulation<'a> {
     divergence: Buffer<u64>,
     contact: Contact,
     pub(crate) worlds: Worlds,
-    /// The states that instances were given, as planes.
-    initial: Buffer<f32>,
-    /// Starts of those of each instance, and of its twists.
-    initial_places: Vec<(usize, usize)>,
+    pub(super) initial: InitialStates,
 }
 
-/// Contact's arrays of simulations that run concurrently.
-pub(crate) struct Contact {
-    partners: Buffer<u32>,
-    counts: Buffer<u32>,
-    scratch: Buffer<u32>,
-    x: Buffer<[f32; 4]>,
-    v: Buffer<[f32; 4]>,
-    /// First node of each in these.
-    starts: Vec<usize>,
-}
-
-/// Bytes of device memory that an instance takes while it is simulated.
-pub(crate) fn bytes_of(instance: &Instance, retained: RetainedStates) -> u64 {
+/// Bytes of device memory that an instance takes while it is simulated; `measured` if its forces are
+/// asked for.
+pub(crate) fn bytes_of(instance: &Instance, retained: RetainedStates, measured: bool) -> u64 {
     let model = instance.model.model();
     let n = model.graph.node_count() as u64;
     let states = (24 * n + 4 * model.graph.rods.len() as u64) * slots(instance, retained) as u64;
     let contact = if has_contact(model) { n * (4 * MAX_PARTNERS as u64 + 40) } else { 0 };
-    let world = world::bytes_of(instance, slots(instance, retained), true);
+    let world = world::bytes_of(instance, slots(instance, retained), measured);
     states + contact + 12 * instance.controls.len() as u64 + world
 }
 
@@ -124,8 +110,6 @@ impl<'a> Simulation<'a> {
         let each_slots: Vec<usize> = instances.iter().map(|i| slots(i, retained)).collect();
         let keeps_all = retained == RetainedStates::All;
         let worlds = Worlds::new(queue, instances, measured, &each_slots, keeps_all)?;
-        let each = instances.iter().map(|i| (&*i.initial, i.model.model().graph.rods.len()));
-        let (planes, initial_places) = initial_planes(each);
         let this = Self {
             states: Buffer::empty(stream, end_of(&state_starts))?,
             twists: Buffer::empty(stream, end_of(&twist_starts))?,
@@ -139,8 +123,7 @@ impl<'a> Simulation<'a> {
             control_starts,
             divergence,
             worlds,
-            initial: Buffer::of(stream, &planes)?,
-            initial_places,
+            initial: InitialStates::new(stream, instances)?,
         };
         start(&this)?;
         Ok(this)
@@ -152,7 +135,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Address of an instance's twists.
-    fn twists_of(&self, index: usize) -> Pointer<f32> {
+    pub(super) fn twists_of(&self, index: usize) -> Pointer<f32> {
         self.twists.at(self.twist_starts[index])
     }
 
@@ -198,7 +181,7 @@ impl<'a> Simulation<'a> {
             self.contact.place(index, &mut args);
         }
         args.world = self.worlds.args(index);
-        args.world.initial = self.initial.at(self.initial_places[index].0);
+        args.world.initial = self.initial.of(index);
         Ok(args)
     }
 
@@ -222,11 +205,11 @@ impl<'a> Simulation<'a> {
             .iter()
             .map(|g| Buffer::of(&self.queue.stream, g.instances()))
             .collect::<Result<_, _>>()?;
+        let frame_us: f64 = groups.iter().map(|g| self.frame_us(g)).sum();
         let step = if groups.iter().any(|g| g.plan.specialization.contact) {
             1
         } else {
-            let frame_us: f64 = groups.iter().map(|g| self.frame_us(g)).sum();
-            ((LAUNCH_US / frame_us.max(1e-3)) as usize).clamp(1, longest.max(1))
+            ((self.queue.stretch_us() / frame_us.max(1e-3)) as usize).clamp(1, longest.max(1))
         };
         let mut throttle = LaunchThrottle::default();
         let mut first = 0;
@@ -246,14 +229,9 @@ impl<'a> Simulation<'a> {
                 if group.plan.specialization.contact {
                     self.find_partners(stream, span, first as u32)?;
                 }
-                group.advance(self.queue, stream, span, &range)?;
-                if group.plan.specialization.world.forces {
-                    let (of, blocks) = (group.own(span), group.plan.team.blocks);
-                    self.worlds.sum_forces(self.queue, stream, of, (first, blocks))?;
-                }
-                Ok(())
+                group.advance(self.queue, stream, span, &range)
             })?;
-            throttle.step(self.queue)?;
+            throttle.launched(self.queue, frame_us * (end - first) as f64)?;
             first = end;
         }
         for (group, uploaded) in groups.iter().zip(&uploaded) {
@@ -304,7 +282,7 @@ impl<'a> Simulation<'a> {
     fn frame_us(&self, group: &Group) -> f64 {
         let model = |&i: &usize| self.instances[i].model.model();
         let substeps = group.members.iter().map(model).map(|m| m.timing.substeps).max();
-        group.plan.substep_us * f64::from(substeps.unwrap_or(1))
+        group.frame_us(substeps.unwrap_or(1))
     }
 
     /// Finds the contact candidates of a frame.
@@ -416,106 +394,3 @@ fn map_concurrently<T: Sync, U: Send>(
         several => several.par_iter().map(make).collect(),
     }
 }
-
-/// Puts initial states, which instances may share, to where each instance's first frame is.
-fn start(this: &Simulation<'_>) -> Result<(), Error> {
-    let stream = &this.queue.stream;
-    let initial = &this.initial;
-    let mut starts = Vec::with_capacity(this.instances.len());
-    for ((i, instance), &(at, twists_at)) in
-        this.instances.iter().enumerate().zip(&this.initial_places)
-    {
-        let model = instance.model.model();
-        let moves = model.control_velocity == ControlVelocity::True && instance.frames > 0;
-        let (pin_of, pins) = resident(&instance.model)?.graph.pins();
-        starts.push(InitialArgs {
-            initial: initial.at(at),
-            initial_twists: initial.at(twists_at),
-            twists: this.twists_of(i),
-            rod_count: model.graph.rods.len() as u32,
-            states: this.states_of(i),
-            controls: this.controls_of(i),
-            pin_of,
-            pins,
-            frame_s: model.timing.frame_s() as f32,
-            node_count: model.graph.node_count() as u32,
-            control_count: model.graph.control_count() as u32,
-            controls_move: u32::from(moves),
-            frame_count: instance.frames as u32,
-            world: this.worlds.args(i),
-        });
-    }
-    let most = starts.iter().map(|s| s.node_count).max().unwrap_or(0);
-    let on_device = Buffer::of(stream, &starts)?;
-    for first in (0..starts.len()).step_by(MOST_BLOCKS) {
-        let count = MOST_BLOCKS.min(starts.len() - first) as u32;
-        let args = StartArgs { instances: on_device.at(first) };
-        let launch = this.queue.grid(most.div_ceil(THREADS), count, 1);
-        // SAFETY: every start has its instance's nodes, controls of its first frames, and room for
-        // its states.
-        unsafe { kernels::start(&launch, &args)? };
-    }
-    Ok(())
-}
-
-/// States as planes, each state followed by its twists, and where both of each instance's begin.
-/// Instances may share a state though their models have different numbers of rods: it is there once
-/// for each number.
-fn initial_planes<'a>(
-    initial: impl Iterator<Item = (&'a State, usize)>,
-) -> (Vec<f32>, Vec<(usize, usize)>) {
-    let mut known: HashMap<(*const State, usize), (usize, usize)> = HashMap::new();
-    let mut planes: Vec<f32> = Vec::new();
-    let mut place = |(state, rods): (&'a State, usize)| {
-        *known.entry((std::ptr::from_ref(state), rods)).or_insert_with(|| {
-            let at = planes.len();
-            let State { positions, velocities, twists, .. } = state;
-            for points in [positions, velocities] {
-                (0..3).for_each(|k| planes.extend(points.iter().map(|p| p[k])));
-            }
-            let twists_at = planes.len();
-            planes.extend((0..rods).map(|r| twists.get(r).copied().unwrap_or(0.0)));
-            (at, twists_at)
-        })
-    };
-    let places = initial.map(&mut place).collect();
-    (planes, places)
-}
-
-/// Nodes that contact's arrays need for a model.
-pub(crate) fn contact_nodes(model: &Model) -> usize {
-    if has_contact(model) { model.graph.node_count() } else { 0 }
-}
-
-impl Contact {
-    /// For simulations with contact of so many nodes each.
-    pub(crate) fn new(queue: &Queue, nodes: impl Iterator<Item = usize>) -> Result<Self, Error> {
-        let mut starts = vec![0];
-        for nodes in nodes {
-            starts.push(end_of(&starts) + nodes);
-        }
-        let (n, stream) = (end_of(&starts), &queue.stream);
-        Ok(Self {
-            partners: Buffer::empty(stream, n * MAX_PARTNERS)?,
-            counts: Buffer::empty(stream, n)?,
-            scratch: Buffer::empty(stream, n)?,
-            x: Buffer::empty(stream, n)?,
-            v: Buffer::empty(stream, n)?,
-            starts,
-        })
-    }
-
-    /// Gives an instance the arrays of one of the simulations.
-    pub(crate) fn place(&self, index: usize, args: &mut InstanceArgs) {
-        let at = self.starts[index];
-        args.contact.partners = self.partners.at(at * MAX_PARTNERS);
-        args.contact.partner_counts = self.counts.at(at);
-        args.contact.partner_scratch = self.scratch.at(at);
-        args.contact.x = self.x.at(at);
-        args.contact.v = self.v.at(at);
-        args.contact.max_partners = MAX_PARTNERS as u32;
-    }
-}
-
-#[cfg(test)]
-mod tests;

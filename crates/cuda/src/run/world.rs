@@ -16,7 +16,7 @@ use cudarc::driver::CudaStream;
 use self::upload::{Parts, encode_phase, initial_phases};
 use crate::{
     device::{
-        args::{self, ChangeGraspsArgs, InstanceArgs, Pointer, SumForcesArgs, WorldArgs},
+        args::{self, ChangeGraspsArgs, InstanceArgs, Pointer, WorldArgs},
         kernels,
         launch::Launch,
         memory::{Buffer, end_of},
@@ -33,7 +33,7 @@ const IMPULSES: usize = 15;
 pub(crate) struct Worlds {
     parts: Vec<WorldParts>,
     args: Vec<WorldArgs>,
-    /// Frames in front of which grasps may open or close.
+    /// Frames in front of which a launch has to end, since grasps open or close there.
     boundaries: BTreeSet<usize>,
     uploaded: Parts,
     holds: Buffer<args::Hold>,
@@ -56,8 +56,13 @@ pub(crate) fn parts_of(instance: &Instance, measured: bool) -> WorldParts {
         colliders,
         smooth: world.smoothing_m > 0.0 && (colliders || model.environment.ground.is_some()),
         rolls: !instance.motion.rolls.is_empty(),
-        forces: measured || world.grasps.iter().any(|g| g.max_force.is_finite()) || has_term(),
+        forces: measured || can_slip(instance) || has_term(),
     }
+}
+
+/// True if a grasp of an instance lets go where it is pulled too hard.
+fn can_slip(instance: &Instance) -> bool {
+    instance.world.grasps.iter().any(|g| g.max_force.is_finite())
 }
 
 /// Holds of an instance's grasps at its start, with other places, by node.
@@ -148,9 +153,8 @@ impl Worlds {
             };
             impulse_starts.push(end_of(&impulse_starts) + impulses);
             force_starts.push(end_of(&force_starts) + forces);
-            if parts.forces {
-                boundaries.extend(0..=instance.frames);
-            } else if parts.grasps {
+            // Where forces are measured, grasps change behind each frame.
+            if parts.grasps && !parts.forces {
                 boundaries.extend(changes(instance));
             }
         }
@@ -292,20 +296,6 @@ impl Worlds {
         let launch = Launch::new(&queue.device, stream, [of.count as u32, 1, 1]);
         // SAFETY: instances with grasps have their holds, phases, states and motion.
         unsafe { kernels::change_grasps(&launch, &args) }
-    }
-
-    /// Adds up the forces of a frame that teams of so many blocks have run.
-    pub(crate) fn sum_forces(
-        &self,
-        queue: &Queue,
-        stream: &CudaStream,
-        of: InstanceSpan,
-        (frame, blocks): (usize, u32),
-    ) -> Result<(), Error> {
-        let args = SumForcesArgs { instances: of.address, frame: frame as u32, blocks };
-        let launch = Launch::new(&queue.device, stream, [of.count as u32, 1, 1]);
-        // SAFETY: instances that measure have their impulses, those of control points by block too.
-        unsafe { kernels::sum_forces(&launch, &args) }
     }
 }
 

@@ -5,7 +5,10 @@ use std::{f32::consts::PI, sync::Arc};
 
 use super::{
     expect::{Outcome, close, ensure, finite},
-    random::{RandomOptions, random_model, random_motion, random_objective},
+    random::{
+        RandomOptions, random_model, random_motion, random_objective,
+        world::{WorldOptions, count_forces, random_world},
+    },
     scene::Scene,
 };
 use bendtwin_core::CancelToken;
@@ -65,6 +68,39 @@ fn runs_finite(what: &str, scene: &mut Scene, backend: &dyn Backend) -> Outcome 
     finite(what, &end)?;
     let gradient = scene.gradient(backend, &EVERYTHING).map_err(|e| format!("{what}: {e}"))?;
     finite_gradient(what, &gradient)
+}
+
+/// Twenty random worlds with every part on and off, over the ground and in the air: finite states,
+/// costs of forces, and gradients, those by poses included.
+pub(super) fn random_worlds_stay_finite(backend: &dyn Backend) -> Outcome {
+    for seed in 0..20_u64 {
+        let bit = |i: u32| (seed >> i) & 1 == 1;
+        let options = RandomOptions { ground: bit(0), pins: 3, ..RandomOptions::default() };
+        let with = WorldOptions {
+            grasps: bit(1) || !bit(2),
+            colliders: if bit(2) { 4 } else { 0 },
+            smoothing_m: if bit(3) { 2e-3 } else { 0.0 },
+            rolls: false,
+            max_force: bit(4).then_some(1.0),
+        };
+        let what = format!("world {seed}");
+        let model = random_model(seed, &options);
+        let (state, controls) = random_motion(seed, &model, 4);
+        let (world, motion) = random_world(seed, &model, &state.positions, 4, &with);
+        let mut scene = Scene::around(model, state, controls, 4);
+        (scene.world, scene.motion) = (world, motion);
+        track_all(&mut scene);
+        count_forces(&mut scene.objective, &scene.world, bit(0), 4);
+        let end = scene.end(backend).map_err(|e| format!("{what}: {e}"))?;
+        finite(&what, &end)?;
+        let request = GradientRequest { motion: true, ..EVERYTHING };
+        let gradient = scene.gradient(backend, &request).map_err(|e| format!("{what}: {e}"))?;
+        finite_gradient(&what, &gradient)?;
+        let poses = gradient.poses.iter().flatten().flatten();
+        ensure(gradient.poses.len() == scene.motion.poses.len(), || format!("{what}: poses"))?;
+        ensure(poses.copied().all(f32::is_finite), || format!("{what}: gradient by poses"))?;
+    }
+    Ok(())
 }
 
 /// Forty random graphs with every feature on and off: finite states, losses and gradients.

@@ -1,6 +1,6 @@
 //! Gradients of whole rollouts, with and without contact, of every term, and cut in time.
 
-mod differences;
+pub(super) mod differences;
 
 use std::sync::Arc;
 

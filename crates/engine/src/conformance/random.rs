@@ -1,5 +1,7 @@
 //! Seeded random models and motions, public so that backends can be compared on them.
 
+pub(super) mod world;
+
 use std::sync::Arc;
 
 use bendtwin_core::{

@@ -6,6 +6,7 @@ fn plan(frames: Vec<usize>) -> CorrectionPlan {
         frames,
         horizon: 5,
         shares: vec![0.5, 1.0],
+        every: 0,
         velocity_frames: 1,
         carry: 0.0,
         options: CorrectOptions::default(),
@@ -72,4 +73,22 @@ fn frames_without_others_around_them_are_refused() {
         let error = compared(&wandering(), &plan(vec![frame])).unwrap_err();
         assert!(error.to_string().contains("none to predict"), "{error}");
     }
+}
+
+#[test]
+fn what_repeated_corrections_carry_lasts_longer_than_one() {
+    let error = |every, carry| {
+        let plan = CorrectionPlan { every, carry, shares: vec![1.0], ..plan(vec![12]) };
+        compared(&wandering(), &plan).unwrap()[0].corrected.track_m.unwrap()
+    };
+    let [one, again, carried] = [error(0, 0.0), error(2, 0.0), error(2, 1.0)];
+    assert!(carried < again && carried < one, "{one} {again} {carried}");
+}
+
+#[test]
+fn an_interval_beyond_the_frame_is_one_correction() {
+    let scores =
+        |every| compared(&wandering(), &CorrectionPlan { every, ..plan(vec![8]) }).unwrap();
+    assert_eq!(scores(0), scores(usize::MAX));
+    assert_eq!(scores(0), scores(100));
 }

@@ -1,23 +1,23 @@
 //! Grasps: regions, attachments, and when they are closed.
 
 use super::{
-    Batch, Error, TwinShape,
+    Error, Moves, TwinShape,
     numbers::least,
     tensors::{given, indices, known_nodes, node_list, required},
     world::{cuboid, gripper, parts, sphere},
 };
 use crate::v1::{
-    Grasp, RollOutRequest, Tensor,
+    Grasp, Tensor,
     grasp::{Attachment, Region},
     tensor::Dtype,
 };
 
-pub(super) fn check(request: &RollOutRequest, batch: &Batch) -> Result<(), Error> {
-    parts("grasps", request.grasps.len())?;
+pub(super) fn check(grasps: &[Grasp], moves: &Moves) -> Result<(), Error> {
+    parts("grasps", grasps.len())?;
     let mut hands = Vec::new();
-    for (i, grasp) in request.grasps.iter().enumerate() {
+    for (i, grasp) in grasps.iter().enumerate() {
         let field = |part: &str| format!("grasps[{i}].{part}");
-        gripper(grasp.gripper, &field("gripper"), request.actions.as_ref())?;
+        gripper(grasp.gripper, &field("gripper"), moves)?;
         match &grasp.region {
             None => {
                 let fault = "is missing: give sphere, cuboid, nodes or hand";
@@ -34,7 +34,7 @@ pub(super) fn check(request: &RollOutRequest, batch: &Batch) -> Result<(), Error
         }
         attachment(grasp, field)?;
         if let Some(closed) = given(grasp.closed.as_ref()) {
-            self::closed(closed, &field("closed"), batch)?;
+            self::closed(closed, &field("closed"), moves)?;
         }
         if let Some(force) = grasp.max_force_n
             && !(force.is_finite() && force > 0.0)
@@ -46,8 +46,8 @@ pub(super) fn check(request: &RollOutRequest, batch: &Batch) -> Result<(), Error
     Ok(())
 }
 
-pub(super) fn check_for(request: &RollOutRequest, twin: &TwinShape) -> Result<(), Error> {
-    for (i, grasp) in request.grasps.iter().enumerate() {
+pub(super) fn check_for(grasps: &[Grasp], twin: &TwinShape) -> Result<(), Error> {
+    for (i, grasp) in grasps.iter().enumerate() {
         if let Some(Region::Nodes(nodes)) = &grasp.region {
             distinct_nodes(nodes, &format!("grasps[{i}].nodes"), twin)?;
         }
@@ -75,10 +75,19 @@ fn attachment(grasp: &Grasp, field: impl Fn(&str) -> String) -> Result<(), Error
     Ok(())
 }
 
-fn closed(closed: &Tensor, field: &str, batch: &Batch) -> Result<(), Error> {
+fn closed(closed: &Tensor, field: &str, moves: &Moves) -> Result<(), Error> {
     let (tensor, shape) = required(Some(closed), field, Dtype::Uint32)?;
-    let (b, k) = (batch.instances, batch.knots);
-    if shape != [k] && shape != [b, k] {
+    let fits = match (&shape[..], moves.knots) {
+        ([own] | [_, own], Some(k)) if own != &k => false,
+        ([_], _) => true,
+        ([instances, _], Some(_)) => *instances == moves.instances,
+        // Instances come with the actions too.
+        ([_, _], None) => true,
+        _ => false,
+    };
+    if !fits {
+        let k = moves.knots.map_or("K".to_owned(), |knots| knots.to_string());
+        let b = moves.instances;
         let fault = format!("has shape {shape:?}, not [{k}] or [{b}, {k}]: a value for each knot");
         return Err(Error::field(field, fault));
     }

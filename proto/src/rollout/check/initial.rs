@@ -3,7 +3,7 @@
 use bendtwin_core::ids::CaptureId;
 
 use super::{
-    Batch, Error, TwinShape,
+    Error, TwinShape,
     tensors::{finite, given, indices, required},
 };
 use crate::v1::{
@@ -23,11 +23,11 @@ const PLACES: &str = "initial.given.grasping.places";
 /// Phases of a grasp: open, closed, slipped.
 const PHASE_COUNT: u32 = 3;
 
-pub(super) fn check(initial: Option<&InitialState>, batch: &Batch) -> Result<(), Error> {
+pub(super) fn check(initial: Option<&InitialState>, instances: u64) -> Result<(), Error> {
     match initial.and_then(|i| i.state.as_ref()) {
         None | Some(State::Rest(_) | State::Settled(_)) => Ok(()),
         Some(State::Session(at)) => {
-            let (slots, instances) = (at.slots.len() as u64, batch.instances);
+            let slots = at.slots.len() as u64;
             if slots <= 1 || slots == instances {
                 return Ok(());
             }
@@ -40,18 +40,17 @@ pub(super) fn check(initial: Option<&InitialState>, batch: &Batch) -> Result<(),
             let name = at.capture.parse::<CaptureId>();
             name.map(drop).map_err(|e| Error::field(CAPTURE, format!("is no name: {e}")))
         }
-        Some(State::Given(state)) => check_given(state, batch),
+        Some(State::Given(state)) => check_given(state, instances),
     }
 }
 
-fn check_given(state: &GivenState, batch: &Batch) -> Result<(), Error> {
+fn check_given(state: &GivenState, instances: u64) -> Result<(), Error> {
     let (tensor, shape) = required(state.positions.as_ref(), POSITIONS, Dtype::Float32)?;
     let is_batched = match shape[..] {
         [_, 3] => false,
-        [instances, _, 3] if instances == batch.instances => true,
+        [rows, _, 3] if rows == instances => true,
         _ => {
-            let b = batch.instances;
-            let fault = format!("has shape {shape:?}, not [N, 3] or [{b}, N, 3]");
+            let fault = format!("has shape {shape:?}, not [N, 3] or [{instances}, N, 3]");
             return Err(Error::field(POSITIONS, fault));
         }
     };
@@ -68,7 +67,7 @@ fn check_given(state: &GivenState, batch: &Batch) -> Result<(), Error> {
         let (twists, other) = required(Some(twists), TWISTS, Dtype::Float32)?;
         let fits = match other[..] {
             [_] => !is_batched,
-            [instances, _] => is_batched && instances == batch.instances,
+            [rows, _] => is_batched && rows == instances,
             _ => false,
         };
         if !fits {
@@ -77,7 +76,7 @@ fn check_given(state: &GivenState, batch: &Batch) -> Result<(), Error> {
         }
         finite(twists, TWISTS)?;
     }
-    let lead: &[u64] = if is_batched { &[batch.instances] } else { &[] };
+    let lead: &[u64] = if is_batched { &[instances] } else { &[] };
     if let Some(controls) = given(state.controls.as_ref()) {
         let (controls, other) = required(Some(controls), CONTROLS, Dtype::Float32)?;
         row_width(&other, lead, Some(3), CONTROLS)?;
@@ -128,7 +127,7 @@ fn row_width(shape: &[u64], lead: &[u64], inner: Option<u64>, field: &str) -> Re
 
 pub(super) fn check_for(
     initial: Option<&InitialState>,
-    batch: &Batch,
+    instances: u64,
     twin: &TwinShape,
     grasps: usize,
 ) -> Result<(), Error> {
@@ -138,7 +137,7 @@ pub(super) fn check_for(
             Err(Error::field(CAPTURE, fault))
         }
         Some(State::Given(state)) => {
-            let (b, n) = (batch.instances, twin.nodes);
+            let (b, n) = (instances, twin.nodes);
             let shape = state.positions.as_ref().map(|t| t.shape.as_slice()).unwrap_or_default();
             if shape.iter().rev().nth(1) != Some(&n) {
                 let fault = format!(

@@ -3,12 +3,12 @@
 use std::collections::HashSet;
 
 use super::{
-    Error, Limits,
+    Error, Grippers, Limits, Moves,
     numbers::{angle_free, least, vector, within_range},
     tensors::{finite, floats, required},
 };
 use crate::v1::{
-    Capsule, Collider, Cuboid, Plane, RollOutRequest, Sphere, Tensor,
+    Capsule, Collider, Cuboid, Grasp, Plane, RollOutRequest, Sphere, Tensor, World,
     collider::{Carrier, Shape},
     grasp::Region,
     roll_out_request::Actions,
@@ -25,8 +25,13 @@ const FARTHEST_M: f32 = 1000.0;
 /// Largest deviation of a normal's length from 1.
 const NORMAL_TOLERANCE: f32 = 1e-3;
 
-pub(super) fn check(request: &RollOutRequest, knots: u64, limits: &Limits) -> Result<(), Error> {
-    let Some(world) = &request.world else { return bodies(request) };
+pub(super) fn check(
+    world: Option<&World>,
+    grasps: &[Grasp],
+    moves: &Moves,
+    limits: &Limits,
+) -> Result<(), Error> {
+    let Some(world) = world else { return bodies(None, grasps, moves) };
     if !world.gravity.is_empty() {
         vector(&world.gravity, "world.gravity", f32::MAX)?;
     }
@@ -49,9 +54,9 @@ pub(super) fn check(request: &RollOutRequest, knots: u64, limits: &Limits) -> Re
             let fault = format!("is `{name}`, which an earlier collider has: names must differ");
             return Err(Error::field(field("name"), fault));
         }
-        self::collider(collider, &field, request.actions.as_ref(), knots)?;
+        self::collider(collider, &field, moves)?;
     }
-    bodies(request)
+    bodies(Some(world), grasps, moves)
 }
 
 /// Refuses more parts than a world has.
@@ -99,24 +104,30 @@ pub(super) fn cuboid(cuboid: &Cuboid, field: &str) -> Result<(), Error> {
 }
 
 /// The gripper of a part, which the actions must have.
-pub(super) fn gripper(number: u32, field: &str, actions: Option<&Actions>) -> Result<(), Error> {
-    let Some(Actions::Poses(poses)) = actions else {
-        let fault = "needs grippers: give the actions as `poses`, not as `trajectories`";
-        return Err(Error::field(field, fault));
-    };
-    let grippers = poses.poses.as_ref().and_then(|t| t.shape.get(2)).copied().unwrap_or(0);
-    if u64::from(number) >= grippers {
-        let fault = format!("names gripper {number}, there are {grippers} (counted from 0)");
-        return Err(Error::field(field, fault));
+pub(super) fn gripper(number: u32, field: &str, moves: &Moves) -> Result<(), Error> {
+    match moves.grippers {
+        Grippers::None => {
+            let fault = "needs grippers: give the actions as `poses`, not as `trajectories`";
+            Err(Error::field(field, fault))
+        }
+        Grippers::Count(grippers) if u64::from(number) >= grippers => {
+            let fault = format!("names gripper {number}, there are {grippers} (counted from 0)");
+            Err(Error::field(field, fault))
+        }
+        Grippers::Count(_) | Grippers::Later => Ok(()),
     }
-    Ok(())
+}
+
+/// The grippers of actions.
+pub(super) fn grippers(actions: Option<&Actions>) -> Grippers {
+    let Some(Actions::Poses(poses)) = actions else { return Grippers::None };
+    Grippers::Count(poses.poses.as_ref().and_then(|t| t.shape.get(2)).copied().unwrap_or(0))
 }
 
 fn collider(
     collider: &Collider,
     field: &impl Fn(&str) -> String,
-    actions: Option<&Actions>,
-    knots: u64,
+    moves: &Moves,
 ) -> Result<(), Error> {
     match &collider.shape {
         None => {
@@ -133,8 +144,8 @@ fn collider(
     within_range(Some(collider.margin_m), &field("margin_m"), 0.0..=FARTHEST_M)?;
     match &collider.carrier {
         None | Some(Carrier::Fixed(_)) => {}
-        Some(Carrier::Gripper(number)) => gripper(*number, &field("gripper"), actions)?,
-        Some(Carrier::Path(path)) => self::path(path, &field("path"), knots)?,
+        Some(Carrier::Gripper(number)) => gripper(*number, &field("gripper"), moves)?,
+        Some(Carrier::Path(path)) => self::path(path, &field("path"), moves.knots)?,
     }
     match collider.pose[..] {
         [] => Ok(()),
@@ -180,9 +191,11 @@ fn mesh(points: Option<&Tensor>, field: &str) -> Result<(), Error> {
     }
 }
 
-fn path(path: &Tensor, field: &str, knots: u64) -> Result<(), Error> {
+fn path(path: &Tensor, field: &str, knots: Option<u64>) -> Result<(), Error> {
     let (tensor, shape) = required(Some(path), field, Dtype::Float32)?;
-    if shape != [knots, 7] {
+    let fits = matches!(shape[..], [own, 7] if knots.is_none_or(|knots| own == knots));
+    if !fits {
+        let knots = knots.map_or("K".to_owned(), |knots| knots.to_string());
         let fault = format!("has shape {shape:?}, not [{knots}, 7]: a pose for each knot");
         return Err(Error::field(field, fault));
     }
@@ -215,8 +228,8 @@ fn pose(pose: &[f32], field: &str) -> Result<(), Error> {
 }
 
 /// Refuses more bodies than a world has.
-fn bodies(request: &RollOutRequest) -> Result<(), Error> {
-    let bodies = bodies_of(request);
+fn bodies(world: Option<&World>, grasps: &[Grasp], moves: &Moves) -> Result<(), Error> {
+    let bodies = bodies_among(world, grasps, moves.grippers);
     if bodies > MOST_PARTS {
         let fault = format!(
             "have {bodies} carriers, grippers of the actions and paths together: at most {MOST_PARTS} are possible"
@@ -229,22 +242,24 @@ fn bodies(request: &RollOutRequest) -> Result<(), Error> {
 /// Number of rigid bodies that a request moves: all grippers and paths, or none if nothing is
 /// carried.
 pub(in crate::rollout) fn bodies_of(request: &RollOutRequest) -> u64 {
-    let colliders = request.world.iter().flat_map(|world| &world.colliders);
-    let (mut grippers, mut paths) = (request.grasps.len(), 0);
-    for collider in colliders {
-        match &collider.carrier {
-            Some(Carrier::Gripper(_)) => grippers += 1,
-            Some(Carrier::Path(_)) => paths += 1,
-            None | Some(Carrier::Fixed(_)) => {}
-        }
-    }
-    let all = match &request.actions {
-        Some(Actions::Poses(poses)) if grippers > 0 || paths > 0 => {
-            poses.poses.as_ref().and_then(|t| t.shape.get(2)).copied().unwrap_or(0)
-        }
-        _ => 0,
+    let grippers = grippers(request.actions.as_ref());
+    bodies_among(request.world.as_ref(), &request.grasps, grippers)
+}
+
+fn bodies_among(world: Option<&World>, grasps: &[Grasp], grippers: Grippers) -> u64 {
+    let carriers = || world.iter().flat_map(|w| &w.colliders).filter_map(|c| c.carrier.as_ref());
+    let paths = carriers().filter(|c| matches!(c, Carrier::Path(_))).count() as u64;
+    let carrying = carriers().filter_map(|carrier| match carrier {
+        Carrier::Gripper(number) => Some(*number),
+        Carrier::Path(_) | Carrier::Fixed(_) => None,
+    });
+    let last = grasps.iter().map(|grasp| grasp.gripper).chain(carrying).max();
+    let grippers = match grippers {
+        Grippers::Count(count) if last.is_some() || paths > 0 => count,
+        Grippers::Later => last.map_or(0, |last| u64::from(last) + 1),
+        Grippers::Count(_) | Grippers::None => 0,
     };
-    all.saturating_add(paths)
+    grippers.saturating_add(paths)
 }
 
 /// Work of the surroundings for a node in a substep, in elements: a face is a fourth of a spring.

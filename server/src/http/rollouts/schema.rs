@@ -17,10 +17,11 @@ use utoipa::{
 };
 
 /// The files whose messages are described, all or some of them.
-const FILES: [(&str, Option<&str>); 4] = [
+const FILES: [(&str, Option<&str>); 5] = [
     ("bendtwin/v1/world.proto", None),
     ("bendtwin/v1/rollout.proto", None),
     ("bendtwin/v1/registration.proto", None),
+    ("bendtwin/v1/session.proto", None),
     ("bendtwin/v1/twin.proto", Some("TwinGeometry")),
 ];
 const PACKAGE: &str = ".bendtwin.v1.";
@@ -30,31 +31,45 @@ const MESSAGE: i32 = 4;
 const FIELD: i32 = 2;
 const NESTED: i32 = 3;
 
-/// Messages that are bodies of requests or replies.
-macro_rules! bodies {
-    ($($name:ident),+) => {$(
-        /// The message of this name.
-        pub(in crate::http) struct $name;
+/// Schemas by the names of messages.
+macro_rules! described {
+    ($($message:ident)*) => {$(
+        #[doc = concat!("`bendtwin.v1.", stringify!($message), "` as JSON.")]
+        pub(in crate::http) struct $message;
 
-        impl PartialSchema for $name {
+        impl PartialSchema for $message {
             fn schema() -> RefOr<Schema> {
-                schema(stringify!($name))
+                schema(stringify!($message))
             }
         }
 
-        impl ToSchema for $name {
+        impl ToSchema for $message {
             fn name() -> Cow<'static, str> {
-                Cow::Borrowed(stringify!($name))
+                Cow::Borrowed(stringify!($message))
             }
 
             fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
                 found.extend(all());
             }
         }
-    )+};
+    )*};
 }
 
-bodies!(RollOutRequest, RollOutResponse, RegisterStateRequest, RegisteredState, TwinGeometry);
+described! {
+    AdvanceSessionRequest
+    CorrectSessionRequest
+    CorrectedSession
+    ForkSessionRequest
+    OpenSessionRequest
+    RegisterStateRequest
+    RegisteredState
+    ResetSessionRequest
+    RollOutRequest
+    RollOutResponse
+    Session
+    SessionStates
+    TwinGeometry
+}
 
 fn schema(name: &str) -> RefOr<Schema> {
     let found = all().into_iter().find(|(n, _)| n == name);
@@ -166,7 +181,9 @@ impl Messages {
             Type::Enum => json!({"type": "string", "enum": self.words.get(field.type_name())}),
             Type::String => json!({"type": "string"}),
             Type::Bool => json!({"type": "boolean"}),
-            Type::Uint32 => json!({"type": "integer", "format": "int64", "minimum": 0}),
+            Type::Uint32 | Type::Uint64 => {
+                json!({"type": "integer", "format": "int64", "minimum": 0})
+            }
             Type::Float => json!({"type": "number", "format": "float"}),
             _ => json!({"type": "number", "format": "double"}),
         };

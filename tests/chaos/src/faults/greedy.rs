@@ -4,12 +4,13 @@ use std::time::Duration;
 
 use bendtwin_proto::{
     json::{TensorFormat, Write},
-    v1::{Returns, RollOutRequest},
+    rollout::MOST_SLOTS,
+    v1::{OpenSessionRequest, Returns, RollOutRequest},
 };
 use futures::{StreamExt as _, future::join_all};
 use tokio::time::timeout;
 
-use super::{GREEDY, http, rollouts};
+use super::{GREEDY, http, rollouts, sessions};
 use crate::{run::Run, schedule::Greed};
 
 /// Time that a greedy client waits.
@@ -18,6 +19,9 @@ const PATIENCE: Duration = Duration::from_secs(30);
 const SIZES: [usize; 4] = [48 << 20, 12 << 20, 12 << 20, 6 << 20];
 /// Requests at a time.
 const BATCHES: usize = 6;
+/// Sessions that are opened and left, and the time after which they end [s].
+const SESSIONS: usize = 600;
+const IDLE_S: f64 = 10.0;
 /// Uploads that are begun and left.
 const UPLOADS: usize = 100;
 
@@ -28,6 +32,7 @@ pub(super) async fn ask(run: &Run, greed: Greed) -> anyhow::Result<()> {
             Greed::LargeJson => large_json(run).await,
             Greed::LargeReply => large_reply(run).await,
             Greed::Uploads => uploads(run).await,
+            Greed::Sessions => open_and_leave(run).await,
         }
     };
     run.tally.count(format!("faults: greedy clients, {greed:?}"));
@@ -81,6 +86,23 @@ async fn large_reply(run: &Run) -> anyhow::Result<()> {
         RollOutRequest { returns: Some(returns), ..run.references.batch(String::new(), 200, 500) };
     post(run, serde_json::to_string(&Write { message: &request, tensors: TensorFormat::Lists })?)
         .await
+}
+
+async fn open_and_leave(run: &Run) -> anyhow::Result<()> {
+    let client = sessions(run, GREEDY).await?;
+    for number in 0..SESSIONS {
+        let request = OpenSessionRequest {
+            twin: run.twin(),
+            // Some fill the memory for states, the others the number of sessions.
+            slots: if number % 2 == 0 { MOST_SLOTS } else { 1 },
+            idle_timeout_s: IDLE_S,
+            ..OpenSessionRequest::default()
+        };
+        if let Err(refusal) = client.clone().open_session(request).await {
+            run.tally.log(format_args!("greedy session {number}: {refusal}"));
+        }
+    }
+    Ok(())
 }
 
 async fn uploads(run: &Run) -> anyhow::Result<()> {

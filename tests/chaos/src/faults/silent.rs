@@ -2,15 +2,15 @@
 
 use std::time::Duration;
 
-use bendtwin_proto::v1::{Returns, RollOutRequest};
-use futures::future::join_all;
+use bendtwin_proto::v1::{AdvanceSessionRequest, OpenSessionRequest, Returns, RollOutRequest};
+use futures::{StreamExt as _, future::join_all, stream};
 use tokio::{
     io::AsyncWriteExt as _,
     net::{TcpSocket, TcpStream},
     time::{sleep, timeout},
 };
 
-use super::{STRANGER, rollouts};
+use super::{STRANGER, rollouts, sessions};
 use crate::{run::Run, schedule::Silence};
 
 /// Connections of one client.
@@ -34,6 +34,7 @@ pub(super) async fn be(run: &Run, silence: Silence, held: Duration) -> anyhow::R
             connections(run, &[captures, fits, headers], held).await?;
         }
         Silence::UnreadStreams => streams(run, held).await?,
+        Silence::Controls => controls(run, held).await?,
     }
     run.tally.count(format!("faults: silent clients, {silence:?}"));
     Ok(())
@@ -62,6 +63,30 @@ async fn streams(run: &Run, held: Duration) -> anyhow::Result<()> {
         let unread = join_all((0..STREAMS).map(|_| {
             let (mut client, request) = (client.clone(), request.clone());
             async move { client.stream_roll_out(request).await }
+        }));
+        let _unread = unread.await;
+        std::future::pending::<()>().await;
+    };
+    timeout(held, open).await.ok();
+    Ok(())
+}
+
+async fn controls(run: &Run, held: Duration) -> anyhow::Result<()> {
+    let mut client = sessions(run, STRANGER).await?;
+    let open = OpenSessionRequest { twin: run.twin(), ..OpenSessionRequest::default() };
+    let name = client.open_session(open).await?.into_inner().name;
+    let garbage = |number: usize| {
+        let name = if number.is_multiple_of(2) { name.clone() } else { "\u{0}".repeat(number) };
+        let slots = vec![u32::MAX; number];
+        let rollout = run.references.walk.steps.first().cloned();
+        AdvanceSessionRequest { name, slots, rollout }
+    };
+    let open = async {
+        let unread = join_all((0..STREAMS).map(|number| {
+            let mut client = client.clone();
+            let said = (number >= STREAMS / 2).then(|| garbage(number));
+            let messages = stream::iter(said).chain(stream::pending());
+            async move { client.control_session(messages).await }
         }));
         let _unread = unread.await;
         std::future::pending::<()>().await;

@@ -17,14 +17,21 @@ fn speeds_and_depths_are_those_of_the_worst_frame() {
     let obstacles = Obstacles { ground: Some(UP), shapes: Vec::new() };
     let mut path = falling();
     path[1][2] = 0.25;
-    let found = extremes(0.0, [&path, &[]], 3, 30.0, &obstacles);
+    let of = |controls| Prescribed { controls, middles: &[], held: &[] };
+    let found = extremes(0.0, of(&path), 3, 30.0, &obstacles);
     // From 0.25 to -0.1 m in frame 2; 0.3 m below the ground at the end of frame 3.
     assert!((found.speed.0 - 10.5).abs() < 1e-4 && found.speed.1 == 2, "{found:?}");
     assert!((found.depth.0 - 0.3).abs() < 1e-6 && found.depth.1 == 3, "{found:?}");
     // Other points count for the depth alone.
     let still = [[0.0, 0.0, 1.0]; 4];
-    let found = extremes(0.0, [&still, &falling()], 3, 30.0, &obstacles);
+    let middles = Prescribed { middles: &falling(), ..of(&still) };
+    let found = extremes(0.0, middles, 3, 30.0, &obstacles);
     assert_eq!((found.speed, found.depth.1), ((0.0, 0), 3));
+    // A held node counts from where it was taken on, and by how much deeper it gets.
+    let points = vec![[0.0, 0.0, -0.01], [0.0, 0.0, -0.04]];
+    let held = [Path { from: 2, points }];
+    let found = extremes(0.0, Prescribed { held: &held, ..of(&still) }, 3, 30.0, &obstacles);
+    assert!((found.depth.0 - 0.03).abs() < 1e-6 && found.depth.1 == 3, "{found:?}");
 }
 
 #[test]

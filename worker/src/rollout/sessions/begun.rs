@@ -34,7 +34,7 @@ impl Begun {
         let Some(initial_state::State::Session(at)) = state else { return Ok(None) };
         let session = sessions.get(&at.session)?;
         let slots = session.chosen(&at.slots, [0])?;
-        let commit = session.chosen(&commit_slots, [])?;
+        let commit = session.distinct(&commit_slots, [])?;
         let setup = &session.setup;
         if request.fidelity() == v1::Fidelity::Unspecified {
             request.fidelity = setup.fidelity.into();
@@ -48,7 +48,7 @@ impl Begun {
         let turn = if commit.is_empty() {
             None
         } else {
-            check_advance(request, &commit)?;
+            check_advance(request)?;
             Some(session.begin_advance().await)
         };
         Ok(Some(Self { session, slots, commit, _turn: turn }))
@@ -96,12 +96,7 @@ impl Begun {
     }
 }
 
-fn check_advance(request: &RollOutRequest, commit: &[usize]) -> Result<(), Error> {
-    let mut sorted = commit.to_vec();
-    sorted.sort_unstable();
-    if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
-        return Err(Error::field("slots", "names a slot twice"));
-    }
+fn check_advance(request: &RollOutRequest) -> Result<(), Error> {
     if request.ensemble.is_some() {
         let fault = "belongs to rollouts: a slot has one state";
         return Err(Error::field("rollout.ensemble", fault));

@@ -32,7 +32,7 @@ impl Inner {
         call: &Unary,
     ) -> Result<CorrectedSession, Error> {
         let session = self.sessions.get(&request.name)?;
-        let slots = session.chosen(&request.slots, [0])?;
+        let slots = session.distinct(&request.slots, [0])?;
         let warm = self.twins.get(session.setup.twin).await?;
         let shape = shape(&warm.twin, false);
         registration::check_correction(&request, &shape, &self.limits())?;

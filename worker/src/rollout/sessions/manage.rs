@@ -2,11 +2,15 @@
 
 use std::sync::Arc;
 
+use bendtwin_budget::Share;
 use bendtwin_core::{CancelToken, Point, ids::TwinId};
 use bendtwin_engine::model::State;
 use bendtwin_proto::{
     rollout,
-    v1::{InitialState, OpenSessionRequest, SessionStates, Tensor, initial_state::GivenState},
+    v1::{
+        GetSessionStatesRequest, InitialState, OpenSessionRequest, SessionStates, Tensor,
+        initial_state::GivenState,
+    },
     worker::v1::{ManageSessionRequest, ManageSessionResponse, manage_session_request::Call},
 };
 
@@ -26,37 +30,37 @@ use crate::{
 
 /// States of a slot: its first one and the present one, and one that an advance makes.
 const STATES: u64 = 3;
+/// Memory of a reply with states, beside its size: as arrays, as a message, and as that is sent.
+const STATES_MEMORY: u64 = 3;
 
 impl Inner {
-    /// Answers a call about sessions.
+    /// Answers a call about sessions; with the memory of the reply, where that is large.
     pub(in crate::rollout) async fn manage(
         self: &Arc<Self>,
         request: ManageSessionRequest,
         under_way: &Unary,
-    ) -> Result<ManageSessionResponse, Error> {
+    ) -> Result<(ManageSessionResponse, Option<Share>), Error> {
         let call = request.call.ok_or_else(|| Error::field("call", "is missing"))?;
         let session = match call {
             Call::Open(open) => self.open(open, request.capture, under_way.cancel()).await?,
             Call::Get(get) => self.sessions.get(&get.name)?,
             Call::States(asked) => {
-                let session = self.sessions.get(&asked.name)?;
-                let slots = session.chosen(&asked.slots, 0..session.slots())?;
-                let twin = self.twins.get(session.setup.twin).await?;
-                let states = Some(pack(&session, &twin, &slots));
-                return Ok(ManageSessionResponse { states, ..Default::default() });
+                let (states, share) = self.states(&asked).await?;
+                let reply = ManageSessionResponse { states: Some(states), ..Default::default() };
+                return Ok((reply, Some(share)));
             }
             Call::Fork(fork) => {
                 let session = self.sessions.get(&fork.name)?;
                 let from = session.chosen(&[fork.from], [])?;
                 let others = (0..session.slots()).filter(|s| !from.contains(s));
-                let to = session.chosen(&fork.to, others)?;
+                let to = session.distinct(&fork.to, others)?;
                 let _turn = session.begin_advance().await;
                 from.into_iter().for_each(|from| session.fork(from, &to));
                 session
             }
             Call::Reset(reset) => {
                 let session = self.sessions.get(&reset.name)?;
-                let slots = session.chosen(&reset.slots, 0..session.slots())?;
+                let slots = session.distinct(&reset.slots, 0..session.slots())?;
                 let states = match reset.initial {
                     None => None,
                     Some(initial) => {
@@ -77,17 +81,34 @@ impl Inner {
             }
             Call::Correct(correct) => {
                 let corrected = Some(self.correct(correct, under_way).await?);
-                return Ok(ManageSessionResponse { corrected, ..Default::default() });
+                return Ok((ManageSessionResponse { corrected, ..Default::default() }, None));
             }
             Call::Close(close) => {
                 if let Ok(session) = self.sessions.get(&close.name) {
                     self.sessions.close(session.id);
                 }
-                return Ok(ManageSessionResponse::default());
+                return Ok((ManageSessionResponse::default(), None));
             }
         };
         let session = Some(session.describe(&self.worker));
-        Ok(ManageSessionResponse { session, ..Default::default() })
+        Ok((ManageSessionResponse { session, ..Default::default() }, None))
+    }
+
+    /// The states of slots, in memory that was taken before.
+    async fn states(
+        &self,
+        asked: &GetSessionStatesRequest,
+    ) -> Result<(SessionStates, Share), Error> {
+        let session = self.sessions.get(&asked.name)?;
+        let slots = session.distinct(&asked.slots, 0..session.slots())?;
+        let warm = self.twins.get(session.setup.twin).await?;
+        let (twin, limits) = (shape(&warm.twin, true), self.limits());
+        let grasps = session.setup.grasps.len() as u64;
+        let bytes = rollout::states_bytes(slots.len() as u64, grasps, &twin, &limits)?;
+        let advice = "the states: ask for fewer slots at once";
+        let bytes = bytes.saturating_mul(STATES_MEMORY);
+        let share = budget::take(&self.memory.rollouts, bytes, advice).await?;
+        Ok((pack(&session, &warm, &slots), share))
     }
 
     async fn open(

@@ -44,7 +44,10 @@ fn slots_are_advanced_forked_and_reset() {
 fn slots_that_are_not_there_are_refused() {
     let session = session(2, Duration::from_secs(60));
     assert_eq!(session.chosen(&[], [1]).unwrap(), [1]);
-    assert_eq!(session.chosen(&[1, 0], []).unwrap(), [1, 0]);
+    assert_eq!(session.chosen(&[1, 0, 1], []).unwrap(), [1, 0, 1]);
+    assert_eq!(session.distinct(&[1, 0], []).unwrap(), [1, 0]);
+    let error = session.distinct(&[1, 0, 1], []).unwrap_err().to_string();
+    assert!(error.contains("slot 1 twice"), "{error}");
     let error = session.chosen(&[0, 2], []).unwrap_err().to_string();
     assert!(error.contains("slot 2 of 2"), "{error}");
 }
@@ -57,7 +60,13 @@ fn a_session_that_nobody_uses_ends_and_says_so() {
     let kept = sessions.add(session(1, Duration::from_secs(3600))).unwrap();
     let ended = sessions.add(session(1, Duration::ZERO)).unwrap();
     std::thread::sleep(Duration::from_millis(2));
-    assert_eq!(sessions.list(), [(kept.id, kept.setup.twin)]);
+    let held = sessions.list();
+    assert_eq!(held.len(), 1);
+    assert_eq!(
+        (&held[0].session, &held[0].twin),
+        (&kept.id.to_string(), &kept.setup.twin.to_string())
+    );
+    assert_eq!((held[0].slots, held[0].grasps), (1, 0));
     let error = sessions.get(&ended.id.to_string()).err().unwrap();
     assert_eq!(error.reason(), "SESSION_LOST");
     assert!(sessions.get(&kept.id.to_string()).is_ok());

@@ -169,7 +169,7 @@ fn the_ground_is_that_of_the_session() {
     let bench = Bench::new();
     let model = bench.warm.loaded.model();
     let mut there = model.graph.rest_positions.clone();
-    there[3][2] -= 0.03;
+    there[3][2] -= 0.015;
     let height_in = |world: Option<World>| {
         let session = session(&bench);
         let model = around(model, world.as_ref());

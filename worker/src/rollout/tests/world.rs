@@ -318,6 +318,44 @@ fn control_points_do_not_pass_through_a_table_unnoticed() {
     assert_eq!(part.implausible[0].frame, 60);
 }
 
+/// A gripper that stays above a table takes hold of nodes below it and carries them into the table:
+/// flagged, whether it closes at the start or later.
+#[test]
+fn held_nodes_do_not_pass_through_a_table_unnoticed() {
+    let bench = bench(chain(0.0));
+    let table =
+        bendtwin_proto::v1::Cuboid { low: vec![-1.0, -1.0, -0.5], high: vec![1.0, 1.0, -0.1] };
+    let table = Collider { shape: Some(collider::Shape::Cuboid(table)), ..Collider::default() };
+    let world = World {
+        gravity: vec![0.0; 3],
+        colliders: vec![table],
+        ground_choice: Some(GroundChoice::NoGround(true)),
+        ..World::default()
+    };
+    let held = |closed: [u32; 4]| Grasp {
+        region: Some(grasp::Region::Nodes(Tensor::pack(&[2], &[0u32, 1]))),
+        closed: Some(Tensor::pack(&[4], &closed)),
+        ..Grasp::default()
+    };
+    // Down by 0.15 m in the last third, to 0.3 m above the table's top.
+    let carried = carried(&[0.35, 0.35, 0.35, 0.2]);
+    for (closed, is_flagged) in
+        [([1, 1, 1, 1], true), ([0, 1, 1, 1], true), ([1, 1, 0, 0], false), ([0; 4], false)]
+    {
+        let mut request = carried.clone();
+        (request.world, request.grasps) = (Some(world.clone()), vec![held(closed)]);
+        request.returns = Some(Returns { diagnostics: true, ..Returns::default() });
+        let part = bench.run(request, 0).unwrap().remove(0);
+        let expected: &[&str] = if is_flagged { &["CONTROL_IN_OBSTACLE"] } else { &[] };
+        assert_eq!(reasons(&part), expected, "{closed:?}");
+        let depth = part.diagnostics[0].control_depth_m;
+        assert!((depth - if is_flagged { 0.05 } else { 0.0 }).abs() < 1e-4, "{closed:?}: {depth}");
+        if is_flagged {
+            assert_eq!(part.implausible[0].frame, 60);
+        }
+    }
+}
+
 #[test]
 fn a_gradient_reaches_as_far_as_it_is_told() {
     let bench = Bench::new();

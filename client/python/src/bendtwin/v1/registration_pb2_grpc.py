@@ -26,7 +26,7 @@ if _version_not_supported:
 
 
 class RegistrationServiceStub(object):
-    """Where an object is: from points that were seen of it to a state of its twin. A running session is
+    """Registration: from points that were seen of an object to a state of its twin. A running session is
     corrected by SessionService.CorrectSession instead.
     """
 
@@ -44,7 +44,7 @@ class RegistrationServiceStub(object):
 
 
 class RegistrationServiceServicer(object):
-    """Where an object is: from points that were seen of it to a state of its twin. A running session is
+    """Registration: from points that were seen of an object to a state of its twin. A running session is
     corrected by SessionService.CorrectSession instead.
     """
 
@@ -74,7 +74,7 @@ def add_RegistrationServiceServicer_to_server(servicer, server):
 
  # This class is part of an EXPERIMENTAL API.
 class RegistrationService(object):
-    """Where an object is: from points that were seen of it to a state of its twin. A running session is
+    """Registration: from points that were seen of an object to a state of its twin. A running session is
     corrected by SessionService.CorrectSession instead.
     """
 

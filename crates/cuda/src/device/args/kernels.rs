@@ -62,15 +62,6 @@ device_struct! {
 }
 
 device_struct! {
-    /// Parameters of `sum_forces`.
-    SumForcesArgs {
-        instances: Pointer<InstanceArgs>,
-        frame: u32,
-        blocks: u32,
-    }
-}
-
-device_struct! {
     /// Parameters of `score`.
     ScoreArgs {
         objectives: Pointer<ObjectiveArgs>,

@@ -23,19 +23,13 @@ pub(super) fn arrange(
     let mut out = Vec::with_capacity(slots);
     while out.len() < slots || first.iter().chain(&then).any(|n| !n.is_empty()) {
         let mut slot: Slot = [None; WARP];
-        let mut used_by_half = [None; 2 * BANKS];
-        for quarter in 0..WARP / TOGETHER {
-            let mut used = [None; BANKS];
-            if quarter % 2 == 0 {
-                used_by_half = [None; 2 * BANKS];
-            }
-            let lanes_of = slot.iter_mut().enumerate().skip(quarter * TOGETHER).take(TOGETHER);
-            for (lane, taken) in lanes_of {
-                let node = lane / lanes;
-                let Some(own) = first.get_mut(node) else { continue };
-                let from = if own.is_empty() { &mut then[node] } else { own };
-                *taken = take(from, &mut used, &mut used_by_half);
-            }
+        let mut reads = Reads::default();
+        for (lane, taken) in slot.iter_mut().enumerate() {
+            reads.next_lane(lane);
+            let node = lane / lanes;
+            let Some(own) = first.get_mut(node) else { continue };
+            let from = if own.is_empty() { &mut then[node] } else { own };
+            *taken = take(from, &mut reads);
         }
         out.push(slot);
     }
@@ -44,30 +38,56 @@ pub(super) fn arrange(
 
 /// Takes a half-spring that is read along with another lane's, or else one whose banks are free,
 /// from the bank that has most of them left; any if none is.
-fn take(
-    from: &mut Vec<Half>,
-    used: &mut [Option<u32>; BANKS],
-    used_by_half: &mut [Option<u32>; 2 * BANKS],
-) -> Option<Half> {
+fn take(from: &mut Vec<Half>, reads: &mut Reads) -> Option<Half> {
     let bank = |h: &Half| h.1 as usize % BANKS;
-    let half_bank = |h: &Half| h.1 as usize % (2 * BANKS);
     let mut left = [0_u32; BANKS];
     from.iter().for_each(|h| left[bank(h)] += 1);
-    let gain = |of: Option<u32>, h: &Half| match of {
-        Some(other) if other == h.1 => 2,
-        None => 1,
-        Some(_) => 0,
-    };
     let rank = |i: usize| {
         let h = &from[i];
-        let gains = 3 * gain(used[bank(h)], h) + gain(used_by_half[half_bank(h)], h);
-        (gains, left[bank(h)], std::cmp::Reverse(i))
+        (reads.gain(h.1), left[bank(h)], std::cmp::Reverse(i))
     };
     let best = (0..from.len()).max_by_key(|&i| rank(i))?;
     let taken = from.swap_remove(best);
-    used[bank(&taken)].get_or_insert(taken.1);
-    used_by_half[half_bank(&taken)].get_or_insert(taken.1);
+    reads.take(taken.1);
     Some(taken)
+}
+
+/// States that the lanes of a warp read together, by bank.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Reads {
+    by_quarter: [Option<u32>; BANKS],
+    by_half: [Option<u32>; 2 * BANKS],
+}
+
+impl Reads {
+    /// Goes on to a lane: the first of a quarter or half of a warp reads alone.
+    pub(super) fn next_lane(&mut self, lane: usize) {
+        if lane.is_multiple_of(TOGETHER) {
+            self.by_quarter = [None; BANKS];
+        }
+        if lane.is_multiple_of(2 * TOGETHER) {
+            self.by_half = [None; 2 * BANKS];
+        }
+    }
+
+    /// Worth of reading the state of a local index: most where another lane reads the same, nothing
+    /// where it waits for others.
+    pub(super) fn gain(&self, local: u32) -> u32 {
+        let of = |used: Option<u32>| match used {
+            Some(other) if other == local => 2,
+            None => 1,
+            Some(_) => 0,
+        };
+        let at = local as usize;
+        3 * of(self.by_quarter[at % BANKS]) + of(self.by_half[at % (2 * BANKS)])
+    }
+
+    /// Reads it.
+    pub(super) fn take(&mut self, local: u32) {
+        let at = local as usize;
+        self.by_quarter[at % BANKS].get_or_insert(local);
+        self.by_half[at % (2 * BANKS)].get_or_insert(local);
+    }
 }
 
 #[cfg(test)]

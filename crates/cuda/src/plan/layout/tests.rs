@@ -65,6 +65,27 @@ fn halves(
     found
 }
 
+/// The triplet and role that a reference means.
+fn triplet_and_role(reference: u32) -> (u32, u32) {
+    (reference / 288 * 32 + reference % 32, reference % 288 / 96)
+}
+
+/// References to triplets of an endpoint: an own node, or a control point behind them.
+fn references(layout: &Layout, share: &Share, index: u32) -> Vec<u32> {
+    let lanes = layout.lanes as usize;
+    let (first_row, index) = match index.checked_sub(share.own) {
+        None => (0, index as usize),
+        Some(control) => (share.rows, control as usize),
+    };
+    let row = (share.row + first_row) as usize + index * lanes / 32;
+    let own = |slot: u32| {
+        let at = slot as usize * 32 + index * lanes % 32;
+        layout.arm_refs[at..at + lanes].to_vec()
+    };
+    let slots = layout.arm_rows[row]..layout.arm_rows[row + 1];
+    slots.flat_map(own).filter(|&reference| reference != NO_ARM).collect()
+}
+
 #[test]
 fn every_node_has_all_its_half_springs_and_every_spring_reports_once() {
     for (graph, layout) in layouts() {
@@ -199,12 +220,11 @@ fn triplets_reach_all_their_ends_and_report_once() {
                     Some(control) => n + control,
                     None => layout.nodes[(share.nodes + index) as usize],
                 };
-                let at = (share.arm + index) as usize;
-                for a in layout.arms[at]..layout.arms[at + 1] {
-                    let reference = layout.arm_refs[a as usize];
-                    let of = layout.triplet_of[(share.triplet + (reference >> 2)) as usize];
+                for reference in references(&layout, share, index) {
+                    let (t, role) = triplet_and_role(reference);
+                    let of = layout.triplet_of[(share.triplet + t) as usize];
                     let [i, j, k] = graph.triplets[of as usize];
-                    assert_eq!([i, k, j][(reference & 3) as usize], end);
+                    assert_eq!([i, k, j][role as usize], end);
                     assert!(arms.insert((of, end)), "an arm twice");
                 }
             }
@@ -242,10 +262,10 @@ fn rods_turn_at_their_inner_nodes_where_a_block_has_them_all() {
     assert_eq!(layout.rod_turns, [share.triplets, share.triplets + graph.rods[0].len() as u32 - 2]);
     let mut arms = BTreeSet::new();
     for index in 0..share.own {
-        let at = (share.arm + index) as usize;
-        let refs = &layout.arm_refs[layout.arms[at] as usize..layout.arms[at + 1] as usize];
+        let refs = references(&layout, &share, index);
         let node = layout.nodes[(share.nodes + index) as usize];
-        arms.extend(refs.iter().map(|reference| (reference >> 2, reference & 3, node)));
+        let parts = refs.into_iter().map(triplet_and_role);
+        arms.extend(parts.map(|(t, role)| (t, role, node)));
     }
     for (t, ends) in (share.triplets..).zip(graph.rods[0].windows(3)) {
         let local = layout.triplets[(share.triplet + t) as usize];

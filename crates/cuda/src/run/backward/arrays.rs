@@ -12,7 +12,7 @@ use crate::{
         resident::LAWS,
         tape::{self, Entries, Tape},
     },
-    run::simulation::{Contact, contact_nodes},
+    run::contact::{Contact, contact_nodes},
 };
 
 /// Bytes that contact takes a node.
@@ -31,7 +31,8 @@ pub(super) struct WindowArrays {
     pub(super) frames: usize,
     /// Substeps of a frame that are on tape at a time: all of them, unless not even one frame fits.
     segment: usize,
-    substeps: usize,
+    /// Of a frame.
+    pub(super) substeps: usize,
     pub(super) nodes: usize,
     pub(super) rods: usize,
     pub(super) bar_x: Buffer<[f32; 4]>,

@@ -30,9 +30,6 @@ use crate::{
     },
 };
 
-/// Frames that the host is ahead of the device.
-const AHEAD: usize = 4;
-
 /// Frames of an instance between two cuts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
@@ -161,6 +158,8 @@ impl<'a> ConcurrentWindows<'a> {
         let deepest = self.windows.iter().map(Window::len).max().unwrap_or(0);
         // Where nothing moves, what is wanted at the start is wanted of the start.
         self.store_initials(0)?;
+        let substeps = self.arrays.substeps as u32;
+        let frame_us = self.batches.iter().map(|b| b.group.frame_us(substeps)).sum();
         let mut throttle = LaunchThrottle::default();
         for from in (0..deepest).step_by(self.arrays.frames) {
             let depths = from..(from + self.arrays.frames).min(deepest);
@@ -178,9 +177,7 @@ impl<'a> ConcurrentWindows<'a> {
                 }
                 self.frame_back(depth, from, &args)?;
                 self.store_initials(depth + 1)?;
-                if depth % AHEAD == AHEAD - 1 {
-                    throttle.step(queue)?;
-                }
+                throttle.launched(queue, frame_us)?;
             }
         }
         self.batches.iter().try_for_each(|batch| self.add_sums(batch, &total))

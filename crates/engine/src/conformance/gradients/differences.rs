@@ -19,12 +19,12 @@ use crate::{
 };
 
 /// A kind of variable that a loss is differentiated by.
-pub(super) struct Kind {
-    pub(super) name: &'static str,
+pub(in crate::conformance) struct Kind {
+    pub(in crate::conformance) name: &'static str,
     /// The variables of a scene.
     variables: fn(&mut Scene) -> Vec<&mut f32>,
     /// Their derivatives.
-    pub(super) derivatives: fn(&Gradient) -> Vec<f32>,
+    pub(in crate::conformance) derivatives: fn(&Gradient) -> Vec<f32>,
     /// Largest step of a variable.
     largest_step: fn(f32) -> f32,
 }
@@ -47,7 +47,7 @@ macro_rules! parameter {
 }
 
 /// Every kind of variable.
-pub(super) fn kinds() -> Vec<Kind> {
+pub(in crate::conformance) fn kinds() -> Vec<Kind> {
     vec![
         parameter!("spring stiffness", 0.05, |p| p.spring_stiffness.clone(), |p| p
             .spring_stiffness
@@ -153,7 +153,7 @@ fn flat(points: &[Point]) -> Vec<f32> {
 }
 
 /// Everything that a gradient can have.
-pub(super) const REQUEST: GradientRequest = GradientRequest {
+pub(in crate::conformance) const REQUEST: GradientRequest = GradientRequest {
     cut_every: 0,
     controls: true,
     initial: true,
@@ -163,13 +163,13 @@ pub(super) const REQUEST: GradientRequest = GradientRequest {
 };
 
 /// Parameters of a check.
-pub(super) struct Check {
+pub(in crate::conformance) struct Check {
     /// Seed of the random direction; names the scene in messages.
-    pub(super) seed: u64,
+    pub(in crate::conformance) seed: u64,
     /// Allowed error, relative to the sum of |derivative · step|.
-    pub(super) tolerance: f64,
+    pub(in crate::conformance) tolerance: f64,
     /// Kinds that must have a derivative other than zero.
-    pub(super) must_matter: &'static [&'static str],
+    pub(in crate::conformance) must_matter: &'static [&'static str],
 }
 
 /// Rounding of a loss, relative to it: an f32 simulation of a few hundred substeps moves each node
@@ -179,7 +179,11 @@ const ROUNDING: f64 = 1e-6;
 const CHANGE: f64 = 1e-3;
 
 /// Compares all derivatives of a scene's loss with finite differences.
-pub(super) fn matches_differences(backend: &dyn Backend, scene: &Scene, check: &Check) -> Outcome {
+pub(in crate::conformance) fn matches_differences(
+    backend: &dyn Backend,
+    scene: &Scene,
+    check: &Check,
+) -> Outcome {
     let gradient = scene.gradient(backend, &REQUEST)?;
     ensure(gradient.loss.diverged.is_none(), || "the scene diverges".into())?;
     let mut rng = ChaCha8Rng::seed_from_u64(check.seed);

@@ -1,6 +1,7 @@
+use bendtwin_core::geometry::{length, sub};
 use proptest::prelude::*;
 
-use super::*;
+use super::{Face, Fault, Point, hull};
 
 /// Distance of a point to the plane that is farthest from it [m].
 fn distance(faces: &[Face], p: Point) -> f32 {
@@ -86,14 +87,31 @@ proptest! {
                 let held = points.iter().filter(|p| distance(&[*face], **p) > -2e-4).count();
                 prop_assert!(held >= 3, "{face:?} is held by {held}");
             }
-            // Nothing far away is within: the faces close. To the planes of a needle it is not far.
-            for axis in 0..3 {
-                for sign in [-20.0f32, 20.0] {
-                    let mut far = shift;
-                    far[axis] += sign;
-                    prop_assert!(distance(&faces, far) > 0.0);
-                }
-            }
+        }
+    }
+
+    /// The faces close around the points: along the way from their mean c to a point outside, which
+    /// leaves the hull within R = max |p - c|, the distance to the plane of the face that it leaves by
+    /// grows from -depth, the distance at c, by at least depth in every R.
+    #[test]
+    fn the_distance_grows_outside(
+        points in prop::collection::vec(prop::array::uniform3(-1.0f32..1.0), 4..40),
+        squash in 0.01f32..1.0,
+        ways in prop::collection::vec(prop::array::uniform3(-1.0f32..1.0), 20),
+        times in 1.01f32..20.0,
+    ) {
+        let points: Vec<Point> = points.iter().map(|p| [p[0], p[1], squash * p[2]]).collect();
+        let Ok(faces) = hull(&points) else { return Ok(()) };
+        let middle: Point =
+            std::array::from_fn(|i| points.iter().map(|p| p[i]).sum::<f32>() / points.len() as f32);
+        let depth = -distance(&faces, middle);
+        let radius = points.iter().map(|p| length(sub(*p, middle))).fold(0.0, f32::max);
+        prop_assert!(depth > 0.0, "the mean is {depth} deep");
+        for way in ways.iter().filter(|way| length(**way) > 0.1) {
+            let scale = times * radius / length(*way);
+            let far: Point = std::array::from_fn(|i| middle[i] + scale * way[i]);
+            let least = (times - 1.0) * depth - 1e-4;
+            prop_assert!(distance(&faces, far) >= least, "{far:?}: {}", distance(&faces, far));
         }
     }
 

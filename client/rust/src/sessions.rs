@@ -1,0 +1,224 @@
+//! Sessions: simulations that stay at a worker between calls.
+
+mod correction;
+mod new;
+
+use std::{
+    sync::{Arc, OnceLock},
+    time::Duration,
+};
+
+use bendtwin_core::{
+    Fidelity,
+    ids::{SessionId, TwinId, WorkerId},
+};
+use bendtwin_proto::v1::{
+    self, AdvanceSessionRequest, CloseSessionRequest, ForkSessionRequest, GetSessionRequest,
+    GetSessionStatesRequest, InitialState, ResetSessionRequest, SessionStates,
+    initial_state::State as Initial, session_service_client::SessionServiceClient,
+};
+use futures::{Stream, StreamExt as _, future, stream};
+use serde::Serialize;
+
+pub use self::{
+    correction::{Corrected, Correction},
+    new::NewSession,
+};
+use crate::{Error, Reply, Rollout, State, channel::Channel};
+
+/// Calls about sessions. If the worker of one is lost, or nobody has used it for a while, they fail
+/// with the reason `SESSION_LOST`: open another from the last [`State`] that a reply brought.
+#[derive(Clone, Debug)]
+pub struct Sessions {
+    service: SessionServiceClient<Channel>,
+}
+
+/// A session.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Session {
+    /// Its name.
+    pub name: SessionId,
+    /// The twin that is simulated.
+    pub twin: TwinId,
+    /// Number of simulations.
+    pub slots: u32,
+    /// Frames by which each slot has been advanced since its first state, shape [slots].
+    pub frames: Vec<u64>,
+    /// Time after which it ends when nobody uses it.
+    pub idle_timeout: Duration,
+    /// The worker where it is.
+    pub worker: WorkerId,
+    /// Fidelity of its rollouts.
+    pub fidelity: Fidelity,
+}
+
+impl Sessions {
+    pub(crate) fn new(service: SessionServiceClient<Channel>) -> Self {
+        Self { service }
+    }
+
+    /// Opens simulations of a twin.
+    ///
+    /// # Errors
+    /// If the request is wrong, no worker has room for it, or the server cannot be asked.
+    pub async fn open(&self, new: NewSession) -> Result<Session, Error> {
+        self.service.clone().open_session(new.0).await?.into_inner().try_into()
+    }
+
+    /// The session as it is now.
+    ///
+    /// # Errors
+    /// If it is lost, or the server cannot be asked.
+    pub async fn get(&self, name: SessionId) -> Result<Session, Error> {
+        let request = GetSessionRequest { name: name.to_string() };
+        self.service.clone().get_session(request).await?.into_inner().try_into()
+    }
+
+    /// The states of slots, or of all if none are named.
+    ///
+    /// # Errors
+    /// If the session is lost, or the server cannot be asked.
+    pub async fn states(&self, name: SessionId, slots: &[u32]) -> Result<Vec<State>, Error> {
+        let request = GetSessionStatesRequest { name: name.to_string(), slots: slots.to_vec() };
+        states(self.service.clone().get_session_states(request).await?.into_inner())
+    }
+
+    /// Simulates the actions of a rollout, an instance for each slot (none: slot 0), and leaves the
+    /// slots where they end. Nothing changes if it fails or an instance diverges.
+    ///
+    /// # Errors
+    /// If the rollout is wrong or names an initial state, the session is lost, or the server cannot
+    /// be asked.
+    pub async fn advance(
+        &self,
+        name: SessionId,
+        slots: &[u32],
+        rollout: Rollout,
+    ) -> Result<Reply, Error> {
+        let request = advance(name, slots, rollout)?;
+        self.service.clone().advance_session(request).await?.into_inner().try_into()
+    }
+
+    /// Advances slots by one rollout after another over one connection, for teleoperation. Each is
+    /// answered before the next one is sent on; the replies end with the first error.
+    ///
+    /// # Errors
+    /// If the server cannot be asked.
+    pub async fn control<S: Stream<Item = Rollout> + Send + 'static>(
+        &self,
+        name: SessionId,
+        slots: &[u32],
+        actions: S,
+    ) -> Result<impl Stream<Item = Result<Reply, Error>> + use<S>, Error> {
+        let fault = Arc::new(OnceLock::new());
+        let (slots, noted) = (slots.to_vec(), Arc::clone(&fault));
+        let messages = actions.map(move |rollout| advance(name, &slots, rollout));
+        let messages = messages.map_while_ok(noted);
+        let replies = self.service.clone().control_session(messages).await?.into_inner();
+        let replies = replies.map(|reply| Reply::try_from(reply?));
+        // Rollouts that cannot be sent end the stream; here it says why.
+        let last = stream::once(async move { fault.get().cloned() });
+        Ok(replies.chain(last.filter_map(|error: Option<Error>| future::ready(error.map(Err)))))
+    }
+
+    /// Copies the state of a slot to others, or to all others if none are named.
+    ///
+    /// # Errors
+    /// If the session is lost or lacks a slot, or the server cannot be asked.
+    pub async fn fork(&self, name: SessionId, from: u32, to: &[u32]) -> Result<Session, Error> {
+        let request = ForkSessionRequest { name: name.to_string(), from, to: to.to_vec() };
+        self.service.clone().fork_session(request).await?.into_inner().try_into()
+    }
+
+    /// Sets slots, or all if none are named, back to the session's first state, or to a given one.
+    ///
+    /// # Errors
+    /// If the session is lost or lacks a slot, the state does not fit the twin, or the server cannot
+    /// be asked.
+    pub async fn reset(
+        &self,
+        name: SessionId,
+        slots: &[u32],
+        state: Option<&State>,
+    ) -> Result<Session, Error> {
+        let given = |state: &State| InitialState { state: Some(Initial::Given(state.into())) };
+        let initial = state.map(given);
+        let request =
+            ResetSessionRequest { name: name.to_string(), slots: slots.to_vec(), initial };
+        self.service.clone().reset_session(request).await?.into_inner().try_into()
+    }
+
+    /// Brings the states of slots (none: slot 0) closer to what is seen, in place; all of them, or
+    /// none if too much is left at one (reason `OBSERVATION_NOT_EXPLAINED`).
+    ///
+    /// # Errors
+    /// If the session is lost or lacks a slot, it is refused, or the server cannot be asked.
+    pub async fn correct(
+        &self,
+        name: SessionId,
+        slots: &[u32],
+        correction: Correction,
+    ) -> Result<Vec<Corrected>, Error> {
+        let request = correction.into_request(name, slots);
+        let reply = self.service.clone().correct_session(request).await?.into_inner();
+        Ok(reply.corrections.into_iter().map(Corrected::from).collect())
+    }
+
+    /// Ends a session; it is no error if it has ended.
+    ///
+    /// # Errors
+    /// If the server cannot be asked.
+    pub async fn close(&self, name: SessionId) -> Result<(), Error> {
+        let request = CloseSessionRequest { name: name.to_string() };
+        self.service.clone().close_session(request).await?;
+        Ok(())
+    }
+}
+
+fn advance(
+    name: SessionId,
+    slots: &[u32],
+    rollout: Rollout,
+) -> Result<AdvanceSessionRequest, Error> {
+    let rollout = Some(rollout.into_request()?);
+    Ok(AdvanceSessionRequest { name: name.to_string(), slots: slots.to_vec(), rollout })
+}
+
+/// The end of a stream at its first error.
+trait MapWhileOk<T>: Stream<Item = Result<T, Error>> + Sized {
+    /// The items before the first error, which is noted.
+    fn map_while_ok(self, fault: Arc<OnceLock<Error>>) -> impl Stream<Item = T> {
+        self.scan(fault, |fault, item| {
+            let item = item.map_err(|error| fault.set(error));
+            future::ready(item.ok())
+        })
+    }
+}
+
+impl<T, S: Stream<Item = Result<T, Error>>> MapWhileOk<T> for S {}
+
+fn states(wire: SessionStates) -> Result<Vec<State>, Error> {
+    let (given, rows) = (wire.states.unwrap_or_default(), wire.slots.len());
+    let all = State::try_from(given)?;
+    Ok((0..rows).map(|row| all.row(rows, row)).collect())
+}
+
+impl TryFrom<v1::Session> for Session {
+    type Error = Error;
+    fn try_from(wire: v1::Session) -> Result<Self, Error> {
+        let fidelity = match wire.fidelity() {
+            v1::Fidelity::Fast => Fidelity::Fast,
+            v1::Fidelity::Exact | v1::Fidelity::Unspecified => Fidelity::Exact,
+        };
+        let idle = Duration::try_from_secs_f64(wire.idle_timeout_s);
+        Ok(Self {
+            name: wire.name.parse().map_err(Error::malformed)?,
+            twin: wire.twin.parse().map_err(Error::malformed)?,
+            slots: wire.slots,
+            frames: wire.frames,
+            idle_timeout: idle.map_err(Error::malformed)?,
+            worker: wire.worker.parse().map_err(Error::malformed)?,
+            fidelity,
+        })
+    }
+}

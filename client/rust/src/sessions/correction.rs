@@ -1,0 +1,76 @@
+//! Corrections of sessions by what is seen.
+
+use bendtwin_core::ids::SessionId;
+use bendtwin_proto::v1::{
+    CorrectOptions, CorrectSessionRequest, corrected_session::Correction as Wire,
+};
+
+use crate::{Observation, Residual};
+
+/// A correction of states by an observation.
+#[derive(Clone, Debug)]
+pub struct Correction {
+    observation: Observation,
+    options: CorrectOptions,
+}
+
+/// A slot that was corrected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corrected {
+    /// The slot.
+    pub slot: u32,
+    /// Distances of the points before.
+    pub before: Residual,
+    /// Distances of the points after.
+    pub after: Residual,
+    /// Largest displacement of a node [mm].
+    pub moved_mm: f64,
+}
+
+impl Correction {
+    /// A correction by what was seen.
+    pub fn by(observation: Observation) -> Self {
+        Self { observation, options: CorrectOptions::default() }
+    }
+
+    /// Deviation of a point from its place [m].
+    #[must_use]
+    pub fn noise_m(mut self, noise_m: f64) -> Self {
+        self.options.noise_m = Some(noise_m);
+        self
+    }
+
+    /// Deviation of a spring by its length: how far the shape is doubted.
+    #[must_use]
+    pub fn give(mut self, give: f64) -> Self {
+        self.options.give = Some(give);
+        self
+    }
+
+    /// Median distance of the points beyond which the correction is refused [m].
+    #[must_use]
+    pub fn max_residual_m(mut self, residual_m: f64) -> Self {
+        self.options.max_residual_m = Some(residual_m);
+        self
+    }
+
+    pub(super) fn into_request(self, name: SessionId, slots: &[u32]) -> CorrectSessionRequest {
+        CorrectSessionRequest {
+            name: name.to_string(),
+            slots: slots.to_vec(),
+            observation: Some(self.observation.into()),
+            options: Some(self.options),
+        }
+    }
+}
+
+impl From<Wire> for Corrected {
+    fn from(wire: Wire) -> Self {
+        Self {
+            slot: wire.slot,
+            before: wire.before.unwrap_or_default().into(),
+            after: wire.after.unwrap_or_default().into(),
+            moved_mm: wire.moved_mm,
+        }
+    }
+}
