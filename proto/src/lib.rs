@@ -1,11 +1,12 @@
 //! The wire contract: `bendtwin.v1` is public, `bendtwin.worker.v1` private
 //! between server and workers. Generated types, plus the one place where
-//! tensors and faults are packed and unpacked, and where rollout requests are checked.
+//! tensors and faults are packed and unpacked, and where rollouts and registrations are checked.
 
 pub mod deadline;
 pub mod fault;
 mod job;
 pub mod json;
+pub mod registration;
 pub mod rollout;
 pub mod tensor;
 pub mod worker_key;

@@ -25,6 +25,7 @@ pub const REQUEST_BYTES: &str = "bendtwin-request-bytes";
 /// Most dimensions of a tensor.
 pub const MOST_DIMENSIONS: usize = 8;
 
+pub(crate) use self::check::tensors;
 pub use self::{
     check::{Batch, check, check_for, fidelity, members, too_much_memory, work},
     encoded::{Encoded, check_encoded},

@@ -14,7 +14,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use prost::Message as _;
 
-const FILES: [&str; 11] = [
+const FILES: [&str; 12] = [
     "bendtwin/v1/tensor.proto",
     "bendtwin/v1/fault.proto",
     "bendtwin/v1/world.proto",
@@ -24,6 +24,7 @@ const FILES: [&str; 11] = [
     "bendtwin/v1/twin.proto",
     "bendtwin/v1/worker.proto",
     "bendtwin/v1/rollout.proto",
+    "bendtwin/v1/registration.proto",
     "bendtwin/v1/session.proto",
     "bendtwin/worker/v1/worker_link.proto",
 ];
@@ -59,13 +60,17 @@ fn generate(root: &Path) -> BTreeMap<String, Vec<u8>> {
     let descriptors = protox::compile(FILES, [root]).unwrap();
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("descriptors.bin"), descriptors.encode_to_vec()).unwrap();
-    let in_json =
-        ["bendtwin/v1/world.proto", "bendtwin/v1/rollout.proto", "bendtwin/v1/session.proto"];
+    let in_json = ["world", "rollout", "registration", "session"]
+        .map(|name| format!("bendtwin/v1/{name}.proto"));
     // Of twins only their geometry has tensors.
     let mut geometry = descriptors.file.iter().find(|f| f.name() == TWINS).unwrap().clone();
     geometry.message_type.retain(|message| message.name() == "TwinGeometry");
     let code = json::implementations(
-        descriptors.file.iter().filter(|f| in_json.contains(&f.name())).chain([&geometry]),
+        descriptors
+            .file
+            .iter()
+            .filter(|f| in_json.iter().any(|name| name == f.name()))
+            .chain([&geometry]),
     );
     std::fs::write(folder.path().join("json.rs"), code).unwrap();
     tonic_prost_build::configure()

@@ -3,6 +3,7 @@
 
 mod executing;
 mod line;
+mod registrations;
 mod registry;
 mod rollout;
 mod route;
@@ -29,6 +30,7 @@ use crate::{
 
 use line::Ask;
 pub(crate) use line::Size;
+pub(crate) use registrations::{Register, Registered};
 use registry::{Entry, Now};
 pub(crate) use registry::{FitRoom, Heartbeat, HeldSession, Memory, WorkerView};
 pub(crate) use rollout::{Held, InParts, RollOut, Whole};

@@ -22,6 +22,8 @@ pub(crate) enum Error {
     Invalid { field: &'static str, fault: String },
     #[error(transparent)]
     Rollout(#[from] bendtwin_proto::rollout::Error),
+    #[error(transparent)]
+    Registration(#[from] bendtwin_proto::registration::Error),
     #[error("the settings are not accepted: {}", .0.join("; "))]
     Settings(Vec<String>),
     /// No worker has the memory for a fit.
@@ -121,6 +123,7 @@ impl Problem for Error {
             Self::Store(error) => error.category(),
             Self::TwinFile(error) => error.category(),
             Self::Rollout(error) => error.category(),
+            Self::Registration(error) => error.category(),
             Self::Worker(fault) => fault.category,
             Self::Name(_)
             | Self::Invalid { .. }
@@ -155,6 +158,7 @@ impl Problem for Error {
             Self::Store(error) => error.reason(),
             Self::TwinFile(error) => error.reason(),
             Self::Rollout(error) => error.reason(),
+            Self::Registration(error) => error.reason(),
             Self::Name(_) => "INVALID_NAME",
             Self::Invalid { .. } => "INVALID_FIELD",
             Self::Settings(_) => "INVALID_SETTINGS",

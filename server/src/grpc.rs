@@ -7,6 +7,7 @@ mod counted;
 mod fits;
 mod health;
 mod link;
+mod registrations;
 mod rollouts;
 mod screened;
 mod sessions;
@@ -21,6 +22,7 @@ use bendtwin_proto::{
     DESCRIPTORS,
     v1::{
         capture_service_server::CaptureServiceServer, fit_service_server::FitServiceServer,
+        registration_service_server::RegistrationServiceServer,
         rollout_service_server::RolloutServiceServer, session_service_server::SessionServiceServer,
         twin_service_server::TwinServiceServer, worker_service_server::WorkerServiceServer,
     },
@@ -80,6 +82,7 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .with::<TwinServiceServer<Api>>()
         .with::<WorkerServiceServer<Api>>()
         .with::<RolloutServiceServer<Api>>()
+        .with::<RegistrationServiceServer<Api>>()
         .with::<SessionServiceServer<Api>>();
     let mut routes = Routes::builder();
     routes
@@ -94,6 +97,12 @@ pub(crate) async fn router(app: &App) -> Result<axum::Router, StartError> {
         .add_service(Counted {
             app: app.clone(),
             inner: RolloutServiceServer::new(api.clone())
+                .max_decoding_message_size(bytes(limits.request_bytes))
+                .max_encoding_message_size(bytes(limits.reply_bytes)),
+        })
+        .add_service(Counted {
+            app: app.clone(),
+            inner: RegistrationServiceServer::new(api.clone())
                 .max_decoding_message_size(bytes(limits.request_bytes))
                 .max_encoding_message_size(bytes(limits.reply_bytes)),
         })

@@ -11,6 +11,7 @@ mod fits;
 mod message;
 mod operations;
 pub(crate) mod origin;
+mod registrations;
 mod resource;
 mod rollouts;
 pub(crate) mod root_service;
@@ -101,10 +102,12 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(twins::content))
         .routes(routes!(twins::geometry))
         .routes(routes!(rollouts::create))
+        .routes(routes!(registrations::create))
         .routes(routes!(sessions::open))
         .routes(routes!(sessions::get, sessions::close))
         .routes(routes!(sessions::states))
         .routes(routes!(sessions::advance))
+        .routes(routes!(sessions::correct))
         .routes(routes!(sessions::fork))
         .routes(routes!(sessions::reset))
         .routes(routes!(workers::list))

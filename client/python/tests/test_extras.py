@@ -91,3 +91,72 @@ def test_gymnasium_steps_a_batch(scene):
     np.testing.assert_array_equal(again, first)
     np.testing.assert_array_equal(reward, 0.0)
     assert not truncated.any()
+
+
+def test_judo_lowers_the_cost(scene):
+    pytest.importorskip("judo.controller")
+    from judo.controller import Controller, ControllerConfig
+    from judo.optimizers.mppi import MPPI, MPPIConfig
+
+    from bendtwin.planners.judo import TwinBackend, TwinTask
+
+    task, state = scene
+    np.random.seed(0)  # It draws its samples from there.
+    goal = TwinTask(task, fastest=0.5, nodes=[0])
+    optimizer = MPPI(MPPIConfig(num_rollouts=16, sigma=0.2, temperature=1e-5), goal.nu)
+    settings = ControllerConfig(horizon=task.frames * task.frame_s - 1e-9, max_opt_iters=3)
+    backend = TwinBackend(goal, 16)
+    controller = Controller(settings, goal, optimizer, rollout_backend=backend)
+    goal.initial = state
+    controller.current_state = goal.state(np.zeros(task.dims))
+    controller.update_action()
+    assert controller.states.shape == (16, task.frames, 6)
+    assert controller.traces.shape[1:] == (2, 3)
+    # The sensor is where the node is, and the reward what the task's costs say.
+    controls = np.stack([np.zeros((task.frames, 3)), controller.action(controller.rollout_times)])
+    states, sensors, _ = backend.rollout(controller.current_state, controls)
+    path = np.concatenate([np.zeros((2, 1, 3)), states[:, :, :3]], axis=1)
+    before, after = task.evaluate(path, state).costs
+    np.testing.assert_allclose(goal.reward(states, sensors, controls), [-before, -after])
+    assert after < 0.9 * before
+    apart = ((sensors[1, -1, :3] - task.costs[0].targets[0]) ** 2).sum()
+    np.testing.assert_allclose(apart, after, rtol=1e-4)
+
+
+def test_hydrax_lowers_the_cost(scene):
+    jax = pytest.importorskip("jax")
+    # The package of this name in the registry is another one.
+    pytest.importorskip("hydrax.alg_base")
+    from hydrax.algs import MPPI
+
+    from bendtwin.planners.hydrax import TwinRollouts, TwinTask
+
+    class TwinMppi(TwinRollouts, MPPI):
+        pass
+
+    task, state = scene
+    goal = TwinTask(task, fastest=0.5, nodes=[0])
+    controller = TwinMppi(
+        goal,
+        num_samples=16,
+        noise_level=0.2,
+        temperature=1e-5,
+        plan_horizon=task.frames * task.frame_s,
+        spline_type="linear",
+        iterations=3,
+    )
+    params = controller.init_params()
+    optimize = jax.jit(controller.optimize)
+    goal.initial = state
+    params, rollouts = optimize(goal.at(np.zeros(3), 0.0), params)
+    assert rollouts.costs.shape == (16, task.frames + 1)
+    assert rollouts.trace_sites.shape == (16, task.frames + 1, 1, 3)
+    times = (np.arange(task.frames) + 0.5) * task.frame_s
+    steps = np.asarray(controller.get_action(params, times)) * task.frame_s
+    path = np.concatenate([np.zeros((1, 3)), steps.cumsum(axis=0)])
+    before, after = task.evaluate(np.stack([np.zeros_like(path), path]), state).costs
+    assert after < 0.9 * before
+    # The state is read anew in every call.
+    goal.initial = None
+    _, others = optimize(goal.at(np.zeros(3), 0.0), params)
+    assert not np.allclose(others.costs, rollouts.costs)

@@ -98,6 +98,24 @@ def test_a_mean_that_is_worse_than_its_samples_is_not_taken():
         assert plan.origin == "sample"
 
 
+@pytest.mark.parametrize("method", METHODS[:3])
+def test_to_stay_still_competes_with_a_plan_that_leads_astray(method):
+    astray = np.linspace(GOAL, GOAL + 1.0, 4)
+    plan = method(Bowl(), knots=4, samples=8, sigma=1e-6).plan(nominal=astray)
+    np.testing.assert_array_equal(plan.knots, np.tile(GOAL, (4, 1)))
+    assert plan.cost == 0.0 < plan.nominal_cost
+
+
+def test_samples_are_coarse_and_fine():
+    bowl = Bowl()
+    Mppi(bowl, knots=64, samples=34, sigma=0.5, finest=0.01).plan()
+    nominal, still, *samples = bowl.batches[0]
+    assert not nominal.any()
+    assert not still.any()
+    spreads = np.std(np.array(samples)[:, 1:], axis=(1, 2))
+    np.testing.assert_allclose(spreads, 0.5 * np.geomspace(1.0, 0.01, 32), rtol=0.3)
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_all_that_is_simulated_keeps_the_bounds(method):
     bowl = Bowl()
@@ -139,7 +157,7 @@ def test_the_next_plan_begins_with_the_shifted_one():
 def test_sigma_is_by_coordinate_and_by_knot():
     bowl = Bowl()
     sigma = np.array([[0.0, 0.0], [0.1, 0.0], [0.2, 0.01], [0.3, 0.0]])
-    Mppi(bowl, knots=4, samples=4000, sigma=sigma).plan()
+    Mppi(bowl, knots=4, samples=4000, sigma=sigma, finest=1.0).plan()
     samples = bowl.batches[0][1:]
     np.testing.assert_allclose(samples.std(axis=0), sigma, rtol=0.1)
     with pytest.raises(ValueError, match="sigma has shape"):

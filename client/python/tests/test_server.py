@@ -347,6 +347,85 @@ def test_a_session_is_advanced_and_planned_from(twin, client):
     assert lost.value.reason == "SESSION_LOST"
 
 
+@pytest.fixture(scope="module")
+def seen(twin):
+    """The rope after its hands have moved: what a camera or a tracker would see of it."""
+    rest = twin.geometry().controls
+    path = rest + np.linspace(0, 1, 13)[:, None, None] * np.array([0.03, 0.06, 0.05])
+    result = twin.rollout(trajectories=path[None], returns=Returns(final_state=True))
+    return result.state(0)
+
+
+def test_an_object_is_found_and_rolled_out_from_there(twin, seen):
+    by = np.array([0.4, -0.2, 0.0])
+    noise = np.random.default_rng(0).normal(0, 0.001, seen.positions.shape)
+    points, controls = seen.positions + by + noise, seen.controls + by
+    tracked = twin.register(points, nodes=np.arange(len(points)), controls=controls)
+    assert tracked.after.median_mm < 5
+    assert tracked.before.median_mm > 200
+    assert tracked.explained_points > 0.9
+    np.testing.assert_array_equal(tracked.state.controls, controls.astype(np.float32))
+    hold = np.stack([tracked.state.controls] * 2)[None]
+    going_on = twin.rollout(trajectories=hold, frames=5, initial=tracked.state)
+    assert np.isfinite(going_on.costs).all()
+    assert not going_on.implausible
+    # A cloud, some points of which were not seen, from a start that is near.
+    surface = points[: twin.geometry().surface_count].copy()
+    surface[::7] = np.nan
+    found = twin.register(surface, initial=tracked.state, near=True, cameras=[[0.4, -0.2, 1.0]])
+    assert found.after.median_mm < 8
+    assert 0 < found.explained_surface <= 1
+    # Places that were bound when the object was elsewhere.
+    bound = twin.register(points, places=seen.positions + noise, node_positions=seen.positions)
+    assert bound.after.median_mm < 5
+
+
+def test_what_is_not_the_object_is_refused(twin, seen):
+    scattered = np.random.default_rng(1).uniform(-5, 5, (50, 3))
+    with pytest.raises(BendTwinError) as refused:
+        twin.register(scattered)
+    assert refused.value.reason == "OBSERVATION_NOT_EXPLAINED"
+    assert refused.value.category is Category.FAILED_PRECONDITION
+    with pytest.raises(BendTwinError) as refused:
+        twin.register(seen.positions[:2], nodes=[0, 10**6])
+    assert refused.value.reason == "INVALID_OBSERVATION"
+    with pytest.raises(BendTwinError) as refused:
+        twin.register(seen.positions, noise_m=-1.0)
+    assert refused.value.reason == "INVALID_OBSERVATION"
+
+
+def test_a_session_is_corrected_by_what_is_seen(twin, client, seen):
+    nodes = np.arange(len(seen.positions))
+    bend = 0.02 * np.sin(np.linspace(0, 3, len(nodes)))[:, None] * np.array([1.0, 0, 0])
+    points = seen.positions + bend
+    with client.open_session(twin, initial=seen, slots=2) as session:
+        with pytest.raises(BendTwinError) as refused:
+            session.correct(points, nodes=nodes, slots=[0, 1], max_residual_m=0.0)
+        assert refused.value.reason == "OBSERVATION_NOT_EXPLAINED"
+        for state in session.states():
+            np.testing.assert_array_equal(state.positions, seen.positions)
+        [correction] = session.correct(points, nodes=nodes, slots=[1])
+        assert correction.slot == 1
+        assert correction.moved_mm > 1
+        assert correction.after.mean_mm < 0.8 * correction.before.mean_mm
+        kept, moved = session.states()
+        np.testing.assert_array_equal(kept.positions, seen.positions)
+        np.testing.assert_array_equal(moved.controls, seen.controls)
+        left = np.linalg.norm(moved.positions - points, axis=1).mean()
+        assert left == pytest.approx(correction.after.mean_mm / 1000, rel=1e-3)
+        hold = np.stack([seen.controls] * 2)[None]
+        assert not session.advance(trajectories=hold, frames=2, slots=[1]).implausible
+
+    async def same():
+        async with aio.Client(client._address) as other:
+            theirs = await other.twin(twin.name)
+            found = await theirs.register(seen.positions, nodes=nodes, near=True)
+            async with await other.open_session(theirs, initial=found.state) as session:
+                return await session.correct(points, nodes=nodes)
+
+    assert asyncio.run(same())[0].after.mean_mm < 20
+
+
 def test_sessions_of_asyncio_do_the_same(client, twin):
     rest = twin.geometry().controls
     path = rest[None] + np.arange(4)[:, None, None] * np.array([0.002, 0, 0])

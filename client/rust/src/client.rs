@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use bendtwin_proto::v1::{
     capture_service_client::CaptureServiceClient, fit_service_client::FitServiceClient,
+    registration_service_client::RegistrationServiceClient,
     rollout_service_client::RolloutServiceClient, session_service_client::SessionServiceClient,
     twin_service_client::TwinServiceClient, worker_service_client::WorkerServiceClient,
 };
@@ -11,7 +12,7 @@ use reqwest::header::{AUTHORIZATION, HeaderMap, HeaderValue};
 use tonic::transport::Endpoint;
 
 use crate::{
-    Captures, Error, Fits, Rollouts, Sessions, Twins, Workers,
+    Captures, Error, Fits, Registrations, Rollouts, Sessions, Twins, Workers,
     channel::{Channel, Credentials},
     token,
 };
@@ -106,6 +107,12 @@ impl Client {
     /// Worker processes that the server knows.
     pub fn workers(&self) -> Workers {
         Workers::new(WorkerServiceClient::new(self.channel.clone()))
+    }
+
+    /// Where objects are.
+    pub fn registrations(&self) -> Registrations {
+        let service = RegistrationServiceClient::new(self.channel.clone());
+        Registrations::new(service.max_decoding_message_size(MAX_MESSAGE))
     }
 
     /// Predictions.

@@ -71,6 +71,7 @@ mod fits;
 mod geometry;
 mod page;
 mod problem;
+mod registrations;
 mod resources;
 mod rollouts;
 mod sessions;
@@ -93,13 +94,14 @@ pub use self::{
     fits::Fits,
     geometry::Geometry,
     page::{Page, PageRequest},
+    registrations::{Observation, Registered, Registration, Registrations, Residual},
     resources::{Capture, DeviceMemory, Fit, Job, JobProgress, JobState, Twin, Worker},
     rollouts::{
         Collider, Cost, Deviation, Diagnostics, Divergence, ForceBy, Forces, Grasp, Grasping,
         GripperPoses, Implausible, Reply, Rollout, RolloutTiming, Rollouts, Shape, State,
         Statistic, Vary, WirePose, World,
     },
-    sessions::{NewSession, Session, Sessions},
+    sessions::{Correction, NewSession, Session, Sessions},
     twins::Twins,
     watch::Watch,
     workers::Workers,

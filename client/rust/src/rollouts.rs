@@ -9,7 +9,6 @@ mod world;
 use bendtwin_proto::v1::rollout_service_client::RolloutServiceClient;
 use futures::{Stream, StreamExt as _};
 
-pub(crate) use self::reply::{floats, grasping, points};
 pub use self::{
     cost::{Cost, ForceBy},
     reply::{Deviation, Diagnostics, Divergence, Forces, Implausible, Reply, RolloutTiming},

@@ -12,19 +12,15 @@ use bendtwin_core::{
     ids::{SessionId, TwinId, WorkerId},
 };
 use bendtwin_proto::v1::{
-    self, AdvanceSessionRequest, CloseSessionRequest, ForkSessionRequest, GetSessionRequest,
-    GetSessionStatesRequest, InitialState, ResetSessionRequest, SessionStates,
+    self, AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, ForkSessionRequest,
+    GetSessionRequest, GetSessionStatesRequest, InitialState, ResetSessionRequest, SessionStates,
     initial_state::State as Initial, session_service_client::SessionServiceClient,
 };
 use futures::{Stream, StreamExt as _, future, stream};
 use serde::Serialize;
 
 pub use self::new::NewSession;
-use crate::{
-    Error, Reply, Rollout, State,
-    channel::Channel,
-    rollouts::{floats, grasping, points},
-};
+use crate::{Error, Observation, Reply, Residual, Rollout, State, channel::Channel};
 
 /// Calls about sessions. If the worker of one is lost, or nobody has used it for a while, they fail
 /// with the reason `SESSION_LOST`: open another from the last [`State`] that a reply brought.
@@ -50,6 +46,19 @@ pub struct Session {
     pub worker: WorkerId,
     /// Fidelity of its rollouts.
     pub fidelity: Fidelity,
+}
+
+/// A correction of a slot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correction {
+    /// The slot.
+    pub slot: u32,
+    /// Distances of the points before.
+    pub before: Residual,
+    /// Distances of the points after.
+    pub after: Residual,
+    /// Largest displacement of a node [mm].
+    pub moved_mm: f64,
 }
 
 impl Sessions {
@@ -121,6 +130,24 @@ impl Sessions {
         Ok(replies.chain(last.filter_map(|error: Option<Error>| future::ready(error.map(Err)))))
     }
 
+    /// Brings the states of slots (none: slot 0) closer to what was seen: all of the slots, or none.
+    ///
+    /// # Errors
+    /// If the points are too far from one of them (reason `OBSERVATION_NOT_EXPLAINED`), the session
+    /// is lost, or the server cannot be asked.
+    pub async fn correct(
+        &self,
+        name: SessionId,
+        slots: &[u32],
+        observation: Observation,
+    ) -> Result<Vec<Correction>, Error> {
+        let observation = Some(observation.into());
+        let (name, slots) = (name.to_string(), slots.to_vec());
+        let request = CorrectSessionRequest { name, slots, observation, options: None };
+        let reply = self.service.clone().correct_session(request).await?.into_inner();
+        Ok(reply.corrections.into_iter().map(Correction::from).collect())
+    }
+
     /// Copies the state of a slot to others, or to all others if none are named.
     ///
     /// # Errors
@@ -182,14 +209,8 @@ trait MapWhileOk<T>: Stream<Item = Result<T, Error>> + Sized {
 impl<T, S: Stream<Item = Result<T, Error>>> MapWhileOk<T> for S {}
 
 fn states(wire: SessionStates) -> Result<Vec<State>, Error> {
-    let (given, rows) = (wire.states.unwrap_or_default(), wire.slots.len());
-    let all = State {
-        positions: points(given.positions, "positions")?,
-        velocities: points(given.velocities, "velocities")?,
-        twists: floats(given.twists, "twists")?,
-        controls: points(given.controls, "controls")?,
-        grasping: given.grasping.map(grasping).transpose()?,
-    };
+    let rows = wire.slots.len();
+    let all = State::try_from(wire.states.unwrap_or_default())?;
     Ok((0..rows).map(|row| all.row(rows, row)).collect())
 }
 
@@ -210,5 +231,16 @@ impl TryFrom<v1::Session> for Session {
             worker: wire.worker.parse().map_err(Error::malformed)?,
             fidelity,
         })
+    }
+}
+
+impl From<v1::corrected_session::Correction> for Correction {
+    fn from(wire: v1::corrected_session::Correction) -> Self {
+        Self {
+            slot: wire.slot,
+            before: wire.before.unwrap_or_default().into(),
+            after: wire.after.unwrap_or_default().into(),
+            moved_mm: wire.moved_mm,
+        }
     }
 }

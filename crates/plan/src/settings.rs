@@ -25,6 +25,9 @@ pub struct Settings {
     pub sigma: Vec<f64>,
     /// Correlation of neighbouring knots of a sample, 0..1.
     pub correlation: f64,
+    /// Samples have sigma times a factor, evenly spread in its logarithm from 1 to this, 0..1: large
+    /// ones find ways, small ones the goal.
+    pub finest: f64,
     /// Limits that every plan keeps.
     pub bounds: Bounds,
     /// Time for a plan; the first iteration is always finished.
@@ -36,7 +39,8 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Settings with 64 samples of 20 mm, where coordinates are metres, and five knots.
+    /// Settings with 64 samples of 20 mm, where coordinates are metres, and five knots. Samples
+    /// become finer by ten, unless the method shrinks them itself.
     pub fn new(method: Method, dims: usize, frames: usize) -> Self {
         Self {
             knots: 5,
@@ -48,6 +52,10 @@ impl Settings {
             iterations: 1,
             sigma: vec![0.02],
             correlation: 0.0,
+            finest: match method {
+                Method::Mppi { .. } | Method::PredictiveSampling => 0.1,
+                Method::Cem { .. } | Method::Gradient { .. } => 1.0,
+            },
             bounds: Bounds::default(),
             deadline: None,
             seed: 0,
@@ -64,6 +72,12 @@ impl Settings {
     pub(crate) fn deviations(&self) -> Knots {
         let (len, given) = (self.knots * self.dims, self.sigma.len().max(1));
         (0..len).map(|i| if i < self.dims { 0.0 } else { self.sigma[i % given] }).collect()
+    }
+
+    /// Factor of sigma of each of `count` samples: 1 for the first, `finest` for the last.
+    pub(crate) fn scales(&self, count: usize) -> impl Iterator<Item = f64> + use<> {
+        let (finest, last) = (self.finest, count.saturating_sub(1).max(1) as f64);
+        (0..count).map(move |i| finest.powf(i as f64 / last))
     }
 
     pub(crate) fn check(&self) -> Result<(), Invalid> {
@@ -86,6 +100,9 @@ impl Settings {
         }
         if !(0.0..1.0).contains(&self.correlation) {
             return Err(Invalid::new("correlation", "must be 0 or more, and less than 1"));
+        }
+        if !(self.finest > 0.0 && self.finest <= 1.0) {
+            return Err(Invalid::new("finest", "must be above 0, and 1 or less"));
         }
         if !(self.frame_s.is_finite() && self.frame_s > 0.0) {
             return Err(Invalid::new("frame_s", "must be above 0"));

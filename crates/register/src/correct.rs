@@ -71,8 +71,8 @@ const ITERATIONS: usize = 4;
 /// Distance from which a point counts as astray, in deviations and in medians.
 const ASTRAY: [f64; 2] = [6.0, 5.0];
 
-/// Corrects a state whose control points are at `controls` [m], shape [C, 3]; they and the nodes
-/// that they pin stay.
+/// Corrects a state whose control points are at `controls` [m], shape [C, 3]; they, the nodes that
+/// they pin and the nodes in grasps stay.
 ///
 /// # Errors
 /// If the input does not fit the model, if more than the stated residual is left, or on
@@ -96,6 +96,11 @@ pub fn correct(
     let mut fixed = vec![false; start.len()];
     fixed[n..].fill(true);
     graph.pins.iter().for_each(|p| fixed[p.node as usize] = true);
+    for hold in &state.grasping.holds {
+        if let Some(node) = fixed[..n].get_mut(hold.node as usize) {
+            *node = true;
+        }
+    }
     let elastic = Elastic::new(graph, start.clone(), fixed);
 
     let seen = Seen { graph, observation, spacing_m };

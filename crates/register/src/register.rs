@@ -83,6 +83,8 @@ pub struct Registered {
     pub state: State,
     /// Control points [m], shape [C, 3].
     pub controls: Vec<Point>,
+    /// Distances of the observed points from the start.
+    pub before: Residual,
     /// Distances of the observed points.
     pub residual: Residual,
     /// Shares that explain each other.
@@ -126,34 +128,24 @@ pub fn register(
     let spacing_m = spacing(&graph.rest_positions[..graph.surface_count()]);
     let job = Job { graph, shape, observation, options, spacing_m, cancel };
 
+    let before = Residual::of(&job.seen(observation).distances(&job.shape)?);
     let (rigid, mut x) = job.best()?;
     job.place_controls(&mut x);
     let mut state = start;
-    let drift_m = job.settle(backend, loaded, &mut state, &mut x)?;
+    let deformed = x.clone();
+    let settled = job.settle(backend, loaded, &mut state, &mut x);
+    if matches!(settled, Err(Error::Invalid(_))) {
+        // The shape of points that are not this object's: that is what to say of it.
+        job.explain(&deformed)?;
+    }
+    let drift_mm = 1e3 * settled?;
     let n = graph.node_count();
     for ((to, v), x) in state.positions.iter_mut().zip(&mut state.velocities).zip(&x) {
         (*to, *v) = (point(*x), [0.0; 3]);
     }
     let controls = x[n..].iter().map(|p| point(*p)).collect();
-    let distances = job.seen(observation).distances(&x)?;
-    let residual = Residual::of(&distances);
-    let within_m = (0.75 * spacing_m).max(3.0 * options.noise_m);
-    let explained = Explained {
-        points: share_within(&distances, within_m),
-        surface: job.covered(&x, within_m.max(spacing_m)),
-        within_mm: 1e3 * within_m,
-    };
-    let limit_mm = 1e3 * options.max_residual_m.unwrap_or((0.5 * spacing_m).max(0.005));
-    let fits = residual.median_mm <= limit_mm && explained.points >= options.least_explained;
-    if !fits || x.iter().flatten().any(|c| !c.is_finite()) {
-        return Err(Error::NotExplained {
-            median_mm: residual.median_mm,
-            limit_mm,
-            explained: explained.points,
-            least_explained: options.least_explained,
-        });
-    }
-    Ok(Registered { state, controls, residual, explained, rigid, drift_mm: 1e3 * drift_m })
+    let (residual, explained) = job.explain(&x)?;
+    Ok(Registered { state, controls, before, residual, explained, rigid, drift_mm })
 }
 
 impl RegisterOptions {
@@ -367,6 +359,27 @@ impl Job<'_> {
         rollout.and_then(|r| r.final_state).ok_or_else(|| {
             Error::Invalid("the twin explodes in the shape of the points: raise noise_m".into())
         })
+    }
+
+    /// What is left between the observation and nodes at `x`, unless it is too much.
+    fn explain(&self, x: &[Vector3<f64>]) -> Result<(Residual, Explained), Error> {
+        let Self { options, spacing_m, .. } = *self;
+        let distances = self.seen(self.observation).distances(x)?;
+        let residual = Residual::of(&distances);
+        let within_m = (0.75 * spacing_m).max(3.0 * options.noise_m);
+        let points = share_within(&distances, within_m);
+        let limit_mm = 1e3 * options.max_residual_m.unwrap_or((0.5 * spacing_m).max(0.005));
+        let fits = residual.median_mm <= limit_mm && points >= options.least_explained;
+        if !fits || x.iter().flatten().any(|c| !c.is_finite()) {
+            return Err(Error::NotExplained {
+                median_mm: residual.median_mm,
+                limit_mm,
+                explained: points,
+                least_explained: options.least_explained,
+            });
+        }
+        let surface = self.covered(x, within_m.max(spacing_m));
+        Ok((residual, Explained { points, surface, within_mm: 1e3 * within_m }))
     }
 
     /// Share of the surface nodes that could have been seen and are near an observed point.

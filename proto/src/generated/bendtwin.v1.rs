@@ -4742,6 +4742,476 @@ pub mod rollout_service_server {
         const NAME: &'static str = SERVICE_NAME;
     }
 }
+/// Points on the surface of an object at one time, in the twin's coordinates. Points that were not seen
+/// are left out.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Observation {
+    /// FLOAT32 \[M, 3\], metres, M in 1..200000.
+    #[prost(message, optional, tag = "1")]
+    pub points: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[M\], from 0; absent: equal ones.
+    #[prost(message, optional, tag = "4")]
+    pub weights: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[M, 3\], metres per second; absent: not known. Only a correction by tracks uses them.
+    #[prost(message, optional, tag = "5")]
+    pub velocities: ::core::option::Option<Tensor>,
+    /// FLOAT32 \[K, 3\], metres, K up to 16: the cameras that saw the points, which say what part of the
+    /// surface could have been seen. Absent: all of it.
+    #[prost(message, optional, tag = "6")]
+    pub cameras: ::core::option::Option<Tensor>,
+    /// What the points are, if it is known. Neither: a cloud, which is matched to the surface.
+    #[prost(oneof = "observation::Tracks", tags = "2, 3")]
+    pub tracks: ::core::option::Option<observation::Tracks>,
+}
+/// Nested message and enum types in `Observation`.
+pub mod observation {
+    /// Points that move with the nodes around them, as tracked points do.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Places {
+        /// FLOAT32 \[M, 3\], metres: where they were at one time.
+        #[prost(message, optional, tag = "1")]
+        pub points: ::core::option::Option<super::Tensor>,
+        /// FLOAT32 \[N, 3\], metres: where the nodes were at that time; absent: at rest.
+        #[prost(message, optional, tag = "2")]
+        pub node_positions: ::core::option::Option<super::Tensor>,
+    }
+    /// What the points are, if it is known. Neither: a cloud, which is matched to the surface.
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Tracks {
+        /// UINT32 \[M\]: nodes of the twin.
+        #[prost(message, tag = "2")]
+        Nodes(super::Tensor),
+        /// Places between nodes.
+        #[prost(message, tag = "3")]
+        Places(Places),
+    }
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct RegisterStateRequest {
+    /// twins/{uuid}
+    #[prost(string, tag = "1")]
+    pub twin: ::prost::alloc::string::String,
+    #[prost(message, optional, tag = "2")]
+    pub observation: ::core::option::Option<Observation>,
+    /// Shape to start from: a single state, of no session; default: the rest shape.
+    #[prost(message, optional, tag = "3")]
+    pub initial: ::core::option::Option<InitialState>,
+    /// FLOAT32 \[C, 3\], metres: where the control points are, if that is known, say from the gripper.
+    /// Absent: they go where the nodes go that they hold.
+    #[prost(message, optional, tag = "4")]
+    pub controls: ::core::option::Option<Tensor>,
+    /// Gravity and ground during the frames of physics, where they are not those of the twin; without
+    /// colliders.
+    #[prost(message, optional, tag = "5")]
+    pub world: ::core::option::Option<World>,
+    #[prost(message, optional, tag = "6")]
+    pub options: ::core::option::Option<RegisterOptions>,
+}
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct RegisterOptions {
+    /// The object is near the shape to start from: no other pose is tried.
+    #[prost(bool, tag = "1")]
+    pub near: bool,
+    /// Deviation of a point from the surface, metres; default 0.004.
+    #[prost(double, optional, tag = "2")]
+    pub noise_m: ::core::option::Option<f64>,
+    /// Deviation of a spring by its length; default 0.1.
+    #[prost(double, optional, tag = "3")]
+    pub give: ::core::option::Option<f64>,
+    /// Frames of physics, 0..1000; default 12. Without any the shape is as the points have it.
+    #[prost(uint32, optional, tag = "4")]
+    pub settle_frames: ::core::option::Option<u32>,
+    /// Median distance of the points beyond which the registration is refused, metres; default: half the
+    /// distance of neighbouring nodes, or 0.005 if that is more.
+    #[prost(double, optional, tag = "5")]
+    pub max_residual_m: ::core::option::Option<f64>,
+    /// Least share of the points that must be explained, 0..1; default 0.5.
+    #[prost(double, optional, tag = "6")]
+    pub least_explained: ::core::option::Option<f64>,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct RegisteredState {
+    /// At rest, with its control points; InitialState.given takes it as it is.
+    #[prost(message, optional, tag = "1")]
+    pub state: ::core::option::Option<initial_state::GivenState>,
+    /// Distances of the points from the shape to start from, and from the state.
+    #[prost(message, optional, tag = "2")]
+    pub before: ::core::option::Option<Residual>,
+    #[prost(message, optional, tag = "3")]
+    pub after: ::core::option::Option<Residual>,
+    #[prost(message, optional, tag = "4")]
+    pub explained: ::core::option::Option<Explained>,
+    /// The rigid part of the motion from the shape to start from, about the origin: x, y, z in metres,
+    /// quaternion x, y, z, w.
+    #[prost(double, repeated, tag = "5")]
+    pub motion: ::prost::alloc::vec::Vec<f64>,
+    /// Mean distance by which nodes move in a frame when the points stop pulling, millimetres: how far the
+    /// state is from where forces balance.
+    #[prost(double, tag = "6")]
+    pub drift_mm: f64,
+    /// workers/{uuid}
+    #[prost(string, tag = "7")]
+    pub worker: ::prost::alloc::string::String,
+}
+/// Distances between points and the twin, millimetres: of tracks from their places, of a cloud from the
+/// surface.
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct Residual {
+    #[prost(double, tag = "1")]
+    pub median_mm: f64,
+    #[prost(double, tag = "2")]
+    pub mean_mm: f64,
+    /// 95th percentile.
+    #[prost(double, tag = "3")]
+    pub p95_mm: f64,
+}
+/// Shares of an observation and of the twin that explain each other.
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct Explained {
+    /// Of the points that are within reach of the twin, 0..1.
+    #[prost(double, tag = "1")]
+    pub points: f64,
+    /// Of the surface that could have been seen and has a point within reach, 0..1. Tracks say nothing of
+    /// the rest of the surface: there it is small.
+    #[prost(double, tag = "2")]
+    pub surface: f64,
+    /// The reach.
+    #[prost(double, tag = "3")]
+    pub within_mm: f64,
+}
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct CorrectOptions {
+    /// Deviation of a point from its place, metres; default 0.005: noise, and what a coarse twin cannot
+    /// follow.
+    #[prost(double, optional, tag = "1")]
+    pub noise_m: ::core::option::Option<f64>,
+    /// Deviation of a spring by its length in one correction; default 0.03: how far the shape is doubted.
+    #[prost(double, optional, tag = "2")]
+    pub give: ::core::option::Option<f64>,
+    /// Deviation of an observed velocity, metres per second; default 0.2.
+    #[prost(double, optional, tag = "3")]
+    pub velocity_noise_m_s: ::core::option::Option<f64>,
+    /// Share of the displacement that is added to the velocity, per second, where velocities are not
+    /// observed; default 0.
+    #[prost(double, optional, tag = "4")]
+    pub velocity_gain_per_s: ::core::option::Option<f64>,
+    /// Largest increase of the strain of a spring; default 0.5.
+    #[prost(double, optional, tag = "5")]
+    pub most_added_strain: ::core::option::Option<f64>,
+    /// Median distance of the points beyond which the correction is refused, metres; default: half the
+    /// distance of neighbouring nodes, or 0.005 if that is more.
+    #[prost(double, optional, tag = "6")]
+    pub max_residual_m: ::core::option::Option<f64>,
+}
+/// Generated client implementations.
+pub mod registration_service_client {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    use tonic::codegen::http::Uri;
+    /// Where an object is: from points that were seen of it to a state of its twin. A running session is
+    /// corrected by SessionService.CorrectSession instead.
+    #[derive(Debug, Clone)]
+    pub struct RegistrationServiceClient<T> {
+        inner: tonic::client::Grpc<T>,
+    }
+    impl RegistrationServiceClient<tonic::transport::Channel> {
+        /// Attempt to create a new client by connecting to a given endpoint.
+        pub async fn connect<D>(dst: D) -> Result<Self, tonic::transport::Error>
+        where
+            D: TryInto<tonic::transport::Endpoint>,
+            D::Error: Into<StdError>,
+        {
+            let conn = tonic::transport::Endpoint::new(dst)?.connect().await?;
+            Ok(Self::new(conn))
+        }
+    }
+    impl<T> RegistrationServiceClient<T>
+    where
+        T: tonic::client::GrpcService<tonic::body::Body>,
+        T::Error: Into<StdError>,
+        T::ResponseBody: Body<Data = Bytes> + std::marker::Send + 'static,
+        <T::ResponseBody as Body>::Error: Into<StdError> + std::marker::Send,
+    {
+        pub fn new(inner: T) -> Self {
+            let inner = tonic::client::Grpc::new(inner);
+            Self { inner }
+        }
+        pub fn with_origin(inner: T, origin: Uri) -> Self {
+            let inner = tonic::client::Grpc::with_origin(inner, origin);
+            Self { inner }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> RegistrationServiceClient<InterceptedService<T, F>>
+        where
+            F: tonic::service::Interceptor,
+            T::ResponseBody: Default,
+            T: tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+                Response = http::Response<
+                    <T as tonic::client::GrpcService<tonic::body::Body>>::ResponseBody,
+                >,
+            >,
+            <T as tonic::codegen::Service<
+                http::Request<tonic::body::Body>,
+            >>::Error: Into<StdError> + std::marker::Send + std::marker::Sync,
+        {
+            RegistrationServiceClient::new(InterceptedService::new(inner, interceptor))
+        }
+        /// Compress requests with the given encoding.
+        ///
+        /// This requires the server to support it otherwise it might respond with an
+        /// error.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.send_compressed(encoding);
+            self
+        }
+        /// Enable decompressing responses.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.inner = self.inner.accept_compressed(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_decoding_message_size(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.inner = self.inner.max_encoding_message_size(limit);
+            self
+        }
+        /// The state in which the twin explains an observation: a rigid motion, then a deformation, then frames
+        /// of the twin's own physics under the pull of the points. Ends with FAILED_PRECONDITION, reason
+        /// OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left.
+        pub async fn register_state(
+            &mut self,
+            request: impl tonic::IntoRequest<super::RegisterStateRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::RegisteredState>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.RegistrationService/RegisterState",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(
+                    GrpcMethod::new("bendtwin.v1.RegistrationService", "RegisterState"),
+                );
+            self.inner.unary(req, path, codec).await
+        }
+    }
+}
+/// Generated server implementations.
+pub mod registration_service_server {
+    #![allow(
+        unused_variables,
+        dead_code,
+        missing_docs,
+        clippy::wildcard_imports,
+        clippy::let_unit_value,
+    )]
+    use tonic::codegen::*;
+    /// Generated trait containing gRPC methods that should be implemented for use with RegistrationServiceServer.
+    #[async_trait]
+    pub trait RegistrationService: std::marker::Send + std::marker::Sync + 'static {
+        /// The state in which the twin explains an observation: a rigid motion, then a deformation, then frames
+        /// of the twin's own physics under the pull of the points. Ends with FAILED_PRECONDITION, reason
+        /// OBSERVATION_NOT_EXPLAINED, if more than the stated residual is left.
+        async fn register_state(
+            &self,
+            request: tonic::Request<super::RegisterStateRequest>,
+        ) -> std::result::Result<tonic::Response<super::RegisteredState>, tonic::Status>;
+    }
+    /// Where an object is: from points that were seen of it to a state of its twin. A running session is
+    /// corrected by SessionService.CorrectSession instead.
+    #[derive(Debug)]
+    pub struct RegistrationServiceServer<T> {
+        inner: Arc<T>,
+        accept_compression_encodings: EnabledCompressionEncodings,
+        send_compression_encodings: EnabledCompressionEncodings,
+        max_decoding_message_size: Option<usize>,
+        max_encoding_message_size: Option<usize>,
+    }
+    impl<T> RegistrationServiceServer<T> {
+        pub fn new(inner: T) -> Self {
+            Self::from_arc(Arc::new(inner))
+        }
+        pub fn from_arc(inner: Arc<T>) -> Self {
+            Self {
+                inner,
+                accept_compression_encodings: Default::default(),
+                send_compression_encodings: Default::default(),
+                max_decoding_message_size: None,
+                max_encoding_message_size: None,
+            }
+        }
+        pub fn with_interceptor<F>(
+            inner: T,
+            interceptor: F,
+        ) -> InterceptedService<Self, F>
+        where
+            F: tonic::service::Interceptor,
+        {
+            InterceptedService::new(Self::new(inner), interceptor)
+        }
+        /// Enable decompressing requests with the given encoding.
+        #[must_use]
+        pub fn accept_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.accept_compression_encodings.enable(encoding);
+            self
+        }
+        /// Compress responses with the given encoding, if the client supports it.
+        #[must_use]
+        pub fn send_compressed(mut self, encoding: CompressionEncoding) -> Self {
+            self.send_compression_encodings.enable(encoding);
+            self
+        }
+        /// Limits the maximum size of a decoded message.
+        ///
+        /// Default: `4MB`
+        #[must_use]
+        pub fn max_decoding_message_size(mut self, limit: usize) -> Self {
+            self.max_decoding_message_size = Some(limit);
+            self
+        }
+        /// Limits the maximum size of an encoded message.
+        ///
+        /// Default: `usize::MAX`
+        #[must_use]
+        pub fn max_encoding_message_size(mut self, limit: usize) -> Self {
+            self.max_encoding_message_size = Some(limit);
+            self
+        }
+    }
+    impl<T, B> tonic::codegen::Service<http::Request<B>> for RegistrationServiceServer<T>
+    where
+        T: RegistrationService,
+        B: Body + std::marker::Send + 'static,
+        B::Error: Into<StdError> + std::marker::Send + 'static,
+    {
+        type Response = http::Response<tonic::body::Body>;
+        type Error = std::convert::Infallible;
+        type Future = BoxFuture<Self::Response, Self::Error>;
+        fn poll_ready(
+            &mut self,
+            _cx: &mut Context<'_>,
+        ) -> Poll<std::result::Result<(), Self::Error>> {
+            Poll::Ready(Ok(()))
+        }
+        fn call(&mut self, req: http::Request<B>) -> Self::Future {
+            match req.uri().path() {
+                "/bendtwin.v1.RegistrationService/RegisterState" => {
+                    #[allow(non_camel_case_types)]
+                    struct RegisterStateSvc<T: RegistrationService>(pub Arc<T>);
+                    impl<
+                        T: RegistrationService,
+                    > tonic::server::UnaryService<super::RegisterStateRequest>
+                    for RegisterStateSvc<T> {
+                        type Response = super::RegisteredState;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::RegisterStateRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as RegistrationService>::register_state(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = RegisterStateSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                _ => {
+                    Box::pin(async move {
+                        let mut response = http::Response::new(
+                            tonic::body::Body::default(),
+                        );
+                        let headers = response.headers_mut();
+                        headers
+                            .insert(
+                                tonic::Status::GRPC_STATUS,
+                                (tonic::Code::Unimplemented as i32).into(),
+                            );
+                        headers
+                            .insert(
+                                http::header::CONTENT_TYPE,
+                                tonic::metadata::GRPC_CONTENT_TYPE,
+                            );
+                        Ok(response)
+                    })
+                }
+            }
+        }
+    }
+    impl<T> Clone for RegistrationServiceServer<T> {
+        fn clone(&self) -> Self {
+            let inner = self.inner.clone();
+            Self {
+                inner,
+                accept_compression_encodings: self.accept_compression_encodings,
+                send_compression_encodings: self.send_compression_encodings,
+                max_decoding_message_size: self.max_decoding_message_size,
+                max_encoding_message_size: self.max_encoding_message_size,
+            }
+        }
+    }
+    /// Generated gRPC service name
+    pub const SERVICE_NAME: &str = "bendtwin.v1.RegistrationService";
+    impl<T> tonic::server::NamedService for RegistrationServiceServer<T> {
+        const NAME: &'static str = SERVICE_NAME;
+    }
+}
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Session {
     /// sessions/{uuid}
@@ -4840,6 +5310,42 @@ pub struct ResetSessionRequest {
     /// Absent: the session's first state.
     #[prost(message, optional, tag = "3")]
     pub initial: ::core::option::Option<InitialState>,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct CorrectSessionRequest {
+    #[prost(string, tag = "1")]
+    pub name: ::prost::alloc::string::String,
+    /// All by the same observation; empty: slot 0 alone.
+    #[prost(uint32, repeated, tag = "2")]
+    pub slots: ::prost::alloc::vec::Vec<u32>,
+    #[prost(message, optional, tag = "3")]
+    pub observation: ::core::option::Option<Observation>,
+    #[prost(message, optional, tag = "4")]
+    pub options: ::core::option::Option<CorrectOptions>,
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct CorrectedSession {
+    #[prost(message, optional, tag = "1")]
+    pub session: ::core::option::Option<Session>,
+    /// One for each slot, in the order of the request.
+    #[prost(message, repeated, tag = "2")]
+    pub corrections: ::prost::alloc::vec::Vec<corrected_session::Correction>,
+}
+/// Nested message and enum types in `CorrectedSession`.
+pub mod corrected_session {
+    #[derive(Clone, Copy, PartialEq, ::prost::Message)]
+    pub struct Correction {
+        #[prost(uint32, tag = "1")]
+        pub slot: u32,
+        /// Distances of the points before and after.
+        #[prost(message, optional, tag = "2")]
+        pub before: ::core::option::Option<super::Residual>,
+        #[prost(message, optional, tag = "3")]
+        pub after: ::core::option::Option<super::Residual>,
+        /// Largest displacement of a node, millimetres.
+        #[prost(double, tag = "4")]
+        pub moved_mm: f64,
+    }
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CloseSessionRequest {
@@ -5108,6 +5614,33 @@ pub mod session_service_client {
                 .insert(GrpcMethod::new("bendtwin.v1.SessionService", "ResetSession"));
             self.inner.unary(req, path, codec).await
         }
+        /// Brings the states of slots closer to what is seen, in place: smoothly, and without touching what
+        /// control points and grasps hold. Ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if
+        /// more than the stated residual is left at one of them; nothing changes then.
+        pub async fn correct_session(
+            &mut self,
+            request: impl tonic::IntoRequest<super::CorrectSessionRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::CorrectedSession>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/bendtwin.v1.SessionService/CorrectSession",
+            );
+            let mut req = request.into_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("bendtwin.v1.SessionService", "CorrectSession"));
+            self.inner.unary(req, path, codec).await
+        }
         pub async fn close_session(
             &mut self,
             request: impl tonic::IntoRequest<super::CloseSessionRequest>,
@@ -5191,6 +5724,16 @@ pub mod session_service_server {
             &self,
             request: tonic::Request<super::ResetSessionRequest>,
         ) -> std::result::Result<tonic::Response<super::Session>, tonic::Status>;
+        /// Brings the states of slots closer to what is seen, in place: smoothly, and without touching what
+        /// control points and grasps hold. Ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if
+        /// more than the stated residual is left at one of them; nothing changes then.
+        async fn correct_session(
+            &self,
+            request: tonic::Request<super::CorrectSessionRequest>,
+        ) -> std::result::Result<
+            tonic::Response<super::CorrectedSession>,
+            tonic::Status,
+        >;
         async fn close_session(
             &self,
             request: tonic::Request<super::CloseSessionRequest>,
@@ -5586,6 +6129,52 @@ pub mod session_service_server {
                     let inner = self.inner.clone();
                     let fut = async move {
                         let method = ResetSessionSvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/bendtwin.v1.SessionService/CorrectSession" => {
+                    #[allow(non_camel_case_types)]
+                    struct CorrectSessionSvc<T: SessionService>(pub Arc<T>);
+                    impl<
+                        T: SessionService,
+                    > tonic::server::UnaryService<super::CorrectSessionRequest>
+                    for CorrectSessionSvc<T> {
+                        type Response = super::CorrectedSession;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::Response>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<super::CorrectSessionRequest>,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as SessionService>::correct_session(&inner, request)
+                                    .await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = CorrectSessionSvc(inner);
                         let codec = tonic_prost::ProstCodec::default();
                         let mut grpc = tonic::server::Grpc::new(codec)
                             .apply_compression_config(

@@ -1263,6 +1263,228 @@ impl Words for crate::v1::Interpolation {
     }
 }
 
+impl Fields for crate::v1::Observation {
+    const NAME: &'static str = "Observation";
+    const FIELDS: &'static [&'static str] = &["points", "nodes", "places", "weights", "velocities", "cameras"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.points = tensor(map, Dtype::Float32)?; }
+1 => { only_one(&mut self.tracks, tensor(map, Dtype::Uint32)?.map(crate::v1::observation::Tracks::Nodes))?; }
+2 => { only_one(&mut self.tracks, message(map)?.map(crate::v1::observation::Tracks::Places))?; }
+3 => { self.weights = tensor(map, Dtype::Float32)?; }
+4 => { self.velocities = tensor(map, Dtype::Float32)?; }
+5 => { self.cameras = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "points", self.points.as_ref(), tensors)?;
+if let Some(crate::v1::observation::Tracks::Nodes(value)) = &self.tracks { write_tensor(map, "nodes", Some(value), tensors)?; }
+if let Some(crate::v1::observation::Tracks::Places(value)) = &self.tracks { write_message(map, "places", Some(value), tensors)?; }
+write_tensor(map, "weights", self.weights.as_ref(), tensors)?;
+write_tensor(map, "velocities", self.velocities.as_ref(), tensors)?;
+write_tensor(map, "cameras", self.cameras.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::observation::Places {
+    const NAME: &'static str = "Places";
+    const FIELDS: &'static [&'static str] = &["points", "node_positions"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.points = tensor(map, Dtype::Float32)?; }
+1 => { self.node_positions = tensor(map, Dtype::Float32)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_tensor(map, "points", self.points.as_ref(), tensors)?;
+write_tensor(map, "node_positions", self.node_positions.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::RegisterStateRequest {
+    const NAME: &'static str = "RegisterStateRequest";
+    const FIELDS: &'static [&'static str] = &["twin", "observation", "initial", "controls", "world", "options"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.twin = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.observation = message(map)?; }
+2 => { self.initial = message(map)?; }
+3 => { self.controls = tensor(map, Dtype::Float32)?; }
+4 => { self.world = message(map)?; }
+5 => { self.options = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("twin", &self.twin)?;
+write_message(map, "observation", self.observation.as_ref(), tensors)?;
+write_message(map, "initial", self.initial.as_ref(), tensors)?;
+write_tensor(map, "controls", self.controls.as_ref(), tensors)?;
+write_message(map, "world", self.world.as_ref(), tensors)?;
+write_message(map, "options", self.options.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::RegisterOptions {
+    const NAME: &'static str = "RegisterOptions";
+    const FIELDS: &'static [&'static str] = &["near", "noise_m", "give", "settle_frames", "max_residual_m", "least_explained"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.near = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.noise_m = map.next_value()?; }
+2 => { self.give = map.next_value()?; }
+3 => { self.settle_frames = map.next_value()?; }
+4 => { self.max_residual_m = map.next_value()?; }
+5 => { self.least_explained = map.next_value()?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("near", &self.near)?;
+if let Some(value) = &self.noise_m { map.serialize_entry("noise_m", value)?; }
+if let Some(value) = &self.give { map.serialize_entry("give", value)?; }
+if let Some(value) = &self.settle_frames { map.serialize_entry("settle_frames", value)?; }
+if let Some(value) = &self.max_residual_m { map.serialize_entry("max_residual_m", value)?; }
+if let Some(value) = &self.least_explained { map.serialize_entry("least_explained", value)?; }
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::RegisteredState {
+    const NAME: &'static str = "RegisteredState";
+    const FIELDS: &'static [&'static str] = &["state", "before", "after", "explained", "motion", "drift_mm", "worker"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.state = message(map)?; }
+1 => { self.before = message(map)?; }
+2 => { self.after = message(map)?; }
+3 => { self.explained = message(map)?; }
+4 => { self.motion = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+5 => { self.drift_mm = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+6 => { self.worker = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "state", self.state.as_ref(), tensors)?;
+write_message(map, "before", self.before.as_ref(), tensors)?;
+write_message(map, "after", self.after.as_ref(), tensors)?;
+write_message(map, "explained", self.explained.as_ref(), tensors)?;
+map.serialize_entry("motion", &self.motion)?;
+map.serialize_entry("drift_mm", &self.drift_mm)?;
+map.serialize_entry("worker", &self.worker)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Residual {
+    const NAME: &'static str = "Residual";
+    const FIELDS: &'static [&'static str] = &["median_mm", "mean_mm", "p95_mm"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.median_mm = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.mean_mm = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.p95_mm = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("median_mm", &self.median_mm)?;
+map.serialize_entry("mean_mm", &self.mean_mm)?;
+map.serialize_entry("p95_mm", &self.p95_mm)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::Explained {
+    const NAME: &'static str = "Explained";
+    const FIELDS: &'static [&'static str] = &["points", "surface", "within_mm"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.points = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.surface = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.within_mm = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("points", &self.points)?;
+map.serialize_entry("surface", &self.surface)?;
+map.serialize_entry("within_mm", &self.within_mm)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CorrectOptions {
+    const NAME: &'static str = "CorrectOptions";
+    const FIELDS: &'static [&'static str] = &["noise_m", "give", "velocity_noise_m_s", "velocity_gain_per_s", "most_added_strain", "max_residual_m"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.noise_m = map.next_value()?; }
+1 => { self.give = map.next_value()?; }
+2 => { self.velocity_noise_m_s = map.next_value()?; }
+3 => { self.velocity_gain_per_s = map.next_value()?; }
+4 => { self.most_added_strain = map.next_value()?; }
+5 => { self.max_residual_m = map.next_value()?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        if let Some(value) = &self.noise_m { map.serialize_entry("noise_m", value)?; }
+if let Some(value) = &self.give { map.serialize_entry("give", value)?; }
+if let Some(value) = &self.velocity_noise_m_s { map.serialize_entry("velocity_noise_m_s", value)?; }
+if let Some(value) = &self.velocity_gain_per_s { map.serialize_entry("velocity_gain_per_s", value)?; }
+if let Some(value) = &self.most_added_strain { map.serialize_entry("most_added_strain", value)?; }
+if let Some(value) = &self.max_residual_m { map.serialize_entry("max_residual_m", value)?; }
+
+        Ok(())
+    }
+}
+
 impl Fields for crate::v1::Session {
     const NAME: &'static str = "Session";
     const FIELDS: &'static [&'static str] = &["name", "twin", "slots", "frames", "idle_timeout_s", "worker", "fidelity"];
@@ -1460,6 +1682,80 @@ impl Fields for crate::v1::ResetSessionRequest {
         map.serialize_entry("name", &self.name)?;
 map.serialize_entry("slots", &self.slots)?;
 write_message(map, "initial", self.initial.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CorrectSessionRequest {
+    const NAME: &'static str = "CorrectSessionRequest";
+    const FIELDS: &'static [&'static str] = &["name", "slots", "observation", "options"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.name = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.slots = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+2 => { self.observation = message(map)?; }
+3 => { self.options = message(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("name", &self.name)?;
+map.serialize_entry("slots", &self.slots)?;
+write_message(map, "observation", self.observation.as_ref(), tensors)?;
+write_message(map, "options", self.options.as_ref(), tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::CorrectedSession {
+    const NAME: &'static str = "CorrectedSession";
+    const FIELDS: &'static [&'static str] = &["session", "corrections"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.session = message(map)?; }
+1 => { self.corrections = messages(map)?; }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        write_message(map, "session", self.session.as_ref(), tensors)?;
+write_messages(map, "corrections", &self.corrections, tensors)?;
+
+        Ok(())
+    }
+}
+
+impl Fields for crate::v1::corrected_session::Correction {
+    const NAME: &'static str = "Correction";
+    const FIELDS: &'static [&'static str] = &["slot", "before", "after", "moved_mm"];
+    #[allow(unused_variables)]
+    fn read<'de, A: MapAccess<'de>>(&mut self, field: usize, map: &mut A) -> Result<(), A::Error> {
+        match field {
+            0 => { self.slot = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+1 => { self.before = message(map)?; }
+2 => { self.after = message(map)?; }
+3 => { self.moved_mm = map.next_value::<Option<_>>()?.unwrap_or_default(); }
+
+            _ => {}
+        }
+        Ok(())
+    }
+    #[allow(unused_variables)]
+    fn write<M: SerializeMap>(&self, tensors: TensorFormat, map: &mut M) -> Result<(), M::Error> {
+        map.serialize_entry("slot", &self.slot)?;
+write_message(map, "before", self.before.as_ref(), tensors)?;
+write_message(map, "after", self.after.as_ref(), tensors)?;
+map.serialize_entry("moved_mm", &self.moved_mm)?;
 
         Ok(())
     }

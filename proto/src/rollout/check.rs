@@ -9,7 +9,7 @@ mod initial;
 mod numbers;
 mod plausibility;
 mod returns;
-mod tensors;
+pub(crate) mod tensors;
 mod times;
 mod vary;
 mod world;

@@ -61,6 +61,11 @@ static REQUEST: Message = Message(&[
 static ADVANCE: Message = Message(&[(3, &REQUEST)]);
 static OPEN: Message = Message(&[(2, &INITIAL), (4, &WORLD), (OPEN_GRASPS, &GRASP)]);
 static RESET: Message = Message(&[(3, &INITIAL)]);
+static PLACES: Message = Message(&[(1, &TENSOR), (2, &TENSOR)]);
+static OBSERVATION: Message =
+    Message(&[(1, &TENSOR), (2, &TENSOR), (3, &PLACES), (4, &TENSOR), (5, &TENSOR), (6, &TENSOR)]);
+static REGISTER: Message = Message(&[(2, &OBSERVATION), (3, &INITIAL), (4, &TENSOR), (5, &WORLD)]);
+static CORRECT: Message = Message(&[(3, &OBSERVATION)]);
 static OTHER: Message = Message(&[]);
 
 /// Message that is checked before it is decoded.
@@ -74,6 +79,10 @@ pub enum Encoded {
     Open,
     /// [`ResetSessionRequest`](crate::v1::ResetSessionRequest).
     Reset,
+    /// [`RegisterStateRequest`](crate::v1::RegisterStateRequest).
+    Register,
+    /// [`CorrectSessionRequest`](crate::v1::CorrectSessionRequest).
+    Correct,
     /// One that has nothing below it.
     Other,
 }
@@ -85,6 +94,8 @@ impl Encoded {
             Self::Advance => &ADVANCE,
             Self::Open => &OPEN,
             Self::Reset => &RESET,
+            Self::Register => &REGISTER,
+            Self::Correct => &CORRECT,
             Self::Other => &OTHER,
         }
     }

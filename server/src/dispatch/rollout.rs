@@ -215,7 +215,7 @@ impl Dispatch {
     }
 
     /// Refuses a reply that is too large for nested lists of JSON.
-    fn fits_lists(&self, reply_bytes: u64) -> Result<()> {
+    pub(super) fn fits_lists(&self, reply_bytes: u64) -> Result<()> {
         let limit = self.limits.rollout.json_reply_bytes;
         if reply_bytes <= limit {
             return Ok(());
@@ -256,8 +256,27 @@ impl Dispatch {
         ask: &Ask,
         execute: ExecuteRollOutRequest,
         deadline: Instant,
-        mut given: Option<Arc<Entry>>,
+        given: Option<Arc<Entry>>,
     ) -> Result<(RollOutResponse, Running)> {
+        self.at_a_worker(twin, ask, given, |entry| {
+            let execute = execute.clone();
+            async move { self.start_at(&entry, ask, execute, deadline).await }
+        })
+        .await
+    }
+
+    /// What an attempt at a worker brings, this one if it is given: at a second one if the first
+    /// cannot be reached, as an attempt says by bringing nothing.
+    pub(super) async fn at_a_worker<T, F>(
+        &self,
+        twin: TwinId,
+        ask: &Ask,
+        mut given: Option<Arc<Entry>>,
+        attempt: impl Fn(Arc<Entry>) -> F,
+    ) -> Result<T>
+    where
+        F: Future<Output = Result<Option<T>>>,
+    {
         let mut tried = Vec::new();
         loop {
             let chosen = given.take().map_or_else(|| self.choose(twin, ask, &tried), Ok);
@@ -265,7 +284,7 @@ impl Dispatch {
                 Err(Error::NoWorker) if !tried.is_empty() => return Err(Error::WorkerLost),
                 chosen => chosen?,
             };
-            match self.start_at(&entry, ask, execute.clone(), deadline).await? {
+            match attempt(Arc::clone(&entry)).await? {
                 Some(started) => {
                     entry.warmed(twin);
                     return Ok(started);
@@ -398,7 +417,7 @@ pub(super) fn is_late(deadline: Instant) -> bool {
 }
 
 /// The error of a rollout that a worker took, from the status in which that ended.
-fn ended(entry: &Entry, sent: &mut Sent, deadline: Instant, status: &Status) -> Error {
+pub(super) fn ended(entry: &Entry, sent: &mut Sent, deadline: Instant, status: &Status) -> Error {
     if is_late(deadline) {
         return late(status);
     }

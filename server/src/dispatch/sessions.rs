@@ -129,7 +129,7 @@ impl Dispatch {
         Ok(session)
     }
 
-    /// Passes a call that tells how the session is on to its worker.
+    /// Passes a call on whose answer is how the session is.
     pub(crate) async fn session_call(
         &self,
         session: &str,
@@ -182,13 +182,15 @@ impl Dispatch {
         }
     }
 
-    fn named(&self, session: &str) -> Result<(SessionId, Arc<Entry>, HeldSession)> {
+    /// A session by its name, its worker, and what is known of it.
+    pub(super) fn named(&self, session: &str) -> Result<(SessionId, Arc<Entry>, HeldSession)> {
         let id = session.parse().map_err(Error::Name)?;
         let (entry, held) = self.session(id)?;
         Ok((id, entry, held))
     }
 
-    async fn manage_known(
+    /// Passes a call on to the worker that has the session.
+    pub(super) async fn manage_known(
         &self,
         session: SessionId,
         entry: &Arc<Entry>,

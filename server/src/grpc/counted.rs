@@ -102,6 +102,8 @@ fn encoded(path: &str) -> Message {
         Some("AdvanceSession") => Message::One(Encoded::Advance),
         Some("OpenSession") => Message::One(Encoded::Open),
         Some("ResetSession") => Message::One(Encoded::Reset),
+        Some("RegisterState") => Message::One(Encoded::Register),
+        Some("CorrectSession") => Message::One(Encoded::Correct),
         Some("ControlSession") => Message::Several(Encoded::Advance),
         _ => Message::One(Encoded::Other),
     }

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use bendtwin_proto::{
     deadline::timeout,
     v1::{
-        AdvanceSessionRequest, CloseSessionRequest, CloseSessionResponse, ForkSessionRequest,
-        GetSessionRequest, GetSessionStatesRequest, OpenSessionRequest, ResetSessionRequest,
-        RollOutResponse, Session, SessionStates, session_service_server::SessionService,
+        AdvanceSessionRequest, CloseSessionRequest, CloseSessionResponse, CorrectSessionRequest,
+        CorrectedSession, ForkSessionRequest, GetSessionRequest, GetSessionStatesRequest,
+        OpenSessionRequest, ResetSessionRequest, RollOutResponse, Session, SessionStates,
+        session_service_server::SessionService,
     },
     worker::v1::manage_session_request::Call,
 };
@@ -112,6 +113,15 @@ impl SessionService for Api {
         let name = call.name.clone();
         let session = self.app.dispatch.session_call(&name, Call::Reset(call), timeout).await?;
         Ok(Response::new(session))
+    }
+
+    async fn correct_session(
+        &self,
+        request: Request<CorrectSessionRequest>,
+    ) -> Result<Response<CorrectedSession>, Status> {
+        let timeout = timeout(request.metadata());
+        let corrected = self.app.dispatch.correct_session(request.into_inner(), timeout).await?;
+        Ok(Response::new(corrected))
     }
 
     async fn close_session(

@@ -11,12 +11,12 @@ use bendtwin_proto::{
     json::{TensorFormat, Write},
     rollout::Encoded,
     v1::{
-        AdvanceSessionRequest, CloseSessionRequest, ForkSessionRequest, GetSessionRequest,
-        GetSessionStatesRequest, OpenSessionRequest, ResetSessionRequest, Session,
+        AdvanceSessionRequest, CloseSessionRequest, CorrectSessionRequest, ForkSessionRequest,
+        GetSessionRequest, GetSessionStatesRequest, OpenSessionRequest, ResetSessionRequest,
     },
     worker::v1::manage_session_request::Call,
 };
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use utoipa::IntoParams;
 
 use super::{
@@ -176,6 +176,27 @@ pub(super) async fn reset(
     Ok(document(&app.dispatch.session_call(&name, call, params.timeout()?).await?))
 }
 
+/// Correct a session
+///
+/// Brings the states of slots closer to points that were seen; all of the slots, or none if the
+/// points are too far from one of them.
+#[utoipa::path(post, path = "/v1/sessions/{id}/correct", tag = "sessions",
+    params(("id" = String, Path), ReplyParams),
+    request_body(content((schema::CorrectSessionRequest = "application/json"), (Vec<u8> = "application/x-protobuf"))),
+    responses((status = 200, body = schema::CorrectedSession), (status = "default", body = ProblemDocument)))]
+pub(super) async fn correct(
+    State(app): State<App>,
+    Id(id): Id,
+    Params(params): Params<ReplyParams>,
+    request: Request,
+) -> Result<Response> {
+    let body: Body<CorrectSessionRequest> =
+        Body::read(&app, request, Encoded::Correct, params.tensors()).await?;
+    let Body { mut message, memory: _memory, .. } = body;
+    message.name = name(&id, message.name)?;
+    Ok(document(&app.dispatch.correct_session(message, params.timeout()?).await?))
+}
+
 /// The session that a path names, and no other that the body does.
 fn name(id: &str, given: String) -> Result<String> {
     let session: SessionId = app::name(id)?;
@@ -187,6 +208,10 @@ fn name(id: &str, given: String) -> Result<String> {
     Ok(named)
 }
 
-fn document(session: &Session) -> Response {
-    axum::Json(Write { message: session, tensors: TensorFormat::default() }).into_response()
+/// A reply without tensors.
+fn document<M>(message: &M) -> Response
+where
+    for<'m> Write<'m, M>: Serialize,
+{
+    axum::Json(Write { message, tensors: TensorFormat::default() }).into_response()
 }

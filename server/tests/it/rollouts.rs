@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// A twin of 5 nodes and 1 control point.
-async fn twin(server: &Server, worker: &mut Worker) -> String {
+pub(crate) async fn twin(server: &Server, worker: &mut Worker) -> String {
     let fit = server.fit().await;
     let lease = worker.lease(Duration::from_secs(5)).await.unwrap();
     assert_eq!(lease.job, fit);

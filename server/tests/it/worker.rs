@@ -9,21 +9,23 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::ids::WorkerId;
+use bendtwin_core::ids::{SessionId, WorkerId};
 use bendtwin_proto::{
     rollout::Limits,
     v1::{
-        Fault, Progress, RollOutResponse, Tensor, roll_out_request::Actions,
-        roll_out_response::Timing,
+        Fault, Progress, RegisteredState, RollOutResponse, Session, Tensor,
+        initial_state::GivenState, roll_out_request::Actions, roll_out_response::Timing,
     },
     worker::v1::{
-        CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteRollOutRequest,
-        ExecuteRollOutResponse, FailJobRequest, HeartbeatRequest, HeartbeatResponse, IngestWrite,
-        JobWrite, Lease, LeaseJobRequest, ManageSessionRequest, ManageSessionResponse,
-        RegisterRequest, ReportJobRequest, SaveCheckpointRequest, TwinWrite, complete_fit_request,
+        CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteRegisterStateRequest,
+        ExecuteRegisterStateResponse, ExecuteRollOutRequest, ExecuteRollOutResponse,
+        FailJobRequest, HeartbeatRequest, HeartbeatResponse, IngestWrite, JobWrite, Lease,
+        LeaseJobRequest, ManageSessionRequest, ManageSessionResponse, RegisterRequest,
+        ReportJobRequest, SaveCheckpointRequest, TwinWrite, complete_fit_request,
         end_ingest_request,
         fail_job_request::End,
         lease_job_request::Kind,
+        manage_session_request::Call,
         save_checkpoint_request,
         worker_link_client::WorkerLinkClient,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
@@ -332,11 +334,38 @@ impl Drop for GivenUp {
 
 #[tonic::async_trait]
 impl WorkerRollouts for Device {
+    /// Every session is there.
     async fn manage_session(
         &self,
-        _: Request<ManageSessionRequest>,
+        request: Request<ManageSessionRequest>,
     ) -> Result<Response<ManageSessionResponse>, Status> {
-        Err(Status::unavailable("this worker has no sessions"))
+        let (name, slots) = match request.into_inner().call.unwrap() {
+            Call::Open(open) => (SessionId::generate().to_string(), open.slots),
+            Call::Get(get) => (get.name, 1),
+            other => return Err(Status::unimplemented(format!("{other:?}"))),
+        };
+        let session = Some(Session { name, slots, ..Session::default() });
+        Ok(Response::new(ManageSessionResponse { session, ..ManageSessionResponse::default() }))
+    }
+
+    /// The points come back as the state.
+    async fn register_state(
+        &self,
+        request: Request<ExecuteRegisterStateRequest>,
+    ) -> Result<Response<ExecuteRegisterStateResponse>, Status> {
+        self.begun.notify_one();
+        let mut given_up = GivenUp(Some(self.given_up.clone()));
+        if let Some(hold) = &self.hold {
+            hold.notified().await;
+        }
+        given_up.0 = None;
+        if self.breaks.load(Ordering::SeqCst) {
+            return Err(Status::unavailable("gone"));
+        }
+        let observation = request.into_inner().request.unwrap().observation.unwrap();
+        let state = GivenState { positions: observation.points, ..GivenState::default() };
+        let registered = RegisteredState { state: Some(state), ..RegisteredState::default() };
+        Ok(Response::new(ExecuteRegisterStateResponse { registered: Some(registered) }))
     }
 
     type RollOutStream = Pin<Box<dyn Stream<Item = Result<ExecuteRollOutResponse, Status>> + Send>>;

@@ -240,7 +240,8 @@ async fn states_that_the_worker_has_no_memory_for_are_refused_at_once() {
     let mut story = Story::with(setup).await;
     story.server.start_worker().await;
     let (client, twin) = (story.client().await, story.twin.name.parse().unwrap());
-    let new = |slots| client.sessions().open(NewSession::of(twin).slots(slots));
+    let sessions = client.sessions();
+    let new = |slots| sessions.open(NewSession::of(twin).slots(slots));
     until("a session", SOON, async || new(8).await.ok()).await;
     let refused = within("a refusal", SOON, new(4096)).await.unwrap_err();
     assert_eq!(refused.reason(), "MEMORY_TOO_SMALL", "{refused}");

@@ -3,7 +3,8 @@
 use bendtwin_budget::Exhausted;
 use bendtwin_core::{Category, Problem, twin::format::FormatError};
 use bendtwin_engine::backend;
-use bendtwin_proto::{rollout, tensor::TensorError};
+use bendtwin_proto::{registration, rollout, tensor::TensorError};
+use bendtwin_register as register;
 
 use crate::{artifact::FetchError, budget::is_passing};
 
@@ -13,6 +14,20 @@ pub(crate) enum Error {
     /// The request is wrong, too large or does not fit the twin.
     #[error(transparent)]
     Request(#[from] rollout::Error),
+    /// The registration or correction is wrong, too large or does not fit the twin.
+    #[error(transparent)]
+    Observation(#[from] registration::Error),
+    /// The twin does not explain the observation.
+    #[error(transparent)]
+    Register(register::Error),
+    /// A state of a session does not.
+    #[error("slot {slot}: {error}")]
+    Correct {
+        /// The slot.
+        slot: usize,
+        /// The refusal.
+        error: register::Error,
+    },
     /// As many rollouts as this worker takes are in flight.
     #[error("{limit} rollouts are in flight on this worker: try again in a moment")]
     Busy {
@@ -104,6 +119,24 @@ impl Error {
     pub(super) fn field(field: impl Into<String>, fault: impl Into<String>) -> Self {
         Self::Request(rollout::Error::field(field, fault))
     }
+
+    /// The refusal of a correction of a slot.
+    pub(super) fn of_slot(slot: usize, error: register::Error) -> Self {
+        match error {
+            register::Error::NotExplained { .. } => Self::Correct { slot, error },
+            other => other.into(),
+        }
+    }
+}
+
+impl From<register::Error> for Error {
+    fn from(error: register::Error) -> Self {
+        match error {
+            register::Error::Cancelled => Self::Engine(backend::Error::Cancelled),
+            register::Error::Backend(error) => Self::Engine(error),
+            other => Self::Register(other),
+        }
+    }
 }
 
 impl From<TensorError> for Error {
@@ -116,6 +149,8 @@ impl Problem for Error {
     fn category(&self) -> Category {
         match self {
             Self::Request(e) => e.category(),
+            Self::Observation(e) => e.category(),
+            Self::Register(e) | Self::Correct { error: e, .. } => e.category(),
             // Sent again, it would be refused again.
             Self::Memory { exhausted: Exhausted::TooLarge { .. }, .. } => Category::InvalidArgument,
             Self::SessionLost { .. } => Category::Aborted,
@@ -137,6 +172,8 @@ impl Problem for Error {
     fn reason(&self) -> &'static str {
         match self {
             Self::Request(e) => e.reason(),
+            Self::Observation(e) => e.reason(),
+            Self::Register(e) | Self::Correct { error: e, .. } => e.reason(),
             Self::SessionLost { .. } => "SESSION_LOST",
             Self::TooManySessions { .. } => "TOO_MANY_SESSIONS",
             Self::Busy { .. } => "WORKER_BUSY",

@@ -1,6 +1,8 @@
 //! The gRPC side of rollouts: token, concurrency limit, deadline and
 //! cancellation when the caller goes away.
 
+mod call;
+
 use std::{
     convert::Infallible,
     pin::Pin,
@@ -18,8 +20,8 @@ use bendtwin_proto::{
     rollout::{self, Limits},
     v1::RollOutResponse,
     worker::v1::{
-        ExecuteRollOutRequest, ExecuteRollOutResponse, HeldSession, ManageSessionRequest,
-        ManageSessionResponse,
+        ExecuteRegisterStateRequest, ExecuteRegisterStateResponse, ExecuteRollOutRequest,
+        ExecuteRollOutResponse, HeldSession, ManageSessionRequest, ManageSessionResponse,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
     },
 };
@@ -38,6 +40,7 @@ use tonic::{
     transport::{Server, server::TcpIncoming},
 };
 
+pub(super) use self::call::Unary;
 use super::{
     Replays, WarmTwins,
     checked::{Checked, Room},
@@ -113,6 +116,19 @@ impl Rollouts {
     /// The sessions that live here.
     pub(crate) fn sessions(&self) -> Vec<HeldSession> {
         self.0.sessions.list()
+    }
+
+    /// A place among the calls under way.
+    fn slot(&self) -> Result<OwnedSemaphorePermit, Status> {
+        let limit = self.0.most;
+        let slot = Arc::clone(&self.0.slots).try_acquire_owned();
+        slot.map_err(|_| fault::status(&Error::Busy { limit }.fault()))
+    }
+
+    /// A call with one reply.
+    fn unary<T>(&self, request: &mut Request<T>) -> Result<Unary, Status> {
+        let held = request.extensions_mut().remove::<Held>().unwrap_or_default();
+        Ok(Unary { held, slot: Arc::new(self.slot()?), cancel: CancelToken::default() })
     }
 
     /// Rollouts that are under way.
@@ -218,10 +234,7 @@ impl WorkerRollouts for Rollouts {
     ) -> Result<Response<Parts>, Status> {
         let arrived = Instant::now();
         let held = request.extensions_mut().remove::<Held>().unwrap_or_default();
-        let limit = self.0.most;
-        let slot = Arc::clone(&self.0.slots)
-            .try_acquire_owned()
-            .map_err(|_| fault::status(&Error::Busy { limit }.fault()))?;
+        let slot = self.slot()?;
         let deadline = timeout(request.metadata()).map(|t| arrived + t);
         let cancel = CancelToken::default();
         let (parts, receiver) = mpsc::channel(WAITING_PARTS);
@@ -236,26 +249,30 @@ impl WorkerRollouts for Rollouts {
         &self,
         mut request: Request<ManageSessionRequest>,
     ) -> Result<Response<ManageSessionResponse>, Status> {
-        let held = request.extensions_mut().remove::<Held>().unwrap_or_default();
-        let limit = self.0.most;
-        let _slot = Arc::clone(&self.0.slots)
-            .try_acquire_owned()
-            .map_err(|_| fault::status(&Error::Busy { limit }.fault()))?;
+        let call = self.unary(&mut request)?;
         let request = request.into_inner();
         let request_id = request.request_id.clone();
-        match self.0.manage(request).await {
-            Ok((reply, share)) => {
-                // It is held until the reply has been sent; nothing else sets it.
-                let _ = share.map(|share| held.rollout.set(share));
-                Ok(Response::new(reply))
-            }
-            Err(error) => {
-                let fault = error.fault();
-                tracing::info!(request_id, reason = fault.reason, "session refused: {fault}");
-                Err(fault::status(&fault))
-            }
-        }
+        let reply = self.0.manage(request, &call).await;
+        reply.map(Response::new).map_err(|error| refused("session", &request_id, &error))
     }
+
+    async fn register_state(
+        &self,
+        mut request: Request<ExecuteRegisterStateRequest>,
+    ) -> Result<Response<ExecuteRegisterStateResponse>, Status> {
+        let call = self.unary(&mut request)?;
+        let request = request.into_inner();
+        let request_id = request.request_id.clone();
+        let registered = self.0.register(request, &call).await;
+        let registered = registered.map_err(|e| refused("registration", &request_id, &e))?;
+        Ok(Response::new(ExecuteRegisterStateResponse { registered: Some(registered) }))
+    }
+}
+
+fn refused(what: &str, request_id: &str, error: &Error) -> Status {
+    let fault = error.fault();
+    tracing::info!(request_id, reason = fault.reason, "{what} refused: {fault}");
+    fault::status(&fault)
 }
 
 /// One call under way.

@@ -3,6 +3,7 @@
 //! its slots together or none.
 
 mod begun;
+pub(super) mod correct;
 mod manage;
 
 use std::{

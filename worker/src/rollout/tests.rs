@@ -4,6 +4,7 @@ mod costs;
 mod faults;
 mod fidelity;
 mod gradients;
+mod registration;
 mod split;
 mod states;
 mod world;

@@ -81,13 +81,9 @@ impl Surroundings {
         let grippers = if is_moving { actions.grippers() } else { 0 };
         let boundaries = actions.knots().len();
         let mut surroundings = Self {
-            gravity: (!wire.gravity.is_empty()).then(|| three(&wire.gravity)),
-            ground: wire.ground_choice.as_ref().and_then(ground),
-            ground_friction: wire.ground_friction,
-            ground_restitution: wire.ground_restitution,
             grippers,
             knots: if grasps.is_empty() { Vec::new() } else { actions.knots() },
-            ..Self::default()
+            ..Self::without_bodies(&wire)
         };
         let mut paths = Vec::new();
         for (index, collider) in wire.colliders.iter().enumerate() {
@@ -122,6 +118,17 @@ impl Surroundings {
             surroundings.world.smoothing_m = smoothing as f32;
         }
         Ok(surroundings)
+    }
+
+    /// Gravity and ground of a checked world, without what is in it.
+    pub(super) fn without_bodies(wire: &v1::World) -> Self {
+        Self {
+            gravity: (!wire.gravity.is_empty()).then(|| three(&wire.gravity)),
+            ground: wire.ground_choice.as_ref().and_then(ground),
+            ground_friction: wire.ground_friction,
+            ground_restitution: wire.ground_restitution,
+            ..Self::default()
+        }
     }
 
     /// The environment that takes the place of a model's own, if it differs.

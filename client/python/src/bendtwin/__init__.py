@@ -29,6 +29,7 @@ from bendtwin.errors import BendTwinError, Category, FitFailed, IngestFailed
 from bendtwin.geometry import Geometry, Ground
 from bendtwin.interpolation import Interpolation, interpolate, interpolate_poses
 from bendtwin.motion import Motion
+from bendtwin.registration import Correction, Registration, Residual
 from bendtwin.resources import (
     Capture,
     Fault,
@@ -89,6 +90,7 @@ __all__ = [
     "ControlPath",
     "ControlSpeed",
     "ConvexMesh",
+    "Correction",
     "Cost",
     "Cuboid",
     "Deviation",
@@ -118,6 +120,8 @@ __all__ = [
     "Plane",
     "Plausibility",
     "Progress",
+    "Registration",
+    "Residual",
     "Rest",
     "Returns",
     "RolloutArguments",

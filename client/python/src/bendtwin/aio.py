@@ -29,6 +29,14 @@ from bendtwin.caller import AsyncCaller
 from bendtwin.errors import FitFailed, IngestFailed
 from bendtwin.geometry import Geometry
 from bendtwin.motion import Motion, bundle, bundle_file
+from bendtwin.registration import (
+    CorrectArguments,
+    Correction,
+    RegisterArguments,
+    Registration,
+    correct_session,
+    register_state,
+)
 from bendtwin.resources import Capture, Fit, JobState, SessionInfo, TwinInfo, Worker
 from bendtwin.rollout import Fidelity, RolloutResult
 from bendtwin.session import SessionCalls
@@ -65,6 +73,17 @@ class Twin(TwinFacts[AsyncCaller]):
         """The same in parts, as instances finish; see `RolloutResult.first_instance`."""
         call = calls.stream_roll_out(self.rollout_request(**arguments))
         return self._caller.parts(call, timeout_s)
+
+    async def register(
+        self,
+        points: ArrayLike,
+        *,
+        timeout_s: float | None = None,
+        **arguments: Unpack[RegisterArguments],
+    ) -> Registration:
+        """The state in which the twin explains points: see `bendtwin.Twin.register`."""
+        call = register_state(self.name, points, arguments)
+        return await self._caller.run(call, timeout_s)
 
 
 class Session(SessionCalls[AsyncCaller, Twin]):
@@ -108,6 +127,18 @@ class Session(SessionCalls[AsyncCaller, Twin]):
                 yield sent[-1]
 
         return self._caller.exchange(self._control(sent, requests()))
+
+    async def correct(
+        self,
+        points: ArrayLike,
+        *,
+        slots: Sequence[int] = (),
+        timeout_s: float | None = None,
+        **arguments: Unpack[CorrectArguments],
+    ) -> list[Correction]:
+        """Brings the states of slots closer to points: see `bendtwin.Session.correct`."""
+        call = correct_session(self.name, slots, points, arguments)
+        return await self._caller.run(call, timeout_s)
 
     async def states(self, slots: Sequence[int] = ()) -> list[State]:
         """The states of slots, or of all of them."""

@@ -24,6 +24,7 @@ from bendtwin.v1 import (
     capture_pb2_grpc,
     fit_pb2,
     fit_pb2_grpc,
+    registration_pb2_grpc,
     rollout_pb2,
     rollout_pb2_grpc,
     session_pb2_grpc,
@@ -54,6 +55,7 @@ class Services:
         self.twins = twin_pb2_grpc.TwinServiceStub(channel)
         self.workers = worker_pb2_grpc.WorkerServiceStub(channel)
         self.rollouts = rollout_pb2_grpc.RolloutServiceStub(channel)
+        self.registrations = registration_pb2_grpc.RegistrationServiceStub(channel)
         self.sessions = session_pb2_grpc.SessionServiceStub(channel)
 
 

@@ -7,10 +7,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+import numpy.typing as npt
+
 from bendtwin import calls, session_calls
 from bendtwin.arguments import RolloutArguments, rollout_request
 from bendtwin.caller import Caller
 from bendtwin.kept import Kept
+from bendtwin.registration import CorrectArguments, Correction, correct_session
 from bendtwin.resources import SessionInfo
 from bendtwin.rollout import RolloutResult
 from bendtwin.state import InitialState, SessionSlots, State
@@ -170,6 +173,23 @@ class Session(SessionCalls[Caller, Twin]):
 
         return self._caller.exchange(self._control(sent, requests()))
 
+    def correct(
+        self,
+        points: npt.ArrayLike,
+        *,
+        slots: Sequence[int] = (),
+        timeout_s: float | None = None,
+        **arguments: Unpack[CorrectArguments],
+    ) -> list[Correction]:
+        """Brings the states of slots (default: 0) closer to points [M, 3], metres, that were seen.
+
+        They move smoothly, without touching what control points and grasps hold. All of the slots
+        are corrected, or none if the points are too far from one of them: BendTwinError with the
+        reason OBSERVATION_NOT_EXPLAINED. The other arguments are in `CorrectArguments`.
+        """
+        call = correct_session(self.name, slots, points, arguments)
+        return self._caller.run(call, timeout_s)
+
     def states(self, slots: Sequence[int] = ()) -> list[State]:
         """The states of slots, or of all of them; each can be an initial state anywhere."""
         return self._caller.run(self._states(slots))
@@ -192,7 +212,8 @@ class Session(SessionCalls[Caller, Twin]):
         from there to the bit.
 
         Returns by how many frames each slot is behind where it was: 0 if every advance brought its
-        final state. Raises BendTwinError (UNAVAILABLE) while no worker is there: try again.
+        final state. Corrections since then are lost too. Raises BendTwinError (UNAVAILABLE) while
+        no worker is there: try again.
         """
         opened = self._caller.run(session_calls.open_session(self._opening))
         for call in self._resets(opened):

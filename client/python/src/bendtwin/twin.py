@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Generic, TypeVar
 
+import numpy.typing as npt
+
 from bendtwin import calls
 from bendtwin.arguments import RolloutArguments, rollout_request
 from bendtwin.caller import Caller
 from bendtwin.geometry import Geometry
+from bendtwin.registration import RegisterArguments, Registration, register_state
 from bendtwin.resources import TwinInfo
 from bendtwin.rollout import RolloutResult
 from bendtwin.v1 import rollout_pb2
@@ -70,3 +73,28 @@ class Twin(TwinFacts[Caller]):
         """The same in parts, as instances finish; see `RolloutResult.first_instance`."""
         call = calls.stream_roll_out(self.rollout_request(**arguments))
         return self._caller.parts(call, timeout_s)
+
+    def register(
+        self,
+        points: npt.ArrayLike,
+        *,
+        timeout_s: float | None = None,
+        **arguments: Unpack[RegisterArguments],
+    ) -> Registration:
+        """The state in which the twin explains points [M, 3], metres, that were seen of it.
+
+        A cloud by default; with `nodes` or `places` it is known what the points are. The other
+        arguments are in `RegisterArguments`.
+
+        Args:
+            points: What was seen, in the twin's coordinates. Rows that are not finite are left out.
+            timeout_s: Deadline of the call.
+            arguments: What is known of the points, and options.
+
+        Raises:
+            BendTwinError: With the reason OBSERVATION_NOT_EXPLAINED if too much is left between the
+                points and the twin, or another one of the server's.
+            ValueError: If an array's shape or content is wrong before anything is sent.
+        """
+        call = register_state(self.name, points, arguments)
+        return self._caller.run(call, timeout_s)

@@ -277,7 +277,7 @@ impl From<wire::Divergence> for Divergence {
     }
 }
 
-pub(crate) fn grasping(wire: v1::Grasping) -> Result<Grasping, Error> {
+fn grasping(wire: v1::Grasping) -> Result<Grasping, Error> {
     let numbers = |tensor: Option<Tensor>, name| -> Result<Vec<u32>, Error> {
         let tensor = tensor.unwrap_or_default();
         Ok(tensor.unpack::<u32>(name).map_err(Error::malformed)?.1)
@@ -294,7 +294,7 @@ fn values(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<f64>, Error>
     Ok(tensor.unpack::<f64>(name).map_err(Error::malformed)?.1)
 }
 
-pub(crate) fn floats(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<f32>, Error> {
+fn floats(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<f32>, Error> {
     let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
     Ok(tensor.unpack::<f32>(name).map_err(Error::malformed)?.1)
 }
@@ -305,7 +305,7 @@ fn indices(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<usize>, Err
     Ok(values.into_iter().map(|v| v as usize).collect())
 }
 
-pub(crate) fn points(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<Point>, Error> {
+fn points(tensor: Option<Tensor>, name: &'static str) -> Result<Vec<Point>, Error> {
     let Some(tensor) = tensor.filter(|t| !t.is_absent()) else { return Ok(Vec::new()) };
     Ok(tensor.unpack_points(name).map_err(Error::malformed)?.1)
 }

@@ -4,6 +4,7 @@ use bendtwin_core::Point;
 use bendtwin_proto::v1::{self, Tensor, initial_state::GivenState};
 
 use super::Reply;
+use crate::Error;
 
 /// A state of a twin with N nodes and C control points. A rollout that starts from the state in
 /// which another one ended goes on exactly as if that had not stopped.
@@ -73,6 +74,37 @@ impl Grasping {
             holders: one(&self.holders, rows, row),
             places: one(&self.places, rows, row),
         }
+    }
+}
+
+impl TryFrom<GivenState> for State {
+    type Error = Error;
+    fn try_from(wire: GivenState) -> Result<Self, Error> {
+        let points = |tensor: Option<Tensor>, name| -> Result<Vec<Point>, Error> {
+            match tensor.filter(|t| !t.is_absent()) {
+                None => Ok(Vec::new()),
+                Some(tensor) => Ok(tensor.unpack_points(name).map_err(Error::malformed)?.1),
+            }
+        };
+        let twists = wire.twists.filter(|t| !t.is_absent());
+        let twists = twists.map(|t| t.unpack("twists").map_err(Error::malformed)).transpose()?;
+        let numbers = |tensor: Option<Tensor>, name| -> Result<Vec<u32>, Error> {
+            Ok(tensor.unwrap_or_default().unpack(name).map_err(Error::malformed)?.1)
+        };
+        let grasping = |g: v1::Grasping| -> Result<Grasping, Error> {
+            Ok(Grasping {
+                phases: numbers(g.phases, "phases")?,
+                holders: numbers(g.holders, "holders")?,
+                places: points(g.places, "places")?,
+            })
+        };
+        Ok(Self {
+            positions: points(wire.positions, "positions")?,
+            velocities: points(wire.velocities, "velocities")?,
+            twists: twists.map(|(_, twists)| twists).unwrap_or_default(),
+            controls: points(wire.controls, "controls")?,
+            grasping: wire.grasping.map(grasping).transpose()?,
+        })
     }
 }
 

@@ -22,6 +22,14 @@ impl RigidMotion {
         point(self.rotation * vector3(p) + self.translation)
     }
 
+    /// Translation [m] and unit quaternion: x, y, z, then x, y, z, w.
+    pub fn pose(&self) -> [f64; 7] {
+        let rotation = Rotation3::from_matrix_unchecked(self.rotation);
+        let turn = UnitQuaternion::from_rotation_matrix(&rotation);
+        let t = self.translation;
+        [t.x, t.y, t.z, turn.i, turn.j, turn.k, turn.w]
+    }
+
     /// The motion back.
     #[must_use]
     pub fn inverse(&self) -> Self {

@@ -1,4 +1,4 @@
-//! Samples from a normal distribution around a mean, which is simulated as well.
+//! Samples around a mean, which is simulated as well, and at first the plan to stay still.
 
 use rand_chacha::ChaCha12Rng;
 
@@ -13,22 +13,35 @@ pub(crate) struct Sampling {
     sigma: Knots,
     /// The mean was not simulated yet.
     is_new: bool,
+    is_first: bool,
 }
 
 impl Sampling {
     pub(crate) fn begin(settings: &Settings, nominal: &Knots) -> Self {
         let sigma = settings.deviations();
-        Self { center: nominal.clone(), spread: sigma.clone(), sigma, is_new: false }
+        Self {
+            center: nominal.clone(),
+            spread: sigma.clone(),
+            sigma,
+            is_new: false,
+            is_first: true,
+        }
     }
 
-    /// The mean if it is new, and samples around it.
+    /// The mean if it is new, and samples around it. At first the mean is the nominal plan, which
+    /// whoever calls adds; one that leads astray competes with one that ends the motion.
     pub(crate) fn propose(&mut self, settings: &Settings, random: &mut ChaCha12Rng) -> Vec<Knots> {
         let mut plans: Vec<Knots> = self.mean().into_iter().collect();
         self.is_new = false;
-        for _ in 0..settings.samples.saturating_sub(1).max(1) {
+        if self.is_first {
+            plans.push(still(&self.center, settings.dims));
+        }
+        let others = 1 + usize::from(std::mem::take(&mut self.is_first));
+        let count = settings.samples.saturating_sub(others).max(1);
+        for scale in settings.scales(count) {
             let mut plan = correlated(random, settings.knots, settings.dims, settings.correlation);
             for ((x, c), s) in plan.iter_mut().zip(&self.center).zip(&self.spread) {
-                *x = c + s * *x;
+                *x = c + scale * s * *x;
             }
             plans.push(plan);
         }
@@ -73,6 +86,11 @@ impl Sampling {
             self.spread[i] = spread.max(smallest * self.sigma[i]);
         }
     }
+}
+
+/// The plan that stays where it begins.
+fn still(plan: &Knots, dims: usize) -> Knots {
+    plan.iter().take(dims).copied().cycle().take(plan.len()).collect()
 }
 
 /// Softmax of -cost, scaled by the costs' spread, which sums to 1; what diverged weighs nothing.

@@ -116,6 +116,36 @@ fn a_mean_that_is_worse_than_its_samples_is_not_taken() {
 }
 
 #[test]
+fn to_stay_still_competes_with_a_plan_that_leads_astray() {
+    for method in &methods()[..3] {
+        let settings = Settings { iterations: 1, sigma: vec![1e-6], ..settings(method.clone()) };
+        let mut planner = Planner::new(settings).unwrap();
+        planner.set_nominal([GOAL, [0.5, 0.0], [0.7, 0.2], [0.9, 0.4]].concat()).unwrap();
+        let plan = planner.plan(&mut Bowl::new()).unwrap();
+        assert_eq!((plan.knots, plan.cost), (GOAL.repeat(4), 0.0));
+    }
+}
+
+#[test]
+fn samples_are_coarse_and_fine() {
+    let settings = Settings {
+        knots: 64,
+        samples: 34,
+        iterations: 1,
+        sigma: vec![0.5],
+        finest: 0.01,
+        ..settings(Method::MPPI)
+    };
+    let mut bowl = Bowl::new();
+    Planner::new(settings).unwrap().plan(&mut bowl).unwrap();
+    for (i, plan) in bowl.seen[2..34].iter().enumerate() {
+        let spread = (plan.iter().map(|x| x * x).sum::<f64>() / 126.0).sqrt();
+        let expected = 0.5 * 0.01_f64.powf(i as f64 / 31.0);
+        assert!((spread / expected - 1.0).abs() < 0.3, "{i}: {spread} for {expected}");
+    }
+}
+
+#[test]
 fn all_that_is_simulated_keeps_the_bounds() {
     for method in methods() {
         let mut bowl = Bowl::new();
@@ -210,6 +240,7 @@ fn wrong_settings_are_refused() {
     let good = || settings(Method::MPPI);
     let wrong = [
         Settings { knots: 1, ..good() },
+        Settings { finest: 0.0, ..good() },
         Settings { dims: 0, ..good() },
         Settings { samples: 0, ..good() },
         Settings { sigma: vec![0.1; 3], ..good() },

@@ -4,12 +4,12 @@ use super::Error;
 use crate::v1::{Tensor, tensor::Dtype};
 
 /// A tensor that is given, or none if the field was left out.
-pub(super) fn given(tensor: Option<&Tensor>) -> Option<&Tensor> {
+pub(crate) fn given(tensor: Option<&Tensor>) -> Option<&Tensor> {
     tensor.filter(|t| !t.is_absent())
 }
 
 /// A tensor that must be given, of this type, and its shape, for which its bytes account.
-pub(super) fn required<'t>(
+pub(crate) fn required<'t>(
     tensor: Option<&'t Tensor>,
     field: &str,
     dtype: Dtype,
@@ -24,7 +24,7 @@ pub(super) fn required<'t>(
 }
 
 /// Values of a checked FLOAT32 tensor.
-pub(super) fn floats(tensor: &Tensor) -> impl ExactSizeIterator<Item = f32> + '_ {
+pub(crate) fn floats(tensor: &Tensor) -> impl ExactSizeIterator<Item = f32> + '_ {
     tensor.data.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b))
 }
 
@@ -45,7 +45,7 @@ pub(super) fn finite(tensor: &Tensor, field: &str) -> Result<(), Error> {
 }
 
 /// A list of node indices that is not empty.
-pub(super) fn node_list<'t>(tensor: Option<&'t Tensor>, field: &str) -> Result<&'t Tensor, Error> {
+pub(crate) fn node_list<'t>(tensor: Option<&'t Tensor>, field: &str) -> Result<&'t Tensor, Error> {
     let (tensor, shape) = required(tensor, field, Dtype::Uint32)?;
     match shape[..] {
         [count] if count > 0 => Ok(tensor),
@@ -54,7 +54,7 @@ pub(super) fn node_list<'t>(tensor: Option<&'t Tensor>, field: &str) -> Result<&
 }
 
 /// Refuses the first index that is none of the twin's nodes.
-pub(super) fn known_nodes(tensor: &Tensor, field: &str, nodes: u64) -> Result<(), Error> {
+pub(crate) fn known_nodes(tensor: &Tensor, field: &str, nodes: u64) -> Result<(), Error> {
     match indices(tensor).find(|n| u64::from(*n) >= nodes) {
         Some(n) => {
             let fault = format!("names node {n}, the twin has {nodes} (counted from 0)");

@@ -1,5 +1,5 @@
-//! Schemas of the messages of rollout.proto, session.proto and world.proto for the OpenAPI document, from their descriptors and
-//! comments.
+//! Schemas of the messages that HTTP has as bodies, for the OpenAPI document, from their descriptors
+//! and comments.
 
 use std::{borrow::Cow, collections::HashMap};
 
@@ -17,10 +17,11 @@ use utoipa::{
 };
 
 /// The files whose messages are described, all or some of them.
-const FILES: [(&str, Option<&str>); 4] = [
+const FILES: [(&str, Option<&str>); 5] = [
     ("bendtwin/v1/world.proto", None),
     ("bendtwin/v1/rollout.proto", None),
     ("bendtwin/v1/session.proto", None),
+    ("bendtwin/v1/registration.proto", None),
     ("bendtwin/v1/twin.proto", Some("TwinGeometry")),
 ];
 const PACKAGE: &str = ".bendtwin.v1.";
@@ -30,41 +31,45 @@ const MESSAGE: i32 = 4;
 const FIELD: i32 = 2;
 const NESTED: i32 = 3;
 
-/// Schemas by the names of messages.
-macro_rules! described {
-    ($($message:ident)*) => {$(
-        #[doc = concat!("`bendtwin.v1.", stringify!($message), "` as JSON.")]
-        pub(in crate::http) struct $message;
+/// Messages that are bodies of requests or replies.
+macro_rules! bodies {
+    ($($name:ident),+) => {$(
+        /// The message of this name.
+        pub(in crate::http) struct $name;
 
-        impl PartialSchema for $message {
+        impl PartialSchema for $name {
             fn schema() -> RefOr<Schema> {
-                schema(stringify!($message))
+                schema(stringify!($name))
             }
         }
 
-        impl ToSchema for $message {
+        impl ToSchema for $name {
             fn name() -> Cow<'static, str> {
-                Cow::Borrowed(stringify!($message))
+                Cow::Borrowed(stringify!($name))
             }
 
             fn schemas(found: &mut Vec<(String, RefOr<Schema>)>) {
                 found.extend(all());
             }
         }
-    )*};
+    )+};
 }
 
-described! {
-    AdvanceSessionRequest
-    ForkSessionRequest
-    OpenSessionRequest
-    ResetSessionRequest
-    RollOutRequest
-    RollOutResponse
-    Session
-    SessionStates
+bodies!(
+    AdvanceSessionRequest,
+    CorrectSessionRequest,
+    CorrectedSession,
+    ForkSessionRequest,
+    OpenSessionRequest,
+    RegisterStateRequest,
+    RegisteredState,
+    ResetSessionRequest,
+    RollOutRequest,
+    RollOutResponse,
+    Session,
+    SessionStates,
     TwinGeometry
-}
+);
 
 fn schema(name: &str) -> RefOr<Schema> {
     let found = all().into_iter().find(|(n, _)| n == name);

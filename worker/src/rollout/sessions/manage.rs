@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use bendtwin_budget::Share;
 use bendtwin_core::{CancelToken, Point, ids::TwinId};
 use bendtwin_engine::model::State;
 use bendtwin_proto::{
@@ -23,7 +22,7 @@ use crate::{
         grasping,
         initial::{Simulated, Start, Starts, Wanted},
         plan::shape,
-        service::Inner,
+        service::{Inner, Unary},
         warm::Warm,
     },
 };
@@ -34,19 +33,19 @@ const STATES: u64 = 3;
 const STATES_MEMORY: u64 = 3;
 
 impl Inner {
-    /// Answers a call about sessions; with the memory of the reply, where that is large.
+    /// Answers a call about sessions.
     pub(in crate::rollout) async fn manage(
         self: &Arc<Self>,
         request: ManageSessionRequest,
-    ) -> Result<(ManageSessionResponse, Option<Share>), Error> {
+        under_way: &Unary,
+    ) -> Result<ManageSessionResponse, Error> {
         let call = request.call.ok_or_else(|| Error::field("call", "is missing"))?;
         let session = match call {
-            Call::Open(open) => self.open(open, request.capture).await?,
+            Call::Open(open) => self.open(open, request.capture, under_way.cancel()).await?,
             Call::Get(get) => self.sessions.get(&get.name)?,
             Call::States(asked) => {
-                let (states, share) = self.states(&asked).await?;
-                let reply = ManageSessionResponse { session: None, states: Some(states) };
-                return Ok((reply, Some(share)));
+                let states = Some(self.states(&asked, under_way).await?);
+                return Ok(ManageSessionResponse { states, ..Default::default() });
             }
             Call::Fork(fork) => {
                 let session = self.sessions.get(&fork.name)?;
@@ -71,45 +70,51 @@ impl Inner {
                             ..session.setup.as_request()
                         };
                         let capture = session.setup.capture.clone();
-                        Some(self.first_states(&warm, &open, &capture).await?)
+                        Some(self.first_states(&warm, &open, &capture, under_way.cancel()).await?)
                     }
                 };
                 let _turn = session.begin_advance().await;
                 session.reset(&slots, states);
                 session
             }
+            Call::Correct(correct) => {
+                let corrected = Some(self.correct(correct, under_way).await?);
+                return Ok(ManageSessionResponse { corrected, ..Default::default() });
+            }
             Call::Close(close) => {
                 if let Ok(session) = self.sessions.get(&close.name) {
                     self.sessions.close(session.id);
                 }
-                return Ok((ManageSessionResponse::default(), None));
+                return Ok(ManageSessionResponse::default());
             }
         };
         let session = Some(session.describe(&self.worker));
-        Ok((ManageSessionResponse { session, states: None }, None))
+        Ok(ManageSessionResponse { session, ..Default::default() })
     }
 
     /// The states of slots, in memory that was taken before.
     async fn states(
         &self,
         asked: &GetSessionStatesRequest,
-    ) -> Result<(SessionStates, Share), Error> {
+        call: &Unary,
+    ) -> Result<SessionStates, Error> {
         let session = self.sessions.get(&asked.name)?;
         let slots = session.distinct(&asked.slots, 0..session.slots())?;
         let warm = self.twins.get(session.setup.twin).await?;
         let (twin, limits) = (shape(&warm.twin, true), self.limits());
         let grasps = session.setup.grasps.len() as u64;
         let bytes = rollout::states_bytes(slots.len() as u64, grasps, &twin, &limits)?;
-        let advice = "the states: ask for fewer slots at once";
         let bytes = bytes.saturating_mul(STATES_MEMORY);
-        let share = budget::take(&self.memory.rollouts, bytes, advice).await?;
-        Ok((pack(&session, &warm, &slots), share))
+        let purpose = "the states: ask for fewer slots at once";
+        call.holds(budget::take(&self.memory.rollouts, bytes, purpose).await?);
+        Ok(pack(&session, &warm, &slots))
     }
 
     async fn open(
         self: &Arc<Self>,
         open: OpenSessionRequest,
         capture: String,
+        cancel: &CancelToken,
     ) -> Result<Arc<Session>, Error> {
         let twin: TwinId = open
             .twin
@@ -117,7 +122,7 @@ impl Inner {
             .map_err(|e: bendtwin_core::ids::InvalidName| Error::field("twin", e.to_string()))?;
         let idle = idle(open.idle_timeout_s)?;
         let warm = self.twins.get(twin).await?;
-        let first = self.first_states(&warm, &open, &capture).await?;
+        let first = self.first_states(&warm, &open, &capture, cancel).await?;
         let bytes = first.iter().map(Start::bytes).sum::<u64>().saturating_mul(STATES);
         let share = budget::take(
             &self.memory.sessions,
@@ -139,16 +144,17 @@ impl Inner {
     }
 
     /// The states in which slots begin, one each.
-    async fn first_states(
+    pub(in crate::rollout) async fn first_states(
         self: &Arc<Self>,
         warm: &Arc<Warm>,
         open: &OpenSessionRequest,
         capture: &str,
+        cancel: &CancelToken,
     ) -> Result<Vec<Start>, Error> {
         let limits = self.limits();
         rollout::check_session(open, &shape(&warm.twin, !capture.is_empty()), &limits)?;
         let slots = rollout::slots(open)? as usize;
-        let simulated = self.simulated(warm, open.initial.as_ref(), capture).await?;
+        let simulated = self.simulated(warm, open.initial.as_ref(), capture, cancel).await?;
         let wanted = Wanted::read(open.initial.clone(), &warm.twin.graph, slots)?;
         Ok(match (wanted, simulated) {
             (Wanted::Ready(Starts::Each(starts)), _) => starts,
@@ -165,16 +171,17 @@ impl Inner {
         warm: &Arc<Warm>,
         initial: Option<&InitialState>,
         capture: &str,
+        cancel: &CancelToken,
     ) -> Result<Option<Start>, Error> {
         let backend = Arc::new(self.device.backend(Priority::Interactive));
-        let (cancel, work) = (CancelToken::default(), self.limits().work);
+        let work = self.limits().work;
         Ok(match Simulated::wanted(initial, capture)? {
             None => None,
             Some(Simulated::Frame(at)) => {
-                Some(self.replays.start(warm, at, &backend, &cancel, work).await?)
+                Some(self.replays.start(warm, at, &backend, cancel, work).await?)
             }
             Some(Simulated::Settled) => {
-                Some(self.replays.settled(warm, &backend, &cancel, work).await?)
+                Some(self.replays.settled(warm, &backend, cancel, work).await?)
             }
         })
     }

@@ -8,12 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from bendtwin.planners.knots import Array
+from bendtwin.planners.noise import sample_scales
 from bendtwin.planners.planner import Planner
 from bendtwin.planners.task import Evaluation, Problem
 
 
 class _Sampling(Planner):
-    """Samples from a normal distribution around a mean, which is simulated as well."""
+    """Samples around a mean, which is simulated as well, and at first the plan to stay still."""
 
     _center: Array
 
@@ -23,10 +24,15 @@ class _Sampling(Planner):
         self._is_new = False
 
     def _propose(self, iteration: int) -> Array:
-        # In iteration 0 the mean is the nominal plan, which is added to what is proposed.
-        count = max(self.samples - 1, 1)
-        samples = self._center + self._spread * self._noise(count)
-        if iteration == 0 or not self._is_new:
+        # In iteration 0 the mean is the nominal plan, which is added to what is proposed, and a
+        # nominal plan that leads astray competes with one that ends the motion.
+        count = max(self.samples - (2 if iteration == 0 else 1), 1)
+        scales = sample_scales(count, self.finest)[:, None, None]
+        samples = self._center + scales * self._spread * self._noise(count)
+        if iteration == 0:
+            still = np.broadcast_to(self._center[:1], self._center.shape)
+            return np.concatenate([still[None], samples])
+        if not self._is_new:
             return np.asarray(samples)
         self._is_new = False
         return np.concatenate([self._center[None], samples])
@@ -40,6 +46,8 @@ class _Sampling(Planner):
 
 class Mppi(_Sampling):
     """Model-predictive path integral control: the mean of all samples, weighted by their costs."""
+
+    _finest: ClassVar[float] = 0.1
 
     def __init__(self, problem: Problem, *, temperature: float = 0.1, **settings: Any) -> None:
         """Takes the settings of `Planner`.
@@ -104,6 +112,8 @@ class Cem(_Sampling):
 
 class PredictiveSampling(_Sampling):
     """The best sample around the best plan so far: the simplest method, and a strong one."""
+
+    _finest: ClassVar[float] = 0.1
 
     def _learn(
         self, candidates: Array, evaluation: Evaluation, best: Array, best_cost: float

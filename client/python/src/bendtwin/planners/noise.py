@@ -23,6 +23,11 @@ def deviations(sigma: npt.ArrayLike, knots: int, dims: int) -> npt.NDArray[np.fl
     return full
 
 
+def sample_scales(count: int, finest: float) -> npt.NDArray[np.float64]:
+    """Factors [count] of sigma: 1 for the first sample, `finest` for the last."""
+    return np.asarray(np.geomspace(1.0, finest, count) if count > 1 else np.ones(count))
+
+
 def correlated(
     random: np.random.Generator, count: int, knots: int, dims: int, correlation: float
 ) -> npt.NDArray[np.float64]:

@@ -43,6 +43,8 @@ class Planner(ABC):
 
     #: True if the method needs gradients of the cost.
     _gradients: ClassVar[bool] = False
+    #: What `finest` is where it is not given.
+    _finest: ClassVar[float] = 1.0
 
     def __init__(
         self,
@@ -53,6 +55,7 @@ class Planner(ABC):
         iterations: int = 1,
         sigma: npt.ArrayLike = 0.02,
         correlation: float = 0.0,
+        finest: float | None = None,
         bounds: Bounds = _NO_BOUNDS,
         deadline_s: float | None = None,
         seed: int = 0,
@@ -67,6 +70,9 @@ class Planner(ABC):
             sigma: Standard deviation of samples: a number, one by coordinate [D], or by knot and
                 coordinate [K, D]; metres, radians for rotations.
             correlation: Between neighbouring knots of a sample, 0..1: larger is smoother.
+            finest: Samples have sigma times a factor, evenly spread in its logarithm from 1 to
+                this, 0..1: large ones find ways, small ones the goal. None: 0.1, and 1 for methods
+                that shrink their samples themselves.
             bounds: Limits that every plan keeps.
             deadline_s: Time for one call of `plan`, which then returns the best so far. The first
                 iteration is always finished.
@@ -80,6 +86,9 @@ class Planner(ABC):
         self.knots, self.samples, self.iterations = knots, samples, iterations
         self.sigma = deviations(sigma, knots, problem.dims)
         self.correlation, self.bounds, self.deadline_s = correlation, bounds, deadline_s
+        self.finest = self._finest if finest is None else finest
+        if not 0.0 < self.finest <= 1.0:
+            raise ValueError("finest must be above 0, and 1 or less")
         self._random = np.random.default_rng(seed)
         #: The plan that the next call begins with.
         self.nominal: Array = np.zeros((knots, problem.dims))

@@ -1,3 +1,4 @@
+from bendtwin.v1 import registration_pb2 as _registration_pb2
 from bendtwin.v1 import rollout_pb2 as _rollout_pb2
 from bendtwin.v1 import world_pb2 as _world_pb2
 from google.protobuf.internal import containers as _containers
@@ -96,6 +97,37 @@ class ResetSessionRequest(_message.Message):
     slots: _containers.RepeatedScalarFieldContainer[int]
     initial: _rollout_pb2.InitialState
     def __init__(self, name: _Optional[str] = ..., slots: _Optional[_Iterable[int]] = ..., initial: _Optional[_Union[_rollout_pb2.InitialState, _Mapping]] = ...) -> None: ...
+
+class CorrectSessionRequest(_message.Message):
+    __slots__ = ("name", "slots", "observation", "options")
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    SLOTS_FIELD_NUMBER: _ClassVar[int]
+    OBSERVATION_FIELD_NUMBER: _ClassVar[int]
+    OPTIONS_FIELD_NUMBER: _ClassVar[int]
+    name: str
+    slots: _containers.RepeatedScalarFieldContainer[int]
+    observation: _registration_pb2.Observation
+    options: _registration_pb2.CorrectOptions
+    def __init__(self, name: _Optional[str] = ..., slots: _Optional[_Iterable[int]] = ..., observation: _Optional[_Union[_registration_pb2.Observation, _Mapping]] = ..., options: _Optional[_Union[_registration_pb2.CorrectOptions, _Mapping]] = ...) -> None: ...
+
+class CorrectedSession(_message.Message):
+    __slots__ = ("session", "corrections")
+    class Correction(_message.Message):
+        __slots__ = ("slot", "before", "after", "moved_mm")
+        SLOT_FIELD_NUMBER: _ClassVar[int]
+        BEFORE_FIELD_NUMBER: _ClassVar[int]
+        AFTER_FIELD_NUMBER: _ClassVar[int]
+        MOVED_MM_FIELD_NUMBER: _ClassVar[int]
+        slot: int
+        before: _registration_pb2.Residual
+        after: _registration_pb2.Residual
+        moved_mm: float
+        def __init__(self, slot: _Optional[int] = ..., before: _Optional[_Union[_registration_pb2.Residual, _Mapping]] = ..., after: _Optional[_Union[_registration_pb2.Residual, _Mapping]] = ..., moved_mm: _Optional[float] = ...) -> None: ...
+    SESSION_FIELD_NUMBER: _ClassVar[int]
+    CORRECTIONS_FIELD_NUMBER: _ClassVar[int]
+    session: Session
+    corrections: _containers.RepeatedCompositeFieldContainer[CorrectedSession.Correction]
+    def __init__(self, session: _Optional[_Union[Session, _Mapping]] = ..., corrections: _Optional[_Iterable[_Union[CorrectedSession.Correction, _Mapping]]] = ...) -> None: ...
 
 class CloseSessionRequest(_message.Message):
     __slots__ = ("name",)

@@ -75,6 +75,11 @@ class SessionServiceStub(object):
                 request_serializer=bendtwin_dot_v1_dot_session__pb2.ResetSessionRequest.SerializeToString,
                 response_deserializer=bendtwin_dot_v1_dot_session__pb2.Session.FromString,
                 _registered_method=True)
+        self.CorrectSession = channel.unary_unary(
+                '/bendtwin.v1.SessionService/CorrectSession',
+                request_serializer=bendtwin_dot_v1_dot_session__pb2.CorrectSessionRequest.SerializeToString,
+                response_deserializer=bendtwin_dot_v1_dot_session__pb2.CorrectedSession.FromString,
+                _registered_method=True)
         self.CloseSession = channel.unary_unary(
                 '/bendtwin.v1.SessionService/CloseSession',
                 request_serializer=bendtwin_dot_v1_dot_session__pb2.CloseSessionRequest.SerializeToString,
@@ -139,6 +144,15 @@ class SessionServiceServicer(object):
         context.set_details('Method not implemented!')
         raise NotImplementedError('Method not implemented!')
 
+    def CorrectSession(self, request, context):
+        """Brings the states of slots closer to what is seen, in place: smoothly, and without touching what
+        control points and grasps hold. Ends with FAILED_PRECONDITION, reason OBSERVATION_NOT_EXPLAINED, if
+        more than the stated residual is left at one of them; nothing changes then.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
     def CloseSession(self, request, context):
         """Missing associated documentation comment in .proto file."""
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
@@ -182,6 +196,11 @@ def add_SessionServiceServicer_to_server(servicer, server):
                     servicer.ResetSession,
                     request_deserializer=bendtwin_dot_v1_dot_session__pb2.ResetSessionRequest.FromString,
                     response_serializer=bendtwin_dot_v1_dot_session__pb2.Session.SerializeToString,
+            ),
+            'CorrectSession': grpc.unary_unary_rpc_method_handler(
+                    servicer.CorrectSession,
+                    request_deserializer=bendtwin_dot_v1_dot_session__pb2.CorrectSessionRequest.FromString,
+                    response_serializer=bendtwin_dot_v1_dot_session__pb2.CorrectedSession.SerializeToString,
             ),
             'CloseSession': grpc.unary_unary_rpc_method_handler(
                     servicer.CloseSession,
@@ -383,6 +402,33 @@ class SessionService(object):
             '/bendtwin.v1.SessionService/ResetSession',
             bendtwin_dot_v1_dot_session__pb2.ResetSessionRequest.SerializeToString,
             bendtwin_dot_v1_dot_session__pb2.Session.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def CorrectSession(request,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.unary_unary(
+            request,
+            target,
+            '/bendtwin.v1.SessionService/CorrectSession',
+            bendtwin_dot_v1_dot_session__pb2.CorrectSessionRequest.SerializeToString,
+            bendtwin_dot_v1_dot_session__pb2.CorrectedSession.FromString,
             options,
             channel_credentials,
             insecure,

@@ -108,7 +108,7 @@ const BROKEN: &[(&str, Severity, &str, Break)] = &[
         s.points.copy_within(5 * points..6 * points, 6 * points);
         s.visible.copy_within(5 * points..6 * points, 6 * points);
     }),
-    ("FRAMES_DROPPED", Warning, "at frame 12", |c| {
+    ("FRAMES_DROPPED", Warning, "at frame 12 while they", |c| {
         let points = c.object.point_count;
         for p in &mut c.sequences[0].points[12 * points..] {
             p[0] += 0.3;

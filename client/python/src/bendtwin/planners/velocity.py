@@ -1,0 +1,104 @@
+"""Velocities of a task's coordinates as controls, for libraries whose model is MuJoCo's.
+
+They ask a model for its number of actuators, their limits and its time step: `model_xml` describes
+one that has these and nothing else. What moves is simulated by the twin, in one call.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from bendtwin.planners.knots import Array
+from bendtwin.planners.task import Task
+from bendtwin.rollout import Returns
+from bendtwin.state import InitialState, Rest
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What N sequences of controls do, by frame."""
+
+    #: Weighted costs [N, F]: row f is what frame f + 1 adds; infinite where an instance diverged.
+    costs: Array
+    #: Positions [N, F, M, 3] of the nodes that were asked for, metres; after a divergence those of
+    #: the last frame before it.
+    nodes: Array
+    #: Coordinates [N, F, D] at the end of each frame.
+    coordinates: Array
+
+
+def simulate(
+    task: Task,
+    now: npt.ArrayLike,
+    velocities: npt.ArrayLike,
+    initial: InitialState | None,
+    nodes: Sequence[int] = (),
+) -> Motion:
+    """Moves the coordinates from where they are now [D] by velocities [N, F, D] per second.
+
+    The horizon is F frames, whatever that of the task is. Costs of the state that it starts from
+    are left out: no control changes them.
+    """
+    steps = np.asarray(velocities, dtype=np.float64) * task.frame_s
+    start = np.broadcast_to(np.asarray(now, dtype=np.float64), (len(steps), 1, task.dims))
+    path = np.concatenate([start, start + steps.cumsum(axis=1)], axis=1)
+    frames = steps.shape[1]
+    result = task.twin.rollout(
+        **replace(task, frames=frames).space.actions(path),
+        frames=frames,
+        initial=Rest() if initial is None else initial,
+        costs=task.costs,
+        returns=Returns(every_frames=1 if nodes else 0, nodes=nodes or None, frame_costs=True),
+        fidelity=task.fidelity,
+    )
+    if result.frame_costs is None or (nodes and result.positions is None):
+        raise ValueError("the server returned no costs by frame: is it older than this client?")
+    costs = result.frame_costs[:, 1:].sum(axis=2).astype(np.float64)
+    costs[~np.isfinite(result.costs)] = np.inf
+    shape = (len(steps), frames, len(nodes), 3)
+    positions = np.zeros(shape) if result.positions is None else result.positions.astype(float)
+    return Motion(costs, np.nan_to_num(positions), path[:, 1:])
+
+
+def model_xml(
+    dims: int,
+    frame_s: float,
+    fastest: npt.ArrayLike,
+    nodes: Sequence[int] = (),
+    *,
+    has_sensors: bool = False,
+) -> str:
+    """MJCF with a slide joint and a velocity actuator for each coordinate.
+
+    Args:
+        dims: Number of coordinates D.
+        frame_s: Its time step [s].
+        fastest: Limits of the velocities: a number or [D], per second.
+        nodes: Nodes that have a site, "node_{node}".
+        has_sensors: With sensors of the sites' positions, "trace_{node}", and of a "cost".
+    """
+    limits = np.broadcast_to(np.asarray(fastest, dtype=np.float64), (dims,))
+    if not (np.isfinite(limits).all() and (limits > 0).all()):
+        raise ValueError("fastest must be finite and above 0")
+    bodies = "".join(
+        f'<body><joint name="c{d}" type="slide" axis="1 0 0"/>'
+        f'<geom type="sphere" size="0.01" contype="0" conaffinity="0"/></body>'
+        for d in range(dims)
+    )
+    actuators = "".join(
+        f'<velocity joint="c{d}" kv="1" ctrllimited="true" ctrlrange="{-limit} {limit}"/>'
+        for d, limit in enumerate(limits)
+    )
+    sites = "".join(f'<site name="node_{node}"/>' for node in nodes)
+    traces = "".join(
+        f'<framepos name="trace_{node}" objtype="site" objname="node_{node}"/>' for node in nodes
+    )
+    sensors = f'<sensor>{traces}<user name="cost" dim="1"/></sensor>' if has_sensors else ""
+    return (
+        f'<mujoco model="coordinates of a twin"><option timestep="{frame_s!r}" gravity="0 0 0"/>'
+        f"<worldbody>{sites}{bodies}</worldbody><actuator>{actuators}</actuator>{sensors}</mujoco>"
+    )

@@ -1,0 +1,273 @@
+"""Where an object is: points that were seen of it, and what a twin makes of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypedDict
+
+import numpy as np
+import numpy.typing as npt
+
+from bendtwin.calls import Call
+from bendtwin.state import InitialState, State
+from bendtwin.tensors import pack_floats, pack_indices, unpack
+from bendtwin.v1 import registration_pb2, session_pb2
+from bendtwin.world import World
+
+
+class ObservationArguments(TypedDict, total=False):
+    """What is known of the points that were seen, [M, 3]. Those that are not finite were not seen:
+    they are left out, with all that belongs to them."""
+
+    #: The nodes of the twin that the points are [M]. Without these and `places` they are a cloud,
+    #: which is matched to the surface.
+    nodes: npt.ArrayLike | None
+    #: Where the points were on the object at one time [M, 3]: tracked points between nodes.
+    places: npt.ArrayLike | None
+    #: Where the nodes were at the time of `places` [N, 3]; at rest by default.
+    node_positions: npt.ArrayLike | None
+    #: From 0, [M]; equal ones by default.
+    weights: npt.ArrayLike | None
+    #: Metres per second, [M, 3]. Only a correction by nodes or places uses them.
+    velocities: npt.ArrayLike | None
+    #: Positions of the cameras that saw the points [K, 3]: they say what part of the surface could
+    #: have been seen. All of it by default.
+    cameras: npt.ArrayLike | None
+
+
+class RegisterArguments(ObservationArguments, total=False):
+    """Arguments of a registration; all have a default."""
+
+    #: Shape to start from; the rest shape by default.
+    initial: InitialState
+    #: Where the control points are [C, 3], if that is known, say from the gripper. By default they
+    #: go where the nodes go that they hold.
+    controls: npt.ArrayLike | None
+    #: Gravity and ground, where they are not those of the twin; without colliders.
+    world: World | None
+    #: True if the object is near the shape to start from: no other pose is tried.
+    near: bool
+    #: Deviation of a point from the surface, metres; 0.004 by default.
+    noise_m: float | None
+    #: Deviation of a spring by its length; 0.1 by default.
+    give: float | None
+    #: Frames of physics under the pull of the points; 12 by default.
+    settle_frames: int | None
+    #: Median distance of the points beyond which the registration is refused, metres.
+    max_residual_m: float | None
+    #: Least share of the points that must be explained; 0.5 by default.
+    least_explained: float | None
+
+
+class CorrectArguments(ObservationArguments, total=False):
+    """Arguments of a correction; all have a default."""
+
+    #: Deviation of a point from its place, metres; 0.005 by default.
+    noise_m: float | None
+    #: Deviation of a spring by its length; 0.03 by default.
+    give: float | None
+    #: Deviation of an observed velocity, metres per second; 0.2 by default.
+    velocity_noise_m_s: float | None
+    #: Share of the displacement that is added to the velocity, per second; 0 by default.
+    velocity_gain_per_s: float | None
+    #: Largest increase of the strain of a spring; 0.5 by default.
+    most_added_strain: float | None
+    #: Median distance of the points beyond which the correction is refused, metres.
+    max_residual_m: float | None
+
+
+_REGISTER_OPTIONS = (
+    "near",
+    "noise_m",
+    "give",
+    "settle_frames",
+    "max_residual_m",
+    "least_explained",
+)
+_CORRECT_OPTIONS = (
+    "noise_m",
+    "give",
+    "velocity_noise_m_s",
+    "velocity_gain_per_s",
+    "most_added_strain",
+    "max_residual_m",
+)
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Distances between points and the twin, millimetres: of nodes and places from where they
+    should be, of a cloud from the surface."""
+
+    median_mm: float
+    mean_mm: float
+    #: 95th percentile.
+    p95_mm: float
+
+    @classmethod
+    def from_proto(cls, message: registration_pb2.Residual) -> Residual:
+        """Reads the wire form."""
+        return cls(message.median_mm, message.mean_mm, message.p95_mm)
+
+
+@dataclass(frozen=True)
+class Registration:
+    """A state that was found. Its `state` goes into `initial` of a rollout or a session."""
+
+    #: At rest, with its control points.
+    state: State
+    #: Distances of the points from the shape to start from, and from the state.
+    before: Residual
+    after: Residual
+    #: Share of the points that are within reach of the twin, 0..1.
+    explained_points: float
+    #: Share of the surface that could have been seen and has a point within reach, 0..1.
+    explained_surface: float
+    #: The reach, millimetres.
+    within_mm: float
+    #: The rigid part of the motion from the shape to start from, about the origin [7]: x, y, z in
+    #: metres, quaternion x, y, z, w.
+    motion: npt.NDArray[np.float64]
+    #: Mean distance by which nodes move in a frame when the points stop pulling: how far the state
+    #: is from where forces balance.
+    drift_mm: float
+    #: workers/{uuid}.
+    worker: str
+
+    @classmethod
+    def from_proto(cls, message: registration_pb2.RegisteredState) -> Registration:
+        """Reads the wire form."""
+        given, explained = message.state, message.explained
+        arrays: dict[str, Any] = {
+            name: unpack(getattr(given, name))
+            for name in ("positions", "velocities", "twists", "controls")
+        }
+        return cls(
+            state=State(**arrays),
+            before=Residual.from_proto(message.before),
+            after=Residual.from_proto(message.after),
+            explained_points=explained.points,
+            explained_surface=explained.surface,
+            within_mm=explained.within_mm,
+            motion=np.array(message.motion),
+            drift_mm=message.drift_mm,
+            worker=message.worker,
+        )
+
+
+@dataclass(frozen=True)
+class Correction:
+    """A correction of a slot of a session."""
+
+    slot: int
+    #: Distances of the points before and after.
+    before: Residual
+    after: Residual
+    #: Largest displacement of a node.
+    moved_mm: float
+
+
+def register_state(
+    twin: str, points: npt.ArrayLike, given: RegisterArguments
+) -> Call[Registration]:
+    """Registers a twin to points."""
+    _refuse_unknown("registration", given, RegisterArguments.__optional_keys__)
+    request = registration_pb2.RegisterStateRequest(
+        twin=twin,
+        observation=_observation(points, given),
+        options=registration_pb2.RegisterOptions(**_options(given, _REGISTER_OPTIONS)),
+    )
+    if "initial" in given:
+        request.initial.CopyFrom(given["initial"].to_proto())
+    controls, world = given.get("controls"), given.get("world")
+    if controls is not None:
+        request.controls.CopyFrom(pack_floats("controls", controls, (None, 3)))
+    if world is not None:
+        request.world.CopyFrom(world.to_proto())
+    return Call(lambda s: s.registrations.RegisterState, request, Registration.from_proto)
+
+
+def correct_session(
+    name: str, slots: Sequence[int], points: npt.ArrayLike, given: CorrectArguments
+) -> Call[list[Correction]]:
+    """Corrects slots of a session by points."""
+    _refuse_unknown("correction", given, CorrectArguments.__optional_keys__)
+    request = session_pb2.CorrectSessionRequest(
+        name=name,
+        slots=slots,
+        observation=_observation(points, given),
+        options=registration_pb2.CorrectOptions(**_options(given, _CORRECT_OPTIONS)),
+    )
+    return Call(lambda s: s.sessions.CorrectSession, request, _read_corrections)
+
+
+def _read_corrections(reply: session_pb2.CorrectedSession) -> list[Correction]:
+    return [
+        Correction(
+            slot=one.slot,
+            before=Residual.from_proto(one.before),
+            after=Residual.from_proto(one.after),
+            moved_mm=one.moved_mm,
+        )
+        for one in reply.corrections
+    ]
+
+
+def _observation(
+    points: npt.ArrayLike, given: ObservationArguments
+) -> registration_pb2.Observation:
+    array = np.asarray(points, dtype=np.float32)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"points has shape {array.shape}, not [any, 3]")
+    seen = np.isfinite(array).all(axis=1)
+    count = len(array)
+
+    def rows(name: str, values: npt.ArrayLike) -> npt.NDArray[Any]:
+        of_points = np.asarray(values)
+        if of_points.ndim == 0 or len(of_points) != count:
+            raise ValueError(f"{name} has shape {of_points.shape} for {count} points")
+        return np.asarray(of_points[seen])
+
+    nodes, places = given.get("nodes"), given.get("places")
+    if nodes is not None and places is not None:
+        raise ValueError("give either nodes or places")
+    message = registration_pb2.Observation(points=pack_floats("points", array[seen], (None, 3)))
+    if nodes is not None:
+        message.nodes.CopyFrom(pack_indices("nodes", rows("nodes", nodes)))
+    if places is not None:
+        bound = pack_floats("places", rows("places", places), (None, 3))
+        message.places.points.CopyFrom(bound)
+    _add_optional(message, given, rows)
+    return message
+
+
+def _add_optional(
+    message: registration_pb2.Observation, given: ObservationArguments, rows: Any
+) -> None:
+    positions = given.get("node_positions")
+    if positions is not None:
+        if not message.HasField("places"):
+            raise ValueError("node_positions goes with places")
+        packed = pack_floats("node_positions", positions, (None, 3))
+        message.places.node_positions.CopyFrom(packed)
+    weights, velocities = given.get("weights"), given.get("velocities")
+    if weights is not None:
+        message.weights.CopyFrom(pack_floats("weights", rows("weights", weights), (None,)))
+    if velocities is not None:
+        packed = pack_floats("velocities", rows("velocities", velocities), (None, 3))
+        message.velocities.CopyFrom(packed)
+    cameras = given.get("cameras")
+    if cameras is not None:
+        message.cameras.CopyFrom(pack_floats("cameras", cameras, (None, 3)))
+
+
+def _options(given: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    return {name: given[name] for name in names if given.get(name) is not None}
+
+
+def _refuse_unknown(what: str, given: Mapping[str, Any], known: frozenset[str]) -> None:
+    unknown = sorted(given.keys() - known)
+    if unknown:
+        names = ", ".join(sorted(known))
+        raise TypeError(f"a {what} has no argument {unknown[0]!r}; it has {names}")

@@ -1,0 +1,18 @@
+//! Rules of registration and correction that server, worker and clients share: the check of an
+//! observation and of its options against limits and a twin's [`TwinShape`](crate::rollout::TwinShape),
+//! and the work and the memory that they take at a worker.
+
+// Not behind a feature: the binary and the tests of all crates then share one build.
+#[doc(hidden)]
+pub mod cases;
+mod check;
+mod cost;
+mod error;
+
+pub use self::{
+    check::{
+        MAX_CAMERAS, MAX_POINTS, MAX_SETTLE_FRAMES, begun, check_correction, check_registration,
+    },
+    cost::{memory_bytes, registration_work, reply_bytes, settle_frames},
+    error::Error,
+};

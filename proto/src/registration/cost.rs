@@ -1,0 +1,64 @@
+//! Work and memory of a registration or a correction: upper bounds, before anything is unpacked.
+
+use crate::{
+    rollout::TwinShape,
+    v1::{Observation, RegisterStateRequest, observation::Tracks},
+};
+
+/// Frames of physics where the request does not say.
+const SETTLE_FRAMES: u32 = 12;
+/// A point: as it came and as it is used, its place, its match, its distance.
+const POINT: u64 = 640;
+/// A node or control point of the shape: positions, rotations, the vectors of conjugate gradients, and
+/// a simulated state.
+const ENDPOINT: u64 = 1024;
+/// A spring of the deformation.
+const SPRING: u64 = 64;
+/// Work for each spring, over all candidates and rounds, in element substeps.
+const DEFORMED: u64 = 20_000;
+/// Work for each point.
+const MATCHED: u64 = 2_000;
+/// Bytes of a reply beside its state.
+const REPLY: u64 = 1024;
+
+/// Number of points of an observation, as its shape says.
+fn points(observation: Option<&Observation>) -> u64 {
+    let points = observation.and_then(|o| o.points.as_ref());
+    points.and_then(|t| t.shape.first()).copied().unwrap_or(0)
+}
+
+/// Frames of physics that a registration asks for.
+pub fn settle_frames(request: &RegisterStateRequest) -> u32 {
+    request.options.as_ref().and_then(|o| o.settle_frames).unwrap_or(SETTLE_FRAMES)
+}
+
+/// Work of a registration, in element substeps: its frames of physics, and what takes as long.
+pub fn registration_work(request: &RegisterStateRequest, twin: &TwinShape) -> u64 {
+    let frames = u64::from(settle_frames(request)) + 1;
+    let elements = twin.nodes.saturating_add(twin.springs).saturating_add(twin.triplets);
+    let physics = frames.saturating_mul(u64::from(twin.substeps)).saturating_mul(elements);
+    physics
+        .saturating_add(DEFORMED.saturating_mul(twin.springs))
+        .saturating_add(MATCHED.saturating_mul(points(request.observation.as_ref())))
+}
+
+/// Memory of a registration or a correction at a worker, beside the request [bytes].
+pub fn memory_bytes(observation: Option<&Observation>, twin: &TwinShape) -> u64 {
+    let endpoints = twin.nodes.saturating_add(twin.controls);
+    let given = match observation.and_then(|o| o.tracks.as_ref()) {
+        Some(Tracks::Places(places)) => places.node_positions.is_some(),
+        _ => false,
+    };
+    let nodes = if given { 2 } else { 1 };
+    POINT
+        .saturating_mul(points(observation))
+        .saturating_add(ENDPOINT.saturating_mul(endpoints).saturating_mul(nodes))
+        .saturating_add(SPRING.saturating_mul(twin.springs))
+}
+
+/// Largest size of the reply to a registration [bytes].
+pub fn reply_bytes(twin: &TwinShape) -> u64 {
+    let rods = twin.rods.unwrap_or(twin.nodes);
+    let state = 24u64.saturating_mul(twin.nodes).saturating_add(12 * twin.controls);
+    state.saturating_add(4u64.saturating_mul(rods)).saturating_add(REPLY)
+}

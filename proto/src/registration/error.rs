@@ -1,0 +1,38 @@
+//! Reasons to refuse a registration or a correction.
+
+use bendtwin_core::{Category, Problem};
+
+use crate::rollout;
+
+/// Reason to refuse a registration or a correction before anything is computed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Error {
+    /// A field of the observation or of the options is wrong.
+    #[error("{0}")]
+    Observation(rollout::Error),
+    /// What a rollout has as well is wrong: the initial state, the world, its work or memory.
+    #[error(transparent)]
+    Rollout(#[from] rollout::Error),
+}
+
+impl Error {
+    /// A wrong field.
+    pub fn field(field: impl Into<String>, fault: impl Into<String>) -> Self {
+        Self::Observation(rollout::Error::field(field, fault))
+    }
+}
+
+impl Problem for Error {
+    fn category(&self) -> Category {
+        match self {
+            Self::Observation(_) => Category::InvalidArgument,
+            Self::Rollout(e) => e.category(),
+        }
+    }
+    fn reason(&self) -> &'static str {
+        match self {
+            Self::Observation(_) => "INVALID_OBSERVATION",
+            Self::Rollout(e) => e.reason(),
+        }
+    }
+}

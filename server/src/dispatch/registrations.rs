@@ -1,0 +1,142 @@
+//! The way of registrations and corrections. A registration goes where a rollout would, to a worker
+//! that has the twin loaded and time for it, and waits in its line; a correction goes to the worker
+//! that has the session.
+
+use std::{sync::Arc, time::Duration};
+
+use bendtwin_core::ids::TwinId;
+use bendtwin_proto::{
+    registration,
+    rollout::{REQUEST_BYTES, TwinShape},
+    v1::{CorrectSessionRequest, CorrectedSession, RegisterStateRequest, RegisteredState},
+    worker::v1::{ExecuteRegisterStateRequest, manage_session_request::Call},
+};
+use prost::Message as _;
+use tokio::time::Instant;
+use tonic::Request;
+
+use super::{
+    Dispatch,
+    line::Ask,
+    registry::{Entry, HeldSession},
+    rollout::{Held, ended, is_late, late},
+    untaken::was_not_taken,
+};
+use crate::{
+    context::Context,
+    failure::{Error, Result},
+    memory::Shares,
+};
+
+/// Longest that a registration without a deadline of its own may take.
+const LONGEST: Duration = Duration::from_secs(600);
+
+/// A registration to be routed.
+pub(crate) struct Register {
+    pub(crate) request: RegisterStateRequest,
+    /// Time that the caller allows, if it said.
+    pub(crate) timeout: Option<Duration>,
+    /// True if the reply is to be written as nested lists of JSON.
+    pub(crate) as_lists: bool,
+    /// Memory of the request, held until a worker answers.
+    pub(crate) memory: Arc<Shares>,
+}
+
+/// A registered state, and what is held until it has been sent.
+pub(crate) struct Registered {
+    pub(crate) state: RegisteredState,
+    pub(crate) held: Held,
+}
+
+impl Dispatch {
+    /// The state of a twin that explains an observation.
+    pub(crate) async fn register_state(&self, register: Register) -> Result<Registered> {
+        let Register { request, timeout, as_lists, memory } = register;
+        let deadline = Instant::now() + timeout.unwrap_or(LONGEST).min(LONGEST);
+        let twin: TwinId = request.twin.parse().map_err(Error::Name)?;
+        let known = self.twins.get(&self.store, twin).await?;
+        let request = self.checked_registration(request, known.shape).await?;
+        let reply_bytes = registration::reply_bytes(&known.shape);
+        if as_lists {
+            self.fits_lists(reply_bytes)?;
+        }
+        let work = registration::registration_work(&request, &known.shape) as f64;
+        let ask = Ask { client: Context::current().client, work };
+        let share = tokio::time::timeout_at(deadline, self.memory.reply(reply_bytes));
+        let share = share.await.map_err(|_| Error::Deadline)??;
+        let execute = ExecuteRegisterStateRequest {
+            request: Some(request),
+            capture: known.capture.map(|c| c.to_string()).unwrap_or_default(),
+            request_id: Context::current().request_id,
+        };
+        let state = self.at_a_worker(twin, &ask, None, |entry| {
+            let (execute, ask) = (execute.clone(), ask.clone());
+            async move { register_at(&entry, &ask, execute, deadline).await }
+        });
+        let state =
+            tokio::time::timeout_at(deadline, state).await.map_err(|_| Error::Deadline)??;
+        drop(memory);
+        Ok(Registered { state, held: Held::of(share) })
+    }
+
+    /// The request, if it is sound. Many points are looked at beside other work.
+    async fn checked_registration(
+        &self,
+        request: RegisterStateRequest,
+        twin: TwinShape,
+    ) -> Result<RegisterStateRequest> {
+        let limits = self.limits.rollout;
+        let checked = tokio::task::spawn_blocking(move || {
+            registration::check_registration(&request, &twin, &limits)?;
+            Ok(request)
+        });
+        checked.await.map_err(|e| Error::Internal(format!("the check of a registration: {e}")))?
+    }
+
+    /// Brings slots of a session closer to what is seen.
+    pub(crate) async fn correct_session(
+        &self,
+        request: CorrectSessionRequest,
+        timeout: Option<Duration>,
+    ) -> Result<CorrectedSession> {
+        let (session, entry, HeldSession { twin, .. }) = self.named(&request.name)?;
+        let known = self.twins.get(&self.store, twin).await?;
+        registration::check_correction(&request, &known.shape, &self.limits.rollout)?;
+        let call = Call::Correct(request);
+        let reply = self.manage_known(session, &entry, twin, call, timeout).await?;
+        let missing = || Error::Internal("a worker's reply has no correction".to_owned());
+        reply.corrected.ok_or_else(missing)
+    }
+}
+
+/// None if the worker cannot be reached, so that it has not taken the registration.
+async fn register_at(
+    entry: &Arc<Entry>,
+    ask: &Ask,
+    execute: ExecuteRegisterStateRequest,
+    deadline: Instant,
+) -> Result<Option<RegisteredState>> {
+    let joined = entry.line.join(ask);
+    let mut place = joined.map_err(|full| Error::Busy { retry_after: full.retry_after })?;
+    place.turn().await;
+    let (mut client, token) = entry.client();
+    let length = execute.encoded_len();
+    let mut call = Request::new(execute);
+    call.metadata_mut().insert(REQUEST_BYTES, length.into());
+    call.metadata_mut().insert("authorization", token);
+    call.set_timeout(deadline.saturating_duration_since(Instant::now()));
+    let mut sent = entry.executing.send();
+    match client.register_state(call).await {
+        Ok(reply) => {
+            sent.answered();
+            let missing = || Error::Internal("a worker's reply has no state".to_owned());
+            let registered = reply.into_inner().registered.ok_or_else(missing)?;
+            Ok(Some(RegisteredState { worker: entry.id().to_string(), ..registered }))
+        }
+        Err(status) if was_not_taken(&status) => {
+            sent.answered();
+            if is_late(deadline) { Err(late(&status)) } else { Ok(None) }
+        }
+        Err(status) => Err(ended(entry, &mut sent, deadline, &status)),
+    }
+}

@@ -1,0 +1,83 @@
+//! Observations and options of a checked request as `bendtwin-register` takes them, and what it
+//! finds as messages.
+
+use bendtwin_core::{Graph, Point};
+use bendtwin_proto::{
+    registration::{MAX_CAMERAS, MAX_POINTS},
+    v1::{self, Tensor, observation::Places, observation::Tracks},
+};
+use bendtwin_register::{self as register, CorrectOptions, Explained, Observation, Residual, Skin};
+
+use super::error::Error;
+
+// The contract knows no physics, so it says once more what is possible.
+const _: () = assert!(MAX_POINTS == register::MAX_POINTS as u64);
+const _: () = assert!(MAX_CAMERAS == register::MAX_CAMERAS as u64);
+
+/// Reads an observation of a twin with this graph.
+pub(super) fn read(wire: Option<v1::Observation>, graph: &Graph) -> Result<Observation, Error> {
+    let wire = wire.unwrap_or_default();
+    let tracks = match wire.tracks {
+        None => None,
+        Some(Tracks::Nodes(nodes)) => {
+            let (_, nodes) = nodes.unpack::<u32>("observation.nodes")?;
+            Some(Skin::nodes(&nodes))
+        }
+        Some(Tracks::Places(places)) => Some(skin(places, graph)?),
+    };
+    let weights = match wire.weights.filter(|t| !t.is_absent()) {
+        None => Vec::new(),
+        Some(weights) => weights.unpack("observation.weights")?.1,
+    };
+    Ok(Observation {
+        points: points(wire.points, "observation.points")?,
+        tracks,
+        weights,
+        velocities: points(wire.velocities, "observation.velocities")?,
+        cameras: points(wire.cameras, "observation.cameras")?,
+    })
+}
+
+/// Places between nodes, bound where the message says or at rest.
+fn skin(places: Places, graph: &Graph) -> Result<Skin, Error> {
+    let at = points(places.points, "observation.places.points")?;
+    let nodes = points(places.node_positions, "observation.places.node_positions")?;
+    let nodes = if nodes.is_empty() { &graph.rest_positions } else { &nodes };
+    Skin::bind(nodes, &at)
+        .ok_or_else(|| Error::field("observation.places", "cannot be bound: the twin has no nodes"))
+}
+
+/// Points of a tensor that may be absent [m], shape [M, 3].
+pub(super) fn points(tensor: Option<Tensor>, field: &str) -> Result<Vec<Point>, Error> {
+    match tensor.filter(|t| !t.is_absent()) {
+        None => Ok(Vec::new()),
+        Some(tensor) => Ok(tensor.unpack_points(field)?.1),
+    }
+}
+
+/// Options of a correction.
+pub(super) fn correct_options(wire: Option<v1::CorrectOptions>) -> CorrectOptions {
+    let wire = wire.unwrap_or_default();
+    let default = CorrectOptions::default();
+    CorrectOptions {
+        noise_m: wire.noise_m.unwrap_or(default.noise_m),
+        give: wire.give.unwrap_or(default.give),
+        velocity_noise_m_s: wire.velocity_noise_m_s.unwrap_or(default.velocity_noise_m_s),
+        velocity_gain_per_s: wire.velocity_gain_per_s.unwrap_or(default.velocity_gain_per_s),
+        most_added_strain: wire.most_added_strain.unwrap_or(default.most_added_strain),
+        max_residual_m: wire.max_residual_m,
+        ..default
+    }
+}
+
+/// Distances as a message.
+pub(super) fn residual(of: Residual) -> v1::Residual {
+    let Residual { median_mm, mean_mm, p95_mm } = of;
+    v1::Residual { median_mm, mean_mm, p95_mm }
+}
+
+/// Shares as a message.
+pub(super) fn explained(of: Explained) -> v1::Explained {
+    let Explained { points, surface, within_mm } = of;
+    v1::Explained { points, surface, within_mm }
+}

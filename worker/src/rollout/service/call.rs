@@ -1,0 +1,52 @@
+//! A call with one reply: its place among those under way, its memory, and the token that stops its
+//! work when the caller goes away.
+
+use std::sync::Arc;
+
+use bendtwin_budget::Share;
+use bendtwin_core::CancelToken;
+use tokio::sync::OwnedSemaphorePermit;
+
+use super::{Held, blocking};
+use crate::rollout::error::Error;
+
+/// A call with one reply. Dropped with the call, by a deadline or a caller that goes away, it stops
+/// the work.
+pub(in crate::rollout) struct Unary {
+    pub(super) held: Held,
+    /// Given back when the work has ended, also when nobody waits for it any more.
+    pub(super) slot: Arc<OwnedSemaphorePermit>,
+    pub(super) cancel: CancelToken,
+}
+
+impl Unary {
+    /// The token that stops the work.
+    pub(in crate::rollout) fn cancel(&self) -> &CancelToken {
+        &self.cancel
+    }
+
+    /// Keeps memory until the reply has been sent.
+    pub(in crate::rollout) fn holds(&self, share: Share) {
+        // A call takes memory once.
+        let _ = self.held.rollout.set(share);
+    }
+
+    /// Runs work beside the tasks of the runtime, with the call's place and memory.
+    pub(in crate::rollout) async fn blocking<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&CancelToken) -> Result<T, Error> + Send + 'static,
+    ) -> Result<T, Error> {
+        let (slot, cancel) = (Arc::clone(&self.slot), self.cancel.clone());
+        blocking(&self.held, move || {
+            let _slot = slot;
+            work(&cancel)
+        })
+        .await
+    }
+}
+
+impl Drop for Unary {
+    fn drop(&mut self) {
+        self.cancel.cancel();
+    }
+}

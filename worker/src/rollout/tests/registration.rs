@@ -1,0 +1,187 @@
+//! Registrations of the small twin, and corrections of a session of it.
+
+use bendtwin_core::Point;
+use bendtwin_proto::v1::{
+    CorrectOptions, Observation, Plane, RegisterOptions, RegisterStateRequest, RegisteredState,
+    World, observation::Tracks, world::GroundChoice,
+};
+
+use super::*;
+use crate::rollout::{
+    initial::Start,
+    observation,
+    register::Job,
+    sessions::{
+        Session, Setup,
+        correct::{Seen, around, corrected},
+    },
+};
+
+const BY: Point = [0.3, -0.1, 0.2];
+
+fn at_rest(bench: &Bench) -> Start {
+    let graph = &bench.warm.twin.graph;
+    let controls = Arc::new(graph.control_rest.clone());
+    Start { state: Arc::new(bendtwin_engine::model::State::rest(graph)), controls, likely: None }
+}
+
+/// What is seen if the nodes are there.
+fn tracked(points: &[Point]) -> Option<Observation> {
+    let nodes: Vec<u32> = (0..points.len() as u32).collect();
+    Some(Observation {
+        points: Some(Tensor::pack_points(&[points.len()], points)),
+        tracks: Some(Tracks::Nodes(Tensor::pack(&[nodes.len()], &nodes))),
+        ..Observation::default()
+    })
+}
+
+/// A registration of the nodes to these points, with so many frames of physics.
+fn request(points: &[Point], frames: u32) -> RegisterStateRequest {
+    let options = RegisterOptions { settle_frames: Some(frames), ..RegisterOptions::default() };
+    let observation = tracked(points);
+    RegisterStateRequest { observation, options: Some(options), ..Default::default() }
+}
+
+fn register(
+    bench: &Bench,
+    request: RegisterStateRequest,
+    cancel: &CancelToken,
+) -> Result<RegisteredState, Error> {
+    let (warm, start) = (Arc::clone(&bench.warm), at_rest(bench));
+    let backend = bench.device.backend(Priority::Interactive);
+    Job { warm, start, request, backend }.run(cancel)
+}
+
+fn points(tensor: &Option<Tensor>) -> Vec<Point> {
+    tensor.as_ref().unwrap().unpack_points("points").unwrap().1
+}
+
+fn moved(points: &[Point]) -> Vec<Point> {
+    points.iter().map(|p| std::array::from_fn(|i| p[i] + BY[i])).collect()
+}
+
+fn farthest(a: &[Point], b: &[Point]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let apart = a.iter().zip(b).map(|(a, b)| bendtwin_core::geometry::point_distance(*a, *b));
+    apart.fold(0.0, f64::max)
+}
+
+#[test]
+fn a_chain_is_found_where_it_is_with_its_control_point() {
+    let bench = Bench::new();
+    let graph = &bench.warm.twin.graph;
+    let there = moved(&graph.rest_positions);
+    let found = register(&bench, request(&there, 0), &CancelToken::default()).unwrap();
+    let state = found.state.as_ref().unwrap();
+    assert!(farthest(&points(&state.positions), &there) < 1e-3);
+    assert!(farthest(&points(&state.controls), &moved(&graph.control_rest)) < 5e-3);
+    assert_eq!(points(&state.velocities), [[0.0; 3]; 4]);
+    assert!(state.twists.is_none());
+    let (before, after) = (found.before.unwrap(), found.after.unwrap());
+    assert!((before.median_mm - 374.2).abs() < 1.0 && after.median_mm < 1.0, "{found:?}");
+    assert!(found.explained.unwrap().points > 0.99);
+    assert_eq!(found.motion.len(), 7);
+    for (motion, by) in found.motion.iter().zip(BY) {
+        assert!((motion - f64::from(by)).abs() < 1e-3, "{found:?}");
+    }
+}
+
+#[test]
+fn physics_are_those_of_the_worlds_gravity_and_ground() {
+    let bench = Bench::new();
+    let there = moved(&bench.warm.twin.graph.rest_positions);
+    let drift_in = |world| {
+        let request = RegisterStateRequest { world, ..request(&there, 3) };
+        register(&bench, request, &CancelToken::default()).unwrap().drift_mm
+    };
+    let weightless = World { gravity: vec![0.0; 3], ..World::default() };
+    assert!(drift_in(Some(weightless)) < 0.1);
+    assert!(drift_in(None) > 1.0);
+}
+
+#[test]
+fn what_the_twin_is_not_is_refused_and_cancelled_work_ends() {
+    let bench = Bench::new();
+    let apart: Vec<Point> = (0..4).map(|i| [0.3 * (i % 2) as f32, 0.0, 0.2 * i as f32]).collect();
+    let options = RegisterOptions { max_residual_m: Some(1e-3), ..RegisterOptions::default() };
+    let wrong = RegisterStateRequest { options: Some(options), ..request(&apart, 0) };
+    let error = register(&bench, wrong, &CancelToken::default()).unwrap_err();
+    assert_eq!(error.reason(), "OBSERVATION_NOT_EXPLAINED");
+    assert_eq!(error.category(), Category::FailedPrecondition);
+    assert!(error.to_string().contains("at most 1.0 mm"), "{error}");
+
+    let options = RegisterOptions { noise_m: Some(f64::NAN), ..RegisterOptions::default() };
+    let wrong = RegisterStateRequest { options: Some(options), ..request(&apart, 0) };
+    let error = register(&bench, wrong, &CancelToken::default()).unwrap_err();
+    assert_eq!(error.reason(), "INVALID_OBSERVATION");
+
+    let cancel = CancelToken::default();
+    cancel.cancel();
+    let error = register(&bench, request(&apart, 0), &cancel).unwrap_err();
+    assert_eq!(error.category(), Category::Cancelled);
+}
+
+/// A session with two slots at rest.
+fn session(bench: &Bench) -> Session {
+    let setup = Setup {
+        twin: bench.warm.id,
+        capture: String::new(),
+        fidelity: bendtwin_proto::v1::Fidelity::Exact,
+        world: None,
+        grasps: Vec::new(),
+        idle: std::time::Duration::from_secs(60),
+    };
+    Session::new(setup, vec![at_rest(bench); 2], None)
+}
+
+#[test]
+fn a_correction_moves_the_slots_that_it_names_and_a_refused_one_none() {
+    let bench = Bench::new();
+    let model = bench.warm.loaded.model();
+    let session = session(&bench);
+    let mut there = model.graph.rest_positions.clone();
+    there[3][1] += 0.02;
+    let seen = |options| Seen {
+        model,
+        seen: observation::read(tracked(&there), &model.graph).unwrap(),
+        options: observation::correct_options(options),
+    };
+    let cancel = CancelToken::default();
+    let strict = CorrectOptions { max_residual_m: Some(0.0), ..CorrectOptions::default() };
+    let error = corrected(&session, &[0, 1], &seen(Some(strict)), &cancel).unwrap_err();
+    assert_eq!(error.reason(), "OBSERVATION_NOT_EXPLAINED");
+    assert!(error.to_string().starts_with("slot 0: "), "{error}");
+    let state = |slot| session.states(&[slot]).0.remove(0).state;
+    assert_eq!([state(0), state(1)], [at_rest(&bench).state, at_rest(&bench).state]);
+
+    let done = corrected(&session, &[1], &seen(None), &cancel).unwrap();
+    assert_eq!(done.len(), 1);
+    assert_eq!(done[0].slot, 1);
+    let (before, after) = (done[0].before.unwrap(), done[0].after.unwrap());
+    assert!(after.mean_mm < 0.8 * before.mean_mm, "{done:?}");
+    assert!(state(1).positions[3][1] > 0.005 && done[0].moved_mm > 5.0, "{done:?}");
+    assert_eq!(state(0), at_rest(&bench).state);
+    assert_eq!(session.describe("").frames, [0, 0]);
+}
+
+#[test]
+fn the_ground_is_that_of_the_session() {
+    let bench = Bench::new();
+    let model = bench.warm.loaded.model();
+    let mut there = model.graph.rest_positions.clone();
+    there[3][2] -= 0.03;
+    let height_in = |world: Option<World>| {
+        let session = session(&bench);
+        let model = around(model, world.as_ref());
+        let seen = observation::read(tracked(&there), &model.graph).unwrap();
+        let options = observation::correct_options(None);
+        let by = Seen { model: &model, seen, options };
+        corrected(&session, &[0], &by, &CancelToken::default()).unwrap();
+        session.states(&[0]).0[0].state.positions[3][2]
+    };
+    let plane = Plane { normal: Vec::new(), offset_m: 0.1999 };
+    let ground = GroundChoice::Ground(plane);
+    let table = World { ground_choice: Some(ground), ..World::default() };
+    assert!(height_in(Some(table)) >= 0.1998);
+    assert!(height_in(None) < 0.199);
+}
