@@ -5,6 +5,7 @@ import re
 import urllib.request
 from pathlib import Path
 
+import numpy as np
 import pytest
 from server import make_rope, needs_server, running
 
@@ -61,3 +62,13 @@ def test_the_examples_of_the_page_are_answered_by_a_twin_whose_controls_pin_noth
         assert len(reply["costs"]) == len(asked["poses"]["poses"])
         assert set(reply["timing"]) == {"queue_s", "compute_s"}
         assert ("forces" in reply) == asked["returns"].get("forces", False)
+    opening, advance = (
+        re.search(rf"/{call} [^']*-d '(\{{.*?\}})'", PAGE.read_text(), re.DOTALL)
+        for call in ("v1/sessions", "advance")
+    )
+    asked = {**json.loads(opening[1]), "twin": twin.name}
+    session = call(server, "/v1/sessions", json.dumps(asked).encode())
+    assert session["frames"] == [0] * asked["slots"]
+    reply = call(server, f"/v1/{session['name']}/advance", advance[1].encode())
+    assert np.shape(reply["final_positions"]) == (1, len(geometry.kinds), 3)
+    assert call(server, f"/v1/{session['name']}")["frames"] == [3, 0, 0, 0]

@@ -15,6 +15,7 @@ mod readiness;
 mod registrations;
 mod results;
 mod rollouts;
+mod sessions;
 mod sharing;
 mod tus;
 mod twins;

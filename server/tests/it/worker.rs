@@ -9,12 +9,12 @@ use std::{
     time::Duration,
 };
 
-use bendtwin_core::ids::WorkerId;
+use bendtwin_core::ids::{SessionId, WorkerId};
 use bendtwin_proto::{
     rollout::Limits,
     v1::{
-        Fault, Progress, RegisteredState, RollOutResponse, Tensor, initial_state::GivenState,
-        roll_out_request::Actions, roll_out_response::Timing,
+        Fault, Progress, RegisteredState, RollOutResponse, Session, Tensor,
+        initial_state::GivenState, roll_out_request::Actions, roll_out_response::Timing,
     },
     worker::v1::{
         CompleteFitRequest, DownloadRequest, EndIngestRequest, ExecuteRegisterStateRequest,
@@ -25,6 +25,7 @@ use bendtwin_proto::{
         end_ingest_request,
         fail_job_request::End,
         lease_job_request::Kind,
+        manage_session_request::Call,
         save_checkpoint_request,
         worker_link_client::WorkerLinkClient,
         worker_rollouts_server::{WorkerRollouts, WorkerRolloutsServer},
@@ -336,11 +337,18 @@ impl Drop for GivenUp {
 
 #[tonic::async_trait]
 impl WorkerRollouts for Device {
+    /// Every session is there.
     async fn manage_session(
         &self,
-        _: Request<ManageSessionRequest>,
+        request: Request<ManageSessionRequest>,
     ) -> Result<Response<ManageSessionResponse>, Status> {
-        Err(Status::unavailable("this worker has no sessions"))
+        let (name, slots) = match request.into_inner().call.unwrap() {
+            Call::Open(open) => (SessionId::generate().to_string(), open.slots),
+            Call::Get(get) => (get.name, 1),
+            other => return Err(Status::unimplemented(format!("{other:?}"))),
+        };
+        let session = Some(Session { name, slots, ..Session::default() });
+        Ok(Response::new(ManageSessionResponse { session, ..ManageSessionResponse::default() }))
     }
 
     /// The points come back as the state.

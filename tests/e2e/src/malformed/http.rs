@@ -20,6 +20,7 @@ async fn malformed_requests_are_refused_with_a_problem_document() {
     requests.extend(fits(&http));
     requests.extend(uploads(&http));
     requests.extend(rollouts(&http, &twin));
+    requests.extend(sessions(&http, &fixture.twin.name));
     let (count, mut wrong) = (requests.len(), Vec::new());
     assert!(count >= 200, "only {count} requests");
     for (what, request) in requests {
@@ -162,6 +163,45 @@ fn queries(http: &Http) -> Vec<Named> {
     for name in ["x", "twins/0190a000-0000-7000-8000-00000000dead", "../captures"] {
         let request = http.request(Method::GET, "/v1/fits").query(&[("capture", name)]);
         requests.push((format!("fits of {name}"), request));
+    }
+    requests
+}
+
+fn sessions(http: &Http, twin: &str) -> Vec<Named> {
+    let post = |path: String, body: String| {
+        let request = http.request(Method::POST, &path).header("content-type", "application/json");
+        (format!("{path} with {body:.80}"), request.body(body))
+    };
+    let open = [
+        String::new(),
+        "[]".to_owned(),
+        "{}".to_owned(),
+        r#"{"twin": "twins/0190a000-0000-7000-8000-00000000dead"}"#.to_owned(),
+        format!(r#"{{"twin": "{twin}", "slots": -1}}"#),
+        format!(r#"{{"twin": "{twin}", "slots": 4097}}"#),
+        format!(r#"{{"twin": "{twin}", "slots": 1e99}}"#),
+        format!(r#"{{"twin": "{twin}", "idle_timeout_s": 0.1}}"#),
+        format!(r#"{{"twin": "{twin}", "fidelity": "ROUGH"}}"#),
+        format!(r#"{{"twin": "{twin}", "initial": {{"session": {{"session": "x"}}}}}}"#),
+        format!(r#"{{"twin": "{twin}", "initial": {{"given": {{"positions": [[1, 2]]}}}}}}"#),
+        format!(r#"{{"twin": "{twin}", "grasps": [{}{{}}]}}"#, "{},".repeat(100_000)),
+        format!(r#"{{"twin": "{twin}", "world": {{"ground_friction": 1e9}}}}"#),
+        format!(r#"{{"twin": "{twin}", "unknown": 1}}"#),
+        "[".repeat(100_000),
+    ];
+    let mut requests: Vec<Named> =
+        open.into_iter().map(|body| post("/v1/sessions".to_owned(), body)).collect();
+    for name in bad_names("sessions") {
+        // Characters that no path has are the library's to refuse.
+        let name: String = name.chars().filter(char::is_ascii_graphic).collect();
+        let id = name.rsplit('/').next().filter(|id| !id.is_empty()).unwrap_or("x").to_owned();
+        for call in ["advance", "correct", "fork", "reset"] {
+            requests.push(post(format!("/v1/sessions/{id}/{call}"), "{}".to_owned()));
+        }
+        for call in ["", "/states", "/states?slots=1,x", "/states?slots=4294967296"] {
+            let path = format!("/v1/sessions/{id}{call}");
+            requests.push((path.clone(), http.request(Method::GET, &path)));
+        }
     }
     requests
 }
