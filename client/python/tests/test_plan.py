@@ -142,6 +142,7 @@ def test_every_method_lowers_the_cost(scene, search):
     assert again.costs[0] == plan.cost == plan.rollout.costs[0]
     # The same seed gives the same plan, and its knots are the next nominal plan.
     same = scene.twin.plan(**scene.ask, search=search)
+    assert same.rollout is None
     np.testing.assert_array_equal(same.knots, plan.knots)
     following = scene.twin.plan(**{**scene.ask, **plan.actions}, search=search)
     assert following.nominal_cost == plan.cost

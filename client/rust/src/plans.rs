@@ -158,7 +158,7 @@ impl Planning {
         self
     }
 
-    /// What the coordinates of the plan move; without it all control points together, or rigid
+    /// Coordinates of the plan, by what they move; without it all control points together, or rigid
     /// grippers.
     #[must_use]
     pub fn moving(mut self, movement: &Movement) -> Self {
@@ -177,7 +177,7 @@ impl Planning {
         self
     }
 
-    /// Where coordinates are counted from: control points, shape [C, 3], or poses, shape [G, 7], one
+    /// The place that coordinates are counted from: control points, shape [C, 3], or poses, shape [G, 7], one
     /// row after the other. Without it row 0 of the nominal plan.
     #[must_use]
     pub fn starting_at<const N: usize>(mut self, rows: &[[f32; N]]) -> Self {

@@ -4744,8 +4744,8 @@ pub mod rollout_service_server {
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PlanRequest {
-    /// What to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of one
-    /// instance, are the nominal plan, which the first iteration begins with; knots that came back can be
+    /// The rollout to minimize: twin or session, costs, horizon, surroundings, fidelity. Its actions, of
+    /// one instance, are the nominal plan, which the first iteration begins with; knots that came back can be
     /// sent as they are. Row 0 is where things are, and stays: where the initial state tells the control
     /// points (a session, or given controls), row 0 of trajectories is taken from there. With
     /// `plausibility.refuse` a plan beyond the limits counts as one that diverges. `returns` are those of
@@ -4787,8 +4787,8 @@ pub struct PlanRequest {
     #[prost(double, tag = "11")]
     pub shift_frames: f64,
 }
-/// What the coordinates of a plan move. Motion of the nominal plan that no coordinate has stays in
-/// every plan.
+/// Coordinates of a plan, and the points or grippers that they move. Motion of the nominal plan that no
+/// coordinate has stays in every plan.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct ActionSpace {
     #[prost(enumeration = "action_space::Coordinates", tag = "1")]
@@ -4796,7 +4796,7 @@ pub struct ActionSpace {
     /// With PER_GROUP. UINT32 \[C\]: the group of each control point, of a hand say.
     #[prost(message, optional, tag = "2")]
     pub group_of_control: ::core::option::Option<Tensor>,
-    /// Where coordinates are counted from, which bounds are limits of: FLOAT32 \[C, 3\] of trajectories,
+    /// The place that coordinates, and their bounds, are counted from: FLOAT32 \[C, 3\] of trajectories,
     /// \[G, 7\] of poses; absent: row 0 of the nominal plan.
     #[prost(message, optional, tag = "3")]
     pub start: ::core::option::Option<Tensor>,

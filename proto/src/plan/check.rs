@@ -21,9 +21,9 @@ pub struct Checked {
     pub template: Template,
     /// Settings of the planner.
     pub settings: Settings,
-    /// What the coordinates move.
+    /// Coordinates, by what they move.
     pub movement: Movement,
-    /// Where coordinates are counted from, shape [C, 3] or [G, 7]; none: row 0 of the nominal plan.
+    /// The place that coordinates are counted from, shape [C, 3] or [G, 7]; none: row 0 of the nominal plan.
     pub start: Option<Vec<f64>>,
     /// The nominal plan as actions, shape [K, C, 3] or [K, G, 7].
     pub nominal: Vec<f64>,

@@ -15,7 +15,7 @@ const COORDINATES: &str = "space.coordinates";
 const GROUPS: &str = "space.group_of_control";
 const START: &str = "space.start";
 
-/// What the coordinates of a plan move, whose actions have the shape [1, K, `points`, `width`].
+/// Coordinates of a plan, by what they move, whose actions have the shape [1, K, `points`, `width`].
 pub(super) fn movement(
     space: &ActionSpace,
     actions: &Actions,
@@ -62,7 +62,7 @@ pub(super) fn movement(
     }
 }
 
-/// Where coordinates are counted from, shape [`points`, `width`], if it is given.
+/// The place that coordinates are counted from, shape [`points`, `width`], if it is given.
 pub(super) fn start(
     space: &ActionSpace,
     points: usize,

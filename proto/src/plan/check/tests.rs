@@ -52,7 +52,9 @@ fn faults_of_the_rollout_are_those_of_a_rollout() {
 
 #[test]
 fn what_is_left_is_what_a_planner_needs() {
-    let checked = checked(cases::sound(&TWIN)).unwrap();
+    let mut request = cases::sound(&TWIN);
+    request.rollout.as_mut().unwrap().returns = Some(Returns { encoding: 1, ..Returns::default() });
+    let checked = checked(request).unwrap();
     assert_eq!((checked.settings.knots, checked.settings.dims), (3, 3));
     assert_eq!((checked.settings.samples, checked.settings.iterations), (4, 1));
     assert_eq!((checked.settings.frames, checked.settings.frame_s), (2, 0.1));

@@ -98,7 +98,7 @@ impl Run {
                 Ok(Whole { response, .. }) => {
                     self = self.learned(response).await?.proposed().await?
                 }
-                // What was found until then.
+                // The best until then is the plan.
                 Err(Error::Deadline) if !self.is_first && Instant::now() < self.deadline => {}
                 Err(error) => return Err(error),
             }

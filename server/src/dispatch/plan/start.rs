@@ -17,7 +17,7 @@ use crate::{
     failure::{Error, Result},
 };
 
-/// What a plan is made of.
+/// Search, space and rollout of a plan.
 pub(super) struct Parts {
     pub(super) search: Search<Planner>,
     pub(super) space: Space,
