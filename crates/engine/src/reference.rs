@@ -89,6 +89,8 @@ pub struct ReferenceGradient {
     pub rolls: Vec<f64>,
     /// By place of the initial holds.
     pub places: Vec<Point64>,
+    /// Norms at frame boundaries, as in [`crate::backend::Gradient`], shape [F + 1].
+    pub norms: Vec<f64>,
 }
 
 impl Reference {
@@ -168,6 +170,7 @@ impl Reference {
             poses: g.poses,
             rolls: g.rolls,
             places: g.initial_hands.holds.iter().map(|h| point(h.place)).collect(),
+            norms: g.norms,
         })
     }
 

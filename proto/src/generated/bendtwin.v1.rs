@@ -4168,7 +4168,7 @@ pub struct RollOutResponse {
     /// FLOAT64 \[R, F + 1\].
     #[prost(message, optional, tag = "24")]
     pub gradient_norms: ::core::option::Option<Tensor>,
-    /// True for an instance whose gradient grew more than a thousandfold on its way back: it says little.
+    /// True for an instance whose gradient exploded on its way back (docs/gradients.md): it says little.
     /// UINT32 \[R\].
     #[prost(message, optional, tag = "25")]
     pub gradient_exploded: ::core::option::Option<Tensor>,

@@ -219,7 +219,7 @@ class RolloutResult:
     initial_velocity_gradients: FloatArray | None = None
     #: Norm of d cost / d positions [R, F + 1] by frame.
     gradient_norms: FloatArray | None = None
-    #: 1 where a gradient [R] grew more than a thousandfold on its way back: it says little.
+    #: 1 where a gradient [R] exploded on its way back (docs/gradients.md): it says little.
     gradient_exploded: IndexArray | None = None
     #: Velocities [R, T, K, 3], metres per second: means over the frame that ends there.
     velocities: FloatArray | None = None

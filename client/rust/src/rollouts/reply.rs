@@ -48,8 +48,7 @@ pub struct Reply {
     pub initial_velocity_gradients: Vec<Point>,
     /// Norm of d cost / d positions, shape [R, F + 1].
     pub gradient_norms: Vec<f64>,
-    /// True where a gradient grew more than a thousandfold on its way back, and says little; shape
-    /// [R].
+    /// True where a gradient exploded on its way back, and says little; shape [R].
     pub gradient_exploded: Vec<bool>,
     /// Mean velocities over the frames that end with the recorded ones [m/s], as `positions`.
     pub velocities: Vec<Point>,

@@ -6,8 +6,8 @@ use bendtwin_proto::v1::{RollOutResponse, Tensor};
 
 use crate::rollout::plan::Plan;
 
-/// Growth of a gradient on its way back beyond which it says little.
-const EXPLODED: f64 = 1000.0;
+/// Growth of a gradient on its way back, by frames, beyond which it says little.
+const EXPLODED: f64 = 20.0;
 
 /// Gradients of instances in the same order as the recordings. What is empty is zero: nothing depends
 /// on it.
@@ -64,11 +64,12 @@ pub(in crate::rollout) fn add_gradients(
     part.gradient_exploded = Some(Tensor::pack(&[count], &exploded));
 }
 
-/// True if a norm is more than a thousand times that of the last frame on which the cost depends, or
-/// no number.
+/// True if a norm is no number, or more than 20 times what would come together if every frame from
+/// there on added as much as the last one on which the cost depends.
 fn has_exploded(norms: &[f64]) -> bool {
-    let Some(last) = norms.iter().rev().copied().find(|norm| *norm != 0.0) else { return false };
-    norms.iter().any(|norm| !norm.is_finite() || *norm > EXPLODED * last)
+    let Some(last) = norms.iter().rposition(|norm| *norm != 0.0) else { return false };
+    let allowed = |frame: usize| EXPLODED * norms[last] * (last - frame + 1) as f64;
+    norms.iter().enumerate().take(last + 1).any(|(f, norm)| !norm.is_finite() || *norm > allowed(f))
 }
 
 /// Rows of equal length, filled up.
@@ -87,12 +88,16 @@ mod tests {
     use super::has_exploded;
 
     #[test]
-    fn a_gradient_that_grows_a_thousandfold_has_exploded() {
+    fn a_gradient_that_grows_by_more_than_its_frames_has_exploded() {
         assert!(!has_exploded(&[]));
         assert!(!has_exploded(&[0.0, 0.0]));
         // Nothing depends on the frames after the last cost.
-        assert!(!has_exploded(&[999.0, 5.0, 1.0, 0.0, 0.0]));
-        assert!(has_exploded(&[5.0, 1001.0, 1.0, 0.0]));
+        assert!(!has_exploded(&[59.0, 5.0, 1.0, 0.0, 0.0]));
+        assert!(has_exploded(&[61.0, 5.0, 1.0, 0.0]));
+        assert!(has_exploded(&[5.0, 41.0, 1.0, 0.0]));
+        // A cost in each of a thousand frames.
+        let every: Vec<f64> = (0..1000).rev().map(|f| 3.0 * (f + 1) as f64).collect();
+        assert!(!has_exploded(&every));
         assert!(has_exploded(&[f64::NAN, f64::NAN]));
         assert!(has_exploded(&[f64::INFINITY, 1.0]));
     }

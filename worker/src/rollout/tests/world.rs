@@ -374,3 +374,44 @@ fn a_gradient_reaches_as_far_as_it_is_told() {
     // In the air smoothing changes nothing.
     assert_eq!(gradient(0, 0.001), whole);
 }
+
+/// A bead that falls on a ball from 10 cm above it, in balance on its top.
+#[test]
+fn a_gradient_through_impacts_that_multiply_it_is_flagged() {
+    let base = twin();
+    let graph = Graph {
+        rest_positions: vec![[0.0, 0.0, 0.12]],
+        kinds: vec![NodeKind::Observed],
+        masses: vec![1.0],
+        object_ids: vec![0],
+        observed_points: vec![0],
+        springs: Vec::new(),
+        triplets: Vec::new(),
+        ..base.graph
+    };
+    let params = Params { drag: 0.0, contact: base.params.contact, ..Params::default() };
+    let bench = bench(Twin { graph, params, ..base });
+    let ball = Collider {
+        shape: Some(collider::Shape::Sphere(Sphere { center: Vec::new(), radius_m: 0.02 })),
+        friction: Some(0.0),
+        restitution: Some(1.0),
+        ..Collider::default()
+    };
+    for (colliders, is_flagged) in [(Vec::new(), 0), (vec![ball], 1)] {
+        let mut request = still([0.0, 0.0, 0.6], 60);
+        request.costs = vec![keypoint_cost(0.06)];
+        request.world = Some(World {
+            colliders,
+            ground_choice: Some(GroundChoice::NoGround(true)),
+            ..World::default()
+        });
+        request.returns =
+            Some(Returns { initial_gradients: true, gradient_norms: true, ..Returns::default() });
+        let part = bench.run(request, 0).unwrap().remove(0);
+        // Each bounce turns the direction by far more than the bead was aside.
+        let norms = part.gradient_norms.as_ref().unwrap().unpack::<f64>("n").unwrap().1;
+        assert_eq!(norms[0] > 1e4 * norms[60], is_flagged == 1, "{norms:?}");
+        let exploded = part.gradient_exploded.unwrap().unpack::<u32>("e").unwrap().1;
+        assert_eq!(exploded, [is_flagged]);
+    }
+}
