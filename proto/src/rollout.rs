@@ -31,7 +31,7 @@ pub use self::{
     error::Error,
     limits::{ENVELOPE_BYTES, Limits},
     memory::{Memory, memory, request_bytes},
-    parts::{STREAMED_PART, part_instances},
+    parts::{STREAMED_PART, part_frames, part_instances},
     session::{MOST_SLOTS, check_session, slots},
     size::reply_bytes,
     twin::TwinShape,

@@ -31,7 +31,7 @@ use line::Ask;
 pub(crate) use line::Size;
 use registry::{Entry, Now};
 pub(crate) use registry::{FitRoom, Heartbeat, Memory, WorkerView};
-pub(crate) use rollout::{Held, InParts, RollOut, Whole};
+pub(crate) use rollout::{Held, InParts, Parts, RollOut, Whole};
 use twins::Twins;
 
 /// The routing table. Clones share it.

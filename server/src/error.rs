@@ -104,6 +104,19 @@ impl Refusal {
         Self { retry_after: delay, ..self }
     }
 
+    /// The document of HTTP, for the request of that context.
+    pub(crate) fn document(&self, context: &Context) -> ProblemDocument {
+        let fault = context::redact(self.fault.clone(), &context.request_id);
+        ProblemDocument {
+            kind: format!("urn:bendtwin:error:{}", fault.reason),
+            title: category_name(fault.category).to_owned(),
+            status: self.status.as_u16(),
+            detail: fault.message,
+            reason: fault.reason,
+            request_id: context.request_id.clone(),
+        }
+    }
+
     /// The gRPC form, for the request of that context.
     pub(crate) fn into_status(self, context: &Context) -> Status {
         let fault = context::redact(self.fault, &context.request_id);
@@ -138,16 +151,7 @@ impl From<Refusal> for Status {
 
 impl IntoResponse for Refusal {
     fn into_response(self) -> Response {
-        let request_id = Context::current().request_id;
-        let fault = context::redact(self.fault, &request_id);
-        let document = ProblemDocument {
-            kind: format!("urn:bendtwin:error:{}", fault.reason),
-            title: category_name(fault.category).to_owned(),
-            status: self.status.as_u16(),
-            detail: fault.message,
-            reason: fault.reason,
-            request_id,
-        };
+        let document = self.document(&Context::current());
         let mut response = (self.status, axum::Json(document)).into_response();
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));

@@ -98,6 +98,7 @@ fn described() -> OpenApiRouter<App> {
         .routes(routes!(twins::content))
         .routes(routes!(twins::geometry))
         .routes(routes!(rollouts::create))
+        .routes(routes!(rollouts::stream::stream))
         .routes(routes!(workers::list))
         .routes(routes!(workers::get))
         .routes(routes!(operations::healthz))

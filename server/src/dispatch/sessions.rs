@@ -24,7 +24,7 @@ use super::{
     Dispatch,
     line::Ask,
     registry::Entry,
-    rollout::{RollOut, Running, Whole, failure, is_late, late},
+    rollout::{Ends, RollOut, Running, Whole, failure, is_late, late},
     untaken::was_not_taken,
 };
 use crate::{
@@ -68,9 +68,9 @@ impl Dispatch {
         (session, entry): &(SessionId, Arc<Entry>),
         ask: &Ask,
         execute: ExecuteRollOutRequest,
-        deadline: Instant,
+        ends: Ends,
     ) -> Result<(RollOutResponse, Running)> {
-        match self.start_at(entry, ask, execute, deadline).await {
+        match self.start_at(entry, ask, execute, ends).await {
             Ok(Some(started)) => Ok(started),
             Ok(None) => {
                 entry.broke();

@@ -3,6 +3,7 @@
 
 pub(super) mod document;
 pub(super) mod schema;
+pub(super) mod stream;
 
 use std::{sync::Arc, time::Duration};
 
@@ -68,7 +69,25 @@ pub(super) async fn create(
     Params(params): Params<ReplyParams>,
     request: Request,
 ) -> Result<Response> {
-    let twin: TwinId = app::name(&id)?;
+    let Asked { rollout, as_protobuf } = read(&app, &id, &params, request).await?;
+    let Whole { response, held } = app.dispatch.roll_out(rollout).await?;
+    if as_protobuf {
+        let body = bendtwin_budget::held(response.encode_to_vec().into(), held.memory());
+        return Ok(([(header::CONTENT_TYPE, PROTOBUF)], body).into_response());
+    }
+    Ok(document::answer(response, held, params.tensors)?)
+}
+
+/// A rollout that was asked for.
+struct Asked {
+    rollout: RollOut,
+    /// True if the client speaks protobuf.
+    as_protobuf: bool,
+}
+
+/// Reads the request for a rollout of a twin.
+async fn read(app: &App, id: &str, params: &ReplyParams, request: Request) -> Result<Asked> {
+    let twin: TwinId = app::name(id)?;
     extract::expect_type(request.headers(), &["application/json", PROTOBUF])?;
     let wants_protobuf = names_protobuf(&request, header::ACCEPT);
     let sends_protobuf = names_protobuf(&request, header::CONTENT_TYPE);
@@ -78,7 +97,7 @@ pub(super) async fn create(
     } else {
         (Kind::Json, limits.json_bytes)
     };
-    let received = extract::whole(&app, request, kind, most).await?;
+    let received = extract::whole(app, request, kind, most).await?;
     let message = if sends_protobuf {
         rollout::check_encoded(rollout::Encoded::RollOut, &received.bytes, &limits)
             .map_err(Error::Rollout)?;
@@ -102,12 +121,7 @@ pub(super) async fn create(
     let memory = received.memory;
     let commit_slots = Vec::new();
     let rollout = RollOut { request, timeout, in_parts: false, as_lists, commit_slots, memory };
-    let Whole { response, held } = app.dispatch.roll_out(rollout).await?;
-    if as_protobuf {
-        let body = bendtwin_budget::held(response.encode_to_vec().into(), held.memory());
-        return Ok(([(header::CONTENT_TYPE, PROTOBUF)], body).into_response());
-    }
-    Ok(document::answer(response, held, params.tensors)?)
+    Ok(Asked { rollout, as_protobuf })
 }
 
 /// Reads a request. `memory` is held until that has ended, also when nobody waits any more.

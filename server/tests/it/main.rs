@@ -14,6 +14,7 @@ mod readiness;
 mod results;
 mod rollouts;
 mod sharing;
+mod streams;
 mod tus;
 mod twins;
 mod worker;

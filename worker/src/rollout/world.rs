@@ -6,6 +6,7 @@
 mod grasps;
 mod hull;
 mod shapes;
+mod still;
 
 use bendtwin_core::{
     Contact, Environment, Plane, Point, Twin,
@@ -20,6 +21,7 @@ use bendtwin_proto::v1::{
     world::GroundChoice,
 };
 
+pub(super) use self::still::Still;
 use self::{grasps::Held, shapes::three};
 use super::{actions::Actions, error::Error, plausible::Obstacles, vary::Factors};
 
@@ -81,13 +83,9 @@ impl Surroundings {
         let grippers = if is_moving { actions.grippers() } else { 0 };
         let boundaries = actions.knots().len();
         let mut surroundings = Self {
-            gravity: (!wire.gravity.is_empty()).then(|| three(&wire.gravity)),
-            ground: wire.ground_choice.as_ref().and_then(ground),
-            ground_friction: wire.ground_friction,
-            ground_restitution: wire.ground_restitution,
             grippers,
             knots: if grasps.is_empty() { Vec::new() } else { actions.knots() },
-            ..Self::default()
+            ..Self::without_parts(&wire)
         };
         let mut paths = Vec::new();
         for (index, collider) in wire.colliders.iter().enumerate() {
@@ -101,13 +99,7 @@ impl Surroundings {
                     Some((grippers + paths.len() - 1) as u32)
                 }
             };
-            surroundings.margins.push(collider.margin_m);
-            surroundings.world.colliders.push(Collider {
-                body,
-                shape: shapes::read(collider, index)?,
-                friction: collider.friction.unwrap_or(FRICTION),
-                restitution: collider.restitution.unwrap_or(RESTITUTION),
-            });
+            surroundings.add_collider(collider, index, body)?;
         }
         surroundings.paths =
             (0..boundaries).flat_map(|frame| paths.iter().map(move |path| path[frame])).collect();
@@ -122,6 +114,34 @@ impl Surroundings {
             surroundings.world.smoothing_m = smoothing as f32;
         }
         Ok(surroundings)
+    }
+
+    /// Gravity and ground of a checked world, without its colliders.
+    fn without_parts(wire: &v1::World) -> Self {
+        Self {
+            gravity: (!wire.gravity.is_empty()).then(|| three(&wire.gravity)),
+            ground: wire.ground_choice.as_ref().and_then(ground),
+            ground_friction: wire.ground_friction,
+            ground_restitution: wire.ground_restitution,
+            ..Self::default()
+        }
+    }
+
+    /// Adds the `index`-th collider of a checked request, carried by a body or by none.
+    fn add_collider(
+        &mut self,
+        wire: &v1::Collider,
+        index: usize,
+        body: Option<u32>,
+    ) -> Result<(), Error> {
+        self.margins.push(wire.margin_m);
+        self.world.colliders.push(Collider {
+            body,
+            shape: shapes::read(wire, index)?,
+            friction: wire.friction.unwrap_or(FRICTION),
+            restitution: wire.restitution.unwrap_or(RESTITUTION),
+        });
+        Ok(())
     }
 
     /// The environment that takes the place of a model's own, if it differs.
