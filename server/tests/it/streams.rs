@@ -44,7 +44,7 @@ async fn parts_come_as_events() {
     let events = events(&server, &twin, batch(40)).await;
     assert!(events.iter().all(|(name, _)| name == "part"));
     let firsts: Vec<_> = events.iter().map(|(_, part)| part["first_instance"].as_u64()).collect();
-    assert_eq!(firsts, [None, Some(16), Some(32)]);
+    assert_eq!(firsts, [Some(0), Some(16), Some(32)]);
     let counts: Vec<_> =
         events.iter().map(|(_, part)| part["costs"].as_array().unwrap().len()).collect();
     assert_eq!(counts, [16, 16, 8]);
@@ -69,7 +69,7 @@ async fn what_fails_before_the_first_part_is_an_ordinary_error() {
     let url = server.url(&format!("/v1/{twin}/rollouts/stream"));
     let response = server.http.post(url).json(&json!({})).send().await.unwrap();
     let (status, problem) = read(response).await;
-    assert_eq!((status, &problem["reason"]), (400, &json!("INVALID_FIELD")), "{problem}");
+    assert_eq!((status, &problem["reason"]), (400, &json!("INVALID_ROLLOUT")), "{problem}");
 }
 
 #[tokio::test]

@@ -11,6 +11,9 @@ use bendtwin_engine::{
 
 use super::*;
 
+/// Longer than a slice takes: there is one for each instance.
+const SLOW: Duration = Duration::from_millis(50);
+
 /// The CPU, one instance at a time, which stands still for once when it has simulated so many.
 struct Stopping {
     cpu: Arc<dyn Backend>,
@@ -45,6 +48,7 @@ impl Backend for Stopping {
             return Err(EngineError::Cancelled);
         }
         *left -= batch.len();
+        std::thread::sleep(SLOW * batch.len() as u32);
         self.cpu.roll_out(batch, outputs, cancel)
     }
     fn losses(&self, batch: &[Instance], cancel: &CancelToken) -> Result<Vec<Loss>, EngineError> {
@@ -75,7 +79,7 @@ fn limited(request: RollOutRequest, instances: usize) -> RollOutResponse {
     let (plan, wanted) = bench.plan(request, 0).unwrap();
     let Wanted::Ready(starts) = wanted else { panic!("a state") };
     let backend = bench.device.backend(Priority::Interactive);
-    let until = Instant::now() + Duration::from_millis(300);
+    let until = Instant::now() + SLOW * (2 + 10 * instances as u32);
     bench.execute_until(&plan, &starts, &backend, Some(until)).unwrap().remove(0)
 }
 

@@ -165,7 +165,7 @@ fn a_divergence_comes_with_its_frame_and_what_follows_is_not_a_number() {
     let bench = Bench::new();
     let mut request = request(2);
     let Some(Actions::Trajectories(t)) = &mut request.actions else { panic!("trajectories") };
-    let knots = [[0.0, 0.0, 0.6], [0.0, 0.0, 0.6], [0.0, 0.0, 0.6], [1e9, 0.0, 0.6]];
+    let knots = [[0.0, 0.0, 0.6], [0.0, 0.0, 0.6], [0.0, 0.0, 0.6], [1e9f32, 0.0, 0.6]];
     t.positions = Some(Tensor::pack(&[2, 2, 1, 3], knots.as_flattened()));
     request.returns = Some(Returns { every_frames: 1, frame_costs: true, ..recording(1).unwrap() });
     let expected = bench.run(request.clone(), 0).unwrap().remove(0);
@@ -195,7 +195,7 @@ fn too_much_strain_ends_it_where_it_shows() {
     let bench = Bench::new();
     let mut request = request(1);
     let Some(Actions::Trajectories(t)) = &mut request.actions else { panic!("trajectories") };
-    let knots = [[0.0, 0.0, 0.6], [0.0, 0.0, 0.6], [0.0, 0.0, 0.9]];
+    let knots = [[0.0, 0.0, 0.6], [0.0, 0.0, 0.6], [0.0, 0.0, 0.9f32]];
     t.positions = Some(Tensor::pack(&[1, 3, 1, 3], knots.as_flattened()));
     let limits = Plausibility { strain: Some(0.2), refuse: true, ..Plausibility::default() };
     request.plausibility = Some(limits);
